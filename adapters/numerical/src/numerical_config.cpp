@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/numerical.hpp>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
+
+sim::Stick read_stick(const memmap::Config& table) {
+  sim::Stick stick;
+  stick.name = table.text("name");
+  stick.masses = table.numbers("masses_kg");
+  stick.elevations = table.numbers("elevations_m");
+  stick.frequency_long = table.number("frequency_long_Hz");
+  stick.frequency_lat = table.number("frequency_lat_Hz");
+  table.reject_unknown_keys();
+  return stick;
+}
+
+sim::RecordComponent read_component(const memmap::Config& table, const std::string& key) {
+  const auto file = table.resolve(table.text("file_" + key, table.text("file", "")));
+  if (!table.has("file") && !table.has("file_" + key))
+    table.fail("file", "[motion] needs 'file', or 'file_long' and 'file_lat'");
+  const std::string extension = file.extension().string();
+  if (extension == ".AT2" || extension == ".at2") return sim::read_at2(file);
+  const int fallback = key == "long" ? 1 : 2;
+  return sim::read_column(
+      file, static_cast<int>(table.integer_in("column_" + key, 1, 100, fallback)));
+}
+
+}  // namespace
+
+sim::IsolatedPlant read_plant(const memmap::Config& table) {
+  sim::IsolatedPlant plant = sim::example_plant();
+  plant.basemat_mass = table.number_in("basemat_mass_kg", 1, 1e12, plant.basemat_mass);
+  plant.damping_ratio = table.number_in("damping_ratio", 0, 0.99, plant.damping_ratio);
+  plant.bearings = static_cast<int>(table.integer_in("bearings", 1, 100'000, plant.bearings));
+  plant.spectrum_elevation =
+      table.number_in("spectrum_elevation_m", 0, 1000, plant.spectrum_elevation);
+  if (table.has("stick")) {
+    plant.sticks.clear();
+    for (const auto& stick : table.tables("stick")) plant.sticks.push_back(read_stick(stick));
+  }
+  table.reject_unknown_keys();
+  return plant;
+}
+
+sim::GroundMotion read_motion(const memmap::Config& table) {
+  const auto along = read_component(table, "long");
+  const auto across = read_component(table, "lat");
+  if (along.values.size() != across.values.size() ||
+      std::abs(along.time_step - across.time_step) > 1e-9)
+    table.fail("file", "the two components differ in length or time step");
+  const double scale = table.number_in("scale", 0, 100, 1.0) * kStandardGravity;
+  static_cast<void>(table.text("name", ""));
+  sim::GroundMotion motion;
+  motion.time_step = along.time_step;
+  for (const double value : along.values) motion.long_acceleration.push_back(scale * value);
+  for (const double value : across.values) motion.lat_acceleration.push_back(scale * value);
+  table.reject_unknown_keys();
+  return motion;
+}
+
+}  // namespace rths::adapters

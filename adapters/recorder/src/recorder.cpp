@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/recorder.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <thread>
+
+#include <boost/lockfree/spsc_queue.hpp>
+
+#include <rths/core/error.hpp>
+#include <rths/memmap/units.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr std::size_t kQueuedRows = 2000;  // 2 s at 1 kHz: longer than any disk should take
+constexpr auto kWriterNap = std::chrono::milliseconds{5};
+
+class Recorder final : public Adapter {
+ public:
+  Recorder(const memmap::Map& map, const RecorderSettings& settings)
+      : map_{map}, settings_{settings} {
+    for (std::uint32_t i = 0; i < map_.signals().size(); ++i) signals_.push_back(SignalId{i});
+  }
+  ~Recorder() override { stop_writer(); }
+
+  [[nodiscard]] std::vector<Port> ports() const override;
+  void activate() override;
+  [[nodiscard]] Status step(Step& step) noexcept override;
+  void deactivate() noexcept override;
+
+ private:
+  // A row waits in the queue as its time followed by its values.
+  using Queue = boost::lockfree::spsc_queue<double>;
+  [[nodiscard]] std::size_t row_length() const noexcept { return signals_.size() + 1; }
+  void write_queued();
+  void run_writer() noexcept;
+  void stop_writer() noexcept;
+  void write_now(const Step& step) noexcept;
+
+  const memmap::Map map_;
+  RecorderSettings settings_;
+  std::vector<SignalId> signals_;
+  std::optional<recording::Writer> writer_;
+  std::unique_ptr<Queue> queue_;
+  std::vector<double> outgoing_, incoming_;
+  std::thread thread_;
+  std::atomic<bool> finish_{false};
+  std::atomic<bool> failed_{false};
+  std::string failure_;
+  double lost_rows_ = 0;
+  double stopped_at_ = -1;
+};
+
+std::vector<Port> Recorder::ports() const {
+  std::vector<Port> ports;
+  for (const auto id : signals_) {
+    const auto& entry = map_.entry(id);
+    ports.push_back(
+        {entry.name, Direction::Input, memmap::parse_unit(entry.signal->unit).si, 0, false});
+  }
+  for (const auto& port : recorder_monitors()) ports.push_back(port);
+  return ports;
+}
+
+void Recorder::activate() {
+  writer_.emplace(settings_.file, map_, signals_, settings_.info);
+  outgoing_.resize(row_length());
+  incoming_.resize(row_length());
+  if (!settings_.own_thread) return;
+  queue_ = std::make_unique<Queue>(kQueuedRows * row_length());
+  thread_ = std::thread{[this] { run_writer(); }};
+}
+
+void Recorder::write_queued() {
+  while (queue_->read_available() >= row_length()) {
+    queue_->pop(incoming_.data(), row_length());
+    writer_->append(from_seconds(incoming_[0]), std::span{incoming_}.subspan(1));
+  }
+}
+
+void Recorder::run_writer() noexcept {
+  try {
+    while (!finish_.load(std::memory_order_acquire)) {
+      write_queued();
+      std::this_thread::sleep_for(kWriterNap);
+    }
+    write_queued();
+    writer_->close();
+  } catch (const std::exception& error) {
+    failure_ = error.what();
+    failed_.store(true, std::memory_order_release);
+  }
+}
+
+void Recorder::write_now(const Step& step) noexcept {
+  try {
+    writer_->append(from_seconds(step.time), step.inputs);
+  } catch (const std::exception& error) {
+    failure_ = error.what();
+    failed_.store(true, std::memory_order_release);
+  }
+}
+
+Status Recorder::step(Step& step) noexcept {
+  if (failed_.load(std::memory_order_acquire)) {
+    step.message = failure_.c_str();
+    return Status::Fault;
+  }
+  if (!queue_) {
+    write_now(step);
+  } else if (queue_->write_available() >= row_length()) {
+    outgoing_[0] = step.time;
+    std::copy(step.inputs.begin(), step.inputs.end(), outgoing_.begin() + 1);
+    queue_->push(outgoing_.data(), row_length());
+  } else {
+    step.outputs[0] = ++lost_rows_;
+  }
+  if (!step.stopping) return Status::Ok;
+  if (stopped_at_ < 0) stopped_at_ = step.time;
+  return step.time - stopped_at_ < settings_.linger ? Status::Ok : Status::Done;
+}
+
+void Recorder::stop_writer() noexcept {
+  finish_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+}
+
+void Recorder::deactivate() noexcept {
+  stop_writer();
+  try {
+    if (writer_ && !failed_.load()) writer_->close();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "recorder: %s\n", error.what());
+  }
+}
+
+}  // namespace
+
+std::vector<Port> recorder_monitors() {
+  return {{"lost_rows", Direction::Monitor, "1", 0, true}};
+}
+
+std::unique_ptr<Adapter> make_recorder(const memmap::Map& map, const RecorderSettings& settings) {
+  return std::make_unique<Recorder>(map, settings);
+}
+
+}  // namespace rths::adapters

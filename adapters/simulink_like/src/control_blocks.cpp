@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "control_blocks.hpp"
+
+#include <algorithm>
+
+namespace rths::adapters {
+namespace {
+
+void copy_in(const double* from, Eigen::VectorXd& to) { std::copy_n(from, to.size(), to.data()); }
+void copy_out(const Eigen::VectorXd& from, double* to) { std::copy_n(from.data(), from.size(), to); }
+
+}  // namespace
+
+PredictorCorrectorBlock::PredictorCorrectorBlock(
+    const controller::PredictorCorrectorSettings& settings, std::vector<int> delay_substeps,
+    double substep_period)
+    : command_{settings},
+      exchange_{std::move(delay_substeps), settings.substeps},
+      period_{substep_period} {
+  for (Eigen::VectorXd* vector : {&target_.displacement, &target_.velocity, &target_.acceleration,
+                                  &displacement_, &force_})
+    vector->setZero(settings.axes);
+}
+
+// Time spent in each state is published when the next target closes the account.
+void PredictorCorrectorBlock::count(const Wires& w, bool new_target) noexcept {
+  if (new_target) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      *w.out[10 + i] = time_in_[i];
+      time_in_[i] = 0;
+    }
+    *w.out[13] += 1;
+  }
+  const int state = static_cast<int>(command_.state());
+  if (state >= 0) time_in_[state] += period_;
+}
+
+void PredictorCorrectorBlock::step(const Wires& w) noexcept {
+  copy_in(w.in[1], target_.displacement);
+  copy_in(w.in[2], displacement_);
+  copy_in(w.in[3], force_);
+  copy_in(w.in[4], target_.velocity);
+  copy_in(w.in[5], target_.acceleration);
+  const bool new_target = exchange_.begin(*w.in[0]);
+  command_.substep(new_target, target_);
+  exchange_.end(command_, displacement_, force_);
+  copy_out(command_.command(), w.out[0]);
+  copy_out(command_.command_velocity(), w.out[1]);
+  copy_out(command_.command_acceleration(), w.out[2]);
+  copy_out(exchange_.held_displacement(), w.out[3]);
+  copy_out(exchange_.held_force(), w.out[4]);
+  *w.out[5] = exchange_.at_target() ? 1 : 0;
+  *w.out[6] = exchange_.switch_pc() ? 1 : 0;
+  *w.out[7] = static_cast<double>(command_.state());
+  *w.out[8] = command_.counter();
+  *w.out[9] = exchange_.stopped() ? 1 : 0;
+  count(w, new_target);
+}
+
+void AtsBlock::step(const Wires& w) noexcept {
+  const bool enabled = *w.parameter[0] != 0;
+  const bool adapt = *w.parameter[1] != 0;
+  for (std::size_t i = 0; i < compensators.size(); ++i) {
+    auto& ats = compensators[i];
+    const double reference = ats.step(w.in[0][i], w.in[1][i], w.in[2][i], w.in[3][i], adapt);
+    w.out[0][i] = enabled ? reference : w.in[0][i];
+    w.out[1][i] = ats.coefficients()[0];
+    w.out[2][i] = ats.coefficients()[1];
+    w.out[3][i] = ats.coefficients()[2];
+    w.out[4][i] = static_cast<double>(ats.limited());
+  }
+}
+
+void FeedForwardBlock::step(const Wires& w) noexcept {
+  const bool enabled = *w.parameter[0] != 0;
+  const controller::FeedForward lead{*w.parameter[1], *w.parameter[2]};
+  for (std::size_t i = 0; i < w.axes; ++i)
+    w.out[0][i] = enabled ? lead(w.in[0][i], w.in[1][i], w.in[2][i]) : w.in[0][i];
+}
+
+void ForceObserverBlock::step(const Wires& w) noexcept {
+  const bool enabled = *w.parameter[0] != 0;
+  for (std::size_t i = 0; i < observers.size(); ++i) {
+    const double specimen = observers[i].step(w.in[0][i], w.in[1][i], w.in[2][i]);
+    w.out[0][i] = enabled ? specimen : w.in[2][i];
+    w.out[1][i] = observers[i].velocity();
+    w.out[2][i] = observers[i].machine_force();
+  }
+}
+
+}  // namespace rths::adapters

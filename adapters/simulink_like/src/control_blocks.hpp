@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The blocks of a hybrid controller: the controller folder's classes between wires.
+#pragma once
+
+#include <vector>
+
+#include <rths/controller/ats.hpp>
+#include <rths/controller/feed_forward.hpp>
+#include <rths/controller/force_observer.hpp>
+#include <rths/controller/predictor_corrector.hpp>
+#include <rths/controller/target_exchange.hpp>
+#include <rths/core/realtime.hpp>
+
+#include "wires.hpp"
+
+namespace rths::adapters {
+
+/// Predictor-corrector with the handshake and the sample-and-hold of the feedbacks.
+struct PredictorCorrectorBlock {
+  PredictorCorrectorBlock(const controller::PredictorCorrectorSettings& settings,
+                          std::vector<int> delay_substeps, double substep_period);
+  void step(const Wires& w) RTHS_REALTIME;
+
+ private:
+  void count(const Wires& w, bool new_target) noexcept;
+
+  controller::PredictorCorrector command_;
+  controller::TargetExchange exchange_;
+  double period_;  ///< of a substep [s]
+  controller::Target target_;
+  Eigen::VectorXd displacement_, force_;
+  double time_in_[3] = {0, 0, 0};  ///< Correct, Predict, AutoSlowDown since the last new target [s]
+};
+
+/// An adaptive time series compensator per axis.
+struct AtsBlock {
+  std::vector<controller::Ats> compensators;
+  void step(const Wires& w) RTHS_REALTIME;
+};
+
+/// Fixed lead from the command's rates.
+struct FeedForwardBlock {
+  void step(const Wires& w) RTHS_REALTIME;
+};
+
+/// Takes the machine's own force out of the measured one, per axis.
+struct ForceObserverBlock {
+  std::vector<controller::ForceObserver> observers;
+  void step(const Wires& w) RTHS_REALTIME;
+};
+
+}  // namespace rths::adapters

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "diagram.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr int kMostSubsteps = 100;
+
+std::vector<std::string> output_names(const Block& block) {
+  std::vector<std::string> names;
+  for (const auto& output : block.outputs) names.push_back(block.name + "." + output.name);
+  return names;
+}
+
+bool is_unit_delay(const Block& block) { return std::holds_alternative<UnitDelay>(block.kind); }
+
+}  // namespace
+
+Diagram::Diagram(const memmap::Config& file, const DiagramContext& context) : context_{context} {
+  const std::int64_t format = file.integer("diagram");
+  if (format != kDiagramFormat)
+    file.fail("diagram", fmt::format("diagram is {}, this program reads {}", format, kDiagramFormat));
+  static_cast<void>(file.text("name", ""));
+  period_ = 1 / file.number_in("base_rate_Hz", 1, 100'000);
+  substeps_ = static_cast<int>(file.integer_in("substeps", 1, kMostSubsteps, 1));
+  std::set<std::string> names;
+  for (const auto& table : file.tables("block")) {
+    blocks_.push_back({make_block(table, context_, period_, substeps_), {}, {}, {}});
+    if (!names.insert(blocks_.back().block.name).second)
+      table.fail("name", fmt::format("there are two blocks '{}'", blocks_.back().block.name));
+  }
+  file.reject_unknown_keys();
+  if (blocks_.empty()) throw Error{file.where() + ": the diagram has no blocks"};
+  place();
+  wire();
+  order();
+  bind_ports();
+}
+
+std::size_t Diagram::width(const PortSpec& port) const {
+  return port.per_axis ? context_.axes.size() : 1;
+}
+
+// All values of the diagram stand in one array; the last ones are zeros for inputs without a wire.
+void Diagram::place() {
+  std::size_t next = 0;
+  for (auto& placed : blocks_) {
+    for (const auto& output : placed.block.outputs) {
+      placed.out_at.push_back(next);
+      next += width(output);
+    }
+    for (const auto& parameter : placed.block.parameters) {
+      static_cast<void>(parameter);
+      placed.parameter_at.push_back(next++);
+    }
+  }
+  values_.assign(next + context_.axes.size(), 0.0);
+  for (auto& placed : blocks_) {
+    placed.wires.axes = context_.axes.size();
+    for (const auto at : placed.out_at) placed.wires.out.push_back(&values_[at]);
+    for (std::size_t i = 0; i < placed.parameter_at.size(); ++i) {
+      values_[placed.parameter_at[i]] = placed.block.parameters[i].value;
+      placed.wires.parameter.push_back(&values_[placed.parameter_at[i]]);
+    }
+  }
+}
+
+Diagram::Source Diagram::find_source(const Placed& placed, const std::string& wire) const {
+  std::vector<std::string> known;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const auto names = output_names(blocks_[b].block);
+    for (std::size_t o = 0; o < names.size(); ++o)
+      if (names[o] == wire || (names.size() == 1 && blocks_[b].block.name == wire)) return {b, o};
+    known.insert(known.end(), names.begin(), names.end());
+  }
+  const auto meant = memmap::nearest(wire, known);
+  throw Error{fmt::format("{}: block '{}' reads '{}', which no block gives{}", placed.block.where,
+                          placed.block.name, wire,
+                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+}
+
+void Diagram::check_fit(const Placed& placed, const PortSpec& input, const PortSpec& source,
+                        const std::string& wire) const {
+  if (width(input) != width(source))
+    throw Error{fmt::format("{}: '{}.{}' takes {}, '{}' gives {}", placed.block.where,
+                            placed.block.name, input.name,
+                            input.per_axis ? "one value per axis" : "a single value", wire,
+                            source.per_axis ? "one per axis" : "a single one")};
+  if (!input.unit.empty() && !source.unit.empty() && input.unit != source.unit)
+    throw Error{fmt::format("{}: '{}.{}' takes [{}], '{}' gives [{}]", placed.block.where,
+                            placed.block.name, input.name, input.unit, wire, source.unit)};
+}
+
+void Diagram::connect_input(Placed& placed, std::size_t input) {
+  const std::string& wire = placed.block.wires[input];
+  const auto self = static_cast<std::size_t>(&placed - blocks_.data());
+  if (wire.empty()) {
+    placed.wires.in.push_back(&values_[values_.size() - context_.axes.size()]);
+    return;
+  }
+  const Source source = find_source(placed, wire);
+  const Placed& from = blocks_[source.block];
+  check_fit(placed, placed.block.inputs[input], from.block.outputs[source.output], wire);
+  placed.wires.in.push_back(&values_[from.out_at[source.output]]);
+  if (!is_unit_delay(placed.block)) feeds_[self].push_back(source.block);
+}
+
+void Diagram::wire() {
+  feeds_.resize(blocks_.size());
+  // Blocks without a unit of their own take the first input's, which may come from such a block.
+  for (std::size_t pass = 0; pass < blocks_.size(); ++pass)
+    for (auto& placed : blocks_)
+      for (auto& output : placed.block.outputs)
+        if (output.unit.empty() && !placed.block.wires.empty()) {
+          const Source source = find_source(placed, placed.block.wires[0]);
+          output.unit = blocks_[source.block].block.outputs[source.output].unit;
+        }
+  for (auto& placed : blocks_)
+    for (std::size_t input = 0; input < placed.block.inputs.size(); ++input)
+      connect_input(placed, input);
+}
+
+void Diagram::visit(std::size_t block, std::vector<int>& marks, std::vector<std::size_t>& sorted,
+                    std::vector<std::size_t>& path) const {
+  constexpr int kOpen = 1;
+  constexpr int kSorted = 2;
+  if (marks[block] == kSorted) return;
+  path.push_back(block);
+  if (marks[block] == kOpen) {
+    std::string loop;
+    for (auto at = std::find(path.begin(), path.end(), block); at != path.end(); ++at)
+      loop += (loop.empty() ? "" : " <- ") + blocks_[*at].block.name;
+    throw Error{fmt::format("{}: algebraic loop: {}; a unit_delay block would break it",
+                            blocks_[block].block.where, loop)};
+  }
+  marks[block] = kOpen;
+  for (const auto feeder : feeds_[block]) visit(feeder, marks, sorted, path);
+  marks[block] = kSorted;
+  sorted.push_back(block);
+  path.pop_back();
+}
+
+void Diagram::order() {
+  std::vector<int> marks(blocks_.size(), 0);
+  std::vector<std::size_t> sorted;
+  std::vector<std::size_t> path;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) visit(i, marks, sorted, path);
+  split_by_rate(sorted);
+}
+
+// The fast blocks run as one section, so nothing at the base rate may stand between two of them.
+void Diagram::split_by_rate(const std::vector<std::size_t>& sorted) {
+  std::vector<bool> behind_fast(blocks_.size(), false);
+  for (const auto i : sorted) {
+    const Block& block = blocks_[i].block;
+    for (const auto feeder : feeds_[i]) {
+      if (blocks_[feeder].block.fast || behind_fast[feeder]) behind_fast[i] = true;
+      if (block.fast && !blocks_[feeder].block.fast && behind_fast[feeder])
+        throw Error{fmt::format("{}: block '{}' at the base rate lies between fast blocks",
+                                blocks_[feeder].block.where, blocks_[feeder].block.name)};
+    }
+    (block.fast ? fast_ : behind_fast[i] ? after_ : before_).push_back(i);
+    if (is_unit_delay(block)) (block.fast ? fast_delays_ : base_delays_).push_back(i);
+    if (std::holds_alternative<Stop>(block.kind)) stops_.push_back(i);
+  }
+}
+
+void Diagram::bind_ports() {
+  std::size_t inputs = 0;
+  std::size_t outputs = 0;
+  const auto axis_suffix = [&](const PortSpec& port, std::size_t i) {
+    return port.per_axis ? "." + context_.axes[i] : std::string{};
+  };
+  for (const auto& placed : blocks_) {
+    const auto* ring = std::get_if<RingInput>(&placed.block.kind);
+    for (std::size_t i = 0; ring != nullptr && i < ring->signals.size(); ++i) {
+      ports_.push_back(
+          {ring->signals[i], Direction::Input, placed.block.outputs[0].unit, 0, false});
+      copies_in_.push_back({inputs++, placed.out_at[0] + i});
+    }
+  }
+  for (const auto& placed : blocks_)
+    for (std::size_t i = 0; i < placed.block.parameters.size(); ++i) {
+      const auto& parameter = placed.block.parameters[i];
+      ports_.push_back({placed.block.name + "." + parameter.name, Direction::Parameter,
+                        parameter.unit, parameter.value, false});
+      copies_in_.push_back({inputs++, placed.parameter_at[i]});
+    }
+  for (const auto& placed : blocks_) {
+    const auto* ring = std::get_if<RingOutput>(&placed.block.kind);
+    for (std::size_t i = 0; ring != nullptr && i < ring->signals.size(); ++i) {
+      const auto inside = static_cast<std::size_t>(placed.wires.in[0] - values_.data()) + i;
+      const Source source = find_source(placed, placed.block.wires[0]);
+      const std::string& unit = blocks_[source.block].block.outputs[source.output].unit;
+      ports_.push_back({ring->signals[i], Direction::Output, unit, 0, false});
+      if (ring->at_stop == AtStop::Ramp) ramped_outputs_.push_back(outputs);
+      copies_out_.push_back({outputs++, inside});
+    }
+  }
+  for (const auto& placed : blocks_)
+    for (std::size_t o = 0; o < placed.block.outputs.size(); ++o)
+      for (std::size_t i = 0; i < width(placed.block.outputs[o]); ++i) {
+        const PortSpec& output = placed.block.outputs[o];
+        ports_.push_back({placed.block.name + "." + output.name + axis_suffix(output, i),
+                          Direction::Monitor, output.unit, 0, false});
+        copies_out_.push_back({outputs++, placed.out_at[o] + i});
+      }
+}
+
+std::vector<Port> Diagram::ports() const { return ports_; }
+
+void Diagram::run(const std::vector<std::size_t>& blocks, double time) noexcept {
+  for (const auto i : blocks) {
+    Placed& placed = blocks_[i];
+    placed.wires.time = time;
+    std::visit([&](auto& kind) { kind.step(placed.wires); }, placed.block.kind);
+  }
+}
+
+void Diagram::step(double time, std::span<const double> inputs,
+                   std::span<double> outputs) noexcept {
+  const auto update = [&](const std::vector<std::size_t>& delays) {
+    for (const auto i : delays) std::get<UnitDelay>(blocks_[i].block.kind).update(blocks_[i].wires);
+  };
+  for (const auto& copy : copies_in_) values_[copy.inside] = inputs[copy.outside];
+  run(before_, time);
+  for (int substep = 0; substep < substeps_; ++substep) {
+    run(fast_, time + substep * period_ / substeps_);
+    update(fast_delays_);
+  }
+  run(after_, time);
+  update(base_delays_);
+  for (const auto& copy : copies_out_) outputs[copy.outside] = values_[copy.inside];
+}
+
+bool Diagram::stop_requested() const noexcept {
+  for (const auto i : stops_)
+    if (std::get<Stop>(blocks_[i].block.kind).requested) return true;
+  return false;
+}
+
+}  // namespace rths::adapters

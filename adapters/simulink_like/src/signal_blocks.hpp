@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Blocks that any real-time target has. Each works on every axis alike.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <rths/controller/filters.hpp>
+#include <rths/core/realtime.hpp>
+
+#include "wires.hpp"
+
+namespace rths::adapters {
+
+/// Values from the ring.
+struct RingInput {
+  std::vector<std::string> signals;
+  void step(const Wires&) RTHS_REALTIME {}
+};
+
+/// What a ring output does when the run stops.
+enum class AtStop { Ramp, Hold };
+
+/// Values to the ring.
+struct RingOutput {
+  std::vector<std::string> signals;
+  AtStop at_stop = AtStop::Hold;
+  void step(const Wires&) RTHS_REALTIME {}
+};
+
+/// out = value
+struct Constant {
+  void step(const Wires& w) RTHS_REALTIME { *w.out[0] = *w.parameter[0]; }
+};
+
+/// out = amplitude · sin(2π frequency t)
+struct Sine {
+  void step(const Wires& w) RTHS_REALTIME {
+    const double value = *w.parameter[0] * std::sin(2 * std::numbers::pi * *w.parameter[1] * w.time);
+    std::fill_n(w.out[0], w.axes, value);
+  }
+};
+
+/// out = gain · in
+struct Gain {
+  void step(const Wires& w) RTHS_REALTIME {
+    for (std::size_t i = 0; i < w.axes; ++i) w.out[0][i] = *w.parameter[0] * w.in[0][i];
+  }
+};
+
+/// out = ± in1 ± in2 …, by the signs given
+struct Sum {
+  std::vector<double> signs;
+  void step(const Wires& w) RTHS_REALTIME {
+    for (std::size_t i = 0; i < w.axes; ++i) {
+      double sum = 0;
+      for (std::size_t k = 0; k < signs.size(); ++k) sum += signs[k] * w.in[k][i];
+      w.out[0][i] = sum;
+    }
+  }
+};
+
+/// Keeps a value within ± limit of its axis.
+struct Saturation {
+  std::vector<double> limits;
+  void step(const Wires& w) RTHS_REALTIME {
+    for (std::size_t i = 0; i < w.axes; ++i)
+      w.out[0][i] = std::clamp(w.in[0][i], -limits[i], limits[i]);
+  }
+};
+
+/// Lets a value change by at most limit·period per step.
+struct RateLimiter {
+  std::vector<double> limits;  ///< [unit/s]
+  double period;
+  std::vector<double> last;
+  void step(const Wires& w) RTHS_REALTIME {
+    for (std::size_t i = 0; i < w.axes; ++i) {
+      const double change = limits[i] * period;
+      last[i] = std::clamp(w.in[0][i], last[i] - change, last[i] + change);
+      w.out[0][i] = last[i];
+    }
+  }
+};
+
+/// out = in1 while the parameter is not 0, else in2
+struct Switch {
+  void step(const Wires& w) RTHS_REALTIME {
+    std::copy_n(*w.parameter[0] != 0 ? w.in[0] : w.in[1], w.axes, w.out[0]);
+  }
+};
+
+/// out = in of the step before. Breaks algebraic loops: its output is due before its input.
+struct UnitDelay {
+  std::vector<double> held;
+  void step(const Wires& w) RTHS_REALTIME { std::copy(held.begin(), held.end(), w.out[0]); }
+  void update(const Wires& w) RTHS_REALTIME { std::copy_n(w.in[0], held.size(), held.begin()); }
+};
+
+/// out = in of a whole number of steps before
+struct TransportDelay {
+  std::vector<double> line;  ///< steps × axes
+  std::size_t head = 0;
+  void step(const Wires& w) RTHS_REALTIME {
+    for (std::size_t i = 0; i < w.axes; ++i) {
+      double& slot = line[head * w.axes + i];
+      w.out[0][i] = slot;
+      slot = w.in[0][i];
+    }
+    head = (head + 1) % (line.size() / w.axes);
+  }
+};
+
+/// Backward difference over one step.
+struct Derivative {
+  double period;
+  std::vector<double> last;
+  void step(const Wires& w) RTHS_REALTIME {
+    for (std::size_t i = 0; i < w.axes; ++i) {
+      w.out[0][i] = (w.in[0][i] - last[i]) / period;
+      last[i] = w.in[0][i];
+    }
+  }
+};
+
+/// A filter per axis.
+template <class Filter>
+struct FilterBlock {
+  std::vector<Filter> filters;
+  void step(const Wires& w) RTHS_REALTIME {
+    for (std::size_t i = 0; i < w.axes; ++i) w.out[0][i] = filters[i](w.in[0][i]);
+  }
+};
+using LowPassBlock = FilterBlock<controller::LowPass>;
+using MovingAverageBlock = FilterBlock<controller::MovingAverage>;
+
+/// Takes off the mean of the first samples; 0 until it is known.
+struct RemoveOffset {
+  long samples;
+  long seen = 0;
+  std::vector<double> sum;
+  void step(const Wires& w) RTHS_REALTIME {
+    const bool learning = seen < samples;
+    seen += learning ? 1 : 0;
+    for (std::size_t i = 0; i < w.axes; ++i) {
+      if (learning) sum[i] += w.in[0][i];
+      w.out[0][i] = learning ? 0 : w.in[0][i] - sum[i] / static_cast<double>(samples);
+    }
+  }
+};
+
+/// Ends the run when its input is above 0.
+struct Stop {
+  bool requested = false;
+  void step(const Wires& w) RTHS_REALTIME { requested = requested || *w.in[0] > 0; }
+};
+
+}  // namespace rths::adapters

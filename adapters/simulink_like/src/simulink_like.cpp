@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/simulink_like.hpp>
+
+#include "diagram.hpp"
+
+namespace rths::adapters {
+namespace {
+
+class SimulinkLike final : public Adapter {
+ public:
+  SimulinkLike(const memmap::Config& file, const DiagramContext& context)
+      : diagram_{file, context}, retreat_{context.retreat} {
+    held_.resize(diagram_.ramped_outputs().size());
+  }
+
+  [[nodiscard]] std::vector<Port> ports() const override { return diagram_.ports(); }
+  void activate() override {}
+  [[nodiscard]] Status step(Step& step) noexcept override;
+  void deactivate() noexcept override {}
+
+ private:
+  Diagram diagram_;
+  Retreat retreat_;
+  std::vector<double> held_;  ///< ramped outputs as they were when the run stopped
+  double stopped_at_ = -1;
+};
+
+// The diagram goes on running while it stops, so that monitors and handshake stay true; only what
+// moves the machine leaves its hands.
+Status SimulinkLike::step(Step& step) noexcept {
+  const auto& ramped = diagram_.ramped_outputs();
+  if (stopped_at_ < 0) {
+    for (std::size_t i = 0; i < ramped.size(); ++i) held_[i] = step.outputs[ramped[i]];
+    if (step.stopping) stopped_at_ = step.time;
+  }
+  diagram_.step(step.time, step.inputs, step.outputs);
+  if (stopped_at_ < 0 && diagram_.stop_requested()) stopped_at_ = step.time;
+  if (stopped_at_ < 0) return Status::Ok;
+  const double since = step.time - stopped_at_;
+  for (std::size_t i = 0; i < ramped.size(); ++i)
+    step.outputs[ramped[i]] = retreat_.part(since) * held_[i];
+  return retreat_.finished(since) ? Status::Done : Status::Ok;
+}
+
+}  // namespace
+
+std::unique_ptr<Adapter> make_simulink_like(const std::filesystem::path& diagram,
+                                            const DiagramContext& context) {
+  return std::make_unique<SimulinkLike>(memmap::Config::load(diagram), context);
+}
+
+std::unique_ptr<Adapter> make_simulink_like_from_text(const std::string& text,
+                                                      const std::string& name,
+                                                      const DiagramContext& context) {
+  return std::make_unique<SimulinkLike>(memmap::Config::parse(text, name), context);
+}
+
+double diagram_period(const std::filesystem::path& diagram) {
+  return 1 / memmap::Config::load(diagram).number_in("base_rate_Hz", 1, 100'000);
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace rths::adapters {
+
+/// Where a block's values are while it runs: inputs, outputs and parameters in the order that its
+/// type declares them. A per-axis port points to the first of `axes` values.
+struct Wires {
+  std::vector<const double*> in;
+  std::vector<double*> out;
+  std::vector<const double*> parameter;
+  std::size_t axes = 0;
+  double time = 0;  ///< of the step [s]
+};
+
+}  // namespace rths::adapters

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/host.hpp>
+
+#include <algorithm>
+#include <set>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+enum HostPort : std::size_t { kStep, kStatus, kOverruns, kStale, kLate, kDuration, kHostPorts };
+
+bool is_read(const Port& port) {
+  return port.direction == Direction::Input || port.direction == Direction::Parameter;
+}
+
+}  // namespace
+
+std::vector<Port> host_ports() {
+  return {{"host.step", Direction::Monitor, "1", 0, false},
+          {"host.status", Direction::Monitor, "1", 0, true},
+          {"host.overruns", Direction::Monitor, "1", 0, true},
+          {"host.stale", Direction::Monitor, "1", 0, true},
+          {"host.late", Direction::Monitor, "s", 0, false},
+          {"host.duration", Direction::Monitor, "s", 0, false}};
+}
+
+std::string signal_name(const Port& port, const std::string& node) {
+  switch (port.direction) {
+    case Direction::Monitor: return "monitor." + node + "." + port.name;
+    case Direction::Parameter: return "tune." + node + "." + port.name;
+    default: return port.name;
+  }
+}
+
+Host::Host(Adapter& adapter, broker::Ring& ring, const std::string& node, std::uint64_t map_hash,
+           Duration period)
+    : adapter_{adapter}, node_{ring.join(node, map_hash)}, period_{period} {
+  bind(host_ports(), ring, node);
+  bind(adapter.ports(), ring, node);
+}
+
+void Host::bind(const std::vector<Port>& ports, broker::Ring& ring, const std::string& node) {
+  std::set<std::string> peers{peers_.begin(), peers_.end()};
+  for (const auto& port : ports) {
+    const auto& entry = ring.map().entry(ring.map().signal(signal_name(port, node)));
+    const bool reads = is_read(port);
+    if (!reads && entry.partition->node != node)
+      throw Error{"node '" + node + "' cannot write '" + entry.name + "', which belongs to '" +
+                  entry.partition->node + "'"};
+    if (port.direction == Direction::Input && entry.partition->node != node)
+      peers.insert(entry.partition->node);
+    auto& values = reads ? inputs_ : outputs_;
+    Transfer& transfer = transfer_for(reads ? reads_ : writes_, entry, ring);
+    transfer.values.push_back({static_cast<std::uint32_t>(values.size()),
+                               entry.signal->offset.value() - transfer.base.value(),
+                               memmap::Codec{*entry.signal}});
+    const auto word = node_.read(entry.signal->offset);
+    values.push_back(transfer.values.back().codec.decode(word));
+    transfer.image[transfer.values.back().word] = word;
+  }
+  peers_.assign(peers.begin(), peers.end());
+}
+
+Host::Transfer& Host::transfer_for(std::vector<Transfer>& transfers,
+                                   const memmap::SignalEntry& entry, const broker::Ring& ring) {
+  const bool is_group = entry.partition->tear_group;
+  const LongwordOffset base = is_group ? entry.partition->base : entry.signal->offset;
+  for (auto& transfer : transfers)
+    if (is_group && transfer.is_group && transfer.base == base) return transfer;
+  Transfer transfer;
+  transfer.base = base;
+  transfer.is_group = is_group;
+  if (is_group) transfer.group = ring.tear_group(entry.partition->name);
+  transfer.image.resize(is_group ? entry.partition->longwords : 1);
+  transfers.push_back(std::move(transfer));
+  return transfers.back();
+}
+
+Status Host::read_inputs() noexcept {
+  Status status = Status::Ok;
+  for (auto& transfer : reads_) {
+    if (transfer.is_group) {
+      if (node_.read_group(transfer.group, transfer.image) != Status::Ok) {
+        status = Status::Stale;  // the values of the last whole read stay
+        continue;
+      }
+    } else {
+      transfer.image[0] = node_.read(transfer.base);
+    }
+    for (const auto& value : transfer.values)
+      inputs_[value.index] = value.codec.decode(transfer.image[value.word]);
+  }
+  return status;
+}
+
+Status Host::write_outputs() noexcept {
+  Status status = Status::Ok;
+  for (auto& transfer : writes_) {
+    for (const auto& value : transfer.values)
+      transfer.image[value.word] = value.codec.encode(outputs_[value.index]);
+    status = worst(status, transfer.is_group ? node_.write_group(transfer.group, transfer.image)
+                                             : node_.write(transfer.base, transfer.image[0]));
+  }
+  return status;
+}
+
+void Host::tell_of_itself(Status status, const Timing& timing) noexcept {
+  ++steps_;
+  stale_ += status == Status::Stale ? 1 : 0;
+  overruns_ += timing.duration > period_ ? 1 : 0;
+  outputs_[kStep] = static_cast<double>(steps_);
+  outputs_[kStatus] = static_cast<double>(status);
+  outputs_[kOverruns] = static_cast<double>(overruns_);
+  outputs_[kStale] = static_cast<double>(stale_);
+  outputs_[kLate] = to_seconds(timing.late);
+  outputs_[kDuration] = to_seconds(timing.duration);
+}
+
+Status Host::tick(Duration time, bool stopping, const Timing& timing) noexcept {
+  Status status = read_inputs();
+  step_.time = to_seconds(time);
+  step_.inputs = inputs_;
+  step_.outputs = std::span{outputs_}.subspan(kHostPorts);
+  step_.stopping = stopping;
+  status = worst(status, adapter_.step(step_));
+  tell_of_itself(status, timing);
+  status = worst(status, write_outputs());
+  node_.beat();
+  return status;
+}
+
+LoopEnd run_loop(Host& host, Clock& clock, TimePoint epoch, const Schedule& schedule,
+                 const std::atomic<bool>& stopping) noexcept {
+  Timing timing;
+  for (Duration time = schedule.phase;; time += schedule.period) {
+    clock.sleep_until(epoch + time);
+    const TimePoint begun = clock.now();
+    timing.late = begun - (epoch + time);
+    const Status status = host.tick(time, stopping.load(std::memory_order_relaxed), timing);
+    timing.duration = clock.now() - begun;
+    if (status == Status::Done || status == Status::Fault) return {status, time};
+  }
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <rths/adapters/adapter.hpp>
+#include <rths/adapters/retreat.hpp>
+#include <rths/memmap/config.hpp>
+#include <rths/sim/test_machine.hpp>
+
+namespace rths::adapters {
+
+/// The virtual SRMD: a bearing test machine behind the words a real one reads and writes.
+struct SrmdSettings {
+  sim::TestMachine machine;
+  double period = 0.001;               ///< [s]
+  double compression_time_constant = 0.05;  ///< of the vertical load's first-order lag [s]
+  double lift_pressure = 8.963e6;      ///< of the hydrostatic bearings [Pa]: 1,300 psi
+  std::vector<std::string> axes = {"long", "lat"};  ///< that move; others stay at rest
+  Retreat retreat;
+};
+
+/// Reads [machine] and [specimen] tables of an experiment.
+/// @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] sim::LeadRubber read_specimen(const memmap::Config& table);
+[[nodiscard]] sim::TestMachine read_machine(const memmap::Config& table);
+
+/// @throws Error if a parameter is outside its physical range   @setup
+[[nodiscard]] std::unique_ptr<Adapter> make_srmd(const SrmdSettings& settings);
+
+}  // namespace rths::adapters

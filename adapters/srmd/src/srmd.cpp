@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/srmd.hpp>
+
+#include <algorithm>
+#include <array>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr const char* kAxes[] = {"long", "lat"};
+constexpr int kUserInputs = 8;
+constexpr int kOutriggers = 4;
+constexpr const char* kOutriggerNames[kOutriggers] = {"ne", "se", "nw", "sw"};
+
+enum In : std::size_t { kRefLong, kRefLat, kRefVert, kRefCompression, kUserInput, kInputs = kUserInput + kUserInputs };
+enum Out : std::size_t {
+  kEchoLong, kEchoLat, kEchoVert, kEchoCompression,
+  kDisplLong, kDisplLat, kDisplVert, kCompression,
+  kAccelLong, kAccelLat,
+  kForceLong, kForceLat, kForceVert,
+  kOutrigger, kLiftPressure = kOutrigger + kOutriggers,
+  kUserEcho,
+  kTrueDispl = kUserEcho + kUserInputs,
+  kTrueForce = kTrueDispl + sim::kHorizontalAxes,
+};
+
+class Srmd final : public Adapter {
+ public:
+  explicit Srmd(const SrmdSettings& settings)
+      : settings_{settings}, machine_{settings.machine, settings.period} {
+    for (const auto& axis : settings.axes)
+      if (std::find(std::begin(kAxes), std::end(kAxes), axis) == std::end(kAxes))
+        throw Error{"srmd: axis '" + axis + "' is not driven, expected long or lat"};
+  }
+
+  [[nodiscard]] std::vector<Port> ports() const override;
+  void activate() override {}
+  [[nodiscard]] Status step(Step& step) noexcept override;
+  void deactivate() noexcept override {}
+
+ private:
+  [[nodiscard]] bool moves(int axis) const noexcept {
+    return std::find(settings_.axes.begin(), settings_.axes.end(), kAxes[axis]) !=
+           settings_.axes.end();
+  }
+  [[nodiscard]] Eigen::Vector2d reference(const Step& step) noexcept;
+  void write_feedback(const Step& step) const noexcept;
+
+  SrmdSettings settings_;
+  sim::TestMachineRun machine_;
+  sim::MachineFeedback feedback_;
+  Eigen::Vector2d held_ = Eigen::Vector2d::Zero();
+  double stopped_at_ = -1;
+  double compression_ = 0;
+};
+
+std::vector<Port> Srmd::ports() const {
+  std::vector<Port> ports;
+  const auto in = [&](const std::string& name, const char* unit) {
+    ports.push_back({name, Direction::Input, unit, 0, false});
+  };
+  const auto out = [&](const std::string& name, const char* unit) {
+    ports.push_back({name, Direction::Output, unit, 0, false});
+  };
+  for (const char* axis : {"long", "lat", "vert"}) in(std::string{"xpc."} + axis + ".displ.ref", "m");
+  in("xpc.compression.force.ref", "N");
+  for (int i = 1; i <= kUserInputs; ++i) in("xpc." + std::to_string(i) + ".user_input", "V");
+
+  for (const char* axis : {"long", "lat", "vert"})
+    out(std::string{"srmd."} + axis + ".displ.ref_echo", "m");
+  out("srmd.compression.force.ref_echo", "N");
+  for (const char* axis : {"long", "lat", "vert"}) out(std::string{"srmd."} + axis + ".displ.fbk", "m");
+  out("srmd.compression.force.fbk", "N");
+  for (const char* axis : {"long", "lat"}) out(std::string{"srmd."} + axis + ".accel.fbk", "m/s2");
+  for (const char* axis : {"long", "lat", "vert"}) out(std::string{"srmd."} + axis + ".force.fbk", "N");
+  for (const char* corner : kOutriggerNames)
+    out(std::string{"srmd."} + corner + ".outrigger.force.fbk", "N");
+  out("srmd.lift.pressure.fbk", "Pa");
+  for (int i = 1; i <= kUserInputs; ++i) out("srmd." + std::to_string(i) + ".user_input_echo", "V");
+
+  for (const char* axis : kAxes)
+    ports.push_back({std::string{"true.displ."} + axis, Direction::Monitor, "m", 0, false});
+  for (const char* axis : kAxes)
+    ports.push_back({std::string{"true.force."} + axis, Direction::Monitor, "N", 0, false});
+  return ports;
+}
+
+// Stopping, the machine trusts nobody: it holds the reference it had and ramps it down by itself.
+Eigen::Vector2d Srmd::reference(const Step& step) noexcept {
+  if (!step.stopping) {
+    held_ = {moves(0) ? step.inputs[kRefLong] : 0.0, moves(1) ? step.inputs[kRefLat] : 0.0};
+    return held_;
+  }
+  if (stopped_at_ < 0) stopped_at_ = step.time;
+  return settings_.retreat.part(step.time - stopped_at_) * held_;
+}
+
+Status Srmd::step(Step& step) noexcept {
+  const Eigen::Vector2d now = reference(step);
+  const Status status = machine_.step(now, feedback_);
+  const double wanted = step.inputs[kRefCompression];
+  compression_ += (wanted - compression_) * settings_.period /
+                  (settings_.period + settings_.compression_time_constant);
+  step.outputs[kEchoLong] = now[0];
+  step.outputs[kEchoLat] = now[1];
+  write_feedback(step);
+  if (step.stopping && settings_.retreat.finished(step.time - stopped_at_)) return Status::Done;
+  return status;
+}
+
+void Srmd::write_feedback(const Step& step) const noexcept {
+  const auto& out = step.outputs;
+  out[kEchoVert] = step.inputs[kRefVert];
+  out[kEchoCompression] = step.inputs[kRefCompression];
+  out[kDisplLong] = feedback_.displacement[0];
+  out[kDisplLat] = feedback_.displacement[1];
+  out[kDisplVert] = step.inputs[kRefVert];
+  out[kCompression] = compression_;
+  out[kAccelLong] = feedback_.acceleration[0];
+  out[kAccelLat] = feedback_.acceleration[1];
+  out[kForceLong] = feedback_.force[0];
+  out[kForceLat] = feedback_.force[1];
+  out[kForceVert] = compression_;
+  for (std::size_t i = 0; i < kOutriggers; ++i) out[kOutrigger + i] = compression_ / kOutriggers;
+  out[kLiftPressure] = settings_.lift_pressure;
+  for (std::size_t i = 0; i < kUserInputs; ++i) out[kUserEcho + i] = step.inputs[kUserInput + i];
+  for (int i = 0; i < sim::kHorizontalAxes; ++i) {
+    out[kTrueDispl + static_cast<std::size_t>(i)] = machine_.true_displacement()[i];
+    out[kTrueForce + static_cast<std::size_t>(i)] = machine_.specimen_force()[i];
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Adapter> make_srmd(const SrmdSettings& settings) {
+  return std::make_unique<Srmd>(settings);
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/srmd.hpp>
+
+namespace rths::adapters {
+namespace {
+
+// A number per axis: one for both, or [long, lat].
+void read_pair(const memmap::Config& table, const std::string& key, double sim::ServoAxis::*member,
+               std::array<sim::ServoAxis, sim::kHorizontalAxes>& axes) {
+  if (!table.has(key)) return;
+  const auto values = table.numbers(key);
+  if (values.size() != axes.size())
+    table.fail(key, key + " has " + std::to_string(values.size()) + " numbers, expected [long, lat]");
+  for (std::size_t i = 0; i < axes.size(); ++i) axes[i].*member = values[i];
+}
+
+}  // namespace
+
+sim::LeadRubber read_specimen(const memmap::Config& table) {
+  sim::LeadRubber bearing;
+  const std::string model = table.text("model", "LPRB");
+  if (model != "LPRB") table.fail("model", "model is '" + model + "', expected LPRB");
+  bearing.characteristic_strength =
+      table.number_in("characteristic_strength_N", 1, 1e9, bearing.characteristic_strength);
+  bearing.post_yield_stiffness =
+      table.number_in("post_yield_stiffness_N_per_m", 1, 1e12, bearing.post_yield_stiffness);
+  bearing.initial_stiffness =
+      table.number_in("initial_stiffness_N_per_m", 1, 1e12, bearing.initial_stiffness);
+  if (bearing.initial_stiffness <= bearing.post_yield_stiffness)
+    table.fail("initial_stiffness_N_per_m",
+               "the initial stiffness must be larger than that after yield");
+  table.reject_unknown_keys();
+  return bearing;
+}
+
+sim::TestMachine read_machine(const memmap::Config& table) {
+  sim::TestMachine machine = sim::srmd_machine();
+  auto& axes = machine.axes;
+  read_pair(table, "position_gain_per_s", &sim::ServoAxis::position_gain, axes);
+  read_pair(table, "pressure_gain", &sim::ServoAxis::pressure_gain, axes);
+  read_pair(table, "valve_frequency_Hz", &sim::ServoAxis::valve_frequency, axes);
+  read_pair(table, "dead_band", &sim::ServoAxis::dead_band, axes);
+  read_pair(table, "bulk_modulus_Pa", &sim::ServoAxis::bulk_modulus, axes);
+  read_pair(table, "transport_delay_s", &sim::ServoAxis::transport_delay, axes);
+  read_pair(table, "effective_mass_kg", &sim::ServoAxis::effective_mass, axes);
+  read_pair(table, "coulomb_friction_N", &sim::ServoAxis::coulomb_friction, axes);
+  read_pair(table, "viscous_friction_N_s_per_m", &sim::ServoAxis::viscous_friction, axes);
+  read_pair(table, "force_offset_N", &sim::ServoAxis::force_offset, axes);
+  auto& noise = machine.noise;
+  noise.displacement = table.number_in("displacement_noise_m", 0, 1, noise.displacement);
+  noise.force = table.number_in("force_noise_N", 0, 1e9, noise.force);
+  noise.acceleration = table.number_in("acceleration_noise_m_per_s2", 0, 1e3, noise.acceleration);
+  machine.has_specimen = !table.flag("empty_table", false);
+  table.reject_unknown_keys();
+  return machine;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <rths/core/ids.hpp>
+#include <rths/core/realtime.hpp>
+#include <rths/core/status.hpp>
+#include <rths/memmap/map.hpp>
+
+namespace rths::broker {
+
+class Segment;
+
+/// Whether a node is on a ring.
+struct Presence {
+  enum class State {
+    Absent,    ///< nobody holds its place: not joined yet, or left in order
+    Alive,
+    Vanished,  ///< its process has ended without leaving
+  };
+  State state = State::Absent;
+  int pid = 0;
+};
+
+/// A node's place on a ring: reads every word, writes the words of its own partitions.
+///
+/// One thread reads and writes; `presence_of` and `beats_of` may be called from others. Several nodes, in one process or many, need nothing from each other: a
+/// longword is written by one node only, so there is no lock to hold and none to be left held by a
+/// process that dies. Leaves the ring when destroyed; must not outlive its `Ring`.
+class Node {
+ public:
+  Node(Node&&) noexcept;
+  Node& operator=(Node&&) noexcept;
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+  ~Node();
+
+  /// The longword as last written by anybody.
+  /// @pre the offset is inside the ring's memory   @realtime
+  [[nodiscard]] std::uint32_t read(LongwordOffset offset) const RTHS_REALTIME;
+  /// Makes `word` visible to every node.
+  /// @returns Fault, and writes nothing, if the longword is in no partition of this node  @realtime
+  [[nodiscard]] Status write(LongwordOffset offset, std::uint32_t word) RTHS_REALTIME;
+
+  /// Reads a tear group whole: the words of one and the same write.
+  /// @param words  as long as the group
+  /// @returns Stale, with `words` unspecified, if a writer is in the middle of it now and was at
+  ///          each of a bounded number of attempts   @realtime
+  [[nodiscard]] Status read_group(TearGroupId group,
+                                  std::span<std::uint32_t> words) const RTHS_REALTIME;
+  /// Writes a tear group whole.
+  /// @returns Fault, and writes nothing, if the group belongs to another node   @realtime
+  [[nodiscard]] Status write_group(TearGroupId group,
+                                   std::span<const std::uint32_t> words) RTHS_REALTIME;
+
+  /// Tells the others that this node is at work; `beats_of` shows it to them.   @realtime
+  void beat() RTHS_REALTIME;
+  /// How often a node of the map has beaten since it joined; 0 if it is not on the ring. @realtime
+  [[nodiscard]] std::uint64_t beats_of(NodeId node) const RTHS_REALTIME;
+  /// Whether a node of the map is on the ring, by the kernel's word. Any thread.   @setup
+  [[nodiscard]] Presence presence_of(NodeId node) const;
+
+ private:
+  friend class Ring;
+  Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id);
+  void leave() noexcept;
+
+  struct OwnRange {
+    std::uint32_t begin, end;  ///< longwords [begin, end)
+  };
+  Segment* segment_;
+  std::uint32_t slot_;
+  std::vector<OwnRange> own_;
+  std::vector<bool> own_groups_;
+};
+
+/// A software SCRAMNet+ ring: one memory that every node of a host sees at once.
+///
+/// Daemonless: the first process creates it, any process joins and leaves, and it lasts until it
+/// is removed. A process that dies leaves a ring that the others go on using. The map is stored in
+/// the ring, so whoever attaches knows what its words mean.
+class Ring {
+ public:
+  /// Makes a ring that the other processes of this host can attach to. An abandoned ring of that
+  /// name, on which no process lives, is replaced.
+  /// @throws Error if a ring of that name is in use, or there is no room for it   @setup
+  [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map);
+  /// Joins processes to an existing ring. Waits up to two seconds for its creator to finish.
+  /// @throws Error if there is none, or it is of another layout version   @setup
+  [[nodiscard]] static Ring attach(const std::string& name);
+  /// A ring in plain memory for one process: the same words, the same rules.   @setup
+  [[nodiscard]] static Ring in_process(const memmap::Map& map);
+
+  Ring(Ring&&) noexcept;
+  Ring& operator=(Ring&&) noexcept;
+  ~Ring();
+
+  [[nodiscard]] const memmap::Map& map() const;
+  /// Joins as a node of the map.
+  /// @param map_hash  of the map the caller was built for; 0 to accept whatever the ring holds
+  /// @throws Error if the hashes differ (both are shown), the map has no such node, or a living
+  ///         process already is that node   @setup
+  [[nodiscard]] Node join(const std::string& node, std::uint64_t map_hash);
+  /// Joins as a node that only reads.   @setup
+  [[nodiscard]] Node observe();
+  /// The tear group of a partition. @throws Error if the partition is none   @setup
+  [[nodiscard]] TearGroupId tear_group(const std::string& partition) const;
+
+ private:
+  explicit Ring(std::unique_ptr<Segment> segment);
+  std::unique_ptr<Segment> segment_;
+  std::unique_ptr<memmap::Map> map_;
+};
+
+/// A process that is, or was, on a ring.
+struct Occupant {
+  std::string node;  ///< name in the map, "observer" for one that only reads
+  int pid = 0;
+  bool alive = false;
+  std::uint64_t beats = 0;
+};
+
+/// What there is to say about one ring of this host.
+struct RingReport {
+  std::string name;
+  bool usable = false;            ///< finished, and of this program's layout version
+  std::string trouble;            ///< why not, in words
+  std::uint64_t bytes = 0;
+  std::string map_name;
+  std::uint32_t map_version = 0;
+  std::string map_hash;
+  std::vector<Occupant> occupants;
+  std::vector<std::string> torn_groups;  ///< partitions whose writer stopped in the middle
+
+  [[nodiscard]] bool in_use() const {
+    for (const auto& occupant : occupants)
+      if (occupant.alive) return true;
+    return false;
+  }
+};
+
+/// All rings of this host, by name.   @setup
+[[nodiscard]] std::vector<RingReport> list_rings();
+/// Removes a ring's name; processes still on it keep their memory. False if there was none. @setup
+bool remove_ring(const std::string& name);
+
+}  // namespace rths::broker

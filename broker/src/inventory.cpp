@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+
+#include <boost/interprocess/shared_memory_object.hpp>
+
+#include <rths/broker/ring.hpp>
+#include <rths/core/error.hpp>
+
+#include "process.hpp"
+#include "segment.hpp"
+
+namespace rths::broker {
+namespace {
+
+constexpr const char* kObjectFolder = "/dev/shm";
+
+void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& report) {
+  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
+    Slot& slot = segment.slots()[i];
+    const Claim claim = std::atomic_ref{slot.claim}.load();
+    if (claim == 0) continue;
+    const std::uint32_t node = std::atomic_ref{slot.node}.load();
+    const std::string name = node == kObserver ? "observer"
+                             : node == kNotYet ? "joining"
+                                               : map.node_name(NodeId{static_cast<uint16_t>(node)});
+    report.occupants.push_back(
+        {name, pid_of(claim), is_alive(claim), std::atomic_ref{slot.beats}.load()});
+  }
+}
+
+void describe_groups(Segment& segment, const memmap::Map& map, RingReport& report) {
+  const Group* group = segment.groups();
+  for (const auto& partition : map.partitions()) {
+    if (!partition.tear_group) continue;
+    Group& shared = const_cast<Group&>(*group++);
+    if (std::atomic_ref{shared.sequence}.load() % 2 != 0)
+      report.torn_groups.push_back(partition.name);
+  }
+}
+
+RingReport inspect(const std::string& name, std::uint64_t bytes) {
+  RingReport report;
+  report.name = name;
+  report.bytes = bytes;
+  try {
+    const auto segment = Segment::attach_shared(name);
+    const memmap::Map map = memmap::parse_map(segment->map_text(), "the map in the ring");
+    report.map_name = map.description().name;
+    report.map_version = map.description().version;
+    report.map_hash = memmap::hash_text(map.hash());
+    describe_occupants(*segment, map, report);
+    describe_groups(*segment, map, report);
+    report.usable = true;
+  } catch (const Error& error) {
+    report.trouble = error.what();
+  }
+  return report;
+}
+
+}  // namespace
+
+std::vector<RingReport> list_rings() {
+  const std::string prefix = object_name("");
+  std::vector<RingReport> reports;
+  std::error_code unreadable;
+  for (const auto& file : std::filesystem::directory_iterator{kObjectFolder, unreadable}) {
+    const std::string object = file.path().filename().string();
+    if (object.rfind(prefix, 0) != 0) continue;
+    reports.push_back(inspect(object.substr(prefix.size()), file.file_size(unreadable)));
+  }
+  std::sort(reports.begin(), reports.end(),
+            [](const RingReport& a, const RingReport& b) { return a.name < b.name; });
+  return reports;
+}
+
+bool remove_ring(const std::string& name) {
+  return boost::interprocess::shared_memory_object::remove(object_name(name).c_str());
+}
+
+}  // namespace rths::broker

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/broker/ring.hpp>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+#include "segment.hpp"
+
+namespace rths::broker {
+namespace {
+
+void remove_if_abandoned(const std::string& name) {
+  for (const auto& report : list_rings()) {
+    if (report.name != name) continue;
+    if (report.in_use()) {
+      std::string pids;
+      for (const auto& occupant : report.occupants)
+        if (occupant.alive) pids += fmt::format(" {} (pid {})", occupant.node, occupant.pid);
+      throw Error{fmt::format("ring '{}' is in use by{}; choose another name", name, pids)};
+    }
+    remove_ring(name);
+  }
+}
+
+}  // namespace
+
+Ring::Ring(std::unique_ptr<Segment> segment)
+    : segment_{std::move(segment)},
+      map_{std::make_unique<memmap::Map>(
+          memmap::parse_map(segment_->map_text(), "the map in the ring"))} {}
+
+Ring::Ring(Ring&&) noexcept = default;
+Ring& Ring::operator=(Ring&&) noexcept = default;
+Ring::~Ring() = default;
+
+Ring Ring::create(const std::string& name, const memmap::Map& map) {
+  remove_if_abandoned(name);
+  return Ring{Segment::create_shared(name, map)};
+}
+
+Ring Ring::attach(const std::string& name) { return Ring{Segment::attach_shared(name)}; }
+
+Ring Ring::in_process(const memmap::Map& map) { return Ring{Segment::create_in_process(map)}; }
+
+const memmap::Map& Ring::map() const { return *map_; }
+
+Node Ring::join(const std::string& node, std::uint64_t map_hash) {
+  const std::uint64_t ring_hash = segment_->header().map_hash;
+  if (map_hash != 0 && map_hash != ring_hash)
+    throw Error{fmt::format("node '{}' was built for map {}, the ring holds map '{}' {}", node,
+                            memmap::hash_text(map_hash), map_->description().name,
+                            memmap::hash_text(ring_hash))};
+  return Node{*segment_, *map_, map_->node(node)};
+}
+
+Node Ring::observe() { return Node{*segment_, *map_, std::nullopt}; }
+
+TearGroupId Ring::tear_group(const std::string& partition) const {
+  std::uint32_t index = 0;
+  for (const auto& candidate : map_->partitions()) {
+    if (candidate.tear_group && candidate.name == partition) return TearGroupId{index};
+    index += candidate.tear_group ? 1 : 0;
+  }
+  throw Error{fmt::format("partition '{}' of map '{}' is no tear group", partition,
+                          map_->description().name)};
+}
+
+}  // namespace rths::broker

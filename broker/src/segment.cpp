@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "segment.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <new>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include <boost/interprocess/mapped_region.hpp>
+#include <boost/interprocess/shared_memory_object.hpp>
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/memmap/codec.hpp>
+#include <rths/memmap/map.hpp>
+
+#include "process.hpp"
+
+namespace rths::broker {
+namespace {
+
+namespace ipc = boost::interprocess;
+using std::chrono::steady_clock;
+
+constexpr auto kReadyDeadline = std::chrono::seconds{2};
+constexpr auto kReadyPoll = std::chrono::milliseconds{1};
+
+constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t to) {
+  return (value + to - 1) / to * to;
+}
+
+Header plan_layout(const memmap::Map& map, const std::string& map_text) {
+  Header header{};
+  header.magic = kMagic;
+  header.layout_version = kLayoutVersion;
+  header.creator = own_claim();
+  header.map_hash = map.hash();
+  header.groups_at = sizeof(Header) + kMaxSlots * sizeof(Slot);
+  header.group_count = static_cast<std::uint64_t>(
+      std::count_if(map.partitions().begin(), map.partitions().end(),
+                    [](const auto& partition) { return partition.tear_group; }));
+  header.map_text_at = header.groups_at + header.group_count * sizeof(Group);
+  header.map_text_bytes = map_text.size();
+  header.memory_at = round_up(header.map_text_at + header.map_text_bytes, kPageBytes);
+  header.memory_bytes = std::uint64_t{map.description().size_longwords} * 4;
+  return header;
+}
+
+std::uint64_t total_bytes(const Header& header) { return header.memory_at + header.memory_bytes; }
+
+// `ready` is published last, so whoever sees it sees all the rest.
+void fill(std::byte* base, Header header, const memmap::Map& map, const std::string& map_text) {
+  std::memcpy(base, &header, sizeof header);
+  auto* slots = new (base + sizeof(Header)) Slot[kMaxSlots]{};
+  static_cast<void>(slots);
+  auto* group = reinterpret_cast<Group*>(base + header.groups_at);
+  for (const auto& partition : map.partitions())
+    if (partition.tear_group) *group++ = {0, partition.base.value(), partition.longwords};
+  std::memcpy(base + header.map_text_at, map_text.data(), map_text.size());
+  auto* words = reinterpret_cast<std::uint32_t*>(base + header.memory_at);
+  for (const auto& entry : map.signals()) {
+    const memmap::Codec codec{*entry.signal};
+    words[entry.signal->offset.value()] = codec.encode(codec.to_si(entry.signal->initial));
+  }
+  std::atomic_ref{reinterpret_cast<Header*>(base)->ready}.store(kReady, std::memory_order_release);
+}
+
+std::string trouble_with(const Header& header, std::uint64_t mapped_bytes) {
+  if (header.magic != kMagic) return "it is no rths ring";
+  if (header.layout_version != kLayoutVersion)
+    return fmt::format("its layout is version {}, this program's is {}", header.layout_version,
+                       kLayoutVersion);
+  if (total_bytes(header) != mapped_bytes)
+    return fmt::format("it has {} bytes, its header says {}", mapped_bytes, total_bytes(header));
+  return "";
+}
+
+bool object_has_header(const ipc::shared_memory_object& object) {
+  ipc::offset_t size = 0;
+  return object.get_size(size) && size >= static_cast<ipc::offset_t>(sizeof(Header));
+}
+
+// Between the object's birth and `ready` its creator is at work, or has died doing it.
+bool becomes_ready(const ipc::shared_memory_object& object) {
+  const auto deadline = steady_clock::now() + kReadyDeadline;
+  while (steady_clock::now() < deadline) {
+    if (object_has_header(object)) {
+      ipc::mapped_region region{object, ipc::read_write, 0, sizeof(Header)};
+      auto& header = *static_cast<Header*>(region.get_address());
+      if (std::atomic_ref{header.ready}.load(std::memory_order_acquire) == kReady) return true;
+      if (header.creator != 0 && !is_alive(header.creator)) return false;
+    }
+    std::this_thread::sleep_for(kReadyPoll);
+  }
+  return false;
+}
+
+}  // namespace
+
+struct Segment::Memory {
+  struct HeapDeleter {
+    void operator()(std::byte* bytes) const {
+      ::operator delete[](bytes, std::align_val_t{kPageBytes});
+    }
+  };
+  ipc::mapped_region shared;
+  std::unique_ptr<std::byte[], HeapDeleter> heap;
+
+  [[nodiscard]] std::byte* base() const {
+    return heap ? heap.get() : static_cast<std::byte*>(shared.get_address());
+  }
+};
+
+Segment::Segment(std::unique_ptr<Memory> memory)
+    : memory_{std::move(memory)}, base_{memory_->base()} {}
+
+Segment::~Segment() = default;
+
+std::string object_name(const std::string& ring) { return "rths." + ring; }
+
+std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const memmap::Map& map) {
+  const std::string text = map.to_toml();
+  const Header header = plan_layout(map, text);
+  auto memory = std::make_unique<Memory>();
+  try {
+    ipc::permissions permissions;
+    permissions.set_permissions(0660);
+    ipc::shared_memory_object object{ipc::create_only, object_name(name).c_str(), ipc::read_write,
+                                     permissions};
+    object.truncate(static_cast<ipc::offset_t>(total_bytes(header)));
+    memory->shared = ipc::mapped_region{object, ipc::read_write};
+  } catch (const ipc::interprocess_exception& error) {
+    throw Error{fmt::format("ring '{}' ({} bytes of shared memory) cannot be created: {}", name,
+                            total_bytes(header), error.what())};
+  }
+  fill(memory->base(), header, map, text);
+  return std::unique_ptr<Segment>{new Segment{std::move(memory)}};
+}
+
+std::unique_ptr<Segment> Segment::attach_shared(const std::string& name) {
+  auto memory = std::make_unique<Memory>();
+  try {
+    const ipc::shared_memory_object object{ipc::open_only, object_name(name).c_str(),
+                                           ipc::read_write};
+    if (!becomes_ready(object))
+      throw Error{fmt::format("ring '{}' was never finished by its creator; 'rths clean' removes it",
+                              name)};
+    memory->shared = ipc::mapped_region{object, ipc::read_write};
+  } catch (const ipc::interprocess_exception& error) {
+    throw Error{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
+  }
+  const std::uint64_t mapped = memory->shared.get_size();
+  auto segment = std::unique_ptr<Segment>{new Segment{std::move(memory)}};
+  if (const std::string trouble = trouble_with(segment->header(), mapped); !trouble.empty())
+    throw Error{fmt::format("ring '{}' cannot be used: {}", name, trouble)};
+  return segment;
+}
+
+std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map) {
+  const std::string text = map.to_toml();
+  const Header header = plan_layout(map, text);
+  auto memory = std::make_unique<Memory>();
+  memory->heap.reset(static_cast<std::byte*>(
+      ::operator new[](total_bytes(header), std::align_val_t{kPageBytes})));
+  std::memset(memory->base(), 0, total_bytes(header));
+  fill(memory->base(), header, map, text);
+  return std::unique_ptr<Segment>{new Segment{std::move(memory)}};
+}
+
+}  // namespace rths::broker

@@ -1,0 +1,48 @@
+# uPlot draws the report's figures. It is not part of this repository: a PyPI package brings it, and
+# it is used only if it is the file that was reviewed, by its SHA-256.
+set(RTHS_UPLOT_PACKAGE uplot-python==1.1.1)
+set(RTHS_UPLOT_SCRIPT_SHA256 655bc8aa33781e8721c5af6b59f1699c03c9bda951aa74a6ab518ac20cc4326d)
+set(RTHS_UPLOT_STYLE_SHA256 3f121cd4a997b634e07a887658850018e475c26f0bddd874109a8d382c19de87)
+
+function(rths_is_uplot result script style)
+  set(${result} FALSE PARENT_SCOPE)
+  if(EXISTS ${script} AND EXISTS ${style})
+    file(SHA256 ${script} script_hash)
+    file(SHA256 ${style} style_hash)
+    if(script_hash STREQUAL RTHS_UPLOT_SCRIPT_SHA256 AND style_hash STREQUAL RTHS_UPLOT_STYLE_SHA256)
+      set(${result} TRUE PARENT_SCOPE)
+    endif()
+  endif()
+endfunction()
+
+function(rths_run_for_uplot)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed OUTPUT_VARIABLE log ERROR_VARIABLE log)
+  if(failed)
+    message(FATAL_ERROR "uPlot (${RTHS_UPLOT_PACKAGE}, from PyPI) cannot be had:\n${ARGN}\n${log}")
+  endif()
+endfunction()
+
+# Sets RTHS_UPLOT_SCRIPT and RTHS_UPLOT_STYLE. Downloads once for all build folders of a checkout.
+function(fetch_uplot)
+  get_filename_component(folder ${CMAKE_BINARY_DIR}/../uplot ABSOLUTE)
+  set(script ${folder}/uplot/static/uPlot.iife.js)
+  set(style ${folder}/uplot/static/uPlot.min.css)
+  rths_is_uplot(present ${script} ${style})
+  if(NOT present)
+    message(STATUS "Fetching ${RTHS_UPLOT_PACKAGE}")
+    file(REMOVE_RECURSE ${folder})
+    rths_run_for_uplot(python3 -m venv ${folder}/venv)
+    rths_run_for_uplot(${folder}/venv/bin/pip download --quiet --no-deps --only-binary :all:
+                       --dest ${folder} ${RTHS_UPLOT_PACKAGE})
+    file(GLOB wheel ${folder}/*.whl)
+    file(ARCHIVE_EXTRACT INPUT ${wheel} DESTINATION ${folder})
+    file(REMOVE_RECURSE ${folder}/venv)
+    rths_is_uplot(present ${script} ${style})
+    if(NOT present)
+      message(FATAL_ERROR "${RTHS_UPLOT_PACKAGE} does not hold the uPlot that was reviewed: its "
+                          "SHA-256 differs from the one in cmake/FetchUplot.cmake")
+    endif()
+  endif()
+  set(RTHS_UPLOT_SCRIPT ${script} PARENT_SCOPE)
+  set(RTHS_UPLOT_STYLE ${style} PARENT_SCOPE)
+endfunction()

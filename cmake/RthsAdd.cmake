@@ -1,0 +1,32 @@
+# rths_add(<folder> SOURCES <files> [DEPENDS <targets>] [PRIVATE <targets>] [PATH <dir>])
+#
+# One folder, one target: library rths_<folder>, alias rths::<folder>, public headers below include/.
+# Its include/ is its own root, so an arrow that is not in DEPENDS does not compile.
+function(rths_add folder)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS;PRIVATE")
+  set(target rths_${folder})
+  add_library(${target} ${arg_SOURCES})
+  add_library(rths::${folder} ALIAS ${target})
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/include/*.hpp
+       ${CMAKE_CURRENT_SOURCE_DIR}/include/*.h)
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${headers})
+  target_link_libraries(${target} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE} rths_warnings)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
+  install(TARGETS ${target} EXPORT rths FILE_SET HEADERS)
+endfunction()
+
+# rths_test(<folder> SOURCES <files> [DEPENDS <targets>] [LABEL <label>])
+#
+# The tests of a folder as one executable; each TEST becomes a ctest case.
+function(rths_test folder)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "SOURCES;DEPENDS")
+  set(target rths_${folder}_test)
+  add_executable(${target} ${arg_SOURCES})
+  target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
+                                          GTest::gtest_main)
+  if(NOT arg_LABEL)
+    set(arg_LABEL unit)
+  endif()
+  gtest_discover_tests(${target} PROPERTIES LABELS ${arg_LABEL} TIMEOUT 120 DISCOVERY_TIMEOUT 60)
+endfunction()

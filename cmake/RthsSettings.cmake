@@ -1,0 +1,20 @@
+include(GNUInstallDirs)
+
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+option(RTHS_WERROR "Treat warnings as errors: for those who work on rths, never for its users" OFF)
+option(RTHS_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+set(RTHS_SANITIZER "" CACHE STRING "Sanitizers to build with, as -fsanitize takes them")
+
+# Warnings are for this project's own sources and are not handed to those who link to it.
+add_library(rths_warnings INTERFACE)
+target_compile_options(rths_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wold-style-cast -Wcast-align
+  $<$<BOOL:${RTHS_WERROR}>:-Werror>)
+
+if(RTHS_SANITIZER)
+  add_compile_options(-fsanitize=${RTHS_SANITIZER} -fno-omit-frame-pointer -g)
+  add_link_options(-fsanitize=${RTHS_SANITIZER})
+endif()

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <rths/core/realtime.hpp>
+
+namespace rths::controller {
+
+/// Butterworth low-pass of even order: bilinear transform with the cut-off pre-warped, so that the
+/// gain is 1/√2 exactly there. Starts at rest.
+class LowPass {
+ public:
+  /// @param order    2, 4, 6 or 8
+  /// @param cutoff   [Hz], below half the sampling rate
+  /// @param period   of the samples [s]
+  /// @throws Error if one is out of range   @setup
+  LowPass(int order, double cutoff, double period);
+  /// @realtime
+  [[nodiscard]] double operator()(double input) RTHS_REALTIME;
+
+ private:
+  struct Section {
+    double b0, a1, a2;       // b = b0·(1, 2, 1)
+    double z1 = 0, z2 = 0;   // transposed direct form II
+  };
+  std::vector<Section> sections_;
+};
+
+/// Mean of the last `length` samples; of those there are, until there are enough.
+class MovingAverage {
+ public:
+  /// @throws Error if length < 1   @setup
+  explicit MovingAverage(int length);
+  /// @realtime
+  [[nodiscard]] double operator()(double input) RTHS_REALTIME;
+
+ private:
+  std::vector<double> samples_;
+  std::size_t next_ = 0, count_ = 0;
+};
+
+/// Rate of a noisy signal without lag for motion up to constant acceleration: the slope at its
+/// newest end of the parabola that fits the last `length` samples best.
+class EndSlope {
+ public:
+  /// @param length  samples fitted, ≥ 3   @throws Error otherwise   @setup
+  EndSlope(int length, double period);
+  /// @returns the rate [unit/s]; 0 until there are enough samples   @realtime
+  [[nodiscard]] double operator()(double input) RTHS_REALTIME;
+
+ private:
+  std::vector<double> weights_;  ///< of the samples, newest first
+  std::vector<double> samples_;
+  std::size_t next_ = 0, count_ = 0;
+};
+
+}  // namespace rths::controller

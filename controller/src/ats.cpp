@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/controller/ats.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include <rths/core/error.hpp>
+
+namespace rths::controller {
+namespace {
+
+const AtsSettings& checked(const AtsSettings& settings) {
+  if (!(settings.period > 0)) throw Error{"ATS: the period must be positive"};
+  if (settings.decimation < 1) throw Error{"ATS: decimation must be at least 1"};
+  if (!(settings.window >= 4 * settings.decimation * settings.period))
+    throw Error{"ATS: the window holds fewer than four samples"};
+  if ((settings.lowest.array() > settings.highest.array()).any())
+    throw Error{"ATS: a range has its lowest value above its highest"};
+  if ((settings.largest_change.array() <= 0).any())
+    throw Error{"ATS: the largest change per sample must be positive"};
+  return settings;
+}
+
+// Columns differ by powers of the frequency; scaled to equal length the solution keeps its digits.
+Eigen::Vector3d solve_scaled(const Eigen::Matrix3d& A, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d scale = A.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::Matrix3d scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  const Eigen::Vector3d rhs = scale.cwiseProduct(b);
+  return scale.cwiseProduct(scaled.ldlt().solve(rhs));
+}
+
+}  // namespace
+
+Ats::Ats(const AtsSettings& settings)
+    : settings_{checked(settings)},
+      command_filter_{settings.filter_order, settings.filter_cutoff, settings.period},
+      response_filter_{settings.filter_order, settings.filter_cutoff, settings.period},
+      smoothing_{settings.smoothing},
+      a_{settings.initial} {
+  const auto decimation = static_cast<std::size_t>(settings.decimation);
+  const auto in_window = static_cast<std::size_t>(std::lround(settings.window / settings.period));
+  samples_.resize(in_window / decimation * decimation);
+  sums_.resize(decimation);
+}
+
+// Each sample belongs to one interleaved set, so a window of every 16th sample costs one addition
+// and one subtraction per tick instead of a sum over all of it.
+void Ats::remember(const Sample& sample) noexcept {
+  sums_[phase_].add(samples_[next_], -1);
+  sums_[phase_].add(sample, +1);
+  samples_[next_] = sample;
+  next_ = (next_ + 1) % samples_.size();
+  phase_ = (phase_ + 1) % sums_.size();
+}
+
+void Ats::adapt_coefficients(const Sums& sums) noexcept {
+  const double count = static_cast<double>(samples_.size() / sums_.size());
+  if (sums.A(0, 0) < count * settings_.quiet_rms * settings_.quiet_rms) return;
+  const Eigen::Vector3d fitted = solve_scaled(sums.A, sums.b);
+  const Eigen::Vector3d wanted = fitted.allFinite() ? fitted : settings_.initial;
+  const Eigen::Vector3d slowed = wanted.cwiseMax(a_ - settings_.largest_change)
+                                     .cwiseMin(a_ + settings_.largest_change);
+  a_ = slowed.cwiseMax(settings_.lowest).cwiseMin(settings_.highest);
+  if (a_ != wanted) ++limited_;
+}
+
+double Ats::step(double x, double velocity, double acceleration, double measured,
+                 bool adapt) noexcept {
+  const double response = response_filter_(measured);
+  triggered_ = triggered_ || std::abs(response) > settings_.threshold;
+  // The set that the sample before this one completed; this one is not part of its own fit.
+  const std::size_t newest_phase = (phase_ + sums_.size() - 1) % sums_.size();
+  if (triggered_ && adapt) adapt_coefficients(sums_[newest_phase]);
+
+  const double reference = a_[0] * x + a_[1] * velocity + a_[2] * acceleration;
+
+  const double difference = (response - previous_) / settings_.period;
+  const double second = (difference - previous_difference_) / settings_.period;
+  previous_ = response;
+  previous_difference_ = difference;
+  remember({{response, difference, second}, command_filter_(reference)});
+  return smoothing_(reference);
+}
+
+}  // namespace rths::controller

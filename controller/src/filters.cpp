@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/controller/filters.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <Eigen/Dense>
+
+#include <rths/core/error.hpp>
+
+namespace rths::controller {
+
+LowPass::LowPass(int order, double cutoff, double period) {
+  if (order < 2 || order > 8 || order % 2 != 0)
+    throw Error{"low-pass: order is " + std::to_string(order) + ", expected 2, 4, 6 or 8"};
+  if (!(period > 0) || !(cutoff > 0) || cutoff * period >= 0.5)
+    throw Error{"low-pass: a cut-off of " + std::to_string(cutoff) +
+                " Hz needs a sampling rate above twice that"};
+  const double k = std::tan(std::numbers::pi * cutoff * period);
+  for (int i = 0; i < order / 2; ++i) {
+    // Pole pair of the analogue prototype: s² + (1/Q) s + 1.
+    const double inverse_q = 2 * std::sin(std::numbers::pi * (2 * i + 1) / (2.0 * order));
+    const double norm = 1 / (1 + k * inverse_q + k * k);
+    sections_.push_back({k * k * norm, 2 * (k * k - 1) * norm, (1 - k * inverse_q + k * k) * norm});
+  }
+}
+
+double LowPass::operator()(double input) noexcept {
+  double value = input;
+  for (auto& s : sections_) {
+    const double out = s.b0 * value + s.z1;
+    s.z1 = 2 * s.b0 * value - s.a1 * out + s.z2;
+    s.z2 = s.b0 * value - s.a2 * out;
+    value = out;
+  }
+  return value;
+}
+
+MovingAverage::MovingAverage(int length) {
+  if (length < 1) throw Error{"moving average: expected a length of at least 1"};
+  samples_.assign(static_cast<std::size_t>(length), 0.0);
+}
+
+// Summed afresh each time: a running sum would keep the rounding of everything it ever held.
+double MovingAverage::operator()(double input) noexcept {
+  samples_[next_] = input;
+  next_ = (next_ + 1) % samples_.size();
+  count_ = std::min(count_ + 1, samples_.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < count_; ++i) sum += samples_[i];
+  return sum / static_cast<double>(count_);
+}
+
+EndSlope::EndSlope(int length, double period) {
+  if (length < 3) throw Error{"slope filter: expected a length of at least 3"};
+  if (!(period > 0)) throw Error{"slope filter: the period must be positive"};
+  // Row of the pseudo-inverse that gives the linear coefficient at τ = 0, τ = −i·period.
+  Eigen::MatrixXd X(length, 3);
+  for (int i = 0; i < length; ++i) {
+    const double t = -i * period;
+    X.row(i) << 1, t, t * t;
+  }
+  const Eigen::MatrixXd pseudo_inverse =
+      X.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(length, length));
+  for (int i = 0; i < length; ++i) weights_.push_back(pseudo_inverse(1, i));
+  samples_.assign(static_cast<std::size_t>(length), 0.0);
+}
+
+double EndSlope::operator()(double input) noexcept {
+  samples_[next_] = input;
+  next_ = (next_ + 1) % samples_.size();
+  count_ = std::min(count_ + 1, samples_.size());
+  if (count_ < samples_.size()) return 0;
+  double slope = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const std::size_t newest_first = (next_ + samples_.size() - 1 - i) % samples_.size();
+    slope += weights_[i] * samples_[newest_first];
+  }
+  return slope;
+}
+
+}  // namespace rths::controller

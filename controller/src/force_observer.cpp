@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/controller/force_observer.hpp>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include <rths/core/error.hpp>
+
+namespace rths::controller {
+namespace {
+
+constexpr double kStandardGravity = 9.80665;             // [m/s²], CGPM 1901
+constexpr double kKilonewtonPerG = 1e3 / kStandardGravity;  // [kg]
+constexpr double kKilonewtonSecondPerCentimetre = 1e5;    // [N·s/m]
+constexpr double kNormal95 = 1.959964;                    // two-sided 95 % of a normal distribution
+
+enum Term { kMass, kCoulomb, kViscous, kOffset, kTerms };
+
+using Features = Eigen::Matrix<double, Eigen::Dynamic, kTerms>;
+using Solution = Eigen::Matrix<double, kTerms, 1>;
+
+double sign(double x) { return x > 0 ? 1.0 : (x < 0 ? -1.0 : 0.0); }
+
+Eigen::RowVector4d features(double velocity, double acceleration, double exponent,
+                            double rest_velocity) {
+  const double direction = std::abs(velocity) < rest_velocity ? 0.0 : sign(velocity);
+  const double speed = exponent == 1 ? std::abs(velocity) : std::pow(std::abs(velocity), exponent);
+  return {acceleration, direction, speed * direction, 1.0};
+}
+
+// Least squares over the terms that `kept` has bits for; the others are zero.
+std::optional<Solution> solve_subset(const Features& X, const Eigen::VectorXd& y, unsigned kept) {
+  std::vector<int> columns;
+  for (int term = 0; term < kTerms; ++term)
+    if ((kept >> term & 1U) != 0) columns.push_back(term);
+  Eigen::MatrixXd subset(X.rows(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    subset.col(static_cast<Eigen::Index>(i)) = X.col(columns[i]);
+  const Eigen::VectorXd found = subset.colPivHouseholderQr().solve(y);
+  Solution solution = Solution::Zero();
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    solution[columns[i]] = found[static_cast<Eigen::Index>(i)];
+  if (solution.head<kOffset>().minCoeff() < 0) return std::nullopt;
+  return solution;
+}
+
+// Three constraints have eight active sets: trying them all is exact. The offset is always free.
+Solution constrained_least_squares(const Features& X, const Eigen::VectorXd& y) {
+  Solution best = Solution::Zero();
+  double best_error = std::numeric_limits<double>::infinity();
+  for (unsigned kept = 0; kept < 8; ++kept) {
+    const auto solution = solve_subset(X, y, kept | 1U << kOffset);
+    if (!solution) continue;
+    const double error = (y - X * *solution).squaredNorm();
+    if (error < best_error) {
+      best_error = error;
+      best = *solution;
+    }
+  }
+  return best;
+}
+
+MachineForce paper_axis(double mass_kn_per_g, double coulomb_kn, double viscous_kns_per_cm) {
+  MachineForce force;
+  force.effective_mass = mass_kn_per_g * kKilonewtonPerG;
+  force.coulomb_friction = coulomb_kn * 1e3;
+  force.viscous_friction = viscous_kns_per_cm * kKilonewtonSecondPerCentimetre;
+  return force;
+}
+
+}  // namespace
+
+double MachineForce::operator()(double velocity, double acceleration) const noexcept {
+  const auto f = features(velocity, acceleration, exponent, rest_velocity);
+  return effective_mass * f[kMass] + coulomb_friction * f[kCoulomb] +
+         viscous_friction * f[kViscous] + offset;
+}
+
+MachineSetup unison_eqs_setup() {
+  return {paper_axis(1111.79, 5.1, 0.00716), paper_axis(1145.77, 8.6, 0.0087)};
+}
+
+MachineSetup eps_setup() {
+  return {paper_axis(982.97, 5.1, 0.00716), paper_axis(1001.38, 8.6, 0.0087)};
+}
+
+ForceObserver::ForceObserver(const MachineForce& machine, double period, int slope_length)
+    : machine_{machine}, slope_{slope_length, period} {}
+
+double ForceObserver::step(double displacement, double acceleration, double force) noexcept {
+  velocity_ = slope_(displacement);
+  machine_force_ = machine_(velocity_, acceleration);
+  return force - machine_force_;
+}
+
+ForceIdentification identify_machine_force(std::span<const double> displacement,
+                                           std::span<const double> acceleration,
+                                           std::span<const double> force, double period,
+                                           double exponent, int slope_length) {
+  if (displacement.size() != force.size() || acceleration.size() != force.size())
+    throw Error{"force identification: the measured signals differ in length"};
+  const auto settling = static_cast<std::size_t>(slope_length);
+  if (force.size() < 10 * settling)
+    throw Error{"force identification: the run is too short"};
+
+  ForceIdentification result;
+  result.machine.exponent = exponent;
+  EndSlope slope{slope_length, period};
+  const auto rows = static_cast<Eigen::Index>(force.size() - settling);
+  Features X(rows, kTerms);
+  Eigen::VectorXd y(rows);
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const double velocity = slope(displacement[i]);
+    if (i < settling) continue;
+    const auto row = static_cast<Eigen::Index>(i - settling);
+    X.row(row) = features(velocity, acceleration[i], exponent, result.machine.rest_velocity);
+    y[row] = force[i];
+  }
+  const Eigen::Matrix4d normal = X.transpose() * X;
+  if (normal.diagonal().minCoeff() <= 0)
+    throw Error{"force identification: the run does not excite inertia and friction"};
+  const Solution solution = constrained_least_squares(X, y);
+  const Eigen::VectorXd residual = y - X * solution;
+  const double variance = residual.squaredNorm() / static_cast<double>(rows - kTerms);
+  const Eigen::Vector4d half_width =
+      kNormal95 * (variance * normal.inverse()).diagonal().cwiseSqrt();
+
+  result.machine.effective_mass = solution[kMass];
+  result.machine.coulomb_friction = solution[kCoulomb];
+  result.machine.viscous_friction = solution[kViscous];
+  result.machine.offset = solution[kOffset];
+  result.effective_mass_95 = half_width[kMass];
+  result.coulomb_friction_95 = half_width[kCoulomb];
+  result.viscous_friction_95 = half_width[kViscous];
+  result.offset_95 = half_width[kOffset];
+  result.residual_rms = std::sqrt(variance);
+  return result;
+}
+
+}  // namespace rths::controller

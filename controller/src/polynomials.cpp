@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/controller/polynomials.hpp>
+
+namespace rths::controller {
+namespace {
+
+struct Named {
+  Polynomial polynomial;
+  const char* name;
+};
+constexpr Named kNames[] = {{Polynomial::P0, "P0"}, {Polynomial::P1, "P1"}, {Polynomial::P2, "P2"},
+                            {Polynomial::P3, "P3"}, {Polynomial::D1, "D1"}, {Polynomial::D2, "D2"},
+                            {Polynomial::D3, "D3"}, {Polynomial::DV, "DV"}, {Polynomial::DVA, "DVA"}};
+
+constexpr Jet kOne{1, 0, 0};
+
+// Lagrange over equally spaced targets, the newest at x = 0.
+Weights lagrange(int order, Jet x) {
+  Weights w;
+  switch (order) {
+    case 0: w.target[0] = kOne; break;
+    case 1:
+      w.target[0] = 1 + x;
+      w.target[1] = -1 * x;
+      break;
+    case 2:
+      w.target[0] = (1 + x) * (2 + x) / 2;
+      w.target[1] = -1 * x * (2 + x);
+      w.target[2] = x * (1 + x) / 2;
+      break;
+    default:
+      w.target[0] = (1 + x) * (2 + x) * (3 + x) / 6;
+      w.target[1] = -1 * x * (2 + x) * (3 + x) / 2;
+      w.target[2] = x * (1 + x) * (3 + x) / 2;
+      w.target[3] = -1 * x * (1 + x) * (2 + x) / 6;
+  }
+  return w;
+}
+
+// The command at −1+ξ takes the newest target's place, older targets at −1, −2, −3.
+Weights predict_from_command(int order, Jet x, double xi) {
+  Weights w;
+  switch (order) {
+    case 1:
+      w.switch_command = (1 + x) / xi;
+      w.target[1] = -1 * (1 + x - xi) / xi;
+      break;
+    case 2:
+      w.switch_command = (1 + x) * (2 + x) / (xi * (1 + xi));
+      w.target[1] = -1 * (1 + x - xi) * (2 + x) / xi;
+      w.target[2] = (1 + x - xi) * (1 + x) / (1 + xi);
+      break;
+    default:
+      w.switch_command = (1 + x) * (2 + x) * (3 + x) / (xi * (1 + xi) * (2 + xi));
+      w.target[1] = -1 * (1 + x - xi) * (2 + x) * (3 + x) / (2 * xi);
+      w.target[2] = (1 + x - xi) * (1 + x) * (3 + x) / (1 + xi);
+      w.target[3] = -1 * (1 + x - xi) * (1 + x) * (2 + x) / (2 * (2 + xi));
+  }
+  return w;
+}
+
+// From the command at ξ to the newest target at 1. The target at 0 is left out on purpose: the
+// curve that led to the command already holds it.
+Weights correct_from_command(int order, Jet x, double xi) {
+  Weights w;
+  switch (order) {
+    case 1:
+      w.target[0] = (x - xi) / (1 - xi);
+      w.switch_command = (1 - x) / (1 - xi);
+      break;
+    case 2:
+      w.target[0] = (x - xi) * (1 + x) / (2 * (1 - xi));
+      w.switch_command = (1 - x) * (1 + x) / ((1 - xi) * (1 + xi));
+      w.target[2] = -1 * (1 - x) * (x - xi) / (2 * (1 + xi));
+      break;
+    default:
+      w.target[0] = (x - xi) * (1 + x) * (2 + x) / (6 * (1 - xi));
+      w.switch_command = (1 - x) * (1 + x) * (2 + x) / ((1 - xi) * (1 + xi) * (2 + xi));
+      w.target[2] = -1 * (1 - x) * (x - xi) * (2 + x) / (2 * (1 + xi));
+      w.target[3] = (1 - x) * (x - xi) * (1 + x) / (3 * (2 + xi));
+  }
+  return w;
+}
+
+// Hermite cubic through the last two targets and their velocities.
+Weights predict_with_velocity(Jet x) {
+  Weights w;
+  w.target[0] = (1 + x) * (1 + x) * (1 - 2 * x);
+  w.velocity[0] = x * (1 + x) * (1 + x);
+  w.target[1] = x * x * (3 + 2 * x);
+  w.velocity[1] = x * x * (1 + x);
+  return w;
+}
+
+// Quadratic from the command at ξ into the newest target with its velocity.
+Weights correct_with_velocity(Jet x, double xi) {
+  const double rest = 1 - xi;
+  Weights w;
+  w.target[0] = (x - xi) * (2 - x - xi) / (rest * rest);
+  w.velocity[0] = -1 * (1 - x) * (x - xi) / rest;
+  w.switch_command = (1 - x) * (1 - x) / (rest * rest);
+  return w;
+}
+
+// Taylor from the newest target.
+Weights predict_with_acceleration(Jet x) {
+  Weights w;
+  w.target[0] = kOne;
+  w.velocity[0] = x;
+  w.acceleration = x * x / 2;
+  return w;
+}
+
+// Cubic from the command at ξ into the newest target with its velocity and acceleration.
+Weights correct_with_acceleration(Jet x, double xi) {
+  const double rest = 1 - xi;
+  Weights w;
+  w.target[0] = (x - xi) * (3 - 3 * x + x * x - 3 * xi + x * xi + xi * xi) / (rest * rest * rest);
+  w.velocity[0] = -1 * (1 - x) * (x - xi) * (2 - x - xi) / (rest * rest);
+  w.acceleration = (1 - x) * (1 - x) * (x - xi) / (2 * rest);
+  w.switch_command = (1 - x) * (1 - x) * (1 - x) / (rest * rest * rest);
+  return w;
+}
+
+}  // namespace
+
+std::optional<Polynomial> polynomial_from_text(std::string_view name) {
+  for (const auto& named : kNames)
+    if (named.name == name) return named.polynomial;
+  return std::nullopt;
+}
+
+const char* to_text(Polynomial polynomial) noexcept {
+  for (const auto& named : kNames)
+    if (named.polynomial == polynomial) return named.name;
+  return "?";
+}
+
+Weights weights(Polynomial polynomial, Branch branch, double x, double xi) noexcept {
+  const Jet jet{x, 1, 0};
+  const bool predicting = branch == Branch::Predict;
+  // In the corrector's frame the newest target stands at 1 instead of 0.
+  const Jet from_newest = predicting ? jet : jet - 1;
+  const auto command_family = [&](int order) {
+    return predicting ? predict_from_command(order, jet, xi) : correct_from_command(order, jet, xi);
+  };
+  switch (polynomial) {
+    case Polynomial::P0: return lagrange(0, from_newest);
+    case Polynomial::P1: return lagrange(1, from_newest);
+    case Polynomial::P2: return lagrange(2, from_newest);
+    case Polynomial::P3: return lagrange(3, from_newest);
+    case Polynomial::D1: return command_family(1);
+    case Polynomial::D2: return command_family(2);
+    case Polynomial::D3: return command_family(3);
+    case Polynomial::DV:
+      return predicting ? predict_with_velocity(jet) : correct_with_velocity(jet, xi);
+    case Polynomial::DVA:
+      return predicting ? predict_with_acceleration(jet) : correct_with_acceleration(jet, xi);
+  }
+  return {};
+}
+
+}  // namespace rths::controller

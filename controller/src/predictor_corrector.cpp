@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/controller/predictor_corrector.hpp>
+
+#include <algorithm>
+#include <string>
+
+#include <rths/core/error.hpp>
+
+namespace rths::controller {
+namespace {
+
+constexpr double kSmallestIncrement = 0.001;  // keeps a command that stood still from standing on
+constexpr double kWarnedDelayRatio = 0.6;
+constexpr double kRefusedDelayRatio = 0.8;
+
+void require(bool holds, const std::string& message) {
+  if (!holds) throw Error{"predictor-corrector: " + message};
+}
+
+}  // namespace
+
+PredictorCorrector::PredictorCorrector(const PredictorCorrectorSettings& settings)
+    : settings_{settings},
+      hold_point_{(1 + settings.slow_down_from) / 2},
+      ramp_{(hold_point_ - settings.slow_down_from) * settings.substeps} {
+  require(settings.axes >= 1, "expected at least one axis");
+  require(settings.substeps >= 10, "expected at least 10 substeps per integration step");
+  require(settings.slow_down_from > 0 && settings.slow_down_from < 1,
+          "slow-down must begin inside the step, between 0 and 1");
+  require(ramp_ > 1, "slow-down begins so late that it ends within one substep");
+  require(settings.largest_xi > 0 && settings.largest_xi < 1, "the cap on xi must lie in 0 to 1");
+  require(settings.simulation_step > 0 && settings.integration_step > 0,
+          "the steps must be positive");
+  for (auto& targets : history_) targets.setZero(settings.axes);
+  for (auto& rate : rate_) rate.setZero(settings.axes);
+  for (Eigen::VectorXd* vector :
+       {&second_rate_, &switch_command_, &command_, &velocity_, &acceleration_})
+    vector->setZero(settings.axes);
+}
+
+void PredictorCorrector::substep(bool new_target, const Target& target) noexcept {
+  if (!started_) start_at(target.displacement);
+  const double last = settings_.substeps;
+  switch (state_) {
+    case PcState::Initialize:
+      if (new_target) {
+        counter_ = 0;
+        enter_correct(target);
+      }
+      return;
+    case PcState::Correct:
+      if (new_target) {
+        counter_ = 0;
+        slow_down_end_ = 0;
+        slow_down_increment_ = 1;
+        enter_correct(target);
+      } else if (counter_ >= last) {
+        enter_predict();
+      } else {
+        correct();
+      }
+      return;
+    case PcState::Predict:
+      if (new_target) return enter_correct(target);
+      if (counter_ >= settings_.slow_down_from * last) {
+        state_ = PcState::AutoSlowDown;
+        slow_down();
+      } else {
+        counter_ += 1;
+        evaluate(Branch::Predict);
+      }
+      return;
+    case PcState::AutoSlowDown:
+      if (new_target) return enter_correct(target);
+      slow_down();
+      return;
+  }
+}
+
+void PredictorCorrector::start_at(const Eigen::VectorXd& setpoint) noexcept {
+  started_ = true;
+  for (auto& targets : history_) targets = setpoint;
+  command_ = setpoint;
+  counter_ = settings_.substeps;
+}
+
+void PredictorCorrector::enter_correct(const Target& target) noexcept {
+  state_ = PcState::Correct;
+  xi_ = std::min(counter_ / settings_.substeps, settings_.largest_xi);
+  // A capped ξ takes the counter back with it, so that the command goes on from where it is.
+  counter_ = std::min(counter_, xi_ * settings_.substeps);
+  switch_command_ = command_;
+  shift_history(target);
+  correct();
+}
+
+void PredictorCorrector::enter_predict() noexcept {
+  state_ = PcState::Predict;
+  xi_ = 1;
+  switch_command_ = command_;
+  counter_ = 1;
+  slow_down_end_ = 0;
+  slow_down_increment_ = 1;
+  evaluate(Branch::Predict);
+}
+
+void PredictorCorrector::correct() noexcept {
+  const double increment = std::clamp(
+      slow_down_increment_ + (counter_ - slow_down_end_) / ramp_, kSmallestIncrement, 1.0);
+  counter_ = std::min(counter_ + increment, static_cast<double>(settings_.substeps));
+  evaluate(Branch::Correct);
+}
+
+void PredictorCorrector::slow_down() noexcept {
+  slow_down_increment_ = (hold_point_ * settings_.substeps - counter_) / ramp_;
+  counter_ += slow_down_increment_;
+  slow_down_end_ = counter_;
+  evaluate(Branch::Predict);
+}
+
+// One-sided differences of fourth and fifth order, per step.
+void PredictorCorrector::shift_history(const Target& target) noexcept {
+  for (std::size_t i = history_.size() - 1; i > 0; --i) history_[i] = history_[i - 1];
+  history_[0] = target.displacement;
+  const auto& [s1, s2, s3, s4, s5, s6] = history_;
+  if (settings_.targets_carry_rates) {
+    const double dt = settings_.integration_step;
+    rate_[1] = rate_[0];
+    rate_[0] = dt * target.velocity;
+    second_rate_ = dt * dt * target.acceleration;
+  } else {
+    rate_[0] = (25 * s1 - 48 * s2 + 36 * s3 - 16 * s4 + 3 * s5) / 12;
+    rate_[1] = (3 * s1 + 10 * s2 - 18 * s3 + 6 * s4 - s5) / 12;
+    second_rate_ = (45 * s1 - 154 * s2 + 214 * s3 - 156 * s4 + 61 * s5 - 10 * s6) / 12;
+  }
+}
+
+void PredictorCorrector::evaluate(Branch branch) noexcept {
+  const Polynomial polynomial =
+      branch == Branch::Predict ? settings_.predictor : settings_.corrector;
+  const Weights w = weights(polynomial, branch, counter_ / settings_.substeps, xi_);
+  const double per_second = 1 / settings_.simulation_step;
+  for (Eigen::Index axis = 0; axis < command_.size(); ++axis) {
+    Jet sum = w.switch_command * switch_command_[axis] + w.acceleration * second_rate_[axis];
+    for (std::size_t i = 0; i < w.target.size(); ++i) sum = sum + w.target[i] * history_[i][axis];
+    for (std::size_t i = 0; i < w.velocity.size(); ++i) sum = sum + w.velocity[i] * rate_[i][axis];
+    command_[axis] = sum.value;
+    velocity_[axis] = sum.slope * per_second;
+    acceleration_[axis] = sum.curvature * per_second * per_second;
+  }
+}
+
+DelayVerdict judge_delay(int delay_substeps, int substeps) {
+  const double ratio = static_cast<double>(delay_substeps) / substeps;
+  if (ratio >= kRefusedDelayRatio) return DelayVerdict::Refused;
+  return ratio > kWarnedDelayRatio ? DelayVerdict::Warned : DelayVerdict::Fine;
+}
+
+}  // namespace rths::controller

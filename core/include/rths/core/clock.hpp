@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+
+#include <rths/core/realtime.hpp>
+
+namespace rths {
+
+/// A point on a run's time line.
+using TimePoint = std::chrono::nanoseconds;
+using Duration = std::chrono::nanoseconds;
+
+/// Seconds as the floating-point number that the physics uses.
+[[nodiscard]] constexpr double to_seconds(Duration duration) noexcept {
+  return std::chrono::duration<double>(duration).count();
+}
+[[nodiscard]] constexpr Duration from_seconds(double seconds) noexcept {
+  return Duration{static_cast<Duration::rep>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5))};
+}
+
+/// Where the time of a run comes from, so that nothing that waits needs to know.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  /// Time now. @realtime
+  [[nodiscard]] virtual TimePoint now() const RTHS_REALTIME = 0;
+  /// Returns at `time`, or at once if that has passed. The one wait of a control loop. @realtime
+  virtual void sleep_until(TimePoint time) RTHS_REALTIME = 0;
+};
+
+/// The host's monotonic clock. All processes of one host share it. @any_thread
+class WallClock final : public Clock {
+ public:
+  [[nodiscard]] TimePoint now() const RTHS_REALTIME override;
+  void sleep_until(TimePoint time) RTHS_REALTIME override;
+};
+
+/// A clock that stands still until somebody sleeps, then jumps: a run in virtual time. One thread.
+class VirtualClock final : public Clock {
+ public:
+  [[nodiscard]] TimePoint now() const RTHS_REALTIME override { return now_; }
+  void sleep_until(TimePoint time) RTHS_REALTIME override {
+    if (time > now_) now_ = time;
+  }
+
+ private:
+  TimePoint now_{0};
+};
+
+}  // namespace rths

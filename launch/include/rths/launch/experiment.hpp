@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rths/adapters/host.hpp>
+#include <rths/adapters/numerical.hpp>
+#include <rths/adapters/simulink_like.hpp>
+#include <rths/adapters/srmd.hpp>
+#include <rths/memmap/map.hpp>
+#include <rths/recording/recording.hpp>
+
+namespace rths::launch {
+
+/// Version of the experiment file format. Bumped when a file that was right before would mean
+/// something else, or no longer load.
+inline constexpr int kExperimentFormat = 1;
+
+enum class ClockKind { Wall, Virtual };
+
+/// Parameters of a node by name, and their values [SI].
+using Tuning = std::vector<std::pair<std::string, double>>;
+
+/// A node of the map and the adapter that runs there.
+struct NodePlan {
+  std::string node;
+  std::string adapter;           ///< numerical, simulink_like, srmd or recorder
+  adapters::Schedule schedule;
+  std::filesystem::path diagram;  ///< of a simulink_like
+  Tuning tune;                    ///< first values of its parameters
+  Tuning uncompensated;           ///< what switches its compensation off
+};
+
+/// A whole test: what an experiment file says, checked.
+struct Experiment {
+  std::filesystem::path file;
+  std::string name;
+  std::filesystem::path map;
+  std::vector<std::string> axes;
+  double integration_step = 0.01;  ///< Δt_int: model time per target [s]
+  double rate = 1;                 ///< Δt_sim/Δt_int: 1 is real time
+  double duration = 0;             ///< model time [s]
+  std::uint64_t seed = 1;
+  std::string motion_name;
+  sim::GroundMotion motion;
+  sim::IsolatedPlant plant;
+  sim::LeadRubber specimen;
+  sim::TestMachine machine;
+  double alpha = -0.05;            ///< of α-OS
+  double wait_deadline = 1;        ///< [s]
+  adapters::ComputingTime computing_time;
+  adapters::Retreat retreat;
+  std::vector<NodePlan> nodes;     ///< in the order in which they are started
+  std::optional<adapters::DisplacementHistory> history;  ///< instead of the analysis
+  recording::NamedTexts config;    ///< the files it was read from, for the recording
+
+  [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
+};
+
+/// What the command line changes in an experiment file: dotted key, value as TOML.
+using Overrides = std::vector<std::pair<std::string, std::string>>;
+
+/// @throws Error file:line:column for the first thing that is wrong   @setup
+[[nodiscard]] Experiment load_experiment(const std::filesystem::path& file,
+                                         const Overrides& overrides = {});
+
+}  // namespace rths::launch

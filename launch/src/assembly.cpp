@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "assembly.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/adapters/recorder.hpp>
+#include <rths/core/error.hpp>
+
+namespace rths::launch {
+namespace {
+
+constexpr std::uint32_t kPartitionAlignment = 16;  // longwords: a cache line has one writer
+constexpr double kRecorderOverhang = 0.2;          // [s]
+constexpr NodeId kOperatorId{200};
+constexpr std::uint16_t kFirstExtraNodeId = 201;  // of nodes that no laboratory's map knows
+
+std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodePlan& plan,
+                                                ClockKind clock) {
+  if (plan.adapter == "srmd") {
+    adapters::SrmdSettings settings;
+    settings.machine = e.machine;
+    settings.period = to_seconds(plan.schedule.period);
+    settings.axes = e.axes;
+    settings.retreat = e.retreat;
+    return adapters::make_srmd(settings);
+  }
+  if (plan.adapter == "simulink_like")
+    return adapters::make_simulink_like(
+        plan.diagram, {e.axes, e.integration_step, e.simulation_step(), e.retreat});
+  adapters::NumericalSettings settings;
+  settings.axes = e.axes;
+  settings.plant = e.plant;
+  settings.motion = e.motion;
+  settings.bearing_initial_stiffness = e.specimen.initial_stiffness;
+  settings.integration_step = e.integration_step;
+  settings.alpha = e.alpha;
+  settings.duration = e.duration;
+  // A step may lawfully take as long as it is stretched.
+  settings.wait_deadline = e.wait_deadline * e.rate;
+  if (clock == ClockKind::Virtual) settings.computing_time = e.computing_time;
+  settings.history = e.history;
+  return adapters::make_numerical(settings);
+}
+
+void check_tuning(const NodePlan& plan, const std::vector<adapters::Port>& ports) {
+  std::vector<std::string> known;
+  for (const auto& port : ports)
+    if (port.direction == adapters::Direction::Parameter) known.push_back(port.name);
+  for (const auto& [name, value] : plan.tune) {
+    static_cast<void>(value);
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const auto meant = memmap::nearest(name, known);
+    throw Error{fmt::format("node '{}' has no parameter '{}'{}", plan.node, name,
+                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+  }
+}
+
+memmap::Signal signal_for(const adapters::Port& port, const NodePlan& plan) {
+  memmap::Signal signal;
+  signal.name = port.name;
+  signal.unit = port.unit;
+  signal.event = port.event || port.direction == adapters::Direction::Parameter;
+  signal.initial = port.initial;
+  for (const auto& [name, value] : plan.tune)
+    if (name == port.name) signal.initial = value;
+  return signal;
+}
+
+std::uint32_t first_free(const memmap::MapDescription& description) {
+  std::uint32_t end = 0;
+  for (const auto& partition : description.partitions)
+    end = std::max(end, partition.base.value() + partition.longwords);
+  return (end + kPartitionAlignment - 1) / kPartitionAlignment * kPartitionAlignment;
+}
+
+// A partition for the ports of one direction, behind everything else.
+void append_partition(memmap::MapDescription& description, const std::string& name,
+                      const std::string& writer, adapters::Direction direction,
+                      const std::vector<adapters::Port>& ports, const NodePlan& plan) {
+  memmap::Partition partition;
+  partition.name = name;
+  partition.node = writer;
+  partition.base = LongwordOffset{first_free(description)};
+  partition.tear_group = direction == adapters::Direction::Monitor;
+  for (const auto& port : ports) {
+    if (port.direction != direction) continue;
+    partition.signals.push_back(signal_for(port, plan));
+    partition.signals.back().offset = advance(partition.base, partition.longwords++);
+  }
+  if (partition.longwords > 0) description.partitions.push_back(std::move(partition));
+}
+
+void add_node(memmap::MapDescription& description, const std::string& name) {
+  const auto& nodes = description.nodes;
+  if (std::any_of(nodes.begin(), nodes.end(), [&](const auto& n) { return n.name == name; }))
+    return;
+  const auto extra = static_cast<std::uint16_t>(
+      std::count_if(nodes.begin(), nodes.end(),
+                    [](const auto& n) { return n.id.value() >= kFirstExtraNodeId; }));
+  description.nodes.push_back({name, NodeId{static_cast<std::uint16_t>(kFirstExtraNodeId + extra)}, ""});
+}
+
+void extend(memmap::MapDescription& description, const NodePlan& plan,
+            const std::vector<adapters::Port>& adapter_ports) {
+  auto ports = adapters::host_ports();
+  ports.insert(ports.end(), adapter_ports.begin(), adapter_ports.end());
+  check_tuning(plan, ports);
+  add_node(description, plan.node);
+  append_partition(description, "monitor." + plan.node, plan.node, adapters::Direction::Monitor,
+                   ports, plan);
+  append_partition(description, "tune." + plan.node, kOperator, adapters::Direction::Parameter,
+                   ports, plan);
+}
+
+std::map<std::string, double> steps_per_row(const Experiment& experiment) {
+  std::map<std::string, double> result;
+  Duration row{0};
+  for (const auto& plan : experiment.nodes)
+    if (plan.adapter == "recorder") row = plan.schedule.period;
+  for (const auto& plan : experiment.nodes)
+    result[plan.node] = to_seconds(row) / to_seconds(plan.schedule.period);
+  return result;
+}
+
+std::unique_ptr<adapters::Adapter> make_recorder(const Experiment& experiment, ClockKind clock,
+                                                 const RecordingPlan& recording,
+                                                 const memmap::Map& map) {
+  adapters::RecorderSettings settings;
+  settings.file = recording.file;
+  settings.info = {experiment.config, recording.meta, steps_per_row(experiment)};
+  settings.own_thread = clock == ClockKind::Wall;
+  // Long enough to see the others come to rest.
+  settings.linger = experiment.retreat.hold + experiment.retreat.ramp + kRecorderOverhang;
+  return adapters::make_recorder(map, settings);
+}
+
+}  // namespace
+
+Assembly assemble(const Experiment& experiment, ClockKind clock, const RecordingPlan& recording) {
+  auto description = memmap::load_map(experiment.map).description();
+  description.nodes.push_back({kOperator, kOperatorId, ""});
+  std::vector<Station> stations;
+  for (const auto& plan : experiment.nodes) {
+    // A recorder listens to everything there is, so it is built when the map is complete.
+    const bool records = plan.adapter == "recorder";
+    stations.push_back({plan, records ? nullptr : make_adapter(experiment, plan, clock)});
+    extend(description, plan,
+           records ? adapters::recorder_monitors() : stations.back().adapter->ports());
+  }
+  Assembly assembly{memmap::Map{std::move(description)}, std::move(stations)};
+  for (auto& station : assembly.stations)
+    if (!station.adapter)
+      station.adapter = make_recorder(experiment, clock, recording, assembly.map);
+  return assembly;
+}
+
+}  // namespace rths::launch

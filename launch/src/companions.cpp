@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a hybrid test is compared with: its own displacement history without compensation, and the
+// same plant without a specimen.
+#include <rths/launch/run.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/sim/plant_analysis.hpp>
+
+namespace rths::launch {
+namespace {
+
+constexpr double kReferenceStep = 0.001;  // [s] of the purely numerical result
+
+const char* kDirections[] = {"long", "lat"};
+
+std::vector<double> signal_or_zeros(const recording::Reader& reader, const std::string& name) {
+  return reader.has(name) ? reader.signal(name) : std::vector<double>(reader.rows(), 0.0);
+}
+
+// Targets as they came: one per integration step, read off where the solver's step count changes.
+adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
+                                               const std::filesystem::path& file) {
+  const recording::Reader reader{file};
+  const auto model_time = reader.signal("opf.1.time.target");
+  const auto along = signal_or_zeros(reader, "opf.long.displ.target");
+  const auto across = signal_or_zeros(reader, "opf.lat.displ.target");
+  adapters::DisplacementHistory history;
+  history.time_step = experiment.integration_step;
+  history.displacement_long = {0};
+  history.displacement_lat = {0};
+  for (std::size_t row = 0; row < model_time.size(); ++row) {
+    const auto step =
+        static_cast<std::size_t>(std::lround(model_time[row] / experiment.integration_step));
+    if (step < history.displacement_long.size()) continue;
+    // A row that was missed leaves its step out; the last known target stands in for it.
+    history.displacement_long.resize(step + 1, history.displacement_long.back());
+    history.displacement_lat.resize(step + 1, history.displacement_lat.back());
+    history.displacement_long[step] = along[row];
+    history.displacement_lat[step] = across[row];
+  }
+  return history;
+}
+
+// A map for results that no ring carried.
+class ResultMap {
+ public:
+  void add(const std::string& name, const char* unit, const std::vector<double>& values) {
+    memmap::Signal signal;
+    signal.name = name;
+    signal.unit = unit;
+    signal.offset = LongwordOffset{static_cast<std::uint32_t>(partition_.signals.size())};
+    partition_.signals.push_back(signal);
+    columns_.push_back(&values);
+  }
+
+  void write(const std::filesystem::path& file, double time_step,
+             const recording::RecordingInfo& info) {
+    memmap::MapDescription description;
+    description.name = "numerical";
+    description.size_longwords = 1024;
+    description.nodes = {{"analysis", NodeId{1}, ""}};
+    partition_.name = "result";
+    partition_.node = "analysis";
+    partition_.longwords = static_cast<std::uint32_t>(partition_.signals.size());
+    description.partitions = {partition_};
+    const memmap::Map map{description};
+    std::vector<SignalId> signals;
+    for (std::uint32_t i = 0; i < columns_.size(); ++i) signals.push_back(SignalId{i});
+    recording::Writer writer{file, map, signals, info};
+    std::vector<double> row(columns_.size());
+    for (std::size_t i = 0; i < columns_[0]->size(); ++i) {
+      for (std::size_t c = 0; c < columns_.size(); ++c) row[c] = (*columns_[c])[i];
+      writer.append(from_seconds(static_cast<double>(i + 1) * time_step), row);
+    }
+    writer.close();
+  }
+
+ private:
+  memmap::Partition partition_;
+  std::vector<const std::vector<double>*> columns_;
+};
+
+void add_floors(ResultMap& result, const std::string& prefix, const sim::ResponseHistory& history) {
+  for (std::size_t i = 0; i < history.floors.size(); ++i) {
+    const auto& floor = history.floors[i];
+    const std::string name = fmt::format("{}floor.{}.accel.", prefix, i + 1);
+    result.add(name + kDirections[0], "m/s2", floor.acceleration_long);
+    result.add(name + kDirections[1], "m/s2", floor.acceleration_lat);
+  }
+}
+
+sim::GroundMotion along_tested_axes(const Experiment& experiment) {
+  sim::GroundMotion motion = experiment.motion;
+  const auto tested = [&](const char* axis) {
+    return std::find(experiment.axes.begin(), experiment.axes.end(), axis) != experiment.axes.end();
+  };
+  if (!tested("long")) std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
+  if (!tested("lat")) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0);
+  return motion;
+}
+
+}  // namespace
+
+bool run_uncompensated(const Experiment& experiment, const std::filesystem::path& history,
+                       const std::filesystem::path& recording, const std::string& version) {
+  Experiment bare = experiment;
+  bool switched_off = false;
+  for (auto& node : bare.nodes) {
+    switched_off = switched_off || !node.uncompensated.empty();
+    node.tune.insert(node.tune.begin(), node.uncompensated.begin(), node.uncompensated.end());
+  }
+  if (!switched_off) return false;
+  bare.history = recorded_targets(experiment, history);
+  RunOptions options;
+  options.clock = ClockKind::Virtual;
+  options.recording = recording;
+  options.version = version;
+  const RunOutcome outcome = run(bare, options);
+  if (!outcome.completed)
+    throw Error{fmt::format("the run without compensation failed: {}", outcome.trouble)};
+  return true;
+}
+
+void run_numerical(const Experiment& experiment, const std::filesystem::path& recording) {
+  const sim::PlantMatrices plant = sim::assemble(experiment.plant);
+  const sim::GroundMotion motion = along_tested_axes(experiment);
+  const auto isolated = sim::numerical_response(plant, motion, experiment.specimen, kReferenceStep,
+                                                experiment.duration);
+  const auto fixed = sim::numerical_response(plant.fixed_base(), motion, experiment.specimen,
+                                             kReferenceStep, experiment.duration);
+  std::vector<double> ground_long;
+  std::vector<double> ground_lat;
+  for (std::size_t i = 1; i <= isolated.displacement_long.size(); ++i) {
+    const Eigen::Vector2d ground = motion.at(static_cast<double>(i) * kReferenceStep);
+    ground_long.push_back(ground[0]);
+    ground_lat.push_back(ground[1]);
+  }
+  ResultMap result;
+  result.add("displ.long", "m", isolated.displacement_long);
+  result.add("displ.lat", "m", isolated.displacement_lat);
+  result.add("force.long", "N", isolated.force_long);
+  result.add("force.lat", "N", isolated.force_lat);
+  result.add("ground.accel.long", "m/s2", ground_long);
+  result.add("ground.accel.lat", "m/s2", ground_lat);
+  add_floors(result, "isolated.", isolated);
+  add_floors(result, "fixed.", fixed);
+  std::string names;
+  for (const auto& floor : isolated.floors) names += floor.name + "\n";
+  result.write(recording, kReferenceStep, {{{"floors", names}}, {}, {}});
+}
+
+}  // namespace rths::launch

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/launch/experiment.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/launch/installed_files.hpp>
+#include <rths/memmap/config.hpp>
+
+
+namespace rths::launch {
+namespace {
+
+using memmap::Config;
+
+constexpr double kMillisecond = 1e-3;
+
+// When a node's step falls within a millisecond: the machine samples, then the controller answers,
+// then the recorder looks at both; the solver looks for its flags every quarter.
+struct KnownAdapter {
+  const char* name;
+  double period, phase;  // [s]
+};
+constexpr KnownAdapter kAdapters[] = {{"recorder", kMillisecond, 0.8 * kMillisecond},
+                                      {"srmd", kMillisecond, 0},
+                                      {"simulink_like", kMillisecond, 0.3 * kMillisecond},
+                                      {"numerical", 0.25 * kMillisecond, 0.1 * kMillisecond}};
+
+std::string file_content(const std::filesystem::path& file) {
+  std::ifstream stream{file, std::ios::binary};
+  return {std::istreambuf_iterator<char>{stream}, {}};
+}
+
+const KnownAdapter& adapter_named(const Config& table) {
+  const std::string name = table.text("adapter");
+  std::string known;
+  for (const auto& adapter : kAdapters) {
+    if (adapter.name == name) return adapter;
+    known += (known.empty() ? "" : ", ") + std::string{adapter.name};
+  }
+  table.fail("adapter",
+             fmt::format("there is no adapter '{}', expected one of {}", name, known));
+}
+
+// ats.enabled = 0 may be written with a dot, or in a table [… ats].
+void read_tuning(const Config& table, const std::string& prefix, Tuning& tuning) {
+  for (const auto& key : table.keys()) {
+    if (table.is_table(key))
+      read_tuning(table.table(key), prefix + key + ".", tuning);
+    else
+      tuning.emplace_back(prefix + key, table.number(key));
+  }
+}
+
+NodePlan read_node(const std::string& node, const Config& table) {
+  const KnownAdapter& adapter = adapter_named(table);
+  NodePlan plan;
+  plan.node = node;
+  plan.adapter = adapter.name;
+  double period = adapter.period;
+  if (plan.adapter == "simulink_like") {
+    plan.diagram = find_file(table, "diagram", "diagrams");
+    period = adapters::diagram_period(plan.diagram);
+  }
+  plan.schedule.period = from_seconds(table.number_in("period_s", 1e-5, 1, period));
+  plan.schedule.phase = from_seconds(table.number_in("phase_s", 0, 1, adapter.phase));
+  read_tuning(table.table_or_empty("tune"), "", plan.tune);
+  table.reject_unknown_keys();
+  return plan;
+}
+
+std::vector<NodePlan> read_nodes(const Config& table) {
+  std::vector<NodePlan> nodes;
+  for (const auto& node : table.keys()) nodes.push_back(read_node(node, table.table(node)));
+  // Whoever listens starts before whoever speaks.
+  const auto rank = [](const NodePlan& plan) {
+    return std::find_if(std::begin(kAdapters), std::end(kAdapters),
+                        [&](const auto& known) { return plan.adapter == known.name; });
+  };
+  std::stable_sort(nodes.begin(), nodes.end(),
+                   [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  return nodes;
+}
+
+void read_axes(const Config& file, Experiment& experiment) {
+  experiment.axes = file.texts("axes", {"long", "lat"});
+  const auto& axes = experiment.axes;
+  const bool known = std::all_of(axes.begin(), axes.end(), [](const auto& axis) {
+    return axis == "long" || axis == "lat";
+  });
+  if (axes.empty() || axes.size() > 2 || !known || (axes.size() == 2 && axes[0] == axes[1]))
+    file.fail("axes", "axes must be [\"long\"], [\"lat\"] or both");
+}
+
+void read_steps(const Config& file, Experiment& experiment) {
+  experiment.integration_step = file.number_in("integration_step_s", 1e-3, 0.1, 0.01);
+  experiment.rate = file.number_in("rate", 1, 1000, 1.0);
+  experiment.duration = file.number_in("duration_s", experiment.integration_step, 1e5);
+  experiment.seed = static_cast<std::uint64_t>(file.integer_in("seed", 0, 1LL << 53, 1));
+}
+
+void read_solver(const Config& table, Experiment& experiment) {
+  experiment.alpha = table.number_in("alpha", -1.0 / 3, 0, experiment.alpha);
+  experiment.wait_deadline =
+      table.number_in("wait_deadline_s", 0.01, 100, experiment.wait_deadline);
+  auto& time = experiment.computing_time;
+  time.mean = table.number_in("computing_time_s", 0, 10, time.mean);
+  time.spread = table.number_in("computing_time_spread", 0, 1, time.spread);
+  time.overrun_fraction = table.number_in("overrun_fraction", 0, 1, time.overrun_fraction);
+  time.overrun = table.number_in("overrun_s", 0, 10, time.overrun);
+  table.reject_unknown_keys();
+}
+
+void read_stop(const Config& table, Experiment& experiment) {
+  experiment.retreat.hold = table.number_in("hold_s", 0, 10, experiment.retreat.hold);
+  experiment.retreat.ramp = table.number_in("ramp_s", 0.01, 60, experiment.retreat.ramp);
+  table.reject_unknown_keys();
+}
+
+void read_uncompensated(const Config& table, Experiment& experiment) {
+  for (const auto& node : table.keys()) {
+    const auto plan = std::find_if(experiment.nodes.begin(), experiment.nodes.end(),
+                                   [&](const auto& candidate) { return candidate.node == node; });
+    if (plan == experiment.nodes.end())
+      table.fail(node, fmt::format("[uncompensated] names node '{}', which does not take part", node));
+    read_tuning(table.table(node), "", plan->uncompensated);
+  }
+}
+
+// Two experiments that differ only in their noise must differ in it everywhere.
+void spread_seed(Experiment& experiment) {
+  experiment.machine.seed = experiment.seed;
+  experiment.machine.specimen = experiment.specimen;
+  experiment.computing_time.seed = experiment.seed + 1;
+}
+
+}  // namespace
+
+Experiment load_experiment(const std::filesystem::path& path, const Overrides& overrides) {
+  Config file = Config::load(path);
+  for (const auto& [key, value] : overrides) file.set(key, value);
+  const std::int64_t format = file.integer("format");
+  if (format != kExperimentFormat)
+    file.fail("format", fmt::format("format is {}, this program reads {}", format, kExperimentFormat));
+  Experiment experiment;
+  experiment.file = path;
+  experiment.name = file.text("name");
+  experiment.map = find_file(file, "map", "maps");
+  read_axes(file, experiment);
+  read_steps(file, experiment);
+  const Config motion = file.table("motion");
+  experiment.motion_name = motion.text("name", motion.text("file", ""));
+  experiment.motion = adapters::read_motion(motion);
+  experiment.plant = adapters::read_plant(file.table_or_empty("plant"));
+  experiment.specimen = adapters::read_specimen(file.table_or_empty("specimen"));
+  experiment.machine = adapters::read_machine(file.table_or_empty("machine"));
+  read_solver(file.table_or_empty("solver"), experiment);
+  read_stop(file.table_or_empty("stop"), experiment);
+  experiment.nodes = read_nodes(file.table("node"));
+  read_uncompensated(file.table_or_empty("uncompensated"), experiment);
+  file.reject_unknown_keys();
+  spread_seed(experiment);
+  experiment.config = {{path.filename().string(), file_content(path)}};
+  for (const auto& plan : experiment.nodes)
+    if (!plan.diagram.empty())
+      experiment.config.emplace_back(plan.diagram.filename().string(), file_content(plan.diagram));
+  std::string changes;
+  for (const auto& [key, value] : overrides) changes += fmt::format("{}={}\n", key, value);
+  if (!changes.empty()) experiment.config.emplace_back(recording::kOverridesText, changes);
+  return experiment;
+}
+
+}  // namespace rths::launch

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/launch/installed_files.hpp>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::launch {
+namespace {
+
+std::filesystem::path installed(const std::string& name, const std::string& folder) {
+  const std::string ending = folder == "maps" ? ".ringmap.toml" : ".toml";
+  return shared_files() / folder / (name + ending);
+}
+
+std::string built_in_names(const std::string& folder) {
+  std::string names;
+  std::error_code missing;
+  for (const auto& file : std::filesystem::directory_iterator{shared_files() / folder, missing}) {
+    const std::string name = file.path().filename().string();
+    names += (names.empty() ? "" : ", ") + name.substr(0, name.find('.'));
+  }
+  return names;
+}
+
+bool is_bare_name(const std::string& name) {
+  return name.find('/') == std::string::npos && name.find('.') == std::string::npos;
+}
+
+}  // namespace
+
+std::filesystem::path shared_files() {
+  const auto command = std::filesystem::read_symlink("/proc/self/exe");
+  return command.parent_path().parent_path() / "share" / "rths";
+}
+
+std::filesystem::path find_map(const std::string& name_or_path) {
+  if (!is_bare_name(name_or_path)) return name_or_path;
+  const auto file = installed(name_or_path, "maps");
+  if (std::filesystem::exists(file)) return file;
+  if (std::filesystem::exists(name_or_path)) return name_or_path;
+  throw Error{fmt::format("there is no map '{}', expected a file or one of: {}", name_or_path,
+                          built_in_names("maps"))};
+}
+
+std::filesystem::path find_file(const memmap::Config& table, const std::string& key,
+                                const std::string& folder) {
+  const std::string name = table.text(key);
+  const auto file = is_bare_name(name) ? installed(name, folder) : table.resolve(name);
+  if (!std::filesystem::exists(file))
+    table.fail(key, fmt::format("{} is '{}', expected a file or one of: {}", key, name,
+                                built_in_names(folder)));
+  return file;
+}
+
+}  // namespace rths::launch

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "realtime_thread.hpp"
+
+#include <pthread.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace rths::launch {
+
+std::string make_realtime(int priority) {
+  std::string missing;
+  const auto lacks = [&](const std::string& what, int error) {
+    missing += (missing.empty() ? "" : ", ") + what + " (" + std::strerror(error) + ")";
+  };
+  const sched_param parameters{priority};
+  if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error != 0)
+    lacks("no real-time scheduling", error);
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) lacks("memory not locked", errno);
+  if (prctl(PR_SET_TIMERSLACK, 1UL) != 0) lacks("inexact timers", errno);
+  return missing;
+}
+
+int priority_of(const std::string& adapter) {
+  if (adapter == "srmd") return 60;
+  if (adapter == "simulink_like") return 50;
+  if (adapter == "numerical") return 40;
+  return 30;
+}
+
+}  // namespace rths::launch

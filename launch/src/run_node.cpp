@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A node of a run in a process of its own. The real-time thread runs the adapter; this, the main
+// thread, listens to the launcher, watches the peers, and tells the other to stop.
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+#include "realtime_thread.hpp"
+#include "run_parts.hpp"
+
+namespace rths::launch {
+namespace {
+
+constexpr int kLookEvery = 20;                                   // [ms]
+constexpr auto kLongestGo = std::chrono::seconds{30};            // from ready to go
+constexpr auto kLongestStop = std::chrono::milliseconds{4000};   // from stop to rest
+constexpr auto kSilence = std::chrono::milliseconds{500};        // of a peer that is there
+
+// Lines from the launcher. It vanishes when its end of the pipe closes.
+class Launcher {
+ public:
+  std::optional<std::string> listen(int timeout_ms) {
+    pollfd descriptor{STDIN_FILENO, POLLIN, 0};
+    if (poll(&descriptor, 1, timeout_ms) <= 0) return std::nullopt;
+    std::array<char, 512> chunk{};
+    const ssize_t count = read(STDIN_FILENO, chunk.data(), chunk.size());
+    if (count <= 0) return "stop the launcher vanished";
+    received_.append(chunk.data(), static_cast<std::size_t>(count));
+    const auto end = received_.find('\n');
+    if (end == std::string::npos) return std::nullopt;
+    std::string line = received_.substr(0, end);
+    received_.erase(0, end + 1);
+    return line;
+  }
+  static void say(const std::string& line) {
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+  }
+
+ private:
+  std::string received_;
+};
+
+// Peers are dead when the kernel says so. One that lives but stands still is silent: its beats
+// stay, while ours go on.
+class PeerWatch {
+ public:
+  PeerWatch(const adapters::Host& host, const broker::Node& node, const memmap::Map& map,
+            const std::string& own_name)
+      : node_{node}, own_{map.node(own_name)} {
+    for (const auto& peer : host.peers()) peers_.push_back({peer, map.node(peer), 0, {}, 0});
+  }
+
+  std::optional<std::string> find_trouble(TimePoint now) {
+    const std::uint64_t own_beats = node_.beats_of(own_);
+    for (auto& peer : peers_) {
+      const auto presence = node_.presence_of(peer.id);
+      if (presence.state == broker::Presence::State::Vanished)
+        return fmt::format("{} (process {}) vanished", peer.name, presence.pid);
+      if (presence.state == broker::Presence::State::Absent) continue;  // it left in order
+      const std::uint64_t beats = node_.beats_of(peer.id);
+      if (beats != peer.beats || peer.since == TimePoint{}) {
+        peer.beats = beats;
+        peer.since = now;
+        peer.own_beats = own_beats;
+      }
+      // If the whole host stood still, so did we: only steps of our own count as silence.
+      if (now - peer.since > kSilence && own_beats > peer.own_beats + kStepsOfSilence)
+        return fmt::format("{} (process {}) is silent", peer.name, presence.pid);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr std::uint64_t kStepsOfSilence = 100;
+  struct Peer {
+    std::string name;
+    NodeId id;
+    std::uint64_t beats;
+    TimePoint since;
+    std::uint64_t own_beats;
+  };
+  const broker::Node& node_;
+  NodeId own_;
+  std::vector<Peer> peers_;
+};
+
+std::optional<TimePoint> wait_for_go(Launcher& launcher) {
+  WallClock clock;
+  const TimePoint deadline = clock.now() + kLongestGo;
+  while (clock.now() < deadline) {
+    const auto line = launcher.listen(kLookEvery);
+    if (!line) continue;
+    if (line->rfind("go ", 0) == 0) return TimePoint{std::stoll(line->substr(3))};
+    return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// The real-time thread and what it left behind.
+class LoopThread {
+ public:
+  LoopThread(adapters::Host& host, TimePoint epoch, const NodePlan& plan)
+      : thread_{[this, &host, epoch, &plan] {
+          missing_ = make_realtime(priority_of(plan.adapter));
+          WallClock clock;
+          end_ = adapters::run_loop(host, clock, epoch, plan.schedule, stopping_);
+          finished_.store(true, std::memory_order_release);
+        }} {}
+  ~LoopThread() {
+    stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  LoopThread(const LoopThread&) = delete;
+  LoopThread& operator=(const LoopThread&) = delete;
+
+  void stop() { stopping_.store(true, std::memory_order_relaxed); }
+  [[nodiscard]] bool finished() const { return finished_.load(std::memory_order_acquire); }
+  [[nodiscard]] const adapters::LoopEnd& end() const { return end_; }
+  /// What the host did not grant, in words.
+  [[nodiscard]] const std::string& missing() const { return missing_; }
+
+ private:
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> finished_{false};
+  adapters::LoopEnd end_;
+  std::string missing_;
+  std::thread thread_;  ///< last: it uses all of the above
+};
+
+// Watches until the loop ends. @returns why it was stopped, if not by its own end
+std::string watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers) {
+  WallClock clock;
+  std::string reason;
+  bool told_to_stop = false;
+  TimePoint give_up{};
+  while (!loop.finished()) {
+    const TimePoint now = clock.now();
+    const auto line = launcher.listen(kLookEvery);
+    if (!told_to_stop) {
+      if (line && line->rfind("stop", 0) == 0) {
+        told_to_stop = true;
+        reason = line->size() > 5 ? line->substr(5) : "";
+      } else if (const auto trouble = peers.find_trouble(now)) {
+        told_to_stop = true;
+        reason = *trouble;
+      }
+      if (told_to_stop) {
+        give_up = now + kLongestStop;
+        loop.stop();
+      }
+    } else if (now > give_up) {
+      fmt::print(stderr, "the control loop does not come to rest; ending the process\n");
+      std::_Exit(2);
+    }
+    // With its pipe closed a poll returns at once; the loop must not spin on it.
+    if (line) std::this_thread::sleep_for(std::chrono::milliseconds{kLookEvery});
+  }
+  return reason;
+}
+
+int conclude(const LoopThread& loop, const adapters::Host& host, const std::string& node,
+             const std::string& reason, const adapters::Retreat& retreat) {
+  const double time = to_seconds(loop.end().time);
+  if (!loop.missing().empty()) Launcher::say("note " + loop.missing());
+  if (loop.end().status == Status::Fault) {
+    Launcher::say(fmt::format("fault {}", host.message()));
+    fmt::print(stderr, "{}: {} at {:.3f} s\n", node, host.message(), time);
+    return 2;
+  }
+  Launcher::say("done");
+  if (reason.empty()) return 0;
+  fmt::print(stderr, "{}: {}: held {:.1f} s, ramped to rest in {:.1f} s, ended at {:.3f} s\n", node,
+             reason, retreat.hold, retreat.ramp, time);
+  return 2;
+}
+
+}  // namespace
+
+int run_node(const Experiment& experiment, const std::string& node, const std::string& ring_name,
+             const std::filesystem::path& recording, const std::string& version) {
+  // A person's interrupt goes to the launcher, which brings all nodes to rest together.
+  std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  Assembly assembly = assemble(experiment, ClockKind::Wall,
+                               {recording, describe_run(experiment, ClockKind::Wall, version)});
+  const auto station = std::find_if(assembly.stations.begin(), assembly.stations.end(),
+                                    [&](const Station& s) { return s.plan.node == node; });
+  if (station == assembly.stations.end())
+    throw Error{fmt::format("experiment '{}' has no node '{}'", experiment.name, node)};
+  broker::Ring ring = broker::Ring::attach(ring_name);
+  adapters::Host host{*station->adapter, ring, node, assembly.map.hash(),
+                      station->plan.schedule.period};
+  station->adapter->activate();
+  Launcher launcher;
+  Launcher::say("ready");
+  const auto epoch = wait_for_go(launcher);
+  if (!epoch) {
+    station->adapter->deactivate();
+    fmt::print(stderr, "{}: was not told to start\n", node);
+    return 2;
+  }
+  int code = 0;
+  {
+    LoopThread loop{host, *epoch, station->plan};
+    PeerWatch peers{host, host.node(), assembly.map, node};
+    const std::string reason = watch(loop, launcher, peers);
+    code = conclude(loop, host, node, reason, experiment.retreat);
+  }
+  station->adapter->deactivate();
+  return code;
+}
+
+}  // namespace rths::launch

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A run in real time: one process per node on a ring in shared memory, started together, watched,
+// and brought to rest together.
+#include <poll.h>
+
+#include <algorithm>
+#include <csignal>
+#include <deque>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+#include "child_process.hpp"
+#include "host_probe.hpp"
+#include "run_parts.hpp"
+
+namespace rths::launch {
+namespace {
+
+constexpr auto kReadyDeadline = std::chrono::seconds{20};
+constexpr auto kHeadStart = std::chrono::milliseconds{50};    // between "go" and the first step
+constexpr auto kRestDeadline = std::chrono::milliseconds{5000};
+constexpr int kLookEvery = 50;                                // [ms]
+constexpr double kProbeMargin = 10;                           // [s] beyond the planned duration
+
+volatile std::sig_atomic_t interrupt_received = 0;  // NOLINT: a signal handler can reach no other
+
+extern "C" void note_interrupt(int) { interrupt_received = 1; }
+
+/// Installs the handler for as long as it lives.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    interrupt_received = 0;
+    struct sigaction action {};
+    action.sa_handler = note_interrupt;
+    sigaction(SIGINT, &action, &previous_int_);
+    sigaction(SIGTERM, &action, &previous_term_);
+  }
+  ~InterruptGuard() {
+    sigaction(SIGINT, &previous_int_, nullptr);
+    sigaction(SIGTERM, &previous_term_, nullptr);
+  }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  struct sigaction previous_int_ {};
+  struct sigaction previous_term_ {};
+};
+
+/// Removes the ring's name when the run is over, however it ends.
+struct RingRemoval {
+  std::string name;
+  ~RingRemoval() { broker::remove_ring(name); }
+};
+
+struct NodeProcess {
+  std::string node;
+  ChildProcess process;
+  bool done = false;
+};
+
+class WallRun {
+ public:
+  WallRun(const Experiment& experiment, const Assembly& assembly, const RunOptions& options)
+      : experiment_{experiment}, options_{options} {
+    for (const auto& station : assembly.stations)
+      nodes_.push_back({station.plan.node, ChildProcess{arguments_for(station.plan.node)}});
+  }
+
+  void wait_until_ready() {
+    const TimePoint deadline = clock_.now() + kReadyDeadline;
+    for (auto& node : nodes_) {
+      std::optional<std::string> line;
+      while (!(line = node.process.read_line()) && !node.process.ended() &&
+             clock_.now() < deadline && interrupt_received == 0)
+        wait_for_output();
+      if (line == "ready") continue;
+      throw Error{fmt::format("node '{}' did not become ready: it {}", node.node,
+                              node.process.ended() ? node.process.ending()
+                                                   : "was silent for too long")};
+    }
+  }
+
+  WallRunResult run() {
+    const TimePoint epoch = clock_.now() + kHeadStart;
+    for (auto& node : nodes_) node.process.say(fmt::format("go {}", epoch.count()));
+    HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
+    while (!all_ended()) {
+      wait_for_output();
+      for (auto& node : nodes_) listen(node);
+      if (interrupt_received != 0 && !stopping_) stop("interrupted");
+      if (stopping_ && clock_.now() > *stopping_ + kRestDeadline) kill_the_rest();
+      report_progress(epoch);
+    }
+    result_.interrupted = interrupt_received != 0;
+    result_.lateness = probe.finish();
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::string> arguments_for(const std::string& node) const {
+    std::vector<std::string> arguments{"node",        experiment_.file.string(),
+                                       "--node",      node,
+                                       "--ring",      options_.ring,
+                                       "--recording", options_.recording.string()};
+    for (const auto& [key, value] : options_.overrides) {
+      arguments.emplace_back("--set");
+      arguments.push_back(key + "=" + value);
+    }
+    return arguments;
+  }
+
+  void wait_for_output() {
+    std::vector<pollfd> descriptors;
+    for (const auto& node : nodes_)
+      if (!node.process.ended()) descriptors.push_back({node.process.output(), POLLIN, 0});
+    poll(descriptors.data(), descriptors.size(), kLookEvery);
+  }
+
+  [[nodiscard]] bool all_ended() const {
+    return std::all_of(nodes_.begin(), nodes_.end(),
+                       [](const auto& node) { return node.process.ended(); });
+  }
+
+  void listen(NodeProcess& node) {
+    if (node.process.ended()) return;
+    while (const auto line = node.process.read_line()) {
+      if (*line == "done") {
+        node.done = true;
+        if (!stopping_) stop("");
+      } else if (line->rfind("fault ", 0) == 0) {
+        fail(node, line->substr(6));
+      } else if (line->rfind("note ", 0) == 0) {
+        result_.privileges.push_back(node.node + ": " + line->substr(5));
+      }
+    }
+    if (node.process.ended() && !node.done)
+      fail(node, fmt::format("(process {}) {}", node.process.pid(), node.process.ending()));
+  }
+
+  void fail(const NodeProcess& node, const std::string& what) {
+    const std::string trouble = fmt::format("{} {}", node.node, what);
+    if (result_.trouble.empty()) result_.trouble = trouble;
+    if (!stopping_) stop(trouble);
+  }
+
+  // An empty reason is the lawful end of a run.
+  void stop(const std::string& reason) {
+    stopping_ = clock_.now();
+    for (auto& node : nodes_) node.process.say(reason.empty() ? "stop" : "stop " + reason);
+  }
+
+  void kill_the_rest() {
+    for (auto& node : nodes_)
+      if (!node.process.ended()) {
+        ::kill(node.process.pid(), SIGKILL);
+        if (result_.trouble.empty())
+          result_.trouble = fmt::format("{} did not come to rest and was killed", node.node);
+      }
+  }
+
+  void report_progress(TimePoint epoch) {
+    if (!options_.progress) return;
+    options_.progress({to_seconds(clock_.now() - epoch) / experiment_.rate, experiment_.duration});
+  }
+
+  const Experiment& experiment_;
+  const RunOptions& options_;
+  WallClock clock_;
+  std::deque<NodeProcess> nodes_;
+  std::optional<TimePoint> stopping_;
+  WallRunResult result_;
+};
+
+}  // namespace
+
+WallRunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
+                               const RunOptions& options) {
+  const InterruptGuard guard;
+  broker::Ring ring = broker::Ring::create(options.ring, assembly.map);
+  const RingRemoval removal{options.ring};
+  WallRun run{experiment, assembly, options};
+  run.wait_until_ready();
+  return run.run();
+}
+
+}  // namespace rths::launch

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <rths/core/error.hpp>
+
+namespace rths::memmap {
+
+/// One value of a TOML file together with the place where it stands.
+struct ConfigValue {
+  using Array = std::vector<ConfigValue>;
+  using Table = std::map<std::string, ConfigValue>;
+  std::variant<bool, std::int64_t, double, std::string, Array, Table> value;
+  std::string where;  ///< "file:line:column"
+};
+
+/// A table of a TOML file that knows where each of its values stands and which were asked for.
+///
+/// Every getter throws `Error` with file:line:column, what was found and what was expected. Keys
+/// nobody asked for are errors too, so a misspelt key can never be silently ignored: call
+/// `reject_unknown_keys` after the last getter. All of it @setup.
+class Config {
+ public:
+  /// Reads a file. @throws Error if it cannot be read or is no TOML
+  [[nodiscard]] static Config load(const std::filesystem::path& file);
+  /// Reads text; `name` takes the file's place in messages.
+  [[nodiscard]] static Config parse(std::string_view text, const std::string& name);
+
+  [[nodiscard]] bool has(const std::string& key) const;
+  [[nodiscard]] bool is_table(const std::string& key) const;
+  [[nodiscard]] std::vector<std::string> keys() const;
+
+  /// Required values.
+  [[nodiscard]] double number(const std::string& key) const;
+  [[nodiscard]] std::int64_t integer(const std::string& key) const;
+  [[nodiscard]] std::string text(const std::string& key) const;
+  [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
+  [[nodiscard]] std::vector<std::string> texts(const std::string& key) const;
+  [[nodiscard]] Config table(const std::string& key) const;
+
+  /// Values with a default.
+  [[nodiscard]] double number(const std::string& key, double otherwise) const;
+  [[nodiscard]] std::int64_t integer(const std::string& key, std::int64_t otherwise) const;
+  [[nodiscard]] std::string text(const std::string& key, const std::string& otherwise) const;
+  [[nodiscard]] bool flag(const std::string& key, bool otherwise) const;
+  [[nodiscard]] std::vector<double> numbers(const std::string& key,
+                                            const std::vector<double>& otherwise) const;
+  [[nodiscard]] std::vector<std::string> texts(const std::string& key,
+                                               const std::vector<std::string>& otherwise) const;
+  /// The tables of `[[key]]`, none if absent.
+  [[nodiscard]] std::vector<Config> tables(const std::string& key) const;
+  /// The table of `[key]`, an empty one if absent.
+  [[nodiscard]] Config table_or_empty(const std::string& key) const;
+
+  /// A number inside [low, high]. @throws Error naming both bounds
+  [[nodiscard]] double number_in(const std::string& key, double low, double high,
+                                 std::optional<double> otherwise = std::nullopt) const;
+  [[nodiscard]] std::int64_t integer_in(const std::string& key, std::int64_t low, std::int64_t high,
+                                        std::optional<std::int64_t> otherwise = std::nullopt) const;
+
+  /// Place of the value, or of the table if the key is absent: "file:line:column".
+  [[nodiscard]] std::string where(const std::string& key) const;
+  [[nodiscard]] const std::string& where() const { return where_; }
+  /// The file a path in this table is relative to.
+  [[nodiscard]] std::filesystem::path resolve(const std::string& relative) const;
+  /// @throws Error "where(key): message"
+  [[noreturn]] void fail(const std::string& key, const std::string& message) const;
+  /// Result of `make`; an error of its own, which knows no place, gets the place of `key`.
+  template <class Make>
+  [[nodiscard]] auto placed(const std::string& key, Make make) const {
+    try {
+      return make();
+    } catch (const Error& error) {
+      fail(key, error.what());
+    }
+  }
+  /// @throws Error for the first key that no getter has asked for, with the nearest known key
+  void reject_unknown_keys() const;
+
+  /// Puts `value` (as TOML text) at a dotted path, as the command line does.
+  void set(const std::string& dotted_key, const std::string& value);
+
+ private:
+  explicit Config(ConfigValue::Table table, std::string where, std::filesystem::path directory);
+  [[nodiscard]] const ConfigValue* find(const std::string& key) const;
+  [[nodiscard]] const ConfigValue& require(const std::string& key) const;
+
+  ConfigValue::Table table_;
+  std::string where_;
+  std::filesystem::path directory_;
+  mutable std::set<std::string> asked_;
+};
+
+/// The candidate nearest to `word` in spelling, if one is near enough to be what was meant.
+[[nodiscard]] std::optional<std::string> nearest(const std::string& word,
+                                                 const std::vector<std::string>& candidates);
+
+}  // namespace rths::memmap

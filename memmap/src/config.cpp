@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/memmap/config.hpp>
+
+#include <algorithm>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+#include "toml_text.hpp"
+
+namespace rths::memmap {
+namespace {
+
+std::string kind_of(const ConfigValue& value) {
+  constexpr const char* kKinds[] = {"a truth value", "an integer", "a number",
+                                    "a text",        "an array",   "a table"};
+  return kKinds[value.value.index()];
+}
+
+[[noreturn]] void fail_kind(const std::string& key, const ConfigValue& found,
+                            const std::string& expected) {
+  throw Error{
+      fmt::format("{}: {} is {}, expected {}", found.where, key, kind_of(found), expected)};
+}
+
+double as_number(const std::string& key, const ConfigValue& value) {
+  if (const auto* real = std::get_if<double>(&value.value)) return *real;
+  if (const auto* whole = std::get_if<std::int64_t>(&value.value))
+    return static_cast<double>(*whole);
+  fail_kind(key, value, "a number");
+}
+
+template <class T>
+const T& as(const std::string& key, const ConfigValue& value, const std::string& expected) {
+  if (const T* held = std::get_if<T>(&value.value)) return *held;
+  fail_kind(key, value, expected);
+}
+
+template <class T>
+void check_range(const Config& config, const std::string& key, T value, T low, T high) {
+  if (!(value >= low && value <= high))
+    config.fail(key, fmt::format("{} is {}, expected {} to {}", key, value, low, high));
+}
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::optional<std::string> nearest(const std::string& word,
+                                   const std::vector<std::string>& candidates) {
+  const std::size_t near_enough = word.size() / 3 + 1;
+  std::optional<std::string> best;
+  std::size_t best_distance = near_enough + 1;
+  for (const auto& candidate : candidates) {
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+Config::Config(ConfigValue::Table table, std::string where, std::filesystem::path directory)
+    : table_{std::move(table)}, where_{std::move(where)}, directory_{std::move(directory)} {}
+
+Config Config::load(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file);
+  return Config{parse_toml(text, file.string()), file.string(), file.parent_path()};
+}
+
+Config Config::parse(std::string_view text, const std::string& name) {
+  return Config{parse_toml(text, name), name, {}};
+}
+
+const ConfigValue* Config::find(const std::string& key) const {
+  asked_.insert(key);
+  const auto found = table_.find(key);
+  return found == table_.end() ? nullptr : &found->second;
+}
+
+const ConfigValue& Config::require(const std::string& key) const {
+  if (const ConfigValue* found = find(key)) return *found;
+  for (const auto& [present, value] : table_) {
+    if (asked_.count(present) == 0 && nearest(present, {key}))
+      throw Error{
+          fmt::format("{}: unknown key '{}' (did you mean '{}'?)", value.where, present, key)};
+  }
+  throw Error{fmt::format("{}: '{}' is missing", where_, key)};
+}
+
+bool Config::has(const std::string& key) const { return find(key) != nullptr; }
+
+bool Config::is_table(const std::string& key) const {
+  const ConfigValue* found = find(key);
+  return found != nullptr && std::holds_alternative<ConfigValue::Table>(found->value);
+}
+
+std::vector<std::string> Config::keys() const {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : table_) names.push_back(key);
+  return names;
+}
+
+double Config::number(const std::string& key) const { return as_number(key, require(key)); }
+
+std::int64_t Config::integer(const std::string& key) const {
+  return as<std::int64_t>(key, require(key), "an integer");
+}
+
+std::string Config::text(const std::string& key) const {
+  return as<std::string>(key, require(key), "a text");
+}
+
+std::vector<double> Config::numbers(const std::string& key) const {
+  std::vector<double> result;
+  for (const auto& item : as<ConfigValue::Array>(key, require(key), "an array of numbers"))
+    result.push_back(as_number(key, item));
+  return result;
+}
+
+std::vector<std::string> Config::texts(const std::string& key) const {
+  std::vector<std::string> result;
+  for (const auto& item : as<ConfigValue::Array>(key, require(key), "an array of texts"))
+    result.push_back(as<std::string>(key, item, "a text"));
+  return result;
+}
+
+Config Config::table(const std::string& key) const {
+  const ConfigValue& found = require(key);
+  return Config{as<ConfigValue::Table>(key, found, "a table"), found.where, directory_};
+}
+
+double Config::number(const std::string& key, double otherwise) const {
+  return has(key) ? number(key) : otherwise;
+}
+
+std::int64_t Config::integer(const std::string& key, std::int64_t otherwise) const {
+  return has(key) ? integer(key) : otherwise;
+}
+
+std::string Config::text(const std::string& key, const std::string& otherwise) const {
+  return has(key) ? text(key) : otherwise;
+}
+
+bool Config::flag(const std::string& key, bool otherwise) const {
+  return has(key) ? as<bool>(key, require(key), "true or false") : otherwise;
+}
+
+std::vector<double> Config::numbers(const std::string& key,
+                                    const std::vector<double>& otherwise) const {
+  return has(key) ? numbers(key) : otherwise;
+}
+
+std::vector<std::string> Config::texts(const std::string& key,
+                                       const std::vector<std::string>& otherwise) const {
+  return has(key) ? texts(key) : otherwise;
+}
+
+std::vector<Config> Config::tables(const std::string& key) const {
+  std::vector<Config> result;
+  if (!has(key)) return result;
+  const std::string expected = fmt::format("tables, written [[{}]]", key);
+  for (const auto& item : as<ConfigValue::Array>(key, require(key), expected))
+    result.push_back(
+        Config{as<ConfigValue::Table>(key, item, expected), item.where, directory_});
+  return result;
+}
+
+Config Config::table_or_empty(const std::string& key) const {
+  return has(key) ? table(key) : Config{{}, where_, directory_};
+}
+
+double Config::number_in(const std::string& key, double low, double high,
+                         std::optional<double> otherwise) const {
+  if (!has(key) && otherwise) return *otherwise;
+  const double value = number(key);
+  check_range(*this, key, value, low, high);
+  return value;
+}
+
+std::int64_t Config::integer_in(const std::string& key, std::int64_t low, std::int64_t high,
+                                std::optional<std::int64_t> otherwise) const {
+  if (!has(key) && otherwise) return *otherwise;
+  const std::int64_t value = integer(key);
+  check_range(*this, key, value, low, high);
+  return value;
+}
+
+std::string Config::where(const std::string& key) const {
+  const auto found = table_.find(key);
+  return found == table_.end() ? where_ : found->second.where;
+}
+
+std::filesystem::path Config::resolve(const std::string& relative) const {
+  const std::filesystem::path path{relative};
+  return path.is_absolute() ? path : directory_ / path;
+}
+
+void Config::fail(const std::string& key, const std::string& message) const {
+  throw Error{where(key) + ": " + message};
+}
+
+void Config::reject_unknown_keys() const {
+  for (const auto& [key, value] : table_) {
+    if (asked_.count(key) > 0) continue;
+    const auto meant = nearest(key, {asked_.begin(), asked_.end()});
+    throw Error{fmt::format("{}: unknown key '{}'{}", value.where, key,
+                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+  }
+}
+
+void Config::set(const std::string& dotted_key, const std::string& value) {
+  const std::string where = fmt::format("--set {}", dotted_key);
+  ConfigValue parsed = std::move(parse_toml("value = " + value, where).at("value"));
+  ConfigValue::Table* table = &table_;
+  std::size_t start = 0;
+  for (std::size_t dot = dotted_key.find('.'); dot != std::string::npos;
+       start = dot + 1, dot = dotted_key.find('.', start)) {
+    ConfigValue& next = (*table)[dotted_key.substr(start, dot - start)];
+    if (next.where.empty()) next = {ConfigValue::Table{}, where};
+    table = std::get_if<ConfigValue::Table>(&next.value);
+    if (table == nullptr)
+      throw Error{fmt::format("{}: '{}' is {}, expected a table", where, dotted_key.substr(0, dot),
+                              kind_of(next))};
+  }
+  parsed.where = where;
+  (*table)[dotted_key.substr(start)] = std::move(parsed);
+}
+
+}  // namespace rths::memmap

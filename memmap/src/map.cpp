@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/memmap/map.hpp>
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <rths/core/error.hpp>
+#include <rths/memmap/config.hpp>
+
+#include "map_rules.hpp"
+
+namespace rths::memmap {
+namespace {
+
+std::string signal_toml(const Signal& signal) {
+  std::string text = fmt::format(
+      "[[partition.signal]]\nname = \"{}\"\noffset = {}\ntype = \"{}\"\nunit = \"{}\"\n",
+      signal.name, signal.offset.value(), to_text(signal.type), signal.unit);
+  // Numbers keep a decimal point so that they read back as what they are.
+  if (signal.range)
+    text += fmt::format("range = [{:#}, {:#}]\n", signal.range->first, signal.range->second);
+  if (signal.initial != 0) text += fmt::format("initial = {:#}\n", signal.initial);
+  if (!signal.values.empty()) {
+    text += "values = {";
+    for (const auto& [name, value] : signal.values)
+      text += fmt::format("{}{} = {}", text.back() == '{' ? " " : ", ", name, value);
+    text += " }\n";
+  }
+  if (signal.interrupt) text += "interrupt = true\n";
+  if (signal.event) text += "event = true\n";
+  return text;
+}
+
+std::string partition_toml(const Partition& partition) {
+  std::string text = fmt::format(
+      "[[partition]]\nname = \"{}\"\nnode = \"{}\"\noffset = {}\nlongwords = {}\n", partition.name,
+      partition.node, partition.base.value(), partition.longwords);
+  if (partition.tear_group) text += "tear_group = true\n";
+  for (const auto& signal : partition.signals) text += signal_toml(signal);
+  return text;
+}
+
+// Two spellings of one map have one canonical order.
+void sort_canonically(MapDescription& description) {
+  const auto by_offset = [](const Signal& a, const Signal& b) { return a.offset < b.offset; };
+  const auto by_base = [](const Partition& a, const Partition& b) { return a.base < b.base; };
+  std::sort(description.nodes.begin(), description.nodes.end(),
+            [](const MapNode& a, const MapNode& b) { return a.id < b.id; });
+  std::stable_sort(description.partitions.begin(), description.partitions.end(), by_base);
+  for (auto& partition : description.partitions) {
+    std::stable_sort(partition.signals.begin(), partition.signals.end(), by_offset);
+    for (auto& signal : partition.signals)
+      std::sort(signal.values.begin(), signal.values.end(),
+                [](const auto& a, const auto& b) { return a.second < b.second; });
+  }
+}
+
+}  // namespace
+
+const char* to_text(WordType type) noexcept {
+  switch (type) {
+    case WordType::I32: return "i32";
+    case WordType::U32: return "u32";
+    case WordType::F32: return "f32";
+  }
+  return "?";
+}
+
+Map::Map(MapDescription description) : description_{std::move(description)} {
+  sort_canonically(description_);
+  check_rules(description_);
+  for (const auto& partition : description_.partitions) {
+    for (const auto& signal : partition.signals) {
+      by_name_.emplace(partition.name + "." + signal.name,
+                       static_cast<std::uint32_t>(signals_.size()));
+      signals_.push_back({partition.name + "." + signal.name, &signal, &partition});
+    }
+  }
+  const std::string canonical = to_toml();
+  hash_ = XXH3_64bits(canonical.data(), canonical.size());
+}
+
+std::optional<SignalId> Map::find_signal(const std::string& full_name) const {
+  const auto found = by_name_.find(full_name);
+  if (found == by_name_.end()) return std::nullopt;
+  return SignalId{found->second};
+}
+
+SignalId Map::signal(const std::string& full_name) const {
+  if (const auto found = find_signal(full_name)) return *found;
+  std::vector<std::string> names;
+  for (const auto& entry : signals_) names.push_back(entry.name);
+  const auto meant = nearest(full_name, names);
+  throw Error{fmt::format("map '{}' has no signal '{}'{}", description_.name, full_name,
+                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+}
+
+NodeId Map::node(const std::string& name) const {
+  std::string known;
+  for (const auto& node : description_.nodes) {
+    if (node.name == name) return node.id;
+    known += (known.empty() ? "" : ", ") + node.name;
+  }
+  throw Error{
+      fmt::format("map '{}' has no node '{}', expected one of {}", description_.name, name, known)};
+}
+
+std::string Map::node_name(NodeId id) const {
+  for (const auto& node : description_.nodes)
+    if (node.id == id) return node.name;
+  return std::to_string(id.value());
+}
+
+const Partition* Map::partition_at(LongwordOffset offset) const {
+  for (const auto& partition : description_.partitions)
+    if (offset >= partition.base && offset < advance(partition.base, partition.longwords))
+      return &partition;
+  return nullptr;
+}
+
+std::string Map::to_toml() const {
+  std::string text = fmt::format(
+      "ringmap = {}\n[ring]\nname = \"{}\"\nversion = {}\nsize_bytes = {}\n[nodes]\n", kMapFormat,
+      description_.name, description_.version, description_.size_longwords * kBytesPerLongword);
+  for (const auto& node : description_.nodes)
+    text += fmt::format("{} = {}\n", node.name, node.id.value());
+  for (const auto& partition : description_.partitions) text += partition_toml(partition);
+  return text;
+}
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+}  // namespace rths::memmap

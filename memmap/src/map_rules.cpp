@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map_rules.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/memmap/units.hpp>
+
+namespace rths::memmap {
+namespace {
+
+template <class... Args>
+[[noreturn]] void fail(const std::string& where, fmt::format_string<Args...> message,
+                       Args&&... args) {
+  throw Error{where + (where.empty() ? "" : ": ") +
+              fmt::format(message, std::forward<Args>(args)...)};
+}
+
+void check_name(const std::string& name, const std::string& what, const std::string& where) {
+  const auto allowed = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
+  };
+  if (name.empty() || !std::all_of(name.begin(), name.end(), allowed) || name.front() == '.' ||
+      name.back() == '.')
+    fail(where, "{} name '{}' is not made of letters, digits, '_' and inner '.'", what, name);
+}
+
+void check_nodes(const MapDescription& description) {
+  if (description.nodes.empty()) fail("", "map '{}' has no nodes", description.name);
+  for (std::size_t i = 1; i < description.nodes.size(); ++i) {
+    const MapNode& node = description.nodes[i];
+    const MapNode& previous = description.nodes[i - 1];
+    if (node.id == previous.id)
+      fail(node.where, "nodes '{}' and '{}' both have id {}", previous.name, node.name,
+           node.id.value());
+  }
+}
+
+void check_partition(const Partition& partition, const MapDescription& description) {
+  check_name(partition.name, "partition", partition.where);
+  const auto is_writer = [&](const MapNode& node) { return node.name == partition.node; };
+  if (std::none_of(description.nodes.begin(), description.nodes.end(), is_writer))
+    fail(partition.where, "partition '{}' is written by '{}', which is no node of this map",
+         partition.name, partition.node);
+  const std::uint64_t end = std::uint64_t{partition.base.value()} + partition.longwords;
+  if (end > description.size_longwords)
+    fail(partition.where, "partition '{}' ends at longword {}, the ring has {}", partition.name,
+         end, description.size_longwords);
+  if (partition.longwords == 0) fail(partition.where, "partition '{}' is empty", partition.name);
+}
+
+void check_overlaps(const std::vector<Partition>& partitions) {
+  for (std::size_t i = 1; i < partitions.size(); ++i) {
+    const Partition& low = partitions[i - 1];
+    const Partition& high = partitions[i];
+    if (advance(low.base, low.longwords) <= high.base) continue;
+    if (low.node != high.node)
+      fail(high.where, "longword {} has two writers: '{}' (partition '{}') and '{}' ('{}')",
+           high.base.value(), low.node, low.name, high.node, high.name);
+    fail(high.where, "partition '{}' starts at longword {}, inside partition '{}' ({} to {})",
+         high.name, high.base.value(), low.name, low.base.value(),
+         low.base.value() + low.longwords - 1);
+  }
+}
+
+void check_integer_values(const Signal& signal) {
+  if (signal.values.empty()) return;
+  if (signal.type == WordType::F32)
+    fail(signal.where, "signal '{}' names values but is f32, expected i32 or u32", signal.name);
+  const bool is_signed = signal.type == WordType::I32;
+  const std::int64_t low = is_signed ? std::numeric_limits<std::int32_t>::min() : 0;
+  const std::int64_t high = is_signed ? std::numeric_limits<std::int32_t>::max()
+                                      : std::numeric_limits<std::uint32_t>::max();
+  for (std::size_t i = 0; i < signal.values.size(); ++i) {
+    const auto& [name, value] = signal.values[i];
+    if (value < low || value > high)
+      fail(signal.where, "signal '{}': value {} = {} does not fit {}", signal.name, name, value,
+           to_text(signal.type));
+    if (i > 0 && value == signal.values[i - 1].second)
+      fail(signal.where, "signal '{}': '{}' and '{}' both are {}", signal.name,
+           signal.values[i - 1].first, name, value);
+  }
+}
+
+void check_range(const Signal& signal) {
+  if (!std::isfinite(signal.initial))
+    fail(signal.where, "signal '{}': initial is not finite", signal.name);
+  if (!signal.range) return;
+  const auto [low, high] = *signal.range;
+  if (!(low < high))
+    fail(signal.where, "signal '{}': range runs from {} to {}, expected lowest first", signal.name,
+         low, high);
+  if (signal.initial < low || signal.initial > high)
+    fail(signal.where, "signal '{}': initial {} is outside its range {} to {}", signal.name,
+         signal.initial, low, high);
+}
+
+void check_signal(const Signal& signal, const Partition& partition) {
+  check_name(signal.name, "signal", signal.where);
+  if (signal.offset < partition.base ||
+      signal.offset >= advance(partition.base, partition.longwords))
+    fail(signal.where, "signal '{}' is at longword {}, outside partition '{}' ({} to {})",
+         signal.name, signal.offset.value(), partition.name, partition.base.value(),
+         partition.base.value() + partition.longwords - 1);
+  try {
+    static_cast<void>(parse_unit(signal.unit));
+  } catch (const Error& error) {
+    fail(signal.where, "signal '{}': {}", signal.name, error.what());
+  }
+  check_integer_values(signal);
+  check_range(signal);
+}
+
+void check_signals(const Partition& partition, std::set<std::string>& names) {
+  for (std::size_t i = 0; i < partition.signals.size(); ++i) {
+    const Signal& signal = partition.signals[i];
+    check_signal(signal, partition);
+    if (i > 0 && signal.offset == partition.signals[i - 1].offset)
+      fail(signal.where, "signals '{}' and '{}' both are at longword {}",
+           partition.signals[i - 1].name, signal.name, signal.offset.value());
+    if (!names.insert(partition.name + "." + signal.name).second)
+      fail(signal.where, "there are two signals '{}.{}'", partition.name, signal.name);
+  }
+}
+
+}  // namespace
+
+void check_rules(const MapDescription& description) {
+  check_name(description.name, "ring", "");
+  check_nodes(description);
+  for (const auto& partition : description.partitions) check_partition(partition, description);
+  check_overlaps(description.partitions);
+  std::set<std::string> partition_names;
+  std::set<std::string> signal_names;
+  for (const auto& partition : description.partitions) {
+    if (!partition_names.insert(partition.name).second)
+      fail(partition.where, "there are two partitions '{}'", partition.name);
+    check_signals(partition, signal_names);
+  }
+}
+
+}  // namespace rths::memmap

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "toml_text.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::memmap {
+namespace {
+
+std::string place(const std::string& name, const toml::source_region& source) {
+  return fmt::format("{}:{}:{}", name, source.begin.line, source.begin.column);
+}
+
+ConfigValue convert(const toml::node& node, const std::string& name);
+
+ConfigValue::Table convert_table(const toml::table& table, const std::string& name) {
+  ConfigValue::Table result;
+  for (const auto& [key, value] : table) result.emplace(key.str(), convert(value, name));
+  return result;
+}
+
+ConfigValue convert(const toml::node& node, const std::string& name) {
+  const std::string where = place(name, node.source());
+  if (const auto* table = node.as_table()) return {convert_table(*table, name), where};
+  if (const auto* array = node.as_array()) {
+    ConfigValue::Array items;
+    for (const auto& item : *array) items.push_back(convert(item, name));
+    return {std::move(items), where};
+  }
+  if (const auto truth = node.value_exact<bool>()) return {*truth, where};
+  if (const auto whole = node.value_exact<std::int64_t>()) return {*whole, where};
+  if (const auto real = node.value_exact<double>()) return {*real, where};
+  if (const auto text = node.value_exact<std::string>()) return {*text, where};
+  throw Error{where + ": dates and times are not used here"};
+}
+
+}  // namespace
+
+std::string read_text_file(const std::filesystem::path& file) {
+  std::ifstream stream{file, std::ios::binary};
+  const std::string content{std::istreambuf_iterator<char>{stream}, {}};
+  if (!stream.is_open() || stream.bad())
+    throw Error{fmt::format("{}: cannot be read: {}", file.string(),
+                            std::filesystem::is_directory(file) ? "it is a directory"
+                                                                : std::strerror(errno))};
+  return content;
+}
+
+ConfigValue::Table parse_toml(std::string_view text, const std::string& name) {
+  try {
+    return convert_table(toml::parse(text, name), name);
+  } catch (const toml::parse_error& error) {
+    throw Error{fmt::format("{}: {}", place(name, error.source()), error.description())};
+  }
+}
+
+}  // namespace rths::memmap

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/memmap/config.hpp>
+
+namespace rths::memmap {
+
+/// The whole file. @throws Error if it cannot be read
+[[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
+
+/// Reads TOML text into our own values; the only place that knows the TOML library.
+/// @throws Error "name:line:column: …"
+[[nodiscard]] ConfigValue::Table parse_toml(std::string_view text, const std::string& name);
+
+}  // namespace rths::memmap

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/memmap/units.hpp>
+
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+#include <udunits2.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::memmap {
+namespace {
+
+// The quantities a hybrid test deals in.
+constexpr const char* kSiUnits[] = {"m",  "m/s", "m/s2",  "N", "N.m", "Pa", "s", "s2",
+                                    "kg", "N/m", "N.s/m", "K", "W",   "V",  "A", "rad",
+                                    "rad/s", "rad/s2", "Hz", "1"};
+
+// UDUNITS has radians as pure numbers, so only the spelling tells an angle from a count.
+bool is_angle(const std::string& unit) {
+  return unit.find("rad") != std::string::npos || unit.find("deg") != std::string::npos ||
+         unit.find("arc") != std::string::npos;
+}
+
+struct Freed {
+  void operator()(ut_unit* unit) const { ut_free(unit); }
+  void operator()(cv_converter* converter) const { cv_free(converter); }
+  void operator()(ut_system* system) const { ut_free_system(system); }
+};
+using UnitHandle = std::unique_ptr<ut_unit, Freed>;
+
+ut_system* unit_system() {
+  // Reading UDUNITS' database costs milliseconds, so it is read once per process.
+  static const std::unique_ptr<ut_system, Freed> system = [] {
+    ut_set_error_message_handler(ut_ignore);
+    return std::unique_ptr<ut_system, Freed>{ut_read_xml(nullptr)};
+  }();
+  if (!system) throw Error{"the UDUNITS database cannot be read: is libudunits2 installed whole?"};
+  return system.get();
+}
+
+UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), text, UT_UTF8)}; }
+
+}  // namespace
+
+Unit parse_unit(const std::string& text) {
+  if (text == "g")
+    throw Error{"unit 'g' would be a gram; write 'gravity' for an acceleration, 'gram' for a mass"};
+  const UnitHandle unit = parse(text.c_str());
+  if (!unit) throw Error{fmt::format("unit '{}' does not parse", text)};
+  for (const char* si : kSiUnits) {
+    const UnitHandle target = parse(si);
+    if (!ut_are_convertible(unit.get(), target.get())) continue;
+    if (is_angle(si) && !is_angle(text)) continue;
+    const std::unique_ptr<cv_converter, Freed> to_si{ut_get_converter(unit.get(), target.get())};
+    const double offset = cv_convert_double(to_si.get(), 0.0);
+    if (!std::isfinite(offset)) continue;  // UDUNITS also converts to the reciprocal: ms to Hz
+    return {si, cv_convert_double(to_si.get(), 1.0) - offset, offset};
+  }
+  throw Error{fmt::format("unit '{}' is no quantity of a hybrid test", text)};
+}
+
+}  // namespace rths::memmap

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <rths/memmap/config.hpp>
+#include <rths/recording/recording.hpp>
+
+#include "hdf5.hpp"
+
+namespace rths::recording {
+namespace {
+
+template <class T>
+struct NativeType;
+template <>
+struct NativeType<double> {
+  static hid_t id() { return H5T_NATIVE_DOUBLE; }
+};
+template <>
+struct NativeType<std::int64_t> {
+  static hid_t id() { return H5T_NATIVE_INT64; }
+};
+template <>
+struct NativeType<std::int32_t> {
+  static hid_t id() { return H5T_NATIVE_INT32; }
+};
+
+Handle open_dataset(hid_t group, const std::string& name) {
+  return {H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "opening dataset " + name};
+}
+
+Handle open_group(hid_t file, const std::string& name) {
+  return {H5Gopen2(file, name.c_str(), H5P_DEFAULT), H5Gclose, "opening group " + name};
+}
+
+template <class T>
+std::vector<T> read_all(const Handle& dataset) {
+  const Handle space{H5Dget_space(dataset.id()), H5Sclose, "HDF5 space"};
+  std::vector<T> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.id())));
+  if (!values.empty())
+    check(H5Dread(dataset.id(), NativeType<T>::id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+          "reading a dataset");
+  return values;
+}
+
+// A crashed writer leaves a mark that only readers in SWMR mode look past.
+Handle open_file(const std::filesystem::path& path) {
+  const QuietHdf5 quiet;
+  hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file < 0) file = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT);
+  return {file, H5Fclose, path.string() + ": opening it as a recording"};
+}
+
+herr_t append_attribute_name(hid_t, const char* name, const H5A_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+}  // namespace
+
+struct Reader::File {
+  Handle file;
+  std::optional<memmap::Map> map;
+  std::vector<double> time;
+  struct Column {
+    std::string partition;
+    std::size_t index;
+    std::string unit;
+  };
+  std::map<std::string, Column> columns;
+  std::vector<std::string> names;
+  /// The partition read last: signals of one partition tend to be asked for together.
+  std::string cached;
+  std::vector<double> values;
+
+  void index_partition(const Handle& signals, const std::string& partition);
+  const std::vector<double>& load(const std::string& partition);
+  [[nodiscard]] std::size_t width(const std::string& partition) const {
+    std::size_t count = 0;
+    for (const auto& [name, column] : columns) count += column.partition == partition ? 1 : 0;
+    return count;
+  }
+};
+
+void Reader::File::index_partition(const Handle& signals, const std::string& partition) {
+  if (H5Lexists(signals.id(), partition.c_str(), H5P_DEFAULT) <= 0) return;
+  const Handle dataset = open_dataset(signals.id(), partition);
+  const auto signal_names = read_text_list_attribute(dataset.id(), "names");
+  const auto units = read_text_list_attribute(dataset.id(), "units");
+  for (std::size_t i = 0; i < signal_names.size(); ++i) {
+    columns[signal_names[i]] = {partition, i, units[i]};
+    names.push_back(signal_names[i]);
+  }
+}
+
+const std::vector<double>& Reader::File::load(const std::string& partition) {
+  if (cached != partition) {
+    values = read_all<double>(open_dataset(file.id(), "signals/" + partition));
+    cached = partition;
+  }
+  return values;
+}
+
+Reader::Reader(const std::filesystem::path& path) : file_{std::make_unique<File>()} {
+  file_->file = open_file(path);
+  const QuietHdf5 quiet;
+  if (H5Aexists(file_->file.id(), "recording_format") <= 0)
+    throw Error{path.string() + ": is an HDF5 file but no recording of a run"};
+  const std::string format = read_text_attribute(file_->file.id(), "recording_format");
+  if (format != std::to_string(kRecordingFormat))
+    throw Error{fmt::format("{}: recording format is {}, this program reads {}", path.string(),
+                            format, kRecordingFormat)};
+  file_->map = memmap::parse_map(read_text_dataset(file_->file.id(), "map"), path.string() + ":map");
+  for (const auto ns : read_all<std::int64_t>(open_dataset(file_->file.id(), "time")))
+    file_->time.push_back(to_seconds(Duration{ns}));
+  const Handle signals = open_group(file_->file.id(), "signals");
+  for (const auto& partition : file_->map->partitions())
+    file_->index_partition(signals, partition.name);
+}
+
+Reader::~Reader() = default;
+Reader::Reader(Reader&&) noexcept = default;
+Reader& Reader::operator=(Reader&&) noexcept = default;
+
+const memmap::Map& Reader::map() const { return *file_->map; }
+std::size_t Reader::rows() const { return file_->time.size(); }
+const std::vector<double>& Reader::time() const { return file_->time; }
+std::vector<std::string> Reader::names() const { return file_->names; }
+bool Reader::has(const std::string& signal) const { return file_->columns.count(signal) > 0; }
+
+std::vector<double> Reader::signal(const std::string& name) const {
+  const auto found = file_->columns.find(name);
+  if (found == file_->columns.end()) {
+    const auto meant = memmap::nearest(name, file_->names);
+    throw Error{fmt::format("the recording has no signal '{}'{}", name,
+                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+  }
+  const auto& column = found->second;
+  const auto& values = file_->load(column.partition);
+  const std::size_t width = file_->width(column.partition);
+  // A crash may have left tables of unequal length: rows count that all of them have.
+  const std::size_t rows = std::min(file_->time.size(), values.size() / width);
+  std::vector<double> result(rows);
+  for (std::size_t row = 0; row < rows; ++row) result[row] = values[row * width + column.index];
+  return result;
+}
+
+std::string Reader::unit(const std::string& name) const { return file_->columns.at(name).unit; }
+
+std::string Reader::config(const std::string& name) const {
+  const Handle group = open_group(file_->file.id(), "config");
+  if (H5Lexists(group.id(), name.c_str(), H5P_DEFAULT) <= 0) return "";
+  return read_text_dataset(group.id(), name);
+}
+
+std::map<std::string, std::string> Reader::meta() const {
+  const Handle group = open_group(file_->file.id(), "meta");
+  std::vector<std::string> attributes;
+  check(H5Aiterate2(group.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, append_attribute_name,
+                    &attributes),
+        "listing /meta");
+  std::map<std::string, std::string> meta;
+  for (const auto& name : attributes) meta[name] = read_text_attribute(group.id(), name);
+  return meta;
+}
+
+Reader::Series Reader::meta_series(const std::string& name) const {
+  const Handle group = open_group(file_->file.id(), "meta");
+  if (H5Lexists(group.id(), name.c_str(), H5P_DEFAULT) <= 0) return {};
+  const Handle dataset = open_dataset(group.id(), name);
+  return {std::stod(read_text_attribute(dataset.id(), "interval_s")), read_all<double>(dataset)};
+}
+
+std::vector<Reader::Event> Reader::events() const {
+  const Handle group = open_group(file_->file.id(), "events");
+  const Handle signal = open_dataset(group.id(), "signal");
+  const auto names = read_text_list_attribute(signal.id(), "names");
+  const auto times = read_all<std::int64_t>(open_dataset(group.id(), "time"));
+  const auto signals = read_all<std::int32_t>(signal);
+  const auto values = read_all<double>(open_dataset(group.id(), "value"));
+  std::vector<Event> events;
+  const std::size_t count = std::min({times.size(), signals.size(), values.size()});
+  for (std::size_t i = 0; i < count; ++i)
+    events.push_back({to_seconds(Duration{times[i]}), names.at(static_cast<std::size_t>(signals[i])),
+                      values[i]});
+  return events;
+}
+
+std::vector<std::pair<std::string, std::int64_t>> Reader::drops() const {
+  const Handle dataset = open_dataset(file_->file.id(), "drops");
+  const auto names = read_text_list_attribute(dataset.id(), "names");
+  const auto counts = read_all<std::int64_t>(dataset);
+  std::vector<std::pair<std::string, std::int64_t>> drops;
+  for (std::size_t i = 0; i < names.size(); ++i) drops.emplace_back(names[i], counts.at(i));
+  return drops;
+}
+
+bool is_hdf5(const std::filesystem::path& path) {
+  constexpr std::array<unsigned char, 8> kSignature{0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
+  std::array<unsigned char, 8> begin{};
+  std::ifstream file{path, std::ios::binary};
+  file.read(reinterpret_cast<char*>(begin.data()), begin.size());
+  return file.good() && begin == kSignature;
+}
+
+void add_meta(const std::filesystem::path& path, const NamedTexts& meta) {
+  const QuietHdf5 quiet;
+  const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
+                    path.string() + ": opening the recording to add to it"};
+  const Handle group = open_group(file.id(), "meta");
+  for (const auto& [name, text] : meta) write_text_attribute(group.id(), name, text);
+}
+
+void add_meta_series(const std::filesystem::path& path, const std::string& name, double interval,
+                     const std::vector<double>& values) {
+  const QuietHdf5 quiet;
+  const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
+                    path.string() + ": opening the recording to add to it"};
+  const Handle group = open_group(file.id(), "meta");
+  const hsize_t count = values.size();
+  const Handle space{H5Screate_simple(1, &count, nullptr), H5Sclose, "HDF5 space"};
+  const Handle dataset{H5Dcreate2(group.id(), name.c_str(), H5T_NATIVE_DOUBLE, space.id(),
+                                  H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                       H5Dclose, "creating dataset " + name};
+  write_text_attribute(dataset.id(), "interval_s", fmt::format("{}", interval));
+  check(H5Dwrite(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+        "writing dataset " + name);
+}
+
+bool repair(const std::filesystem::path& path) {
+  const QuietHdf5 quiet;
+  if (const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); file >= 0) {
+    H5Fclose(file);
+    return false;
+  }
+  // What h5clear does: a property without a name in the headers, but in the library.
+  const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
+  const hbool_t clear = true;
+  check(H5Pset(access.id(), "clear_status_flags", &clear), "HDF5 properties");
+  const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id()), H5Fclose,
+                    path.string() + ": is damaged beyond a crashed writer's mark; opening it"};
+  return true;
+}
+
+}  // namespace rths::recording

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <span>
+
+#include <fmt/format.h>
+
+#include <rths/controller/delay.hpp>
+#include <rths/core/error.hpp>
+#include <rths/memmap/config.hpp>
+#include <rths/report/report.hpp>
+
+namespace rths::report {
+namespace {
+
+using recording::Reader;
+
+constexpr double kDelaySearch = 0.2;       // [s]
+constexpr double kWindow = 2.0;            // of windowed tracking [s]
+constexpr double kWindowStep = 0.25;       // [s]
+constexpr double kWindowSearch = 0.1;      // [s]
+constexpr double kQuietPart = 0.02;        // of the largest command: a window below has no delay
+constexpr double kExcusedLateness = 1e-3;  // of the host: one controller tick [s]
+
+const std::vector<std::string> kAxes = {"long", "lat"};
+
+double largest_magnitude(const std::vector<double>& values) {
+  double largest = 0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+double percentile(std::vector<double> values, double part) {
+  if (values.empty()) return 0;
+  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+/// The controller's view of a recording: one value per tick, up to the end of the test.
+class Ticks {
+ public:
+  explicit Ticks(const Reader& reader) : reader_{reader} {
+    counter_ = reader.signal("monitor.xpc.host.step");
+    const auto stop = at_each_count(counter_, reader.signal("opf.newTarget"));
+    const auto end = std::find_if(stop.begin(), stop.end(), [](double word) { return word < 0; });
+    count_ = static_cast<std::size_t>(end - stop.begin());
+    interval_ = period_of(reader.time(), counter_);
+  }
+  [[nodiscard]] Series series(const std::string& signal) const {
+    auto values = at_each_count(counter_, reader_.signal(signal));
+    values.resize(std::min(values.size(), count_));
+    return {0, interval_, std::move(values)};
+  }
+  [[nodiscard]] double interval() const { return interval_; }
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+ private:
+  // From the first row that counts to the first that counts no further: the node has left by then.
+  static double period_of(const std::vector<double>& time, const std::vector<double>& counter) {
+    const auto first = std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
+    const auto last = std::find(first, counter.end(), counter.back());
+    const double counts = last == counter.end() ? 0 : *last - *first;
+    if (!(counts > 0)) throw Error{"the recording holds no steps of the controller"};
+    const auto row = [&](auto at) { return static_cast<std::size_t>(at - counter.begin()); };
+    return (time[row(last)] - time[row(first)]) / counts;
+  }
+  const Reader& reader_;
+  std::vector<double> counter_;
+  std::size_t count_ = 0;
+  double interval_ = 0;
+};
+
+WindowedTracking windowed_tracking(const Series& command, const Series& measured) {
+  WindowedTracking tracking;
+  tracking.delay.start = tracking.nrms.start = kWindow / 2;
+  tracking.delay.interval = tracking.nrms.interval = kWindowStep;
+  const double largest = largest_magnitude(command.values);
+  const auto length = static_cast<std::size_t>(kWindow / command.interval);
+  const auto stride = static_cast<std::size_t>(kWindowStep / command.interval);
+  for (std::size_t begin = 0; begin + length <= command.values.size(); begin += stride) {
+    const auto reference = std::span{command.values}.subspan(begin, length);
+    const auto response = std::span{measured.values}.subspan(begin, length);
+    const auto [low, high] = std::minmax_element(reference.begin(), reference.end());
+    const bool moves = *high - *low > kQuietPart * largest;
+    tracking.delay.values.push_back(
+        moves ? controller::identify_delay(reference, response, command.interval, kWindowSearch)
+                    .minimum_rms
+              : std::numeric_limits<double>::quiet_NaN());
+    double sum = 0;
+    for (std::size_t i = 0; i < length; ++i)
+      sum += (response[i] - reference[i]) * (response[i] - reference[i]);
+    tracking.nrms.values.push_back(std::sqrt(sum / static_cast<double>(length)) / largest);
+  }
+  return tracking;
+}
+
+AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const std::string& axis) {
+  AxisAnalysis result;
+  result.name = axis;
+  result.command = ticks.series("monitor.xpc.pc.command." + axis);
+  result.measured = ticks.series("monitor.xpc.displacement.out." + axis);
+  result.force = ticks.series("monitor.xpc.observer.force." + axis);
+  result.a0 = ticks.series("monitor.xpc.ats.a0." + axis);
+  result.a1 = ticks.series("monitor.xpc.ats.a1." + axis);
+  result.a2 = ticks.series("monitor.xpc.ats.a2." + axis);
+  result.ats_limited =
+      std::lround(ticks.series("monitor.xpc.ats.limited." + axis).values.back());
+  const auto targets = run.signal("monitor.xpc.pc.targets");
+  result.step_displacement =
+      at_each_count(targets, run.signal("monitor.xpc.pc.held_displacement." + axis));
+  result.step_force = at_each_count(targets, run.signal("monitor.xpc.pc.held_force." + axis));
+  const auto delay = controller::identify_delay(result.command.values, result.measured.values,
+                                                ticks.interval(), kDelaySearch);
+  const auto error = controller::tracking_error(result.command.values, result.measured.values);
+  result.delay = delay.cross_correlation;
+  result.delay_min_rms = delay.minimum_rms;
+  result.nrms = error.nrms;
+  result.peak_error = error.peak;
+  result.peak_displacement = largest_magnitude(result.measured.values);
+  result.peak_shear = largest_magnitude(result.force.values);
+  result.tracking = windowed_tracking(result.command, result.measured);
+  return result;
+}
+
+void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks) {
+  const auto command = ticks.series("monitor.xpc.pc.command." + axis.name);
+  const auto measured = ticks.series("monitor.xpc.displacement.out." + axis.name);
+  const auto delay = controller::identify_delay(command.values, measured.values, ticks.interval(),
+                                                kDelaySearch);
+  axis.raw_delay = delay.cross_correlation;
+  axis.raw_delay_min_rms = delay.minimum_rms;
+  axis.raw_nrms = controller::tracking_error(command.values, measured.values).nrms;
+}
+
+// True if the host's own lateness reached a controller tick anywhere in [from, to].
+bool host_was_late(const Series& host_late, double from, double to) {
+  if (host_late.values.empty()) return false;
+  const auto first = static_cast<std::size_t>(std::max(0.0, from / host_late.interval));
+  const auto last = static_cast<std::size_t>(std::max(0.0, to / host_late.interval));
+  for (std::size_t i = first; i <= last && i < host_late.values.size(); ++i)
+    if (host_late.values[i] >= kExcusedLateness) return true;
+  return false;
+}
+
+StepAnalysis analyse_steps(const Reader& run, const Series& host_late) {
+  StepAnalysis steps;
+  const auto targets = run.signal("monitor.xpc.pc.targets");
+  // The account of a step is published when the next target closes it: shift by one.
+  const auto closed = [&](const char* signal) {
+    auto values = at_each_count(targets, run.signal(signal));
+    if (!values.empty()) values.erase(values.begin());
+    return values;
+  };
+  steps.start = at_each_count(targets, run.time());
+  steps.correct = closed("monitor.xpc.pc.correct_time");
+  steps.predict = closed("monitor.xpc.pc.predict_time");
+  steps.slow = closed("monitor.xpc.pc.slow_down_time");
+  steps.computing = at_each_count(targets, run.signal("monitor.opf.computing_time"));
+  for (std::size_t i = 0; i < steps.slow.size(); ++i) {
+    const bool excused = host_was_late(host_late, steps.start[i], steps.start[i + 1]);
+    steps.excused.push_back(excused);
+    steps.excused_count += excused ? 1 : 0;
+    if (steps.slow[i] > 0) ++(excused ? steps.slow_downs_excused : steps.slow_downs);
+  }
+  return steps;
+}
+
+std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
+  std::vector<NodeAnalysis> nodes;
+  for (const auto& [name, count] : run.drops()) {
+    static_cast<void>(count);
+    const std::string prefix = "monitor." + name + ".host.";
+    const auto late = run.signal(prefix + "late");
+    NodeAnalysis node;
+    node.name = name;
+    node.steps = std::lround(run.signal(prefix + "step").back());
+    node.overruns = std::lround(run.signal(prefix + "overruns").back());
+    node.stale = std::lround(run.signal(prefix + "stale").back());
+    node.late_p50 = percentile(late, 0.50);
+    node.late_p99 = percentile(late, 0.99);
+    node.late_max = percentile(late, 1.0);
+    nodes.push_back(node);
+  }
+  return nodes;
+}
+
+void add_numerical(Analysis& analysis, const Reader& numerical) {
+  analysis.numerical_interval = numerical.time()[1] - numerical.time()[0];
+  for (const auto& axis : analysis.axes) {
+    NumericalAxis result;
+    result.name = axis.name;
+    result.displacement = numerical.signal("result.displ." + axis.name);
+    result.force = numerical.signal("result.force." + axis.name);
+    result.peak_displacement = largest_magnitude(result.displacement);
+    result.peak_shear = largest_magnitude(result.force);
+    analysis.numerical.push_back(std::move(result));
+  }
+}
+
+// The experiment's own words: its name, its motion, its integration step.
+void read_experiment(Analysis& analysis, const Reader& run) {
+  const auto meta = run.meta();
+  const auto file = meta.find("experiment");
+  if (file == meta.end()) return;
+  auto config = memmap::Config::parse(run.config(file->second), file->second);
+  for (const auto& line : lines(run.config(recording::kOverridesText)))
+    config.set(line.substr(0, line.find('=')), line.substr(line.find('=') + 1));
+  analysis.name = config.text("name");
+  analysis.integration_step = config.number("integration_step_s", 0.01);
+  const auto motion = config.table("motion");
+  analysis.motion = motion.text("name", motion.text("file", ""));
+  const double scale = motion.number("scale", 1.0);
+  if (scale != 1) analysis.motion += fmt::format(" × {:g}", scale);
+}
+
+std::optional<Reader> open_if_there(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  return Reader{file};
+}
+
+}  // namespace
+
+std::vector<double> at_each_count(const std::vector<double>& counter,
+                                  const std::vector<double>& signal) {
+  const std::size_t rows = std::min(counter.size(), signal.size());
+  std::vector<double> values;
+  double last_value = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    if (!(counter[row] >= 1)) continue;
+    const auto count = static_cast<std::size_t>(std::lround(counter[row]));
+    if (count <= values.size()) continue;
+    const std::size_t missing = count - 1 - values.size();
+    const double before = values.empty() ? signal[row] : last_value;
+    for (std::size_t i = 1; i <= missing; ++i)
+      values.push_back(before + (signal[row] - before) * static_cast<double>(i) /
+                                    static_cast<double>(missing + 1));
+    values.push_back(signal[row]);
+    last_value = signal[row];
+  }
+  return values;
+}
+
+Analysis analyse(const std::filesystem::path& folder) {
+  const Reader run{folder / kRunFile};
+  if (run.rows() < 2) throw Error{(folder / kRunFile).string() + ": holds no motion"};
+  const auto uncompensated = open_if_there(folder / kUncompensatedFile);
+  const auto numerical = open_if_there(folder / kNumericalFile);
+  Analysis analysis;
+  analysis.meta = run.meta();
+  analysis.clock = analysis.meta["clock"];
+  analysis.map = run.map().description().name;
+  if (analysis.meta.count("processes") > 0)
+    analysis.processes = std::stoi(analysis.meta["processes"]);
+  read_experiment(analysis, run);
+  const auto late = run.meta_series("host_late");
+  analysis.host_late = {0, late.interval, late.values};
+  const Ticks ticks{run};
+  analysis.control_rate = 1 / ticks.interval();
+  for (const auto& axis : kAxes) {
+    if (!run.has("monitor.xpc.pc.command." + axis)) continue;
+    analysis.axes.push_back(analyse_axis(run, ticks, axis));
+    if (uncompensated) add_raw_delay(analysis.axes.back(), Ticks{*uncompensated});
+  }
+  analysis.steps = analyse_steps(run, analysis.host_late);
+  analysis.duration = run.signal("opf.1.time.target").back();
+  analysis.nodes = analyse_nodes(run);
+  analysis.drops = run.drops();
+  if (numerical) add_numerical(analysis, *numerical);
+  add_spectra(analysis, run, numerical ? &*numerical : nullptr);
+  return analysis;
+}
+
+}  // namespace rths::report

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <rths/recording/recording.hpp>
+
+namespace rths::report {
+
+/// Values equally spaced in time.
+struct Series {
+  double start = 0;     ///< time of the first value [s]
+  double interval = 0;  ///< [s]
+  std::vector<double> values;
+};
+
+/// Tracking in a sliding window; gaps (NaN) where the command hardly moves.
+struct WindowedTracking {
+  Series delay;  ///< [s]
+  Series nrms;   ///< RMS error of the window over the largest command of the run [-]
+};
+
+/// One axis of a hybrid test, in SI.
+struct AxisAnalysis {
+  std::string name;
+  Series command, measured;  ///< controller's command and displacement feedback, every tick [m]
+  Series force;              ///< specimen's, corrected, every tick [N]
+  Series a0, a1, a2;         ///< compensator, every tick
+  std::vector<double> step_displacement, step_force;  ///< sampled at each target [m], [N]
+  double delay = 0, delay_min_rms = 0;                ///< command to measured [s]
+  double nrms = 0, peak_error = 0;                    ///< [-]
+  std::optional<double> raw_delay, raw_delay_min_rms;  ///< without compensation [s]
+  std::optional<double> raw_nrms;
+  double peak_displacement = 0, peak_shear = 0;       ///< [m], [N]
+  long ats_limited = 0;                               ///< ticks at a limit
+  WindowedTracking tracking;
+};
+
+/// What each integration step was made of.
+struct StepAnalysis {
+  std::vector<double> start;                   ///< when its target came [s]
+  std::vector<double> predict, correct, slow;  ///< time in each state [s]
+  std::vector<double> computing;               ///< of the solver, where that is known [s]
+  std::vector<bool> excused;                   ///< the host itself was late during the step
+  long slow_downs = 0, slow_downs_excused = 0;
+  long excused_count = 0;
+};
+
+struct NodeAnalysis {
+  std::string name;
+  long steps = 0, overruns = 0, stale = 0;
+  double late_p50 = 0, late_p99 = 0, late_max = 0;  ///< [s]
+};
+
+/// A floor spectrum and where it was taken.
+struct Spectrum {
+  std::string of;                 ///< hybrid, numerical, fixed base, input
+  std::vector<double> values;     ///< [m/s²]
+};
+struct FloorSpectra {
+  std::string floor;
+  std::vector<Spectrum> spectra;
+};
+
+/// Result with a model in the specimen's place, one per axis.
+struct NumericalAxis {
+  std::string name;
+  std::vector<double> displacement, force;  ///< [m], [N]
+  double peak_displacement = 0, peak_shear = 0;
+};
+
+struct Analysis {
+  std::string name, motion, clock, map;
+  std::map<std::string, std::string> meta;
+  double duration = 0;       ///< model time [s]
+  double control_rate = 0;   ///< [Hz]
+  double integration_step = 0;
+  int processes = 1;
+  std::vector<AxisAnalysis> axes;
+  StepAnalysis steps;
+  std::vector<NodeAnalysis> nodes;
+  std::vector<std::pair<std::string, std::int64_t>> drops;
+  Series host_late;          ///< largest of each interval [s]; empty in virtual time
+  std::vector<NumericalAxis> numerical;
+  double numerical_interval = 0;  ///< [s]
+  std::vector<double> frequencies;  ///< of the spectra [Hz]
+  std::vector<FloorSpectra> floors;
+};
+
+/// @throws Error if the run cannot be read or holds no motion
+[[nodiscard]] Analysis analyse(const std::filesystem::path& folder);
+
+/// Floor spectra of the run and its companions.
+void add_spectra(Analysis& analysis, const recording::Reader& run,
+                 const recording::Reader* numerical);
+
+/// The lines of a text that each end with a line feed.
+[[nodiscard]] std::vector<std::string> lines(const std::string& text);
+
+/// Values of a signal at each count of a counter: value n−1 belongs to count n. Counts that no row
+/// has are filled in between their neighbours.
+[[nodiscard]] std::vector<double> at_each_count(const std::vector<double>& counter,
+                                                const std::vector<double>& signal);
+
+}  // namespace rths::report

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "numbers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace rths::report {
+namespace {
+
+constexpr double kMostExcused = 0.01;  // part of the steps
+constexpr double kMilli = 1e3;         // s to ms, m to mm
+constexpr double kPercent = 100;
+constexpr double kPerKilo = 1e-3;      // N to kN
+
+double mean(const std::vector<double>& values) {
+  return values.empty() ? 0
+                        : std::accumulate(values.begin(), values.end(), 0.0) /
+                              static_cast<double>(values.size());
+}
+
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+}
+
+// Digits that a reader can use; the rest is noise.
+double rounded(double value, int decimals) {
+  const double scale = std::pow(10.0, decimals);
+  return std::round(value * scale) / scale;
+}
+
+Json optional_ms(const std::optional<double>& seconds) {
+  return seconds ? Json(rounded(*seconds * kMilli, 2)) : Json(nullptr);
+}
+
+Json axis_numbers(const AxisAnalysis& axis, const std::vector<NumericalAxis>& numerical) {
+  Json json;
+  json["delay_raw_ms"] = optional_ms(axis.raw_delay);
+  json["delay_raw_min_rms_ms"] = optional_ms(axis.raw_delay_min_rms);
+  json["nrms_raw_percent"] =
+      axis.raw_nrms ? Json(rounded(*axis.raw_nrms * kPercent, 3)) : Json(nullptr);
+  json["delay_compensated_ms"] = rounded(axis.delay * kMilli, 2);
+  json["delay_compensated_min_rms_ms"] = rounded(axis.delay_min_rms * kMilli, 2);
+  json["nrms_percent"] = rounded(axis.nrms * kPercent, 3);
+  json["peak_error_percent"] = rounded(axis.peak_error * kPercent, 3);
+  json["peak_displacement_mm"] = rounded(axis.peak_displacement * kMilli, 2);
+  json["peak_shear_kN"] = rounded(axis.peak_shear * kPerKilo, 1);
+  json["ats_ticks_at_a_limit"] = axis.ats_limited;
+  for (const auto& model : numerical) {
+    if (model.name != axis.name) continue;
+    json["numerical_peak_displacement_mm"] = rounded(model.peak_displacement * kMilli, 2);
+    json["numerical_peak_shear_kN"] = rounded(model.peak_shear * kPerKilo, 1);
+  }
+  return json;
+}
+
+Json node_numbers(const NodeAnalysis& node) {
+  return {{"steps", node.steps},
+          {"overruns", node.overruns},
+          {"stale_reads", node.stale},
+          {"late_p50_ms", rounded(node.late_p50 * kMilli, 4)},
+          {"late_p99_ms", rounded(node.late_p99 * kMilli, 4)},
+          {"late_max_ms", rounded(node.late_max * kMilli, 3)}};
+}
+
+long total_overruns(const Analysis& analysis) {
+  long overruns = 0;
+  for (const auto& node : analysis.nodes) overruns += node.overruns;
+  return overruns;
+}
+
+}  // namespace
+
+bool is_conclusive(const Analysis& analysis) {
+  const auto steps = static_cast<double>(analysis.steps.slow.size());
+  return static_cast<double>(analysis.steps.excused_count) <= kMostExcused * steps;
+}
+
+Json numbers_of(const Analysis& analysis) {
+  const StepAnalysis& steps = analysis.steps;
+  Json json;
+  json["report_format"] = 1;
+  json["name"] = analysis.name;
+  json["motion"] = analysis.motion;
+  json["synthetic"] = true;  // specimen and machine are models in this version
+  json["processes"] = analysis.processes;
+  json["clock"] = analysis.clock;
+  json["duration_s"] = rounded(analysis.duration, 6);
+  json["control_rate_hz"] = rounded(analysis.control_rate, 3);
+  json["integration_step_s"] = analysis.integration_step;
+  json["integration_steps"] = steps.slow.size() + 1;
+  json["overruns"] = total_overruns(analysis);
+  json["slow_downs"] = steps.slow_downs;
+  json["slow_downs_excused"] = steps.slow_downs_excused;
+  json["host_late_max_ms"] = rounded(largest(analysis.host_late.values) * kMilli, 3);
+  json["steps_excused"] = steps.excused_count;
+  json["conclusive"] = is_conclusive(analysis);
+  json["predict_ms_mean"] = rounded(mean(steps.predict) * kMilli, 4);
+  json["correct_ms_mean"] = rounded(mean(steps.correct) * kMilli, 4);
+  json["slow_down_ms_mean"] = rounded(mean(steps.slow) * kMilli, 4);
+  json["axes"] = Json::object();
+  for (const auto& axis : analysis.axes)
+    json["axes"][axis.name] = axis_numbers(axis, analysis.numerical);
+  json["nodes"] = Json::object();
+  for (const auto& node : analysis.nodes) json["nodes"][node.name] = node_numbers(node);
+  json["drops"] = Json::object();
+  for (const auto& [node, count] : analysis.drops) json["drops"][node] = count;
+  json["meta"] = analysis.meta;
+  return json;
+}
+
+std::string summary_of(const Analysis& analysis) {
+  const StepAnalysis& steps = analysis.steps;
+  std::string text = fmt::format(
+      "{:.3f} s, {} steps, {} processes, {} clock, {:.0f} Hz\n"
+      "PC      predict {:.1f} ms  correct {:.1f} ms  slow-downs {}{}\n",
+      analysis.duration, steps.slow.size() + 1, analysis.processes, analysis.clock,
+      analysis.control_rate, mean(steps.predict) * kMilli, mean(steps.correct) * kMilli,
+      steps.slow_downs,
+      steps.slow_downs_excused > 0
+          ? fmt::format(" (and {} while the host was late)", steps.slow_downs_excused)
+          : "");
+  for (const auto& axis : analysis.axes)
+    text += fmt::format("{:<7} delay {}{:.1f} ms  NRMS {:.2f} %  peak {:.1f} mm, {:.0f} kN\n",
+                        axis.name,
+                        axis.raw_delay ? fmt::format("{:.1f} -> ", *axis.raw_delay * kMilli) : "",
+                        axis.delay * kMilli, axis.nrms * kPercent, axis.peak_displacement * kMilli,
+                        axis.peak_shear * kPerKilo);
+  text += fmt::format("host    late {:.2f} ms at most, {} of {} steps excused, {} overruns\n",
+                      largest(analysis.host_late.values) * kMilli, steps.excused_count,
+                      steps.slow.size() + 1, total_overruns(analysis));
+  if (!is_conclusive(analysis))
+    text += "the host was late in more than 1 % of the steps: inconclusive, run again\n";
+  return text;
+}
+
+}  // namespace rths::report

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "page.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "embedded.hpp"
+
+namespace rths::report {
+namespace {
+
+constexpr std::size_t kMostPoints = 4000;  // of a curve: more than a screen can show
+constexpr double kMilli = 1e3;
+constexpr double kPerKilo = 1e-3;
+
+std::string base64(const unsigned char* bytes, std::size_t count) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((count + 2) / 3 * 4);
+  for (std::size_t i = 0; i < count; i += 3) {
+    std::uint32_t group = std::uint32_t{bytes[i]} << 16;
+    if (i + 1 < count) group |= std::uint32_t{bytes[i + 1]} << 8;
+    if (i + 2 < count) group |= bytes[i + 2];
+    text += kDigits[group >> 18 & 63];
+    text += kDigits[group >> 12 & 63];
+    text += i + 1 < count ? kDigits[group >> 6 & 63] : '=';
+    text += i + 2 < count ? kDigits[group & 63] : '=';
+  }
+  return text;
+}
+
+// Numbers travel as 32-bit floats in base64: exact enough for a picture, and small.
+Json packed(const std::vector<double>& values, double scale = 1) {
+  std::vector<float> floats;
+  floats.reserve(values.size());
+  for (const double value : values) floats.push_back(static_cast<float>(value * scale));
+  std::vector<unsigned char> bytes(floats.size() * sizeof(float));
+  std::memcpy(bytes.data(), floats.data(), bytes.size());
+  return base64(bytes.data(), bytes.size());
+}
+
+std::size_t stride_of(std::size_t count) { return (count + kMostPoints - 1) / kMostPoints; }
+
+std::vector<double> thinned(const std::vector<double>& values) {
+  const std::size_t stride = std::max<std::size_t>(1, stride_of(values.size()));
+  std::vector<double> result;
+  for (std::size_t i = 0; i < values.size(); i += stride) result.push_back(values[i]);
+  return result;
+}
+
+// The largest of each stretch: a rare late millisecond must not fall between two points.
+std::vector<double> peaks(const std::vector<double>& values) {
+  const std::size_t stride = std::max<std::size_t>(1, stride_of(values.size()));
+  std::vector<double> result;
+  for (std::size_t i = 0; i < values.size(); i += stride)
+    result.push_back(*std::max_element(
+        values.begin() + static_cast<std::ptrdiff_t>(i),
+        values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + stride))));
+  return result;
+}
+
+Json series(const Series& s, double scale, bool keep_peaks = false) {
+  const auto stride = static_cast<double>(std::max<std::size_t>(1, stride_of(s.values.size())));
+  return {{"start", s.start},
+          {"interval", s.interval * stride},
+          {"values", packed(keep_peaks ? peaks(s.values) : thinned(s.values), scale)}};
+}
+
+Json axis_data(const AxisAnalysis& axis) {
+  return {{"name", axis.name},
+          {"command_mm", series(axis.command, kMilli)},
+          {"measured_mm", series(axis.measured, kMilli)},
+          {"step_displacement_mm", packed(axis.step_displacement, kMilli)},
+          {"step_force_kN", packed(axis.step_force, kPerKilo)},
+          {"a0", series(axis.a0, 1)},
+          {"a1_ms", series(axis.a1, kMilli)},
+          {"a2_ms2", series(axis.a2, kMilli * kMilli)},
+          {"delay_ms", series(axis.tracking.delay, kMilli)},
+          {"nrms_percent", series(axis.tracking.nrms, 100)}};
+}
+
+Json numerical_data(const NumericalAxis& axis, double interval) {
+  const Series displacement{interval, interval, axis.displacement};
+  return {{"name", axis.name},
+          {"displacement_mm", series(displacement, kMilli)},
+          {"loop_displacement_mm", packed(thinned(axis.displacement), kMilli)},
+          {"loop_force_kN", packed(thinned(axis.force), kPerKilo)}};
+}
+
+Json steps_data(const StepAnalysis& steps) {
+  std::vector<double> start = steps.start;
+  if (!start.empty()) start.pop_back();
+  return {{"start_s", packed(start)},
+          {"predict_ms", packed(steps.predict, kMilli)},
+          {"correct_ms", packed(steps.correct, kMilli)},
+          {"slow_ms", packed(steps.slow, kMilli)}};
+}
+
+Json page_data(const Analysis& analysis, const Json& numbers) {
+  Json data;
+  data["numbers"] = numbers;
+  for (const auto& axis : analysis.axes) data["axes"].push_back(axis_data(axis));
+  data["numerical"] = Json::array();
+  for (const auto& axis : analysis.numerical)
+    data["numerical"].push_back(numerical_data(axis, analysis.numerical_interval));
+  data["steps"] = steps_data(analysis.steps);
+  data["host_late_ms"] = series(analysis.host_late, kMilli, true);
+  data["frequencies_Hz"] = packed(analysis.frequencies);
+  data["floors"] = Json::array();
+  for (const auto& floor : analysis.floors) {
+    Json spectra = Json::array();
+    for (const auto& spectrum : floor.spectra)
+      spectra.push_back({{"of", spectrum.of}, {"values", packed(spectrum.values)}});
+    data["floors"].push_back({{"floor", floor.floor}, {"spectra", spectra}});
+  }
+  return data;
+}
+
+void fill_in(std::string& page, const std::string& mark, std::string_view text) {
+  const auto place = page.find(mark);
+  if (place != std::string::npos) page.replace(place, mark.size(), text);
+}
+
+}  // namespace
+
+std::string page_of(const Analysis& analysis, const Json& numbers) {
+  std::string data = page_data(analysis, numbers).dump();
+  // A "</script>" inside the data would end it.
+  for (auto at = data.find("</"); at != std::string::npos; at = data.find("</", at + 3))
+    data.replace(at, 2, "<\\/");
+  std::string page{page_template()};
+  fill_in(page, "/*plot-style*/", plot_library_style());
+  fill_in(page, "/*style*/", page_style());
+  fill_in(page, "/*plot-script*/", plot_library_script());
+  fill_in(page, "/*data*/", data);
+  fill_in(page, "/*script*/", page_script());
+  return page;
+}
+
+}  // namespace rths::report

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <rths/sim/floor_spectrum.hpp>
+
+#include "analysis.hpp"
+
+namespace rths::report {
+namespace {
+
+constexpr double kDampingRatio = 0.05;
+constexpr double kLowest = 0.2, kHighest = 33;  // [Hz], the band nuclear practice looks at
+constexpr int kFrequencies = 160;
+
+}  // namespace
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> result;
+  std::size_t start = 0;
+  for (auto end = text.find('\n'); end != std::string::npos; end = text.find('\n', start)) {
+    result.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+  return result;
+}
+
+void add_spectra(Analysis& analysis, const recording::Reader& run,
+                 const recording::Reader* numerical) {
+  analysis.frequencies = sim::spectrum_frequencies(kLowest, kHighest, kFrequencies);
+  const auto spectrum = [&](const std::vector<double>& along, const std::vector<double>& across,
+                            double interval) {
+    return sim::floor_spectrum(along, across, interval, analysis.frequencies, kDampingRatio);
+  };
+  const auto reference = [&](const std::string& name) {
+    return spectrum(numerical->signal("result." + name + "long"),
+                    numerical->signal("result." + name + "lat"), analysis.numerical_interval);
+  };
+  std::vector<std::string> names;
+  if (numerical != nullptr) names = lines(numerical->config("floors"));
+  const auto steps = run.signal("monitor.opf.step");
+  for (int floor = 1; run.has(fmt::format("monitor.opf.floor.{}.accel.long", floor)); ++floor) {
+    const auto hybrid = [&](const char* axis) {
+      return at_each_count(steps,
+                           run.signal(fmt::format("monitor.opf.floor.{}.accel.{}", floor, axis)));
+    };
+    const auto index = static_cast<std::size_t>(floor - 1);
+    FloorSpectra spectra;
+    spectra.floor = index < names.size() ? names[index] : fmt::format("floor {}", floor);
+    spectra.spectra.push_back(
+        {"hybrid", spectrum(hybrid("long"), hybrid("lat"), analysis.integration_step)});
+    if (numerical != nullptr) {
+      spectra.spectra.push_back(
+          {"numerical", reference(fmt::format("isolated.floor.{}.accel.", floor))});
+      spectra.spectra.push_back(
+          {"fixed base", reference(fmt::format("fixed.floor.{}.accel.", floor))});
+      spectra.spectra.push_back({"input", reference("ground.accel.")});
+    }
+    analysis.floors.push_back(std::move(spectra));
+  }
+}
+
+}  // namespace rths::report

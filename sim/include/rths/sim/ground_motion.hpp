@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace rths::sim {
+
+/// Recorded ground acceleration in two horizontal directions, equally spaced in time.
+struct GroundMotion {
+  double time_step = 0;                  ///< [s]
+  std::vector<double> long_acceleration;  ///< [m/s²]
+  std::vector<double> lat_acceleration;   ///< [m/s²], as long as the other
+
+  [[nodiscard]] double duration() const {
+    return time_step * static_cast<double>(long_acceleration.size());
+  }
+  /// Linear between samples, zero outside the record [m/s²].   @realtime
+  [[nodiscard]] Eigen::Vector2d at(double time) const noexcept;
+};
+
+/// One component of a record.
+struct RecordComponent {
+  double time_step = 0;        ///< [s]
+  std::vector<double> values;  ///< in the file's unit
+};
+
+/// Reads a PEER .AT2 file: four header lines, the last with NPTS and DT, then values in g.
+/// @throws Error with file:line   @setup
+[[nodiscard]] RecordComponent read_at2(const std::filesystem::path& file);
+
+/// Reads columns of numbers separated by blanks or commas; lines that start with '#' or a letter
+/// are headings. The first column is time and must be equally spaced.
+/// @param column  which to read, counted from 1 (0 is time)
+/// @throws Error with file:line for a missing column, a word that is no number, uneven time @setup
+[[nodiscard]] RecordComponent read_column(const std::filesystem::path& file, int column);
+
+}  // namespace rths::sim

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <rths/core/realtime.hpp>
+#include <rths/sim/alpha_os.hpp>
+#include <rths/sim/ground_motion.hpp>
+#include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/lead_rubber.hpp>
+
+namespace rths::sim {
+
+/// The numerical substructure: a plant shaken by a ground motion, one time step at a time, that
+/// asks somebody else what its bearing answers.
+class PlantAnalysis {
+ public:
+  /// @param bearing_initial_stiffness  of one bearing [N/m]; unused when the plant has no bearings
+  /// @param time_step  of the integration [s]
+  /// @throws Error as AlphaOs does   @setup
+  PlantAnalysis(PlantMatrices plant, GroundMotion motion, double bearing_initial_stiffness,
+                double time_step, double alpha);
+
+  /// Begins a step. @returns where the bearing has to go at its end: long, lat [m]   @realtime
+  Eigen::Vector2d predict() RTHS_REALTIME;
+  /// Ends it. @param bearing_force  of one bearing at that place [N]   @realtime
+  void correct(const Eigen::Vector2d& bearing_force) RTHS_REALTIME;
+
+  [[nodiscard]] double time() const { return time_; }  ///< end of the step [s]
+  [[nodiscard]] Eigen::Vector2d ground_acceleration() const { return ground_; }  ///< [m/s²]
+  [[nodiscard]] Eigen::Vector2d predicted_velocity() const;  ///< of the bearing [m/s]
+  [[nodiscard]] Eigen::Vector2d base_displacement() const;   ///< corrected [m]
+  /// Absolute acceleration of floor `i` of the plant's list [m/s²].
+  [[nodiscard]] Eigen::Vector2d floor_acceleration(std::size_t i) const;
+  [[nodiscard]] const PlantMatrices& plant() const { return plant_; }
+
+ private:
+  PlantMatrices plant_;
+  GroundMotion motion_;
+  double time_step_;
+  double time_ = 0;
+  std::uint64_t steps_ = 0;
+  Eigen::Vector2d ground_ = Eigen::Vector2d::Zero();
+  Eigen::MatrixXd inertia_;  ///< −M ι, dof × 2
+  Eigen::VectorXd load_, restoring_force_;
+  AlphaOs integrator_;
+};
+
+/// What a plant did, sampled every step.
+struct ResponseHistory {
+  double time_step = 0;                                 ///< [s]
+  std::vector<double> displacement_long, displacement_lat;  ///< of the bearing [m]
+  std::vector<double> force_long, force_lat;            ///< of one bearing [N]
+  struct Floor {
+    std::string name;
+    std::vector<double> acceleration_long, acceleration_lat;  ///< absolute [m/s²]
+  };
+  std::vector<Floor> floors;
+};
+
+/// The whole analysis with a bearing model in place of a specimen: the purely numerical result.
+/// @param duration  [s]   @setup
+[[nodiscard]] ResponseHistory numerical_response(const PlantMatrices& plant,
+                                                 const GroundMotion& motion,
+                                                 const LeadRubber& bearing, double time_step,
+                                                 double duration);
+
+}  // namespace rths::sim

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <rths/core/realtime.hpp>
+#include <rths/core/status.hpp>
+#include <rths/sim/lead_rubber.hpp>
+
+namespace rths::sim {
+
+inline constexpr int kHorizontalAxes = 2;  ///< long, lat
+
+/// What an axis of a test machine can do.
+struct AxisLimits {
+  double stroke = 0;    ///< ± [m]
+  double velocity = 0;  ///< ± [m/s]
+  double force = 0;     ///< ± [N]
+};
+
+/// One horizontal axis of a servo-hydraulic bearing test machine: all its actuators as one.
+///
+///     servo        w = K_v (r(t − τ) − x) A/Q_r − K_p P_L/P_s             valve demand, |w| ≤ 1
+///     spool        ẍ_v = ω_v² (w − x_v) − 2 ζ_v ω_v ẋ_v                   |x_v| ≤ 1
+///     port flow    Q = Q_r y √(1 − sgn(y) P_L/P_s),  y = x_v outside the dead band, else 0
+///     oil column   Ṗ_L = (4 B/V) (Q − A ẋ − C_l P_L)
+///     platen       m_e ẍ = A P_L − F_s tanh(ẋ/v_s) − F_d ẋ − F_specimen
+///     table force  A P_L + offset + noise:  what the load cells of the actuators see
+///
+/// Standard equations of servo-hydraulics (Merritt 1967); the table force contains the platen's
+/// inertia and friction, which is why a hybrid test has to correct it.
+struct ServoAxis {
+  AxisLimits limits;
+  double piston_area = 0.43;         ///< A [m²]
+  double oil_volume = 1.05;          ///< V, both chambers [m³]
+  double bulk_modulus = 1.4e9;       ///< B [Pa]
+  double supply_pressure = 20.7e6;   ///< P_s [Pa]
+  double leakage = 2e-10;            ///< C_l [m³/(s·Pa)]
+  double rated_flow = 0.95;          ///< Q_r, valve open, no load [m³/s]
+  double valve_frequency = 12;       ///< ω_v/2π [Hz]
+  double valve_damping = 0.8;        ///< ζ_v [-]
+  double dead_band = 0.005;          ///< of the spool [-]
+  double position_gain = 20.5;       ///< K_v [1/s]
+  double pressure_gain = 0.1;        ///< K_p [-]
+  double transport_delay = 0.002;    ///< τ [s]
+  double effective_mass = 113'372;   ///< m_e of platen and moving parts [kg]
+  double coulomb_friction = 5'100;   ///< F_s [N]
+  double viscous_friction = 716;     ///< F_d [N·s/m]
+  double friction_velocity = 5e-4;   ///< v_s [m/s]
+  double force_offset = 2'000;       ///< of the table force [N]
+};
+
+/// Noise of the sensors, white and normal: standard deviations.
+struct SensorNoise {
+  double displacement = 5e-5;       ///< [m]
+  double force = 5e3;               ///< [N]
+  double acceleration = 0.0490333;  ///< [m/s²]
+};
+
+/// A bearing test machine with two horizontal axes and a specimen.
+struct TestMachine {
+  std::array<ServoAxis, kHorizontalAxes> axes;
+  SensorNoise noise;
+  bool has_specimen = true;  ///< false: an empty table
+  LeadRubber specimen;
+  double accelerometer_cutoff = 100;  ///< first-order low-pass [Hz]
+  std::uint64_t seed = 1;
+};
+
+/// What the machine's sensors report, long and lat.
+struct MachineFeedback {
+  Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< [m]
+  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  ///< [m/s²]
+  Eigen::Vector2d force = Eigen::Vector2d::Zero();         ///< table force [N]
+};
+
+/// The machine in motion. Allocates when built, never in `step`.
+class TestMachineRun {
+ public:
+  /// @param period  of `step` [s]; integrated in parts of at most 0.1 ms
+  /// @throws Error if a parameter is outside its physical range   @setup
+  TestMachineRun(const TestMachine& machine, double period);
+
+  /// One period with the references held.
+  /// @param reference  what the servo receives: long, lat [m]
+  /// @returns LimitExceeded if the stroke, velocity or force of an axis was at its limit; the
+  ///          reference is clamped to the stroke   @realtime
+  [[nodiscard]] Status step(const Eigen::Vector2d& reference, MachineFeedback& feedback)
+      RTHS_REALTIME;
+
+  /// True state, which no sensor shows: displacement [m] and specimen force [N].
+  [[nodiscard]] Eigen::Vector2d true_displacement() const;
+  [[nodiscard]] const Eigen::Vector2d& specimen_force() const { return specimen_force_; }
+
+ private:
+  struct AxisState {
+    double x = 0, v = 0, pressure = 0, spool = 0, spool_rate = 0;
+  };
+  struct Axis {
+    AxisState state;
+    std::vector<double> delay_line;
+    std::size_t delay_head = 0;
+    double acceleration = 0, filtered_acceleration = 0;
+  };
+
+  void integrate_part(int axis, double reference) noexcept;
+  [[nodiscard]] AxisState rates(int axis, const AxisState& s, double reference) const noexcept;
+  [[nodiscard]] bool at_limit(int axis) const noexcept;
+  [[nodiscard]] double draw(double standard_deviation) noexcept;
+
+  TestMachine machine_;
+  int parts_;
+  double part_;  ///< [s]
+  std::array<Axis, kHorizontalAxes> axes_;
+  LeadRubberState specimen_;
+  Eigen::Vector2d specimen_force_ = Eigen::Vector2d::Zero();
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
+
+/// The SRMD's axes: the limits of Table 1 of the paper; hydraulics of the right scale, not measured.
+[[nodiscard]] TestMachine srmd_machine();
+
+}  // namespace rths::sim

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/sim/ground_motion.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include <rths/core/error.hpp>
+
+namespace rths::sim {
+namespace {
+
+constexpr int kAt2HeaderLines = 4;
+constexpr double kTimeTolerance = 1e-3;  // of a step: what three printed decimals can hold
+
+std::ifstream open(const std::filesystem::path& file) {
+  std::ifstream stream{file};
+  if (!stream) throw Error{file.string() + ": cannot be read"};
+  return stream;
+}
+
+[[noreturn]] void fail(const std::filesystem::path& file, std::size_t line, const std::string& what) {
+  throw Error{file.string() + ":" + std::to_string(line) + ": " + what};
+}
+
+std::vector<double> parse_numbers(const std::string& line, const std::filesystem::path& file,
+                                  std::size_t line_number) {
+  std::vector<double> numbers;
+  const char* at = line.data();
+  const char* end = at + line.size();
+  const auto is_separator = [](char c) {
+    return std::isspace(static_cast<unsigned char>(c)) || c == ',' || c == ';';
+  };
+  while (true) {
+    at = std::find_if_not(at, end, is_separator);
+    if (at == end) return numbers;
+    const char* word_end = std::find_if(at, end, is_separator);
+    double value = 0;
+    const char* digits = *at == '+' ? at + 1 : at;
+    const auto [stopped, problem] = std::from_chars(digits, word_end, value);
+    if (problem != std::errc{} || stopped != word_end || !std::isfinite(value))
+      fail(file, line_number, "'" + std::string{at, word_end} + "' is no number");
+    numbers.push_back(value);
+    at = word_end;
+  }
+}
+
+bool is_heading(const std::string& line) {
+  const auto first = std::find_if_not(line.begin(), line.end(), [](char c) {
+    return std::isspace(static_cast<unsigned char>(c)) || c == '"';
+  });
+  return first == line.end() || *first == '#' || *first == '%' ||
+         std::isalpha(static_cast<unsigned char>(*first));
+}
+
+// "NPTS=   4000, DT=   .0050 SEC": the number behind a keyword, however it is spaced.
+double number_after(const std::string& line, const std::string& keyword,
+                    const std::filesystem::path& file, std::size_t line_number) {
+  const auto found = line.find(keyword);
+  const auto digits =
+      found == std::string::npos ? found : line.find_first_of("+-.0123456789", found);
+  if (digits == std::string::npos)
+    fail(file, line_number, "no " + keyword + " found, expected 'NPTS= n, DT= s SEC'");
+  const auto end = line.find_first_not_of("+-.0123456789eE", digits);
+  return parse_numbers(line.substr(digits, end - digits), file, line_number).front();
+}
+
+void check_spacing(const std::vector<double>& times, const std::vector<std::size_t>& lines,
+                   const std::filesystem::path& file) {
+  if (times.size() < 2) throw Error{file.string() + ": fewer than two samples"};
+  const double step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  if (!(step > 0)) fail(file, lines.back(), "time does not advance");
+  for (std::size_t i = 1; i < times.size(); ++i)
+    if (std::abs(times[i] - times.front() - static_cast<double>(i) * step) >
+        std::max(kTimeTolerance * step, 6e-4))
+      fail(file, lines[i], "time is not equally spaced");
+}
+
+}  // namespace
+
+Eigen::Vector2d GroundMotion::at(double time) const noexcept {
+  const double position = time / time_step;
+  if (!(position >= 0) || position > static_cast<double>(long_acceleration.size() - 1))
+    return Eigen::Vector2d::Zero();
+  const auto i = std::min(static_cast<std::size_t>(position), long_acceleration.size() - 2);
+  const double part = position - static_cast<double>(i);
+  return {(1 - part) * long_acceleration[i] + part * long_acceleration[i + 1],
+          (1 - part) * lat_acceleration[i] + part * lat_acceleration[i + 1]};
+}
+
+RecordComponent read_at2(const std::filesystem::path& file) {
+  std::ifstream stream = open(file);
+  RecordComponent record;
+  std::size_t expected = 0;
+  std::string line;
+  std::size_t line_number = 0;
+  while (std::getline(stream, line)) {
+    ++line_number;
+    if (line_number < kAt2HeaderLines) continue;
+    if (line_number == kAt2HeaderLines) {
+      expected = static_cast<std::size_t>(number_after(line, "NPTS", file, line_number));
+      record.time_step = number_after(line, "DT", file, line_number);
+      if (!(record.time_step > 0)) fail(file, line_number, "DT must be positive");
+      continue;
+    }
+    for (const double value : parse_numbers(line, file, line_number))
+      record.values.push_back(value);
+  }
+  if (record.values.size() != expected || expected < 2)
+    fail(file, line_number,
+         std::to_string(record.values.size()) + " values found, NPTS says " +
+             std::to_string(expected));
+  return record;
+}
+
+RecordComponent read_column(const std::filesystem::path& file, int column) {
+  std::ifstream stream = open(file);
+  RecordComponent record;
+  std::vector<double> times;
+  std::vector<std::size_t> lines;
+  std::string line;
+  for (std::size_t line_number = 1; std::getline(stream, line); ++line_number) {
+    if (is_heading(line)) continue;
+    const auto numbers = parse_numbers(line, file, line_number);
+    if (static_cast<int>(numbers.size()) <= column)
+      fail(file, line_number,
+           std::to_string(numbers.size()) + " columns found, column " + std::to_string(column) +
+               " was asked for (0 is time)");
+    times.push_back(numbers[0]);
+    lines.push_back(line_number);
+    record.values.push_back(numbers[static_cast<std::size_t>(column)]);
+  }
+  check_spacing(times, lines, file);
+  record.time_step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  return record;
+}
+
+}  // namespace rths::sim

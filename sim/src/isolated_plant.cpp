@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/sim/isolated_plant.hpp>
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <rths/core/error.hpp>
+
+namespace rths::sim {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kDirections = 2;
+constexpr double kElevationTolerance = 0.01;  // [m]
+
+// Shear stick on a fixed base with unit storey stiffness.
+MatrixXd unit_stiffness(int masses) {
+  MatrixXd K = MatrixXd::Zero(masses, masses);
+  for (int i = 0; i < masses; ++i) {
+    K(i, i) += 1;
+    if (i == 0) continue;
+    K(i - 1, i - 1) += 1;
+    K(i, i - 1) -= 1;
+    K(i - 1, i) -= 1;
+  }
+  return K;
+}
+
+struct StickMatrices {
+  MatrixXd K, C;
+};
+
+// C has the given ratio in every mode: C = M Φ diag(2ζω) Φᵀ M with ΦᵀMΦ = I.
+StickMatrices stick_matrices(const VectorXd& m, double frequency, double damping_ratio) {
+  MatrixXd K = unit_stiffness(static_cast<int>(m.size()));
+  const MatrixXd M = m.asDiagonal();
+  const double omega = 2 * std::numbers::pi * frequency;
+  const double unit_eigenvalue =
+      Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>{K, M}.eigenvalues()[0];
+  K *= omega * omega / unit_eigenvalue;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes{K, M};
+  const VectorXd c = 2 * damping_ratio * modes.eigenvalues().cwiseSqrt();
+  const MatrixXd MPhi = M * modes.eigenvectors();
+  return {K, MPhi * c.asDiagonal() * MPhi.transpose()};
+}
+
+// Adds a stick that rests on the basemat: forces depend on motion relative to the basemat.
+void add_relative(MatrixXd& global, const MatrixXd& stick, int first, int base) {
+  const auto n = stick.rows();
+  const VectorXd rigid = VectorXd::Ones(n);
+  const VectorXd row = stick * rigid;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index gi = first + kDirections * i;
+    for (Eigen::Index j = 0; j < n; ++j) global(gi, first + kDirections * j) += stick(i, j);
+    global(gi, base) -= row[i];
+    global(base, gi) -= row[i];
+  }
+  global(base, base) += rigid.dot(row);
+}
+
+void check(const IsolatedPlant& plant) {
+  if (!(plant.basemat_mass > 0)) throw Error{"plant: basemat mass must be positive"};
+  if (plant.sticks.empty()) throw Error{"plant: expected at least one stick"};
+  if (plant.bearings < 1) throw Error{"plant: expected at least one bearing"};
+  if (!(plant.damping_ratio >= 0 && plant.damping_ratio < 1))
+    throw Error{"plant: damping ratio must lie in 0 to 1"};
+  for (const auto& stick : plant.sticks) {
+    if (stick.masses.empty() || stick.masses.size() != stick.elevations.size())
+      throw Error{"plant: stick '" + stick.name + "' needs as many elevations as masses"};
+    for (const double mass : stick.masses)
+      if (!(mass > 0)) throw Error{"plant: stick '" + stick.name + "' has a mass that is not > 0"};
+    if (!(stick.frequency_long > 0 && stick.frequency_lat > 0))
+      throw Error{"plant: stick '" + stick.name + "' needs two frequencies > 0"};
+  }
+}
+
+int floor_at(const Stick& stick, double elevation, int first) {
+  for (std::size_t i = 0; i < stick.elevations.size(); ++i)
+    if (std::abs(stick.elevations[i] - elevation) < kElevationTolerance)
+      return first + kDirections * static_cast<int>(i);
+  throw Error{"plant: stick '" + stick.name + "' has no mass at the spectrum elevation of " +
+              std::to_string(elevation) + " m"};
+}
+
+}  // namespace
+
+PlantMatrices assemble(const IsolatedPlant& plant) {
+  check(plant);
+  int dofs = kDirections;
+  for (const auto& stick : plant.sticks) dofs += kDirections * static_cast<int>(stick.masses.size());
+
+  PlantMatrices matrices;
+  matrices.M = MatrixXd::Zero(dofs, dofs);
+  matrices.C = MatrixXd::Zero(dofs, dofs);
+  matrices.K = MatrixXd::Zero(dofs, dofs);
+  matrices.iota = MatrixXd::Zero(dofs, kDirections);
+  matrices.bearings = plant.bearings;
+  matrices.M(0, 0) = matrices.M(1, 1) = plant.basemat_mass;
+  for (int i = 0; i < dofs; ++i) matrices.iota(i, i % kDirections) = 1;
+
+  int first = kDirections;
+  for (const auto& stick : plant.sticks) {
+    const auto n = static_cast<Eigen::Index>(stick.masses.size());
+    const VectorXd m = Eigen::Map<const VectorXd>(stick.masses.data(), n);
+    for (int direction = 0; direction < kDirections; ++direction) {
+      const double frequency = direction == 0 ? stick.frequency_long : stick.frequency_lat;
+      const auto stick_direction = stick_matrices(m, frequency, plant.damping_ratio);
+      add_relative(matrices.K, stick_direction.K, first + direction, direction);
+      add_relative(matrices.C, stick_direction.C, first + direction, direction);
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const Eigen::Index dof = first + direction + kDirections * i;
+        matrices.M(dof, dof) = m[i];
+      }
+    }
+    matrices.floor_names.push_back(stick.name);
+    matrices.floors.push_back(floor_at(stick, plant.spectrum_elevation, first));
+    first += kDirections * static_cast<int>(n);
+  }
+  return matrices;
+}
+
+PlantMatrices PlantMatrices::fixed_base() const {
+  const int n = dofs() - kDirections;
+  PlantMatrices fixed;
+  fixed.M = M.bottomRightCorner(n, n);
+  fixed.C = C.bottomRightCorner(n, n);
+  fixed.K = K.bottomRightCorner(n, n);
+  fixed.iota = iota.bottomRows(n);
+  fixed.floor_names = floor_names;
+  for (const int floor : floors) fixed.floors.push_back(floor - kDirections);
+  return fixed;
+}
+
+IsolatedPlant example_plant() {
+  IsolatedPlant plant;
+  plant.basemat_mass = 145e6;
+  plant.sticks = {
+      {"containment", {16e6, 16e6, 16e6, 14e6, 10e6}, {12.0, 24.0, 36.0, 47.5, 60.0}, 4.4, 4.6},
+      {"internal structure", {22e6, 20e6, 18e6, 12e6}, {10.0, 22.0, 35.0, 47.5}, 5.9, 6.3},
+      {"auxiliary building", {60e6, 50e6, 45e6, 36e6}, {12.0, 24.0, 36.0, 47.5}, 7.6, 7.6}};
+  return plant;
+}
+
+}  // namespace rths::sim

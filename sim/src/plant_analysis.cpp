@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/sim/plant_analysis.hpp>
+
+#include <cmath>
+#include <utility>
+
+namespace rths::sim {
+namespace {
+
+// The bearings act on the basemat, whose two degrees of freedom come first.
+Eigen::MatrixXd implicit_stiffness(const PlantMatrices& plant, double bearing_stiffness) {
+  Eigen::MatrixXd K = plant.K;
+  if (plant.bearings > 0)
+    K.topLeftCorner(2, 2).diagonal().array() += plant.bearings * bearing_stiffness;
+  return K;
+}
+
+constexpr double kReferenceAlpha = 0;  // no numerical damping in the purely numerical result
+
+}  // namespace
+
+PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
+                             double bearing_initial_stiffness, double time_step, double alpha)
+    : plant_{std::move(plant)},
+      motion_{std::move(motion)},
+      time_step_{time_step},
+      inertia_{-plant_.M * plant_.iota},
+      load_{Eigen::VectorXd::Zero(plant_.dofs())},
+      restoring_force_{Eigen::VectorXd::Zero(plant_.dofs())},
+      integrator_{plant_.M, plant_.C, implicit_stiffness(plant_, bearing_initial_stiffness),
+                  time_step, alpha} {}
+
+Eigen::Vector2d PlantAnalysis::predict() noexcept {
+  time_ = static_cast<double>(++steps_) * time_step_;
+  restoring_force_.noalias() = plant_.K * integrator_.predict();
+  return {integrator_.predicted_displacement()[0], integrator_.predicted_displacement()[1]};
+}
+
+void PlantAnalysis::correct(const Eigen::Vector2d& bearing_force) noexcept {
+  ground_ = motion_.at(time_);
+  load_.noalias() = inertia_ * ground_;
+  if (plant_.bearings > 0) restoring_force_.head<2>() += plant_.bearings * bearing_force;
+  integrator_.correct(restoring_force_, load_);
+}
+
+Eigen::Vector2d PlantAnalysis::predicted_velocity() const {
+  return integrator_.predicted_velocity().head<2>();
+}
+
+Eigen::Vector2d PlantAnalysis::base_displacement() const {
+  return integrator_.displacement().head<2>();
+}
+
+Eigen::Vector2d PlantAnalysis::floor_acceleration(std::size_t i) const {
+  return integrator_.acceleration().segment<2>(plant_.floors[i]) + ground_;
+}
+
+ResponseHistory numerical_response(const PlantMatrices& plant, const GroundMotion& motion,
+                                   const LeadRubber& bearing, double time_step, double duration) {
+  PlantAnalysis analysis{plant, motion, bearing.initial_stiffness, time_step, kReferenceAlpha};
+  LeadRubberState state;
+  ResponseHistory history;
+  history.time_step = time_step;
+  for (const auto& name : plant.floor_names) history.floors.push_back({name, {}, {}});
+  const auto steps = std::lround(duration / time_step);
+  for (long step = 0; step < steps; ++step) {
+    const Eigen::Vector2d displacement = analysis.predict();
+    const Eigen::Vector2d force =
+        plant.bearings > 0 ? advance(bearing, state, displacement) : Eigen::Vector2d::Zero();
+    analysis.correct(force);
+    history.displacement_long.push_back(displacement[0]);
+    history.displacement_lat.push_back(displacement[1]);
+    history.force_long.push_back(force[0]);
+    history.force_lat.push_back(force[1]);
+    for (std::size_t i = 0; i < history.floors.size(); ++i) {
+      const Eigen::Vector2d acceleration = analysis.floor_acceleration(i);
+      history.floors[i].acceleration_long.push_back(acceleration[0]);
+      history.floors[i].acceleration_lat.push_back(acceleration[1]);
+    }
+  }
+  return history;
+}
+
+}  // namespace rths::sim

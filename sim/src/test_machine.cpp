@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/sim/test_machine.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <rths/core/error.hpp>
+
+namespace rths::sim {
+namespace {
+
+constexpr double kLongestPart = 1e-4;  // [s]; oil columns and spools are slower than 20 Hz
+
+double sign(double x) { return x > 0 ? 1.0 : (x < 0 ? -1.0 : 0.0); }
+
+void require_positive(double value, const char* name) {
+  if (!(value > 0) || !std::isfinite(value))
+    throw Error{std::string{"test machine: "} + name + " is " + std::to_string(value) +
+                ", expected a positive number"};
+}
+
+void check(const ServoAxis& axis) {
+  require_positive(axis.limits.stroke, "stroke");
+  require_positive(axis.limits.velocity, "velocity limit");
+  require_positive(axis.limits.force, "force limit");
+  require_positive(axis.piston_area, "piston area");
+  require_positive(axis.oil_volume, "oil volume");
+  require_positive(axis.bulk_modulus, "bulk modulus");
+  require_positive(axis.supply_pressure, "supply pressure");
+  require_positive(axis.rated_flow, "rated flow");
+  require_positive(axis.valve_frequency, "valve frequency");
+  require_positive(axis.position_gain, "position gain");
+  require_positive(axis.effective_mass, "effective mass");
+  require_positive(axis.friction_velocity, "friction velocity");
+}
+
+}  // namespace
+
+TestMachineRun::TestMachineRun(const TestMachine& machine, double period)
+    : machine_{machine},
+      parts_{std::max(1, static_cast<int>(std::ceil(period / kLongestPart - 1e-9)))},
+      part_{period / parts_},
+      random_{machine.seed} {
+  require_positive(period, "period");
+  for (int i = 0; i < kHorizontalAxes; ++i) {
+    check(machine_.axes[i]);
+    const auto delay = std::lround(machine_.axes[i].transport_delay / part_);
+    axes_[i].delay_line.assign(static_cast<std::size_t>(std::max(1L, delay)), 0.0);
+  }
+}
+
+TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s,
+                                                double reference) const noexcept {
+  const ServoAxis& p = machine_.axes[axis];
+  const double demand =
+      std::clamp(p.position_gain * (reference - s.x) * p.piston_area / p.rated_flow -
+                     p.pressure_gain * s.pressure / p.supply_pressure,
+                 -1.0, 1.0);
+  const double opening = std::abs(s.spool) > p.dead_band ? s.spool - sign(s.spool) * p.dead_band : 0;
+  const double drop = std::max(0.0, 1 - sign(opening) * s.pressure / p.supply_pressure);
+  const double flow = p.rated_flow * opening * std::sqrt(drop);
+  const double friction =
+      p.coulomb_friction * std::tanh(s.v / p.friction_velocity) + p.viscous_friction * s.v;
+  const double omega = 2 * std::numbers::pi * p.valve_frequency;
+  return {s.v,
+          (p.piston_area * s.pressure - friction - specimen_force_[axis]) / p.effective_mass,
+          4 * p.bulk_modulus / p.oil_volume * (flow - p.piston_area * s.v - p.leakage * s.pressure),
+          s.spool_rate,
+          omega * omega * (demand - s.spool) - 2 * p.valve_damping * omega * s.spool_rate};
+}
+
+void TestMachineRun::integrate_part(int i, double reference) noexcept {
+  Axis& axis = axes_[i];
+  const double delayed = axis.delay_line[axis.delay_head];
+  axis.delay_line[axis.delay_head] = reference;
+  axis.delay_head = (axis.delay_head + 1) % axis.delay_line.size();
+
+  const auto moved = [](const AxisState& s, const AxisState& d, double h) {
+    return AxisState{s.x + h * d.x, s.v + h * d.v, s.pressure + h * d.pressure,
+                     s.spool + h * d.spool, s.spool_rate + h * d.spool_rate};
+  };
+  AxisState& s = axis.state;
+  const AxisState k1 = rates(i, s, delayed);
+  const AxisState k2 = rates(i, moved(s, k1, part_ / 2), delayed);
+  const AxisState k3 = rates(i, moved(s, k2, part_ / 2), delayed);
+  const AxisState k4 = rates(i, moved(s, k3, part_), delayed);
+  s = moved(moved(moved(moved(s, k1, part_ / 6), k2, part_ / 3), k3, part_ / 3), k4, part_ / 6);
+  s.spool = std::clamp(s.spool, -1.0, 1.0);
+  s.pressure = std::clamp(s.pressure, -machine_.axes[i].supply_pressure,
+                          machine_.axes[i].supply_pressure);
+  axis.acceleration = k1.v;
+  const double memory =
+      std::exp(-2 * std::numbers::pi * machine_.accelerometer_cutoff * part_);
+  axis.filtered_acceleration =
+      memory * axis.filtered_acceleration + (1 - memory) * axis.acceleration;
+}
+
+bool TestMachineRun::at_limit(int i) const noexcept {
+  const AxisLimits& limits = machine_.axes[i].limits;
+  const AxisState& s = axes_[i].state;
+  return std::abs(s.x) >= limits.stroke || std::abs(s.v) >= limits.velocity ||
+         std::abs(s.pressure * machine_.axes[i].piston_area) >= limits.force;
+}
+
+double TestMachineRun::draw(double standard_deviation) noexcept {
+  return standard_deviation * normal_(random_);
+}
+
+Status TestMachineRun::step(const Eigen::Vector2d& reference, MachineFeedback& feedback) noexcept {
+  Status status = Status::Ok;
+  Eigen::Vector2d clamped = reference;
+  for (int i = 0; i < kHorizontalAxes; ++i) {
+    const double stroke = machine_.axes[i].limits.stroke;
+    clamped[i] = std::clamp(reference[i], -stroke, stroke);
+    if (!(std::abs(reference[i]) <= stroke)) status = Status::LimitExceeded;
+    if (std::isnan(reference[i])) clamped[i] = axes_[i].state.x;
+  }
+  for (int part = 0; part < parts_; ++part) {
+    for (int i = 0; i < kHorizontalAxes; ++i) integrate_part(i, clamped[i]);
+    // The specimen follows the platen one part behind: 0.1 ms against its 0.1 s.
+    if (machine_.has_specimen)
+      specimen_force_ = advance(machine_.specimen, specimen_, true_displacement());
+  }
+  for (int i = 0; i < kHorizontalAxes; ++i) {
+    const ServoAxis& axis = machine_.axes[i];
+    if (at_limit(i)) status = Status::LimitExceeded;
+    feedback.displacement[i] = axes_[i].state.x + draw(machine_.noise.displacement);
+    feedback.acceleration[i] =
+        axes_[i].filtered_acceleration + draw(machine_.noise.acceleration);
+    feedback.force[i] = axis.piston_area * axes_[i].state.pressure + axis.force_offset +
+                        draw(machine_.noise.force);
+  }
+  return status;
+}
+
+Eigen::Vector2d TestMachineRun::true_displacement() const {
+  return {axes_[0].state.x, axes_[1].state.x};
+}
+
+TestMachine srmd_machine() {
+  TestMachine machine;
+  ServoAxis& longitudinal = machine.axes[0];
+  longitudinal.limits = {1.22, 1.778, 8.9e6};
+  ServoAxis& lateral = machine.axes[1];
+  lateral.limits = {0.61, 0.762, 4.45e6};
+  lateral.piston_area = 0.215;
+  lateral.oil_volume = 0.262;
+  lateral.rated_flow = 0.25;
+  lateral.leakage = 1e-10;
+  lateral.effective_mass = 116'837;
+  lateral.coulomb_friction = 8'600;
+  lateral.viscous_friction = 870;
+  lateral.force_offset = -1'500;
+  return machine;
+}
+
+}  // namespace rths::sim
