@@ -1,42 +1,148 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <functional>
+
 #include <CLI/CLI.hpp>
-#include <rths/launch/run.hpp>
-#include <rths/report/report.hpp>
+
 #include <rths/core/error.hpp>
-int main(int argc, char** argv) {
-  CLI::App app{"rths"};
-  std::string file, clock = "wall", out = "out", node, ring="r", rec;
+
+#include "commands.hpp"
+
+namespace rths::app {
+namespace {
+
+/// The subcommand that was chosen, to be run once the command line is understood.
+using Chosen = std::function<int()>;
+
+Changes split_changes(const std::vector<std::string>& sets) {
+  Changes changes;
+  for (const auto& set : sets) {
+    const auto equals = set.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw CLI::ValidationError{"--set " + set + ": expected key=value"};
+    changes.emplace_back(set.substr(0, equals), set.substr(equals + 1));
+  }
+  return changes;
+}
+
+/// Everything that options are parsed into; lives as long as the parser.
+struct Arguments {
+  RunArguments run;
+  NodeArguments node;
+  DumpArguments dump;
+  SendArguments send;
+  std::string clock = "wall", file, language = "cpp", folder;
   std::vector<std::string> sets;
-  auto* run = app.add_subcommand("run");
-  run->add_option("file", file)->required();
-  run->add_option("--clock", clock);
-  run->add_option("--out", out);
-  run->add_option("--set", sets);
-  auto* n = app.add_subcommand("node");
-  n->add_option("file", file)->required();
-  n->add_option("--node", node);
-  n->add_option("--ring", ring);
-  n->add_option("--recording", rec);
-  n->add_option("--set", sets);
-  CLI11_PARSE(app, argc, argv);
-  rths::launch::Overrides ov;
-  for (auto& s : sets) ov.emplace_back(s.substr(0, s.find('=')), s.substr(s.find('=') + 1));
+};
+
+void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("run", "Run an experiment and write its recording and report");
+  command->add_option("experiment", a.run.experiment, "Experiment file")->required();
+  command->add_option("--clock", a.clock, "wall: in real time, a process per node; virtual: at once")
+      ->check(CLI::IsMember({"wall", "virtual"}));
+  command->add_option("--out", a.run.out, "Folder for the results [out/<name>]");
+  command->add_option("--ring", a.run.ring, "Name of the ring [the experiment's]");
+  command->add_option("--set", a.sets, "Change a key of the experiment: key=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->callback([&] {
+    a.run.virtual_time = a.clock == "virtual";
+    a.run.changes = split_changes(a.sets);
+    chosen = [&a] { return run(a.run); };
+  });
+}
+
+void add_node(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("node", "One node of a run; the launcher starts these");
+  command->group("");
+  command->add_option("experiment", a.node.experiment)->required();
+  command->add_option("--node", a.node.node)->required();
+  command->add_option("--ring", a.node.ring)->required();
+  command->add_option("--recording", a.node.recording)->required();
+  command->add_option("--set", a.sets)->take_all()->allow_extra_args(false);
+  command->callback([&] {
+    a.node.changes = split_changes(a.sets);
+    chosen = [&a] { return node(a.node); };
+  });
+}
+
+void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "check", "Check a map, diagram, experiment, ground motion or recording; its content decides");
+  command->add_option("file", a.file)->required();
+  command->callback([&] { chosen = [&a] { return check(a.file); }; });
+}
+
+void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("dump", "Show the words of a ring, or the rows of a recording");
+  command->add_option("source", a.dump.source, "Name of a ring, or a recording")->required();
+  command->add_option("signals", a.dump.patterns, "Names to show; * and ? match [all]");
+  command->add_option("--format", a.dump.format)->check(CLI::IsMember({"text", "json", "csv"}));
+  command->add_flag("--once", a.dump.once, "A ring's values now, instead of its changes");
+  command->add_option("-n,--count", a.dump.count, "End after so many lines")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("-T,--timeout", a.dump.timeout_ms, "End after so many milliseconds")
+      ->check(CLI::NonNegativeNumber);
+  command->callback([&] { chosen = [&a] { return dump(a.dump); }; });
+}
+
+void add_send(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("send", "Write words of a ring by name");
+  command->add_option("ring", a.send.ring, "Name of a ring")->required();
+  command->add_option("assignments", a.send.assignments, "name=value, with a unit: 12.5mm")
+      ->required();
+  command->callback([&] { chosen = [&a] { return send(a.send); }; });
+}
+
+void add_map(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("map", "Memory maps");
+  command->require_subcommand(1);
+  auto* check_command = command->add_subcommand("check", "Check a map");
+  check_command->add_option("map", a.file, "File, or name of a built-in map")->required();
+  check_command->callback([&] { chosen = [&a] { return map_check(a.file); }; });
+  auto* gen = command->add_subcommand("gen", "Write a header for programs that use the map");
+  gen->add_option("map", a.file, "File, or name of a built-in map")->required();
+  gen->add_option("--lang", a.language)->check(CLI::IsMember({"c", "cpp"}));
+  gen->callback([&] { chosen = [&a] { return map_gen(a.file, a.language); }; });
+}
+
+void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* report_command = app.add_subcommand("report", "Write the report of a run again");
+  report_command->add_option("folder", a.folder, "Folder of the run")->required();
+  report_command->callback([&] { chosen = [&a] { return report(a.folder); }; });
+  app.add_subcommand("doctor", "List the rings of this host and what is wrong with them")
+      ->callback([&] { chosen = [] { return doctor(); }; });
+  app.add_subcommand("clean", "Remove rings that no living process is on")
+      ->callback([&] { chosen = [] { return clean(); }; });
+}
+
+int parse_and_run(int argc, char** argv) {
+  CLI::App app{"A software SCRAMNet+ ring, and the hybrid-simulation laboratory on it."};
+  app.name("rths");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", version());
+  Arguments arguments;
+  Chosen chosen;
+  for (const auto add : {add_run, add_node, add_check, add_dump, add_send, add_map, add_rest})
+    add(app, arguments, chosen);
   try {
-    auto e = rths::launch::load_experiment(file, ov);
-    if (*n) return rths::launch::run_node(e, node, ring, rec, "0");
-    rths::launch::RunOptions o;
-    o.clock = clock == "wall" ? rths::launch::ClockKind::Wall : rths::launch::ClockKind::Virtual;
-    o.recording = out + "/run.h5";
-    o.ring = ring;
-    o.overrides = ov;
-    auto r = rths::launch::run(e, o);
-    printf("%d %s %.2f s\n", r.completed, r.trouble.c_str(), r.wall_time);
-    rths::launch::run_uncompensated(e, out + "/run.h5", out + "/uncompensated.h5", "0"); rths::launch::run_numerical(e, out + "/numerical.h5");
-    printf("%s", rths::report::make_report(out).summary.c_str());
-    return r.completed ? 0 : 2;
-  } catch (const rths::Error& x) {
-    fprintf(stderr, "rths: %s\n", x.what());
-    return 2;
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool is_help = error.get_exit_code() == 0;
+    app.exit(error);
+    return is_help ? kOk : kUsage;
+  }
+  return chosen();
+}
+
+}  // namespace
+}  // namespace rths::app
+
+int main(int argc, char** argv) {
+  try {
+    return rths::app::parse_and_run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rths: %s\n", error.what());
+    return rths::app::kFailure;
   }
 }

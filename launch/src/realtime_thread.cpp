@@ -7,6 +7,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <thread>
+
+#include <rths/launch/privileges.hpp>
 
 namespace rths::launch {
 
@@ -20,6 +23,12 @@ std::string make_realtime(int priority) {
     lacks("no real-time scheduling", error);
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) lacks("memory not locked", errno);
   if (prctl(PR_SET_TIMERSLACK, 1UL) != 0) lacks("inexact timers", errno);
+  return missing;
+}
+
+std::string missing_privileges() {
+  std::string missing;
+  std::thread{[&] { missing = make_realtime(kProbePriority); }}.join();
   return missing;
 }
 

@@ -39,6 +39,10 @@ void add_to_meta(const std::filesystem::path& file, const WallRunResult& result,
 
 }  // namespace
 
+void check_assembly(const Experiment& experiment) {
+  static_cast<void>(assemble(experiment, ClockKind::Virtual, {}));
+}
+
 RunOutcome run(const Experiment& experiment, const RunOptions& options) {
   std::filesystem::create_directories(options.recording.parent_path());
   Assembly assembly = assemble(

@@ -79,11 +79,11 @@ Config::Config(ConfigValue::Table table, std::string where, std::filesystem::pat
 
 Config Config::load(const std::filesystem::path& file) {
   const std::string text = read_text_file(file);
-  return Config{parse_toml(text, file.string()), file.string(), file.parent_path()};
+  return Config{parse_toml(text, file.string()), file.string() + ":1:1", file.parent_path()};
 }
 
 Config Config::parse(std::string_view text, const std::string& name) {
-  return Config{parse_toml(text, name), name, {}};
+  return Config{parse_toml(text, name), name + ":1:1", {}};
 }
 
 const ConfigValue* Config::find(const std::string& key) const {

@@ -103,6 +103,7 @@ Partition read_partition(const Config& table) {
 MapDescription read_description(const Config& file) {
   constexpr std::int64_t kLargestNodeId = 255;
   MapDescription description;
+  description.where = file.where("nodes");
   const std::int64_t format = file.integer("ringmap");
   if (format != kMapFormat)
     file.fail("ringmap", fmt::format("ringmap is {}, this program reads {}", format, kMapFormat));

@@ -31,7 +31,8 @@ void check_name(const std::string& name, const std::string& what, const std::str
 }
 
 void check_nodes(const MapDescription& description) {
-  if (description.nodes.empty()) fail("", "map '{}' has no nodes", description.name);
+  if (description.nodes.empty())
+    fail(description.where, "map '{}' has no nodes", description.name);
   for (std::size_t i = 1; i < description.nodes.size(); ++i) {
     const MapNode& node = description.nodes[i];
     const MapNode& previous = description.nodes[i - 1];
@@ -43,10 +44,12 @@ void check_nodes(const MapDescription& description) {
 
 void check_partition(const Partition& partition, const MapDescription& description) {
   check_name(partition.name, "partition", partition.where);
+  std::string known;
+  for (const auto& node : description.nodes) known += (known.empty() ? "" : ", ") + node.name;
   const auto is_writer = [&](const MapNode& node) { return node.name == partition.node; };
   if (std::none_of(description.nodes.begin(), description.nodes.end(), is_writer))
-    fail(partition.where, "partition '{}' is written by '{}', which is no node of this map",
-         partition.name, partition.node);
+    fail(partition.where, "partition '{}' is written by '{}', expected one of {}", partition.name,
+         partition.node, known);
   const std::uint64_t end = std::uint64_t{partition.base.value()} + partition.longwords;
   if (end > description.size_longwords)
     fail(partition.where, "partition '{}' ends at longword {}, the ring has {}", partition.name,
@@ -131,7 +134,7 @@ void check_signals(const Partition& partition, std::set<std::string>& names) {
 }  // namespace
 
 void check_rules(const MapDescription& description) {
-  check_name(description.name, "ring", "");
+  check_name(description.name, "ring", description.where);
   check_nodes(description);
   for (const auto& partition : description.partitions) check_partition(partition, description);
   check_overlaps(description.partitions);

@@ -37,6 +37,10 @@ struct RunOutcome {
 /// @throws Error if it cannot be started   @setup
 [[nodiscard]] RunOutcome run(const Experiment& experiment, const RunOptions& options);
 
+/// Builds everything an experiment needs, and lets it go again: what can only go wrong then does so
+/// now. @throws Error   @setup
+void check_assembly(const Experiment& experiment);
+
 /// The same displacement history again, in virtual time, with all compensation off: what the delay
 /// of the machine is measured on. Returns false if the experiment does not say how to switch off.
 /// @param history  recording of the run whose targets are played   @throws Error   @setup

@@ -66,6 +66,7 @@ struct MapDescription {
   std::uint32_t size_longwords = 0;
   std::vector<MapNode> nodes;
   std::vector<Partition> partitions;
+  std::string where;              ///< place in the file, for messages
 };
 
 /// A signal together with what its partition says of it.

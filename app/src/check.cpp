@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/launch/run.hpp>
+#include <rths/memmap/config.hpp>
+#include <rths/recording/recording.hpp>
+#include <rths/sim/ground_motion.hpp>
+
+#include "commands.hpp"
+
+namespace rths::app {
+namespace {
+
+int check_recording(const std::string& file) {
+  const bool repaired = recording::repair(file);
+  const recording::Reader reader{file};
+  std::int64_t dropped = 0;
+  for (const auto& [node, count] : reader.drops()) dropped += count;
+  fmt::print("{}: recording, {} rows of {} signals, {:.3f} s, {} events, {} steps dropped{}\n", file,
+             reader.rows(), reader.names().size(), reader.rows() > 0 ? reader.time().back() : 0.0,
+             reader.events().size(), dropped,
+             repaired ? "; its writer had not closed it, repaired" : "");
+  return dropped == 0 ? kOk : kConditionNotMet;
+}
+
+int check_experiment(const std::string& file) {
+  const auto experiment = launch::load_experiment(file);
+  launch::check_assembly(experiment);
+  fmt::print("{}: experiment '{}', {} nodes, {:g} s of '{}'\n", file, experiment.name,
+             experiment.nodes.size(), experiment.duration, experiment.motion_name);
+  return kOk;
+}
+
+int check_diagram(const std::string& file) {
+  const auto diagram = adapters::make_simulink_like(file, {});
+  fmt::print("{}: block diagram, {} ports, {:g} Hz\n", file, diagram->ports().size(),
+             1 / adapters::diagram_period(file));
+  return kOk;
+}
+
+int check_toml(const std::string& file) {
+  const auto config = memmap::Config::load(file);
+  if (config.has("ringmap")) return map_check(file);
+  if (config.has("diagram")) return check_diagram(file);
+  if (config.has("format")) return check_experiment(file);
+  throw Error{file +
+              ": is TOML, but starts with none of ringmap (a map), diagram (a block diagram) and "
+              "format (an experiment)"};
+}
+
+int check_motion(const std::string& file, const sim::RecordComponent& record, const char* kind) {
+  double peak = 0;
+  for (const double value : record.values) peak = std::max(peak, std::abs(value));
+  fmt::print("{}: {}, {} samples, {:g} s apart, peak {:g}\n", file, kind, record.values.size(),
+             record.time_step, peak);
+  return kOk;
+}
+
+// The first line that holds more than white space, to tell the text formats apart.
+std::string first_line(const std::string& file) {
+  std::ifstream stream{file};
+  if (!stream) throw Error{file + ": cannot be read"};
+  std::string line;
+  while (std::getline(stream, line))
+    if (line.find_first_not_of(" \t\r") != std::string::npos) return line;
+  return "";
+}
+
+bool looks_like_toml(const std::string& line) {
+  return line[0] == '[' || (line.find('=') != std::string::npos && line.find(',') > line.find('='));
+}
+
+}  // namespace
+
+int check(const std::string& file) {
+  if (recording::is_hdf5(file)) return check_recording(file);
+  const std::string line = first_line(file);
+  if (line.empty()) throw Error{file + ": is empty"};
+  std::ifstream stream{file};
+  const std::string head(std::istreambuf_iterator<char>{stream}, {});
+  if (head.find("NPTS") != std::string::npos && head.find("DT") != std::string::npos)
+    return check_motion(file, sim::read_at2(file), "ground motion (.AT2)");
+  if (line[0] != '#' ? looks_like_toml(line) : head.find("\n[") != std::string::npos)
+    return check_toml(file);
+  return check_motion(file, sim::read_column(file, 1), "columns, the first of them");
+}
+
+}  // namespace rths::app

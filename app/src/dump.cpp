@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fnmatch.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include <rths/broker/ring.hpp>
+#include <rths/core/error.hpp>
+#include <rths/memmap/codec.hpp>
+#include <rths/recording/recording.hpp>
+
+#include "commands.hpp"
+
+namespace rths::app {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kLookEvery{1};
+
+bool matches(const std::string& name, const std::vector<std::string>& patterns) {
+  for (const auto& pattern : patterns)
+    if (fnmatch(pattern.c_str(), name.c_str(), 0) == 0) return true;
+  return patterns.empty();
+}
+
+/// Prints values in the format asked for and says when it has printed enough.
+class Printer {
+ public:
+  explicit Printer(const DumpArguments& arguments) : arguments_{arguments} {
+    if (arguments.format == "csv") fmt::print("time_s,signal,value,unit\n");
+  }
+  void print(double time, const std::string& name, double value, const std::string& unit) {
+    if (enough()) return;
+    ++lines_;
+    if (arguments_.format == "json")
+      fmt::print("{{\"time_s\": {:.9f}, \"signal\": \"{}\", \"value\": {}, \"unit\": \"{}\"}}\n",
+                 time, name, std::isfinite(value) ? fmt::format("{:.9g}", value) : "null", unit);
+    else if (arguments_.format == "csv")
+      fmt::print("{:.9f},{},{:.9g},{}\n", time, name, value, unit);
+    else
+      fmt::print("({:.9f}) {} = {:.9g} {}\n", time, name, value, unit == "1" ? "" : unit);
+  }
+  [[nodiscard]] bool enough() const {
+    return arguments_.count > 0 && lines_ >= arguments_.count;
+  }
+
+ private:
+  const DumpArguments& arguments_;
+  long lines_ = 0;
+};
+
+/// A word of the ring that is watched.
+struct Watched {
+  const memmap::SignalEntry* entry;
+  memmap::Codec codec;
+  std::optional<std::uint32_t> last;
+};
+
+// Prints what differs from the last look. Values are in the map's units, as its sheet has them.
+void print_changes(const broker::Node& node, std::vector<Watched>& watched, double time,
+                   Printer& printer) {
+  for (auto& word : watched) {
+    const std::uint32_t now = node.read(word.entry->signal->offset);
+    if (word.last == now) continue;
+    word.last = now;
+    printer.print(time, word.entry->name, word.codec.from_si(word.codec.decode(now)),
+                  word.entry->signal->unit);
+  }
+}
+
+int dump_ring(const DumpArguments& arguments) {
+  broker::Ring ring = broker::Ring::attach(arguments.source);
+  const broker::Node node = ring.observe();
+  std::vector<Watched> watched;
+  for (const auto& entry : ring.map().signals())
+    if (matches(entry.name, arguments.patterns))
+      watched.push_back({&entry, memmap::Codec{*entry.signal}, std::nullopt});
+  if (watched.empty()) throw Error{"no signal of the ring has a name like that"};
+  Printer printer{arguments};
+  const auto begun = steady_clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(steady_clock::now() - begun); };
+  do {
+    print_changes(node, watched, elapsed().count(), printer);
+    std::fflush(stdout);
+    if (arguments.once || printer.enough()) return kOk;
+    std::this_thread::sleep_for(kLookEvery);
+  } while (arguments.timeout_ms == 0 || elapsed() < milliseconds{arguments.timeout_ms});
+  // Whoever waits for a number of changes wants to know that they did not come.
+  return arguments.count > 0 ? kConditionNotMet : kOk;
+}
+
+int dump_recording(const DumpArguments& arguments) {
+  const recording::Reader reader{arguments.source};
+  struct Column {
+    std::string name, unit;
+    std::vector<double> values;
+  };
+  std::vector<Column> columns;
+  for (const auto& name : reader.names())
+    if (matches(name, arguments.patterns))
+      columns.push_back({name, reader.unit(name), reader.signal(name)});
+  if (columns.empty()) throw Error{"no signal of the recording has a name like that"};
+  Printer printer{arguments};
+  for (std::size_t row = 0; row < reader.rows() && !printer.enough(); ++row)
+    for (const auto& column : columns)
+      if (row < column.values.size())
+        printer.print(reader.time()[row], column.name, column.values[row], column.unit);
+  return kOk;
+}
+
+}  // namespace
+
+int dump(const DumpArguments& arguments) {
+  return std::filesystem::exists(arguments.source) ? dump_recording(arguments)
+                                                   : dump_ring(arguments);
+}
+
+}  // namespace rths::app

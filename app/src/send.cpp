@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <charconv>
+#include <map>
+
+#include <fmt/format.h>
+
+#include <rths/broker/ring.hpp>
+#include <rths/core/error.hpp>
+#include <rths/memmap/codec.hpp>
+#include <rths/memmap/units.hpp>
+
+#include "commands.hpp"
+
+namespace rths::app {
+namespace {
+
+struct Assignment {
+  const memmap::SignalEntry* entry;
+  std::uint32_t word;
+};
+
+// "12.5mm", "0.5", or the name of one of the signal's values. In SI.
+double parse_value(const std::string& text, const memmap::SignalEntry& entry) {
+  const memmap::Codec codec{*entry.signal};
+  for (const auto& [name, value] : entry.signal->values)
+    if (name == text) return codec.to_si(static_cast<double>(value));
+  double number = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, problem] = std::from_chars(text.data(), end, number);
+  if (problem != std::errc{})
+    throw Error{fmt::format("{}={}: expected a number{}", entry.name, text,
+                            entry.signal->values.empty() ? "" : " or the name of a value")};
+  if (rest == end) return codec.to_si(number);
+  const auto unit = memmap::parse_unit(std::string{rest, end});
+  const std::string si = memmap::parse_unit(entry.signal->unit).si;
+  if (unit.si != si)
+    throw Error{fmt::format("{}={}: the signal is in {}, '{}' is not", entry.name, text,
+                            entry.signal->unit, std::string{rest, end})};
+  return unit.scale * number + unit.offset;
+}
+
+void check_range(double si, const std::string& text, const memmap::SignalEntry& entry) {
+  if (!entry.signal->range) return;
+  const double value = memmap::Codec{*entry.signal}.from_si(si);
+  const auto [low, high] = *entry.signal->range;
+  if (value < low || value > high)
+    throw Error{fmt::format("{}={}: expected {} to {} {}", entry.name, text, low, high,
+                            entry.signal->unit)};
+}
+
+Assignment parse_assignment(const std::string& text, const memmap::Map& map) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos) throw Error{fmt::format("'{}': expected name=value", text)};
+  const auto& entry = map.entry(map.signal(text.substr(0, equals)));
+  const std::string value = text.substr(equals + 1);
+  const double si = parse_value(value, entry);
+  check_range(si, value, entry);
+  return {&entry, memmap::Codec{*entry.signal}.encode(si)};
+}
+
+void write_all(broker::Ring& ring, const std::string& node,
+               const std::vector<Assignment>& assignments) {
+  broker::Node writer = ring.join(node, 0);
+  for (const auto& [entry, word] : assignments) {
+    if (!entry->partition->tear_group) {
+      static_cast<void>(writer.write(entry->signal->offset, word));
+      continue;
+    }
+    const TearGroupId group = ring.tear_group(entry->partition->name);
+    std::vector<std::uint32_t> words(entry->partition->longwords);
+    if (writer.read_group(group, words) != Status::Ok)
+      throw Error{fmt::format("partition '{}' is being written", entry->partition->name)};
+    words[entry->signal->offset.value() - entry->partition->base.value()] = word;
+    static_cast<void>(writer.write_group(group, words));
+  }
+}
+
+}  // namespace
+
+int send(const SendArguments& arguments) {
+  broker::Ring ring = broker::Ring::attach(arguments.ring);
+  // All of it is understood before any of it is written.
+  std::map<std::string, std::vector<Assignment>> by_writer;
+  for (const auto& text : arguments.assignments) {
+    const Assignment assignment = parse_assignment(text, ring.map());
+    by_writer[assignment.entry->partition->node].push_back(assignment);
+  }
+  for (const auto& [node, assignments] : by_writer) write_all(ring, node, assignments);
+  return kOk;
+}
+
+}  // namespace rths::app

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <rths/memmap/config.hpp>
+
+#include "support/files.hpp"
+
+namespace rths::memmap {
+namespace {
+
+Config parse(const std::string& text) { return Config::parse(text, "lab.toml"); }
+
+TEST(Config, TakesAWholeNumberWhereANumberIsWanted) {
+  EXPECT_EQ(parse("gain = 2").number("gain"), 2.0);
+}
+
+TEST(Config, SaysWhereAValueOfTheWrongKindStands) {
+  const Config config = parse("\n  gain = \"two\"");
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number("gain")); }),
+            "lab.toml:2:10: gain is a text, expected a number");
+}
+
+TEST(Config, NamesTheKeyThatIsMissing) {
+  const Config config = parse("gain = 1");
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number("stroke_m")); }),
+            "lab.toml:1:1: 'stroke_m' is missing");
+}
+
+TEST(Config, GuessesWhatAMisspeltKeyMeant) {
+  const Config config = parse("stifness_N_per_m = 1");
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number("stiffness_N_per_m")); }),
+            "lab.toml:1:20: unknown key 'stifness_N_per_m' (did you mean 'stiffness_N_per_m'?)");
+}
+
+TEST(Config, RefusesKeysThatNobodyAskedFor) {
+  const Config config = parse("gain = 1\ngian = 2");
+  static_cast<void>(config.number("gain"));
+
+  EXPECT_EQ(test::error_of([&] { config.reject_unknown_keys(); }),
+            "lab.toml:2:8: unknown key 'gian' (did you mean 'gain'?)");
+}
+
+TEST(Config, NamesBothEndsOfARange) {
+  const Config config = parse("part = 1.5");
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number_in("part", 0, 1)); }),
+            "lab.toml:1:8: part is 1.5, expected 0 to 1");
+}
+
+TEST(Config, RefusesNotANumberWhereARangeIsAsked) {
+  EXPECT_THROW(static_cast<void>(parse("part = nan").number_in("part", 0, 1)), Error);
+}
+
+TEST(Config, FallsBackToDefaults) {
+  const Config config = parse("");
+
+  EXPECT_EQ(config.number("a", 1.5), 1.5);
+  EXPECT_EQ(config.integer("b", 2), 2);
+  EXPECT_EQ(config.text("c", "x"), "x");
+  EXPECT_TRUE(config.flag("d", true));
+  EXPECT_EQ(config.numbers("e", {1, 2}).size(), 2U);
+  EXPECT_TRUE(config.tables("f").empty());
+  EXPECT_TRUE(config.table_or_empty("g").keys().empty());
+}
+
+TEST(Config, ReadsTablesInOrder) {
+  const auto tables = parse("[[block]]\nname = \"b\"\n[[block]]\nname = \"a\"").tables("block");
+
+  ASSERT_EQ(tables.size(), 2U);
+  EXPECT_EQ(tables[0].text("name"), "b");
+  EXPECT_EQ(tables[1].where(), "lab.toml:3:1");
+}
+
+TEST(Config, PutsAnOverrideAtItsDottedPlace) {
+  Config config = parse("[motion]\nscale = 1.0");
+  config.set("motion.scale", "2.5");
+  config.set("node.xpc.tune.gain", "3");
+
+  EXPECT_EQ(config.table("motion").number("scale"), 2.5);
+  EXPECT_EQ(config.table("node").table("xpc").table("tune").integer("gain"), 3);
+}
+
+TEST(Config, BlamesTheCommandLineForABadOverride) {
+  Config config = parse("scale = 1.0");
+  config.set("scale", "\"big\"");
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number("scale")); }),
+            "--set scale: scale is a text, expected a number");
+  EXPECT_EQ(test::error_of([&] { config.set("scale.x", "1"); }),
+            "--set scale.x: 'scale' is a text, expected a table");
+}
+
+TEST(Config, SaysWhyAFileCannotBeRead) {
+  EXPECT_EQ(test::error_of([] { static_cast<void>(Config::load("/no/such.toml")); }),
+            "/no/such.toml: cannot be read: No such file or directory");
+}
+
+TEST(Config, ReadsAnEmptyFile) {
+  const test::TemporaryFolder folder;
+
+  EXPECT_TRUE(Config::load(folder.write("empty.toml", "")).keys().empty());
+}
+
+TEST(Config, ResolvesPathsBesideTheFile) {
+  const test::TemporaryFolder folder;
+  const Config config = Config::load(folder.write("lab.toml", ""));
+
+  EXPECT_EQ(config.resolve("a/b.csv"), folder.path() / "a/b.csv");
+  EXPECT_EQ(config.resolve("/a/b.csv"), "/a/b.csv");
+}
+
+TEST(Config, GivesErrorsWithoutAPlaceThatOfTheirKey) {
+  const Config config = parse("cutoff_Hz = 900");
+
+  EXPECT_EQ(test::error_of([&] {
+              static_cast<void>(config.placed("cutoff_Hz", []() -> int { throw Error{"too high"}; }));
+            }),
+            "lab.toml:1:13: too high");
+}
+
+TEST(Nearest, FindsTheLikelyWordOnly) {
+  EXPECT_EQ(nearest("lenght", {"length", "width"}), "length");
+  EXPECT_EQ(nearest("temperature", {"length", "width"}), std::nullopt);
+}
+
+}  // namespace
+}  // namespace rths::memmap

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The SRMD's map, word for word as the laboratory has it.
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include <gtest/gtest.h>
+
+#include <rths/memmap/codec.hpp>
+#include <rths/memmap/map.hpp>
+
+#include "support/files.hpp"
+
+namespace rths::memmap {
+namespace {
+
+Map srmd() { return load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml"); }
+
+std::uint32_t word_of(const Map& map, const std::string& signal) {
+  return map.entry(map.signal(signal)).signal->offset.value();
+}
+
+TEST(SrmdMap, HasTheLaboratorysNodeIds) {
+  const Map map = srmd();
+
+  EXPECT_EQ(map.node("srmd"), NodeId{1});
+  EXPECT_EQ(map.node("xpc"), NodeId{2});
+  EXPECT_EQ(map.node("opf"), NodeId{3});
+}
+
+TEST(SrmdMap, HasReferencesFromWordZeroInTheMachinesOrder) {
+  const Map map = srmd();
+
+  const char* order[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(word_of(map, std::string{"xpc."} + order[i] + ".displ.ref"), i);
+    EXPECT_EQ(word_of(map, std::string{"srmd."} + order[i] + ".displ.ref_echo"), 64 + i);
+    EXPECT_EQ(word_of(map, std::string{"srmd."} + order[i] + ".displ.fbk"), 71 + i);
+    EXPECT_EQ(word_of(map, std::string{"opf."} + order[i] + ".displ.target"), 1025 + i);
+    EXPECT_EQ(word_of(map, std::string{"daq."} + order[i] + ".displ.fbk"), 1062 + i);
+  }
+  EXPECT_EQ(word_of(map, "xpc.compression.force.ref"), 6U);
+  EXPECT_EQ(word_of(map, "srmd.compression.force.fbk"), 77U);
+}
+
+TEST(SrmdMap, HasTheMachinesOtherWordsWhereTheSheetHasThem) {
+  const Map map = srmd();
+
+  EXPECT_EQ(word_of(map, "xpc.1.user_input"), 7U);
+  EXPECT_EQ(word_of(map, "xpc.8.user_input"), 14U);
+  EXPECT_EQ(word_of(map, "srmd.long.accel.fbk"), 78U);
+  EXPECT_EQ(word_of(map, "srmd.vert.accel.fbk"), 80U);
+  EXPECT_EQ(word_of(map, "srmd.long.force.fbk"), 81U);
+  EXPECT_EQ(word_of(map, "srmd.yaw.moment.fbk"), 86U);
+  EXPECT_EQ(word_of(map, "srmd.ne.outrigger.force.fbk"), 87U);
+  EXPECT_EQ(word_of(map, "srmd.lift.pressure.fbk"), 91U);
+  EXPECT_EQ(word_of(map, "srmd.1.user_ad"), 92U);
+  EXPECT_EQ(word_of(map, "srmd.12.user_ad"), 103U);
+  EXPECT_EQ(word_of(map, "srmd.1.user_input_echo"), 104U);
+}
+
+TEST(SrmdMap, RaisesTheFrameSyncWithItsLastWord) {
+  const Map map = srmd();
+
+  const auto& last = map.entry(map.signal("srmd.8.user_input_echo"));
+  EXPECT_EQ(last.signal->offset, LongwordOffset{111});
+  EXPECT_TRUE(last.signal->interrupt);
+}
+
+TEST(SrmdMap, HasTheOpenFrescoBlockAtByte4096) {
+  const Map map = srmd();
+
+  EXPECT_EQ(to_byte_offset(LongwordOffset{word_of(map, "opf.newTarget")}), ByteOffset{4096});
+  EXPECT_EQ(word_of(map, "opf.long.veloc.target"), 1032U);
+  EXPECT_EQ(word_of(map, "opf.long.accel.target"), 1039U);
+  EXPECT_EQ(word_of(map, "opf.long.force.target"), 1046U);
+  EXPECT_EQ(word_of(map, "opf.1.time.target"), 1053U);
+  EXPECT_EQ(word_of(map, "opf.7.time.target"), 1059U);
+  EXPECT_EQ(word_of(map, "daq.switchPC"), 1060U);
+  EXPECT_EQ(word_of(map, "daq.atTarget"), 1061U);
+  EXPECT_EQ(word_of(map, "daq.long.veloc.fbk"), 1069U);
+  EXPECT_EQ(word_of(map, "daq.long.accel.fbk"), 1076U);
+  EXPECT_EQ(word_of(map, "daq.long.force.fbk"), 1083U);
+  EXPECT_EQ(word_of(map, "daq.7.time.fbk"), 1096U);
+}
+
+TEST(SrmdMap, LetsEachPartitionBeWrittenByItsNode) {
+  const Map map = srmd();
+
+  const std::pair<std::uint32_t, const char*> writers[] = {
+      {0, "xpc"}, {14, "xpc"}, {64, "srmd"}, {111, "srmd"}, {1024, "opf"}, {1059, "opf"},
+      {1060, "xpc"}, {1096, "xpc"}};
+  for (const auto& [word, node] : writers)
+    EXPECT_EQ(map.partition_at(LongwordOffset{word})->node, node) << word;
+  for (const std::uint32_t blank : {15U, 63U, 112U, 1023U, 1097U})
+    EXPECT_EQ(map.partition_at(LongwordOffset{blank}), nullptr) << blank;
+}
+
+// The image of a ring in which the k-th signal holds k + 1/2 of its unit, an integer k. A change of
+// these bytes is a change of the map: bump its version.
+TEST(SrmdMap, HasTheGoldenByteImage) {
+  const Map map = srmd();
+  std::vector<std::uint32_t> words(1097);
+  for (std::size_t k = 0; k < map.signals().size(); ++k) {
+    const Signal& signal = *map.signals()[k].signal;
+    const Codec codec{signal};
+    const double value = static_cast<double>(k) + (signal.type == WordType::F32 ? 0.5 : 0.0);
+    words[signal.offset.value()] = codec.encode(codec.to_si(value));
+  }
+  std::string image(words.size() * 4, '\0');
+  std::memcpy(image.data(), words.data(), image.size());
+
+  EXPECT_EQ(map.description().version, 1U);
+  EXPECT_TRUE(image == test::content_of(test::source_tree() / "tests/data/srmd_map_v1.image"));
+}
+
+}  // namespace
+}  // namespace rths::memmap

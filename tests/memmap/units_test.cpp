@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <ostream>
+
+#include <gtest/gtest.h>
+
+#include <rths/memmap/units.hpp>
+
+#include "support/files.hpp"
+
+namespace rths::memmap {
+namespace {
+
+struct Known {
+  const char* text;
+  const char* si;
+  double scale;
+  friend std::ostream& operator<<(std::ostream& out, const Known& known) {
+    return out << known.text;
+  }
+};
+
+class KnownUnit : public ::testing::TestWithParam<Known> {};
+
+TEST_P(KnownUnit, ConvertsToItsSiUnit) {
+  const Unit unit = parse_unit(GetParam().text);
+
+  EXPECT_EQ(unit.si, GetParam().si);
+  EXPECT_NEAR(unit.scale, GetParam().scale, 1e-9 * GetParam().scale);
+  EXPECT_EQ(unit.offset, 0);
+}
+
+// Exact by definition: the inch (1959), the pound-force and standard gravity (CGPM 1901).
+INSTANTIATE_TEST_SUITE_P(
+    Units, KnownUnit,
+    ::testing::Values(Known{"mm", "m", 1e-3}, Known{"inch", "m", 0.0254},
+                      Known{"kip", "N", 4448.2216152605}, Known{"kN", "N", 1e3},
+                      Known{"gravity", "m/s2", 9.80665}, Known{"kN/gravity", "kg", 1e3 / 9.80665},
+                      Known{"kN.s/cm", "N.s/m", 1e5}, Known{"degree", "rad", 0.017453292519943},
+                      Known{"degree/s2", "rad/s2", 0.017453292519943}, Known{"kip.inch", "N.m", 112.98482902762},
+                      Known{"psi", "Pa", 6894.757293168}, Known{"ms", "s", 1e-3},
+                      Known{"percent", "1", 0.01}, Known{"V", "V", 1}, Known{"1", "1", 1},
+                      Known{"Hz", "Hz", 1}, Known{"s2", "s2", 1}, Known{"kN/mm", "N/m", 1e6}));
+
+TEST(Unit, ShiftsCelsius) {
+  const Unit unit = parse_unit("degC");
+
+  EXPECT_EQ(unit.si, "K");
+  EXPECT_NEAR(unit.offset, 273.15, 1e-9);
+}
+
+TEST(Unit, RefusesTheGramThatMeantGravity) {
+  EXPECT_EQ(test::error_of([] { static_cast<void>(parse_unit("g")); }),
+            "unit 'g' would be a gram; write 'gravity' for an acceleration, 'gram' for a mass");
+}
+
+}  // namespace
+}  // namespace rths::memmap

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace rths::test {
+
+/// What a process left behind.
+struct Finished {
+  int exit_code = -1;   ///< −1 if it was killed
+  int signal = 0;
+  std::string out, err;
+  double seconds = 0;
+};
+
+/// A program that runs beside the test; killed, if it still runs, when the test is over.
+class Running {
+ public:
+  explicit Running(const std::vector<std::string>& command);
+  ~Running();
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+  [[nodiscard]] int pid() const { return pid_; }
+  /// Waits for its end; kills it after `deadline_s`.
+  [[nodiscard]] Finished wait(double deadline_s = 60);
+
+ private:
+  void read_available();
+  int pid_ = -1;
+  int out_ = -1, err_ = -1;
+  Finished finished_;
+};
+
+/// Runs the `rths` of this build.
+[[nodiscard]] Finished run_rths(const std::vector<std::string>& arguments, double deadline_s = 60);
+[[nodiscard]] std::string rths_command();
+/// Process ids of the direct children of a process.
+[[nodiscard]] std::vector<int> children_of(int pid);
+/// Command line of a process, its words separated by blanks.
+[[nodiscard]] std::string command_line_of(int pid);
+
+}  // namespace rths::test

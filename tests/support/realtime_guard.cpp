@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Heap and locks are watched by standing in front of the C library's functions. System calls are
+// watched by Syscall User Dispatch: while a byte says so, the kernel turns each of this thread's
+// system calls into a SIGSYS, whose handler notes the first, opens the gate and has it made again.
+#include "realtime_guard.hpp"
+
+#include <dlfcn.h>
+#include <pthread.h>
+#include <sys/prctl.h>
+#include <ucontext.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstddef>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define RTHS_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define RTHS_SANITIZED 1
+#endif
+#endif
+
+namespace rths::test {
+namespace {
+
+struct Counters {
+  bool watching = false;
+  long heap_calls = 0;
+  long locks = 0;
+  long first_system_call = -1;
+};
+thread_local Counters counters;
+
+#if defined(__x86_64__) && !defined(RTHS_SANITIZED)
+constexpr int kSetDispatch = 59;  // PR_SET_SYSCALL_USER_DISPATCH, newer than Debian 12's headers
+constexpr unsigned long kDispatchOn = 1;
+constexpr unsigned long kDispatchOff = 0;
+constexpr char kAllow = 0;
+constexpr char kBlock = 1;
+constexpr int kSyscallLength = 2;  // bytes of the instruction
+
+thread_local volatile char selector = kAllow;
+
+void note_system_call(int, siginfo_t* info, void* context) {
+  selector = kAllow;
+  if (counters.first_system_call < 0) counters.first_system_call = info->si_syscall;
+  auto* registers = static_cast<ucontext_t*>(context);
+  registers->uc_mcontext.gregs[REG_RAX] = info->si_syscall;
+  registers->uc_mcontext.gregs[REG_RIP] -= kSyscallLength;
+}
+
+bool start_dispatch() {
+  struct sigaction action {};
+  action.sa_sigaction = note_system_call;
+  action.sa_flags = SA_SIGINFO;
+  sigaction(SIGSYS, &action, nullptr);
+  return prctl(kSetDispatch, kDispatchOn, 0UL, 0UL, &selector) == 0;
+}
+
+void stop_dispatch() { prctl(kSetDispatch, kDispatchOff, 0UL, 0UL, 0UL); }
+void block_system_calls() { selector = kBlock; }
+void allow_system_calls() { selector = kAllow; }
+#else
+bool start_dispatch() { return false; }
+void stop_dispatch() {}
+void block_system_calls() {}
+void allow_system_calls() {}
+#endif
+
+}  // namespace
+
+RealTimeGuard::RealTimeGuard() {
+  counters = {};
+  const bool dispatched = start_dispatch();
+  counters.watching = true;
+  if (dispatched) block_system_calls();
+}
+
+RealTimeGuard::~RealTimeGuard() {
+  allow_system_calls();
+  counters.watching = false;
+  stop_dispatch();
+}
+
+bool RealTimeGuard::supported() {
+#ifdef RTHS_SANITIZED
+  return false;
+#else
+  return true;
+#endif
+}
+
+bool RealTimeGuard::sees_system_calls() {
+  const bool works = start_dispatch();
+  stop_dispatch();
+  return works;
+}
+
+long RealTimeGuard::heap_calls() const { return counters.heap_calls; }
+long RealTimeGuard::locks() const { return counters.locks; }
+long RealTimeGuard::first_system_call() const { return counters.first_system_call; }
+
+namespace {
+void note_heap() {
+  if (counters.watching) ++counters.heap_calls;
+}
+void note_lock() {
+  if (counters.watching) ++counters.locks;
+}
+}  // namespace
+
+}  // namespace rths::test
+
+#ifndef RTHS_SANITIZED
+extern "C" {
+void* __libc_malloc(std::size_t);
+void __libc_free(void*);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+
+void* malloc(std::size_t size) {
+  rths::test::note_heap();
+  return __libc_malloc(size);
+}
+void free(void* block) {
+  rths::test::note_heap();
+  __libc_free(block);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  rths::test::note_heap();
+  return __libc_calloc(count, size);
+}
+void* realloc(void* block, std::size_t size) {
+  rths::test::note_heap();
+  return __libc_realloc(block, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  rths::test::note_heap();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  rths::test::note_heap();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
+  rths::test::note_heap();
+  *block = __libc_memalign(alignment, size);
+  return *block == nullptr ? ENOMEM : 0;
+}
+int pthread_mutex_lock(pthread_mutex_t* mutex) {
+  static const auto real =
+      reinterpret_cast<int (*)(pthread_mutex_t*)>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
+  rths::test::note_lock();
+  return real(mutex);
+}
+}
+#endif
