@@ -42,23 +42,27 @@ Ats::Ats(const AtsSettings& settings)
   const auto decimation = static_cast<std::size_t>(settings.decimation);
   const auto in_window = static_cast<std::size_t>(std::lround(settings.window / settings.period));
   samples_.resize(in_window / decimation * decimation);
-  sums_.resize(decimation);
 }
 
-// Each sample belongs to one interleaved set, so a window of every 16th sample costs one addition
-// and one subtraction per tick instead of a sum over all of it.
 void Ats::remember(const Sample& sample) noexcept {
-  sums_[phase_].add(samples_[next_], -1);
-  sums_[phase_].add(sample, +1);
   samples_[next_] = sample;
   next_ = (next_ + 1) % samples_.size();
-  phase_ = (phase_ + 1) % sums_.size();
 }
 
-void Ats::adapt_coefficients(const Sums& sums) noexcept {
-  const double count = static_cast<double>(samples_.size() / sums_.size());
-  if (sums.A(0, 0) < count * settings_.quiet_rms * settings_.quiet_rms) return;
-  const Eigen::Vector3d fitted = solve_scaled(sums.A, sums.b);
+// Summed afresh every time, 60 samples in a fraction of a microsecond: running sums would keep the
+// rounding of every spike they ever held.
+void Ats::adapt_coefficients() noexcept {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  const auto stride = static_cast<std::size_t>(settings_.decimation);
+  for (std::size_t back = 1; back <= samples_.size(); back += stride) {
+    const Sample& sample = samples_[(next_ + samples_.size() - back) % samples_.size()];
+    A += sample.x * sample.x.transpose();
+    b += sample.u * sample.x;
+  }
+  const double count = static_cast<double>(samples_.size() / stride);
+  if (A(0, 0) < count * settings_.quiet_rms * settings_.quiet_rms) return;
+  const Eigen::Vector3d fitted = solve_scaled(A, b);
   const Eigen::Vector3d wanted = fitted.allFinite() ? fitted : settings_.initial;
   const Eigen::Vector3d slowed = wanted.cwiseMax(a_ - settings_.largest_change)
                                      .cwiseMin(a_ + settings_.largest_change);
@@ -70,9 +74,7 @@ double Ats::step(double x, double velocity, double acceleration, double measured
                  bool adapt) noexcept {
   const double response = response_filter_(measured);
   triggered_ = triggered_ || std::abs(response) > settings_.threshold;
-  // The set that the sample before this one completed; this one is not part of its own fit.
-  const std::size_t newest_phase = (phase_ + sums_.size() - 1) % sums_.size();
-  if (triggered_ && adapt) adapt_coefficients(sums_[newest_phase]);
+  if (triggered_ && adapt) adapt_coefficients();  // this sample is not part of its own fit
 
   const double reference = a_[0] * x + a_[1] * velocity + a_[2] * acceleration;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/controller/force_observer.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -17,6 +18,8 @@ constexpr double kStandardGravity = 9.80665;             // [m/s²], CGPM 1901
 constexpr double kKilonewtonPerG = 1e3 / kStandardGravity;  // [kg]
 constexpr double kKilonewtonSecondPerCentimetre = 1e5;    // [N·s/m]
 constexpr double kNormal95 = 1.959964;                    // two-sided 95 % of a normal distribution
+
+constexpr double kSlowPart = 0.03;  // of a run's largest speed: below, a noisy velocity's sign is a guess
 
 enum Term { kMass, kCoulomb, kViscous, kOffset, kTerms };
 
@@ -64,6 +67,20 @@ Solution constrained_least_squares(const Features& X, const Eigen::VectorXd& y) 
   return best;
 }
 
+std::vector<double> causal_velocity(std::span<const double> displacement, double period,
+                                    int slope_length) {
+  EndSlope slope{slope_length, period};
+  std::vector<double> velocity;
+  for (const double x : displacement) velocity.push_back(slope(x));
+  return velocity;
+}
+
+double largest_magnitude(const std::vector<double>& values) {
+  double largest = 0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
 MachineForce paper_axis(double mass_kn_per_g, double coulomb_kn, double viscous_kns_per_cm) {
   MachineForce force;
   force.effective_mass = mass_kn_per_g * kKilonewtonPerG;
@@ -109,19 +126,20 @@ ForceIdentification identify_machine_force(std::span<const double> displacement,
 
   ForceIdentification result;
   result.machine.exponent = exponent;
-  EndSlope slope{slope_length, period};
-  const auto rows = static_cast<Eigen::Index>(force.size() - settling);
-  Features X(rows, kTerms);
-  Eigen::VectorXd y(rows);
-  for (std::size_t i = 0; i < force.size(); ++i) {
-    const double velocity = slope(displacement[i]);
-    if (i < settling) continue;
-    const auto row = static_cast<Eigen::Index>(i - settling);
-    X.row(row) = features(velocity, acceleration[i], exponent, result.machine.rest_velocity);
-    y[row] = force[i];
+  const auto velocity = causal_velocity(displacement, period, slope_length);
+  const double slow = kSlowPart * largest_magnitude(velocity);
+  Features X(static_cast<Eigen::Index>(force.size()), kTerms);
+  Eigen::VectorXd y(static_cast<Eigen::Index>(force.size()));
+  Eigen::Index rows = 0;
+  for (std::size_t i = settling; i < force.size(); ++i) {
+    if (std::abs(velocity[i]) < slow) continue;
+    X.row(rows) = features(velocity[i], acceleration[i], exponent, result.machine.rest_velocity);
+    y[rows++] = force[i];
   }
+  X.conservativeResize(rows, Eigen::NoChange);
+  y.conservativeResize(rows);
   const Eigen::Matrix4d normal = X.transpose() * X;
-  if (normal.diagonal().minCoeff() <= 0)
+  if (rows <= kTerms || normal.diagonal().minCoeff() <= 0)
     throw Error{"force identification: the run does not excite inertia and friction"};
   const Solution solution = constrained_least_squares(X, y);
   const Eigen::VectorXd residual = y - X * solution;

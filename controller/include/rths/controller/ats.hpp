@@ -62,25 +62,14 @@ class Ats {
     Eigen::Vector3d x = Eigen::Vector3d::Zero();  ///< x_m, ẋ_m, ẍ_m
     double u = 0;
   };
-  /// Sums of one of the `decimation` interleaved sets of samples.
-  struct Sums {
-    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
-    void add(const Sample& s, double sign) noexcept {
-      A += sign * s.x * s.x.transpose();
-      b += sign * s.u * s.x;
-    }
-  };
   void remember(const Sample& sample) noexcept;
-  void adapt_coefficients(const Sums& sums) noexcept;
+  void adapt_coefficients() noexcept;
 
   AtsSettings settings_;
   LowPass command_filter_, response_filter_;
   MovingAverage smoothing_;
   std::vector<Sample> samples_;  ///< the window, a ring
-  std::vector<Sums> sums_;
-  std::size_t next_ = 0;
-  std::size_t phase_ = 0;
+  std::size_t next_ = 0;         ///< where the next sample goes
   double previous_ = 0, previous_difference_ = 0;
   bool triggered_ = false;
   Eigen::Vector3d a_;

@@ -61,7 +61,8 @@ struct ForceIdentification {
   double residual_rms = 0;   ///< [N]
 };
 
-/// Least squares for m_e, F_s, F_d ≥ 0 and d, with α given, over a run with an empty table.
+/// Least squares for m_e, F_s, F_d ≥ 0 and d, with α given, over a run with an empty table. Samples
+/// slower than 3 % of the run's largest speed are left out: the sign of their friction is a guess.
 /// @param displacement [m], acceleration [m/s²], force [N]: equally long, as measured
 /// @param period  of the samples [s]
 /// @throws Error if they differ in length, are too few, or do not excite all four terms   @setup

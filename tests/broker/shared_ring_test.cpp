@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Rings between processes, and what is left when one of them dies.
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstring>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include <rths/broker/ring.hpp>
+
+#include "broker/src/segment.hpp"
+#include "support/files.hpp"
+#include "support/ring_maps.hpp"
+
+namespace rths::broker {
+namespace {
+
+using test::RingRemoval;
+using test::small_map;
+using test::unique_ring;
+
+/// A process that does something and then waits to be killed; says when it is ready.
+class Sacrifice {
+ public:
+  explicit Sacrifice(const std::function<void()>& act) {
+    std::array<int, 2> ready{};
+    if (pipe(ready.data()) != 0) std::abort();
+    pid_ = fork();
+    if (pid_ == 0) {
+      act();
+      static_cast<void>(!write(ready[1], "r", 1));
+      pause();
+      _exit(0);
+    }
+    close(ready[1]);
+    char byte = 0;
+    static_cast<void>(!read(ready[0], &byte, 1));
+    close(ready[0]);
+  }
+  ~Sacrifice() { die(); }
+  Sacrifice(const Sacrifice&) = delete;
+  Sacrifice& operator=(const Sacrifice&) = delete;
+  void die() {
+    if (pid_ < 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
+  [[nodiscard]] int pid() const { return pid_; }
+
+ private:
+  int pid_ = -1;
+};
+
+RingReport report_of(const std::string& name) {
+  for (const auto& report : list_rings())
+    if (report.name == name) return report;
+  return {};
+}
+
+TEST(SharedRing, CarriesWordsBetweenProcesses) {
+  const std::string name = unique_ring("words");
+  const RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map());
+  const Node observer = ring.observe();
+
+  const Sacrifice machine{[&] {
+    Ring attached = Ring::attach(name);
+    Node node = attached.join("machine", small_map().hash());
+    static_cast<void>(node.write(LongwordOffset{5}, 77));
+  }};
+
+  EXPECT_EQ(observer.read(LongwordOffset{5}), 77U);
+}
+
+TEST(SharedRing, TellsWhoeverAttachesWhatItsWordsMean) {
+  const std::string name = unique_ring("map");
+  const RingRemoval removal{name};
+  const Ring ring = Ring::create(name, small_map());
+
+  const Ring attached = Ring::attach(name);
+
+  EXPECT_EQ(attached.map().to_toml(), small_map().to_toml());
+}
+
+TEST(SharedRing, GoesOnWhenAProcessIsKilled) {
+  const std::string name = unique_ring("killed");
+  const RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map());
+  Node controller = ring.join("controller", 0);
+  auto* leaked = new Sacrifice{[&] {
+    Ring attached = Ring::attach(name);
+    new Node{attached.join("machine", 0)};  // held until the process is killed
+    static_cast<void>(new Ring{std::move(attached)});
+  }};
+  ASSERT_EQ(controller.presence_of(NodeId{1}).state, Presence::State::Alive);
+
+  leaked->die();
+  delete leaked;
+
+  EXPECT_EQ(controller.presence_of(NodeId{1}).state, Presence::State::Vanished);
+  EXPECT_EQ(controller.write(LongwordOffset{512}, 5), Status::Ok);
+  Node successor = ring.join("machine", 0);
+  EXPECT_EQ(successor.write(LongwordOffset{5}, 6), Status::Ok);
+  EXPECT_EQ(controller.read(LongwordOffset{5}), 6U);
+}
+
+TEST(SharedRing, ReportsAndMendsAGroupThatItsWriterLeftHalfWritten) {
+  const std::string name = unique_ring("torn");
+  const RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map());
+  // What a writer killed between two stores leaves behind: an odd sequence word.
+  Segment::attach_shared(name)->groups()[0].sequence = 7;
+  std::array<std::uint32_t, 8> words{};
+
+  EXPECT_EQ(ring.observe().read_group(TearGroupId{0}, words), Status::Stale);
+  EXPECT_EQ(report_of(name).torn_groups, std::vector<std::string>{"fbk"});
+
+  Node successor = ring.join("machine", 0);
+  EXPECT_EQ(successor.write_group(TearGroupId{0}, words), Status::Ok);
+  EXPECT_EQ(ring.observe().read_group(TearGroupId{0}, words), Status::Ok);
+  EXPECT_TRUE(report_of(name).torn_groups.empty());
+}
+
+TEST(SharedRing, IsListedWithThoseWhoAreOnIt) {
+  const std::string name = unique_ring("listed");
+  const RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map());
+  Node controller = ring.join("controller", 0);
+  controller.beat();
+
+  const RingReport report = report_of(name);
+
+  EXPECT_TRUE(report.usable);
+  EXPECT_TRUE(report.in_use());
+  EXPECT_EQ(report.map_name, "small");
+  ASSERT_EQ(report.occupants.size(), 1U);
+  EXPECT_EQ(report.occupants[0].node, "controller");
+  EXPECT_EQ(report.occupants[0].pid, getpid());
+  EXPECT_TRUE(report.occupants[0].alive);
+  EXPECT_EQ(report.occupants[0].beats, 1U);
+}
+
+TEST(SharedRing, RefusesANameThatIsInUse) {
+  const std::string name = unique_ring("in_use");
+  const RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map());
+  const Node controller = ring.join("controller", 0);
+
+  const std::string error =
+      test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); });
+
+  EXPECT_NE(error.find("is in use by controller (pid " + std::to_string(getpid())),
+            std::string::npos)
+      << error;
+}
+
+TEST(SharedRing, ReplacesARingOnWhichNobodyLives) {
+  const std::string name = unique_ring("abandoned");
+  const RingRemoval removal{name};
+  Sacrifice creator{[&] {
+    auto* ring = new Ring{Ring::create(name, small_map())};
+    new Node{ring->join("controller", 0)};
+  }};
+  creator.die();
+  ASSERT_FALSE(report_of(name).in_use());
+
+  Ring ring = Ring::create(name, small_map(16));
+
+  EXPECT_EQ(ring.map().hash(), small_map(16).hash());
+}
+
+TEST(SharedRing, IsGoneWhenRemoved) {
+  const std::string name = unique_ring("removed");
+  const Ring ring = Ring::create(name, small_map());
+
+  EXPECT_TRUE(remove_ring(name));
+
+  EXPECT_FALSE(remove_ring(name));
+  EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); }), "");
+}
+
+/// A shared-memory object that some other program left under a ring's name.
+class ForeignObject {
+ public:
+  ForeignObject(std::string ring, const void* bytes, std::size_t count, std::size_t size)
+      : ring_{std::move(ring)} {
+    const int file = shm_open(("/" + object_name(ring_)).c_str(), O_CREAT | O_RDWR, 0600);
+    if (ftruncate(file, static_cast<off_t>(size)) != 0) std::abort();
+    if (count > 0 && write(file, bytes, count) < 0) std::abort();
+    close(file);
+  }
+  ~ForeignObject() { remove_ring(ring_); }
+  ForeignObject(const ForeignObject&) = delete;
+  ForeignObject& operator=(const ForeignObject&) = delete;
+
+ private:
+  std::string ring_;
+};
+
+TEST(SharedRing, RefusesMemoryThatIsNoRing) {
+  const std::string name = unique_ring("foreign");
+  Header header{};
+  header.magic = 0x1234;
+  header.ready = kReady;
+  const ForeignObject foreign{name, &header, sizeof header, 8192};
+
+  EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it is no rths ring"),
+            std::string::npos);
+  EXPECT_FALSE(report_of(name).usable);
+}
+
+TEST(SharedRing, RefusesALayoutOfAnotherVersion) {
+  const std::string name = unique_ring("version");
+  Header header{};
+  header.magic = kMagic;
+  header.layout_version = kLayoutVersion + 1;
+  header.ready = kReady;
+  const ForeignObject foreign{name, &header, sizeof header, 8192};
+
+  EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); })
+                .find("its layout is version 2, this program's is 1"),
+            std::string::npos);
+}
+
+TEST(SharedRing, RefusesARingWhoseSizeIsNotWhatItsHeaderSays) {
+  const std::string name = unique_ring("size");
+  Header header{};
+  header.magic = kMagic;
+  header.layout_version = kLayoutVersion;
+  header.ready = kReady;
+  header.memory_at = 4096;
+  header.memory_bytes = 1 << 20;
+  const ForeignObject foreign{name, &header, sizeof header, 8192};
+
+  EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it has 8192 bytes"),
+            std::string::npos);
+}
+
+TEST(SharedRing, DoesNotWaitForACreatorThatDied) {
+  const std::string name = unique_ring("unfinished");
+  Header header{};
+  header.magic = kMagic;
+  header.creator = 1ULL << 40 | 999'999'999;  // no process
+  const ForeignObject foreign{name, &header, sizeof header, 8192};
+
+  EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); })
+                .find("was never finished by its creator; 'rths clean' removes it"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace rths::broker

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include <rths/controller/filters.hpp>
+
+#include "support/files.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::controller {
+namespace {
+
+constexpr double kPeriod = 0.001;
+
+// Amplitude of a sine after the filter, once it has settled.
+double gain_at(int order, double cutoff, double frequency) {
+  LowPass filter{order, cutoff, kPeriod};
+  double largest = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const double out = filter(std::sin(2 * std::numbers::pi * frequency * i * kPeriod));
+    if (i > 3000) largest = std::max(largest, std::abs(out));
+  }
+  return largest;
+}
+
+class ButterworthOrder : public ::testing::TestWithParam<int> {};
+
+// |H|² = 1/(1 + (tan(πfT)/tan(πf_cT))^2n), the bilinear image of the Butterworth response.
+TEST_P(ButterworthOrder, HasTheButterworthGain) {
+  const double cutoff = 20;
+  for (const double frequency : {2.0, 10.0, 20.0, 30.0}) {
+    const double ratio = std::tan(std::numbers::pi * frequency * kPeriod) /
+                         std::tan(std::numbers::pi * cutoff * kPeriod);
+    const double expected = 1 / std::sqrt(1 + std::pow(ratio, 2 * GetParam()));
+    // The sampled sine may miss its peak by 1 − cos(πfT).
+    EXPECT_NEAR(gain_at(GetParam(), cutoff, frequency), expected, 0.005 * expected + 1e-4);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Even, ButterworthOrder, ::testing::Values(2, 4, 6, 8));
+
+TEST(LowPass, PassesAConstantUnchanged) {
+  LowPass filter{6, 20, kPeriod};
+  double out = 0;
+  for (int i = 0; i < 3000; ++i) out = filter(2.5);
+  EXPECT_NEAR(out, 2.5, 1e-9);
+}
+
+TEST(LowPass, RefusesWhatCannotBeBuilt) {
+  EXPECT_NE(test::error_of([] { LowPass(3, 20, kPeriod); }), "");
+  EXPECT_NE(test::error_of([] { LowPass(2, 500, kPeriod); }), "");
+  EXPECT_NE(test::error_of([] { LowPass(2, -1, kPeriod); }), "");
+}
+
+TEST(MovingAverage, IsTheMeanOfWhatThereIs) {
+  MovingAverage average{3};
+
+  EXPECT_DOUBLE_EQ(average(3), 3);
+  EXPECT_DOUBLE_EQ(average(5), 4);
+  EXPECT_DOUBLE_EQ(average(7), 5);
+  EXPECT_DOUBLE_EQ(average(9), 7);
+}
+
+TEST(EndSlope, HasNoLagForMotionOfConstantAcceleration) {
+  EndSlope slope{32, kPeriod};
+  for (int i = 0; i < 200; ++i) {
+    const double t = i * kPeriod;
+    const double found = slope(0.1 + 0.5 * t - 2 * t * t);
+    if (i >= 31) {
+      EXPECT_NEAR(found, 0.5 - 4 * t, 1e-9);
+    }
+  }
+}
+
+TEST(EndSlope, IsZeroUntilItHasSeenEnough) {
+  EndSlope slope{8, kPeriod};
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(slope(i), 0);
+  EXPECT_NEAR(slope(7), 1 / kPeriod, 1e-6);
+}
+
+TEST(Filters, WorkInRealTime) {
+  LowPass low_pass{6, 20, kPeriod};
+  MovingAverage average{7};
+  EndSlope slope{32, kPeriod};
+  double sum = 0;
+  for (int i = 0; i < 40; ++i)
+    EXPECT_REALTIME(sum += low_pass(0.1 * i) + average(0.1 * i) + slope(0.1 * i));
+  EXPECT_TRUE(std::isfinite(sum));
+}
+
+}  // namespace
+}  // namespace rths::controller

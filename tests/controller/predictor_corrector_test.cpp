@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <rths/controller/predictor_corrector.hpp>
+
+#include "support/files.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::controller {
+namespace {
+
+Target target_at(double displacement) {
+  return {Eigen::VectorXd::Constant(1, displacement), Eigen::VectorXd::Zero(1),
+          Eigen::VectorXd::Zero(1)};
+}
+
+PredictorCorrectorSettings settings(int substeps, double slow_down_from) {
+  PredictorCorrectorSettings s;
+  s.substeps = substeps;
+  s.slow_down_from = slow_down_from;
+  s.simulation_step = s.integration_step = 0.01;
+  return s;
+}
+
+struct Expected {
+  PcState state;
+  double counter, command;
+};
+
+// The reference run of the charts: N = 80, D2/D2, slow-down from 0.8 N, targets sin(2π·0.02 n).
+TEST(PredictorCorrector, FollowsTheReferenceRun) {
+  PredictorCorrector pc{settings(80, 0.8)};
+  const std::map<int, int> arrivals = {{0, 1}, {120, 2}, {200, 3}, {280, 4}, {420, 5}};
+  const std::map<int, Expected> expected = {
+      {0, {PcState::Correct, 1, .00079312}},
+      {80, {PcState::Predict, 1, .12769302}},
+      {120, {PcState::Correct, 41, .23573598}},
+      {160, {PcState::Predict, 1, .25021934}},
+      {200, {PcState::Correct, 41, .31110731}},
+      {240, {PcState::Predict, 1, .36959267}},
+      {280, {PcState::Correct, 41, .42777913}},
+      {320, {PcState::Predict, 1, .48313730}},
+      {384, {PcState::AutoSlowDown, 65, .56980255}},
+      {400, {PcState::AutoSlowDown, 71.173530, .57796591}},
+      {419, {PcState::AutoSlowDown, 71.934630, .57896993}},
+      {420, {PcState::Correct, 71.943968, .57898028}},
+      {450, {PcState::Correct, 74.737982, .58206113}},
+      {460, {PcState::Predict, 1, .58906257}}};
+  Target target = target_at(0);
+  pc.substep(false, target);  // at rest, before the first target
+
+  for (int substep = 0; substep <= 460; ++substep) {
+    const auto arrival = arrivals.find(substep);
+    if (arrival != arrivals.end())
+      target = target_at(std::sin(2 * std::numbers::pi * 0.02 * arrival->second));
+    pc.substep(arrival != arrivals.end(), target);
+    const auto row = expected.find(substep);
+    if (row == expected.end()) continue;
+    EXPECT_EQ(pc.state(), row->second.state) << substep;
+    EXPECT_NEAR(pc.counter(), row->second.counter, 1e-6) << substep;
+    EXPECT_NEAR(pc.command()[0], row->second.command, 1e-6) << substep;
+  }
+}
+
+// Targets that come in time: the command passes through each of them at the end of its step.
+TEST(PredictorCorrector, ReachesEveryTargetThatComesInTime) {
+  for (const double slow_down_from : {0.6, 0.8}) {
+    PredictorCorrector pc{settings(100, slow_down_from)};
+    Target target = target_at(0);
+    for (int step = 1; step <= 20; ++step) {
+      target = target_at(std::sin(0.3 * step));
+      // Three tenths of the step are prediction, as with a solver that takes 3 ms of 10.
+      for (int substep = 0; substep < 70 + (step == 1 ? 30 : 0); ++substep)
+        pc.substep(substep == 0, target);
+      EXPECT_NEAR(pc.command()[0], std::sin(0.3 * step), 1e-12);
+      for (int substep = 0; substep < 30; ++substep) pc.substep(false, target);
+      EXPECT_EQ(pc.state(), PcState::Predict);
+    }
+  }
+}
+
+TEST(PredictorCorrector, MovesContinuouslyThroughEverySwitch) {
+  PredictorCorrector pc{settings(100, 0.6)};
+  Target target = target_at(0);
+  pc.substep(false, target);
+  double previous = 0;
+  // The fastest the polynomials go: a target of 0.3 rad/step on unit amplitude, ×2 for overshoot.
+  const double largest_move = 2 * 0.3 / 100;
+  int next = 0;
+  for (int substep = 0; substep < 5000; ++substep) {
+    const bool arrives = substep == next;
+    if (arrives) {
+      const int step = substep / 100 + 1;
+      target = target_at(std::sin(0.1 * step));
+      next += step % 5 == 0 ? 160 : 100;  // every fifth target is late
+    }
+    pc.substep(arrives, target);
+    EXPECT_LE(std::abs(pc.command()[0] - previous), largest_move) << substep;
+    previous = pc.command()[0];
+  }
+}
+
+TEST(PredictorCorrector, FreezesAtTheHoldPointWhenTheTargetNeverComes) {
+  for (const double slow_down_from : {0.6, 0.8}) {
+    PredictorCorrector pc{settings(100, slow_down_from)};
+    const Target target = target_at(1);
+    for (int substep = 0; substep < 3000; ++substep) pc.substep(substep == 0, target);
+
+    EXPECT_EQ(pc.state(), PcState::AutoSlowDown);
+    EXPECT_NEAR(pc.counter(), 100 * (1 + slow_down_from) / 2, 1e-6);
+    EXPECT_LT(std::abs(pc.command_velocity()[0] * (pc.counter() - 90)), 1e3);
+  }
+}
+
+// From rest the increment stays at its floor of 0.001 until (i − i_SD)/(0.1 N) is larger, 0.1 N
+// substeps; then it grows by 1 + 10/N each, a thousandfold until full speed, where the step ends.
+TEST(PredictorCorrector, RecoversFromALongHoldInTheTimeTheFloorAllows) {
+  PredictorCorrector pc{settings(80, 0.8)};
+  const Target first = target_at(1);
+  for (int substep = 0; substep < 5000; ++substep) pc.substep(substep == 0, first);
+  int needed = 0;
+  const Target second = target_at(1.1);
+  for (pc.substep(true, second); pc.counter() < 80; pc.substep(false, second)) ++needed;
+
+  const double expected = 0.1 * 80 + std::log(1000.0) / std::log(1 + 10.0 / 80);
+  EXPECT_NEAR(needed, expected, 1.5);
+}
+
+TEST(PredictorCorrector, DoesNotSlowDownForATargetJustInTime) {
+  PredictorCorrector pc{settings(100, 0.6)};
+  Target target = target_at(0.1);
+  for (int substep = 0; substep < 100; ++substep) pc.substep(substep == 0, target);
+  for (int substep = 0; substep < 60; ++substep) pc.substep(false, target);
+  EXPECT_EQ(pc.state(), PcState::Predict);
+  EXPECT_EQ(pc.counter(), 60);
+
+  target = target_at(0.2);
+  pc.substep(true, target);
+
+  EXPECT_EQ(pc.state(), PcState::Correct);
+  EXPECT_EQ(pc.counter(), 61);
+}
+
+TEST(PredictorCorrector, StartsTheStepAnewWhenATargetComesWhileItCorrects) {
+  PredictorCorrector pc{settings(100, 0.6)};
+  for (int substep = 0; substep < 40; ++substep) pc.substep(substep == 0, target_at(1));
+  const double before = pc.command()[0];
+
+  pc.substep(true, target_at(2));
+
+  EXPECT_EQ(pc.counter(), 1);
+  EXPECT_NEAR(pc.command()[0], before, 0.02);
+}
+
+TEST(PredictorCorrector, StartsFromTheSetpointItFinds) {
+  PredictorCorrector pc{settings(100, 0.6)};
+
+  for (int substep = 0; substep < 50; ++substep) pc.substep(false, target_at(0.25));
+
+  EXPECT_EQ(pc.state(), PcState::Initialize);
+  EXPECT_EQ(pc.counter(), 100);
+  EXPECT_EQ(pc.command()[0], 0.25);
+}
+
+TEST(PredictorCorrector, IgnoresTargetWordsThatChangeBeforeTheirFlag) {
+  PredictorCorrector pc{settings(100, 0.6)};
+  pc.substep(false, target_at(0));
+
+  pc.substep(false, target_at(5));
+
+  EXPECT_EQ(pc.command()[0], 0);
+}
+
+TEST(PredictorCorrector, CapsXiWhereACorrectorWouldGrowWithoutBound) {
+  auto s = settings(1000, 0.95);
+  s.largest_xi = 0.9;
+  PredictorCorrector pc{s};
+  for (int substep = 0; substep < 20'000; ++substep) pc.substep(substep == 0, target_at(1));
+  const double before = pc.command()[0];
+  ASSERT_GT(pc.counter(), 970);  // it froze at 0.975, beyond the cap
+
+  pc.substep(true, target_at(1.5));
+
+  EXPECT_NEAR(pc.counter(), 900, 1.0);
+  EXPECT_NEAR(pc.command()[0], before, 0.01);
+}
+
+// Differences of the history are exact for motion up to fourth order, and one step apart.
+TEST(PredictorCorrector, DifferencesTheTargetHistoryForVelocityFamilies) {
+  auto s = settings(100, 0.6);
+  s.predictor = Polynomial::DV;
+  s.corrector = Polynomial::DV;
+  PredictorCorrector pc{s};
+  const auto motion = [](double step) { return 0.01 * step * step; };
+  for (int step = 1; step <= 12; ++step)
+    for (int substep = 0; substep < 100; ++substep)
+      pc.substep(substep == 0, target_at(motion(step)));
+
+  for (int substep = 1; substep <= 50; ++substep) {
+    pc.substep(false, target_at(motion(12)));
+    EXPECT_NEAR(pc.command()[0], motion(12 + substep / 100.0), 1e-9);
+  }
+}
+
+TEST(PredictorCorrector, UsesTheRatesThatTargetsCarry) {
+  auto s = settings(100, 0.6);
+  s.predictor = Polynomial::DVA;
+  s.corrector = Polynomial::DVA;
+  s.targets_carry_rates = true;
+  PredictorCorrector pc{s};
+  Target target = target_at(1);
+  target.velocity[0] = 3;
+  target.acceleration[0] = -20;
+  for (int substep = 0; substep < 100; ++substep) pc.substep(substep == 0, target);
+
+  for (int substep = 1; substep <= 30; ++substep) {
+    pc.substep(false, target);
+    const double t = substep * 1e-4;
+    EXPECT_NEAR(pc.command()[0], 1 + 3 * t - 10 * t * t, 1e-12);
+    EXPECT_NEAR(pc.command_velocity()[0], 3 - 20 * t, 1e-9);
+    EXPECT_NEAR(pc.command_acceleration()[0], -20, 1e-7);
+  }
+}
+
+// Slow testing: a step of model time takes ten of wall time, so velocities are a tenth.
+TEST(PredictorCorrector, ScalesRatesToWallTime) {
+  auto s = settings(1000, 0.6);
+  s.simulation_step = 0.1;
+  PredictorCorrector pc{s};
+  for (int step = 1; step <= 5; ++step)
+    for (int substep = 0; substep < 1000; ++substep)
+      pc.substep(substep == 0, target_at(0.01 * step));
+
+  EXPECT_NEAR(pc.command_velocity()[0], 0.01 / 0.1, 1e-9);
+}
+
+TEST(PredictorCorrector, MovesAxesIndependently) {
+  auto s = settings(100, 0.6);
+  s.axes = 2;
+  PredictorCorrector pc{s};
+  Target target{Eigen::Vector2d{1, -2}, Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+
+  for (int substep = 0; substep < 100; ++substep) pc.substep(substep == 0, target);
+
+  EXPECT_NEAR(pc.command()[0], 1, 1e-12);
+  EXPECT_NEAR(pc.command()[1], -2, 1e-12);
+}
+
+TEST(PredictorCorrector, RefusesSettingsThatCannotWork) {
+  auto too_late = settings(10, 0.95);
+  auto no_axes = settings(100, 0.6);
+  no_axes.axes = 0;
+  auto xi_of_one = settings(100, 0.6);
+  xi_of_one.largest_xi = 1;
+
+  EXPECT_NE(test::error_of([&] { PredictorCorrector{too_late}; }), "");
+  EXPECT_NE(test::error_of([&] { PredictorCorrector{no_axes}; }), "");
+  EXPECT_NE(test::error_of([&] { PredictorCorrector{xi_of_one}; }), "");
+}
+
+TEST(PredictorCorrector, StepsInRealTimeInEveryState) {
+  PredictorCorrector pc{settings(100, 0.6)};
+  const Target target = target_at(0.1);
+  for (int substep = 0; substep < 300; ++substep) {
+    const bool arrives = substep == 5 || substep == 205;
+    EXPECT_REALTIME(pc.substep(arrives, target));
+  }
+}
+
+TEST(SamplingDelay, IsWarnedAboveSixTenthsAndRefusedFromEight) {
+  EXPECT_EQ(judge_delay(0, 100), DelayVerdict::Fine);
+  EXPECT_EQ(judge_delay(60, 100), DelayVerdict::Fine);
+  EXPECT_EQ(judge_delay(61, 100), DelayVerdict::Warned);
+  EXPECT_EQ(judge_delay(79, 100), DelayVerdict::Warned);
+  EXPECT_EQ(judge_delay(80, 100), DelayVerdict::Refused);
+}
+
+}  // namespace
+}  // namespace rths::controller

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <rths/sim/ground_motion.hpp>
+
+#include "support/files.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::sim {
+namespace {
+
+constexpr const char* kAt2 =
+    "PEER NGA STRONG MOTION DATABASE RECORD\n"
+    "Some Earthquake, 1/1/1900, Somewhere, 000\n"
+    "ACCELERATION TIME SERIES IN UNITS OF G\n"
+    "NPTS=      7, DT=   .0050 SEC\n"
+    "   .1000000E-02  -.2000000E-02   .3000000E-02  -.4000000E-02   .5000000E-02\n"
+    "  -.6000000E-02   .7000000E-02\n";
+
+TEST(At2Reader, ReadsValuesAcrossLines) {
+  const test::TemporaryFolder folder;
+
+  const auto record = read_at2(folder.write("a.AT2", kAt2));
+
+  EXPECT_EQ(record.time_step, 0.005);
+  ASSERT_EQ(record.values.size(), 7U);
+  EXPECT_DOUBLE_EQ(record.values[3], -0.004);
+  EXPECT_DOUBLE_EQ(record.values[6], 0.007);
+}
+
+TEST(At2Reader, ReadsTheOtherOrderOfTheHeader) {
+  const test::TemporaryFolder folder;
+  std::string text = kAt2;
+  text.replace(text.find("NPTS="), 29, "NPTS= 7, DT= 0.01 SEC,    ");
+
+  EXPECT_EQ(read_at2(folder.write("a.AT2", text)).time_step, 0.01);
+}
+
+TEST(At2Reader, SaysWhereTheFileIsWrong) {
+  const test::TemporaryFolder folder;
+  std::string short_file = kAt2;
+  short_file.replace(short_file.find("NPTS=      7"), 12, "NPTS=      9");
+  std::string with_word = kAt2;
+  with_word.replace(with_word.find(".3000000E-02"), 12, "not_a_number");
+
+  const auto short_path = folder.write("short.AT2", short_file);
+  const auto word_path = folder.write("word.AT2", with_word);
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(short_path)); }),
+            short_path.string() + ":6: 7 values found, NPTS says 9");
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(word_path)); }),
+            word_path.string() + ":5: 'not_a_number' is no number");
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(folder.path() / "none.AT2")); }),
+            (folder.path() / "none.AT2").string() + ": cannot be read");
+}
+
+TEST(ColumnReader, ReadsColumnsWhateverSeparatesThem) {
+  const test::TemporaryFolder folder;
+  const auto commas = folder.write("a.csv", "t_s,h1_g,h2_g\n0.00,1,2\n0.02,3,4\n0.04,5,6\n");
+  const auto blanks = folder.write("b.txt", "# time a b\n0.00 1 2\n0.02\t3 4\n\n0.04  5  6\n");
+
+  for (const auto& file : {commas, blanks}) {
+    const auto record = read_column(file, 2);
+    EXPECT_NEAR(record.time_step, 0.02, 1e-12);
+    EXPECT_EQ(record.values, (std::vector<double>{2, 4, 6}));
+  }
+}
+
+TEST(ColumnReader, SaysWhereTheFileIsWrong) {
+  const test::TemporaryFolder folder;
+  const auto uneven = folder.write("u.csv", "0.00,1\n0.02,3\n0.05,5\n0.06,2\n");
+  const auto narrow = folder.write("n.csv", "0.00,1\n0.02,3\n");
+  const auto broken = folder.write("b.csv", "0.00,1\n0.02,3x\n");
+  const auto back = folder.write("r.csv", "0.02,1\n0.00,3\n");
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(uneven, 1)); }),
+            uneven.string() + ":3: time is not equally spaced");
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(narrow, 2)); }),
+            narrow.string() + ":1: 2 columns found, column 2 was asked for (0 is time)");
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(broken, 1)); }),
+            broken.string() + ":2: '3x' is no number");
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(back, 1)); }),
+            back.string() + ":2: time does not advance");
+}
+
+TEST(GroundMotion, IsLinearBetweenSamplesAndZeroOutside) {
+  const GroundMotion motion{0.02, {0, 1, 3}, {0, -2, 0}};
+
+  EXPECT_DOUBLE_EQ(motion.at(0.03)[0], 2);
+  EXPECT_DOUBLE_EQ(motion.at(0.01)[1], -1);
+  EXPECT_EQ(motion.at(-0.01), Eigen::Vector2d::Zero());
+  EXPECT_EQ(motion.at(0.05), Eigen::Vector2d::Zero());
+  EXPECT_EQ(motion.at(std::nan("")), Eigen::Vector2d::Zero());
+  EXPECT_DOUBLE_EQ(motion.at(0.04)[0], 3);
+}
+
+TEST(GroundMotion, IsReadOffInRealTime) {
+  const GroundMotion motion{0.02, {0, 1, 3}, {0, -2, 0}};
+  Eigen::Vector2d a = Eigen::Vector2d::Zero();
+  EXPECT_REALTIME(a = motion.at(0.033));
+  EXPECT_GT(a[0], 0);
+}
+
+TEST(CommittedRecord, HasThePeaksThatItsSourcePrints) {
+  const auto file = test::source_tree() / "examples/records/petrolia_1992_riodell_freefield.csv";
+  const auto peak = [&](int column) {
+    double largest = 0;
+    for (const double value : read_column(file, column).values)
+      largest = std::max(largest, std::abs(value));
+    return largest;
+  };
+
+  EXPECT_NEAR(peak(1), 0.385, 0.001);
+  EXPECT_NEAR(peak(2), 0.549, 0.001);
+  EXPECT_NEAR(peak(3), 0.195, 0.001);
+}
+
+}  // namespace
+}  // namespace rths::sim

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/lead_rubber.hpp>
+#include <rths/sim/plant_analysis.hpp>
+
+#include "support/files.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::sim {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+VectorXd frequencies(const MatrixXd& K, const MatrixXd& M) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes{K, M};
+  return modes.eigenvalues().cwiseMax(0).cwiseSqrt() / (2 * std::numbers::pi);
+}
+
+MatrixXd with_bearings(const PlantMatrices& plant, double stiffness) {
+  MatrixXd K = plant.K;
+  K(0, 0) += plant.bearings * stiffness;
+  K(1, 1) += plant.bearings * stiffness;
+  return K;
+}
+
+TEST(IsolatedPlant, CanMoveAsARigidBodyWithoutItsBearings) {
+  const PlantMatrices plant = assemble(example_plant());
+
+  EXPECT_LT((plant.K * plant.iota).norm(), 1e-6 * plant.K.norm());
+  EXPECT_LT((plant.C * plant.iota).norm(), 1e-6 * plant.C.norm());
+}
+
+TEST(IsolatedPlant, IsSymmetric) {
+  const PlantMatrices plant = assemble(example_plant());
+
+  EXPECT_LT((plant.K - plant.K.transpose()).norm(), 1e-12 * plant.K.norm());
+  EXPECT_LT((plant.C - plant.C.transpose()).norm(), 1e-12 * plant.C.norm());
+}
+
+TEST(IsolatedPlant, HasOnAFixedBaseTheFrequenciesItWasGiven) {
+  const PlantMatrices fixed = assemble(example_plant()).fixed_base();
+
+  const VectorXd f = frequencies(fixed.K, fixed.M);
+
+  const double expected[] = {4.4, 4.6, 5.9, 6.3, 7.6, 7.6};
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(f[i], expected[i], 1e-6);
+}
+
+TEST(IsolatedPlant, HasItsDampingRatioInEveryFixedBaseMode) {
+  const PlantMatrices fixed = assemble(example_plant()).fixed_base();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes{fixed.K, fixed.M};
+
+  const MatrixXd modal = modes.eigenvectors().transpose() * fixed.C * modes.eigenvectors();
+
+  for (int i = 0; i < fixed.dofs(); ++i)
+    EXPECT_NEAR(modal(i, i) / (2 * std::sqrt(modes.eigenvalues()[i])), 0.04, 1e-9);
+}
+
+TEST(IsolatedPlant, HasTheIsolationFrequenciesItWasMadeFor) {
+  const PlantMatrices plant = assemble(example_plant());
+  const LeadRubber bearing;
+
+  EXPECT_NEAR(frequencies(with_bearings(plant, bearing.initial_stiffness), plant.M)[0], 2.8, 0.05);
+  EXPECT_NEAR(1 / frequencies(with_bearings(plant, bearing.post_yield_stiffness), plant.M)[0], 3.0,
+              0.1);
+}
+
+TEST(IsolatedPlant, RefusesAStickWithoutAFloorAtTheSpectrumElevation) {
+  IsolatedPlant plant = example_plant();
+  plant.spectrum_elevation = 33;
+
+  EXPECT_NE(test::error_of([&] { static_cast<void>(assemble(plant)); })
+                .find("'containment' has no mass at the spectrum elevation"),
+            std::string::npos);
+}
+
+TEST(IsolatedPlant, RefusesUnphysicalParameters) {
+  IsolatedPlant massless = example_plant();
+  massless.basemat_mass = 0;
+  IsolatedPlant uneven = example_plant();
+  uneven.sticks[0].elevations.pop_back();
+
+  EXPECT_NE(test::error_of([&] { static_cast<void>(assemble(massless)); }), "");
+  EXPECT_NE(test::error_of([&] { static_cast<void>(assemble(uneven)); }), "");
+}
+
+/// A sine of one second's period in the long direction.
+GroundMotion sine_motion() {
+  GroundMotion motion;
+  motion.time_step = 0.005;
+  for (int i = 0; i < 4000; ++i) {
+    motion.long_acceleration.push_back(std::sin(2 * std::numbers::pi * i * motion.time_step));
+    motion.lat_acceleration.push_back(0);
+  }
+  return motion;
+}
+
+// With a linear bearing the analysis must agree with the steady state of the complex equations.
+TEST(PlantAnalysis, AgreesWithTheFrequencyResponseOfTheLinearPlant) {
+  const PlantMatrices plant = assemble(example_plant());
+  const double k = 4.238e6;
+  const double dt = 0.001;
+  PlantMatrices damped = plant;
+  // The bare isolation mode would ring for ever; a dashpot at the base lets it die out.
+  damped.C(0, 0) += 0.6 * std::sqrt(486 * k * 480e6);
+  PlantAnalysis analysis{damped, sine_motion(), k, dt, 0};
+  const double omega = 2 * std::numbers::pi;
+  double largest = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const Eigen::Vector2d u = analysis.predict();
+    analysis.correct(k * u);
+    if (i > 18'000) largest = std::max(largest, std::abs(analysis.base_displacement()[0]));
+  }
+
+  const std::complex<double> j{0, 1};
+  const Eigen::MatrixXcd dynamic = (with_bearings(damped, k) - omega * omega * damped.M) +
+                                   j * omega * damped.C;
+  const Eigen::VectorXcd response =
+      dynamic.partialPivLu().solve(Eigen::VectorXcd(-damped.M * damped.iota.col(0)));
+  EXPECT_NEAR(largest, std::abs(response[0]), 0.005 * largest);
+}
+
+TEST(PlantAnalysis, MovesOnlyAlongTheAxisThatIsShaken) {
+  PlantAnalysis analysis{assemble(example_plant()), sine_motion(), 4e6, 0.01, -0.05};
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector2d u = analysis.predict();
+    EXPECT_EQ(u[1], 0);
+    analysis.correct(4e6 * u);
+  }
+}
+
+TEST(PlantAnalysis, StepsInRealTime) {
+  PlantAnalysis analysis{assemble(example_plant()), sine_motion(), 4e6, 0.01, -0.05};
+  Eigen::Vector2d u = Eigen::Vector2d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_REALTIME(u = analysis.predict());
+    EXPECT_REALTIME(analysis.correct(4e6 * u));
+    EXPECT_REALTIME(u = analysis.floor_acceleration(1));
+  }
+}
+
+// The numerical result at 10 ms against that at 1 ms: what the hybrid test's own step costs.
+TEST(NumericalResponse, HardlyDependsOnTheStep) {
+  const PlantMatrices plant = assemble(example_plant());
+  const auto coarse = numerical_response(plant, sine_motion(), LeadRubber{}, 0.01, 10);
+  const auto fine = numerical_response(plant, sine_motion(), LeadRubber{}, 0.001, 10);
+
+  const auto peak = [](const std::vector<double>& values) {
+    double largest = 0;
+    for (const double value : values) largest = std::max(largest, std::abs(value));
+    return largest;
+  };
+  EXPECT_NEAR(peak(coarse.displacement_long), peak(fine.displacement_long),
+              0.03 * peak(fine.displacement_long));
+  EXPECT_EQ(coarse.floors.size(), 3U);
+  EXPECT_EQ(coarse.floors[0].name, "containment");
+}
+
+}  // namespace
+}  // namespace rths::sim

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <unistd.h>
+
+#include <rths/broker/ring.hpp>
+#include <rths/memmap/map.hpp>
+
+namespace rths::test {
+
+/// A small map: a machine with a tear group of `group` words, a controller with loose words.
+inline memmap::Map small_map(std::uint32_t group = 8) {
+  memmap::MapDescription description;
+  description.name = "small";
+  description.size_longwords = 1024;
+  description.nodes = {{"machine", NodeId{1}, ""}, {"controller", NodeId{2}, ""}};
+  memmap::Partition feedback;
+  feedback.name = "fbk";
+  feedback.node = "machine";
+  feedback.base = LongwordOffset{0};
+  feedback.longwords = group;
+  feedback.tear_group = true;
+  memmap::Partition reference;
+  reference.name = "ref";
+  reference.node = "controller";
+  reference.base = LongwordOffset{512};
+  reference.longwords = 4;
+  memmap::Signal signal;
+  signal.name = "long";
+  signal.unit = "mm";
+  signal.initial = 2.5;
+  signal.offset = LongwordOffset{512};
+  reference.signals = {signal};
+  description.partitions = {feedback, reference};
+  return memmap::Map{description};
+}
+
+/// A name for a ring that no other test process uses.
+inline std::string unique_ring(const std::string& test) {
+  return "test_" + test + "_" + std::to_string(getpid());
+}
+
+/// Removes a ring when the test is over, however it ends.
+struct RingRemoval {
+  std::string name;
+  ~RingRemoval() { broker::remove_ring(name); }
+};
+
+}  // namespace rths::test
