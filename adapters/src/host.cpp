@@ -2,6 +2,7 @@
 #include <rths/adapters/host.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <rths/core/error.hpp>
@@ -89,8 +90,13 @@ Status Host::read_inputs() noexcept {
     } else {
       transfer.image[0] = node_.read(transfer.base);
     }
-    for (const auto& value : transfer.values)
-      inputs_[value.index] = value.codec.decode(transfer.image[value.word]);
+    for (const auto& value : transfer.values) {
+      const double now = value.codec.decode(transfer.image[value.word]);
+      if (std::isfinite(now))
+        inputs_[value.index] = now;
+      else
+        status = Status::Stale;  // a number that is none would poison whatever it reaches
+    }
   }
   return status;
 }
@@ -98,8 +104,12 @@ Status Host::read_inputs() noexcept {
 Status Host::write_outputs() noexcept {
   Status status = Status::Ok;
   for (auto& transfer : writes_) {
-    for (const auto& value : transfer.values)
-      transfer.image[value.word] = value.codec.encode(outputs_[value.index]);
+    for (const auto& value : transfer.values) {
+      if (std::isfinite(outputs_[value.index]))
+        transfer.image[value.word] = value.codec.encode(outputs_[value.index]);
+      else
+        status = Status::LimitExceeded;
+    }
     status = worst(status, transfer.is_group ? node_.write_group(transfer.group, transfer.image)
                                              : node_.write(transfer.base, transfer.image[0]));
   }

@@ -89,6 +89,11 @@ struct Reader::File {
 void Reader::File::index_partition(const Handle& signals, const std::string& partition) {
   if (H5Lexists(signals.id(), partition.c_str(), H5P_DEFAULT) <= 0) return;
   const Handle dataset = open_dataset(signals.id(), partition);
+  // A crash may leave tables of unequal length: a row counts if all of them have it.
+  const Handle space{H5Dget_space(dataset.id()), H5Sclose, "HDF5 space"};
+  hsize_t extent[2] = {0, 0};
+  H5Sget_simple_extent_dims(space.id(), extent, nullptr);
+  time.resize(std::min<std::size_t>(time.size(), extent[0]));
   const auto signal_names = read_text_list_attribute(dataset.id(), "names");
   const auto units = read_text_list_attribute(dataset.id(), "units");
   for (std::size_t i = 0; i < signal_names.size(); ++i) {
@@ -142,10 +147,8 @@ std::vector<double> Reader::signal(const std::string& name) const {
   const auto& column = found->second;
   const auto& values = file_->load(column.partition);
   const std::size_t width = file_->width(column.partition);
-  // A crash may have left tables of unequal length: rows count that all of them have.
-  const std::size_t rows = std::min(file_->time.size(), values.size() / width);
-  std::vector<double> result(rows);
-  for (std::size_t row = 0; row < rows; ++row) result[row] = values[row * width + column.index];
+  std::vector<double> result(std::min(file_->time.size(), values.size() / width));
+  for (std::size_t row = 0; row < result.size(); ++row) result[row] = values[row * width + column.index];
   return result;
 }
 

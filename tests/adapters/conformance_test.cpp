@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What every adapter must do, whatever it is.
+#include <functional>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include <rths/adapters/numerical.hpp>
+#include <rths/adapters/recorder.hpp>
+#include <rths/adapters/simulink_like.hpp>
+#include <rths/adapters/srmd.hpp>
+#include <rths/sim/lead_rubber.hpp>
+
+#include "support/bench.hpp"
+#include "support/files.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::adapters {
+namespace {
+
+std::unique_ptr<Adapter> make_sample_numerical() {
+  NumericalSettings settings;
+  settings.plant = sim::example_plant();
+  settings.motion = {0.01, std::vector<double>(500, 1.0), std::vector<double>(500, 0.5)};
+  settings.bearing_initial_stiffness = sim::LeadRubber{}.initial_stiffness;
+  return make_numerical(settings);
+}
+
+std::unique_ptr<Adapter> make_sample_recorder() {
+  static const test::TemporaryFolder folder;
+  RecorderSettings settings;
+  settings.file = folder.path() / "run.h5";
+  return make_recorder(
+      memmap::load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml"), settings);
+}
+
+struct Candidate {
+  const char* name;
+  std::function<std::unique_ptr<Adapter>()> make;
+  friend std::ostream& operator<<(std::ostream& out, const Candidate& c) { return out << c.name; }
+};
+
+class EveryAdapter : public ::testing::TestWithParam<Candidate> {
+ protected:
+  void SetUp() override {
+    adapter = GetParam().make();
+    adapter->activate();
+  }
+  void TearDown() override { adapter->deactivate(); }
+  std::unique_ptr<Adapter> adapter;
+};
+
+TEST_P(EveryAdapter, ListsTheSamePortsEveryTimeAndNoneTwice) {
+  const auto first = adapter->ports();
+  const auto second = adapter->ports();
+
+  std::set<std::string> names;
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].name, second[i].name);
+    EXPECT_TRUE(names.insert(first[i].name).second) << first[i].name;
+  }
+  EXPECT_FALSE(first.empty());
+}
+
+TEST_P(EveryAdapter, StepsInRealTime) {
+  test::Bench bench{*adapter};
+  Status status = Status::Ok;
+  for (int i = 0; i < 20; ++i) EXPECT_REALTIME(status = bench.step(0.001 * i));
+  EXPECT_NE(status, Status::Fault);
+}
+
+TEST_P(EveryAdapter, ComesToRestWithinTwoSecondsOfBeingTold) {
+  test::Bench bench{*adapter};
+  double time = 0;
+  for (int i = 0; i < 100; ++i) static_cast<void>(bench.step(time += 0.001));
+  const double told = time;
+  Status status = Status::Ok;
+  while (status != Status::Done && time < told + 5) status = bench.step(time += 0.001, true);
+
+  EXPECT_EQ(status, Status::Done);
+  EXPECT_LT(time - told, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    BuiltIn, EveryAdapter,
+    ::testing::Values(Candidate{"numerical", make_sample_numerical},
+                      Candidate{"recorder", make_sample_recorder},
+                      Candidate{"simulink_like",
+                                [] {
+                                  return make_simulink_like(
+                                      test::source_tree() /
+                                          "adapters/simulink_like/diagrams/hybrid_controller.toml",
+                                      {});
+                                }},
+                      Candidate{"srmd",
+                                [] {
+                                  SrmdSettings settings;
+                                  settings.machine = sim::srmd_machine();
+                                  return make_srmd(settings);
+                                }}),
+    [](const auto& candidate) { return std::string{candidate.param.name}; });
+
+}  // namespace
+}  // namespace rths::adapters

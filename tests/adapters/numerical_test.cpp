@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <rths/adapters/numerical.hpp>
+#include <rths/sim/lead_rubber.hpp>
+#include <rths/sim/plant_analysis.hpp>
+
+#include "support/bench.hpp"
+#include "support/files.hpp"
+
+namespace rths::adapters {
+namespace {
+
+sim::GroundMotion pulse() {
+  sim::GroundMotion motion;
+  motion.time_step = 0.01;
+  for (int i = 0; i < 200; ++i) {
+    motion.long_acceleration.push_back(2 * std::sin(0.1 * i));
+    motion.lat_acceleration.push_back(std::sin(0.07 * i));
+  }
+  return motion;
+}
+
+NumericalSettings settings() {
+  NumericalSettings s;
+  s.plant = sim::example_plant();
+  s.motion = pulse();
+  s.bearing_initial_stiffness = sim::LeadRubber{}.initial_stiffness;
+  s.duration = 0.5;
+  return s;
+}
+
+/// A controller and specimen that answer the handshake by the book, a tick at a time.
+class Partner {
+ public:
+  Partner(Adapter& adapter, std::vector<std::string> axes)
+      : bench{adapter}, axes_{std::move(axes)} {
+    bench.in("daq.atTarget") = 1;
+  }
+
+  // One tick: look at the flags, answer them, let the solver look.
+  Status tick() {
+    const double flag = bench.out("opf.newTarget");
+    if (flag > 0 && previous_ <= 0) {
+      bench.in("daq.atTarget") = 0;
+      bench.in("daq.switchPC") = 1;
+      countdown_ = 3;
+      ++targets;
+    }
+    if (flag <= 0 && previous_ > 0) bench.in("daq.switchPC") = 0;
+    previous_ = flag;
+    if (countdown_ > 0 && --countdown_ == 0) {
+      Eigen::Vector2d u = Eigen::Vector2d::Zero();
+      for (const auto& axis : axes_)
+        u[axis == "long" ? 0 : 1] = bench.out("opf." + axis + ".displ.target");
+      const Eigen::Vector2d force = advance(bearing_, state_, u);
+      for (const auto& axis : axes_)
+        bench.in("daq." + axis + ".force.fbk") = force[axis == "long" ? 0 : 1];
+      bench.in("daq.atTarget") = 1;
+    }
+    time += 0.00025;
+    return bench.step(time);
+  }
+
+  test::Bench bench;
+  int targets = 0;
+  double time = 0;
+
+ private:
+  std::vector<std::string> axes_;
+  sim::LeadRubber bearing_;
+  sim::LeadRubberState state_;
+  double previous_ = 0;
+  int countdown_ = 0;
+};
+
+TEST(Numerical, RunsTheHandshakeOncePerStep) {
+  const auto solver = make_numerical(settings());
+  Partner partner{*solver, {"long", "lat"}};
+  Status status = Status::Ok;
+  for (int i = 0; i < 5000 && status == Status::Ok; ++i) status = partner.tick();
+
+  EXPECT_EQ(status, Status::Done);
+  EXPECT_EQ(partner.targets, 50);  // 0.5 s in steps of 10 ms
+  EXPECT_EQ(partner.bench.out("opf.newTarget"), -1);
+  EXPECT_EQ(partner.bench.out("step"), 50);
+}
+
+// Through words, flags and forces the solver must arrive where it does alone.
+TEST(Numerical, GetsTheSameResultAsTheAnalysisAlone) {
+  const auto solver = make_numerical(settings());
+  Partner partner{*solver, {"long", "lat"}};
+  sim::PlantAnalysis alone{sim::assemble(sim::example_plant()), pulse(),
+                           sim::LeadRubber{}.initial_stiffness, 0.01, -0.05};
+  sim::LeadRubber bearing;
+  sim::LeadRubberState state;
+  for (int step = 0; step < 40; ++step) {
+    while (partner.targets <= step) ASSERT_EQ(partner.tick(), Status::Ok);
+    const Eigen::Vector2d u = alone.predict();
+    EXPECT_EQ(partner.bench.out("opf.long.displ.target"), u[0]);
+    EXPECT_EQ(partner.bench.out("opf.lat.displ.target"), u[1]);
+    alone.correct(advance(bearing, state, u));
+  }
+}
+
+TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
+  NumericalSettings s = settings();
+  s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
+  const auto solver = make_numerical(s);
+  Partner partner{*solver, {"long", "lat"}};
+  double displayed = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double flag_before = partner.bench.out("opf.newTarget");
+    if (partner.tick() != Status::Ok) break;
+    const double now = partner.bench.out("opf.long.displ.target");
+    if (now != displayed) {
+      EXPECT_EQ(flag_before, 0);
+      EXPECT_EQ(partner.bench.out("opf.newTarget"), 1);
+    }
+    displayed = now;
+  }
+}
+
+TEST(Numerical, TakesTheComputingTimeItIsGivenWhereTimeIsVirtual) {
+  NumericalSettings s = settings();
+  s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
+  const auto solver = make_numerical(s);
+  test::Bench bench{*solver};
+  bench.in("daq.atTarget") = 1;
+
+  static_cast<void>(bench.step(0.0100));
+  for (double t = 0.01025; t < 0.01299; t += 0.00025) {
+    static_cast<void>(bench.step(t));
+    EXPECT_EQ(bench.out("opf.newTarget"), 0) << t;
+  }
+  static_cast<void>(bench.step(0.0131));
+
+  EXPECT_EQ(bench.out("opf.newTarget"), 1);
+}
+
+TEST(Numerical, OverrunsAsOftenAsItIsTold) {
+  NumericalSettings s = settings();
+  s.duration = 5;
+  s.computing_time = ComputingTime{0.003, 0.1, 0.25, 0.006, 9};
+  const auto solver = make_numerical(s);
+  Partner partner{*solver, {"long", "lat"}};
+  int overruns = 0;
+  int seen = 0;
+  while (partner.tick() == Status::Ok) {
+    if (partner.targets == seen) continue;
+    seen = partner.targets;
+    overruns += partner.bench.out("computing_time") > 0.007 ? 1 : 0;
+  }
+
+  // 500 draws at one in four: 125, and ±40 is four standard deviations.
+  EXPECT_NEAR(overruns, 125, 40);
+}
+
+struct Silence {
+  const char* name;
+  double at_target, switch_pc;
+  int ticks_before;
+  const char* message;
+};
+
+class DeadPartner : public ::testing::TestWithParam<Silence> {};
+
+TEST_P(DeadPartner, EndsTheWaitAtItsDeadlineWithOneClearLine) {
+  const auto solver = make_numerical(settings());
+  test::Bench bench{*solver};
+  double time = 0;
+  bench.in("daq.atTarget") = 1;
+  for (int i = 0; i < GetParam().ticks_before; ++i) static_cast<void>(bench.step(time += 0.001));
+  bench.in("daq.atTarget") = GetParam().at_target;
+  bench.in("daq.switchPC") = GetParam().switch_pc;
+  const double begun = time;
+  Status status = Status::Ok;
+  while (status == Status::Ok && time < 10) status = bench.step(time += 0.001);
+
+  EXPECT_EQ(status, Status::Fault);
+  EXPECT_STREQ(bench.message(), GetParam().message);
+  EXPECT_NEAR(time - begun, 1.0, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Waits, DeadPartner,
+    ::testing::Values(
+        Silence{"start", 0, 0, 0, "atTarget did not rise before the deadline"},
+        Silence{"switch", 0, 0, 1, "switchPC did not rise before the deadline"},
+        Silence{"release", 0, 1, 1, "switchPC did not fall before the deadline"}),
+    [](const auto& silence) { return std::string{silence.param.name}; });
+
+TEST(Numerical, SaysStopBeforeItLeaves) {
+  const auto solver = make_numerical(settings());
+  test::Bench bench{*solver};
+  EXPECT_EQ(bench.step(0.001, true), Status::Ok);
+  EXPECT_EQ(bench.out("opf.newTarget"), -1);
+
+  EXPECT_EQ(bench.step(0.03, true), Status::Done);
+}
+
+TEST(Numerical, PlaysADisplacementHistory) {
+  NumericalSettings s = settings();
+  s.duration = 0.05;
+  s.history = DisplacementHistory{0.02, {0, 0.2, 0.4, 0.3}, {0, -0.1, 0, 0}};
+  const auto solver = make_numerical(s);
+  Partner partner{*solver, {"long", "lat"}};
+  std::vector<double> targets;
+  while (partner.tick() == Status::Ok)
+    if (partner.targets > static_cast<int>(targets.size()))
+      targets.push_back(partner.bench.out("opf.long.displ.target"));
+
+  const std::vector<double> expected = {0.1, 0.2, 0.3, 0.4, 0.35};
+  ASSERT_EQ(targets.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(targets[i], expected[i], 1e-12);
+}
+
+TEST(Numerical, TestsOneAxisAlone) {
+  NumericalSettings s = settings();
+  s.axes = {"lat"};
+  const auto solver = make_numerical(s);
+  Partner partner{*solver, {"lat"}};
+  while (partner.targets < 20) ASSERT_EQ(partner.tick(), Status::Ok);
+
+  EXPECT_NE(partner.bench.out("opf.lat.displ.target"), 0);
+  EXPECT_EQ(partner.bench.out("ground.accel.long"), 0);
+}
+
+TEST(Numerical, RefusesAnAxisThatItsModelLacks) {
+  NumericalSettings s = settings();
+  s.axes = {"vert"};
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(make_numerical(s)); }),
+            "numerical: axis 'vert' is not in the model, expected long or lat");
+}
+
+}  // namespace
+}  // namespace rths::adapters

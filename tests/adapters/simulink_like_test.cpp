@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include <rths/adapters/simulink_like.hpp>
+
+#include "support/bench.hpp"
+#include "support/files.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::adapters {
+namespace {
+
+const std::string kHead = "diagram = 1\nbase_rate_Hz = 1000\nsubsteps = 10\n";
+
+std::string input(const std::string& name, const std::string& signal, const std::string& unit = "m") {
+  return "[[block]]\nname = \"" + name + "\"\ntype = \"ring_input\"\nsignal = \"" + signal +
+         "\"\nunit = \"" + unit + "\"\n";
+}
+
+std::string block(const std::string& name, const std::string& type, const std::string& rest) {
+  return "[[block]]\nname = \"" + name + "\"\ntype = \"" + type + "\"\n" + rest + "\n";
+}
+
+std::unique_ptr<Adapter> diagram(const std::string& blocks, const DiagramContext& context = {}) {
+  return make_simulink_like_from_text(kHead + blocks, "d.toml", context);
+}
+
+std::string error_in(const std::string& blocks) {
+  return test::error_of([&] { static_cast<void>(diagram(blocks)); });
+}
+
+const std::string kX = input("x", "lab.{axis}.displ");
+
+TEST(Diagram, CarriesAValuePerAxisFromTheRingToTheRing) {
+  const auto target = diagram(kX + block("twice", "gain", "in.in = \"x\"\ngain = 2") +
+                              block("y", "ring_output", "in.in = \"twice\"\nsignal = \"out.{axis}\""));
+  test::Bench bench{*target};
+  bench.in("lab.long.displ") = 1.5;
+  bench.in("lab.lat.displ") = -4;
+
+  EXPECT_EQ(bench.step(0), Status::Ok);
+
+  EXPECT_EQ(bench.out("out.long"), 3);
+  EXPECT_EQ(bench.out("out.lat"), -8);
+}
+
+TEST(Diagram, MonitorsEveryOutputOfEveryBlock) {
+  const auto target = diagram(kX + block("twice", "gain", "in.in = \"x\"\ngain = 2"));
+  test::Bench bench{*target};
+  bench.in("lab.long.displ") = 1.5;
+
+  static_cast<void>(bench.step(0));
+
+  EXPECT_EQ(bench.out("x.out.long"), 1.5);
+  EXPECT_EQ(bench.out("twice.out.long"), 3);
+}
+
+TEST(Diagram, LetsEveryParameterBeTuned) {
+  const auto target = diagram(kX + block("k", "gain", "in.in = \"x\"\ngain = 2"));
+  test::Bench bench{*target};
+  bench.in("lab.long.displ") = 1;
+  bench.in("k.gain") = 7;
+
+  static_cast<void>(bench.step(0));
+
+  EXPECT_EQ(bench.out("k.out.long"), 7);
+}
+
+TEST(Diagram, RunsBlocksInTheOrderOfTheirWiresNotOfTheFile) {
+  const auto target = diagram(block("c", "gain", "in.in = \"b\"\ngain = 5") +
+                              block("b", "gain", "in.in = \"x\"\ngain = 3") + kX);
+  test::Bench bench{*target};
+  bench.in("lab.long.displ") = 1;
+
+  static_cast<void>(bench.step(0));
+
+  EXPECT_EQ(bench.out("c.out.long"), 15);
+}
+
+TEST(Diagram, HandsUnitsOnFromTheFirstInput) {
+  const auto target = diagram(block("c", "gain", "in.in = \"b\"") +
+                              block("b", "saturation", "in.in = \"x\"\nlimits = [1, 1]") + kX);
+
+  for (const auto& port : target->ports())
+    if (port.name == "c.out.long") {
+      EXPECT_EQ(port.unit, "m");
+    }
+}
+
+TEST(Diagram, RunsFastBlocksSeveralTimesAStep) {
+  // Each substep the loop adds x once more: ten times per step.
+  const auto target =
+      diagram(kX + block("sum", "sum", "rate = 10\nin.in1 = \"x\"\nin.in2 = \"held\"") +
+              block("held", "unit_delay", "rate = 10\nin.in = \"sum\""));
+  test::Bench bench{*target};
+  bench.in("lab.long.displ") = 1;
+
+  static_cast<void>(bench.step(0));
+  EXPECT_EQ(bench.out("sum.out.long"), 10);
+  static_cast<void>(bench.step(0.001));
+  EXPECT_EQ(bench.out("sum.out.long"), 20);
+}
+
+TEST(Diagram, KeepsTheDocumentedBlocksToTheirWord) {
+  const std::string rest =
+      block("sum", "sum", "in.in1 = \"x\"\nin.in2 = \"x\"\nin.in3 = \"x\"\nsigns = \"+-+\"") +
+      block("sat", "saturation", "in.in = \"x\"\nlimits = [2, 1]") +
+      block("rate", "rate_limiter", "in.in = \"x\"\nlimits = [1000, 1000]") +
+      block("either", "switch", "in.in1 = \"x\"\nin.in2 = \"sat\"") +
+      block("old", "unit_delay", "in.in = \"x\"") +
+      block("older", "transport_delay", "in.in = \"x\"\ndelay_s = 0.003") +
+      block("v", "derivative", "in.in = \"x\"\nunit = \"m/s\"") +
+      block("mean", "moving_average", "in.in = \"x\"\nsamples = 2") +
+      block("c", "constant", "value = 4") +
+      block("free", "remove_offset", "in.in = \"x\"\nduration_s = 0.002");
+  const auto target = diagram(kX + rest);
+  test::Bench bench{*target};
+  const double x[] = {3, 5, 5, 5, 9};
+  for (int i = 0; i < 5; ++i) {
+    bench.in("lab.long.displ") = x[i];
+    bench.in("either.first") = i == 4 ? 0 : 1;
+    static_cast<void>(bench.step(0.001 * i));
+    EXPECT_EQ(bench.out("sum.out.long"), x[i]);
+    EXPECT_EQ(bench.out("old.out.long"), i > 0 ? x[i - 1] : 0);
+    EXPECT_EQ(bench.out("older.out.long"), i > 2 ? x[i - 3] : 0);
+  }
+  EXPECT_EQ(bench.out("sat.out.long"), 2);
+  EXPECT_EQ(bench.out("rate.out.long"), 5);  // one unit a step
+  EXPECT_EQ(bench.out("either.out.long"), 2);
+  EXPECT_NEAR(bench.out("v.out.long"), 4000, 1e-9);
+  EXPECT_EQ(bench.out("mean.out.long"), 7);
+  EXPECT_EQ(bench.out("c.out"), 4);
+  EXPECT_EQ(bench.out("free.out.long"), 9 - 4);  // the mean of the first two samples is 4
+}
+
+TEST(Diagram, GivesSinesAndFiltersThem) {
+  const auto target = diagram(
+      block("s", "sine", "amplitude = 2\nfrequency_Hz = 50\nunit = \"m\"") +
+      block("lp", "low_pass", "in.in = \"s\"\norder = 4\ncutoff_Hz = 5"));
+  test::Bench bench{*target};
+  double largest = 0;
+  double largest_filtered = 0;
+  for (int i = 0; i < 2000; ++i) {
+    static_cast<void>(bench.step(0.001 * i));
+    EXPECT_NEAR(bench.out("s.out.lat"), 2 * std::sin(2 * std::numbers::pi * 0.05 * i), 1e-9);
+    if (i < 1000) continue;
+    largest = std::max(largest, std::abs(bench.out("s.out.lat")));
+    largest_filtered = std::max(largest_filtered, std::abs(bench.out("lp.out.lat")));
+  }
+
+  EXPECT_NEAR(largest, 2, 1e-6);
+  EXPECT_LT(largest_filtered, 2e-3);  // (1/10)⁴ of it is 2e-4, and the bilinear map takes more
+}
+
+TEST(Diagram, StopsTheRunAndRampsItsOutputsToRest) {
+  DiagramContext context;
+  context.retreat = {0.01, 0.1};
+  const auto target = diagram(
+      kX + input("flag", "lab.flag", "1") + block("end", "stop", "in.in = \"flag\"") +
+          block("ref", "ring_output", "in.in = \"x\"\nsignal = \"ref.{axis}\"\nat_stop = \"ramp\"") +
+          block("echo", "ring_output", "in.in = \"x\"\nsignal = \"echo.{axis}\""),
+      context);
+  test::Bench bench{*target};
+  bench.in("lab.long.displ") = 0.8;
+  static_cast<void>(bench.step(0));
+  bench.in("lab.flag") = 1;
+  bench.in("lab.long.displ") = 0.9;  // what comes after the stop no longer moves the machine
+
+  double time = 0.001;
+  double before = 0.8;
+  while (bench.step(time) == Status::Ok) {
+    EXPECT_LE(bench.out("ref.long"), before + 1e-12);
+    EXPECT_LT(before - bench.out("ref.long"), 0.8 * 0.02);
+    EXPECT_EQ(bench.out("echo.long"), 0.9);
+    before = bench.out("ref.long");
+    time += 0.001;
+  }
+
+  EXPECT_NEAR(time, 0.001 + 0.11, 0.0015);
+  EXPECT_EQ(bench.out("ref.long"), 0);
+}
+
+TEST(Diagram, RampsItsOutputsToRestWhenTheRunStops) {
+  DiagramContext context;
+  context.retreat = {0.0, 0.05};
+  const auto target = diagram(
+      kX + block("ref", "ring_output", "in.in = \"x\"\nsignal = \"ref.{axis}\"\nat_stop = \"ramp\""),
+      context);
+  test::Bench bench{*target};
+  bench.in("lab.long.displ") = 0.8;
+  static_cast<void>(bench.step(0));
+
+  EXPECT_EQ(bench.step(0.001, true), Status::Ok);
+  EXPECT_EQ(bench.out("ref.long"), 0.8);
+  EXPECT_EQ(bench.step(0.1, true), Status::Done);
+  EXPECT_EQ(bench.out("ref.long"), 0);
+}
+
+TEST(Diagram, SaysWhatIsWrongAndWhere) {
+  EXPECT_EQ(error_in(block("g", "gian", "")),
+            "d.toml:6:8: there is no block type 'gian' (did you mean 'gain'?)");
+  EXPECT_EQ(error_in(kX + block("g", "gain", "in.in = \"x.ut\"")),
+            "d.toml:9:1: block 'g' reads 'x.ut', which no block gives (did you mean 'x.out'?)");
+  EXPECT_EQ(error_in(kX + block("x", "constant", "")), "d.toml:10:8: there are two blocks 'x'");
+  EXPECT_EQ(error_in(kX + block("g", "gain", "in.inn = \"x\"")),
+            "d.toml:12:10: unknown key 'inn' (did you mean 'in'?)");
+  EXPECT_EQ(error_in(kX + block("g", "gain", "in.in = \"x\"\ngian = 2")),
+            "d.toml:13:8: unknown key 'gian' (did you mean 'gain'?)");
+  EXPECT_EQ(error_in(kX + block("g", "gain", "in.in = \"x\"\nrate = 3")),
+            "d.toml:13:8: rate is 3, expected 1 or 10");
+}
+
+TEST(Diagram, RefusesPortsThatDoNotFit) {
+  EXPECT_EQ(error_in(block("c", "constant", "") + block("g", "gain", "in.in = \"c\"")),
+            "d.toml:8:1: 'g.in' takes one value per axis, 'c' gives a single one");
+  EXPECT_EQ(error_in(kX + input("f", "lab.{axis}.force", "N") +
+                     block("lead", "feed_forward",
+                           "in.reference = \"f\"\nin.velocity = \"x\"\nin.acceleration = \"x\"")),
+            "d.toml:14:1: 'lead.reference' takes [m], 'f' gives [N]");
+}
+
+TEST(Diagram, RefusesAnAlgebraicLoopAndNamesIt) {
+  EXPECT_EQ(error_in(kX + block("a", "sum", "in.in1 = \"x\"\nin.in2 = \"b\"") +
+                     block("b", "gain", "in.in = \"a\"")),
+            "d.toml:9:1: algebraic loop: a <- b <- a; a unit_delay block would break it");
+}
+
+TEST(Diagram, RefusesABaseRateBlockBetweenFastOnes) {
+  EXPECT_EQ(error_in(kX + block("a", "gain", "rate = 10\nin.in = \"x\"") +
+                     block("b", "gain", "in.in = \"a\"") +
+                     block("c", "gain", "rate = 10\nin.in = \"b\"")),
+            "d.toml:14:1: block 'b' at the base rate lies between fast blocks");
+}
+
+TEST(Diagram, RefusesWhatABlockCannotBe) {
+  EXPECT_EQ(error_in(kX + block("f", "low_pass", "in.in = \"x\"\ncutoff_Hz = 900")),
+            "d.toml:13:13: low-pass: a cut-off of 900.000000 Hz needs a sampling rate above twice "
+            "that");
+  EXPECT_EQ(error_in(kX + block("f", "saturation", "in.in = \"x\"\nlimits = [1]")),
+            "d.toml:13:10: limits has 1 numbers, none for axis 'lat'");
+  EXPECT_EQ(error_in(kX + block("f", "sum", "in.in1 = \"x\"\nsigns = \"+*\"")),
+            "d.toml:13:9: signs is '+*', expected '+' and '-' only");
+  EXPECT_EQ(error_in(""), "d.toml:1:1: the diagram has no blocks");
+}
+
+std::filesystem::path hybrid_controller() {
+  return test::source_tree() / "adapters/simulink_like/diagrams/hybrid_controller.toml";
+}
+
+TEST(HybridController, SamplesAtTheTargetAndAnswersTheHandshake) {
+  const auto target = make_simulink_like(hybrid_controller(), {});
+  test::Bench bench{*target};
+  static_cast<void>(bench.step(0));
+  EXPECT_EQ(bench.out("daq.atTarget"), 1);
+  EXPECT_EQ(bench.out("daq.switchPC"), 0);
+
+  bench.in("opf.newTarget") = 1;
+  bench.in("opf.long.displ.target") = 0.01;
+  static_cast<void>(bench.step(0.001));
+  EXPECT_EQ(bench.out("daq.switchPC"), 1);
+  EXPECT_EQ(bench.out("daq.atTarget"), 0);
+
+  bench.in("opf.newTarget") = 0;
+  bench.in("srmd.long.displ.fbk") = 0.0098;
+  static_cast<void>(bench.step(0.002));
+  EXPECT_EQ(bench.out("daq.switchPC"), 0);
+  for (int i = 3; i <= 10; ++i) static_cast<void>(bench.step(0.001 * i));
+
+  EXPECT_EQ(bench.out("daq.atTarget"), 1);  // ten ticks of ten substeps each
+  EXPECT_NEAR(bench.out("pc.command.long"), 0.01, 1e-12);
+  EXPECT_NEAR(bench.out("daq.long.displ.fbk"), 0.0098, 1e-12);
+}
+
+TEST(HybridController, StepsInRealTime) {
+  const auto target = make_simulink_like(hybrid_controller(), {});
+  test::Bench bench{*target};
+  Status status = Status::Ok;
+  for (int i = 0; i < 30; ++i) {
+    bench.in("opf.newTarget") = i % 10 < 3 ? 1 : 0;
+    bench.in("srmd.long.displ.fbk") = 0.001 * i;
+    EXPECT_REALTIME(status = bench.step(0.001 * i));
+  }
+  EXPECT_EQ(status, Status::Ok);
+}
+
+TEST(HybridController, RefusesASamplingDelayOfTheWholeStep) {
+  std::string text = test::content_of(hybrid_controller());
+  text.replace(text.find("slow_down_from = 0.6"), 20, "sampling_delay_s = [0.008, 0.008]");
+
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(make_simulink_like_from_text(text, "d.toml", {}));
+            }).find("the sampling delay is 0.80 of the step, expected less than 0.8"),
+            std::string::npos);
+}
+
+TEST(HybridController, TellsItsPeriod) {
+  EXPECT_DOUBLE_EQ(diagram_period(hybrid_controller()), 0.001);
+}
+
+}  // namespace
+}  // namespace rths::adapters

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <rths/adapters/srmd.hpp>
+
+#include "support/bench.hpp"
+#include "support/files.hpp"
+
+namespace rths::adapters {
+namespace {
+
+SrmdSettings settings() {
+  SrmdSettings s;
+  s.machine = sim::srmd_machine();
+  s.machine.noise = {0, 0, 0};
+  return s;
+}
+
+TEST(Srmd, MovesToItsReferencesAndMeasures) {
+  const auto machine = make_srmd(settings());
+  test::Bench bench{*machine};
+  bench.in("xpc.long.displ.ref") = 0.05;
+  bench.in("xpc.lat.displ.ref") = -0.03;
+  for (int i = 0; i < 2000; ++i) static_cast<void>(bench.step(0.001 * i));
+
+  EXPECT_NEAR(bench.out("srmd.long.displ.fbk"), 0.05, 0.004);
+  EXPECT_NEAR(bench.out("srmd.lat.displ.fbk"), -0.03, 0.004);
+  EXPECT_NEAR(bench.out("srmd.long.force.fbk"), bench.out("true.force.long") + 2000, 6000);
+  EXPECT_EQ(bench.out("srmd.long.displ.ref_echo"), 0.05);
+}
+
+TEST(Srmd, AnswersItsVerticalAndUserWords) {
+  const auto machine = make_srmd(settings());
+  test::Bench bench{*machine};
+  bench.in("xpc.compression.force.ref") = 9e6;
+  bench.in("xpc.3.user_input") = 1.5;
+  for (int i = 0; i < 1000; ++i) static_cast<void>(bench.step(0.001 * i));
+
+  EXPECT_NEAR(bench.out("srmd.compression.force.fbk"), 9e6, 1e3);
+  EXPECT_NEAR(bench.out("srmd.ne.outrigger.force.fbk"), 9e6 / 4, 1e3);
+  EXPECT_EQ(bench.out("srmd.3.user_input_echo"), 1.5);
+  EXPECT_GT(bench.out("srmd.lift.pressure.fbk"), 0);
+}
+
+TEST(Srmd, KeepsAnAxisAtRestThatIsNotTested) {
+  SrmdSettings s = settings();
+  s.axes = {"long"};
+  const auto machine = make_srmd(s);
+  test::Bench bench{*machine};
+  bench.in("xpc.lat.displ.ref") = 0.1;
+  for (int i = 0; i < 500; ++i) static_cast<void>(bench.step(0.001 * i));
+
+  EXPECT_NEAR(bench.out("srmd.lat.displ.fbk"), 0, 1e-3);
+}
+
+// When the run stops it trusts nobody's words any more: it holds, ramps by itself, and is done.
+TEST(SrmdAdapter, HoldsCommandAndRampsToRestWhenItIsToldToStop) {
+  const auto machine = make_srmd(settings());
+  test::Bench bench{*machine};
+  bench.in("xpc.long.displ.ref") = 0.1;
+  for (int i = 0; i < 1000; ++i) static_cast<void>(bench.step(0.001 * i));
+  bench.in("xpc.long.displ.ref") = -1.0;  // rubbish from a peer that is dying
+
+  double time = 1.0;
+  Status status = Status::Ok;
+  double lowest = 1;
+  while (status != Status::Done && time < 5) {
+    status = bench.step(time, true);
+    lowest = std::min(lowest, bench.out("srmd.long.displ.fbk"));
+    time += 0.001;
+  }
+
+  EXPECT_NEAR(time, 2.2, 0.01);
+  EXPECT_GT(lowest, -0.01);
+  EXPECT_NEAR(bench.out("srmd.long.displ.fbk"), 0, 0.01);
+}
+
+TEST(Srmd, ReportsALimitThatWasHit) {
+  const auto machine = make_srmd(settings());
+  test::Bench bench{*machine};
+  bench.in("xpc.lat.displ.ref") = 0.7;
+
+  EXPECT_EQ(bench.step(0), Status::LimitExceeded);
+}
+
+TEST(Srmd, RefusesAnAxisItDoesNotDrive) {
+  SrmdSettings s = settings();
+  s.axes = {"roll"};
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(make_srmd(s)); }),
+            "srmd: axis 'roll' is not driven, expected long or lat");
+}
+
+TEST(MachineConfig, SetsBothAxes) {
+  const auto machine =
+      read_machine(memmap::Config::parse("dead_band = [0.01, 0.02]\nempty_table = true", "m.toml"));
+
+  EXPECT_EQ(machine.axes[0].dead_band, 0.01);
+  EXPECT_EQ(machine.axes[1].dead_band, 0.02);
+  EXPECT_FALSE(machine.has_specimen);
+}
+
+TEST(MachineConfig, SaysWhatIsWrong) {
+  EXPECT_EQ(test::error_of([] {
+              static_cast<void>(read_machine(memmap::Config::parse("dead_band = [1]", "m.toml")));
+            }),
+            "m.toml:1:13: dead_band has 1 numbers, expected [long, lat]");
+  EXPECT_EQ(test::error_of([] {
+              static_cast<void>(read_machine(memmap::Config::parse("dead_bnd = [1, 2]", "m.toml")));
+            }),
+            "m.toml:1:12: unknown key 'dead_bnd' (did you mean 'dead_band'?)");
+}
+
+TEST(SpecimenConfig, SaysWhatIsWrong) {
+  EXPECT_EQ(test::error_of([] {
+              static_cast<void>(
+                  read_specimen(memmap::Config::parse("model = \"LRB\"", "m.toml")));
+            }),
+            "m.toml:1:9: model is 'LRB', expected LPRB");
+  EXPECT_EQ(test::error_of([] {
+              static_cast<void>(read_specimen(
+                  memmap::Config::parse("initial_stiffness_N_per_m = 1000", "m.toml")));
+            }),
+            "m.toml:1:29: the initial stiffness must be larger than that after yield");
+}
+
+}  // namespace
+}  // namespace rths::adapters

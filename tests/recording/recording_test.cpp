@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <rths/core/error.hpp>
+#include <rths/recording/recording.hpp>
+
+#include "support/files.hpp"
+
+namespace rths::recording {
+namespace {
+
+/// Two partitions with signals in other units than SI, a step counter and an event.
+memmap::Map sample_map() {
+  return memmap::parse_map(R"(
+ringmap = 1
+[ring]
+name = "sample"
+version = 2
+size_bytes = 4096
+[nodes]
+machine = 1
+[[partition]]
+name = "fbk"
+node = "machine"
+offset = 0
+longwords = 2
+[[partition.signal]]
+name = "displ"
+index = ["long", "lat"]
+offset = 0
+type = "f32"
+unit = "mm"
+[[partition]]
+name = "monitor.machine"
+node = "machine"
+offset = 16
+longwords = 2
+[[partition.signal]]
+name = "host.step"
+offset = 16
+type = "f32"
+[[partition.signal]]
+name = "host.status"
+offset = 17
+type = "f32"
+event = true
+)",
+                           "sample");
+}
+
+std::vector<SignalId> all_signals(const memmap::Map& map) {
+  std::vector<SignalId> ids;
+  for (std::uint32_t i = 0; i < map.signals().size(); ++i) ids.push_back(SignalId{i});
+  return ids;
+}
+
+Writer open_writer(const std::filesystem::path& file) {
+  const memmap::Map map = sample_map();
+  return {file, map, all_signals(map),
+          {{{"lab.toml", "name = \"lab\"\n"}, {"empty", ""}},
+           {{"host", "here"}},
+           {{"machine", 1.0}}}};
+}
+
+/// Row number `i`: every value can be checked afterwards.
+std::vector<double> row(int i) { return {i * 1.0, i * -2.0, i + 1.0, i >= 30 ? 1.0 : 0.0}; }
+Duration time_of(int i) { return Duration{i * 1'000'000}; }
+
+void write_rows(Writer& writer, int from, int to) {
+  for (int i = from; i < to; ++i) writer.append(time_of(i), row(i));
+}
+
+void expect_rows(const Reader& reader, std::size_t rows) {
+  const auto along = reader.signal("fbk.long.displ");
+  const auto across = reader.signal("fbk.lat.displ");
+  ASSERT_EQ(along.size(), rows);
+  for (std::size_t i = 0; i < rows; ++i) {
+    const auto expected = row(static_cast<int>(i));
+    ASSERT_EQ(along[i], expected[0]);
+    ASSERT_EQ(across[i], expected[1]);
+    ASSERT_NEAR(reader.time()[i], 0.001 * static_cast<double>(i), 1e-12);
+  }
+}
+
+TEST(Recording, GivesBackEveryValueThatWasWritten) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  Writer writer = open_writer(file);
+  write_rows(writer, 0, 1234);
+  writer.close();
+
+  expect_rows(Reader{file}, 1234);
+}
+
+TEST(Recording, CarriesNamesUnitsMapConfigurationAndMeta) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  Writer writer = open_writer(file);
+  write_rows(writer, 0, 10);
+  writer.close();
+
+  const Reader reader{file};
+
+  EXPECT_EQ(reader.names(), (std::vector<std::string>{"fbk.long.displ", "fbk.lat.displ",
+                                                      "monitor.machine.host.step",
+                                                      "monitor.machine.host.status"}));
+  EXPECT_EQ(reader.unit("fbk.long.displ"), "m");
+  EXPECT_EQ(reader.map().hash(), sample_map().hash());
+  EXPECT_EQ(reader.config("lab.toml"), "name = \"lab\"\n");
+  EXPECT_EQ(reader.config("empty"), "");
+  EXPECT_EQ(reader.config("not there"), "");
+  EXPECT_EQ(reader.meta().at("host"), "here");
+}
+
+TEST(Recording, HasAnEventForEachChangeOfASignalMarkedSo) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  Writer writer = open_writer(file);
+  write_rows(writer, 0, 50);
+  writer.close();
+
+  const auto events = Reader{file}.events();
+
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_NEAR(events[0].time, 0.030, 1e-12);
+  EXPECT_EQ(events[0].signal, "monitor.machine.host.status");
+  EXPECT_EQ(events[0].value, 1);
+}
+
+TEST(Recording, CountsTheStepsThatNoRowHas) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  Writer writer = open_writer(file);
+  for (const int i : {0, 1, 2, 5, 5, 6, 9}) writer.append(time_of(i), row(i));
+  writer.close();
+
+  const auto drops = Reader{file}.drops();
+
+  ASSERT_EQ(drops.size(), 1U);
+  EXPECT_EQ(drops[0].first, "machine");
+  EXPECT_EQ(drops[0].second, 4);  // steps 4, 5 and 8, 9 of the node, counted from 1
+}
+
+TEST(Recording, CanBeReadWhileItGrows) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  Writer writer = open_writer(file);
+  write_rows(writer, 0, 250);
+
+  expect_rows(Reader{file}, 200);  // whole batches of a hundred
+  write_rows(writer, 250, 300);
+  expect_rows(Reader{file}, 300);
+}
+
+TEST(Recording, GuessesWhatAMisspeltSignalMeant) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  open_writer(file).close();
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(Reader{file}.signal("fbk.long.dspl")); }),
+            "the recording has no signal 'fbk.long.dspl' (did you mean 'fbk.long.displ'?)");
+}
+
+TEST(Recording, RefusesFilesThatAreNone) {
+  const test::TemporaryFolder folder;
+  const auto text = folder.write("a.h5", "no HDF5 at all");
+
+  EXPECT_FALSE(is_hdf5(text));
+  EXPECT_NE(test::error_of([&] { Reader{text}; }), "");
+  EXPECT_NE(test::error_of([&] { Reader{folder.path() / "none.h5"}; }), "");
+}
+
+TEST(Recording, TakesMetaAndSeriesWhenItIsFinished) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  Writer writer = open_writer(file);
+  write_rows(writer, 0, 10);
+  writer.close();
+
+  add_meta(file, {{"processes", "5"}});
+  add_meta_series(file, "host_late", 0.01, {0.5, 0.25});
+
+  const Reader reader{file};
+  EXPECT_EQ(reader.meta().at("processes"), "5");
+  EXPECT_EQ(reader.meta_series("host_late").interval, 0.01);
+  EXPECT_EQ(reader.meta_series("host_late").values, (std::vector<double>{0.5, 0.25}));
+  EXPECT_TRUE(reader.meta_series("nothing").values.empty());
+}
+
+TEST(Recording, NeedsNoRepairWhenItWasClosed) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  open_writer(file).close();
+
+  EXPECT_FALSE(repair(file));
+}
+
+// Killed at a random moment, a recording holds every row up to its last flush, each value right; it
+// reads as it is, and after the repair every HDF5 program opens it.
+TEST(Recording, SurvivesKillAtAnyMoment) {
+  std::mt19937 random{17};
+  std::uniform_int_distribution<int> microseconds{2'000, 60'000};
+  const int trials = std::getenv("RTHS_LONG") != nullptr ? 200 : 20;
+  int verified = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const test::TemporaryFolder folder;
+    const auto file = folder.path() / "run.h5";
+    const pid_t child = fork();
+    if (child == 0) {
+      Writer writer = open_writer(file);
+      for (int i = 0;; ++i) writer.append(time_of(i), row(i));
+    }
+    usleep(static_cast<useconds_t>(microseconds(random)));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    if (!std::filesystem::exists(file) || std::filesystem::file_size(file) < 4096) continue;
+
+    std::size_t rows = 0;
+    try {
+      rows = Reader{file}.rows();
+    } catch (const Error&) {
+      continue;  // killed before the file said what it is: there was nothing to lose yet
+    }
+    ++verified;
+    expect_rows(Reader{file}, rows);
+    EXPECT_TRUE(repair(file)) << trial;
+    EXPECT_FALSE(repair(file)) << trial;
+    expect_rows(Reader{file}, rows);
+  }
+  EXPECT_GE(verified, trials * 3 / 4);
+}
+
+TEST(Recording, SaysWhenTheFileSystemTakesNoMore) {
+  const test::TemporaryFolder folder;
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{200'000, 200'000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    const std::string error = test::error_of([&] {
+      Writer writer = open_writer(folder.path() / "run.h5");
+      write_rows(writer, 0, 100'000);
+      writer.close();
+    });
+    _exit(error.find("is the disk full?") != std::string::npos ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+}  // namespace
+}  // namespace rths::recording

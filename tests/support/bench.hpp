@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <rths/adapters/adapter.hpp>
+
+namespace rths::test {
+
+/// An adapter on the bench: its inputs are set and its outputs are read by name, without a ring.
+class Bench {
+ public:
+  explicit Bench(adapters::Adapter& adapter) : adapter_{adapter} {
+    for (const auto& port : adapter.ports()) {
+      const bool is_input = port.direction == adapters::Direction::Input ||
+                            port.direction == adapters::Direction::Parameter;
+      auto& values = is_input ? inputs_ : outputs_;
+      (is_input ? input_at_ : output_at_)[port.name] = values.size();
+      values.push_back(port.initial);
+    }
+    step_.inputs = inputs_;
+    step_.outputs = outputs_;
+  }
+
+  /// An input or parameter, by the name of its port.
+  double& in(const std::string& name) { return inputs_.at(input_at_.at(name)); }
+  /// An output or monitor.
+  [[nodiscard]] double out(const std::string& name) const {
+    return outputs_.at(output_at_.at(name));
+  }
+  [[nodiscard]] const std::vector<double>& outputs() const { return outputs_; }
+  void fill_inputs(double value) { inputs_.assign(inputs_.size(), value); }
+
+  Status step(double time, bool stopping = false) {
+    step_.time = time;
+    step_.stopping = stopping;
+    return adapter_.step(step_);
+  }
+  [[nodiscard]] const char* message() const { return step_.message; }
+
+ private:
+  adapters::Adapter& adapter_;
+  std::map<std::string, std::size_t> input_at_, output_at_;
+  std::vector<double> inputs_, outputs_;
+  adapters::Step step_;
+};
+
+}  // namespace rths::test
