@@ -2,6 +2,7 @@
 #include <fnmatch.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -30,7 +31,8 @@ bool matches(const std::string& name, const std::vector<std::string>& patterns) 
   return patterns.empty();
 }
 
-/// Prints values in the format asked for and says when it has printed enough.
+/// Prints values in the format asked for and says when it has printed enough. Seven digits: a word
+/// of the ring holds no more.
 class Printer {
  public:
   explicit Printer(const DumpArguments& arguments) : arguments_{arguments} {
@@ -41,11 +43,11 @@ class Printer {
     ++lines_;
     if (arguments_.format == "json")
       fmt::print("{{\"time_s\": {:.9f}, \"signal\": \"{}\", \"value\": {}, \"unit\": \"{}\"}}\n",
-                 time, name, std::isfinite(value) ? fmt::format("{:.9g}", value) : "null", unit);
+                 time, name, std::isfinite(value) ? fmt::format("{:.7g}", value) : "null", unit);
     else if (arguments_.format == "csv")
-      fmt::print("{:.9f},{},{:.9g},{}\n", time, name, value, unit);
+      fmt::print("{:.9f},{},{:.7g},{}\n", time, name, value, unit);
     else
-      fmt::print("({:.9f}) {} = {:.9g} {}\n", time, name, value, unit == "1" ? "" : unit);
+      fmt::print("({:.9f}) {} = {:.7g} {}\n", time, name, value, unit == "1" ? "" : unit);
   }
   [[nodiscard]] bool enough() const {
     return arguments_.count > 0 && lines_ >= arguments_.count;

@@ -39,7 +39,8 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodeP
   settings.duration = e.duration;
   // A step may lawfully take as long as it is stretched.
   settings.wait_deadline = e.wait_deadline * e.rate;
-  if (clock == ClockKind::Virtual) settings.computing_time = e.computing_time;
+  if (clock == ClockKind::Virtual || e.model_computing_time)
+    settings.computing_time = e.computing_time;
   settings.history = e.history;
   return adapters::make_numerical(settings);
 }

@@ -108,6 +108,7 @@ void read_solver(const Config& table, Experiment& experiment) {
   experiment.wait_deadline =
       table.number_in("wait_deadline_s", 0.01, 100, experiment.wait_deadline);
   auto& time = experiment.computing_time;
+  experiment.model_computing_time = table.flag("model_computing_time", false);
   time.mean = table.number_in("computing_time_s", 0, 10, time.mean);
   time.spread = table.number_in("computing_time_spread", 0, 1, time.spread);
   time.overrun_fraction = table.number_in("overrun_fraction", 0, 1, time.overrun_fraction);

@@ -54,6 +54,7 @@ struct Experiment {
   double alpha = -0.05;            ///< of α-OS
   double wait_deadline = 1;        ///< [s]
   adapters::ComputingTime computing_time;
+  bool model_computing_time = false;  ///< also in wall time, where the solver is quick by itself
   adapters::Retreat retreat;
   std::vector<NodePlan> nodes;     ///< in the order in which they are started
   std::optional<adapters::DisplacementHistory> history;  ///< instead of the analysis

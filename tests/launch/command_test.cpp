@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The command as people and scripts meet it: exit codes, streams, one-line errors.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include <rths/broker/ring.hpp>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+#include "support/ring_maps.hpp"
+
+namespace rths {
+namespace {
+
+using test::Finished;
+using test::run_rths;
+
+long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+TEST(Command, ExitsWithThreeWhenItIsUsedWrongly) {
+  EXPECT_EQ(run_rths({}).exit_code, 3);
+  EXPECT_EQ(run_rths({"fly"}).exit_code, 3);
+  EXPECT_EQ(run_rths({"run"}).exit_code, 3);
+  EXPECT_EQ(run_rths({"run", "x.toml", "--clock", "sun"}).exit_code, 3);
+  EXPECT_EQ(run_rths({"run", "x.toml", "--set", "novalue"}).exit_code, 3);
+}
+
+TEST(Command, HelpsEverywhere) {
+  for (const char* command : {"run", "check", "dump", "send", "map", "report", "doctor", "clean"}) {
+    const Finished help = run_rths({command, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << command;
+    EXPECT_GT(lines(help.out), 2) << command;
+  }
+  EXPECT_EQ(run_rths({"--version"}).exit_code, 0);
+}
+
+TEST(Command, SaysInOneLineWhatFailed) {
+  const Finished failed = run_rths({"run", "/no/such.toml"});
+
+  EXPECT_EQ(failed.exit_code, 2);
+  EXPECT_EQ(failed.err, "rths: /no/such.toml: cannot be read: No such file or directory\n");
+  EXPECT_EQ(failed.out, "");
+}
+
+struct Checked {
+  const char* name;
+  std::string file;
+  const char* kind;
+};
+
+class Check : public ::testing::TestWithParam<Checked> {};
+
+TEST_P(Check, TellsTheKindOfAFileByItsContent) {
+  const Finished checked = run_rths({"check", GetParam().file});
+
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
+  EXPECT_NE(checked.out.find(GetParam().kind), std::string::npos) << checked.out;
+  EXPECT_EQ(lines(checked.out), 1);
+}
+
+std::string in_tree(const char* file) { return (test::source_tree() / file).string(); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, Check,
+    ::testing::Values(
+        Checked{"map", in_tree("memmap/maps/srmd.ringmap.toml"), ": map 'srmd'"},
+        Checked{"diagram", in_tree("adapters/simulink_like/diagrams/hybrid_controller.toml"),
+                ": block diagram, "},
+        Checked{"experiment", in_tree("examples/srmd_lprb_2d.toml"), ": experiment 'srmd_lprb_2d'"},
+        Checked{"columns", in_tree("examples/records/petrolia_1992_riodell_freefield.csv"),
+                "3000 samples, 0.02 s apart, peak 0.385"}),
+    [](const auto& checked) { return std::string{checked.param.name}; });
+
+TEST(Check, RefusesWhatItDoesNotKnow) {
+  const test::TemporaryFolder folder;
+  const auto binary = folder.write("a.bin", std::string("\x7f" "ELF\0\0\0\0", 8));
+  const auto empty = folder.write("empty", "");
+  const auto other = folder.write("other.toml", "[tool]\nname = \"x\"\n");
+
+  EXPECT_EQ(run_rths({"check", binary.string()}).exit_code, 2);
+  EXPECT_EQ(run_rths({"check", empty.string()}).err, "rths: " + empty.string() + ": is empty\n");
+  EXPECT_NE(run_rths({"check", other.string()}).err.find("starts with none of ringmap"),
+            std::string::npos);
+  EXPECT_EQ(run_rths({"check", "/no/such"}).exit_code, 2);
+}
+
+TEST(MapCommand, ChecksAndGeneratesBuiltInMaps) {
+  EXPECT_NE(run_rths({"map", "check", "srmd"}).out.find("136 signals"), std::string::npos);
+  EXPECT_NE(run_rths({"map", "gen", "srmd", "--lang", "c"}).out.find("#define SRMD_OPF_NEWTARGET 1024u"),
+            std::string::npos);
+  EXPECT_NE(run_rths({"map", "check", "smrd"}).err.find("expected a file or one of: srmd"),
+            std::string::npos);
+}
+
+/// A ring that this test is on, so that nobody cleans it away.
+class RingCommand : public ::testing::Test {
+ protected:
+  std::string name = test::unique_ring("command");
+  test::RingRemoval removal{name};
+  broker::Ring ring = broker::Ring::create(name, test::small_map());
+  broker::Node machine = ring.join("machine", 0);
+};
+
+TEST_F(RingCommand, SendWritesInTheUnitThatIsGiven) {
+  EXPECT_EQ(run_rths({"send", name, "ref.long=2inch"}).exit_code, 0);
+
+  EXPECT_NE(run_rths({"dump", name, "--once", "ref.long"}).out.find(") ref.long = 50.8 mm\n"),
+            std::string::npos);
+}
+
+TEST_F(RingCommand, SendUnderstandsAllBeforeItWritesAny) {
+  EXPECT_EQ(run_rths({"send", name, "ref.long=1", "ref.lng=2"}).exit_code, 2);
+
+  EXPECT_NE(run_rths({"dump", name, "--once", "--format", "csv"}).out.find("ref.long,2.5,mm"),
+            std::string::npos);
+}
+
+TEST_F(RingCommand, SendSaysWhatIsWrong) {
+  EXPECT_EQ(run_rths({"send", name, "ref.long=2kN"}).err,
+            "rths: ref.long=2kN: the signal is in mm, 'kN' is not\n");
+  EXPECT_EQ(run_rths({"send", name, "ref.long=x"}).err, "rths: ref.long=x: expected a number\n");
+  EXPECT_EQ(run_rths({"send", name, "ref.long"}).err, "rths: 'ref.long': expected name=value\n");
+  EXPECT_NE(run_rths({"send", "no_such_ring", "a=1"}).err.find("cannot be attached"),
+            std::string::npos);
+}
+
+TEST_F(RingCommand, DumpSaysWhenWhatItWaitsForDoesNotCome) {
+  const Finished waited = run_rths({"dump", name, "ref.long", "-n", "3", "-T", "200"});
+
+  EXPECT_EQ(waited.exit_code, 1);
+  EXPECT_EQ(lines(waited.out), 1);  // the value at the start, and no change
+}
+
+TEST_F(RingCommand, DumpPrintsJsonThatParses) {
+  const Finished dumped = run_rths({"dump", name, "--once", "--format", "json"});
+
+  EXPECT_EQ(dumped.out.rfind("{\"time_s\": ", 0), 0U);
+  EXPECT_NE(dumped.out.find("\"signal\": \"ref.long\", \"value\": 2.5, \"unit\": \"mm\"}"),
+            std::string::npos);
+}
+
+TEST_F(RingCommand, DumpRefusesAPatternThatMatchesNothing) {
+  EXPECT_EQ(run_rths({"dump", name, "--once", "nothing.*"}).err,
+            "rths: no signal of the ring has a name like that\n");
+}
+
+TEST_F(RingCommand, DoctorSeesWhoIsOnARing) {
+  const Finished doctor = run_rths({"doctor"});
+
+  EXPECT_NE(doctor.out.find(name + ": "), std::string::npos);
+  EXPECT_NE(doctor.out.find("machine"), std::string::npos);
+}
+
+TEST(CleanCommand, RemovesOnlyWhatNobodyUses) {
+  const std::string used = test::unique_ring("used");
+  const std::string abandoned = test::unique_ring("left");
+  const test::RingRemoval first{used};
+  const test::RingRemoval second{abandoned};
+  broker::Ring ring = broker::Ring::create(used, test::small_map());
+  const broker::Node machine = ring.join("machine", 0);
+  { const broker::Ring left = broker::Ring::create(abandoned, test::small_map()); }
+  EXPECT_EQ(run_rths({"doctor"}).exit_code, 1);
+
+  const Finished clean = run_rths({"clean"});
+
+  EXPECT_NE(clean.out.find("removed " + abandoned), std::string::npos);
+  EXPECT_EQ(clean.out.find("removed " + used), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rths

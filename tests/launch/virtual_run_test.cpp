@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The whole laboratory in virtual time, by the command that people use.
+#include <cmath>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/recording/recording.hpp>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace rths::launch {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
+
+/// Runs the example in virtual time. @returns its numbers
+Json numbers_of(const std::filesystem::path& out, const std::vector<std::string>& changes = {}) {
+  std::vector<std::string> arguments{"run",     example(), "--clock",
+                                     "virtual", "--out",   out.string()};
+  for (const auto& change : changes) {
+    arguments.emplace_back("--set");
+    arguments.push_back(change);
+  }
+  const test::Finished run = test::run_rths(arguments, 120);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return Json::parse(test::content_of(out / "report.json"));
+}
+
+TEST(VirtualRun, HasThePapersTwoDimensionalFigures) {
+  const test::TemporaryFolder folder;
+  const Json numbers = numbers_of(folder.path());
+
+  EXPECT_EQ(numbers["clock"], "virtual");
+  EXPECT_EQ(numbers["slow_downs"], 0);
+  EXPECT_NEAR(numbers["predict_ms_mean"], 3, 0.5);
+  EXPECT_NEAR(numbers["correct_ms_mean"], 7, 0.5);
+  EXPECT_NEAR(numbers["control_rate_hz"], 1000, 0.1);
+  for (const char* axis : {"long", "lat"}) {
+    const Json& a = numbers["axes"][axis];
+    EXPECT_GE(a["delay_raw_ms"], 55) << axis;
+    EXPECT_LE(a["delay_raw_ms"], 65) << axis;
+    EXPECT_GE(a["delay_raw_min_rms_ms"], 55) << axis;
+    EXPECT_LE(a["delay_raw_min_rms_ms"], 65) << axis;
+    EXPECT_LE(std::abs(a["delay_compensated_ms"].get<double>()), 6.5) << axis;
+    EXPECT_LT(a["nrms_percent"], 1) << axis;
+    // The specimen is the model itself, so the machine's errors are all that sets the two apart.
+    EXPECT_NEAR(a["peak_shear_kN"], a["numerical_peak_shear_kN"].get<double>(),
+                0.05 * a["numerical_peak_shear_kN"].get<double>())
+        << axis;
+  }
+  for (const auto& [node, drops] : numbers["drops"].items()) EXPECT_EQ(drops, 0) << node;
+}
+
+TEST(VirtualRun, GivesTheSameBitsEveryTime) {
+  const test::TemporaryFolder first;
+  const test::TemporaryFolder second;
+  static_cast<void>(numbers_of(first.path()));
+  static_cast<void>(numbers_of(second.path()));
+
+  for (const char* file : {"run.h5", "uncompensated.h5", "numerical.h5"}) {
+    const std::string command = "h5diff --exclude-path=/meta " + (first.path() / file).string() +
+                                " " + (second.path() / file).string();
+    EXPECT_EQ(std::system(command.c_str()), 0) << file;
+  }
+}
+
+TEST(VirtualRun, DiffersInItsNoiseWithTheSeed) {
+  const test::TemporaryFolder first;
+  const test::TemporaryFolder second;
+  static_cast<void>(numbers_of(first.path(), {"duration_s=1", "seed=1"}));
+  static_cast<void>(numbers_of(second.path(), {"duration_s=1", "seed=2"}));
+
+  const recording::Reader a{first.path() / "run.h5"};
+  const recording::Reader b{second.path() / "run.h5"};
+  EXPECT_NE(a.signal("srmd.long.force.fbk"), b.signal("srmd.long.force.fbk"));
+}
+
+TEST(VirtualRun, SlowsDownWhereTheSolverOverruns) {
+  const test::TemporaryFolder folder;
+  const Json numbers = numbers_of(
+      folder.path(), {"duration_s=10", "solver.overrun_fraction=0.1", "solver.overrun_s=0.008"});
+
+  // One step in ten takes 11 ms; targets later than 6 ms slow the command down.
+  EXPECT_GT(numbers["slow_downs"], 60);
+  EXPECT_LT(numbers["slow_downs"], 150);
+  EXPECT_LE(std::abs(numbers["axes"]["long"]["delay_compensated_ms"].get<double>()), 10);
+}
+
+class Rate : public ::testing::TestWithParam<int> {};
+
+TEST_P(Rate, StretchesTheTestButNotTheResult) {
+  const test::TemporaryFolder folder;
+  const Json numbers =
+      numbers_of(folder.path(), {"duration_s=12", "rate=" + std::to_string(GetParam())});
+
+  EXPECT_EQ(numbers["duration_s"], 12);
+  const double step_ms = 10.0 * GetParam();
+  EXPECT_NEAR(numbers["predict_ms_mean"].get<double>() + numbers["correct_ms_mean"].get<double>(),
+              step_ms, 0.02 * step_ms);
+  const Json& axis = numbers["axes"]["lat"];
+  EXPECT_NEAR(axis["peak_displacement_mm"], axis["numerical_peak_displacement_mm"].get<double>(),
+              0.08 * axis["numerical_peak_displacement_mm"].get<double>());
+}
+
+INSTANTIATE_TEST_SUITE_P(Rates, Rate, ::testing::Values(1, 2, 10));
+
+TEST(VirtualRun, TestsOneAxisAlone) {
+  const test::TemporaryFolder folder;
+  const Json numbers = numbers_of(folder.path(), {"duration_s=12", "axes=[\"lat\"]"});
+
+  ASSERT_EQ(numbers["axes"].size(), 1U);
+  EXPECT_LE(std::abs(numbers["axes"]["lat"]["delay_compensated_ms"].get<double>()), 6.5);
+  const recording::Reader reader{folder.path() / "run.h5"};
+  for (const double u : reader.signal("monitor.srmd.true.displ.long")) ASSERT_NEAR(u, 0, 1e-3);
+}
+
+TEST(VirtualRun, EndsInOrderWhenANodeIsAtFault) {
+  const test::TemporaryFolder folder;
+  // A controller that never raises atTarget: without its observer's wire the run cannot start.
+  const auto diagram = folder.write("mute.toml", R"(diagram = 1
+base_rate_Hz = 1000
+[[block]]
+name = "zero"
+type = "constant"
+[[block]]
+name = "flag"
+type = "ring_output"
+in.in = "zero"
+signal = "daq.atTarget"
+)");
+  const test::Finished run =
+      test::run_rths({"run", example(), "--clock", "virtual", "--out", folder.path().string(),
+                      "--set", "node.xpc.diagram=\"" + diagram.string() + "\"", "--set",
+                      "uncompensated={}"});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("opf: atTarget did not rise before the deadline at"), std::string::npos)
+      << run.err;
+  EXPECT_GT(recording::Reader{folder.path() / "run.h5"}.rows(), 1000U);
+}
+
+}  // namespace
+}  // namespace rths::launch

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The laboratory in real time, as processes; and what becomes of it when any of them dies.
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/broker/ring.hpp>
+#include <rths/recording/recording.hpp>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+#include "support/ring_maps.hpp"
+
+namespace rths::launch {
+namespace {
+
+using Json = nlohmann::json;
+using std::chrono::milliseconds;
+
+std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
+
+/// A run in real time on a ring of its own.
+class WallRun {
+ public:
+  explicit WallRun(const std::string& name, const std::string& duration)
+      : ring{test::unique_ring(name)},
+        removal_{ring},
+        running{{test::rths_command(), "run", example(), "--out", folder.path().string(), "--ring",
+                 ring, "--set", "duration_s=" + duration}} {}
+
+  /// Waits until every node has taken steps. @returns process id of each, launcher included
+  std::map<std::string, int> wait_until_moving() {
+    std::map<std::string, int> pids;
+    for (int look = 0; look < 2000; ++look) {
+      for (const auto& report : broker::list_rings()) {
+        if (report.name != ring) continue;
+        pids.clear();
+        for (const auto& occupant : report.occupants)
+          if (occupant.beats > 300) pids[occupant.node] = occupant.pid;
+      }
+      if (pids.size() == 4) break;
+      std::this_thread::sleep_for(milliseconds{5});
+    }
+    pids["launcher"] = running.pid();
+    return pids;
+  }
+  [[nodiscard]] bool ring_is_there() const {
+    const auto rings = broker::list_rings();
+    return std::any_of(rings.begin(), rings.end(),
+                       [&](const auto& report) { return report.name == ring; });
+  }
+  [[nodiscard]] std::filesystem::path recording() const { return folder.path() / "run.h5"; }
+
+  test::TemporaryFolder folder;
+  std::string ring;
+
+ private:
+  test::RingRemoval removal_;
+
+ public:
+  test::Running running;
+};
+
+bool is_running(int pid) {
+  const std::string stat = test::content_of("/proc/" + std::to_string(pid) + "/stat");
+  return !stat.empty() && stat[stat.rfind(')') + 2] != 'Z';
+}
+
+TEST(WallRun, RunsEachNodeAsAProcessOfItsOwn) {
+  WallRun run{"processes", "3"};
+  const auto pids = run.wait_until_moving();
+  std::set<int> distinct;
+  for (const auto& [node, pid] : pids) distinct.insert(pid);
+  EXPECT_EQ(distinct.size(), 5U);
+
+  const test::Finished finished = run.running.wait(60);
+
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_EQ(finished.err, "");
+  EXPECT_NE(finished.out.find("recording " + run.recording().string()), std::string::npos);
+  EXPECT_FALSE(run.ring_is_there());
+  const Json numbers = Json::parse(test::content_of(run.folder.path() / "report.json"));
+  EXPECT_EQ(numbers["processes"], 5);
+  EXPECT_EQ(numbers["clock"], "wall");
+  EXPECT_EQ(numbers["duration_s"], 3);
+  EXPECT_NEAR(numbers["control_rate_hz"], 1000, 1);
+  EXPECT_GT(numbers["host_late_max_ms"], 0);
+}
+
+TEST(WallRun, TakesTheTimeThatTheTestLasts) {
+  WallRun run{"time", "4"};
+
+  const test::Finished finished = run.running.wait(60);
+
+  EXPECT_EQ(finished.exit_code, 0);
+  // 4 s of test, 1.4 s to rest, start and report: a loaded machine may take a few seconds longer.
+  EXPECT_GT(finished.seconds, 4);
+  EXPECT_LT(finished.seconds, 20);
+}
+
+class Death : public ::testing::TestWithParam<const char*> {};
+
+// kill -9 of any process: the others end within two seconds, each with one clear line, nothing is
+// left in shared memory, and the recording opens.
+TEST_P(Death, BringsTheOthersToRestWithinTwoSeconds) {
+  WallRun run{std::string{"death_"} + GetParam(), "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+  std::this_thread::sleep_for(milliseconds{500});
+
+  kill(pids.at(GetParam()), SIGKILL);
+  const auto killed = std::chrono::steady_clock::now();
+  const auto all_ended = [&] {
+    return std::none_of(pids.begin(), pids.end(), [](const auto& p) { return is_running(p.second); });
+  };
+  while (!all_ended() && std::chrono::steady_clock::now() - killed < std::chrono::seconds{10})
+    std::this_thread::sleep_for(milliseconds{10});
+  const double took =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - killed).count();
+  const test::Finished finished = run.running.wait(10);
+
+  EXPECT_LT(took, 2.0);
+  const std::string victim = GetParam();
+  for (const auto& [node, pid] : pids) {
+    if (node == victim) continue;
+    const std::string mark = (node == "launcher" ? "rths: " : node + ": ");
+    const auto first = ("\n" + finished.err).find("\n" + mark);
+    EXPECT_NE(first, std::string::npos) << node << " says nothing:\n" << finished.err;
+    EXPECT_EQ(("\n" + finished.err).find("\n" + mark, first + 1), std::string::npos)
+        << node << " says too much:\n" << finished.err;
+  }
+  EXPECT_NE(finished.err.find(victim + " "), std::string::npos) << finished.err;
+  if (victim != "launcher") {
+    EXPECT_EQ(finished.exit_code, 2);
+  }
+
+  EXPECT_EQ(test::run_rths({"clean"}).exit_code, 0);
+  EXPECT_FALSE(run.ring_is_there());
+  EXPECT_GT(recording::Reader{run.recording()}.rows(), 500U);
+  EXPECT_NE(test::run_rths({"check", run.recording().string()}).out.find("recording, "),
+            std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Death,
+                         ::testing::Values("srmd", "xpc", "opf", "recorder", "launcher"),
+                         [](const auto& victim) { return std::string{victim.param}; });
+
+TEST(WallRun, EndsWhenANodeFallsSilent) {
+  WallRun run{"silent", "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+
+  kill(pids.at("srmd"), SIGSTOP);
+  const test::Finished finished = run.running.wait(20);
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("xpc: srmd (process " + std::to_string(pids.at("srmd")) +
+                              ") is silent: held"),
+            std::string::npos)
+      << finished.err;
+  EXPECT_FALSE(is_running(pids.at("srmd")));
+  EXPECT_FALSE(run.ring_is_there());
+}
+
+TEST(WallRun, ComesToRestWhenInterrupted) {
+  WallRun run{"interrupt", "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+
+  kill(pids.at("launcher"), SIGINT);
+  const test::Finished finished = run.running.wait(10);
+
+  EXPECT_EQ(finished.exit_code, 1);
+  EXPECT_NE(finished.err.find("rths: the run ended early: interrupted"), std::string::npos);
+  EXPECT_FALSE(run.ring_is_there());
+  // The machine was brought back to where it started.
+  const recording::Reader reader{run.recording()};
+  EXPECT_NEAR(reader.signal("srmd.long.displ.fbk").back(), 0, 0.01);
+}
+
+TEST(WallRun, RefusesARingThatIsInUse) {
+  WallRun run{"shared", "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+  const test::TemporaryFolder folder;
+
+  const test::Finished second = test::run_rths(
+      {"run", example(), "--out", folder.path().string(), "--ring", run.ring});
+
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_NE(second.err.find("ring '" + run.ring + "' is in use by"), std::string::npos);
+  kill(pids.at("launcher"), SIGINT);
+  static_cast<void>(run.running.wait(10));
+}
+
+TEST(WallRun, ShowsAndTakesWordsByNameWhileItRuns) {
+  WallRun run{"words", "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+
+  const auto moving = test::run_rths({"dump", run.ring, "srmd.*.displ.fbk", "-n", "5", "-T", "2000"});
+  EXPECT_EQ(moving.exit_code, 0);
+  EXPECT_EQ(std::count(moving.out.begin(), moving.out.end(), '\n'), 5);
+  EXPECT_EQ(test::run_rths({"send", run.ring, "tune.xpc.feed_forward.velocity_gain_s=15ms"}).exit_code,
+            0);
+  const auto tuned =
+      test::run_rths({"dump", run.ring, "--once", "tune.xpc.feed_forward.velocity_gain_s"});
+  EXPECT_NE(tuned.out.find("velocity_gain_s = 0.015"), std::string::npos) << tuned.out;
+  EXPECT_EQ(test::run_rths({"doctor"}).exit_code, 0);
+  EXPECT_NE(test::run_rths({"send", run.ring, "xpc.long.displ.ref=1mm"})
+                .err.find("node 'xpc' is already on the ring"),
+            std::string::npos);
+  EXPECT_EQ(test::run_rths({"clean"}).exit_code, 0);
+  EXPECT_TRUE(run.ring_is_there());  // it is in use
+
+  kill(pids.at("launcher"), SIGINT);
+  static_cast<void>(run.running.wait(10));
+  const auto events = recording::Reader{run.recording()}.events();
+  EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const auto& event) {
+    return event.signal == "tune.xpc.feed_forward.velocity_gain_s";
+  }));
+}
+
+}  // namespace
+}  // namespace rths::launch
