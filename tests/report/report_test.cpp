@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <rths/report/report.hpp>
+
+#include "report/src/numbers.hpp"
+#include "support/files.hpp"
+
+namespace rths::report {
+namespace {
+
+TEST(AtEachCount, TakesTheFirstValueOfEachCount) {
+  EXPECT_EQ(at_each_count({0, 1, 1, 2, 3}, {9, 10, 11, 20, 30}), (std::vector<double>{10, 20, 30}));
+}
+
+TEST(AtEachCount, FillsCountsThatNoRowHasInBetween) {
+  EXPECT_EQ(at_each_count({1, 4}, {10, 40}), (std::vector<double>{10, 20, 30, 40}));
+}
+
+TEST(AtEachCount, BeginsWithTheFirstCountThereIs) {
+  EXPECT_EQ(at_each_count({3, 4}, {30, 40}), (std::vector<double>{30, 30, 30, 40}));
+}
+
+TEST(AtEachCount, IsEmptyWithoutCounts) { EXPECT_TRUE(at_each_count({0, 0}, {1, 2}).empty()); }
+
+/// A run of a thousand steps, of which some were excused and some slowed down.
+Analysis run_with(int excused) {
+  Analysis analysis;
+  analysis.name = "x";
+  AxisAnalysis axis;
+  axis.name = "long";
+  axis.raw_delay = 0.06;
+  axis.delay = 0.005;
+  axis.nrms = 0.0075;
+  axis.peak_displacement = 0.2;
+  axis.peak_shear = 1.9e6;
+  analysis.axes = {axis};
+  analysis.steps.slow.assign(1000, 0.0);
+  analysis.steps.predict.assign(1000, 0.003);
+  analysis.steps.correct.assign(1000, 0.007);
+  analysis.steps.excused_count = excused;
+  analysis.host_late = {0, 0.01, {0.0002, 0.0043}};
+  return analysis;
+}
+
+TEST(Numbers, AreInTheUnitsThatTheirKeysName) {
+  const Json numbers = numbers_of(run_with(0));
+
+  EXPECT_EQ(numbers["predict_ms_mean"], 3);
+  EXPECT_EQ(numbers["correct_ms_mean"], 7);
+  EXPECT_EQ(numbers["host_late_max_ms"], 4.3);
+  const Json& axis = numbers["axes"]["long"];
+  EXPECT_EQ(axis["delay_raw_ms"], 60);
+  EXPECT_EQ(axis["delay_compensated_ms"], 5);
+  EXPECT_EQ(axis["nrms_percent"], 0.75);
+  EXPECT_EQ(axis["peak_displacement_mm"], 200);
+  EXPECT_EQ(axis["peak_shear_kN"], 1900);
+}
+
+TEST(Numbers, HaveNoRawDelayWhereNoneWasMeasured) {
+  Analysis analysis = run_with(0);
+  analysis.axes[0].raw_delay.reset();
+
+  EXPECT_TRUE(numbers_of(analysis)["axes"]["long"]["delay_raw_ms"].is_null());
+}
+
+TEST(Numbers, HoldEverythingThatAReportPromises) {
+  const Json numbers = numbers_of(run_with(3));
+
+  for (const char* key : {"processes", "clock", "duration_s", "control_rate_hz", "overruns",
+                          "slow_downs", "host_late_max_ms", "steps_excused", "predict_ms_mean",
+                          "correct_ms_mean", "axes"})
+    EXPECT_TRUE(numbers.contains(key)) << key;
+}
+
+TEST(Run, IsInconclusiveWhenTheHostWasLateInMoreThanAHundredthOfTheSteps) {
+  EXPECT_TRUE(is_conclusive(run_with(10)));
+  EXPECT_FALSE(is_conclusive(run_with(11)));
+  EXPECT_NE(summary_of(run_with(11)).find("inconclusive, run again"), std::string::npos);
+}
+
+TEST(Report, SaysWhatItMisses) {
+  const test::TemporaryFolder folder;
+
+  EXPECT_NE(test::error_of([&] { static_cast<void>(make_report(folder.path())); }).find("run.h5"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace rths::report
