@@ -29,9 +29,12 @@ std::vector<Port> host_ports() {
 
 std::string signal_name(const Port& port, const std::string& node) {
   switch (port.direction) {
-    case Direction::Monitor: return "monitor." + node + "." + port.name;
-    case Direction::Parameter: return "tune." + node + "." + port.name;
-    default: return port.name;
+    case Direction::Monitor:
+      return "monitor." + node + "." + port.name;
+    case Direction::Parameter:
+      return "tune." + node + "." + port.name;
+    default:
+      return port.name;
   }
 }
 

@@ -49,9 +49,7 @@ class Printer {
     else
       fmt::print("({:.9f}) {} = {:.7g} {}\n", time, name, value, unit == "1" ? "" : unit);
   }
-  [[nodiscard]] bool enough() const {
-    return arguments_.count > 0 && lines_ >= arguments_.count;
-  }
+  [[nodiscard]] bool enough() const { return arguments_.count > 0 && lines_ >= arguments_.count; }
 
  private:
   const DumpArguments& arguments_;

@@ -38,7 +38,8 @@ struct Arguments {
 void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("run", "Run an experiment and write its recording and report");
   command->add_option("experiment", a.run.experiment, "Experiment file")->required();
-  command->add_option("--clock", a.clock, "wall: in real time, a process per node; virtual: at once")
+  command
+      ->add_option("--clock", a.clock, "wall: in real time, a process per node; virtual: at once")
       ->check(CLI::IsMember({"wall", "virtual"}));
   command->add_option("--out", a.run.out, "Folder for the results [out/<name>]");
   command->add_option("--ring", a.run.ring, "Name of the ring [the experiment's]");
@@ -74,7 +75,8 @@ void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
 }
 
 void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand("dump", "Show the words of a ring, or the rows of a recording");
+  auto* command =
+      app.add_subcommand("dump", "Show the words of a ring, or the rows of a recording");
   command->add_option("source", a.dump.source, "Name of a ring, or a recording")->required();
   command->add_option("signals", a.dump.patterns, "Names to show; * and ? match [all]");
   command->add_option("--format", a.dump.format)->check(CLI::IsMember({"text", "json", "csv"}));
@@ -112,8 +114,9 @@ void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
   report_command->callback([&] { chosen = [&a] { return report(a.folder); }; });
   app.add_subcommand("doctor", "List the rings of this host and what is wrong with them")
       ->callback([&] { chosen = [] { return doctor(); }; });
-  app.add_subcommand("clean", "Remove rings that no living process is on")
-      ->callback([&] { chosen = [] { return clean(); }; });
+  app.add_subcommand("clean", "Remove rings that no living process is on")->callback([&] {
+    chosen = [] { return clean(); };
+  });
 }
 
 int parse_and_run(int argc, char** argv) {

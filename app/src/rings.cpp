@@ -35,8 +35,8 @@ int doctor() {
   }
   if (rings.empty()) fmt::print("no rings\n");
   const std::string missing = launch::missing_privileges();
-  fmt::print("real time: {}\n", missing.empty() ? "scheduling and locked memory are to be had"
-                                                : missing);
+  fmt::print("real time: {}\n",
+             missing.empty() ? "scheduling and locked memory are to be had" : missing);
   return something_to_do ? kConditionNotMet : kOk;
 }
 

@@ -66,14 +66,13 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id)
   if (!id) return;
   if (const auto rival = rival_of(segment, slot_, *id)) {
     leave();
-    throw Error{fmt::format("node '{}' is already on the ring, as process {}", map.node_name(*id),
-                            *rival)};
+    throw Error{
+        fmt::format("node '{}' is already on the ring, as process {}", map.node_name(*id), *rival)};
   }
   std::uint32_t group = 0;
   for (const auto& partition : map.partitions()) {
     const bool own = map.node(partition.node) == *id;
-    if (own)
-      own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
+    if (own) own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
     if (!partition.tear_group) continue;
     own_groups_.push_back(own);
     // A predecessor may have died in the middle of this group.
@@ -154,9 +153,7 @@ void Node::beat() noexcept {
 
 std::uint64_t Node::beats_of(NodeId node) const noexcept {
   Slot* slot = slot_of(*segment_, node);
-  return slot == nullptr
-             ? 0
-             : shared(slot->beats).load(std::memory_order_acquire);
+  return slot == nullptr ? 0 : shared(slot->beats).load(std::memory_order_acquire);
 }
 
 Presence Node::presence_of(NodeId node) const {

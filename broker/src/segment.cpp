@@ -10,9 +10,9 @@
 #include <utility>
 #include <variant>
 
+#include <fmt/format.h>
 #include <boost/interprocess/mapped_region.hpp>
 #include <boost/interprocess/shared_memory_object.hpp>
-#include <fmt/format.h>
 
 #include <rths/core/error.hpp>
 #include <rths/memmap/codec.hpp>
@@ -55,8 +55,7 @@ std::uint64_t total_bytes(const Header& header) { return header.memory_at + head
 // `ready` is published last, so whoever sees it sees all the rest.
 void fill(std::byte* base, Header header, const memmap::Map& map, const std::string& map_text) {
   std::memcpy(base, &header, sizeof header);
-  auto* slots = new (base + sizeof(Header)) Slot[kMaxSlots]{};
-  static_cast<void>(slots);
+  std::memset(base + sizeof(Header), 0, kMaxSlots * sizeof(Slot));
   auto* group = reinterpret_cast<Group*>(base + header.groups_at);
   for (const auto& partition : map.partitions())
     if (partition.tear_group) *group++ = {0, partition.base.value(), partition.longwords};
@@ -147,8 +146,8 @@ std::unique_ptr<Segment> Segment::attach_shared(const std::string& name) {
     const ipc::shared_memory_object object{ipc::open_only, object_name(name).c_str(),
                                            ipc::read_write};
     if (!becomes_ready(object))
-      throw Error{fmt::format("ring '{}' was never finished by its creator; 'rths clean' removes it",
-                              name)};
+      throw Error{fmt::format(
+          "ring '{}' was never finished by its creator; 'rths clean' removes it", name)};
     memory->shared = ipc::mapped_region{object, ipc::read_write};
   } catch (const ipc::interprocess_exception& error) {
     throw Error{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
@@ -164,8 +163,8 @@ std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map) {
   const std::string text = map.to_toml();
   const Header header = plan_layout(map, text);
   auto memory = std::make_unique<Memory>();
-  memory->heap.reset(static_cast<std::byte*>(
-      ::operator new[](total_bytes(header), std::align_val_t{kPageBytes})));
+  memory->heap.reset(
+      static_cast<std::byte*>(::operator new[](total_bytes(header), std::align_val_t{kPageBytes})));
   std::memset(memory->base(), 0, total_bytes(header));
   fill(memory->base(), header, map, text);
   return std::unique_ptr<Segment>{new Segment{std::move(memory)}};

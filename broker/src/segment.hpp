@@ -34,8 +34,8 @@ inline constexpr std::uint16_t kObserver = 0xFFFF;  ///< node id of a slot that 
 struct alignas(256) Header {
   std::uint64_t magic;
   std::uint32_t layout_version;
-  std::uint32_t ready;          ///< kReady, stored last: everything before it can be trusted
-  std::uint64_t creator;        ///< claim of the creating process; see process.hpp
+  std::uint32_t ready;    ///< kReady, stored last: everything before it can be trusted
+  std::uint64_t creator;  ///< claim of the creating process; see process.hpp
   std::uint64_t map_hash;
   std::uint64_t groups_at, group_count;
   std::uint64_t map_text_at, map_text_bytes;
@@ -44,15 +44,15 @@ struct alignas(256) Header {
 };
 
 struct alignas(128) Slot {
-  std::uint64_t claim;          ///< the process that holds it, 0 if free; taken by compare-exchange
-  std::uint32_t node;           ///< node id, kObserver, or kNotYet between claim and join
+  std::uint64_t claim;  ///< the process that holds it, 0 if free; taken by compare-exchange
+  std::uint32_t node;   ///< node id, kObserver, or kNotYet between claim and join
   std::uint32_t pad;
   std::uint64_t beats;
 };
 inline constexpr std::uint32_t kNotYet = 0xFFFF'FFFF;
 
 struct alignas(64) Group {
-  std::uint32_t sequence;       ///< odd while a writer is in the middle
+  std::uint32_t sequence;  ///< odd while a writer is in the middle
   std::uint32_t base, longwords;
 };
 

@@ -11,7 +11,7 @@
 namespace rths::controller {
 namespace {
 
-const AtsSettings& checked(const AtsSettings& settings) {
+AtsSettings checked(const AtsSettings& settings) {
   if (!(settings.period > 0)) throw Error{"ATS: the period must be positive"};
   if (settings.decimation < 1) throw Error{"ATS: decimation must be at least 1"};
   if (!(settings.window >= 4 * settings.decimation * settings.period))
@@ -60,12 +60,12 @@ void Ats::adapt_coefficients() noexcept {
     A += sample.x * sample.x.transpose();
     b += sample.u * sample.x;
   }
-  const double count = static_cast<double>(samples_.size() / stride);
-  if (A(0, 0) < count * settings_.quiet_rms * settings_.quiet_rms) return;
+  const std::size_t count = samples_.size() / stride;
+  if (A(0, 0) < static_cast<double>(count) * settings_.quiet_rms * settings_.quiet_rms) return;
   const Eigen::Vector3d fitted = solve_scaled(A, b);
   const Eigen::Vector3d wanted = fitted.allFinite() ? fitted : settings_.initial;
-  const Eigen::Vector3d slowed = wanted.cwiseMax(a_ - settings_.largest_change)
-                                     .cwiseMin(a_ + settings_.largest_change);
+  const Eigen::Vector3d slowed =
+      wanted.cwiseMax(a_ - settings_.largest_change).cwiseMin(a_ + settings_.largest_change);
   a_ = slowed.cwiseMax(settings_.lowest).cwiseMin(settings_.highest);
   if (a_ != wanted) ++limited_;
 }

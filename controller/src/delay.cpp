@@ -33,8 +33,7 @@ double correlation(const Overlap& o) {
     mm += m * m;
     rm += r * m;
   }
-  return (rm - sum_r * sum_m / n) /
-         std::sqrt((rr - sum_r * sum_r / n) * (mm - sum_m * sum_m / n));
+  return (rm - sum_r * sum_m / n) / std::sqrt((rr - sum_r * sum_r / n) * (mm - sum_m * sum_m / n));
 }
 
 double mean_square_difference(const Overlap& o) {
@@ -73,8 +72,7 @@ DelayIdentification identify_delay(std::span<const double> reference,
                                    std::span<const double> measured, double time_step,
                                    double search) {
   const long shifts = std::lround(search / time_step);
-  if (reference.size() != measured.size())
-    throw Error{"delay: the two signals differ in length"};
+  if (reference.size() != measured.size()) throw Error{"delay: the two signals differ in length"};
   if (shifts < 1 || reference.size() < static_cast<std::size_t>(4 * shifts))
     throw Error{"delay: the signals are too short for the shifts to be searched"};
   std::vector<double> correlations;

@@ -14,12 +14,13 @@
 namespace rths::controller {
 namespace {
 
-constexpr double kStandardGravity = 9.80665;             // [m/s²], CGPM 1901
+constexpr double kStandardGravity = 9.80665;                // [m/s²], CGPM 1901
 constexpr double kKilonewtonPerG = 1e3 / kStandardGravity;  // [kg]
-constexpr double kKilonewtonSecondPerCentimetre = 1e5;    // [N·s/m]
-constexpr double kNormal95 = 1.959964;                    // two-sided 95 % of a normal distribution
+constexpr double kKilonewtonSecondPerCentimetre = 1e5;      // [N·s/m]
+constexpr double kNormal95 = 1.959964;  // two-sided 95 % of a normal distribution
 
-constexpr double kSlowPart = 0.03;  // of a run's largest speed: below, a noisy velocity's sign is a guess
+constexpr double kSlowPart =
+    0.03;  // of a run's largest speed: below, a noisy velocity's sign is a guess
 
 enum Term { kMass, kCoulomb, kViscous, kOffset, kTerms };
 
@@ -121,8 +122,7 @@ ForceIdentification identify_machine_force(std::span<const double> displacement,
   if (displacement.size() != force.size() || acceleration.size() != force.size())
     throw Error{"force identification: the measured signals differ in length"};
   const auto settling = static_cast<std::size_t>(slope_length);
-  if (force.size() < 10 * settling)
-    throw Error{"force identification: the run is too short"};
+  if (force.size() < 10 * settling) throw Error{"force identification: the run is too short"};
 
   ForceIdentification result;
   result.machine.exponent = exponent;

@@ -8,9 +8,10 @@ struct Named {
   Polynomial polynomial;
   const char* name;
 };
-constexpr Named kNames[] = {{Polynomial::P0, "P0"}, {Polynomial::P1, "P1"}, {Polynomial::P2, "P2"},
-                            {Polynomial::P3, "P3"}, {Polynomial::D1, "D1"}, {Polynomial::D2, "D2"},
-                            {Polynomial::D3, "D3"}, {Polynomial::DV, "DV"}, {Polynomial::DVA, "DVA"}};
+constexpr Named kNames[] = {
+    {Polynomial::P0, "P0"}, {Polynomial::P1, "P1"}, {Polynomial::P2, "P2"},
+    {Polynomial::P3, "P3"}, {Polynomial::D1, "D1"}, {Polynomial::D2, "D2"},
+    {Polynomial::D3, "D3"}, {Polynomial::DV, "DV"}, {Polynomial::DVA, "DVA"}};
 
 constexpr Jet kOne{1, 0, 0};
 
@@ -18,7 +19,9 @@ constexpr Jet kOne{1, 0, 0};
 Weights lagrange(int order, Jet x) {
   Weights w;
   switch (order) {
-    case 0: w.target[0] = kOne; break;
+    case 0:
+      w.target[0] = kOne;
+      break;
     case 1:
       w.target[0] = 1 + x;
       w.target[1] = -1 * x;
@@ -145,13 +148,20 @@ Weights weights(Polynomial polynomial, Branch branch, double x, double xi) noexc
     return predicting ? predict_from_command(order, jet, xi) : correct_from_command(order, jet, xi);
   };
   switch (polynomial) {
-    case Polynomial::P0: return lagrange(0, from_newest);
-    case Polynomial::P1: return lagrange(1, from_newest);
-    case Polynomial::P2: return lagrange(2, from_newest);
-    case Polynomial::P3: return lagrange(3, from_newest);
-    case Polynomial::D1: return command_family(1);
-    case Polynomial::D2: return command_family(2);
-    case Polynomial::D3: return command_family(3);
+    case Polynomial::P0:
+      return lagrange(0, from_newest);
+    case Polynomial::P1:
+      return lagrange(1, from_newest);
+    case Polynomial::P2:
+      return lagrange(2, from_newest);
+    case Polynomial::P3:
+      return lagrange(3, from_newest);
+    case Polynomial::D1:
+      return command_family(1);
+    case Polynomial::D2:
+      return command_family(2);
+    case Polynomial::D3:
+      return command_family(3);
     case Polynomial::DV:
       return predicting ? predict_with_velocity(jet) : correct_with_velocity(jet, xi);
     case Polynomial::DVA:

@@ -105,8 +105,8 @@ void PredictorCorrector::enter_predict() noexcept {
 }
 
 void PredictorCorrector::correct() noexcept {
-  const double increment = std::clamp(
-      slow_down_increment_ + (counter_ - slow_down_end_) / ramp_, kSmallestIncrement, 1.0);
+  const double increment = std::clamp(slow_down_increment_ + (counter_ - slow_down_end_) / ramp_,
+                                      kSmallestIncrement, 1.0);
   counter_ = std::min(counter_ + increment, static_cast<double>(settings_.substeps));
   evaluate(Branch::Correct);
 }

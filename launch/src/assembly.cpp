@@ -97,10 +97,10 @@ void add_node(memmap::MapDescription& description, const std::string& name) {
   const auto& nodes = description.nodes;
   if (std::any_of(nodes.begin(), nodes.end(), [&](const auto& n) { return n.name == name; }))
     return;
-  const auto extra = static_cast<std::uint16_t>(
-      std::count_if(nodes.begin(), nodes.end(),
-                    [](const auto& n) { return n.id.value() >= kFirstExtraNodeId; }));
-  description.nodes.push_back({name, NodeId{static_cast<std::uint16_t>(kFirstExtraNodeId + extra)}, ""});
+  const auto extra = static_cast<std::uint16_t>(std::count_if(
+      nodes.begin(), nodes.end(), [](const auto& n) { return n.id.value() >= kFirstExtraNodeId; }));
+  description.nodes.push_back(
+      {name, NodeId{static_cast<std::uint16_t>(kFirstExtraNodeId + extra)}, ""});
 }
 
 void extend(memmap::MapDescription& description, const NodePlan& plan,

@@ -50,8 +50,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments) {
   std::vector<std::string> copies = arguments;
   for (auto& argument : copies) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  const int problem =
-      posix_spawn(&pid_, command.c_str(), &actions, nullptr, argv.data(), environ);
+  const int problem = posix_spawn(&pid_, command.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   close(to_child.read_end);
   close(from_child.write_end);

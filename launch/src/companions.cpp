@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kReferenceStep = 0.001;  // [s] of the purely numerical result
 
-const char* kDirections[] = {"long", "lat"};
+constexpr const char* kDirections[] = {"long", "lat"};
 
 std::vector<double> signal_or_zeros(const recording::Reader& reader, const std::string& name) {
   return reader.has(name) ? reader.signal(name) : std::vector<double>(reader.rows(), 0.0);
@@ -100,7 +100,8 @@ sim::GroundMotion along_tested_axes(const Experiment& experiment) {
   const auto tested = [&](const char* axis) {
     return std::find(experiment.axes.begin(), experiment.axes.end(), axis) != experiment.axes.end();
   };
-  if (!tested("long")) std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
+  if (!tested("long"))
+    std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
   if (!tested("lat")) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0);
   return motion;
 }

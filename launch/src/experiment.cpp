@@ -11,7 +11,6 @@
 #include <rths/launch/installed_files.hpp>
 #include <rths/memmap/config.hpp>
 
-
 namespace rths::launch {
 namespace {
 
@@ -42,8 +41,7 @@ const KnownAdapter& adapter_named(const Config& table) {
     if (adapter.name == name) return adapter;
     known += (known.empty() ? "" : ", ") + std::string{adapter.name};
   }
-  table.fail("adapter",
-             fmt::format("there is no adapter '{}', expected one of {}", name, known));
+  table.fail("adapter", fmt::format("there is no adapter '{}', expected one of {}", name, known));
 }
 
 // ats.enabled = 0 may be written with a dot, or in a table [… ats].
@@ -89,9 +87,8 @@ std::vector<NodePlan> read_nodes(const Config& table) {
 void read_axes(const Config& file, Experiment& experiment) {
   experiment.axes = file.texts("axes", {"long", "lat"});
   const auto& axes = experiment.axes;
-  const bool known = std::all_of(axes.begin(), axes.end(), [](const auto& axis) {
-    return axis == "long" || axis == "lat";
-  });
+  const bool known = std::all_of(axes.begin(), axes.end(),
+                                 [](const auto& axis) { return axis == "long" || axis == "lat"; });
   if (axes.empty() || axes.size() > 2 || !known || (axes.size() == 2 && axes[0] == axes[1]))
     file.fail("axes", "axes must be [\"long\"], [\"lat\"] or both");
 }
@@ -127,7 +124,8 @@ void read_uncompensated(const Config& table, Experiment& experiment) {
     const auto plan = std::find_if(experiment.nodes.begin(), experiment.nodes.end(),
                                    [&](const auto& candidate) { return candidate.node == node; });
     if (plan == experiment.nodes.end())
-      table.fail(node, fmt::format("[uncompensated] names node '{}', which does not take part", node));
+      table.fail(node,
+                 fmt::format("[uncompensated] names node '{}', which does not take part", node));
     read_tuning(table.table(node), "", plan->uncompensated);
   }
 }
@@ -146,7 +144,8 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   for (const auto& [key, value] : overrides) file.set(key, value);
   const std::int64_t format = file.integer("format");
   if (format != kExperimentFormat)
-    file.fail("format", fmt::format("format is {}, this program reads {}", format, kExperimentFormat));
+    file.fail("format",
+              fmt::format("format is {}, this program reads {}", format, kExperimentFormat));
   Experiment experiment;
   experiment.file = path;
   experiment.name = file.text("name");

@@ -36,7 +36,7 @@ std::filesystem::path shared_files() {
 
 std::filesystem::path find_map(const std::string& name_or_path) {
   if (!is_bare_name(name_or_path)) return name_or_path;
-  const auto file = installed(name_or_path, "maps");
+  auto file = installed(name_or_path, "maps");
   if (std::filesystem::exists(file)) return file;
   if (std::filesystem::exists(name_or_path)) return name_or_path;
   throw Error{fmt::format("there is no map '{}', expected a file or one of: {}", name_or_path,
@@ -46,7 +46,7 @@ std::filesystem::path find_map(const std::string& name_or_path) {
 std::filesystem::path find_file(const memmap::Config& table, const std::string& key,
                                 const std::string& folder) {
   const std::string name = table.text(key);
-  const auto file = is_bare_name(name) ? installed(name, folder) : table.resolve(name);
+  auto file = is_bare_name(name) ? installed(name, folder) : table.resolve(name);
   if (!std::filesystem::exists(file))
     table.fail(key, fmt::format("{} is '{}', expected a file or one of: {}", key, name,
                                 built_in_names(folder)));

@@ -45,9 +45,9 @@ void check_assembly(const Experiment& experiment) {
 
 RunOutcome run(const Experiment& experiment, const RunOptions& options) {
   std::filesystem::create_directories(options.recording.parent_path());
-  Assembly assembly = assemble(
-      experiment, options.clock,
-      {options.recording, describe_run(experiment, options.clock, options.version)});
+  Assembly assembly =
+      assemble(experiment, options.clock,
+               {options.recording, describe_run(experiment, options.clock, options.version)});
   const WallClock clock;
   const TimePoint begun = clock.now();
   RunOutcome outcome;

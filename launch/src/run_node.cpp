@@ -23,10 +23,10 @@
 namespace rths::launch {
 namespace {
 
-constexpr int kLookEvery = 20;                                   // [ms]
-constexpr auto kLongestGo = std::chrono::seconds{30};            // from ready to go
-constexpr auto kLongestStop = std::chrono::milliseconds{4000};   // from stop to rest
-constexpr auto kSilence = std::chrono::milliseconds{500};        // of a peer that is there
+constexpr int kLookEvery = 20;                                  // [ms]
+constexpr auto kLongestGo = std::chrono::seconds{30};           // from ready to go
+constexpr auto kLongestStop = std::chrono::milliseconds{4000};  // from stop to rest
+constexpr auto kSilence = std::chrono::milliseconds{500};       // of a peer that is there
 
 // Lines from the launcher. It vanishes when its end of the pipe closes.
 class Launcher {
@@ -140,35 +140,32 @@ class LoopThread {
   std::thread thread_;  ///< last: it uses all of the above
 };
 
+// Why a run has to stop, if it has to: the launcher says so, or a peer is in trouble.
+std::optional<std::string> reason_to_stop(const std::optional<std::string>& line,
+                                          PeerWatch& peers) {
+  if (line && line->rfind("stop", 0) == 0) return line->size() > 5 ? line->substr(5) : "";
+  return peers.find_trouble(WallClock{}.now());
+}
+
 // Watches until the loop ends. @returns why it was stopped, if not by its own end
 std::string watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers) {
-  WallClock clock;
-  std::string reason;
-  bool told_to_stop = false;
+  const WallClock clock;
+  std::optional<std::string> reason;
   TimePoint give_up{};
   while (!loop.finished()) {
-    const TimePoint now = clock.now();
     const auto line = launcher.listen(kLookEvery);
-    if (!told_to_stop) {
-      if (line && line->rfind("stop", 0) == 0) {
-        told_to_stop = true;
-        reason = line->size() > 5 ? line->substr(5) : "";
-      } else if (const auto trouble = peers.find_trouble(now)) {
-        told_to_stop = true;
-        reason = *trouble;
-      }
-      if (told_to_stop) {
-        give_up = now + kLongestStop;
-        loop.stop();
-      }
-    } else if (now > give_up) {
+    if (!reason) {
+      reason = reason_to_stop(line, peers);
+      give_up = clock.now() + kLongestStop;
+      if (reason) loop.stop();
+    } else if (clock.now() > give_up) {
       fmt::print(stderr, "the control loop does not come to rest; ending the process\n");
       std::_Exit(2);
     }
     // With its pipe closed a poll returns at once; the loop must not spin on it.
     if (line) std::this_thread::sleep_for(std::chrono::milliseconds{kLookEvery});
   }
-  return reason;
+  return reason.value_or("");
 }
 
 int conclude(const LoopThread& loop, const adapters::Host& host, const std::string& node,

@@ -21,12 +21,12 @@ namespace rths::launch {
 
 /// The host's own lateness while a run lasted: the largest of each interval.
 struct HostLateness {
-  double interval = 0;             ///< [s]
-  std::vector<double> largest;     ///< [s]
+  double interval = 0;          ///< [s]
+  std::vector<double> largest;  ///< [s]
 };
 
 struct WallRunResult {
-  std::string trouble;             ///< what went wrong, empty if nothing did
+  std::string trouble;  ///< what went wrong, empty if nothing did
   bool interrupted = false;
   HostLateness lateness;
   std::vector<std::string> privileges;  ///< what each node could not get, one line a node

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A run in virtual time: every adapter in this process on a ring in plain memory, steps in the order
-// of their due times. Nothing here asks what time it is, so the same experiment gives the same bits.
+// A run in virtual time: every adapter in this process on a ring in plain memory, steps in the
+// order of their due times. Nothing here asks what time it is, so the same experiment gives the
+// same bits.
 #include "run_parts.hpp"
 
 #include <algorithm>
@@ -34,9 +35,7 @@ Runner* next_due(std::vector<Runner>& runners) {
 class VirtualRun {
  public:
   VirtualRun(const Experiment& experiment, Assembly& assembly, const RunOptions& options)
-      : experiment_{experiment},
-        options_{options},
-        ring_{broker::Ring::in_process(assembly.map)} {
+      : experiment_{experiment}, options_{options}, ring_{broker::Ring::in_process(assembly.map)} {
     for (auto& station : assembly.stations) {
       station.adapter->activate();
       runners_.push_back({&station,
@@ -63,8 +62,8 @@ class VirtualRun {
     runner.finished = true;
     if (!stopping_since_) stopping_since_ = runner.due;
     if (status == Status::Fault && trouble_.empty())
-      trouble_ = fmt::format("{}: {} at {:.3f} s", runner.station->plan.node,
-                             runner.host.message(), to_seconds(runner.due));
+      trouble_ = fmt::format("{}: {} at {:.3f} s", runner.station->plan.node, runner.host.message(),
+                             to_seconds(runner.due));
   }
 
   void report_progress(Duration now) {

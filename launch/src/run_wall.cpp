@@ -20,10 +20,10 @@ namespace rths::launch {
 namespace {
 
 constexpr auto kReadyDeadline = std::chrono::seconds{20};
-constexpr auto kHeadStart = std::chrono::milliseconds{50};    // between "go" and the first step
+constexpr auto kHeadStart = std::chrono::milliseconds{50};  // between "go" and the first step
 constexpr auto kRestDeadline = std::chrono::milliseconds{5000};
-constexpr int kLookEvery = 50;                                // [ms]
-constexpr double kProbeMargin = 10;                           // [s] beyond the planned duration
+constexpr int kLookEvery = 50;       // [ms]
+constexpr double kProbeMargin = 10;  // [s] beyond the planned duration
 
 volatile std::sig_atomic_t interrupt_received = 0;  // NOLINT: a signal handler can reach no other
 
@@ -79,9 +79,9 @@ class WallRun {
              clock_.now() < deadline && interrupt_received == 0)
         wait_for_output();
       if (line == "ready") continue;
-      throw Error{fmt::format("node '{}' did not become ready: it {}", node.node,
-                              node.process.ended() ? node.process.ending()
-                                                   : "was silent for too long")};
+      throw Error{
+          fmt::format("node '{}' did not become ready: it {}", node.node,
+                      node.process.ended() ? node.process.ending() : "was silent for too long")};
     }
   }
 
@@ -103,13 +103,12 @@ class WallRun {
 
  private:
   [[nodiscard]] std::vector<std::string> arguments_for(const std::string& node) const {
-    std::vector<std::string> arguments{"node",        experiment_.file.string(),
-                                       "--node",      node,
-                                       "--ring",      options_.ring,
-                                       "--recording", options_.recording.string()};
+    std::vector<std::string> arguments{
+        "node",        experiment_.file.string(),  "--node", node, "--ring", options_.ring,
+        "--recording", options_.recording.string()};
     for (const auto& [key, value] : options_.overrides) {
       arguments.emplace_back("--set");
-      arguments.push_back(key + "=" + value);
+      arguments.push_back(fmt::format("{}={}", key, value));
     }
     return arguments;
   }

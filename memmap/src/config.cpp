@@ -19,8 +19,7 @@ std::string kind_of(const ConfigValue& value) {
 
 [[noreturn]] void fail_kind(const std::string& key, const ConfigValue& found,
                             const std::string& expected) {
-  throw Error{
-      fmt::format("{}: {} is {}, expected {}", found.where, key, kind_of(found), expected)};
+  throw Error{fmt::format("{}: {} is {}, expected {}", found.where, key, kind_of(found), expected)};
 }
 
 double as_number(const std::string& key, const ConfigValue& value) {
@@ -175,8 +174,7 @@ std::vector<Config> Config::tables(const std::string& key) const {
   if (!has(key)) return result;
   const std::string expected = fmt::format("tables, written [[{}]]", key);
   for (const auto& item : as<ConfigValue::Array>(key, require(key), expected))
-    result.push_back(
-        Config{as<ConfigValue::Table>(key, item, expected), item.where, directory_});
+    result.push_back(Config{as<ConfigValue::Table>(key, item, expected), item.where, directory_});
   return result;
 }
 

@@ -35,9 +35,9 @@ std::string signal_toml(const Signal& signal) {
 }
 
 std::string partition_toml(const Partition& partition) {
-  std::string text = fmt::format(
-      "[[partition]]\nname = \"{}\"\nnode = \"{}\"\noffset = {}\nlongwords = {}\n", partition.name,
-      partition.node, partition.base.value(), partition.longwords);
+  std::string text =
+      fmt::format("[[partition]]\nname = \"{}\"\nnode = \"{}\"\noffset = {}\nlongwords = {}\n",
+                  partition.name, partition.node, partition.base.value(), partition.longwords);
   if (partition.tear_group) text += "tear_group = true\n";
   for (const auto& signal : partition.signals) text += signal_toml(signal);
   return text;
@@ -62,9 +62,12 @@ void sort_canonically(MapDescription& description) {
 
 const char* to_text(WordType type) noexcept {
   switch (type) {
-    case WordType::I32: return "i32";
-    case WordType::U32: return "u32";
-    case WordType::F32: return "f32";
+    case WordType::I32:
+      return "i32";
+    case WordType::U32:
+      return "u32";
+    case WordType::F32:
+      return "f32";
   }
   return "?";
 }

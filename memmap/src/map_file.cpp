@@ -26,8 +26,8 @@ LongwordOffset read_offset(const Config& table) {
     throw Error{fmt::format("{}: {} of offset, byte_offset and location given, expected one",
                             table.where(), given == 0 ? "none" : "more than one")};
   if (table.has("location"))
-    return to_longword_offset(Location{
-        static_cast<std::uint32_t>(table.integer_in("location", 1, kLargestOffset))});
+    return to_longword_offset(
+        Location{static_cast<std::uint32_t>(table.integer_in("location", 1, kLargestOffset))});
   if (table.has("offset"))
     return LongwordOffset{
         static_cast<std::uint32_t>(table.integer_in("offset", 0, kLargestOffset))};
@@ -92,7 +92,8 @@ Partition read_partition(const Config& table) {
   partition.name = table.text("name");
   partition.node = table.text("node");
   partition.base = read_offset(table);
-  partition.longwords = static_cast<std::uint32_t>(table.integer_in("longwords", 1, kLargestOffset));
+  partition.longwords =
+      static_cast<std::uint32_t>(table.integer_in("longwords", 1, kLargestOffset));
   partition.tear_group = table.flag("tear_group", false);
   partition.where = table.where();
   for (const auto& signal : table.tables("signal")) append_signals(signal, partition.signals);

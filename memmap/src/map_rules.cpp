@@ -31,8 +31,7 @@ void check_name(const std::string& name, const std::string& what, const std::str
 }
 
 void check_nodes(const MapDescription& description) {
-  if (description.nodes.empty())
-    fail(description.where, "map '{}' has no nodes", description.name);
+  if (description.nodes.empty()) fail(description.where, "map '{}' has no nodes", description.name);
   for (std::size_t i = 1; i < description.nodes.size(); ++i) {
     const MapNode& node = description.nodes[i];
     const MapNode& previous = description.nodes[i - 1];

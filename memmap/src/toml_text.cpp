@@ -47,9 +47,9 @@ std::string read_text_file(const std::filesystem::path& file) {
   std::ifstream stream{file, std::ios::binary};
   const std::string content{std::istreambuf_iterator<char>{stream}, {}};
   if (!stream.is_open() || stream.bad())
-    throw Error{fmt::format("{}: cannot be read: {}", file.string(),
-                            std::filesystem::is_directory(file) ? "it is a directory"
-                                                                : std::strerror(errno))};
+    throw Error{fmt::format(
+        "{}: cannot be read: {}", file.string(),
+        std::filesystem::is_directory(file) ? "it is a directory" : std::strerror(errno))};
   return content;
 }
 

@@ -13,9 +13,9 @@ namespace rths::memmap {
 namespace {
 
 // The quantities a hybrid test deals in.
-constexpr const char* kSiUnits[] = {"m",  "m/s", "m/s2",  "N", "N.m", "Pa", "s", "s2",
-                                    "kg", "N/m", "N.s/m", "K", "W",   "V",  "A", "rad",
-                                    "rad/s", "rad/s2", "Hz", "1"};
+constexpr const char* kSiUnits[] = {"m",  "m/s", "m/s2",  "N",      "N.m", "Pa", "s",
+                                    "s2", "kg",  "N/m",   "N.s/m",  "K",   "W",  "V",
+                                    "A",  "rad", "rad/s", "rad/s2", "Hz",  "1"};
 
 // UDUNITS has radians as pure numbers, so only the spelling tells an angle from a count.
 bool is_angle(const std::string& unit) {

@@ -49,9 +49,9 @@ void write_text_list_attribute(hid_t object, const std::string& name,
 void write_text_dataset(hid_t group, const std::string& name, const std::string& text) {
   const Handle type = text_type(stored_size(text));
   const Handle space{H5Screate(H5S_SCALAR), H5Sclose, "HDF5 space"};
-  const Handle dataset{H5Dcreate2(group, name.c_str(), type.id(), space.id(), H5P_DEFAULT,
-                                  H5P_DEFAULT, H5P_DEFAULT),
-                       H5Dclose, "creating dataset " + name};
+  const Handle dataset{
+      H5Dcreate2(group, name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose, "creating dataset " + name};
   check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()),
         "writing dataset " + name);
 }

@@ -20,8 +20,7 @@ class Handle {
   Handle(hid_t id, Closer closer, const std::string& what) : id_{id}, closer_{closer} {
     if (id < 0) throw Error{what + " failed"};
   }
-  Handle(Handle&& other) noexcept
-      : id_{std::exchange(other.id_, -1)}, closer_{other.closer_} {}
+  Handle(Handle&& other) noexcept : id_{std::exchange(other.id_, -1)}, closer_{other.closer_} {}
   Handle& operator=(Handle&& other) noexcept {
     std::swap(id_, other.id_);
     std::swap(closer_, other.closer_);

@@ -119,7 +119,8 @@ Reader::Reader(const std::filesystem::path& path) : file_{std::make_unique<File>
   if (format != std::to_string(kRecordingFormat))
     throw Error{fmt::format("{}: recording format is {}, this program reads {}", path.string(),
                             format, kRecordingFormat)};
-  file_->map = memmap::parse_map(read_text_dataset(file_->file.id(), "map"), path.string() + ":map");
+  file_->map =
+      memmap::parse_map(read_text_dataset(file_->file.id(), "map"), path.string() + ":map");
   for (const auto ns : read_all<std::int64_t>(open_dataset(file_->file.id(), "time")))
     file_->time.push_back(to_seconds(Duration{ns}));
   const Handle signals = open_group(file_->file.id(), "signals");
@@ -148,7 +149,8 @@ std::vector<double> Reader::signal(const std::string& name) const {
   const auto& values = file_->load(column.partition);
   const std::size_t width = file_->width(column.partition);
   std::vector<double> result(std::min(file_->time.size(), values.size() / width));
-  for (std::size_t row = 0; row < result.size(); ++row) result[row] = values[row * width + column.index];
+  for (std::size_t row = 0; row < result.size(); ++row)
+    result[row] = values[row * width + column.index];
   return result;
 }
 
@@ -188,8 +190,8 @@ std::vector<Reader::Event> Reader::events() const {
   std::vector<Event> events;
   const std::size_t count = std::min({times.size(), signals.size(), values.size()});
   for (std::size_t i = 0; i < count; ++i)
-    events.push_back({to_seconds(Duration{times[i]}), names.at(static_cast<std::size_t>(signals[i])),
-                      values[i]});
+    events.push_back({to_seconds(Duration{times[i]}),
+                      names.at(static_cast<std::size_t>(signals[i])), values[i]});
   return events;
 }
 

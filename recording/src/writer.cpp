@@ -121,8 +121,7 @@ void Writer::File::create_blocks(const memmap::Map& map, const std::vector<Signa
       units.push_back(memmap::parse_unit(entry.signal->unit).si);
     }
     if (block.columns.empty()) continue;
-    block.table =
-        create_table(group.id(), partition.name, H5T_NATIVE_DOUBLE, block.columns.size());
+    block.table = create_table(group.id(), partition.name, H5T_NATIVE_DOUBLE, block.columns.size());
     write_text_list_attribute(block.table.dataset.id(), "names", names);
     write_text_list_attribute(block.table.dataset.id(), "units", units);
     blocks.push_back(std::move(block));
@@ -236,7 +235,7 @@ Writer& Writer::operator=(Writer&&) noexcept = default;
 Writer::~Writer() {
   try {
     if (file_) close();
-  } catch (const Error&) {
+  } catch (const Error&) {  // NOLINT(bugprone-empty-catch)
     // A destructor has nobody to tell; `close` is for those who want to know.
   }
 }

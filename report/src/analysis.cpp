@@ -62,7 +62,8 @@ class Ticks {
  private:
   // From the first row that counts to the first that counts no further: the node has left by then.
   static double period_of(const std::vector<double>& time, const std::vector<double>& counter) {
-    const auto first = std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
+    const auto first =
+        std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
     const auto last = std::find(first, counter.end(), counter.back());
     const double counts = last == counter.end() ? 0 : *last - *first;
     if (!(counts > 0)) throw Error{"the recording holds no steps of the controller"};
@@ -108,8 +109,7 @@ AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const std::stri
   result.a0 = ticks.series("monitor.xpc.ats.a0." + axis);
   result.a1 = ticks.series("monitor.xpc.ats.a1." + axis);
   result.a2 = ticks.series("monitor.xpc.ats.a2." + axis);
-  result.ats_limited =
-      std::lround(ticks.series("monitor.xpc.ats.limited." + axis).values.back());
+  result.ats_limited = std::lround(ticks.series("monitor.xpc.ats.limited." + axis).values.back());
   const auto targets = run.signal("monitor.xpc.pc.targets");
   result.step_displacement =
       at_each_count(targets, run.signal("monitor.xpc.pc.held_displacement." + axis));
@@ -130,8 +130,8 @@ AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const std::stri
 void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks) {
   const auto command = ticks.series("monitor.xpc.pc.command." + axis.name);
   const auto measured = ticks.series("monitor.xpc.displacement.out." + axis.name);
-  const auto delay = controller::identify_delay(command.values, measured.values, ticks.interval(),
-                                                kDelaySearch);
+  const auto delay =
+      controller::identify_delay(command.values, measured.values, ticks.interval(), kDelaySearch);
   axis.raw_delay = delay.cross_correlation;
   axis.raw_delay_min_rms = delay.minimum_rms;
   axis.raw_nrms = controller::tracking_error(command.values, measured.values).nrms;

@@ -30,13 +30,13 @@ struct AxisAnalysis {
   Series command, measured;  ///< controller's command and displacement feedback, every tick [m]
   Series force;              ///< specimen's, corrected, every tick [N]
   Series a0, a1, a2;         ///< compensator, every tick
-  std::vector<double> step_displacement, step_force;  ///< sampled at each target [m], [N]
-  double delay = 0, delay_min_rms = 0;                ///< command to measured [s]
-  double nrms = 0, peak_error = 0;                    ///< [-]
+  std::vector<double> step_displacement, step_force;   ///< sampled at each target [m], [N]
+  double delay = 0, delay_min_rms = 0;                 ///< command to measured [s]
+  double nrms = 0, peak_error = 0;                     ///< [-]
   std::optional<double> raw_delay, raw_delay_min_rms;  ///< without compensation [s]
   std::optional<double> raw_nrms;
-  double peak_displacement = 0, peak_shear = 0;       ///< [m], [N]
-  long ats_limited = 0;                               ///< ticks at a limit
+  double peak_displacement = 0, peak_shear = 0;  ///< [m], [N]
+  long ats_limited = 0;                          ///< ticks at a limit
   WindowedTracking tracking;
 };
 
@@ -58,8 +58,8 @@ struct NodeAnalysis {
 
 /// A floor spectrum and where it was taken.
 struct Spectrum {
-  std::string of;                 ///< hybrid, numerical, fixed base, input
-  std::vector<double> values;     ///< [m/s²]
+  std::string of;              ///< hybrid, numerical, fixed base, input
+  std::vector<double> values;  ///< [m/s²]
 };
 struct FloorSpectra {
   std::string floor;
@@ -76,17 +76,17 @@ struct NumericalAxis {
 struct Analysis {
   std::string name, motion, clock, map;
   std::map<std::string, std::string> meta;
-  double duration = 0;       ///< model time [s]
-  double control_rate = 0;   ///< [Hz]
+  double duration = 0;      ///< model time [s]
+  double control_rate = 0;  ///< [Hz]
   double integration_step = 0;
   int processes = 1;
   std::vector<AxisAnalysis> axes;
   StepAnalysis steps;
   std::vector<NodeAnalysis> nodes;
   std::vector<std::pair<std::string, std::int64_t>> drops;
-  Series host_late;          ///< largest of each interval [s]; empty in virtual time
+  Series host_late;  ///< largest of each interval [s]; empty in virtual time
   std::vector<NumericalAxis> numerical;
-  double numerical_interval = 0;  ///< [s]
+  double numerical_interval = 0;    ///< [s]
   std::vector<double> frequencies;  ///< of the spectra [Hz]
   std::vector<FloorSpectra> floors;
 };

@@ -13,7 +13,7 @@ namespace {
 constexpr double kMostExcused = 0.01;  // part of the steps
 constexpr double kMilli = 1e3;         // s to ms, m to mm
 constexpr double kPercent = 100;
-constexpr double kPerKilo = 1e-3;      // N to kN
+constexpr double kPerKilo = 1e-3;  // N to kN
 
 double mean(const std::vector<double>& values) {
   return values.empty() ? 0

@@ -27,8 +27,8 @@ AlphaOs::AlphaOs(const MatrixXd& M, const MatrixXd& C, const MatrixXd& K_I, doub
   if (effective_mass_.info() != Eigen::Success)
     throw Error{"integrator: the effective mass is not positive definite"};
   const auto n = M.rows();
-  for (VectorXd* vector : {&u_, &v_, &a_, &u_predicted_, &v_predicted_, &restoring_force_, &load_,
-                           &rhs_, &scratch_})
+  for (VectorXd* vector :
+       {&u_, &v_, &a_, &u_predicted_, &v_predicted_, &restoring_force_, &load_, &rhs_, &scratch_})
     vector->setZero(n);
 }
 

@@ -38,8 +38,7 @@ OscillatorStep oscillator_step(double omega, double zeta, double h) {
   step.B[0][1] = -decay * (z1 * s / omega_d + z2 * c) - 1 / w2 + z2;
   const double dc = c - zeta / root * s;
   const double ds = omega_d * s + zeta * omega * c;
-  step.B[1][0] =
-      decay * ((z1 + zeta / omega) * dc - (z2 + 1 / w2) * ds) + 1 / (w2 * h);
+  step.B[1][0] = decay * ((z1 + zeta / omega) * dc - (z2 + 1 / w2) * ds) + 1 / (w2 * h);
   step.B[1][1] = -decay * (z1 * dc - z2 * ds) - 1 / (w2 * h);
   return step;
 }
@@ -49,7 +48,8 @@ struct Oscillator {
 
   // Returns the absolute acceleration at the end of the step.
   double advance(const OscillatorStep& step, double a0, double a1) {
-    const double next_x = step.A[0][0] * x + step.A[0][1] * v + step.B[0][0] * a0 + step.B[0][1] * a1;
+    const double next_x =
+        step.A[0][0] * x + step.A[0][1] * v + step.B[0][0] * a0 + step.B[0][1] * a1;
     v = step.A[1][0] * x + step.A[1][1] * v + step.B[1][0] * a0 + step.B[1][1] * a1;
     x = next_x;
     return -(2 * step.damping_ratio * step.omega * v + step.omega * step.omega * x);
@@ -61,7 +61,8 @@ struct Oscillator {
 std::vector<double> spectrum_frequencies(double lowest, double highest, int count) {
   std::vector<double> frequencies;
   for (int i = 0; i < count; ++i)
-    frequencies.push_back(lowest * std::pow(highest / lowest, static_cast<double>(i) / (count - 1)));
+    frequencies.push_back(lowest *
+                          std::pow(highest / lowest, static_cast<double>(i) / (count - 1)));
   return frequencies;
 }
 

@@ -22,7 +22,8 @@ std::ifstream open(const std::filesystem::path& file) {
   return stream;
 }
 
-[[noreturn]] void fail(const std::filesystem::path& file, std::size_t line, const std::string& what) {
+[[noreturn]] void fail(const std::filesystem::path& file, std::size_t line,
+                       const std::string& what) {
   throw Error{file.string() + ":" + std::to_string(line) + ": " + what};
 }
 

@@ -63,20 +63,23 @@ void add_relative(MatrixXd& global, const MatrixXd& stick, int first, int base) 
   global(base, base) += rigid.dot(row);
 }
 
+void check(const Stick& stick) {
+  const std::string name = "plant: stick '" + stick.name + "' ";
+  if (stick.masses.empty() || stick.masses.size() != stick.elevations.size())
+    throw Error{name + "needs as many elevations as masses"};
+  for (const double mass : stick.masses)
+    if (!(mass > 0)) throw Error{name + "has a mass that is not > 0"};
+  if (!(stick.frequency_long > 0 && stick.frequency_lat > 0))
+    throw Error{name + "needs two frequencies > 0"};
+}
+
 void check(const IsolatedPlant& plant) {
   if (!(plant.basemat_mass > 0)) throw Error{"plant: basemat mass must be positive"};
   if (plant.sticks.empty()) throw Error{"plant: expected at least one stick"};
   if (plant.bearings < 1) throw Error{"plant: expected at least one bearing"};
   if (!(plant.damping_ratio >= 0 && plant.damping_ratio < 1))
     throw Error{"plant: damping ratio must lie in 0 to 1"};
-  for (const auto& stick : plant.sticks) {
-    if (stick.masses.empty() || stick.masses.size() != stick.elevations.size())
-      throw Error{"plant: stick '" + stick.name + "' needs as many elevations as masses"};
-    for (const double mass : stick.masses)
-      if (!(mass > 0)) throw Error{"plant: stick '" + stick.name + "' has a mass that is not > 0"};
-    if (!(stick.frequency_long > 0 && stick.frequency_lat > 0))
-      throw Error{"plant: stick '" + stick.name + "' needs two frequencies > 0"};
-  }
+  for (const auto& stick : plant.sticks) check(stick);
 }
 
 int floor_at(const Stick& stick, double elevation, int first) {
@@ -92,7 +95,8 @@ int floor_at(const Stick& stick, double elevation, int first) {
 PlantMatrices assemble(const IsolatedPlant& plant) {
   check(plant);
   int dofs = kDirections;
-  for (const auto& stick : plant.sticks) dofs += kDirections * static_cast<int>(stick.masses.size());
+  for (const auto& stick : plant.sticks)
+    dofs += kDirections * static_cast<int>(stick.masses.size());
 
   PlantMatrices matrices;
   matrices.M = MatrixXd::Zero(dofs, dofs);

@@ -58,14 +58,14 @@ TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s,
       std::clamp(p.position_gain * (reference - s.x) * p.piston_area / p.rated_flow -
                      p.pressure_gain * s.pressure / p.supply_pressure,
                  -1.0, 1.0);
-  const double opening = std::abs(s.spool) > p.dead_band ? s.spool - sign(s.spool) * p.dead_band : 0;
+  const double opening =
+      std::abs(s.spool) > p.dead_band ? s.spool - sign(s.spool) * p.dead_band : 0;
   const double drop = std::max(0.0, 1 - sign(opening) * s.pressure / p.supply_pressure);
   const double flow = p.rated_flow * opening * std::sqrt(drop);
   const double friction =
       p.coulomb_friction * std::tanh(s.v / p.friction_velocity) + p.viscous_friction * s.v;
   const double omega = 2 * std::numbers::pi * p.valve_frequency;
-  return {s.v,
-          (p.piston_area * s.pressure - friction - specimen_force_[axis]) / p.effective_mass,
+  return {s.v, (p.piston_area * s.pressure - friction - specimen_force_[axis]) / p.effective_mass,
           4 * p.bulk_modulus / p.oil_volume * (flow - p.piston_area * s.v - p.leakage * s.pressure),
           s.spool_rate,
           omega * omega * (demand - s.spool) - 2 * p.valve_damping * omega * s.spool_rate};
@@ -88,11 +88,10 @@ void TestMachineRun::integrate_part(int i, double reference) noexcept {
   const AxisState k4 = rates(i, moved(s, k3, part_), delayed);
   s = moved(moved(moved(moved(s, k1, part_ / 6), k2, part_ / 3), k3, part_ / 3), k4, part_ / 6);
   s.spool = std::clamp(s.spool, -1.0, 1.0);
-  s.pressure = std::clamp(s.pressure, -machine_.axes[i].supply_pressure,
-                          machine_.axes[i].supply_pressure);
+  s.pressure =
+      std::clamp(s.pressure, -machine_.axes[i].supply_pressure, machine_.axes[i].supply_pressure);
   axis.acceleration = k1.v;
-  const double memory =
-      std::exp(-2 * std::numbers::pi * machine_.accelerometer_cutoff * part_);
+  const double memory = std::exp(-2 * std::numbers::pi * machine_.accelerometer_cutoff * part_);
   axis.filtered_acceleration =
       memory * axis.filtered_acceleration + (1 - memory) * axis.acceleration;
 }
@@ -127,10 +126,9 @@ Status TestMachineRun::step(const Eigen::Vector2d& reference, MachineFeedback& f
     const ServoAxis& axis = machine_.axes[i];
     if (at_limit(i)) status = Status::LimitExceeded;
     feedback.displacement[i] = axes_[i].state.x + draw(machine_.noise.displacement);
-    feedback.acceleration[i] =
-        axes_[i].filtered_acceleration + draw(machine_.noise.acceleration);
-    feedback.force[i] = axis.piston_area * axes_[i].state.pressure + axis.force_offset +
-                        draw(machine_.noise.force);
+    feedback.acceleration[i] = axes_[i].filtered_acceleration + draw(machine_.noise.acceleration);
+    feedback.force[i] =
+        axis.piston_area * axes_[i].state.pressure + axis.force_offset + draw(machine_.noise.force);
   }
   return status;
 }

@@ -31,8 +31,8 @@ std::unique_ptr<Adapter> make_sample_recorder() {
   static const test::TemporaryFolder folder;
   RecorderSettings settings;
   settings.file = folder.path() / "run.h5";
-  return make_recorder(
-      memmap::load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml"), settings);
+  return make_recorder(memmap::load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml"),
+                       settings);
 }
 
 struct Candidate {

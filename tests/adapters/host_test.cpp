@@ -157,8 +157,7 @@ TEST_F(HostTest, ConvertsUnitsOnTheWayInAndOut) {
 TEST_F(HostTest, ReadsParametersThatAreTunedWhileItRuns) {
   broker::Node hand = ring.join("operator", 0);
   const auto& gain = map.entry(map.signal("tune.echo.gain"));
-  static_cast<void>(
-      hand.write(gain.signal->offset, memmap::Codec{*gain.signal}.encode(5)));
+  static_cast<void>(hand.write(gain.signal->offset, memmap::Codec{*gain.signal}.encode(5)));
   send(0.1);
 
   static_cast<void>(host.tick(Duration{0}, false, {}));
@@ -177,7 +176,8 @@ TEST_F(HostTest, TellsOfItselfInItsMonitors) {
   EXPECT_EQ(host.overruns(), 1U);
 }
 
-// What is no number neither reaches an adapter nor leaves it: the last value stands, and is counted.
+// What is no number neither reaches an adapter nor leaves it: the last value stands, and is
+// counted.
 TEST_F(HostTest, HoldsTheLastValueWhereAWordIsNoNumber) {
   send(0.1);
   EXPECT_EQ(host.tick(Duration{0}, false, {}), Status::Ok);

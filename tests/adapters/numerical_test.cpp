@@ -186,10 +186,9 @@ TEST_P(DeadPartner, EndsTheWaitAtItsDeadlineWithOneClearLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     Waits, DeadPartner,
-    ::testing::Values(
-        Silence{"start", 0, 0, 0, "atTarget did not rise before the deadline"},
-        Silence{"switch", 0, 0, 1, "switchPC did not rise before the deadline"},
-        Silence{"release", 0, 1, 1, "switchPC did not fall before the deadline"}),
+    ::testing::Values(Silence{"start", 0, 0, 0, "atTarget did not rise before the deadline"},
+                      Silence{"switch", 0, 0, 1, "switchPC did not rise before the deadline"},
+                      Silence{"release", 0, 1, 1, "switchPC did not fall before the deadline"}),
     [](const auto& silence) { return std::string{silence.param.name}; });
 
 TEST(Numerical, SaysStopBeforeItLeaves) {

@@ -10,7 +10,9 @@
 namespace rths::adapters {
 namespace {
 
-memmap::Map srmd() { return memmap::load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml"); }
+memmap::Map srmd() {
+  return memmap::load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml");
+}
 
 class Recording : public ::testing::TestWithParam<bool> {};
 

@@ -15,7 +15,8 @@ namespace {
 
 const std::string kHead = "diagram = 1\nbase_rate_Hz = 1000\nsubsteps = 10\n";
 
-std::string input(const std::string& name, const std::string& signal, const std::string& unit = "m") {
+std::string input(const std::string& name, const std::string& signal,
+                  const std::string& unit = "m") {
   return "[[block]]\nname = \"" + name + "\"\ntype = \"ring_input\"\nsignal = \"" + signal +
          "\"\nunit = \"" + unit + "\"\n";
 }
@@ -35,8 +36,9 @@ std::string error_in(const std::string& blocks) {
 const std::string kX = input("x", "lab.{axis}.displ");
 
 TEST(Diagram, CarriesAValuePerAxisFromTheRingToTheRing) {
-  const auto target = diagram(kX + block("twice", "gain", "in.in = \"x\"\ngain = 2") +
-                              block("y", "ring_output", "in.in = \"twice\"\nsignal = \"out.{axis}\""));
+  const auto target =
+      diagram(kX + block("twice", "gain", "in.in = \"x\"\ngain = 2") +
+              block("y", "ring_output", "in.in = \"twice\"\nsignal = \"out.{axis}\""));
   test::Bench bench{*target};
   bench.in("lab.long.displ") = 1.5;
   bench.in("lab.lat.displ") = -4;
@@ -137,9 +139,8 @@ TEST(Diagram, KeepsTheDocumentedBlocksToTheirWord) {
 }
 
 TEST(Diagram, GivesSinesAndFiltersThem) {
-  const auto target = diagram(
-      block("s", "sine", "amplitude = 2\nfrequency_Hz = 50\nunit = \"m\"") +
-      block("lp", "low_pass", "in.in = \"s\"\norder = 4\ncutoff_Hz = 5"));
+  const auto target = diagram(block("s", "sine", "amplitude = 2\nfrequency_Hz = 50\nunit = \"m\"") +
+                              block("lp", "low_pass", "in.in = \"s\"\norder = 4\ncutoff_Hz = 5"));
   test::Bench bench{*target};
   double largest = 0;
   double largest_filtered = 0;
@@ -158,11 +159,12 @@ TEST(Diagram, GivesSinesAndFiltersThem) {
 TEST(Diagram, StopsTheRunAndRampsItsOutputsToRest) {
   DiagramContext context;
   context.retreat = {0.01, 0.1};
-  const auto target = diagram(
-      kX + input("flag", "lab.flag", "1") + block("end", "stop", "in.in = \"flag\"") +
-          block("ref", "ring_output", "in.in = \"x\"\nsignal = \"ref.{axis}\"\nat_stop = \"ramp\"") +
-          block("echo", "ring_output", "in.in = \"x\"\nsignal = \"echo.{axis}\""),
-      context);
+  const auto target =
+      diagram(kX + input("flag", "lab.flag", "1") + block("end", "stop", "in.in = \"flag\"") +
+                  block("ref", "ring_output",
+                        "in.in = \"x\"\nsignal = \"ref.{axis}\"\nat_stop = \"ramp\"") +
+                  block("echo", "ring_output", "in.in = \"x\"\nsignal = \"echo.{axis}\""),
+              context);
   test::Bench bench{*target};
   bench.in("lab.long.displ") = 0.8;
   static_cast<void>(bench.step(0));
@@ -186,9 +188,10 @@ TEST(Diagram, StopsTheRunAndRampsItsOutputsToRest) {
 TEST(Diagram, RampsItsOutputsToRestWhenTheRunStops) {
   DiagramContext context;
   context.retreat = {0.0, 0.05};
-  const auto target = diagram(
-      kX + block("ref", "ring_output", "in.in = \"x\"\nsignal = \"ref.{axis}\"\nat_stop = \"ramp\""),
-      context);
+  const auto target =
+      diagram(kX + block("ref", "ring_output",
+                         "in.in = \"x\"\nsignal = \"ref.{axis}\"\nat_stop = \"ramp\""),
+              context);
   test::Bench bench{*target};
   bench.in("lab.long.displ") = 0.8;
   static_cast<void>(bench.step(0));

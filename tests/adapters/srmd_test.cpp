@@ -115,8 +115,7 @@ TEST(MachineConfig, SaysWhatIsWrong) {
 
 TEST(SpecimenConfig, SaysWhatIsWrong) {
   EXPECT_EQ(test::error_of([] {
-              static_cast<void>(
-                  read_specimen(memmap::Config::parse("model = \"LRB\"", "m.toml")));
+              static_cast<void>(read_specimen(memmap::Config::parse("model = \"LRB\"", "m.toml")));
             }),
             "m.toml:1:9: model is 'LRB', expected LPRB");
   EXPECT_EQ(test::error_of([] {

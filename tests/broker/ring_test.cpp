@@ -89,9 +89,7 @@ TEST(Ring, RefusesANodeThatWasBuiltForAnotherMap) {
   EXPECT_NE(error.find("was built for map 0000000000001234, the ring holds map 'small'"),
             std::string::npos)
       << error;
-  EXPECT_EQ(test::error_of([&] {
-              static_cast<void>(ring.join("machine", ring.map().hash()));
-            }),
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(ring.join("machine", ring.map().hash())); }),
             "");
 }
 
@@ -99,8 +97,9 @@ TEST(Ring, RefusesASecondNodeOfTheSameName) {
   Ring ring = Ring::in_process(small_map());
   const Node machine = ring.join("machine", 0);
 
-  EXPECT_NE(test::error_of([&] { static_cast<void>(ring.join("machine", 0)); })
-                .find("node 'machine' is already on the ring, as process"),
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(ring.join("machine", 0));
+            }).find("node 'machine' is already on the ring, as process"),
             std::string::npos);
 }
 

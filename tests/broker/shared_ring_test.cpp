@@ -212,8 +212,9 @@ TEST(SharedRing, RefusesMemoryThatIsNoRing) {
   header.ready = kReady;
   const ForeignObject foreign{name, &header, sizeof header, 8192};
 
-  EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it is no rths ring"),
-            std::string::npos);
+  EXPECT_NE(
+      test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it is no rths ring"),
+      std::string::npos);
   EXPECT_FALSE(report_of(name).usable);
 }
 
@@ -225,8 +226,9 @@ TEST(SharedRing, RefusesALayoutOfAnotherVersion) {
   header.ready = kReady;
   const ForeignObject foreign{name, &header, sizeof header, 8192};
 
-  EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); })
-                .find("its layout is version 2, this program's is 1"),
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(Ring::attach(name));
+            }).find("its layout is version 2, this program's is 1"),
             std::string::npos);
 }
 
@@ -240,8 +242,9 @@ TEST(SharedRing, RefusesARingWhoseSizeIsNotWhatItsHeaderSays) {
   header.memory_bytes = 1 << 20;
   const ForeignObject foreign{name, &header, sizeof header, 8192};
 
-  EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it has 8192 bytes"),
-            std::string::npos);
+  EXPECT_NE(
+      test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it has 8192 bytes"),
+      std::string::npos);
 }
 
 TEST(SharedRing, DoesNotWaitForACreatorThatDied) {
@@ -251,8 +254,9 @@ TEST(SharedRing, DoesNotWaitForACreatorThatDied) {
   header.creator = 1ULL << 40 | 999'999'999;  // no process
   const ForeignObject foreign{name, &header, sizeof header, 8192};
 
-  EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); })
-                .find("was never finished by its creator; 'rths clean' removes it"),
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(Ring::attach(name));
+            }).find("was never finished by its creator; 'rths clean' removes it"),
             std::string::npos);
 }
 

@@ -195,7 +195,8 @@ TEST(Ats, ChangesNoFasterThanItMay) {
   Eigen::Vector3d before = ats.coefficients();
   for (int i = 0; i < 8000; ++i) {
     const double t = i * kPeriod;
-    measured = machine(ats.step(motion.at(t), motion.rate(t), motion.second_rate(t), measured, true));
+    measured =
+        machine(ats.step(motion.at(t), motion.rate(t), motion.second_rate(t), measured, true));
     const Eigen::Vector3d change = (ats.coefficients() - before).cwiseAbs();
     ASSERT_TRUE((change.array() <= settings.largest_change.array() + 1e-15).all());
     before = ats.coefficients();

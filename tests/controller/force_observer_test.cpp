@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kPeriod = 0.001;
 constexpr double kStandardGravity = 9.80665;
-constexpr double kForceNoise = 5e3;                            // [N]
+constexpr double kForceNoise = 5e3;                             // [N]
 constexpr double kAccelerationNoise = 5e-3 * kStandardGravity;  // 5 mg
-constexpr double kDisplacementNoise = 5e-5;                    // [m]
+constexpr double kDisplacementNoise = 5e-5;                     // [m]
 
 /// What the sensors of a machine with an empty table would report: motion of several frequencies,
 /// seconds at high speed and seconds at low.
@@ -65,8 +65,7 @@ TEST_P(PaperSetup, IsIdentifiedFromANoisyEmptyTableRun) {
   const MachineForce& truth = GetParam().machine;
   const EmptyTableRun run{truth, 1, 42};
 
-  const auto found =
-      identify_machine_force(run.displacement, run.acceleration, run.force, kPeriod);
+  const auto found = identify_machine_force(run.displacement, run.acceleration, run.force, kPeriod);
 
   EXPECT_NEAR(found.machine.effective_mass, truth.effective_mass, 0.005 * truth.effective_mass);
   EXPECT_NEAR(found.machine.coulomb_friction, truth.coulomb_friction,
@@ -126,8 +125,7 @@ TEST(ForceIdentification, KeepsFrictionFromGoingNegative) {
   frictionless.effective_mass = 1e5;
   const EmptyTableRun run{frictionless, 1, 7};
 
-  const auto found =
-      identify_machine_force(run.displacement, run.acceleration, run.force, kPeriod);
+  const auto found = identify_machine_force(run.displacement, run.acceleration, run.force, kPeriod);
 
   EXPECT_GE(found.machine.coulomb_friction, 0);
   EXPECT_GE(found.machine.viscous_friction, 0);
@@ -137,9 +135,8 @@ TEST(ForceIdentification, KeepsFrictionFromGoingNegative) {
 TEST(ForceIdentification, RefusesARunThatMovesNothing) {
   const std::vector<double> still(2000, 0.0);
 
-  EXPECT_EQ(test::error_of([&] {
-              static_cast<void>(identify_machine_force(still, still, still, kPeriod));
-            }),
+  EXPECT_EQ(test::error_of(
+                [&] { static_cast<void>(identify_machine_force(still, still, still, kPeriod)); }),
             "force identification: the run does not excite inertia and friction");
 }
 

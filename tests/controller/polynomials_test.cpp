@@ -20,11 +20,10 @@ struct Family {
   }
 };
 
-constexpr Family kFamilies[] = {{Polynomial::P0, 0, 0}, {Polynomial::P1, 1, 1},
-                                {Polynomial::P2, 2, 2}, {Polynomial::P3, 3, 3},
-                                {Polynomial::D1, 1, 1}, {Polynomial::D2, 2, 2},
-                                {Polynomial::D3, 3, 3}, {Polynomial::DV, 3, 2},
-                                {Polynomial::DVA, 2, 3}};
+constexpr Family kFamilies[] = {
+    {Polynomial::P0, 0, 0}, {Polynomial::P1, 1, 1}, {Polynomial::P2, 2, 2},
+    {Polynomial::P3, 3, 3}, {Polynomial::D1, 1, 1}, {Polynomial::D2, 2, 2},
+    {Polynomial::D3, 3, 3}, {Polynomial::DV, 3, 2}, {Polynomial::DVA, 2, 3}};
 
 /// Motion c₀ + c₁x + … of a given degree, with its rates.
 struct Motion {
@@ -105,9 +104,8 @@ TEST_P(PolynomialFamily, EvaluatesInRealTime) {
   EXPECT_TRUE(std::isfinite(w.target[0].value));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PolynomialFamily, ::testing::ValuesIn(kFamilies), [](const auto& f) {
-  return std::string{to_text(f.param.polynomial)};
-});
+INSTANTIATE_TEST_SUITE_P(All, PolynomialFamily, ::testing::ValuesIn(kFamilies),
+                         [](const auto& f) { return std::string{to_text(f.param.polynomial)}; });
 
 class CommandFamily : public ::testing::TestWithParam<Polynomial> {};
 
@@ -132,9 +130,10 @@ TEST(CubicCommandCorrector, HasTheChartsVelocityAndAcceleration) {
 
   EXPECT_NEAR(w.target[0].slope, (2 + 6 * x + 3 * x * x - 3 * xi - 2 * x * xi) / (6 * (1 - xi)),
               1e-12);
-  EXPECT_NEAR(w.switch_command.slope,
-              (1 - 4 * x - 3 * x * x) / ((1 - xi) * (1 + xi) * (2 + xi)), 1e-12);
-  EXPECT_NEAR(w.target[2].slope, -(2 - 2 * x - 3 * x * x + xi + 2 * x * xi) / (2 * (1 + xi)), 1e-12);
+  EXPECT_NEAR(w.switch_command.slope, (1 - 4 * x - 3 * x * x) / ((1 - xi) * (1 + xi) * (2 + xi)),
+              1e-12);
+  EXPECT_NEAR(w.target[2].slope, -(2 - 2 * x - 3 * x * x + xi + 2 * x * xi) / (2 * (1 + xi)),
+              1e-12);
   EXPECT_NEAR(w.target[3].slope, (1 - 3 * x * x + 2 * x * xi) / (3 * (2 + xi)), 1e-12);
   EXPECT_NEAR(w.target[0].curvature, (3 + 3 * x - xi) / (3 * (1 - xi)), 1e-12);
   EXPECT_NEAR(w.switch_command.curvature, -2 * (2 + 3 * x) / ((1 - xi) * (1 + xi) * (2 + xi)),
@@ -148,13 +147,13 @@ TEST(CubicCommandPredictor, HasTheChartsVelocityAndAcceleration) {
   const double xi = 1.0;
   const Weights w = weights(Polynomial::D3, Branch::Predict, x, xi);
 
-  EXPECT_NEAR(w.switch_command.slope,
-              (11 + 12 * x + 3 * x * x) / (xi * (1 + xi) * (2 + xi)), 1e-12);
-  EXPECT_NEAR(w.target[1].slope,
-              -(11 + 12 * x + 3 * x * x - 5 * xi - 2 * x * xi) / (2 * xi), 1e-12);
+  EXPECT_NEAR(w.switch_command.slope, (11 + 12 * x + 3 * x * x) / (xi * (1 + xi) * (2 + xi)),
+              1e-12);
+  EXPECT_NEAR(w.target[1].slope, -(11 + 12 * x + 3 * x * x - 5 * xi - 2 * x * xi) / (2 * xi),
+              1e-12);
   EXPECT_NEAR(w.target[2].slope, (7 + 10 * x + 3 * x * x - 4 * xi - 2 * x * xi) / (1 + xi), 1e-12);
-  EXPECT_NEAR(w.target[3].slope,
-              -(5 + 8 * x + 3 * x * x - 3 * xi - 2 * x * xi) / (2 * (2 + xi)), 1e-12);
+  EXPECT_NEAR(w.target[3].slope, -(5 + 8 * x + 3 * x * x - 3 * xi - 2 * x * xi) / (2 * (2 + xi)),
+              1e-12);
   EXPECT_NEAR(w.switch_command.curvature, 6 * (2 + x) / (xi * (1 + xi) * (2 + xi)), 1e-12);
   EXPECT_NEAR(w.target[1].curvature, -(6 + 3 * x - xi) / xi, 1e-12);
   EXPECT_NEAR(w.target[2].curvature, 2 * (5 + 3 * x - xi) / (1 + xi), 1e-12);

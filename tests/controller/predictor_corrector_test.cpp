@@ -36,21 +36,20 @@ struct Expected {
 TEST(PredictorCorrector, FollowsTheReferenceRun) {
   PredictorCorrector pc{settings(80, 0.8)};
   const std::map<int, int> arrivals = {{0, 1}, {120, 2}, {200, 3}, {280, 4}, {420, 5}};
-  const std::map<int, Expected> expected = {
-      {0, {PcState::Correct, 1, .00079312}},
-      {80, {PcState::Predict, 1, .12769302}},
-      {120, {PcState::Correct, 41, .23573598}},
-      {160, {PcState::Predict, 1, .25021934}},
-      {200, {PcState::Correct, 41, .31110731}},
-      {240, {PcState::Predict, 1, .36959267}},
-      {280, {PcState::Correct, 41, .42777913}},
-      {320, {PcState::Predict, 1, .48313730}},
-      {384, {PcState::AutoSlowDown, 65, .56980255}},
-      {400, {PcState::AutoSlowDown, 71.173530, .57796591}},
-      {419, {PcState::AutoSlowDown, 71.934630, .57896993}},
-      {420, {PcState::Correct, 71.943968, .57898028}},
-      {450, {PcState::Correct, 74.737982, .58206113}},
-      {460, {PcState::Predict, 1, .58906257}}};
+  const std::map<int, Expected> expected = {{0, {PcState::Correct, 1, .00079312}},
+                                            {80, {PcState::Predict, 1, .12769302}},
+                                            {120, {PcState::Correct, 41, .23573598}},
+                                            {160, {PcState::Predict, 1, .25021934}},
+                                            {200, {PcState::Correct, 41, .31110731}},
+                                            {240, {PcState::Predict, 1, .36959267}},
+                                            {280, {PcState::Correct, 41, .42777913}},
+                                            {320, {PcState::Predict, 1, .48313730}},
+                                            {384, {PcState::AutoSlowDown, 65, .56980255}},
+                                            {400, {PcState::AutoSlowDown, 71.173530, .57796591}},
+                                            {419, {PcState::AutoSlowDown, 71.934630, .57896993}},
+                                            {420, {PcState::Correct, 71.943968, .57898028}},
+                                            {450, {PcState::Correct, 74.737982, .58206113}},
+                                            {460, {PcState::Predict, 1, .58906257}}};
   Target target = target_at(0);
   pc.substep(false, target);  // at rest, before the first target
 

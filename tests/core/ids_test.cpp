@@ -11,11 +11,17 @@ namespace {
 // Must not compile: any of these would be the mix-up of bytes, words and locations that the types
 // are there to refuse.
 template <class To, class From>
-concept AssignableFrom = requires(To to, From from) { to = from; };
+concept AssignableFrom = requires(To to, From from) {
+  to = from;
+};
 template <class A, class B>
-concept Comparable = requires(A a, B b) { a == b; };
+concept Comparable = requires(A a, B b) {
+  a == b;
+};
 template <class A, class B>
-concept Addable = requires(A a, B b) { a + b; };
+concept Addable = requires(A a, B b) {
+  a + b;
+};
 
 static_assert(!AssignableFrom<LongwordOffset, std::uint32_t>);
 static_assert(!AssignableFrom<LongwordOffset, ByteOffset>);

@@ -75,7 +75,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Check, RefusesWhatItDoesNotKnow) {
   const test::TemporaryFolder folder;
-  const auto binary = folder.write("a.bin", std::string("\x7f" "ELF\0\0\0\0", 8));
+  const auto binary = folder.write("a.bin", std::string("\x7f"
+                                                        "ELF\0\0\0\0",
+                                                        8));
   const auto empty = folder.write("empty", "");
   const auto other = folder.write("other.toml", "[tool]\nname = \"x\"\n");
 
@@ -88,8 +90,9 @@ TEST(Check, RefusesWhatItDoesNotKnow) {
 
 TEST(MapCommand, ChecksAndGeneratesBuiltInMaps) {
   EXPECT_NE(run_rths({"map", "check", "srmd"}).out.find("136 signals"), std::string::npos);
-  EXPECT_NE(run_rths({"map", "gen", "srmd", "--lang", "c"}).out.find("#define SRMD_OPF_NEWTARGET 1024u"),
-            std::string::npos);
+  EXPECT_NE(
+      run_rths({"map", "gen", "srmd", "--lang", "c"}).out.find("#define SRMD_OPF_NEWTARGET 1024u"),
+      std::string::npos);
   EXPECT_NE(run_rths({"map", "check", "smrd"}).err.find("expected a file or one of: srmd"),
             std::string::npos);
 }

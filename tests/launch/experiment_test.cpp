@@ -99,7 +99,8 @@ TEST_F(ExperimentTest, TakesChangesFromTheCommandLine) {
 }
 
 TEST_F(ExperimentTest, SaysWhatIsWrongAndWhere) {
-  EXPECT_EQ(error_with("format = 1", "format = 9"), "lab.toml:1:10: format is 9, this program reads 1");
+  EXPECT_EQ(error_with("format = 1", "format = 9"),
+            "lab.toml:1:10: format is 9, this program reads 1");
   EXPECT_EQ(error_with("duration_s", "duration"),
             "lab.toml:4:12: unknown key 'duration' (did you mean 'duration_s'?)");
   EXPECT_EQ(error_with("seed = 7", "sed = 7"),
@@ -124,7 +125,8 @@ TEST_F(ExperimentTest, RefusesToTuneWhatIsNotThere) {
 }
 
 TEST_F(ExperimentTest, RefusesANodeThatWritesAnothersWords) {
-  EXPECT_EQ(error_with("[node.srmd]\nadapter = \"srmd\"", "[node.machine]\nadapter = \"srmd\""), "");
+  EXPECT_EQ(error_with("[node.srmd]\nadapter = \"srmd\"", "[node.machine]\nadapter = \"srmd\""),
+            "");
 }
 
 }  // namespace

@@ -21,8 +21,7 @@ std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.tom
 
 /// Runs the example in virtual time. @returns its numbers
 Json numbers_of(const std::filesystem::path& out, const std::vector<std::string>& changes = {}) {
-  std::vector<std::string> arguments{"run",     example(), "--clock",
-                                     "virtual", "--out",   out.string()};
+  std::vector<std::string> arguments{"run", example(), "--clock", "virtual", "--out", out.string()};
   for (const auto& change : changes) {
     arguments.emplace_back("--set");
     arguments.push_back(change);
@@ -134,10 +133,9 @@ type = "ring_output"
 in.in = "zero"
 signal = "daq.atTarget"
 )");
-  const test::Finished run =
-      test::run_rths({"run", example(), "--clock", "virtual", "--out", folder.path().string(),
-                      "--set", "node.xpc.diagram=\"" + diagram.string() + "\"", "--set",
-                      "uncompensated={}"});
+  const test::Finished run = test::run_rths(
+      {"run", example(), "--clock", "virtual", "--out", folder.path().string(), "--set",
+       "node.xpc.diagram=\"" + diagram.string() + "\"", "--set", "uncompensated={}"});
 
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("opf: atTarget did not rise before the deadline at"), std::string::npos)

@@ -119,7 +119,8 @@ TEST_P(Death, BringsTheOthersToRestWithinTwoSeconds) {
   kill(pids.at(GetParam()), SIGKILL);
   const auto killed = std::chrono::steady_clock::now();
   const auto all_ended = [&] {
-    return std::none_of(pids.begin(), pids.end(), [](const auto& p) { return is_running(p.second); });
+    return std::none_of(pids.begin(), pids.end(),
+                        [](const auto& p) { return is_running(p.second); });
   };
   while (!all_ended() && std::chrono::steady_clock::now() - killed < std::chrono::seconds{10})
     std::this_thread::sleep_for(milliseconds{10});
@@ -135,7 +136,8 @@ TEST_P(Death, BringsTheOthersToRestWithinTwoSeconds) {
     const auto first = ("\n" + finished.err).find("\n" + mark);
     EXPECT_NE(first, std::string::npos) << node << " says nothing:\n" << finished.err;
     EXPECT_EQ(("\n" + finished.err).find("\n" + mark, first + 1), std::string::npos)
-        << node << " says too much:\n" << finished.err;
+        << node << " says too much:\n"
+        << finished.err;
   }
   EXPECT_NE(finished.err.find(victim + " "), std::string::npos) << finished.err;
   if (victim != "launcher") {
@@ -149,8 +151,7 @@ TEST_P(Death, BringsTheOthersToRestWithinTwoSeconds) {
             std::string::npos);
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, Death,
-                         ::testing::Values("srmd", "xpc", "opf", "recorder", "launcher"),
+INSTANTIATE_TEST_SUITE_P(Of, Death, ::testing::Values("srmd", "xpc", "opf", "recorder", "launcher"),
                          [](const auto& victim) { return std::string{victim.param}; });
 
 TEST(WallRun, EndsWhenANodeFallsSilent) {
@@ -192,8 +193,8 @@ TEST(WallRun, RefusesARingThatIsInUse) {
   ASSERT_EQ(pids.size(), 5U);
   const test::TemporaryFolder folder;
 
-  const test::Finished second = test::run_rths(
-      {"run", example(), "--out", folder.path().string(), "--ring", run.ring});
+  const test::Finished second =
+      test::run_rths({"run", example(), "--out", folder.path().string(), "--ring", run.ring});
 
   EXPECT_EQ(second.exit_code, 2);
   EXPECT_NE(second.err.find("ring '" + run.ring + "' is in use by"), std::string::npos);
@@ -206,11 +207,13 @@ TEST(WallRun, ShowsAndTakesWordsByNameWhileItRuns) {
   const auto pids = run.wait_until_moving();
   ASSERT_EQ(pids.size(), 5U);
 
-  const auto moving = test::run_rths({"dump", run.ring, "srmd.*.displ.fbk", "-n", "5", "-T", "2000"});
+  const auto moving =
+      test::run_rths({"dump", run.ring, "srmd.*.displ.fbk", "-n", "5", "-T", "2000"});
   EXPECT_EQ(moving.exit_code, 0);
   EXPECT_EQ(std::count(moving.out.begin(), moving.out.end(), '\n'), 5);
-  EXPECT_EQ(test::run_rths({"send", run.ring, "tune.xpc.feed_forward.velocity_gain_s=15ms"}).exit_code,
-            0);
+  EXPECT_EQ(
+      test::run_rths({"send", run.ring, "tune.xpc.feed_forward.velocity_gain_s=15ms"}).exit_code,
+      0);
   const auto tuned =
       test::run_rths({"dump", run.ring, "--once", "tune.xpc.feed_forward.velocity_gain_s"});
   EXPECT_NE(tuned.out.find("velocity_gain_s = 0.015"), std::string::npos) << tuned.out;

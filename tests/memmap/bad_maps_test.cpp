@@ -35,15 +35,14 @@ TEST_P(BadMap, IsRefusedWithPlaceFoundAndExpected) {
   std::string expected = text.substr(golden + mark.size());
   expected.erase(expected.find_last_not_of('\n') + 1);
 
-  const std::string found = test::error_of(
-      [&] { static_cast<void>(parse_map(text, GetParam().filename().string())); });
+  const std::string found =
+      test::error_of([&] { static_cast<void>(parse_map(text, GetParam().filename().string())); });
 
   EXPECT_EQ(found, expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, BadMap, ::testing::ValuesIn(bad_maps()), [](const auto& map) {
-  return map.param.stem().string();
-});
+INSTANTIATE_TEST_SUITE_P(All, BadMap, ::testing::ValuesIn(bad_maps()),
+                         [](const auto& map) { return map.param.stem().string(); });
 
 TEST(BadMaps, AreAtLeastTwenty) { EXPECT_GE(bad_maps().size(), 20U); }
 

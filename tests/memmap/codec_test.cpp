@@ -79,8 +79,8 @@ TEST(Codec, TurnsNotANumberIntoZeroWhereThereIsNone) {
 
   EXPECT_EQ(codec_for(WordType::I32, "1").encode(nan), 0U);
   EXPECT_EQ(codec_for(WordType::U32, "1").encode(nan), 0U);
-  EXPECT_TRUE(std::isnan(
-      codec_for(WordType::F32, "1").decode(codec_for(WordType::F32, "1").encode(nan))));
+  EXPECT_TRUE(
+      std::isnan(codec_for(WordType::F32, "1").decode(codec_for(WordType::F32, "1").encode(nan))));
 }
 
 TEST(Codec, WorksInRealTime) {

@@ -115,10 +115,11 @@ TEST(Config, ResolvesPathsBesideTheFile) {
 TEST(Config, GivesErrorsWithoutAPlaceThatOfTheirKey) {
   const Config config = parse("cutoff_Hz = 900");
 
-  EXPECT_EQ(test::error_of([&] {
-              static_cast<void>(config.placed("cutoff_Hz", []() -> int { throw Error{"too high"}; }));
-            }),
-            "lab.toml:1:13: too high");
+  EXPECT_EQ(
+      test::error_of([&] {
+        static_cast<void>(config.placed("cutoff_Hz", []() -> int { throw Error{"too high"}; }));
+      }),
+      "lab.toml:1:13: too high");
 }
 
 TEST(Nearest, FindsTheLikelyWordOnly) {

@@ -51,7 +51,7 @@ static_assert(srmd_map::opf_newTarget_stop == -1);
 int main() {
   using namespace srmd_map;
   const bool same = srmd_long_force_fbk.encode(1e6) == )" +
-                                                std::to_string(codec.encode(1e6)) + R"(u;
+                                                       std::to_string(codec.encode(1e6)) + R"(u;
   return same && opf_newTarget.decode(opf_newTarget.encode(-1)) == -1 ? 0 : 1;
 }
 )");

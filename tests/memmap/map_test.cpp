@@ -93,8 +93,7 @@ TEST(Map, HasTheSameHashHoweverItIsSpelt) {
   std::string reordered = kText;
   const auto second = reordered.rfind("[[partition]]");
   const std::string head = reordered.substr(0, reordered.find("[[partition]]"));
-  const std::string first_partition =
-      reordered.substr(head.size(), second - head.size());
+  const std::string first_partition = reordered.substr(head.size(), second - head.size());
   reordered = head + reordered.substr(second) + first_partition + "\n# a comment\n";
 
   EXPECT_EQ(parse_map(reordered, "x").hash(), parse_map(kText, "y").hash());

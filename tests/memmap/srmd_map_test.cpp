@@ -89,8 +89,8 @@ TEST(SrmdMap, LetsEachPartitionBeWrittenByItsNode) {
   const Map map = srmd();
 
   const std::pair<std::uint32_t, const char*> writers[] = {
-      {0, "xpc"}, {14, "xpc"}, {64, "srmd"}, {111, "srmd"}, {1024, "opf"}, {1059, "opf"},
-      {1060, "xpc"}, {1096, "xpc"}};
+      {0, "xpc"},    {14, "xpc"},   {64, "srmd"},  {111, "srmd"},
+      {1024, "opf"}, {1059, "opf"}, {1060, "xpc"}, {1096, "xpc"}};
   for (const auto& [word, node] : writers)
     EXPECT_EQ(map.partition_at(LongwordOffset{word})->node, node) << word;
   for (const std::uint32_t blank : {15U, 63U, 112U, 1023U, 1097U})

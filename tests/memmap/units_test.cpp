@@ -36,10 +36,11 @@ INSTANTIATE_TEST_SUITE_P(
                       Known{"kip", "N", 4448.2216152605}, Known{"kN", "N", 1e3},
                       Known{"gravity", "m/s2", 9.80665}, Known{"kN/gravity", "kg", 1e3 / 9.80665},
                       Known{"kN.s/cm", "N.s/m", 1e5}, Known{"degree", "rad", 0.017453292519943},
-                      Known{"degree/s2", "rad/s2", 0.017453292519943}, Known{"kip.inch", "N.m", 112.98482902762},
-                      Known{"psi", "Pa", 6894.757293168}, Known{"ms", "s", 1e-3},
-                      Known{"percent", "1", 0.01}, Known{"V", "V", 1}, Known{"1", "1", 1},
-                      Known{"Hz", "Hz", 1}, Known{"s2", "s2", 1}, Known{"kN/mm", "N/m", 1e6}));
+                      Known{"degree/s2", "rad/s2", 0.017453292519943},
+                      Known{"kip.inch", "N.m", 112.98482902762}, Known{"psi", "Pa", 6894.757293168},
+                      Known{"ms", "s", 1e-3}, Known{"percent", "1", 0.01}, Known{"V", "V", 1},
+                      Known{"1", "1", 1}, Known{"Hz", "Hz", 1}, Known{"s2", "s2", 1},
+                      Known{"kN/mm", "N/m", 1e6}));
 
 TEST(Unit, ShiftsCelsius) {
   const Unit unit = parse_unit("degC");

@@ -65,10 +65,11 @@ std::vector<SignalId> all_signals(const memmap::Map& map) {
 
 Writer open_writer(const std::filesystem::path& file) {
   const memmap::Map map = sample_map();
-  return {file, map, all_signals(map),
-          {{{"lab.toml", "name = \"lab\"\n"}, {"empty", ""}},
-           {{"host", "here"}},
-           {{"machine", 1.0}}}};
+  return {
+      file,
+      map,
+      all_signals(map),
+      {{{"lab.toml", "name = \"lab\"\n"}, {"empty", ""}}, {{"host", "here"}}, {{"machine", 1.0}}}};
 }
 
 /// Row number `i`: every value can be checked afterwards.
@@ -110,9 +111,9 @@ TEST(Recording, CarriesNamesUnitsMapConfigurationAndMeta) {
 
   const Reader reader{file};
 
-  EXPECT_EQ(reader.names(), (std::vector<std::string>{"fbk.long.displ", "fbk.lat.displ",
-                                                      "monitor.machine.host.step",
-                                                      "monitor.machine.host.status"}));
+  EXPECT_EQ(reader.names(),
+            (std::vector<std::string>{"fbk.long.displ", "fbk.lat.displ",
+                                      "monitor.machine.host.step", "monitor.machine.host.status"}));
   EXPECT_EQ(reader.unit("fbk.long.displ"), "m");
   EXPECT_EQ(reader.map().hash(), sample_map().hash());
   EXPECT_EQ(reader.config("lab.toml"), "name = \"lab\"\n");

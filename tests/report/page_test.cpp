@@ -17,9 +17,8 @@ class Page : public ::testing::Test {
   static void SetUpTestSuite() {
     folder = new test::TemporaryFolder;
     const auto example = (test::source_tree() / "examples/srmd_lprb_2d.toml").string();
-    const test::Finished run =
-        test::run_rths({"run", example, "--clock", "virtual", "--out", folder->path().string(),
-                        "--set", "duration_s=10"});
+    const test::Finished run = test::run_rths({"run", example, "--clock", "virtual", "--out",
+                                               folder->path().string(), "--set", "duration_s=10"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     html = test::content_of(folder->path() / "report.html");
   }

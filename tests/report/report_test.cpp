@@ -69,9 +69,9 @@ TEST(Numbers, HaveNoRawDelayWhereNoneWasMeasured) {
 TEST(Numbers, HoldEverythingThatAReportPromises) {
   const Json numbers = numbers_of(run_with(3));
 
-  for (const char* key : {"processes", "clock", "duration_s", "control_rate_hz", "overruns",
-                          "slow_downs", "host_late_max_ms", "steps_excused", "predict_ms_mean",
-                          "correct_ms_mean", "axes"})
+  for (const char* key :
+       {"processes", "clock", "duration_s", "control_rate_hz", "overruns", "slow_downs",
+        "host_late_max_ms", "steps_excused", "predict_ms_mean", "correct_ms_mean", "axes"})
     EXPECT_TRUE(numbers.contains(key)) << key;
 }
 

@@ -33,9 +33,9 @@ double error_of_step_response(double dt, double alpha) {
     integrator.correct(k * u, VectorXd::Constant(1, load));
     const double t = (i - 0.5) * dt;
     const double exact =
-        load / k * (1 - std::exp(-zeta * omega * t) *
-                            (std::cos(omega_d * t) +
-                             zeta * omega / omega_d * std::sin(omega_d * t)));
+        load / k *
+        (1 - std::exp(-zeta * omega * t) *
+                 (std::cos(omega_d * t) + zeta * omega / omega_d * std::sin(omega_d * t)));
     worst = std::max(worst, std::abs(integrator.displacement()[0] - exact));
   }
   return worst / (load / k);
@@ -81,7 +81,9 @@ TEST(AlphaOs, DampsHighFrequenciesWithAlpha) {
     const VectorXd u = integrator.predict();
     integrator.correct(omega * omega * u, VectorXd::Constant(1, load));
     load = 0;
-    (i < 50 ? early : late) = std::max(i < 50 ? early : i > 350 ? late : 0.0,
+    (i < 50 ? early : late) = std::max(i < 50    ? early
+                                       : i > 350 ? late
+                                                 : 0.0,
                                        std::abs(integrator.displacement()[0]));
   }
 
@@ -131,9 +133,7 @@ TEST(AlphaOs, RefusesWhatItCannotIntegrate) {
   EXPECT_NE(test::error_of([] { AlphaOs(scalar(1), scalar(0), scalar(1), 0, 0); }), "");
   EXPECT_NE(test::error_of([] { AlphaOs(scalar(1), scalar(0), scalar(1), 0.01, 0.1); }), "");
   EXPECT_NE(test::error_of([] { AlphaOs(scalar(-1), scalar(0), scalar(1), 0.01, 0); }), "");
-  EXPECT_NE(test::error_of([] {
-              AlphaOs(scalar(1), MatrixXd::Zero(2, 2), scalar(1), 0.01, 0);
-            }),
+  EXPECT_NE(test::error_of([] { AlphaOs(scalar(1), MatrixXd::Zero(2, 2), scalar(1), 0.01, 0); }),
             "");
 }
 

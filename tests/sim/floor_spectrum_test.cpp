@@ -36,7 +36,8 @@ TEST(FloorSpectrum, AmplifiesAtResonanceByTheClosedForm) {
   const std::vector<double> resonant = {2.0};
 
   const double expected = std::sqrt(1 + 4 * kDampingRatio * kDampingRatio) / (2 * kDampingRatio);
-  EXPECT_NEAR(floor_spectrum(a, zero, 0.002, resonant, kDampingRatio)[0], expected, 0.01 * expected);
+  EXPECT_NEAR(floor_spectrum(a, zero, 0.002, resonant, kDampingRatio)[0], expected,
+              0.01 * expected);
 }
 
 TEST(FloorSpectrum, HasTheTransmissibilityOfAnOscillatorAwayFromResonance) {
@@ -47,8 +48,7 @@ TEST(FloorSpectrum, HasTheTransmissibilityOfAnOscillatorAwayFromResonance) {
   const std::vector<double> own = {6.0};
   const double r = drive / own[0];
   const double z2r = 2 * kDampingRatio * r;
-  const double expected =
-      std::sqrt((1 + z2r * z2r) / ((1 - r * r) * (1 - r * r) + z2r * z2r));
+  const double expected = std::sqrt((1 + z2r * z2r) / ((1 - r * r) * (1 - r * r) + z2r * z2r));
 
   const double found = floor_spectrum(a, zero, 0.002, own, kDampingRatio)[0];
 

@@ -77,8 +77,9 @@ TEST(IsolatedPlant, RefusesAStickWithoutAFloorAtTheSpectrumElevation) {
   IsolatedPlant plant = example_plant();
   plant.spectrum_elevation = 33;
 
-  EXPECT_NE(test::error_of([&] { static_cast<void>(assemble(plant)); })
-                .find("'containment' has no mass at the spectrum elevation"),
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(assemble(plant));
+            }).find("'containment' has no mass at the spectrum elevation"),
             std::string::npos);
 }
 
@@ -121,8 +122,8 @@ TEST(PlantAnalysis, AgreesWithTheFrequencyResponseOfTheLinearPlant) {
   }
 
   const std::complex<double> j{0, 1};
-  const Eigen::MatrixXcd dynamic = (with_bearings(damped, k) - omega * omega * damped.M) +
-                                   j * omega * damped.C;
+  const Eigen::MatrixXcd dynamic =
+      (with_bearings(damped, k) - omega * omega * damped.M) + j * omega * damped.C;
   const Eigen::VectorXcd response =
       dynamic.partialPivLu().solve(Eigen::VectorXcd(-damped.M * damped.iota.col(0)));
   EXPECT_NEAR(largest, std::abs(response[0]), 0.005 * largest);

@@ -78,8 +78,9 @@ TEST(LeadRubber, DoesNotDependOnTheChoiceOfAxes) {
   LeadRubberState straight;
   LeadRubberState turned;
   const double angle = 0.7;
-  const Eigen::Matrix2d R = (Eigen::Matrix2d() << std::cos(angle), -std::sin(angle),
-                             std::sin(angle), std::cos(angle)).finished();
+  const Eigen::Matrix2d R =
+      (Eigen::Matrix2d() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle))
+          .finished();
   for (int i = 0; i < 2000; ++i) {
     const double t = i * 0.005;
     const Vector2d u{0.1 * std::sin(3 * t), 0.06 * std::sin(4.1 * t + 0.4)};

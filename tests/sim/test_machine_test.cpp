@@ -77,10 +77,11 @@ TEST(TestMachine, ReportsTheTableForceThatItsEquationOfMotionNeeds) {
     const double v = (run.true_displacement() - before)[0] / kPeriod;
     before = run.true_displacement();
     if (i < 100 || std::abs(v) < 0.02) continue;  // near reversals the friction turns over
-    const double expected = run.specimen_force()[0] + axis.effective_mass * feedback.acceleration[0] +
-                            std::copysign(axis.coulomb_friction, v) + axis.viscous_friction * v +
-                            axis.force_offset;
-    // One millisecond's difference quotient against the state at its end: m_e times jerk times 1 ms.
+    const double expected =
+        run.specimen_force()[0] + axis.effective_mass * feedback.acceleration[0] +
+        std::copysign(axis.coulomb_friction, v) + axis.viscous_friction * v + axis.force_offset;
+    // One millisecond's difference quotient against the state at its end: m_e times jerk times 1
+    // ms.
     EXPECT_NEAR(feedback.force[0], expected, 2.5e4);
   }
 }

@@ -8,7 +8,7 @@ namespace rths::test {
 
 /// What a process left behind.
 struct Finished {
-  int exit_code = -1;   ///< −1 if it was killed
+  int exit_code = -1;  ///< −1 if it was killed
   int signal = 0;
   std::string out, err;
   double seconds = 0;

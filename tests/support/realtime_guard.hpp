@@ -33,23 +33,23 @@ class RealTimeGuard {
 
 /// Runs a statement and expects it to do nothing that a control loop must not do. The statement is
 /// run once before, unwatched, so that first-time costs of the C library do not count.
-#define EXPECT_REALTIME(statement)                                                        \
-  do {                                                                                    \
-    if (!::rths::test::RealTimeGuard::supported()) {                                      \
-      GTEST_SKIP() << "SKIPPED: the real-time guard does not work under sanitizers";      \
-    }                                                                                     \
-    statement;                                                                            \
-    long heap_calls = 0;                                                                  \
-    long locks = 0;                                                                       \
-    long system_call = -1;                                                                \
-    {                                                                                     \
-      const ::rths::test::RealTimeGuard guard;                                            \
-      statement;                                                                          \
-      heap_calls = guard.heap_calls();                                                    \
-      locks = guard.locks();                                                              \
-      system_call = guard.first_system_call();                                            \
-    }                                                                                     \
-    EXPECT_EQ(heap_calls, 0) << #statement " allocates";                                  \
-    EXPECT_EQ(locks, 0) << #statement " locks";                                           \
-    EXPECT_EQ(system_call, -1) << #statement " makes this system call";                   \
+#define EXPECT_REALTIME(statement)                                                   \
+  do {                                                                               \
+    if (!::rths::test::RealTimeGuard::supported()) {                                 \
+      GTEST_SKIP() << "SKIPPED: the real-time guard does not work under sanitizers"; \
+    }                                                                                \
+    statement;                                                                       \
+    long heap_calls = 0;                                                             \
+    long locks = 0;                                                                  \
+    long system_call = -1;                                                           \
+    {                                                                                \
+      const ::rths::test::RealTimeGuard guard;                                       \
+      statement;                                                                     \
+      heap_calls = guard.heap_calls();                                               \
+      locks = guard.locks();                                                         \
+      system_call = guard.first_system_call();                                       \
+    }                                                                                \
+    EXPECT_EQ(heap_calls, 0) << #statement " allocates";                             \
+    EXPECT_EQ(locks, 0) << #statement " locks";                                      \
+    EXPECT_EQ(system_call, -1) << #statement " makes this system call";              \
   } while (false)

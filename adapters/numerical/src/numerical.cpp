@@ -159,7 +159,8 @@ Status Numerical::step(Step& step) noexcept {
   if (step.stopping && phase_ != Phase::Leave) enter(Phase::Leave, step, kStop);
   const bool switch_pc = step.inputs[kSwitchPc] > 0;
   switch (phase_) {
-    case Phase::WaitForTarget: return at_target(step);
+    case Phase::WaitForTarget:
+      return at_target(step);
     case Phase::Compute:
       if (step.time - entered_ >= computing_time_) post(step);
       return Status::Ok;
@@ -169,7 +170,8 @@ Status Numerical::step(Step& step) noexcept {
     case Phase::WaitForRelease:
       if (!switch_pc) enter(Phase::WaitForTarget, step, kIdle);
       return wait_for(!switch_pc, step, "switchPC did not fall before the deadline");
-    case Phase::Leave: return step.time - entered_ < kFarewell ? Status::Ok : Status::Done;
+    case Phase::Leave:
+      return step.time - entered_ < kFarewell ? Status::Ok : Status::Done;
   }
   return Status::Fault;
 }

@@ -26,8 +26,8 @@ sim::RecordComponent read_component(const memmap::Config& table, const std::stri
   const std::string extension = file.extension().string();
   if (extension == ".AT2" || extension == ".at2") return sim::read_at2(file);
   const int fallback = key == "long" ? 1 : 2;
-  return sim::read_column(
-      file, static_cast<int>(table.integer_in("column_" + key, 1, 100, fallback)));
+  return sim::read_column(file,
+                          static_cast<int>(table.integer_in("column_" + key, 1, 100, fallback)));
 }
 
 }  // namespace

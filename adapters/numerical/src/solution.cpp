@@ -9,11 +9,13 @@ namespace rths::adapters {
 namespace {
 
 // A direction that is not tested is not shaken either.
-sim::GroundMotion along_tested_axes(sim::GroundMotion motion, const std::vector<std::string>& axes) {
+sim::GroundMotion along_tested_axes(sim::GroundMotion motion,
+                                    const std::vector<std::string>& axes) {
   const auto tested = [&](const char* axis) {
     return std::find(axes.begin(), axes.end(), axis) != axes.end();
   };
-  if (!tested("long")) std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
+  if (!tested("long"))
+    std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
   if (!tested("lat")) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0);
   return motion;
 }
@@ -63,7 +65,8 @@ PlayedTargets::PlayedTargets(const DisplacementHistory& history, double integrat
 Eigen::Vector2d PlayedTargets::at(double time) const noexcept {
   const double last = static_cast<double>(history_.displacement_long.size() - 1);
   const double position = std::clamp(time / history_.time_step, 0.0, last);
-  const auto i = std::min(static_cast<std::size_t>(position), history_.displacement_long.size() - 2);
+  const auto i =
+      std::min(static_cast<std::size_t>(position), history_.displacement_long.size() - 2);
   const double part = position - static_cast<double>(i);
   const auto between = [&](const std::vector<double>& values) {
     return (1 - part) * values[i] + part * values[i + 1];

@@ -139,9 +139,7 @@ void Recorder::deactivate() noexcept {
 
 }  // namespace
 
-std::vector<Port> recorder_monitors() {
-  return {{"lost_rows", Direction::Monitor, "1", 0, true}};
-}
+std::vector<Port> recorder_monitors() { return {{"lost_rows", Direction::Monitor, "1", 0, true}}; }
 
 std::unique_ptr<Adapter> make_recorder(const memmap::Map& map, const RecorderSettings& settings) {
   return std::make_unique<Recorder>(map, settings);

@@ -17,29 +17,29 @@ namespace rths::adapters {
 /// An input or output of a block.
 struct PortSpec {
   std::string name;
-  bool per_axis = true;    ///< one value per axis, else one
-  std::string unit = "";   ///< SI; empty: as the first input's
-  bool optional = false;   ///< an input that may be left unwired; it then reads zeros
+  bool per_axis = true;   ///< one value per axis, else one
+  std::string unit = {};  ///< SI; empty: as the first input's
+  bool optional = false;  ///< an input that may be left unwired; it then reads zeros
 };
 
 /// A setting of a block that may be tuned while it runs.
 struct ParameterSpec {
-  std::string name;        ///< as in the file, unit included: "velocity_gain_s"
+  std::string name;  ///< as in the file, unit included: "velocity_gain_s"
   std::string unit = "1";
   double value = 0;
 };
 
 /// Everything a block can be. Ring inputs and outputs have no step: the target copies for them.
-using BlockKind = std::variant<RingInput, RingOutput, Constant, Sine, Gain, Sum, Saturation,
-                               RateLimiter, Switch, UnitDelay, TransportDelay, Derivative,
-                               LowPassBlock, MovingAverageBlock, RemoveOffset,
-                               PredictorCorrectorBlock, AtsBlock, FeedForwardBlock,
-                               ForceObserverBlock, Stop>;
+using BlockKind =
+    std::variant<RingInput, RingOutput, Constant, Sine, Gain, Sum, Saturation, RateLimiter, Switch,
+                 UnitDelay, TransportDelay, Derivative, LowPassBlock, MovingAverageBlock,
+                 RemoveOffset, PredictorCorrectorBlock, AtsBlock, FeedForwardBlock,
+                 ForceObserverBlock, Stop>;
 
 struct Block {
   std::string name;
-  std::string where;         ///< place in the file
-  bool fast = false;         ///< runs at substeps times the base rate
+  std::string where;  ///< place in the file
+  bool fast = false;  ///< runs at substeps times the base rate
   std::vector<PortSpec> inputs, outputs;
   std::vector<ParameterSpec> parameters;
   std::vector<std::string> wires;  ///< source of each input, "block.port"; empty if unwired
@@ -49,7 +49,7 @@ struct Block {
 /// What a block type needs in order to be built.
 struct BlockContext {
   const DiagramContext& run;
-  double period;             ///< of this block [s]
+  double period;  ///< of this block [s]
 
   [[nodiscard]] std::size_t axes() const { return run.axes.size(); }
 };

@@ -45,7 +45,8 @@ std::vector<double> per_axis(const Config& table, const std::string& key,
     else if (order < given.size())
       values.push_back(given[order]);
     else
-      table.fail(key, fmt::format("{} has {} numbers, none for axis '{}'", key, given.size(), axis));
+      table.fail(key,
+                 fmt::format("{} has {} numbers, none for axis '{}'", key, given.size(), axis));
   }
   return values;
 }
@@ -77,8 +78,8 @@ Block make_ring_output(const Config& table, const BlockContext& context) {
   const std::string at_stop = table.text("at_stop", "hold");
   if (at_stop != "hold" && at_stop != "ramp")
     table.fail("at_stop", fmt::format("at_stop is '{}', expected hold or ramp", at_stop));
-  block.kind = RingOutput{expand_axes(pattern, context),
-                          at_stop == "ramp" ? AtStop::Ramp : AtStop::Hold};
+  block.kind =
+      RingOutput{expand_axes(pattern, context), at_stop == "ramp" ? AtStop::Ramp : AtStop::Hold};
   block.inputs = {{"in", names_axes(pattern)}};
   return block;
 }
@@ -168,21 +169,21 @@ Block make_derivative(const Config& table, const BlockContext& context) {
 Block make_low_pass(const Config& table, const BlockContext& context) {
   const int order = static_cast<int>(table.integer_in("order", 2, 8, 2));
   const double cutoff = table.number("cutoff_Hz");
-  const auto filter = table.placed(
-      "cutoff_Hz", [&] { return controller::LowPass{order, cutoff, context.period}; });
+  const auto filter = table.placed("cutoff_Hz", [&] {
+    return controller::LowPass{order, cutoff, context.period};
+  });
   return through(LowPassBlock{std::vector(context.axes(), filter)});
 }
 
 Block make_moving_average(const Config& table, const BlockContext& context) {
-  const controller::MovingAverage filter{
-      static_cast<int>(table.integer_in("samples", 1, 10'000))};
+  const controller::MovingAverage filter{static_cast<int>(table.integer_in("samples", 1, 10'000))};
   return through(MovingAverageBlock{std::vector(context.axes(), filter)});
 }
 
 Block make_remove_offset(const Config& table, const BlockContext& context) {
   const double duration = table.number_in("duration_s", context.period, 100, 1.0);
-  return through(RemoveOffset{std::lround(duration / context.period), 0,
-                              std::vector<double>(context.axes())});
+  return through(
+      RemoveOffset{std::lround(duration / context.period), 0, std::vector<double>(context.axes())});
 }
 
 controller::Polynomial read_polynomial(const Config& table, const std::string& key) {
@@ -198,15 +199,16 @@ std::vector<int> read_sampling_delay(const Config& table, const BlockContext& co
     const int in_substeps = static_cast<int>(std::lround(delay / context.period));
     const double ratio = static_cast<double>(in_substeps) / substeps;
     switch (controller::judge_delay(in_substeps, substeps)) {
-      case controller::DelayVerdict::Fine: break;
+      case controller::DelayVerdict::Fine:
+        break;
       case controller::DelayVerdict::Warned:
         fmt::print(stderr, "{}: warning: the sampling delay is {:.2f} of the step, above 0.6\n",
                    table.where("sampling_delay_s"), ratio);
         break;
       case controller::DelayVerdict::Refused:
-        table.fail("sampling_delay_s",
-                   fmt::format("the sampling delay is {:.2f} of the step, expected less than 0.8",
-                               ratio));
+        table.fail(
+            "sampling_delay_s",
+            fmt::format("the sampling delay is {:.2f} of the step, expected less than 0.8", ratio));
     }
     delays.push_back(in_substeps);
   }
@@ -231,13 +233,13 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
                   {"force", kPerAxis, "N"},
                   {"target_velocity", kPerAxis, "m/s", true},
                   {"target_acceleration", kPerAxis, "m/s2", true}};
-  block.outputs = {{"command", kPerAxis, "m"},       {"velocity", kPerAxis, "m/s"},
+  block.outputs = {{"command", kPerAxis, "m"},         {"velocity", kPerAxis, "m/s"},
                    {"acceleration", kPerAxis, "m/s2"}, {"held_displacement", kPerAxis, "m"},
-                   {"held_force", kPerAxis, "N"},    {"at_target", kSingle, "1"},
-                   {"switch_pc", kSingle, "1"},      {"state", kSingle, "1"},
-                   {"counter", kSingle, "1"},        {"stopped", kSingle, "1"},
-                   {"correct_time", kSingle, "s"},   {"predict_time", kSingle, "s"},
-                   {"slow_down_time", kSingle, "s"}, {"targets", kSingle, "1"}};
+                   {"held_force", kPerAxis, "N"},      {"at_target", kSingle, "1"},
+                   {"switch_pc", kSingle, "1"},        {"state", kSingle, "1"},
+                   {"counter", kSingle, "1"},          {"stopped", kSingle, "1"},
+                   {"correct_time", kSingle, "s"},     {"predict_time", kSingle, "s"},
+                   {"slow_down_time", kSingle, "s"},   {"targets", kSingle, "1"}};
   const auto delays = read_sampling_delay(table, context, settings.substeps);
   block.kind = table.placed("name", [&] {
     return PredictorCorrectorBlock{settings, delays, context.period};
@@ -245,10 +247,12 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
   return block;
 }
 
-Eigen::Vector3d three(const Config& table, const std::string& key, const Eigen::Vector3d& otherwise) {
+Eigen::Vector3d three(const Config& table, const std::string& key,
+                      const Eigen::Vector3d& otherwise) {
   const auto values = table.numbers(key, {otherwise[0], otherwise[1], otherwise[2]});
   if (values.size() != 3)
-    table.fail(key, fmt::format("{} has {} numbers, expected three: a0, a1, a2", key, values.size()));
+    table.fail(key,
+               fmt::format("{} has {} numbers, expected three: a0, a1, a2", key, values.size()));
   return {values[0], values[1], values[2]};
 }
 
@@ -261,8 +265,10 @@ Block make_ats(const Config& table, const BlockContext& context) {
   settings.largest_change = three(table, "largest_change", settings.largest_change);
   settings.threshold = table.number_in("threshold_m", 0, 1, settings.threshold);
   settings.window = table.number_in("window_s", 0.01, 100, settings.window);
-  settings.decimation = static_cast<int>(table.integer_in("decimation", 1, 1000, settings.decimation));
-  settings.filter_order = static_cast<int>(table.integer_in("filter_order", 2, 8, settings.filter_order));
+  settings.decimation =
+      static_cast<int>(table.integer_in("decimation", 1, 1000, settings.decimation));
+  settings.filter_order =
+      static_cast<int>(table.integer_in("filter_order", 2, 8, settings.filter_order));
   settings.filter_cutoff = table.number_in("filter_cutoff_Hz", 0.1, 1000, settings.filter_cutoff);
   settings.smoothing = static_cast<int>(table.integer_in("smoothing", 1, 100, settings.smoothing));
   settings.quiet_rms = table.number_in("quiet_rms_m", 0, 1, settings.quiet_rms);
@@ -310,10 +316,11 @@ Block make_force_observer(const Config& table, const BlockContext& context) {
         controller::MachineForce{mass[i], coulomb[i], viscous[i], exponent, offset[i], rest},
         context.period, length);
   Block block;
-  block.inputs = {
-      {"displacement", kPerAxis, "m"}, {"acceleration", kPerAxis, "m/s2"}, {"force", kPerAxis, "N"}};
-  block.outputs = {{"force", kPerAxis, "N"}, {"velocity", kPerAxis, "m/s"},
-                   {"machine_force", kPerAxis, "N"}};
+  block.inputs = {{"displacement", kPerAxis, "m"},
+                  {"acceleration", kPerAxis, "m/s2"},
+                  {"force", kPerAxis, "N"}};
+  block.outputs = {
+      {"force", kPerAxis, "N"}, {"velocity", kPerAxis, "m/s"}, {"machine_force", kPerAxis, "N"}};
   add_parameter(block, table, "enabled", "1", 1);
   block.kind = std::move(observer);
   return block;

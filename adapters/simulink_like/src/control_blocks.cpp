@@ -7,7 +7,9 @@ namespace rths::adapters {
 namespace {
 
 void copy_in(const double* from, Eigen::VectorXd& to) { std::copy_n(from, to.size(), to.data()); }
-void copy_out(const Eigen::VectorXd& from, double* to) { std::copy_n(from.data(), from.size(), to); }
+void copy_out(const Eigen::VectorXd& from, double* to) {
+  std::copy_n(from.data(), from.size(), to);
+}
 
 }  // namespace
 
@@ -17,8 +19,8 @@ PredictorCorrectorBlock::PredictorCorrectorBlock(
     : command_{settings},
       exchange_{std::move(delay_substeps), settings.substeps},
       period_{substep_period} {
-  for (Eigen::VectorXd* vector : {&target_.displacement, &target_.velocity, &target_.acceleration,
-                                  &displacement_, &force_})
+  for (Eigen::VectorXd* vector :
+       {&target_.displacement, &target_.velocity, &target_.acceleration, &displacement_, &force_})
     vector->setZero(settings.axes);
 }
 

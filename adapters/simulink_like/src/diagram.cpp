@@ -26,7 +26,8 @@ bool is_unit_delay(const Block& block) { return std::holds_alternative<UnitDelay
 Diagram::Diagram(const memmap::Config& file, const DiagramContext& context) : context_{context} {
   const std::int64_t format = file.integer("diagram");
   if (format != kDiagramFormat)
-    file.fail("diagram", fmt::format("diagram is {}, this program reads {}", format, kDiagramFormat));
+    file.fail("diagram",
+              fmt::format("diagram is {}, this program reads {}", format, kDiagramFormat));
   static_cast<void>(file.text("name", ""));
   period_ = 1 / file.number_in("base_rate_Hz", 1, 100'000);
   substeps_ = static_cast<int>(file.integer_in("substeps", 1, kMostSubsteps, 1));
@@ -155,17 +156,25 @@ void Diagram::order() {
   split_by_rate(sorted);
 }
 
-// The fast blocks run as one section, so nothing at the base rate may stand between two of them.
+// A block is behind the fast section if anything it reads is in it or behind it. That section runs
+// as one, so nothing at the base rate may stand between two fast blocks.
+bool Diagram::is_behind_fast(std::size_t block, const std::vector<bool>& behind_fast) const {
+  bool behind = false;
+  for (const auto feeder : feeds_[block]) {
+    const Block& source = blocks_[feeder].block;
+    if (blocks_[block].block.fast && !source.fast && behind_fast[feeder])
+      throw Error{fmt::format("{}: block '{}' at the base rate lies between fast blocks",
+                              source.where, source.name)};
+    behind = behind || source.fast || behind_fast[feeder];
+  }
+  return behind;
+}
+
 void Diagram::split_by_rate(const std::vector<std::size_t>& sorted) {
   std::vector<bool> behind_fast(blocks_.size(), false);
   for (const auto i : sorted) {
     const Block& block = blocks_[i].block;
-    for (const auto feeder : feeds_[i]) {
-      if (blocks_[feeder].block.fast || behind_fast[feeder]) behind_fast[i] = true;
-      if (block.fast && !blocks_[feeder].block.fast && behind_fast[feeder])
-        throw Error{fmt::format("{}: block '{}' at the base rate lies between fast blocks",
-                                blocks_[feeder].block.where, blocks_[feeder].block.name)};
-    }
+    behind_fast[i] = is_behind_fast(i, behind_fast);
     (block.fast ? fast_ : behind_fast[i] ? after_ : before_).push_back(i);
     if (is_unit_delay(block)) (block.fast ? fast_delays_ : base_delays_).push_back(i);
     if (std::holds_alternative<Stop>(block.kind)) stops_.push_back(i);
@@ -173,45 +182,53 @@ void Diagram::split_by_rate(const std::vector<std::size_t>& sorted) {
 }
 
 void Diagram::bind_ports() {
-  std::size_t inputs = 0;
-  std::size_t outputs = 0;
-  const auto axis_suffix = [&](const PortSpec& port, std::size_t i) {
-    return port.per_axis ? "." + context_.axes[i] : std::string{};
-  };
-  for (const auto& placed : blocks_) {
-    const auto* ring = std::get_if<RingInput>(&placed.block.kind);
-    for (std::size_t i = 0; ring != nullptr && i < ring->signals.size(); ++i) {
-      ports_.push_back(
-          {ring->signals[i], Direction::Input, placed.block.outputs[0].unit, 0, false});
-      copies_in_.push_back({inputs++, placed.out_at[0] + i});
+  for (const auto& placed : blocks_) bind_ring_input(placed);
+  for (const auto& placed : blocks_) bind_parameters(placed);
+  for (const auto& placed : blocks_) bind_ring_output(placed);
+  for (const auto& placed : blocks_) bind_monitors(placed);
+}
+
+void Diagram::bind_ring_input(const Placed& placed) {
+  const auto* ring = std::get_if<RingInput>(&placed.block.kind);
+  if (ring == nullptr) return;
+  for (std::size_t i = 0; i < ring->signals.size(); ++i) {
+    ports_.push_back({ring->signals[i], Direction::Input, placed.block.outputs[0].unit, 0, false});
+    copies_in_.push_back({copies_in_.size(), placed.out_at[0] + i});
+  }
+}
+
+void Diagram::bind_parameters(const Placed& placed) {
+  for (std::size_t i = 0; i < placed.block.parameters.size(); ++i) {
+    const auto& parameter = placed.block.parameters[i];
+    ports_.push_back({placed.block.name + "." + parameter.name, Direction::Parameter,
+                      parameter.unit, parameter.value, false});
+    copies_in_.push_back({copies_in_.size(), placed.parameter_at[i]});
+  }
+}
+
+void Diagram::bind_ring_output(const Placed& placed) {
+  const auto* ring = std::get_if<RingOutput>(&placed.block.kind);
+  if (ring == nullptr) return;
+  const Source source = find_source(placed, placed.block.wires[0]);
+  const Placed& from = blocks_[source.block];
+  for (std::size_t i = 0; i < ring->signals.size(); ++i) {
+    ports_.push_back(
+        {ring->signals[i], Direction::Output, from.block.outputs[source.output].unit, 0, false});
+    if (ring->at_stop == AtStop::Ramp) ramped_outputs_.push_back(copies_out_.size());
+    copies_out_.push_back({copies_out_.size(), from.out_at[source.output] + i});
+  }
+}
+
+void Diagram::bind_monitors(const Placed& placed) {
+  for (std::size_t o = 0; o < placed.block.outputs.size(); ++o) {
+    const PortSpec& output = placed.block.outputs[o];
+    for (std::size_t i = 0; i < width(output); ++i) {
+      const std::string axis = output.per_axis ? "." + context_.axes[i] : "";
+      ports_.push_back({placed.block.name + "." + output.name + axis, Direction::Monitor,
+                        output.unit, 0, false});
+      copies_out_.push_back({copies_out_.size(), placed.out_at[o] + i});
     }
   }
-  for (const auto& placed : blocks_)
-    for (std::size_t i = 0; i < placed.block.parameters.size(); ++i) {
-      const auto& parameter = placed.block.parameters[i];
-      ports_.push_back({placed.block.name + "." + parameter.name, Direction::Parameter,
-                        parameter.unit, parameter.value, false});
-      copies_in_.push_back({inputs++, placed.parameter_at[i]});
-    }
-  for (const auto& placed : blocks_) {
-    const auto* ring = std::get_if<RingOutput>(&placed.block.kind);
-    for (std::size_t i = 0; ring != nullptr && i < ring->signals.size(); ++i) {
-      const auto inside = static_cast<std::size_t>(placed.wires.in[0] - values_.data()) + i;
-      const Source source = find_source(placed, placed.block.wires[0]);
-      const std::string& unit = blocks_[source.block].block.outputs[source.output].unit;
-      ports_.push_back({ring->signals[i], Direction::Output, unit, 0, false});
-      if (ring->at_stop == AtStop::Ramp) ramped_outputs_.push_back(outputs);
-      copies_out_.push_back({outputs++, inside});
-    }
-  }
-  for (const auto& placed : blocks_)
-    for (std::size_t o = 0; o < placed.block.outputs.size(); ++o)
-      for (std::size_t i = 0; i < width(placed.block.outputs[o]); ++i) {
-        const PortSpec& output = placed.block.outputs[o];
-        ports_.push_back({placed.block.name + "." + output.name + axis_suffix(output, i),
-                          Direction::Monitor, output.unit, 0, false});
-        copies_out_.push_back({outputs++, placed.out_at[o] + i});
-      }
 }
 
 std::vector<Port> Diagram::ports() const { return ports_; }

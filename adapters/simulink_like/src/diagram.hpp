@@ -12,8 +12,8 @@
 
 namespace rths::adapters {
 
-/// A block diagram, wired and in order: base-rate blocks that feed the fast ones, then the fast ones
-/// `substeps` times, then base-rate blocks behind them.
+/// A block diagram, wired and in order: base-rate blocks that feed the fast ones, then the fast
+/// ones `substeps` times, then base-rate blocks behind them.
 class Diagram {
  public:
   /// @throws Error file:line:column   @setup
@@ -59,15 +59,21 @@ class Diagram {
   void order();
   void visit(std::size_t block, std::vector<int>& marks, std::vector<std::size_t>& sorted,
              std::vector<std::size_t>& path) const;
+  [[nodiscard]] bool is_behind_fast(std::size_t block, const std::vector<bool>& behind_fast) const;
   void split_by_rate(const std::vector<std::size_t>& sorted);
   void bind_ports();
+  void bind_ring_input(const Placed& placed);
+  void bind_parameters(const Placed& placed);
+  void bind_ring_output(const Placed& placed);
+  void bind_monitors(const Placed& placed);
   void run(const std::vector<std::size_t>& blocks, double time) noexcept;
 
   DiagramContext context_;
   double period_;
   int substeps_;
   std::vector<Placed> blocks_;
-  std::vector<std::vector<std::size_t>> feeds_;  ///< blocks that a block reads from in the same step
+  std::vector<std::vector<std::size_t>>
+      feeds_;  ///< blocks that a block reads from in the same step
   std::vector<double> values_;
   std::vector<std::size_t> before_, fast_, after_;
   std::vector<std::size_t> base_delays_, fast_delays_;

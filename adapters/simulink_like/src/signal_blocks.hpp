@@ -40,7 +40,8 @@ struct Constant {
 /// out = amplitude · sin(2π frequency t)
 struct Sine {
   void step(const Wires& w) RTHS_REALTIME {
-    const double value = *w.parameter[0] * std::sin(2 * std::numbers::pi * *w.parameter[1] * w.time);
+    const double value =
+        *w.parameter[0] * std::sin(2 * std::numbers::pi * *w.parameter[1] * w.time);
     std::fill_n(w.out[0], w.axes, value);
   }
 };

@@ -14,13 +14,30 @@ constexpr int kUserInputs = 8;
 constexpr int kOutriggers = 4;
 constexpr const char* kOutriggerNames[kOutriggers] = {"ne", "se", "nw", "sw"};
 
-enum In : std::size_t { kRefLong, kRefLat, kRefVert, kRefCompression, kUserInput, kInputs = kUserInput + kUserInputs };
+enum In : std::size_t {
+  kRefLong,
+  kRefLat,
+  kRefVert,
+  kRefCompression,
+  kUserInput,
+  kInputs = kUserInput + kUserInputs
+};
 enum Out : std::size_t {
-  kEchoLong, kEchoLat, kEchoVert, kEchoCompression,
-  kDisplLong, kDisplLat, kDisplVert, kCompression,
-  kAccelLong, kAccelLat,
-  kForceLong, kForceLat, kForceVert,
-  kOutrigger, kLiftPressure = kOutrigger + kOutriggers,
+  kEchoLong,
+  kEchoLat,
+  kEchoVert,
+  kEchoCompression,
+  kDisplLong,
+  kDisplLat,
+  kDisplVert,
+  kCompression,
+  kAccelLong,
+  kAccelLat,
+  kForceLong,
+  kForceLat,
+  kForceVert,
+  kOutrigger,
+  kLiftPressure = kOutrigger + kOutriggers,
   kUserEcho,
   kTrueDispl = kUserEcho + kUserInputs,
   kTrueForce = kTrueDispl + sim::kHorizontalAxes,
@@ -64,17 +81,20 @@ std::vector<Port> Srmd::ports() const {
   const auto out = [&](const std::string& name, const char* unit) {
     ports.push_back({name, Direction::Output, unit, 0, false});
   };
-  for (const char* axis : {"long", "lat", "vert"}) in(std::string{"xpc."} + axis + ".displ.ref", "m");
+  for (const char* axis : {"long", "lat", "vert"})
+    in(std::string{"xpc."} + axis + ".displ.ref", "m");
   in("xpc.compression.force.ref", "N");
   for (int i = 1; i <= kUserInputs; ++i) in("xpc." + std::to_string(i) + ".user_input", "V");
 
   for (const char* axis : {"long", "lat", "vert"})
     out(std::string{"srmd."} + axis + ".displ.ref_echo", "m");
   out("srmd.compression.force.ref_echo", "N");
-  for (const char* axis : {"long", "lat", "vert"}) out(std::string{"srmd."} + axis + ".displ.fbk", "m");
+  for (const char* axis : {"long", "lat", "vert"})
+    out(std::string{"srmd."} + axis + ".displ.fbk", "m");
   out("srmd.compression.force.fbk", "N");
   for (const char* axis : {"long", "lat"}) out(std::string{"srmd."} + axis + ".accel.fbk", "m/s2");
-  for (const char* axis : {"long", "lat", "vert"}) out(std::string{"srmd."} + axis + ".force.fbk", "N");
+  for (const char* axis : {"long", "lat", "vert"})
+    out(std::string{"srmd."} + axis + ".force.fbk", "N");
   for (const char* corner : kOutriggerNames)
     out(std::string{"srmd."} + corner + ".outrigger.force.fbk", "N");
   out("srmd.lift.pressure.fbk", "Pa");

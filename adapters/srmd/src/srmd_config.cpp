@@ -10,7 +10,8 @@ void read_pair(const memmap::Config& table, const std::string& key, double sim::
   if (!table.has(key)) return;
   const auto values = table.numbers(key);
   if (values.size() != axes.size())
-    table.fail(key, key + " has " + std::to_string(values.size()) + " numbers, expected [long, lat]");
+    table.fail(key,
+               key + " has " + std::to_string(values.size()) + " numbers, expected [long, lat]");
   for (std::size_t i = 0; i < axes.size(); ++i) axes[i].*member = values[i];
 }
 

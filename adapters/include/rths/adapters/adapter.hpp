@@ -20,7 +20,7 @@ enum class Direction {
 
 /// One value that an adapter exchanges, in SI units.
 struct Port {
-  std::string name;        ///< full signal name for Input and Output, else a name of the adapter's
+  std::string name;  ///< full signal name for Input and Output, else a name of the adapter's
   Direction direction = Direction::Input;
   std::string unit = "1";  ///< SI
   double initial = 0;      ///< of a Parameter [unit]
@@ -29,12 +29,12 @@ struct Port {
 
 /// What one step has to work with.
 struct Step {
-  double time = 0;                  ///< since the run began, as scheduled [s]
-  std::span<const double> inputs;   ///< Inputs and Parameters, in the order of `ports`
-  std::span<double> outputs;        ///< Outputs and Monitors, in the order of `ports`; hold what was
-                                    ///< written last
-  bool stopping = false;            ///< the run is over or a peer has vanished: come to rest
-  const char* message = "";         ///< out: why, with Fault; must outlive the step
+  double time = 0;                 ///< since the run began, as scheduled [s]
+  std::span<const double> inputs;  ///< Inputs and Parameters, in the order of `ports`
+  std::span<double> outputs;       ///< Outputs and Monitors, in the order of `ports`; hold what was
+                                   ///< written last
+  bool stopping = false;           ///< the run is over or a peer has vanished: come to rest
+  const char* message = "";        ///< out: why, with Fault; must outlive the step
 };
 
 /// Whatever takes part in a test: a solver, a controller, a test machine, a recorder.

@@ -30,8 +30,8 @@ struct Timing {
 
 /// An adapter at its place on the ring: reads its inputs, runs its step, writes its outputs.
 ///
-/// A value that is no number passes in neither direction: the last one stands, and the step's status
-/// says Stale for an input, LimitExceeded for an output.
+/// A value that is no number passes in neither direction: the last one stands, and the step's
+/// status says Stale for an input, LimitExceeded for an output.
 ///
 /// Adds to the adapter's monitors what every node tells of itself: host.step, host.status,
 /// host.overruns, host.stale, host.late, host.duration.

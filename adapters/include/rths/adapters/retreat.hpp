@@ -8,7 +8,8 @@
 
 namespace rths::adapters {
 
-/// The way into the safe state: hold what was commanded last, then ramp to rest along a cosine bell.
+/// The way into the safe state: hold what was commanded last, then ramp to rest along a cosine
+/// bell.
 struct Retreat {
   double hold = 0.2;  ///< [s]
   double ramp = 1.0;  ///< [s], > 0

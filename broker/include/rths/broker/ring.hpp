@@ -20,7 +20,7 @@ class Segment;
 /// Whether a node is on a ring.
 struct Presence {
   enum class State {
-    Absent,    ///< nobody holds its place: not joined yet, or left in order
+    Absent,  ///< nobody holds its place: not joined yet, or left in order
     Alive,
     Vanished,  ///< its process has ended without leaving
   };
@@ -30,9 +30,10 @@ struct Presence {
 
 /// A node's place on a ring: reads every word, writes the words of its own partitions.
 ///
-/// One thread reads and writes; `presence_of` and `beats_of` may be called from others. Several nodes, in one process or many, need nothing from each other: a
-/// longword is written by one node only, so there is no lock to hold and none to be left held by a
-/// process that dies. Leaves the ring when destroyed; must not outlive its `Ring`.
+/// One thread reads and writes; `presence_of` and `beats_of` may be called from others. Several
+/// nodes, in one process or many, need nothing from each other: a longword is written by one node
+/// only, so there is no lock to hold and none to be left held by a process that dies. Leaves the
+/// ring when destroyed; must not outlive its `Ring`.
 class Node {
  public:
   Node(Node&&) noexcept;
@@ -129,8 +130,8 @@ struct Occupant {
 /// What there is to say about one ring of this host.
 struct RingReport {
   std::string name;
-  bool usable = false;            ///< finished, and of this program's layout version
-  std::string trouble;            ///< why not, in words
+  bool usable = false;  ///< finished, and of this program's layout version
+  std::string trouble;  ///< why not, in words
   std::uint64_t bytes = 0;
   std::string map_name;
   std::uint32_t map_version = 0;

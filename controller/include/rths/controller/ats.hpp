@@ -12,19 +12,19 @@
 namespace rths::controller {
 
 struct AtsSettings {
-  double period = 0.001;                             ///< of the controller [s]
-  Eigen::Vector3d initial{1, 0.040, 0.0008};         ///< a0 [-], a1 [s], a2 [s²]: 1, τ, τ²/2
-  Eigen::Vector3d lowest{0.7, 0, 0};                 ///< range clip
+  double period = 0.001;                      ///< of the controller [s]
+  Eigen::Vector3d initial{1, 0.040, 0.0008};  ///< a0 [-], a1 [s], a2 [s²]: 1, τ, τ²/2
+  Eigen::Vector3d lowest{0.7, 0, 0};          ///< range clip
   Eigen::Vector3d highest{1.3, 0.08, 0.0032};
-  Eigen::Vector3d largest_change{2, 0.05, 0.001};    ///< per sample
-  double threshold = 0.254e-3;   ///< adaptation begins at this measured displacement [m]
-  double window = 1.0;           ///< of the fit [s]
-  int decimation = 16;           ///< every how many samples are fitted
+  Eigen::Vector3d largest_change{2, 0.05, 0.001};  ///< per sample
+  double threshold = 0.254e-3;  ///< adaptation begins at this measured displacement [m]
+  double window = 1.0;          ///< of the fit [s]
+  int decimation = 16;          ///< every how many samples are fitted
   int filter_order = 6;
-  double filter_cutoff = 20;     ///< [Hz]
-  int smoothing = 1;             ///< moving average over the reference, samples; 1: none
-  double quiet_rms = 0;          ///< while the measured displacement's RMS over the window is below
-                                 ///< this, the coefficients rest [m]; 0: they never rest
+  double filter_cutoff = 20;  ///< [Hz]
+  int smoothing = 1;          ///< moving average over the reference, samples; 1: none
+  double quiet_rms = 0;       ///< while the measured displacement's RMS over the window is below
+                              ///< this, the coefficients rest [m]; 0: they never rest
 };
 
 /// Adaptive time series compensator: a lead whose coefficients follow the machine.

@@ -14,9 +14,9 @@ struct DelayIdentification {
 
 /// How well it follows, without any shift.
 struct TrackingError {
-  double rms = 0;           ///< of the difference [m]
-  double nrms = 0;          ///< RMS / largest |reference| [-]
-  double peak = 0;          ///< largest difference / largest |reference| [-]
+  double rms = 0;   ///< of the difference [m]
+  double nrms = 0;  ///< RMS / largest |reference| [-]
+  double peak = 0;  ///< largest difference / largest |reference| [-]
 };
 
 /// Delay by cross-correlation and by minimum RMS over shifts of whole samples, each refined by the

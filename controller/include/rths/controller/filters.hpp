@@ -22,8 +22,8 @@ class LowPass {
 
  private:
   struct Section {
-    double b0, a1, a2;       // b = b0·(1, 2, 1)
-    double z1 = 0, z2 = 0;   // transposed direct form II
+    double b0, a1, a2;      // b = b0·(1, 2, 1)
+    double z1 = 0, z2 = 0;  // transposed direct form II
   };
   std::vector<Section> sections_;
 };

@@ -14,11 +14,11 @@ namespace rths::controller {
 ///     F = m_e a + F_s sign(v) + F_d |v|^α sign(v) + d
 /// Equation 1 of the paper; friction is zero below a velocity of 1.27 mm/s (0.05 in/s).
 struct MachineForce {
-  double effective_mass = 0;      ///< m_e [kg]. The paper prints the weight, 1 kN/g = 102 kg
-  double coulomb_friction = 0;    ///< F_s [N]
-  double viscous_friction = 0;    ///< F_d [N·(s/m)^α]
-  double exponent = 1;            ///< α [-]
-  double offset = 0;              ///< d [N]
+  double effective_mass = 0;       ///< m_e [kg]. The paper prints the weight, 1 kN/g = 102 kg
+  double coulomb_friction = 0;     ///< F_s [N]
+  double viscous_friction = 0;     ///< F_d [N·(s/m)^α]
+  double exponent = 1;             ///< α [-]
+  double offset = 0;               ///< d [N]
   double rest_velocity = 1.27e-3;  ///< below it there is no friction [m/s]
 
   /// @param velocity [m/s] @param acceleration [m/s²] @returns F [N]   @realtime
@@ -43,7 +43,7 @@ class ForceObserver {
   /// @param displacement [m], acceleration [m/s²], force [N]: measured in one sample
   /// @returns the specimen's force [N]   @realtime
   [[nodiscard]] double step(double displacement, double acceleration, double force) RTHS_REALTIME;
-  [[nodiscard]] double velocity() const { return velocity_; }  ///< [m/s]
+  [[nodiscard]] double velocity() const { return velocity_; }            ///< [m/s]
   [[nodiscard]] double machine_force() const { return machine_force_; }  ///< [N]
 
  private:
@@ -58,7 +58,7 @@ struct ForceIdentification {
   MachineForce machine;
   /// Half widths of the 95 % intervals of m_e, F_s, F_d and d, in their units.
   double effective_mass_95 = 0, coulomb_friction_95 = 0, viscous_friction_95 = 0, offset_95 = 0;
-  double residual_rms = 0;   ///< [N]
+  double residual_rms = 0;  ///< [N]
 };
 
 /// Least squares for m_e, F_s, F_d ≥ 0 and d, with α given, over a run with an empty table. Samples

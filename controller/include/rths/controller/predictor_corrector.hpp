@@ -15,17 +15,17 @@ namespace rths::controller {
 enum class PcState : int { Initialize = -1, Correct = 0, Predict = 1, AutoSlowDown = 2 };
 
 struct PredictorCorrectorSettings {
-  int axes = 1;                ///< controlled degrees of freedom, ≥ 1
-  int substeps = 100;          ///< N, controller substeps per integration step, ≥ 10
+  int axes = 1;                 ///< controlled degrees of freedom, ≥ 1
+  int substeps = 100;           ///< N, controller substeps per integration step, ≥ 10
   double slow_down_from = 0.6;  ///< part of the step after which a late target slows the command
-                               ///< down [-]; the charts in use have 0.8 or 0.6
+                                ///< down [-]; the charts in use have 0.8 or 0.6
   Polynomial predictor = Polynomial::D2;
   Polynomial corrector = Polynomial::D2;
-  double simulation_step = 0.01;   ///< wall time per integration step [s]
-  double integration_step = 0.01;  ///< model time per integration step [s]
+  double simulation_step = 0.01;     ///< wall time per integration step [s]
+  double integration_step = 0.01;    ///< model time per integration step [s]
   bool targets_carry_rates = false;  ///< DV, DVA: use the targets' velocities and accelerations
                                      ///< instead of differences of the target history
-  double largest_xi = 0.95;    ///< cap on ξ, which bounds the corrector's weights [-], < 1
+  double largest_xi = 0.95;          ///< cap on ξ, which bounds the corrector's weights [-], < 1
 };
 
 /// One target of the integrator. Rates are in model time; they matter to DV and DVA only.

@@ -21,12 +21,18 @@ enum class Status : std::uint8_t {
 /// The status in words, for one-line messages.
 [[nodiscard]] constexpr const char* to_text(Status status) noexcept {
   switch (status) {
-    case Status::Ok: return "ok";
-    case Status::Done: return "done";
-    case Status::Late: return "late";
-    case Status::Stale: return "stale";
-    case Status::LimitExceeded: return "limit exceeded";
-    case Status::Fault: return "fault";
+    case Status::Ok:
+      return "ok";
+    case Status::Done:
+      return "done";
+    case Status::Late:
+      return "late";
+    case Status::Stale:
+      return "stale";
+    case Status::LimitExceeded:
+      return "limit exceeded";
+    case Status::Fault:
+      return "fault";
   }
   return "unknown";
 }

@@ -29,7 +29,7 @@ using Tuning = std::vector<std::pair<std::string, double>>;
 /// A node of the map and the adapter that runs there.
 struct NodePlan {
   std::string node;
-  std::string adapter;           ///< numerical, simulink_like, srmd or recorder
+  std::string adapter;  ///< numerical, simulink_like, srmd or recorder
   adapters::Schedule schedule;
   std::filesystem::path diagram;  ///< of a simulink_like
   Tuning tune;                    ///< first values of its parameters
@@ -51,14 +51,14 @@ struct Experiment {
   sim::IsolatedPlant plant;
   sim::LeadRubber specimen;
   sim::TestMachine machine;
-  double alpha = -0.05;            ///< of α-OS
-  double wait_deadline = 1;        ///< [s]
+  double alpha = -0.05;      ///< of α-OS
+  double wait_deadline = 1;  ///< [s]
   adapters::ComputingTime computing_time;
   bool model_computing_time = false;  ///< also in wall time, where the solver is quick by itself
   adapters::Retreat retreat;
-  std::vector<NodePlan> nodes;     ///< in the order in which they are started
+  std::vector<NodePlan> nodes;                           ///< in the order in which they are started
   std::optional<adapters::DisplacementHistory> history;  ///< instead of the analysis
-  recording::NamedTexts config;    ///< the files it was read from, for the recording
+  recording::NamedTexts config;  ///< the files it was read from, for the recording
 
   [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
 };

@@ -47,8 +47,8 @@ void check_assembly(const Experiment& experiment);
 bool run_uncompensated(const Experiment& experiment, const std::filesystem::path& history,
                        const std::filesystem::path& recording, const std::string& version);
 
-/// The purely numerical result, with a model in the specimen's place, and the plant on a fixed base;
-/// written as a recording.   @throws Error   @setup
+/// The purely numerical result, with a model in the specimen's place, and the plant on a fixed
+/// base; written as a recording.   @throws Error   @setup
 void run_numerical(const Experiment& experiment, const std::filesystem::path& recording);
 
 /// One node of a run, in a process of its own; the launcher talks to it on standard input.

@@ -38,14 +38,18 @@ class Codec {
  private:
   [[nodiscard]] double number(std::uint32_t word) const noexcept {
     switch (type_) {
-      case WordType::I32: return static_cast<double>(std::bit_cast<std::int32_t>(word));
-      case WordType::U32: return static_cast<double>(word);
-      case WordType::F32: return static_cast<double>(std::bit_cast<float>(word));
+      case WordType::I32:
+        return static_cast<double>(std::bit_cast<std::int32_t>(word));
+      case WordType::U32:
+        return static_cast<double>(word);
+      case WordType::F32:
+        return static_cast<double>(std::bit_cast<float>(word));
     }
     return 0;
   }
   [[nodiscard]] static std::uint32_t signed_word(double number) noexcept {
-    const double bounded = std::fmin(std::fmax(std::nearbyint(number), -2147483648.0), 2147483647.0);
+    const double bounded =
+        std::fmin(std::fmax(std::nearbyint(number), -2147483648.0), 2147483647.0);
     return std::bit_cast<std::uint32_t>(static_cast<std::int32_t>(bounded));
   }
   [[nodiscard]] static std::uint32_t unsigned_word(double number) noexcept {

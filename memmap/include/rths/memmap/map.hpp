@@ -25,16 +25,16 @@ enum class WordType : std::uint8_t { I32, U32, F32 };
 
 /// One longword with a meaning. Its full name is "<partition>.<name>".
 struct Signal {
-  std::string name;                              ///< dotted, without the partition's name
-  LongwordOffset offset;                         ///< in the ring's memory
-  WordType type = WordType::F32;                 ///< how the 32 bits are read
-  std::string unit = "1";                        ///< as UDUNITS spells it
+  std::string name;                                ///< dotted, without the partition's name
+  LongwordOffset offset;                           ///< in the ring's memory
+  WordType type = WordType::F32;                   ///< how the 32 bits are read
+  std::string unit = "1";                          ///< as UDUNITS spells it
   std::optional<std::pair<double, double>> range;  ///< lowest and highest value [unit]
-  double initial = 0;                            ///< value when the ring is created [unit]
+  double initial = 0;                              ///< value when the ring is created [unit]
   std::vector<std::pair<std::string, std::int64_t>> values;  ///< names of an integer's values
-  bool interrupt = false;                        ///< a write raises a network interrupt
-  bool event = false;                            ///< a change is worth a line in a run's events
-  std::string where;                             ///< place in the file, for messages
+  bool interrupt = false;                                    ///< a write raises a network interrupt
+  bool event = false;  ///< a change is worth a line in a run's events
+  std::string where;   ///< place in the file, for messages
 };
 
 /// A run of consecutive longwords that exactly one node may write.
@@ -44,11 +44,11 @@ struct Signal {
 /// @invariant [base, base + longwords) lies inside the map and overlaps no other partition
 struct Partition {
   std::string name;
-  std::string node;               ///< the one that writes it
+  std::string node;  ///< the one that writes it
   LongwordOffset base;
   std::uint32_t longwords = 0;
-  bool tear_group = false;        ///< always read and written whole
-  std::vector<Signal> signals;    ///< in order of offset
+  bool tear_group = false;      ///< always read and written whole
+  std::vector<Signal> signals;  ///< in order of offset
   std::string where;
 };
 
@@ -62,16 +62,16 @@ struct MapNode {
 /// What a map file says, before anybody has checked it.
 struct MapDescription {
   std::string name;
-  std::uint32_t version = 1;      ///< of this map: bumped with every change of its layout
+  std::uint32_t version = 1;  ///< of this map: bumped with every change of its layout
   std::uint32_t size_longwords = 0;
   std::vector<MapNode> nodes;
   std::vector<Partition> partitions;
-  std::string where;              ///< place in the file, for messages
+  std::string where;  ///< place in the file, for messages
 };
 
 /// A signal together with what its partition says of it.
 struct SignalEntry {
-  std::string name;               ///< full: "srmd.long.displ.fbk"
+  std::string name;  ///< full: "srmd.long.displ.fbk"
   const Signal* signal;
   const Partition* partition;
 };

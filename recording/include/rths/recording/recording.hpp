@@ -33,8 +33,8 @@ using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 inline constexpr const char* kOverridesText = "overrides";
 
 struct RecordingInfo {
-  NamedTexts config;  ///< file name, content
-  NamedTexts meta;    ///< time, host, versions
+  NamedTexts config;                            ///< file name, content
+  NamedTexts meta;                              ///< time, host, versions
   std::map<std::string, double> steps_per_row;  ///< of the nodes whose steps rows should all have
 };
 
@@ -93,7 +93,7 @@ class Reader {
   };
   [[nodiscard]] Series meta_series(const std::string& name) const;
   struct Event {
-    double time;         ///< [s]
+    double time;  ///< [s]
     std::string signal;
     double value;
   };

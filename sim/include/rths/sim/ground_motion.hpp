@@ -10,7 +10,7 @@ namespace rths::sim {
 
 /// Recorded ground acceleration in two horizontal directions, equally spaced in time.
 struct GroundMotion {
-  double time_step = 0;                  ///< [s]
+  double time_step = 0;                   ///< [s]
   std::vector<double> long_acceleration;  ///< [m/s²]
   std::vector<double> lat_acceleration;   ///< [m/s²], as long as the other
 

@@ -22,10 +22,10 @@ struct Stick {
 
 /// A plant on seismic isolators that all move alike: one bearing, tested, stands for all of them.
 struct IsolatedPlant {
-  double basemat_mass = 0;     ///< [kg]
+  double basemat_mass = 0;  ///< [kg]
   std::vector<Stick> sticks;
-  double damping_ratio = 0.04;  ///< of every mode of the sticks on a fixed base [-]
-  int bearings = 486;           ///< the bearing's force is multiplied by this
+  double damping_ratio = 0.04;       ///< of every mode of the sticks on a fixed base [-]
+  int bearings = 486;                ///< the bearing's force is multiplied by this
   double spectrum_elevation = 47.5;  ///< where floor spectra are taken [m]
 };
 

@@ -52,9 +52,9 @@ class PlantAnalysis {
 
 /// What a plant did, sampled every step.
 struct ResponseHistory {
-  double time_step = 0;                                 ///< [s]
+  double time_step = 0;                                     ///< [s]
   std::vector<double> displacement_long, displacement_lat;  ///< of the bearing [m]
-  std::vector<double> force_long, force_lat;            ///< of one bearing [N]
+  std::vector<double> force_long, force_lat;                ///< of one bearing [N]
   struct Floor {
     std::string name;
     std::vector<double> acceleration_long, acceleration_lat;  ///< absolute [m/s²]

@@ -36,23 +36,23 @@ struct AxisLimits {
 /// inertia and friction, which is why a hybrid test has to correct it.
 struct ServoAxis {
   AxisLimits limits;
-  double piston_area = 0.43;         ///< A [m²]
-  double oil_volume = 1.05;          ///< V, both chambers [m³]
-  double bulk_modulus = 1.4e9;       ///< B [Pa]
-  double supply_pressure = 20.7e6;   ///< P_s [Pa]
-  double leakage = 2e-10;            ///< C_l [m³/(s·Pa)]
-  double rated_flow = 0.95;          ///< Q_r, valve open, no load [m³/s]
-  double valve_frequency = 12;       ///< ω_v/2π [Hz]
-  double valve_damping = 0.8;        ///< ζ_v [-]
-  double dead_band = 0.005;          ///< of the spool [-]
-  double position_gain = 20.5;       ///< K_v [1/s]
-  double pressure_gain = 0.1;        ///< K_p [-]
-  double transport_delay = 0.002;    ///< τ [s]
-  double effective_mass = 113'372;   ///< m_e of platen and moving parts [kg]
-  double coulomb_friction = 5'100;   ///< F_s [N]
-  double viscous_friction = 716;     ///< F_d [N·s/m]
-  double friction_velocity = 5e-4;   ///< v_s [m/s]
-  double force_offset = 2'000;       ///< of the table force [N]
+  double piston_area = 0.43;        ///< A [m²]
+  double oil_volume = 1.05;         ///< V, both chambers [m³]
+  double bulk_modulus = 1.4e9;      ///< B [Pa]
+  double supply_pressure = 20.7e6;  ///< P_s [Pa]
+  double leakage = 2e-10;           ///< C_l [m³/(s·Pa)]
+  double rated_flow = 0.95;         ///< Q_r, valve open, no load [m³/s]
+  double valve_frequency = 12;      ///< ω_v/2π [Hz]
+  double valve_damping = 0.8;       ///< ζ_v [-]
+  double dead_band = 0.005;         ///< of the spool [-]
+  double position_gain = 20.5;      ///< K_v [1/s]
+  double pressure_gain = 0.1;       ///< K_p [-]
+  double transport_delay = 0.002;   ///< τ [s]
+  double effective_mass = 113'372;  ///< m_e of platen and moving parts [kg]
+  double coulomb_friction = 5'100;  ///< F_s [N]
+  double viscous_friction = 716;    ///< F_d [N·s/m]
+  double friction_velocity = 5e-4;  ///< v_s [m/s]
+  double force_offset = 2'000;      ///< of the table force [N]
 };
 
 /// Noise of the sensors, white and normal: standard deviations.
@@ -90,8 +90,8 @@ class TestMachineRun {
   /// @param reference  what the servo receives: long, lat [m]
   /// @returns LimitExceeded if the stroke, velocity or force of an axis was at its limit; the
   ///          reference is clamped to the stroke   @realtime
-  [[nodiscard]] Status step(const Eigen::Vector2d& reference, MachineFeedback& feedback)
-      RTHS_REALTIME;
+  [[nodiscard]] Status step(const Eigen::Vector2d& reference,
+                            MachineFeedback& feedback) RTHS_REALTIME;
 
   /// True state, which no sensor shows: displacement [m] and specimen force [N].
   [[nodiscard]] Eigen::Vector2d true_displacement() const;
@@ -123,7 +123,8 @@ class TestMachineRun {
   std::normal_distribution<double> normal_;
 };
 
-/// The SRMD's axes: the limits of Table 1 of the paper; hydraulics of the right scale, not measured.
+/// The SRMD's axes: the limits of Table 1 of the paper; hydraulics of the right scale, not
+/// measured.
 [[nodiscard]] TestMachine srmd_machine();
 
 }  // namespace rths::sim

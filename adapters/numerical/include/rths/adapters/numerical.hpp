@@ -16,31 +16,31 @@ namespace rths::adapters {
 
 /// How long the solver takes for a step where time is virtual: a seeded model.
 struct ComputingTime {
-  double mean = 0.003;             ///< [s]
-  double spread = 0.1;             ///< standard deviation over mean [-]
-  double overrun_fraction = 0;     ///< part of the steps that take longer [-]
-  double overrun = 0.006;          ///< by this much [s]
+  double mean = 0.003;          ///< [s]
+  double spread = 0.1;          ///< standard deviation over mean [-]
+  double overrun_fraction = 0;  ///< part of the steps that take longer [-]
+  double overrun = 0.006;       ///< by this much [s]
   std::uint64_t seed = 1;
 };
 
 /// A displacement history to be imposed instead of an analysis.
 struct DisplacementHistory {
-  double time_step = 0;                            ///< [s]
-  std::vector<double> displacement_long;           ///< [m]
-  std::vector<double> displacement_lat;            ///< [m], as long as the other
+  double time_step = 0;                   ///< [s]
+  std::vector<double> displacement_long;  ///< [m]
+  std::vector<double> displacement_lat;   ///< [m], as long as the other
 };
 
 struct NumericalSettings {
   std::vector<std::string> axes = {"long", "lat"};
   sim::IsolatedPlant plant;
   sim::GroundMotion motion;
-  double bearing_initial_stiffness = 0;   ///< one bearing [N/m]
-  double integration_step = 0.01;         ///< Δt_int, model time [s]
-  double alpha = -0.05;                   ///< of α-OS [-]
-  double duration = 40;                   ///< model time [s]
-  double wait_deadline = 1;               ///< for each flag of the handshake [s]
-  std::optional<ComputingTime> computing_time;     ///< none: it takes the time it takes
-  std::optional<DisplacementHistory> history;      ///< instead of the analysis
+  double bearing_initial_stiffness = 0;         ///< one bearing [N/m]
+  double integration_step = 0.01;               ///< Δt_int, model time [s]
+  double alpha = -0.05;                         ///< of α-OS [-]
+  double duration = 40;                         ///< model time [s]
+  double wait_deadline = 1;                     ///< for each flag of the handshake [s]
+  std::optional<ComputingTime> computing_time;  ///< none: it takes the time it takes
+  std::optional<DisplacementHistory> history;   ///< instead of the analysis
 };
 
 /// Reads a [plant] table. @throws Error with the place of the first wrong value   @setup

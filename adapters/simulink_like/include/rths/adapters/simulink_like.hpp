@@ -18,16 +18,16 @@ inline constexpr int kDiagramFormat = 1;
 /// What a diagram is told of the run it takes part in.
 struct DiagramContext {
   std::vector<std::string> axes = {"long", "lat"};  ///< width of every per-axis port
-  double integration_step = 0.01;  ///< model time per target [s]
-  double simulation_step = 0.01;   ///< wall time per target [s]
-  Retreat retreat;                 ///< of ring outputs that ramp when the run stops
+  double integration_step = 0.01;                   ///< model time per target [s]
+  double simulation_step = 0.01;                    ///< wall time per target [s]
+  Retreat retreat;  ///< of ring outputs that ramp when the run stops
 };
 
 /// A real-time target that runs a fixed-step block diagram read from TOML.
 ///
 /// Blocks run at the base rate or at `substeps` times it. Every block output is a monitor,
-/// monitor.<node>.<block>.<port>[.<axis>]; every parameter can be tuned, tune.<node>.<block>.<name>.
-/// docs/block_diagrams.md lists the block types.
+/// monitor.<node>.<block>.<port>[.<axis>]; every parameter can be tuned,
+/// tune.<node>.<block>.<name>. docs/block_diagrams.md lists the block types.
 /// @throws Error file:line:column for an unknown block or key, a wire to nothing, ports that do not
 ///         fit, an algebraic loop, or a base-rate block between fast ones   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_simulink_like(const std::filesystem::path& diagram,

@@ -15,9 +15,9 @@ namespace rths::adapters {
 /// The virtual SRMD: a bearing test machine behind the words a real one reads and writes.
 struct SrmdSettings {
   sim::TestMachine machine;
-  double period = 0.001;               ///< [s]
-  double compression_time_constant = 0.05;  ///< of the vertical load's first-order lag [s]
-  double lift_pressure = 8.963e6;      ///< of the hydrostatic bearings [Pa]: 1,300 psi
+  double period = 0.001;                            ///< [s]
+  double compression_time_constant = 0.05;          ///< of the vertical load's first-order lag [s]
+  double lift_pressure = 8.963e6;                   ///< of the hydrostatic bearings [Pa]: 1,300 psi
   std::vector<std::string> axes = {"long", "lat"};  ///< that move; others stay at rest
   Retreat retreat;
 };
