@@ -1,15 +1,16 @@
-# Debian's packages; ./lab installs them.
+# Debian's packages that the libraries stand on; ./lab installs them. The installed package reads this
+# file too, so that whoever links to a library finds what it needs.
 find_package(Threads REQUIRED)
 find_package(Boost 1.74 REQUIRED)
 find_package(Eigen3 3.4 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(tomlplusplus REQUIRED)
-find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
-find_library(UDUNITS2 udunits2 REQUIRED)
-
-add_library(rths_udunits INTERFACE)
-target_link_libraries(rths_udunits INTERFACE ${UDUNITS2})
+if(NOT TARGET udunits2)
+  find_library(UDUNITS2_LIBRARY udunits2 REQUIRED)
+  add_library(udunits2 UNKNOWN IMPORTED)
+  set_target_properties(udunits2 PROPERTIES IMPORTED_LOCATION ${UDUNITS2_LIBRARY})
+endif()

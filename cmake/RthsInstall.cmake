@@ -1,0 +1,12 @@
+# find_package(rths) gives rths::core … rths::report, each with what it depends on.
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rths)
+install(EXPORT rths NAMESPACE rths:: FILE rthsTargets.cmake DESTINATION ${package_dir})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/rthsConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES cmake/rthsConfig.cmake cmake/RthsDependencies.cmake
+              ${CMAKE_BINARY_DIR}/rthsConfigVersion.cmake
+        DESTINATION ${package_dir})
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/rths)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

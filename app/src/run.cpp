@@ -42,12 +42,15 @@ int run(const RunArguments& arguments) {
   if (on_terminal) options.progress = show_progress;
   const launch::RunOutcome outcome = launch::run(experiment, options);
   if (on_terminal) clear_progress();
-  fmt::print("recording {}\n", options.recording.string());
+  const bool recorded = std::filesystem::exists(options.recording);
+  fmt::print("recording {}\n",
+             recorded ? options.recording.string() : "none: no recorder took part");
   if (!outcome.completed) {
     fmt::print(stderr, "rths: the run ended early: {}\n",
                outcome.interrupted ? "interrupted" : outcome.trouble);
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
+  if (!recorded) return kOk;
   launch::run_uncompensated(experiment, options.recording, folder / report::kUncompensatedFile,
                             version());
   launch::run_numerical(experiment, folder / report::kNumericalFile);

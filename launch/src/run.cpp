@@ -29,12 +29,20 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
 
 namespace {
 
-void add_to_meta(const std::filesystem::path& file, const WallRunResult& result, int processes) {
+// What is known only when a run is over.
+void add_to_meta(const std::filesystem::path& file, const Experiment& experiment,
+                 const RunOutcome& outcome, const WallRunResult& result) {
   std::string privileges;
   for (const auto& line : result.privileges) privileges += (privileges.empty() ? "" : "; ") + line;
-  recording::add_meta(file, {{"processes", std::to_string(processes)},
-                             {"privileges", privileges.empty() ? "all" : privileges}});
-  recording::add_meta_series(file, "host_late", result.lateness.interval, result.lateness.largest);
+  const double test_time = experiment.duration * experiment.rate;
+  recording::add_meta(file,
+                      {{"processes", std::to_string(outcome.processes)},
+                       {"wall_time_s", fmt::format("{:.3f}", outcome.wall_time)},
+                       {"times_real_time", fmt::format("{:.1f}", test_time / outcome.wall_time)},
+                       {"privileges", privileges.empty() ? "all" : privileges}});
+  if (!result.lateness.largest.empty())
+    recording::add_meta_series(file, "host_late", result.lateness.interval,
+                               result.lateness.largest);
 }
 
 }  // namespace
@@ -51,17 +59,19 @@ RunOutcome run(const Experiment& experiment, const RunOptions& options) {
   const WallClock clock;
   const TimePoint begun = clock.now();
   RunOutcome outcome;
+  WallRunResult result;
   if (options.clock == ClockKind::Virtual) {
-    outcome.trouble = run_in_virtual_time(experiment, assembly, options);
+    result.trouble = run_in_virtual_time(experiment, assembly, options);
   } else {
-    const WallRunResult result = run_in_wall_time(experiment, assembly, options);
-    outcome.trouble = result.trouble;
-    outcome.interrupted = result.interrupted;
+    result = run_in_wall_time(experiment, assembly, options);
     outcome.processes = static_cast<int>(assembly.stations.size()) + 1;
-    if (outcome.trouble.empty()) add_to_meta(options.recording, result, outcome.processes);
   }
+  outcome.trouble = result.trouble;
+  outcome.interrupted = result.interrupted;
   outcome.completed = outcome.trouble.empty() && !outcome.interrupted;
   outcome.wall_time = to_seconds(clock.now() - begun);
+  if (outcome.completed && std::filesystem::exists(options.recording))
+    add_to_meta(options.recording, experiment, outcome, result);
   return outcome;
 }
 

@@ -248,6 +248,9 @@ bool repair(const std::filesystem::path& path) {
   check(H5Pset(access.id(), "clear_status_flags", &clear), "HDF5 properties");
   const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id()), H5Fclose,
                     path.string() + ": is damaged beyond a crashed writer's mark; opening it"};
+  // Killed in the middle of a batch, the file is longer than it says, and would be cut back to what
+  // it says when it is closed.
+  check(H5Fincrement_filesize(file.id(), 0), path.string() + ": mending the file's length");
   return true;
 }
 

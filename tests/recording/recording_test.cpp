@@ -74,7 +74,7 @@ Writer open_writer(const std::filesystem::path& file) {
 
 /// Row number `i`: every value can be checked afterwards.
 std::vector<double> row(int i) { return {i * 1.0, i * -2.0, i + 1.0, i >= 30 ? 1.0 : 0.0}; }
-Duration time_of(int i) { return Duration{i * 1'000'000}; }
+Duration time_of(int i) { return Duration{i * 1'000'000LL}; }
 
 void write_rows(Writer& writer, int from, int to) {
   for (int i = from; i < to; ++i) writer.append(time_of(i), row(i));

@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""Puts the benchmarks of a folder into one table, and into one file if asked.
+
+usage: collect.py FOLDER COMMIT [RESULT.json]
+"""
+import datetime
+import json
+import os
+import pathlib
+import platform
+import sys
+
+
+def machine():
+    model = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo")
+                  if line.startswith("model name")), platform.machine())
+    return {"cpu": model, "cpus": os.cpu_count(), "kernel": platform.release()}
+
+
+def median_and_spread(file):
+    rows = {row["aggregate_name"]: row["real_time"] for row in json.load(open(file))["benchmarks"]}
+    return {"median_ns": round(rows["median"], 2), "stddev_ns": round(rows["stddev"], 2)}
+
+
+def main():
+    folder, commit = pathlib.Path(sys.argv[1]), sys.argv[2]
+    result = {
+        "commit": commit,
+        "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+        "machine": machine(),
+        "steps": {file.stem: median_and_spread(file) for file in sorted(folder.glob("*.json"))},
+    }
+    run = json.load(open(folder / "virtual" / "report.json"))
+    result["virtual_run"] = {"test_s": run["duration_s"],
+                             "times_real_time": run["meta"].get("times_real_time")}
+    print(f"{machine()['cpu']}, {machine()['cpus']} CPUs, commit {commit}")
+    for name, row in result["steps"].items():
+        part = row["median_ns"] / 1e6 * 100
+        print(f"  {name:<30} {row['median_ns']:>10.1f} ns  {part:8.4f} % of a control period")
+    print(f"  a run in virtual time          {result['virtual_run']['times_real_time']} times real time")
+    if len(sys.argv) > 3:
+        path = pathlib.Path(sys.argv[3])
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(result, indent=2) + "\n")
+        print(f"wrote {path}")
+
+
+main()
