@@ -272,6 +272,17 @@ TEST_F(HostTest, LoopsUntilTheAdapterIsAtFault) {
   EXPECT_EQ(run_loop(host, clock, TimePoint{0}, {}, stopping).status, Status::Fault);
 }
 
+TEST_F(HostTest, LoopsInRealTime) {
+  VirtualClock clock;
+  const std::atomic<bool> stopping{false};
+  echo.ends_after = 10;
+  LoopEnd end;
+
+  EXPECT_REALTIME(end = run_loop(host, clock, TimePoint{0}, {}, stopping));
+
+  EXPECT_EQ(end.status, Status::Done);
+}
+
 // Steps that were missed are made up for, each with its own scheduled time.
 TEST_F(HostTest, MakesUpForMissedSteps) {
   VirtualClock clock;

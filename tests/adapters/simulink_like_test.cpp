@@ -156,6 +156,33 @@ TEST(Diagram, GivesSinesAndFiltersThem) {
   EXPECT_LT(largest_filtered, 2e-3);  // (1/10)⁴ of it is 2e-4, and the bilinear map takes more
 }
 
+TEST(Diagram, RunsEveryBlockInRealTime) {
+  const auto target =
+      diagram(kX + block("free", "remove_offset", "in.in = \"x\"\nduration_s = 0.002") +
+              block("wave", "sine", "amplitude = 2\nfrequency_Hz = 50\nunit = \"m\"") +
+              block("c", "constant", "value = 4\nunit = \"m\"") +
+              block("twice", "gain", "in.in = \"free\"\ngain = 2") +
+              block("sum", "sum", "rate = 10\nin.in1 = \"twice\"\nin.in2 = \"wave\"") +
+              block("sat", "saturation", "in.in = \"sum\"\nlimits = [2, 1]") +
+              block("rate", "rate_limiter", "in.in = \"sat\"\nlimits = [1000, 1000]") +
+              block("either", "switch", "in.in1 = \"rate\"\nin.in2 = \"sat\"") +
+              block("old", "unit_delay", "in.in = \"either\"") +
+              block("older", "transport_delay", "in.in = \"old\"\ndelay_s = 0.003") +
+              block("v", "derivative", "in.in = \"older\"\nunit = \"m/s\"") +
+              block("mean", "moving_average", "in.in = \"v\"\nsamples = 2") +
+              block("lp", "low_pass", "in.in = \"mean\"\norder = 4\ncutoff_Hz = 5") +
+              input("flag", "lab.flag", "1") + block("end", "stop", "in.in = \"flag\"") +
+              block("y", "ring_output", "in.in = \"older\"\nsignal = \"out.{axis}\""));
+  test::Bench bench{*target};
+  Status status = Status::Ok;
+  for (int i = 0; i < 20; ++i) {
+    bench.in("lab.long.displ") = 0.1 * i;
+    bench.in("lab.flag") = i > 15 ? 1 : 0;
+    EXPECT_REALTIME(status = bench.step(0.001 * i));
+  }
+  EXPECT_NE(status, Status::Fault);
+}
+
 TEST(Diagram, StopsTheRunAndRampsItsOutputsToRest) {
   DiagramContext context;
   context.retreat = {0.01, 0.1};

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/syscall.h>
+
 #include <gtest/gtest.h>
 
 #include <rths/core/clock.hpp>
@@ -33,6 +35,28 @@ TEST(WallClock, ReadsTheTimeInRealTime) {
   TimePoint time{};
   EXPECT_REALTIME(time = clock.now());
   EXPECT_GT(time.count(), 0);
+}
+
+TEST(WallClock, SleepsWithOneSystemCallAndNothingElse) {
+  if (!test::RealTimeGuard::supported() || !test::RealTimeGuard::sees_system_calls())
+    GTEST_SKIP() << "SKIPPED: the real-time guard sees no system calls here";
+  WallClock clock;
+  const TimePoint until = clock.now() + milliseconds{1};
+  long heap_calls = 0;
+  long locks = 0;
+  long system_call = 0;
+  {
+    const test::RealTimeGuard guard;
+    clock.sleep_until(until);
+    heap_calls = guard.heap_calls();
+    locks = guard.locks();
+    system_call = guard.first_system_call();
+  }
+
+  EXPECT_GE(clock.now(), until);
+  EXPECT_EQ(heap_calls, 0);
+  EXPECT_EQ(locks, 0);
+  EXPECT_EQ(system_call, SYS_clock_nanosleep);
 }
 
 TEST(VirtualClock, StandsStillUntilSomebodySleeps) {
