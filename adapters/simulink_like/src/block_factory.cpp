@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From a [[block]] table to a block: one function per type, and the table of types at the end.
+// From a [[block]] table to a block of signals: one function per type, and the table of all types
+// at the end.
 #include <algorithm>
 #include <cmath>
 
@@ -8,15 +9,12 @@
 
 #include <rths/core/error.hpp>
 
-#include "block.hpp"
+#include "block_tables.hpp"
 
 namespace rths::adapters {
 namespace {
 
 using memmap::Config;
-
-constexpr bool kPerAxis = true;
-constexpr bool kSingle = false;
 
 // The signals of a ring port: "{axis}" in the name stands for one signal per axis.
 std::vector<std::string> expand_axes(const std::string& pattern, const BlockContext& context) {
@@ -30,38 +28,12 @@ std::vector<std::string> expand_axes(const std::string& pattern, const BlockCont
 
 bool names_axes(const std::string& pattern) { return pattern.find("{axis}") != std::string::npos; }
 
-// One value per axis, of which a run uses those of its axes: long, lat, …
-constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
-
-std::vector<double> per_axis(const Config& table, const std::string& key,
-                             const BlockContext& context, double otherwise) {
-  std::vector<double> values;
-  const auto given = table.numbers(key, {});
-  for (const auto& axis : context.run.axes) {
-    const auto order = static_cast<std::size_t>(
-        std::find(std::begin(kAxisOrder), std::end(kAxisOrder), axis) - std::begin(kAxisOrder));
-    if (given.empty())
-      values.push_back(otherwise);
-    else if (order < given.size())
-      values.push_back(given[order]);
-    else
-      table.fail(key,
-                 fmt::format("{} has {} numbers, none for axis '{}'", key, given.size(), axis));
-  }
-  return values;
-}
-
 std::vector<double> limits(const Config& table, const BlockContext& context) {
   if (!table.has("limits")) table.fail("limits", "'limits' is missing: one per axis, long first");
   const auto values = per_axis(table, "limits", context, 0);
   for (const double value : values)
     if (!(value > 0)) table.fail("limits", "limits must be positive");
   return values;
-}
-
-void add_parameter(Block& block, const Config& table, const std::string& name,
-                   const std::string& unit, double otherwise) {
-  block.parameters.push_back({name, unit, table.number(name, otherwise)});
 }
 
 Block make_ring_input(const Config& table, const BlockContext& context) {
@@ -184,146 +156,6 @@ Block make_remove_offset(const Config& table, const BlockContext& context) {
   const double duration = table.number_in("duration_s", context.period, 100, 1.0);
   return through(
       RemoveOffset{std::lround(duration / context.period), 0, std::vector<double>(context.axes())});
-}
-
-controller::Polynomial read_polynomial(const Config& table, const std::string& key) {
-  const std::string name = table.text(key, "D2");
-  if (const auto polynomial = controller::polynomial_from_text(name)) return *polynomial;
-  table.fail(key, fmt::format("{} is '{}', expected P0 to P3, D1 to D3, DV or DVA", key, name));
-}
-
-std::vector<int> read_sampling_delay(const Config& table, const BlockContext& context,
-                                     int substeps) {
-  std::vector<int> delays;
-  for (const double delay : per_axis(table, "sampling_delay_s", context, 0)) {
-    const int in_substeps = static_cast<int>(std::lround(delay / context.period));
-    const double ratio = static_cast<double>(in_substeps) / substeps;
-    switch (controller::judge_delay(in_substeps, substeps)) {
-      case controller::DelayVerdict::Fine:
-        break;
-      case controller::DelayVerdict::Warned:
-        fmt::print(stderr, "{}: warning: the sampling delay is {:.2f} of the step, above 0.6\n",
-                   table.where("sampling_delay_s"), ratio);
-        break;
-      case controller::DelayVerdict::Refused:
-        table.fail(
-            "sampling_delay_s",
-            fmt::format("the sampling delay is {:.2f} of the step, expected less than 0.8", ratio));
-    }
-    delays.push_back(in_substeps);
-  }
-  return delays;
-}
-
-Block make_predictor_corrector(const Config& table, const BlockContext& context) {
-  controller::PredictorCorrectorSettings settings;
-  settings.axes = static_cast<int>(context.axes());
-  settings.integration_step = context.run.integration_step;
-  settings.simulation_step = context.run.simulation_step;
-  settings.substeps = static_cast<int>(std::lround(settings.simulation_step / context.period));
-  settings.slow_down_from = table.number_in("slow_down_from", 0.1, 0.95, settings.slow_down_from);
-  settings.predictor = read_polynomial(table, "predictor");
-  settings.corrector = read_polynomial(table, "corrector");
-  settings.targets_carry_rates = table.flag("targets_carry_rates", false);
-  settings.largest_xi = table.number_in("largest_xi", 0.1, 0.99, settings.largest_xi);
-  Block block;
-  block.inputs = {{"new_target", kSingle, "1"},
-                  {"target", kPerAxis, "m"},
-                  {"displacement", kPerAxis, "m"},
-                  {"force", kPerAxis, "N"},
-                  {"target_velocity", kPerAxis, "m/s", true},
-                  {"target_acceleration", kPerAxis, "m/s2", true}};
-  block.outputs = {{"command", kPerAxis, "m"},         {"velocity", kPerAxis, "m/s"},
-                   {"acceleration", kPerAxis, "m/s2"}, {"held_displacement", kPerAxis, "m"},
-                   {"held_force", kPerAxis, "N"},      {"at_target", kSingle, "1"},
-                   {"switch_pc", kSingle, "1"},        {"state", kSingle, "1"},
-                   {"counter", kSingle, "1"},          {"stopped", kSingle, "1"},
-                   {"correct_time", kSingle, "s"},     {"predict_time", kSingle, "s"},
-                   {"slow_down_time", kSingle, "s"},   {"targets", kSingle, "1"}};
-  const auto delays = read_sampling_delay(table, context, settings.substeps);
-  block.kind = table.placed("name", [&] {
-    return PredictorCorrectorBlock{settings, delays, context.period};
-  });
-  return block;
-}
-
-Eigen::Vector3d three(const Config& table, const std::string& key,
-                      const Eigen::Vector3d& otherwise) {
-  const auto values = table.numbers(key, {otherwise[0], otherwise[1], otherwise[2]});
-  if (values.size() != 3)
-    table.fail(key,
-               fmt::format("{} has {} numbers, expected three: a0, a1, a2", key, values.size()));
-  return {values[0], values[1], values[2]};
-}
-
-Block make_ats(const Config& table, const BlockContext& context) {
-  controller::AtsSettings settings;
-  settings.period = context.period;
-  settings.initial = three(table, "initial", settings.initial);
-  settings.lowest = three(table, "lowest", settings.lowest);
-  settings.highest = three(table, "highest", settings.highest);
-  settings.largest_change = three(table, "largest_change", settings.largest_change);
-  settings.threshold = table.number_in("threshold_m", 0, 1, settings.threshold);
-  settings.window = table.number_in("window_s", 0.01, 100, settings.window);
-  settings.decimation =
-      static_cast<int>(table.integer_in("decimation", 1, 1000, settings.decimation));
-  settings.filter_order =
-      static_cast<int>(table.integer_in("filter_order", 2, 8, settings.filter_order));
-  settings.filter_cutoff = table.number_in("filter_cutoff_Hz", 0.1, 1000, settings.filter_cutoff);
-  settings.smoothing = static_cast<int>(table.integer_in("smoothing", 1, 100, settings.smoothing));
-  settings.quiet_rms = table.number_in("quiet_rms_m", 0, 1, settings.quiet_rms);
-  Block block;
-  block.inputs = {{"command", kPerAxis, "m"},
-                  {"velocity", kPerAxis, "m/s"},
-                  {"acceleration", kPerAxis, "m/s2"},
-                  {"measured", kPerAxis, "m"}};
-  block.outputs = {{"reference", kPerAxis, "m"},
-                   {"a0", kPerAxis, "1"},
-                   {"a1", kPerAxis, "s"},
-                   {"a2", kPerAxis, "s2"},
-                   {"limited", kPerAxis, "1"}};
-  add_parameter(block, table, "enabled", "1", 1);
-  add_parameter(block, table, "adapt", "1", 1);
-  const auto ats = table.placed("name", [&] { return controller::Ats{settings}; });
-  block.kind = AtsBlock{std::vector(context.axes(), ats)};
-  return block;
-}
-
-Block make_feed_forward(const Config& table, const BlockContext&) {
-  Block block;
-  block.inputs = {{"reference", kPerAxis, "m"},
-                  {"velocity", kPerAxis, "m/s"},
-                  {"acceleration", kPerAxis, "m/s2"}};
-  block.outputs = {{"reference", kPerAxis, "m"}};
-  add_parameter(block, table, "enabled", "1", 1);
-  add_parameter(block, table, "velocity_gain_s", "s", 0);
-  add_parameter(block, table, "acceleration_gain_s2", "s2", 0);
-  block.kind = FeedForwardBlock{};
-  return block;
-}
-
-Block make_force_observer(const Config& table, const BlockContext& context) {
-  const auto mass = per_axis(table, "effective_mass_kg", context, 0);
-  const auto coulomb = per_axis(table, "coulomb_friction_N", context, 0);
-  const auto viscous = per_axis(table, "viscous_friction_N_s_per_m", context, 0);
-  const auto offset = per_axis(table, "force_offset_N", context, 0);
-  const double exponent = table.number_in("exponent", 0.1, 2, 1.0);
-  const double rest = table.number_in("rest_velocity_m_per_s", 0, 1, 1.27e-3);
-  const int length = static_cast<int>(table.integer_in("slope_samples", 3, 1000, 32));
-  ForceObserverBlock observer;
-  for (std::size_t i = 0; i < context.axes(); ++i)
-    observer.observers.emplace_back(
-        controller::MachineForce{mass[i], coulomb[i], viscous[i], exponent, offset[i], rest},
-        context.period, length);
-  Block block;
-  block.inputs = {{"displacement", kPerAxis, "m"},
-                  {"acceleration", kPerAxis, "m/s2"},
-                  {"force", kPerAxis, "N"}};
-  block.outputs = {
-      {"force", kPerAxis, "N"}, {"velocity", kPerAxis, "m/s"}, {"machine_force", kPerAxis, "N"}};
-  add_parameter(block, table, "enabled", "1", 1);
-  block.kind = std::move(observer);
-  return block;
 }
 
 Block make_stop(const Config&, const BlockContext&) {
