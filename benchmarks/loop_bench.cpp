@@ -40,7 +40,8 @@ void ats_step(benchmark::State& state) {
   for (auto _ : state) {
     t += 0.001;
     const double x = 0.1 * std::sin(t);
-    benchmark::DoNotOptimize(ats.step(x, 0.1 * std::cos(t), -x, 0.1 * std::sin(t - 0.05), true));
+    benchmark::DoNotOptimize(
+        ats.step({x, 0.1 * std::cos(t), -x}, 0.1 * std::sin(t - 0.05), 1, true));
   }
 }
 BENCHMARK(ats_step);

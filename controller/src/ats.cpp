@@ -70,13 +70,13 @@ void Ats::adapt_coefficients() noexcept {
   if (a_ != wanted) ++limited_;
 }
 
-double Ats::step(double x, double velocity, double acceleration, double measured,
+double Ats::step(const Eigen::Vector3d& command, double measured, double share,
                  bool adapt) noexcept {
   const double response = response_filter_(measured);
   triggered_ = triggered_ || std::abs(response) > settings_.threshold;
   if (triggered_ && adapt) adapt_coefficients();  // this sample is not part of its own fit
 
-  const double reference = a_[0] * x + a_[1] * velocity + a_[2] * acceleration;
+  const double reference = (1 - share) * command[0] + share * a_.dot(command);
 
   const double difference = (response - previous_) / settings_.period;
   const double second = (difference - previous_difference_) / settings_.period;

@@ -21,7 +21,7 @@ void require(bool holds, const std::string& message) {
 
 PredictorCorrector::PredictorCorrector(const PredictorCorrectorSettings& settings)
     : settings_{settings},
-      hold_point_{(1 + settings.slow_down_from) / 2},
+      hold_point_{hold_point(settings.slow_down_from)},
       ramp_{(hold_point_ - settings.slow_down_from) * settings.substeps} {
   require(settings.axes >= 1, "expected at least one axis");
   require(settings.substeps >= 10, "expected at least 10 substeps per integration step");
@@ -66,7 +66,8 @@ void PredictorCorrector::substep(bool new_target, const Target& target) noexcept
         state_ = PcState::AutoSlowDown;
         slow_down();
       } else {
-        counter_ += 1;
+        increment_ = 1;
+        counter_ += increment_;
         evaluate(Branch::Predict);
       }
       return;
@@ -99,21 +100,23 @@ void PredictorCorrector::enter_predict() noexcept {
   xi_ = 1;
   switch_command_ = command_;
   counter_ = 1;
+  increment_ = 1;
   slow_down_end_ = 0;
   slow_down_increment_ = 1;
   evaluate(Branch::Predict);
 }
 
 void PredictorCorrector::correct() noexcept {
-  const double increment = std::clamp(slow_down_increment_ + (counter_ - slow_down_end_) / ramp_,
-                                      kSmallestIncrement, 1.0);
-  counter_ = std::min(counter_ + increment, static_cast<double>(settings_.substeps));
+  increment_ = std::clamp(slow_down_increment_ + (counter_ - slow_down_end_) / ramp_,
+                          kSmallestIncrement, 1.0);
+  counter_ = std::min(counter_ + increment_, static_cast<double>(settings_.substeps));
   evaluate(Branch::Correct);
 }
 
 void PredictorCorrector::slow_down() noexcept {
   slow_down_increment_ = (hold_point_ * settings_.substeps - counter_) / ramp_;
-  counter_ += slow_down_increment_;
+  increment_ = slow_down_increment_;
+  counter_ += increment_;
   slow_down_end_ = counter_;
   evaluate(Branch::Predict);
 }
@@ -139,7 +142,7 @@ void PredictorCorrector::evaluate(Branch branch) noexcept {
   const Polynomial polynomial =
       branch == Branch::Predict ? settings_.predictor : settings_.corrector;
   const Weights w = weights(polynomial, branch, counter_ / settings_.substeps, xi_);
-  const double per_second = 1 / settings_.simulation_step;
+  const double per_second = increment_ / settings_.simulation_step;
   for (Eigen::Index axis = 0; axis < command_.size(); ++axis) {
     Jet sum = w.switch_command * switch_command_[axis] + w.acceleration * second_rate_[axis];
     for (std::size_t i = 0; i < w.target.size(); ++i) sum = sum + w.target[i] * history_[i][axis];
@@ -150,9 +153,12 @@ void PredictorCorrector::evaluate(Branch branch) noexcept {
   }
 }
 
-DelayVerdict judge_delay(int delay_substeps, int substeps) {
-  const double ratio = static_cast<double>(delay_substeps) / substeps;
-  if (ratio >= kRefusedDelayRatio) return DelayVerdict::Refused;
+double hold_point(double slow_down_from) { return (1 + slow_down_from) / 2; }
+
+DelayVerdict judge_delay(int delay_substeps, const PredictorCorrectorSettings& settings) {
+  const double ratio = static_cast<double>(delay_substeps) / settings.substeps;
+  if (ratio >= std::min(kRefusedDelayRatio, hold_point(settings.slow_down_from)))
+    return DelayVerdict::Refused;
   return ratio > kWarnedDelayRatio ? DelayVerdict::Warned : DelayVerdict::Fine;
 }
 

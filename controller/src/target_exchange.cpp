@@ -13,13 +13,15 @@ constexpr int kSubstepsBeforeStop = 10;
 
 }  // namespace
 
-TargetExchange::TargetExchange(std::vector<int> delay_substeps, int substeps)
+TargetExchange::TargetExchange(std::vector<int> delay_substeps,
+                               const PredictorCorrectorSettings& settings)
     : delay_substeps_{std::move(delay_substeps)}, sampled_(delay_substeps_.size(), false) {
   for (const int delay : delay_substeps_)
-    if (delay < 0 || judge_delay(delay, substeps) == DelayVerdict::Refused)
+    if (delay < 0 || judge_delay(delay, settings) == DelayVerdict::Refused)
       throw Error{"predictor-corrector: a sampling delay of " + std::to_string(delay) +
-                  " substeps in a step of " + std::to_string(substeps) +
-                  " leaves the integrator no time; expected less than 0.8 of the step"};
+                  " substeps in a step of " + std::to_string(settings.substeps) +
+                  " leaves the integrator no time; expected less than 0.8 of the step, and less "
+                  "than where a late target holds the command"};
   const auto axes = static_cast<Eigen::Index>(delay_substeps_.size());
   held_displacement_.setZero(axes);
   held_force_.setZero(axes);

@@ -51,6 +51,13 @@ TestMachineRun::TestMachineRun(const TestMachine& machine, double period)
   }
 }
 
+double TestMachineRun::platen_acceleration(int axis, const AxisState& s) const noexcept {
+  const ServoAxis& p = machine_.axes[axis];
+  const double friction =
+      p.coulomb_friction * std::tanh(s.v / p.friction_velocity) + p.viscous_friction * s.v;
+  return (p.piston_area * s.pressure - friction - specimen_force_[axis]) / p.effective_mass;
+}
+
 TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s,
                                                 double reference) const noexcept {
   const ServoAxis& p = machine_.axes[axis];
@@ -62,10 +69,8 @@ TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s,
       std::abs(s.spool) > p.dead_band ? s.spool - sign(s.spool) * p.dead_band : 0;
   const double drop = std::max(0.0, 1 - sign(opening) * s.pressure / p.supply_pressure);
   const double flow = p.rated_flow * opening * std::sqrt(drop);
-  const double friction =
-      p.coulomb_friction * std::tanh(s.v / p.friction_velocity) + p.viscous_friction * s.v;
   const double omega = 2 * std::numbers::pi * p.valve_frequency;
-  return {s.v, (p.piston_area * s.pressure - friction - specimen_force_[axis]) / p.effective_mass,
+  return {s.v, platen_acceleration(axis, s),
           4 * p.bulk_modulus / p.oil_volume * (flow - p.piston_area * s.v - p.leakage * s.pressure),
           s.spool_rate,
           omega * omega * (demand - s.spool) - 2 * p.valve_damping * omega * s.spool_rate};
@@ -90,10 +95,6 @@ void TestMachineRun::integrate_part(int i, double reference) noexcept {
   s.spool = std::clamp(s.spool, -1.0, 1.0);
   s.pressure =
       std::clamp(s.pressure, -machine_.axes[i].supply_pressure, machine_.axes[i].supply_pressure);
-  axis.acceleration = k1.v;
-  const double memory = std::exp(-2 * std::numbers::pi * machine_.accelerometer_cutoff * part_);
-  axis.filtered_acceleration =
-      memory * axis.filtered_acceleration + (1 - memory) * axis.acceleration;
 }
 
 bool TestMachineRun::at_limit(int i) const noexcept {
@@ -126,7 +127,8 @@ Status TestMachineRun::step(const Eigen::Vector2d& reference, MachineFeedback& f
     const ServoAxis& axis = machine_.axes[i];
     if (at_limit(i)) status = Status::LimitExceeded;
     feedback.displacement[i] = axes_[i].state.x + draw(machine_.noise.displacement);
-    feedback.acceleration[i] = axes_[i].filtered_acceleration + draw(machine_.noise.acceleration);
+    feedback.acceleration[i] =
+        platen_acceleration(i, axes_[i].state) + draw(machine_.noise.acceleration);
     feedback.force[i] =
         axis.piston_area * axes_[i].state.pressure + axis.force_offset + draw(machine_.noise.force);
   }
@@ -147,7 +149,7 @@ TestMachine srmd_machine() {
   lateral.oil_volume = 0.262;
   lateral.rated_flow = 0.25;
   lateral.leakage = 1e-10;
-  lateral.effective_mass = 116'837;
+  lateral.effective_mass = 116'836;
   lateral.coulomb_friction = 8'600;
   lateral.viscous_friction = 870;
   lateral.force_offset = -1'500;

@@ -66,7 +66,7 @@ Outcome follow(Ats& ats, PureDelay machine, double duration) {
   for (int i = 0; i * kPeriod < duration; ++i) {
     const double t = i * kPeriod;
     const double reference =
-        ats.step(motion.at(t), motion.rate(t), motion.second_rate(t), measured, true);
+        ats.step({motion.at(t), motion.rate(t), motion.second_rate(t)}, measured, 1, true);
     measured = machine(reference);
     if (t > duration - 5) worst = std::max(worst, std::abs(measured - motion.at(t + kPeriod)));
   }
@@ -114,7 +114,7 @@ TEST(Ats, FitsTheWindowAsADirectLeastSquaresDoes) {
     const double t = i * kPeriod;
     // Without smoothing the reference that goes out is the one that is fitted.
     const double reference =
-        ats.step(motion.at(t), motion.rate(t), motion.second_rate(t), measured, true);
+        ats.step({motion.at(t), motion.rate(t), motion.second_rate(t)}, measured, 1, true);
     const double response = response_filter(measured);
     const double difference = (response - previous) / kPeriod;
     rows.push_back({response, difference, (difference - previous_difference) / kPeriod,
@@ -151,7 +151,8 @@ TEST(Ats, StaysWithItsInitialCoefficientsBelowTheThreshold) {
   Ats ats{settings_with_initial_delay(0.025)};
 
   for (int i = 0; i < 3000; ++i)
-    static_cast<void>(ats.step(1e-4 * std::sin(0.01 * i), 0, 0, 1e-4 * std::sin(0.01 * i), true));
+    static_cast<void>(
+        ats.step({1e-4 * std::sin(0.01 * i), 0, 0}, 1e-4 * std::sin(0.01 * i), 1, true));
 
   EXPECT_EQ(ats.coefficients()[1], 0.025);
 }
@@ -161,7 +162,8 @@ TEST(Ats, StaysWithItsCoefficientsWhenToldNotToAdapt) {
   const Motion motion;
 
   for (int i = 0; i < 5000; ++i)
-    static_cast<void>(ats.step(motion.at(i * kPeriod), 0, 0, motion.at(i * kPeriod - 0.06), false));
+    static_cast<void>(
+        ats.step({motion.at(i * kPeriod), 0, 0}, motion.at(i * kPeriod - 0.06), 1, false));
 
   EXPECT_EQ(ats.coefficients()[1], 0.025);
 }
@@ -172,7 +174,8 @@ TEST(Ats, KeepsCoefficientsInTheirRange) {
   std::normal_distribution<double> noise{0, 0.05};
 
   for (int i = 0; i < 5000; ++i) {
-    static_cast<void>(ats.step(noise(random), noise(random), noise(random), noise(random), true));
+    static_cast<void>(
+        ats.step({noise(random), noise(random), noise(random)}, noise(random), 1, true));
     const Eigen::Vector3d& a = ats.coefficients();
     ASSERT_TRUE(a.allFinite());
     ASSERT_GE(a[0], 0.7);
@@ -196,7 +199,7 @@ TEST(Ats, ChangesNoFasterThanItMay) {
   for (int i = 0; i < 8000; ++i) {
     const double t = i * kPeriod;
     measured =
-        machine(ats.step(motion.at(t), motion.rate(t), motion.second_rate(t), measured, true));
+        machine(ats.step({motion.at(t), motion.rate(t), motion.second_rate(t)}, measured, 1, true));
     const Eigen::Vector3d change = (ats.coefficients() - before).cwiseAbs();
     ASSERT_TRUE((change.array() <= settings.largest_change.array() + 1e-15).all());
     before = ats.coefficients();
@@ -214,8 +217,8 @@ TEST(Ats, RestsWhileTheMachineRests) {
   std::normal_distribution<double> noise{0, 5e-5};
 
   // The motion ends; a window later nothing is left but sensor noise.
-  for (int i = 0; i < 1100; ++i) static_cast<void>(ats.step(0, 0, 0, noise(random), false));
-  for (int i = 0; i < 10'000; ++i) static_cast<void>(ats.step(0, 0, 0, noise(random), true));
+  for (int i = 0; i < 1100; ++i) static_cast<void>(ats.step({0, 0, 0}, noise(random), 1, false));
+  for (int i = 0; i < 10'000; ++i) static_cast<void>(ats.step({0, 0, 0}, noise(random), 1, true));
 
   EXPECT_EQ(ats.coefficients()[1], learnt);
 }
@@ -230,14 +233,34 @@ TEST(Ats, RefusesSettingsThatCannotWork) {
   EXPECT_NE(test::error_of([&] { Ats{crossed}; }), "");
 }
 
+// While it is switched off, the fit is of what was sent; so nothing winds up, and when it is
+// switched on it is right at once.
+TEST(Ats, LearnsTheMachineWhileItIsSwitchedOff) {
+  Ats ats{settings_with_initial_delay(0.020)};
+  PureDelay machine{39};
+  const Motion motion;
+  double measured = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const double t = i * kPeriod;
+    const Eigen::Vector3d command{motion.at(t), motion.rate(t), motion.second_rate(t)};
+    const double reference = ats.step(command, measured, 0, true);
+    EXPECT_EQ(reference, command[0]);
+    measured = machine(reference);
+  }
+
+  EXPECT_NEAR(ats.coefficients()[0], 1, 0.03);
+  EXPECT_NEAR(ats.coefficients()[1], 0.040, 0.002);
+  EXPECT_LT(ats.limited(), 1000);  // while the window fills
+}
+
 TEST(Ats, StepsInRealTime) {
   Ats ats{AtsSettings{}};
   const Motion motion;
   double reference = 0;
   for (int i = 0; i < 1500; ++i) {
     const double t = i * kPeriod;
-    EXPECT_REALTIME(reference = ats.step(motion.at(t), motion.rate(t), motion.second_rate(t),
-                                         motion.at(t - 0.05), true));
+    EXPECT_REALTIME(reference = ats.step({motion.at(t), motion.rate(t), motion.second_rate(t)},
+                                         motion.at(t - 0.05), 1, true));
   }
   EXPECT_TRUE(std::isfinite(reference));
 }

@@ -107,19 +107,62 @@ TEST(PredictorCorrector, MovesContinuouslyThroughEverySwitch) {
 TEST(PredictorCorrector, FreezesAtTheHoldPointWhenTheTargetNeverComes) {
   for (const double slow_down_from : {0.6, 0.8}) {
     PredictorCorrector pc{settings(100, slow_down_from)};
-    const Target target = target_at(1);
-    for (int substep = 0; substep < 3000; ++substep) pc.substep(substep == 0, target);
+    pc.substep(false, target_at(0));
+    for (int substep = 0; substep < 3000; ++substep) pc.substep(substep == 0, target_at(1));
+    const double before = pc.command()[0];
+
+    pc.substep(false, target_at(1));
 
     EXPECT_EQ(pc.state(), PcState::AutoSlowDown);
     EXPECT_NEAR(pc.counter(), 100 * (1 + slow_down_from) / 2, 1e-6);
-    EXPECT_LT(std::abs(pc.command_velocity()[0] * (pc.counter() - 90)), 1e3);
+    EXPECT_NEAR(pc.command()[0], before, 1e-9);
+    EXPECT_GT(before, 1.5);  // it had gone on beyond the target
+    // A command that is held is at rest, whatever the slope of the polynomial there.
+    EXPECT_NEAR(pc.command_velocity()[0], 0, 1e-9);
+    EXPECT_NEAR(pc.command_acceleration()[0], 0, 1e-9);
   }
+}
+
+// Through predictions, corrections, slow-downs and recoveries the velocity is that of the command.
+TEST(PredictorCorrector, GivesTheVelocityOfItsCommandInEveryState) {
+  auto s = settings(1000, 0.6);
+  PredictorCorrector pc{s};
+  pc.substep(false, target_at(0));
+  const double period = s.simulation_step / s.substeps;
+  std::vector<double> command;
+  std::vector<double> velocity;
+  std::vector<bool> ends_a_branch;
+  std::map<PcState, int> seen;
+  int next = 0;
+  int step = 0;
+  for (int substep = 0; substep < 20'000; ++substep) {
+    const bool arrives = substep == next;
+    if (arrives) next += ++step % 4 == 0 ? 2000 : 1000;  // every fourth solution is a step late
+    pc.substep(arrives, target_at(std::sin(0.2 * step)));
+    command.push_back(pc.command()[0]);
+    velocity.push_back(pc.command_velocity()[0]);
+    // The last substep of a step may be cut short, so that the counter ends at N.
+    ends_a_branch.push_back(arrives || pc.counter() <= 1 || pc.counter() >= s.substeps);
+    ++seen[pc.state()];
+  }
+
+  ASSERT_EQ(seen.size(), 3U);
+  // Central differences of a motion of 20 m/s. In a slow-down the pace changes by 1/200 a substep.
+  int compared = 0;
+  for (std::size_t i = 1; i + 1 < command.size(); ++i) {
+    if (ends_a_branch[i - 1] || ends_a_branch[i] || ends_a_branch[i + 1]) continue;
+    const double difference = (command[i + 1] - command[i - 1]) / (2 * period);
+    EXPECT_NEAR(velocity[i], difference, 20.0 / 200) << i;
+    ++compared;
+  }
+  EXPECT_GT(compared, 19'000);
 }
 
 // From rest the increment stays at its floor of 0.001 until (i − i_SD)/(0.1 N) is larger, 0.1 N
 // substeps; then it grows by 1 + 10/N each, a thousandfold until full speed, where the step ends.
 TEST(PredictorCorrector, RecoversFromALongHoldInTheTimeTheFloorAllows) {
   PredictorCorrector pc{settings(80, 0.8)};
+  pc.substep(false, target_at(0));
   const Target first = target_at(1);
   for (int substep = 0; substep < 5000; ++substep) pc.substep(substep == 0, first);
   int needed = 0;
@@ -242,12 +285,19 @@ TEST(PredictorCorrector, MovesAxesIndependently) {
   auto s = settings(100, 0.6);
   s.axes = 2;
   PredictorCorrector pc{s};
-  Target target{Eigen::Vector2d{1, -2}, Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  const Target rest{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  const Target target{Eigen::Vector2d{1, -2}, Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  PredictorCorrector along{settings(100, 0.6)};  // the first axis alone
+  pc.substep(false, rest);
+  along.substep(false, target_at(0));
 
-  for (int substep = 0; substep < 100; ++substep) pc.substep(substep == 0, target);
-
+  for (int substep = 0; substep < 100; ++substep) {
+    pc.substep(substep == 0, target);
+    along.substep(substep == 0, target_at(1));
+    EXPECT_EQ(pc.command()[0], along.command()[0]);
+    EXPECT_EQ(pc.command()[1], -2 * along.command()[0]);
+  }
   EXPECT_NEAR(pc.command()[0], 1, 1e-12);
-  EXPECT_NEAR(pc.command()[1], -2, 1e-12);
 }
 
 TEST(PredictorCorrector, RefusesSettingsThatCannotWork) {
@@ -272,11 +322,20 @@ TEST(PredictorCorrector, StepsInRealTimeInEveryState) {
 }
 
 TEST(SamplingDelay, IsWarnedAboveSixTenthsAndRefusedFromEight) {
-  EXPECT_EQ(judge_delay(0, 100), DelayVerdict::Fine);
-  EXPECT_EQ(judge_delay(60, 100), DelayVerdict::Fine);
-  EXPECT_EQ(judge_delay(61, 100), DelayVerdict::Warned);
-  EXPECT_EQ(judge_delay(79, 100), DelayVerdict::Warned);
-  EXPECT_EQ(judge_delay(80, 100), DelayVerdict::Refused);
+  for (const double slow_down_from : {0.6, 0.8}) {
+    const auto s = settings(100, slow_down_from);
+    EXPECT_EQ(judge_delay(0, s), DelayVerdict::Fine);
+    EXPECT_EQ(judge_delay(60, s), DelayVerdict::Fine);
+    EXPECT_EQ(judge_delay(61, s), DelayVerdict::Warned);
+    EXPECT_EQ(judge_delay(79, s), DelayVerdict::Warned);
+    EXPECT_EQ(judge_delay(80, s), DelayVerdict::Refused);
+  }
+}
+
+// A command that is held at 0.65 of the step never gets to 0.66.
+TEST(SamplingDelay, IsRefusedFromTheHoldPointOn) {
+  EXPECT_EQ(judge_delay(64, settings(100, 0.3)), DelayVerdict::Warned);
+  EXPECT_EQ(judge_delay(66, settings(100, 0.3)), DelayVerdict::Refused);
 }
 
 }  // namespace

@@ -11,11 +11,17 @@ namespace {
 
 constexpr double kIdle = 0, kNew = 1, kStop = -1;
 
+PredictorCorrectorSettings make_settings() {
+  PredictorCorrectorSettings settings;
+  settings.substeps = 100;
+  return settings;
+}
+
 /// A predictor-corrector with its handshake, fed by hand.
 class Controller {
  public:
   explicit Controller(int delay_substeps = 0)
-      : command{make_settings()}, exchange{{delay_substeps}, 100} {}
+      : command{make_settings()}, exchange{{delay_substeps}, make_settings()} {}
 
   void substep(double new_target_word, double measured = 0) {
     const bool flag = exchange.begin(new_target_word);
@@ -31,13 +37,6 @@ class Controller {
   TargetExchange exchange;
   Target target{Eigen::VectorXd::Constant(1, 0.1), Eigen::VectorXd::Zero(1),
                 Eigen::VectorXd::Zero(1)};
-
- private:
-  static PredictorCorrectorSettings make_settings() {
-    PredictorCorrectorSettings settings;
-    settings.substeps = 100;
-    return settings;
-  }
 };
 
 TEST(TargetExchange, IsAtTargetWithLiveFeedbackWhileIdle) {
@@ -138,9 +137,9 @@ TEST(TargetExchange, StopsTenSubstepsAfterNewTargetGoesNegative) {
 }
 
 TEST(TargetExchange, RefusesADelayThatLeavesTheIntegratorNoTime) {
-  EXPECT_NE(test::error_of([] { TargetExchange({80}, 100); }), "");
-  EXPECT_EQ(test::error_of([] { TargetExchange({79}, 100); }), "");
-  EXPECT_NE(test::error_of([] { TargetExchange({-1}, 100); }), "");
+  EXPECT_NE(test::error_of([] { TargetExchange({80}, make_settings()); }), "");
+  EXPECT_EQ(test::error_of([] { TargetExchange({79}, make_settings()); }), "");
+  EXPECT_NE(test::error_of([] { TargetExchange({-1}, make_settings()); }), "");
 }
 
 TEST(TargetExchange, WorksInRealTime) {

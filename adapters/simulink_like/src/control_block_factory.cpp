@@ -15,6 +15,7 @@ namespace {
 
 using memmap::Config;
 
+constexpr double kFadeTime = 0.5;  // of switching compensation on or off [s]
 constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
 
 controller::Polynomial read_polynomial(const Config& table, const std::string& key) {
@@ -24,12 +25,12 @@ controller::Polynomial read_polynomial(const Config& table, const std::string& k
 }
 
 std::vector<int> read_sampling_delay(const Config& table, const BlockContext& context,
-                                     int substeps) {
+                                     const controller::PredictorCorrectorSettings& settings) {
   std::vector<int> delays;
   for (const double delay : per_axis(table, "sampling_delay_s", context, 0)) {
     const int in_substeps = static_cast<int>(std::lround(delay / context.period));
-    const double ratio = static_cast<double>(in_substeps) / substeps;
-    switch (controller::judge_delay(in_substeps, substeps)) {
+    const double ratio = static_cast<double>(in_substeps) / settings.substeps;
+    switch (controller::judge_delay(in_substeps, settings)) {
       case controller::DelayVerdict::Fine:
         break;
       case controller::DelayVerdict::Warned:
@@ -39,7 +40,8 @@ std::vector<int> read_sampling_delay(const Config& table, const BlockContext& co
       case controller::DelayVerdict::Refused:
         table.fail(
             "sampling_delay_s",
-            fmt::format("the sampling delay is {:.2f} of the step, expected less than 0.8", ratio));
+            fmt::format("the sampling delay is {:.2f} of the step, expected less than {:g}", ratio,
+                        std::min(0.8, controller::hold_point(settings.slow_down_from))));
     }
     delays.push_back(in_substeps);
   }
@@ -105,7 +107,7 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
                    {"counter", kSingle, "1"},          {"stopped", kSingle, "1"},
                    {"correct_time", kSingle, "s"},     {"predict_time", kSingle, "s"},
                    {"slow_down_time", kSingle, "s"},   {"targets", kSingle, "1"}};
-  const auto delays = read_sampling_delay(table, context, settings.substeps);
+  const auto delays = read_sampling_delay(table, context, settings);
   block.kind = table.placed("name", [&] {
     return PredictorCorrectorBlock{settings, delays, context.period};
   });
@@ -141,11 +143,11 @@ Block make_ats(const Config& table, const BlockContext& context) {
   add_parameter(block, table, "enabled", "1", 1);
   add_parameter(block, table, "adapt", "1", 1);
   const auto ats = table.placed("name", [&] { return controller::Ats{settings}; });
-  block.kind = AtsBlock{std::vector(context.axes(), ats)};
+  block.kind = AtsBlock{std::vector(context.axes(), ats), Fade{context.period / kFadeTime}};
   return block;
 }
 
-Block make_feed_forward(const Config& table, const BlockContext&) {
+Block make_feed_forward(const Config& table, const BlockContext& context) {
   Block block;
   block.inputs = {{"reference", kPerAxis, "m"},
                   {"velocity", kPerAxis, "m/s"},
@@ -154,7 +156,7 @@ Block make_feed_forward(const Config& table, const BlockContext&) {
   add_parameter(block, table, "enabled", "1", 1);
   add_parameter(block, table, "velocity_gain_s", "s", 0);
   add_parameter(block, table, "acceleration_gain_s2", "s2", 0);
-  block.kind = FeedForwardBlock{};
+  block.kind = FeedForwardBlock{Fade{context.period / kFadeTime}};
   return block;
 }
 

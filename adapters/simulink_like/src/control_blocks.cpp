@@ -16,9 +16,7 @@ void copy_out(const Eigen::VectorXd& from, double* to) {
 PredictorCorrectorBlock::PredictorCorrectorBlock(
     const controller::PredictorCorrectorSettings& settings, std::vector<int> delay_substeps,
     double substep_period)
-    : command_{settings},
-      exchange_{std::move(delay_substeps), settings.substeps},
-      period_{substep_period} {
+    : command_{settings}, exchange_{std::move(delay_substeps), settings}, period_{substep_period} {
   for (Eigen::VectorXd* vector :
        {&target_.displacement, &target_.velocity, &target_.acceleration, &displacement_, &force_})
     vector->setZero(settings.axes);
@@ -59,13 +57,18 @@ void PredictorCorrectorBlock::step(const Wires& w) noexcept {
   count(w, new_target);
 }
 
+// How a test begins is no switching: the first answer is all or nothing.
+double Fade::operator()(bool on) noexcept {
+  share = share < 0 ? (on ? 1.0 : 0.0) : std::clamp(share + (on ? step : -step), 0.0, 1.0);
+  return share;
+}
+
 void AtsBlock::step(const Wires& w) noexcept {
-  const bool enabled = *w.parameter[0] != 0;
+  const double share = fade(*w.parameter[0] != 0);
   const bool adapt = *w.parameter[1] != 0;
   for (std::size_t i = 0; i < compensators.size(); ++i) {
     auto& ats = compensators[i];
-    const double reference = ats.step(w.in[0][i], w.in[1][i], w.in[2][i], w.in[3][i], adapt);
-    w.out[0][i] = enabled ? reference : w.in[0][i];
+    w.out[0][i] = ats.step({w.in[0][i], w.in[1][i], w.in[2][i]}, w.in[3][i], share, adapt);
     w.out[1][i] = ats.coefficients()[0];
     w.out[2][i] = ats.coefficients()[1];
     w.out[3][i] = ats.coefficients()[2];
@@ -74,10 +77,9 @@ void AtsBlock::step(const Wires& w) noexcept {
 }
 
 void FeedForwardBlock::step(const Wires& w) noexcept {
-  const bool enabled = *w.parameter[0] != 0;
-  const controller::FeedForward lead{*w.parameter[1], *w.parameter[2]};
-  for (std::size_t i = 0; i < w.axes; ++i)
-    w.out[0][i] = enabled ? lead(w.in[0][i], w.in[1][i], w.in[2][i]) : w.in[0][i];
+  const double share = fade(*w.parameter[0] != 0);
+  const controller::FeedForward lead{share * *w.parameter[1], share * *w.parameter[2]};
+  for (std::size_t i = 0; i < w.axes; ++i) w.out[0][i] = lead(w.in[0][i], w.in[1][i], w.in[2][i]);
 }
 
 void ForceObserverBlock::step(const Wires& w) noexcept {

@@ -33,14 +33,24 @@ struct PredictorCorrectorBlock {
   double time_in_[3] = {0, 0, 0};  ///< Correct, Predict, AutoSlowDown since the last new target [s]
 };
 
+/// A switch that a machine can follow: goes from off to on, or back, within half a second.
+struct Fade {
+  double step;        ///< per sample
+  double share = -1;  ///< 0 off, 1 on; negative: not yet asked
+  /// @returns the share after this sample   @realtime
+  double operator()(bool on) RTHS_REALTIME;
+};
+
 /// An adaptive time series compensator per axis.
 struct AtsBlock {
   std::vector<controller::Ats> compensators;
+  Fade fade;
   void step(const Wires& w) RTHS_REALTIME;
 };
 
 /// Fixed lead from the command's rates.
 struct FeedForwardBlock {
+  Fade fade;
   void step(const Wires& w) RTHS_REALTIME;
 };
 

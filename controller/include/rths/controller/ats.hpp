@@ -46,11 +46,13 @@ class Ats {
   explicit Ats(const AtsSettings& settings);
 
   /// One sample.
-  /// @param x, velocity, acceleration  command and its rates [m], [m/s], [m/s²]
+  /// @param command   x, ẋ, ẍ [m], [m/s], [m/s²]
   /// @param measured  displacement feedback of this sample [m]
+  /// @param share     of the lead that is sent: 1 all of it, 0 the command as it is. The fit sees
+  ///                  what is sent, so coefficients are right before the lead is switched on
   /// @param adapt     false: the coefficients stay as they are
   /// @returns the reference [m]   @realtime
-  [[nodiscard]] double step(double x, double velocity, double acceleration, double measured,
+  [[nodiscard]] double step(const Eigen::Vector3d& command, double measured, double share,
                             bool adapt) RTHS_REALTIME;
 
   [[nodiscard]] const Eigen::Vector3d& coefficients() const { return a_; }

@@ -47,7 +47,8 @@ struct Target {
 ///     AutoSlowDown  Δi_SD = (h − i/N)/(h−p);   i ← i + Δi_SD;   i_SD ← i
 ///
 /// The rule for each transition is in docs/theory/predictor_corrector.md. Rates of the command are
-/// the polynomials' own derivatives. Source: the Stateflow charts of OpenFresco (Schellenberg).
+/// the polynomials' own derivatives, at the pace Δi of the counter: a command that is held is at
+/// rest. Source: the Stateflow charts of OpenFresco (Schellenberg), whose rates ignore the pace.
 class PredictorCorrector {
  public:
   /// @throws Error if a setting is out of range   @setup
@@ -62,7 +63,8 @@ class PredictorCorrector {
   [[nodiscard]] const Eigen::VectorXd& command() const { return command_; }  ///< [m, rad]
   /// In wall time [m/s, rad/s].
   [[nodiscard]] const Eigen::VectorXd& command_velocity() const { return velocity_; }
-  /// In wall time [m/s², rad/s²].
+  /// In wall time [m/s², rad/s²]. That of the path: what slowing down itself adds is left out, for
+  /// a compensator would answer it with a kick.
   [[nodiscard]] const Eigen::VectorXd& command_acceleration() const { return acceleration_; }
   [[nodiscard]] PcState state() const { return state_; }
   /// i, 0…N. N while idle in Initialize: the specimen is where it should be.
@@ -84,6 +86,7 @@ class PredictorCorrector {
   PcState state_ = PcState::Initialize;
   bool started_ = false;
   double counter_ = 0;              ///< i
+  double increment_ = 1;            ///< Δi of this substep
   double slow_down_increment_ = 1;  ///< Δi_SD
   double slow_down_end_ = 0;        ///< i_SD
   double xi_ = 0;
@@ -97,8 +100,12 @@ class PredictorCorrector {
 /// What delayed sampling means for a step: none, worth a warning, or not to be run.
 enum class DelayVerdict { Fine, Warned, Refused };
 
-/// Judges delayed sampling by the ratio of delay to step: warned above 0.6, refused from 0.8 on.
-/// @setup
-[[nodiscard]] DelayVerdict judge_delay(int delay_substeps, int substeps);
+/// Part of the step at which a late target freezes the command: h = (1 + p)/2.   @setup
+[[nodiscard]] double hold_point(double slow_down_from);
+
+/// Judges delayed sampling by the ratio of delay to step: warned above 0.6, refused from 0.8 on,
+/// and from the hold point on, which the counter never reaches while a target is late.   @setup
+[[nodiscard]] DelayVerdict judge_delay(int delay_substeps,
+                                       const PredictorCorrectorSettings& settings);
 
 }  // namespace rths::controller

@@ -22,9 +22,9 @@ namespace rths::controller {
 class TargetExchange {
  public:
   /// @param delay_substeps  per axis: substeps between the command's arrival and the sample, ≥ 0
-  /// @param substeps        N
+  /// @param settings        of the predictor-corrector that the exchange goes with
   /// @throws Error if a delay is refused by `judge_delay`   @setup
-  TargetExchange(std::vector<int> delay_substeps, int substeps);
+  TargetExchange(std::vector<int> delay_substeps, const PredictorCorrectorSettings& settings);
 
   /// Before the predictor-corrector's substep. @param new_target_word  as on the ring
   /// @returns true if this substep has a new target   @realtime

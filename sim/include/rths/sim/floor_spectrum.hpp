@@ -13,7 +13,8 @@ namespace rths::sim {
 ///
 /// For each frequency a damped oscillator rides on the floor in each direction; the value is the
 /// largest length over time of the vector of their two absolute accelerations. The oscillator is
-/// solved exactly for acceleration linear between samples (Nigam & Jennings 1969).
+/// solved exactly for acceleration linear between samples (Nigam & Jennings 1969), at 20 points or
+/// more of its period, so that a peak is missed by 1.2 % at most however far samples are apart.
 /// @param long_acceleration, lat_acceleration  absolute, of the floor [m/s²], equally long
 /// @param time_step  [s]
 /// @param frequencies  of the oscillators [Hz], > 0

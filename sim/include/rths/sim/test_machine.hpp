@@ -48,7 +48,7 @@ struct ServoAxis {
   double position_gain = 20.5;      ///< K_v [1/s]
   double pressure_gain = 0.1;       ///< K_p [-]
   double transport_delay = 0.002;   ///< τ [s]
-  double effective_mass = 113'372;  ///< m_e of platen and moving parts [kg]
+  double effective_mass = 113'371;  ///< m_e of platen and moving parts [kg]
   double coulomb_friction = 5'100;  ///< F_s [N]
   double viscous_friction = 716;    ///< F_d [N·s/m]
   double friction_velocity = 5e-4;  ///< v_s [m/s]
@@ -68,7 +68,6 @@ struct TestMachine {
   SensorNoise noise;
   bool has_specimen = true;  ///< false: an empty table
   LeadRubber specimen;
-  double accelerometer_cutoff = 100;  ///< first-order low-pass [Hz]
   std::uint64_t seed = 1;
 };
 
@@ -105,11 +104,11 @@ class TestMachineRun {
     AxisState state;
     std::vector<double> delay_line;
     std::size_t delay_head = 0;
-    double acceleration = 0, filtered_acceleration = 0;
   };
 
   void integrate_part(int axis, double reference) noexcept;
   [[nodiscard]] AxisState rates(int axis, const AxisState& s, double reference) const noexcept;
+  [[nodiscard]] double platen_acceleration(int axis, const AxisState& s) const noexcept;
   [[nodiscard]] bool at_limit(int axis) const noexcept;
   [[nodiscard]] double draw(double standard_deviation) noexcept;
 
