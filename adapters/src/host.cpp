@@ -10,7 +10,16 @@
 namespace rths::adapters {
 namespace {
 
-enum HostPort : std::size_t { kStep, kStatus, kOverruns, kStale, kLate, kDuration, kHostPorts };
+enum HostPort : std::size_t {
+  kStep,
+  kStatus,
+  kOverruns,
+  kStale,
+  kLate,
+  kLateMax,
+  kDuration,
+  kHostPorts
+};
 
 bool is_read(const Port& port) {
   return port.direction == Direction::Input || port.direction == Direction::Parameter;
@@ -24,6 +33,7 @@ std::vector<Port> host_ports() {
           {"host.overruns", Direction::Monitor, "1", 0, true},
           {"host.stale", Direction::Monitor, "1", 0, true},
           {"host.late", Direction::Monitor, "s", 0, false},
+          {"host.late_max", Direction::Monitor, "s", 0, false},
           {"host.duration", Direction::Monitor, "s", 0, false}};
 }
 
@@ -108,8 +118,10 @@ Status Host::write_outputs() noexcept {
   Status status = Status::Ok;
   for (auto& transfer : writes_) {
     for (const auto& value : transfer.values) {
-      if (std::isfinite(outputs_[value.index]))
-        transfer.image[value.word] = value.codec.encode(outputs_[value.index]);
+      // A finite number may still be one that its word cannot hold.
+      const std::uint32_t word = value.codec.encode(outputs_[value.index]);
+      if (std::isfinite(outputs_[value.index]) && std::isfinite(value.codec.decode(word)))
+        transfer.image[value.word] = word;
       else
         status = Status::LimitExceeded;
     }
@@ -128,6 +140,7 @@ void Host::tell_of_itself(Status status, const Timing& timing) noexcept {
   outputs_[kOverruns] = static_cast<double>(overruns_);
   outputs_[kStale] = static_cast<double>(stale_);
   outputs_[kLate] = to_seconds(timing.late);
+  outputs_[kLateMax] = std::max(outputs_[kLateMax], outputs_[kLate]);
   outputs_[kDuration] = to_seconds(timing.duration);
 }
 
@@ -137,11 +150,13 @@ Status Host::tick(Duration time, bool stopping, const Timing& timing) noexcept {
   step_.inputs = inputs_;
   step_.outputs = std::span{outputs_}.subspan(kHostPorts);
   step_.stopping = stopping;
-  status = worst(status, adapter_.step(step_));
+  const Status result = adapter_.step(step_);
+  status = worst(status, result);
   tell_of_itself(status, timing);
   status = worst(status, write_outputs());
   node_.beat();
-  return status;
+  // An adapter's end is its own to declare: a stale word in its last step does not undo it.
+  return result == Status::Done && status != Status::Fault ? Status::Done : status;
 }
 
 LoopEnd run_loop(Host& host, Clock& clock, TimePoint epoch, const Schedule& schedule,

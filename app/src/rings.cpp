@@ -41,12 +41,18 @@ int doctor() {
 }
 
 int clean() {
+  int result = kOk;
   for (const auto& ring : broker::list_rings()) {
     if (ring.in_use()) continue;
-    broker::remove_ring(ring.name);
-    fmt::print("removed {}\n", ring.name);
+    if (!ring.foreign && broker::remove_ring(ring.name)) {
+      fmt::print("removed {}\n", ring.name);
+    } else {
+      fmt::print("left {}: {}\n", ring.name,
+                 ring.foreign ? ring.trouble : "it could not be removed");
+      result = kConditionNotMet;
+    }
   }
-  return kOk;
+  return result;
 }
 
 }  // namespace rths::app

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <charconv>
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -30,6 +31,7 @@ double parse_value(const std::string& text, const memmap::SignalEntry& entry) {
   if (problem != std::errc{})
     throw Error{fmt::format("{}={}: expected a number{}", entry.name, text,
                             entry.signal->values.empty() ? "" : " or the name of a value")};
+  if (!std::isfinite(number)) throw Error{fmt::format("{}={}: is no number", entry.name, text)};
   if (rest == end) return codec.to_si(number);
   const auto unit = memmap::parse_unit(std::string{rest, end});
   const std::string si = memmap::parse_unit(entry.signal->unit).si;
@@ -55,7 +57,11 @@ Assignment parse_assignment(const std::string& text, const memmap::Map& map) {
   const std::string value = text.substr(equals + 1);
   const double si = parse_value(value, entry);
   check_range(si, value, entry);
-  return {&entry, memmap::Codec{*entry.signal}.encode(si)};
+  const memmap::Codec codec{*entry.signal};
+  const std::uint32_t word = codec.encode(si);
+  if (!std::isfinite(codec.decode(word)))
+    throw Error{fmt::format("{}={}: is too large for its word", entry.name, value)};
+  return {&entry, word};
 }
 
 void write_all(broker::Ring& ring, const std::string& node,

@@ -15,6 +15,7 @@ namespace rths::broker {
 namespace {
 
 constexpr const char* kObjectFolder = "/dev/shm";
+constexpr auto kPatience = std::chrono::milliseconds{100};  // with a ring that is being made
 
 void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& report) {
   for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
@@ -22,8 +23,9 @@ void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& re
     const Claim claim = std::atomic_ref{slot.claim}.load();
     if (claim == 0) continue;
     const std::uint32_t node = std::atomic_ref{slot.node}.load();
-    const std::string name = node == kObserver ? "observer"
-                             : node == kNotYet ? "joining"
+    const std::string name = node == kObserver  ? "observer"
+                             : node == kCreator ? "creator"
+                             : node == kNotYet  ? "joining"
                                                : map.node_name(NodeId{static_cast<uint16_t>(node)});
     report.occupants.push_back(
         {name, pid_of(claim), is_alive(claim), std::atomic_ref{slot.beats}.load()});
@@ -45,14 +47,17 @@ RingReport inspect(const std::string& name, std::uint64_t bytes) {
   report.name = name;
   report.bytes = bytes;
   try {
-    const auto segment = Segment::attach_shared(name);
-    const memmap::Map map = memmap::parse_map(segment->map_text(), "the map in the ring");
+    const auto segment = Segment::attach_shared(name, kPatience);
+    const memmap::Map map = segment->map();
     report.map_name = map.description().name;
     report.map_version = map.description().version;
     report.map_hash = memmap::hash_text(map.hash());
     describe_occupants(*segment, map, report);
     describe_groups(*segment, map, report);
     report.usable = true;
+  } catch (const ForeignRing& error) {
+    report.foreign = true;
+    report.trouble = error.what();
   } catch (const Error& error) {
     report.trouble = error.what();
   }
@@ -73,6 +78,14 @@ std::vector<RingReport> list_rings() {
   std::sort(reports.begin(), reports.end(),
             [](const RingReport& a, const RingReport& b) { return a.name < b.name; });
   return reports;
+}
+
+std::optional<RingReport> inspect_ring(const std::string& name) {
+  const auto file = std::filesystem::path{kObjectFolder} / object_name(name);
+  std::error_code missing;
+  const auto bytes = std::filesystem::file_size(file, missing);
+  if (missing) return std::nullopt;
+  return inspect(name, bytes);
 }
 
 bool remove_ring(const std::string& name) {

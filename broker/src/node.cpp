@@ -24,21 +24,37 @@ std::atomic_ref<T> shared(T& word) noexcept {
   return std::atomic_ref<T>{word};
 }
 
-// A free slot, or that of a process that has ended, becomes ours by one compare-exchange.
-std::uint32_t claim_slot(Segment& segment) {
-  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
-    Slot& slot = segment.slots()[i];
-    Claim holder = shared(slot.claim).load();
-    if (holder != 0 && is_alive(holder)) continue;
-    if (!shared(slot.claim).compare_exchange_strong(holder, own_claim())) continue;
-    shared(slot.node).store(kNotYet);
-    shared(slot.beats).store(0);
-    return i;
-  }
+// A slot becomes ours by one compare-exchange.
+bool take(Slot& slot, Claim holder) {
+  if (!shared(slot.claim).compare_exchange_strong(holder, own_claim())) return false;
+  shared(slot.node).store(kNotYet);
+  shared(slot.beats).store(0);
+  return true;
+}
+
+// First the place of our own predecessor that died, then a free one. That a node of another name
+// died stays to be seen, unless there is no other place.
+std::uint32_t claim_slot(Segment& segment, std::uint32_t node) {
+  const auto claim_where = [&](auto fits) -> std::optional<std::uint32_t> {
+    for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
+      Slot& slot = segment.slots()[i];
+      const Claim holder = shared(slot.claim).load();
+      if (fits(slot, holder) && take(slot, holder)) return i;
+    }
+    return std::nullopt;
+  };
+  const auto is_dead = [](Claim holder) { return holder != 0 && !is_alive(holder); };
+  if (const auto own = claim_where([&](Slot& slot, Claim holder) {
+        return is_dead(holder) && shared(slot.node).load() == node;
+      }))
+    return *own;
+  if (const auto free = claim_where([](Slot&, Claim holder) { return holder == 0; })) return *free;
+  if (const auto dead = claim_where([&](Slot&, Claim holder) { return is_dead(holder); }))
+    return *dead;
   throw Error{fmt::format("the ring is full: {} processes are on it", kMaxSlots)};
 }
 
-// Two processes that become the same node at once both see each other here; the lower slot stays.
+// Of two processes that become the same node at once, both see the other here, and both give way.
 std::optional<int> rival_of(Segment& segment, std::uint32_t slot, NodeId id) {
   for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
     const Claim holder = shared(segment.slots()[i].claim).load();
@@ -61,7 +77,7 @@ Slot* slot_of(Segment& segment, NodeId id) noexcept {
 }  // namespace
 
 Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id)
-    : segment_{&segment}, slot_{claim_slot(segment)} {
+    : segment_{&segment}, slot_{claim_slot(segment, id ? id->value() : kObserver)} {
   shared(segment.slots()[slot_].node).store(id ? id->value() : kObserver);
   if (!id) return;
   if (const auto rival = rival_of(segment, slot_, *id)) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/broker/ring.hpp>
 
+#include <chrono>
+
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
@@ -10,25 +12,25 @@
 namespace rths::broker {
 namespace {
 
+constexpr auto kPatience = std::chrono::seconds{2};  // with a creator that is still at work
+
 void remove_if_abandoned(const std::string& name) {
-  for (const auto& report : list_rings()) {
-    if (report.name != name) continue;
-    if (report.in_use()) {
-      std::string pids;
-      for (const auto& occupant : report.occupants)
-        if (occupant.alive) pids += fmt::format(" {} (pid {})", occupant.node, occupant.pid);
-      throw Error{fmt::format("ring '{}' is in use by{}; choose another name", name, pids)};
-    }
-    remove_ring(name);
+  const auto report = inspect_ring(name);
+  if (!report) return;
+  if (report->foreign) throw Error{report->trouble};
+  if (report->in_use()) {
+    std::string pids;
+    for (const auto& occupant : report->occupants)
+      if (occupant.alive) pids += fmt::format(" {} (pid {})", occupant.node, occupant.pid);
+    throw Error{fmt::format("ring '{}' is in use by{}; choose another name", name, pids)};
   }
+  remove_ring(name);
 }
 
 }  // namespace
 
 Ring::Ring(std::unique_ptr<Segment> segment)
-    : segment_{std::move(segment)},
-      map_{std::make_unique<memmap::Map>(
-          memmap::parse_map(segment_->map_text(), "the map in the ring"))} {}
+    : segment_{std::move(segment)}, map_{std::make_unique<memmap::Map>(segment_->map())} {}
 
 Ring::Ring(Ring&&) noexcept = default;
 Ring& Ring::operator=(Ring&&) noexcept = default;
@@ -39,7 +41,7 @@ Ring Ring::create(const std::string& name, const memmap::Map& map) {
   return Ring{Segment::create_shared(name, map)};
 }
 
-Ring Ring::attach(const std::string& name) { return Ring{Segment::attach_shared(name)}; }
+Ring Ring::attach(const std::string& name) { return Ring{Segment::attach_shared(name, kPatience)}; }
 
 Ring Ring::in_process(const memmap::Map& map) { return Ring{Segment::create_in_process(map)}; }
 

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstring>
 #include <new>
 #include <thread>
 #include <utility>
 #include <variant>
+
+#include <fcntl.h>
 
 #include <fmt/format.h>
 #include <boost/interprocess/mapped_region.hpp>
@@ -26,7 +27,7 @@ namespace {
 namespace ipc = boost::interprocess;
 using std::chrono::steady_clock;
 
-constexpr auto kReadyDeadline = std::chrono::seconds{2};
+constexpr std::uint64_t kMostBytes = 256U << 20U;  // of any part: twice the largest memory
 constexpr auto kReadyPoll = std::chrono::milliseconds{1};
 
 constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t to) {
@@ -55,7 +56,9 @@ std::uint64_t total_bytes(const Header& header) { return header.memory_at + head
 // `ready` is published last, so whoever sees it sees all the rest.
 void fill(std::byte* base, Header header, const memmap::Map& map, const std::string& map_text) {
   std::memcpy(base, &header, sizeof header);
-  std::memset(base + sizeof(Header), 0, kMaxSlots * sizeof(Slot));
+  auto* slots = reinterpret_cast<Slot*>(base + sizeof(Header));
+  std::memset(slots, 0, kMaxSlots * sizeof(Slot));
+  slots[0] = {header.creator, kCreator, 0, 0};
   auto* group = reinterpret_cast<Group*>(base + header.groups_at);
   for (const auto& partition : map.partitions())
     if (partition.tear_group) *group++ = {0, partition.base.value(), partition.longwords};
@@ -68,11 +71,19 @@ void fill(std::byte* base, Header header, const memmap::Map& map, const std::str
   std::atomic_ref{reinterpret_cast<Header*>(base)->ready}.store(kReady, std::memory_order_release);
 }
 
+// The parts lie one behind the other and end where the memory ends.
+bool parts_are_in_order(const Header& h) {
+  for (const std::uint64_t size : {h.group_count * sizeof(Group), h.map_text_bytes, h.memory_bytes})
+    if (size > kMostBytes) return false;
+  return h.group_count <= kMostBytes && h.groups_at == sizeof(Header) + kMaxSlots * sizeof(Slot) &&
+         h.map_text_at == h.groups_at + h.group_count * sizeof(Group) &&
+         h.memory_at == round_up(h.map_text_at + h.map_text_bytes, kPageBytes);
+}
+
+// Anybody may have made an object of that name: nothing in it is believed before it is checked.
 std::string trouble_with(const Header& header, std::uint64_t mapped_bytes) {
   if (header.magic != kMagic) return "it is no rths ring";
-  if (header.layout_version != kLayoutVersion)
-    return fmt::format("its layout is version {}, this program's is {}", header.layout_version,
-                       kLayoutVersion);
+  if (!parts_are_in_order(header)) return "its header is damaged";
   if (total_bytes(header) != mapped_bytes)
     return fmt::format("it has {} bytes, its header says {}", mapped_bytes, total_bytes(header));
   return "";
@@ -84,18 +95,24 @@ bool object_has_header(const ipc::shared_memory_object& object) {
 }
 
 // Between the object's birth and `ready` its creator is at work, or has died doing it.
-bool becomes_ready(const ipc::shared_memory_object& object) {
-  const auto deadline = steady_clock::now() + kReadyDeadline;
-  while (steady_clock::now() < deadline) {
+bool becomes_ready(const ipc::shared_memory_object& object, std::chrono::milliseconds patience) {
+  for (const auto deadline = steady_clock::now() + patience;;) {
     if (object_has_header(object)) {
       ipc::mapped_region region{object, ipc::read_write, 0, sizeof(Header)};
       auto& header = *static_cast<Header*>(region.get_address());
       if (std::atomic_ref{header.ready}.load(std::memory_order_acquire) == kReady) return true;
       if (header.creator != 0 && !is_alive(header.creator)) return false;
     }
+    if (steady_clock::now() >= deadline) return false;
     std::this_thread::sleep_for(kReadyPoll);
   }
-  return false;
+}
+
+// Room is taken now: a page that is not to be had would kill whoever touches it first.
+void take_room(ipc::shared_memory_object& object, std::uint64_t bytes) {
+  const int problem =
+      posix_fallocate(object.get_mapping_handle().handle, 0, static_cast<off_t>(bytes));
+  if (problem != 0) throw Error{std::strerror(problem)};
 }
 
 }  // namespace
@@ -114,10 +131,22 @@ struct Segment::Memory {
   }
 };
 
-Segment::Segment(std::unique_ptr<Memory> memory)
-    : memory_{std::move(memory)}, base_{memory_->base()} {}
+Segment::Segment(std::unique_ptr<Memory> memory, bool created)
+    : memory_{std::move(memory)}, base_{memory_->base()}, created_{created} {}
 
-Segment::~Segment() = default;
+Segment::~Segment() {
+  if (created_) std::atomic_ref{slots()[0].claim}.store(0);
+}
+
+memmap::Map Segment::map() {
+  const Header& h = header();
+  auto map = memmap::parse_map({at<char>(h.map_text_at), h.map_text_bytes}, "the map in the ring");
+  const Header expected = plan_layout(map, map.to_toml());
+  if (h.memory_bytes != expected.memory_bytes || h.group_count != expected.group_count ||
+      h.map_hash != expected.map_hash)
+    throw Error{"the map in the ring is not the one that the ring was made from"};
+  return map;
+}
 
 std::string object_name(const std::string& ring) { return "rths." + ring; }
 
@@ -125,36 +154,45 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
   const std::string text = map.to_toml();
   const Header header = plan_layout(map, text);
   auto memory = std::make_unique<Memory>();
+  bool made = false;
   try {
     ipc::permissions permissions;
     permissions.set_permissions(0660);
     ipc::shared_memory_object object{ipc::create_only, object_name(name).c_str(), ipc::read_write,
                                      permissions};
-    object.truncate(static_cast<ipc::offset_t>(total_bytes(header)));
+    made = true;
+    take_room(object, total_bytes(header));
     memory->shared = ipc::mapped_region{object, ipc::read_write};
-  } catch (const ipc::interprocess_exception& error) {
+  } catch (const std::exception& error) {
+    if (made) ipc::shared_memory_object::remove(object_name(name).c_str());
     throw Error{fmt::format("ring '{}' ({} bytes of shared memory) cannot be created: {}", name,
                             total_bytes(header), error.what())};
   }
   fill(memory->base(), header, map, text);
-  return std::unique_ptr<Segment>{new Segment{std::move(memory)}};
+  return std::unique_ptr<Segment>{new Segment{std::move(memory), true}};
 }
 
-std::unique_ptr<Segment> Segment::attach_shared(const std::string& name) {
+std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
+                                                std::chrono::milliseconds patience) {
   auto memory = std::make_unique<Memory>();
   try {
     const ipc::shared_memory_object object{ipc::open_only, object_name(name).c_str(),
                                            ipc::read_write};
-    if (!becomes_ready(object))
+    if (!becomes_ready(object, patience))
       throw Error{fmt::format(
           "ring '{}' was never finished by its creator; 'rths clean' removes it", name)};
     memory->shared = ipc::mapped_region{object, ipc::read_write};
   } catch (const ipc::interprocess_exception& error) {
-    throw Error{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
+    throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
   }
   const std::uint64_t mapped = memory->shared.get_size();
-  auto segment = std::unique_ptr<Segment>{new Segment{std::move(memory)}};
-  if (const std::string trouble = trouble_with(segment->header(), mapped); !trouble.empty())
+  auto segment = std::unique_ptr<Segment>{new Segment{std::move(memory), false}};
+  const Header& header = segment->header();
+  if (header.magic == kMagic && header.layout_version != kLayoutVersion)
+    throw ForeignRing{
+        fmt::format("ring '{}' cannot be used: its layout is version {}, this program's is {}",
+                    name, header.layout_version, kLayoutVersion)};
+  if (const std::string trouble = trouble_with(header, mapped); !trouble.empty())
     throw Error{fmt::format("ring '{}' cannot be used: {}", name, trouble)};
   return segment;
 }
@@ -167,7 +205,7 @@ std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map) {
       static_cast<std::byte*>(::operator new[](total_bytes(header), std::align_val_t{kPageBytes})));
   std::memset(memory->base(), 0, total_bytes(header));
   fill(memory->base(), header, map, text);
-  return std::unique_ptr<Segment>{new Segment{std::move(memory)}};
+  return std::unique_ptr<Segment>{new Segment{std::move(memory), true}};
 }
 
 }  // namespace rths::broker

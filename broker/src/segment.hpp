@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <type_traits>
 
-namespace rths::memmap {
-class Map;
-}
+#include <rths/core/error.hpp>
+#include <rths/memmap/map.hpp>
 
 namespace rths::broker {
 
@@ -29,7 +28,8 @@ inline constexpr std::uint32_t kLayoutVersion = 1;
 inline constexpr std::uint32_t kMaxSlots = 32;
 inline constexpr std::size_t kPageBytes = 4096;
 inline constexpr std::uint32_t kReady = 1;
-inline constexpr std::uint16_t kObserver = 0xFFFF;  ///< node id of a slot that only reads
+inline constexpr std::uint32_t kObserver = 0xFFFF;      ///< node id of a slot that only reads
+inline constexpr std::uint32_t kCreator = 0xFFFF'FFFE;  ///< and of whoever made the ring
 
 struct alignas(256) Header {
   std::uint64_t magic;
@@ -60,13 +60,23 @@ static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 256);
 static_assert(std::is_trivially_copyable_v<Slot> && sizeof(Slot) == 128);
 static_assert(std::is_trivially_copyable_v<Group> && sizeof(Group) == 64);
 
+/// A ring that another version of this program or another user may be using.
+class ForeignRing : public Error {
+ public:
+  using Error::Error;
+};
+
 /// The bytes of a ring, wherever they come from, and where its parts lie in them.
 class Segment {
  public:
-  /// Shared memory under a name, filled from the map. @throws Error if the name is taken
+  /// Shared memory under a name, filled from the map, with the creator in slot 0.
+  /// @throws Error if the name is taken or there is no room; then nothing is left behind
   static std::unique_ptr<Segment> create_shared(const std::string& name, const memmap::Map& map);
-  /// @throws Error if there is no such ring or it cannot be used
-  static std::unique_ptr<Segment> attach_shared(const std::string& name);
+  /// @param patience  for a creator that is still at work
+  /// @throws ForeignRing if it may not be opened or is of another layout version; Error if it is no
+  ///         ring or damaged
+  static std::unique_ptr<Segment> attach_shared(const std::string& name,
+                                                std::chrono::milliseconds patience);
   static std::unique_ptr<Segment> create_in_process(const memmap::Map& map);
 
   Segment(const Segment&) = delete;
@@ -77,19 +87,19 @@ class Segment {
   [[nodiscard]] Slot* slots() { return at<Slot>(sizeof(Header)); }
   [[nodiscard]] Group* groups() { return at<Group>(header().groups_at); }
   [[nodiscard]] std::uint32_t* words() { return at<std::uint32_t>(header().memory_at); }
-  [[nodiscard]] std::string_view map_text() {
-    return {at<char>(header().map_text_at), header().map_text_bytes};
-  }
+  /// The map that the ring was made from. @throws Error if the two do not fit each other
+  [[nodiscard]] memmap::Map map();
 
  private:
   struct Memory;
-  explicit Segment(std::unique_ptr<Memory> memory);
+  Segment(std::unique_ptr<Memory> memory, bool created);
   template <class T>
   [[nodiscard]] T* at(std::uint64_t offset) {
     return reinterpret_cast<T*>(base_ + offset);
   }
   std::unique_ptr<Memory> memory_;
   std::byte* base_;
+  bool created_;  ///< here: the creator's slot is free again when this object goes
 };
 
 /// Name of the shared-memory object of a ring.

@@ -91,6 +91,8 @@ std::string ChildProcess::ending() const {
   return fmt::format("exited with {}", WEXITSTATUS(status_));
 }
 
+bool ChildProcess::succeeded() const { return WIFEXITED(status_) && WEXITSTATUS(status_) == 0; }
+
 void ChildProcess::say(const std::string& line) noexcept {
   if (ended_) return;
   const std::string text = line + "\n";

@@ -24,6 +24,8 @@ class ChildProcess {
   [[nodiscard]] bool ended() const { return ended_; }
   /// How it ended, in words: "exited with 2", "was killed by signal 9".
   [[nodiscard]] std::string ending() const;
+  /// True if it exited with 0.
+  [[nodiscard]] bool succeeded() const;
 
   /// Sends a line; a process that has gone is not written to.
   void say(const std::string& line) noexcept;

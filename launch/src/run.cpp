@@ -27,6 +27,11 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
           {"kernel", fmt::format("{} {} {}", host.sysname, host.release, host.machine)}};
 }
 
+Duration longest_stop(const Experiment& experiment) {
+  constexpr double kToSeeTheOthersThrough = 1.0;  // [s]
+  return from_seconds(experiment.retreat.hold + experiment.retreat.ramp + kToSeeTheOthersThrough);
+}
+
 namespace {
 
 // What is known only when a run is over.

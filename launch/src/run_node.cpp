@@ -23,44 +23,54 @@
 namespace rths::launch {
 namespace {
 
-constexpr int kLookEvery = 20;                                  // [ms]
-constexpr auto kLongestGo = std::chrono::seconds{30};           // from ready to go
-constexpr auto kLongestStop = std::chrono::milliseconds{4000};  // from stop to rest
-constexpr auto kSilence = std::chrono::milliseconds{500};       // of a peer that is there
+constexpr int kLookEvery = 20;                             // [ms]
+constexpr auto kLongestGo = std::chrono::seconds{30};      // from ready to go
+constexpr auto kSilence = std::chrono::milliseconds{500};  // of a peer that is there
 
 // Lines from the launcher. It vanishes when its end of the pipe closes.
 class Launcher {
  public:
+  // Two lines may come at once: what is here already goes first, and before any news of an end.
   std::optional<std::string> listen(int timeout_ms) {
+    if (auto line = take_line()) return line;
     pollfd descriptor{STDIN_FILENO, POLLIN, 0};
     if (poll(&descriptor, 1, timeout_ms) <= 0) return std::nullopt;
     std::array<char, 512> chunk{};
     const ssize_t count = read(STDIN_FILENO, chunk.data(), chunk.size());
-    if (count <= 0) return "stop the launcher vanished";
-    received_.append(chunk.data(), static_cast<std::size_t>(count));
-    const auto end = received_.find('\n');
-    if (end == std::string::npos) return std::nullopt;
-    std::string line = received_.substr(0, end);
-    received_.erase(0, end + 1);
-    return line;
+    vanished_ = count <= 0;
+    if (!vanished_) received_.append(chunk.data(), static_cast<std::size_t>(count));
+    return take_line();
   }
+  [[nodiscard]] bool vanished() const { return vanished_; }
   static void say(const std::string& line) {
     fmt::print("{}\n", line);
     std::fflush(stdout);
   }
 
  private:
+  std::optional<std::string> take_line() {
+    const auto end = received_.find('\n');
+    if (end == std::string::npos) return std::nullopt;
+    std::string line = received_.substr(0, end);
+    received_.erase(0, end + 1);
+    return line;
+  }
+
   std::string received_;
+  bool vanished_ = false;
 };
 
 // Peers are dead when the kernel says so. One that lives but stands still is silent: its beats
 // stay, while ours go on.
 class PeerWatch {
  public:
-  PeerWatch(const adapters::Host& host, const broker::Node& node, const memmap::Map& map,
+  PeerWatch(adapters::Host& host, const memmap::Map& map, const Experiment& experiment,
             const std::string& own_name)
-      : node_{node}, own_{map.node(own_name)} {
-    for (const auto& peer : host.peers()) peers_.push_back({peer, map.node(peer), 0, {}, 0});
+      : node_{host.node()}, own_{map.node(own_name)} {
+    // Whoever else comes and goes, to look or to tune, is nobody that a run depends on.
+    for (const auto& plan : experiment.nodes)
+      if (std::count(host.peers().begin(), host.peers().end(), plan.node) > 0)
+        peers_.push_back({plan.node, map.node(plan.node), 0, {}, 0});
   }
 
   std::optional<std::string> find_trouble(TimePoint now) {
@@ -100,7 +110,7 @@ class PeerWatch {
 std::optional<TimePoint> wait_for_go(Launcher& launcher) {
   WallClock clock;
   const TimePoint deadline = clock.now() + kLongestGo;
-  while (clock.now() < deadline) {
+  while (clock.now() < deadline && !launcher.vanished()) {
     const auto line = launcher.listen(kLookEvery);
     if (!line) continue;
     if (line->rfind("go ", 0) == 0) return TimePoint{std::stoll(line->substr(3))};
@@ -140,36 +150,46 @@ class LoopThread {
   std::thread thread_;  ///< last: it uses all of the above
 };
 
-// Why a run has to stop, if it has to: the launcher says so, or a peer is in trouble.
-std::optional<std::string> reason_to_stop(const std::optional<std::string>& line,
-                                          PeerWatch& peers) {
-  if (line && line->rfind("stop", 0) == 0) return line->size() > 5 ? line->substr(5) : "";
-  return peers.find_trouble(WallClock{}.now());
+/// Why a node stopped before its own end: nothing if it did not.
+struct Reason {
+  std::string text;       ///< empty: the run is over, as it should be
+  bool is_known = false;  ///< to the launcher, whose word it is
+};
+
+// The launcher says so, or it is gone, or a peer is in trouble.
+std::optional<Reason> reason_to_stop(const std::optional<std::string>& line,
+                                     const Launcher& launcher, PeerWatch& peers) {
+  if (line && line->rfind("stop", 0) == 0)
+    return Reason{line->size() > 5 ? line->substr(5) : "", true};
+  if (launcher.vanished()) return Reason{"the launcher vanished", false};
+  if (const auto trouble = peers.find_trouble(WallClock{}.now())) return Reason{*trouble, false};
+  return std::nullopt;
 }
 
-// Watches until the loop ends. @returns why it was stopped, if not by its own end
-std::string watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers) {
+// Watches until the loop ends.
+Reason watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers, Duration longest_stop) {
   const WallClock clock;
-  std::optional<std::string> reason;
+  std::optional<Reason> reason;
   TimePoint give_up{};
   while (!loop.finished()) {
     const auto line = launcher.listen(kLookEvery);
     if (!reason) {
-      reason = reason_to_stop(line, peers);
-      give_up = clock.now() + kLongestStop;
+      reason = reason_to_stop(line, launcher, peers);
+      give_up = clock.now() + longest_stop;
       if (reason) loop.stop();
     } else if (clock.now() > give_up) {
       fmt::print(stderr, "the control loop does not come to rest; ending the process\n");
       std::_Exit(2);
     }
     // With its pipe closed a poll returns at once; the loop must not spin on it.
-    if (line) std::this_thread::sleep_for(std::chrono::milliseconds{kLookEvery});
+    if (launcher.vanished()) std::this_thread::sleep_for(std::chrono::milliseconds{kLookEvery});
   }
-  return reason.value_or("");
+  return reason.value_or(Reason{"", true});
 }
 
+// Tells the launcher, and whoever reads along, how the node ended.
 int conclude(const LoopThread& loop, const adapters::Host& host, const std::string& node,
-             const std::string& reason, const adapters::Retreat& retreat) {
+             const Reason& reason, const adapters::Retreat& retreat) {
   const double time = to_seconds(loop.end().time);
   if (!loop.missing().empty()) Launcher::say("note " + loop.missing());
   if (loop.end().status == Status::Fault) {
@@ -177,20 +197,36 @@ int conclude(const LoopThread& loop, const adapters::Host& host, const std::stri
     fmt::print(stderr, "{}: {} at {:.3f} s\n", node, host.message(), time);
     return 2;
   }
-  Launcher::say("done");
-  if (reason.empty()) return 0;
+  Launcher::say(reason.is_known ? "done" : "fault " + reason.text);
+  if (reason.text.empty()) return 0;
   fmt::print(stderr, "{}: {}: held {:.1f} s, ramped to rest in {:.1f} s, ended at {:.3f} s\n", node,
-             reason, retreat.hold, retreat.ramp, time);
+             reason.text, retreat.hold, retreat.ramp, time);
   return 2;
+}
+
+// What an adapter leaves behind is part of how it ended.
+int deactivate(adapters::Adapter& adapter, const std::string& node, int code) {
+  try {
+    adapter.deactivate();
+    return code;
+  } catch (const Error& error) {
+    Launcher::say(fmt::format("fault {}", error.what()));
+    fmt::print(stderr, "{}: {}\n", node, error.what());
+    return 2;
+  }
+}
+
+// A person's signals reach every process of a run at once, the launcher among them; it brings all
+// nodes to rest together, and if it cannot, its pipe closes.
+void leave_signals_to_the_launcher() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) std::signal(signal, SIG_IGN);
 }
 
 }  // namespace
 
 int run_node(const Experiment& experiment, const std::string& node, const std::string& ring_name,
              const std::filesystem::path& recording, const std::string& version) {
-  // A person's interrupt goes to the launcher, which brings all nodes to rest together.
-  std::signal(SIGINT, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
+  leave_signals_to_the_launcher();
   Assembly assembly = assemble(experiment, ClockKind::Wall,
                                {recording, describe_run(experiment, ClockKind::Wall, version)});
   const auto station = std::find_if(assembly.stations.begin(), assembly.stations.end(),
@@ -205,18 +241,20 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   Launcher::say("ready");
   const auto epoch = wait_for_go(launcher);
   if (!epoch) {
-    station->adapter->deactivate();
     fmt::print(stderr, "{}: was not told to start\n", node);
-    return 2;
+    return deactivate(*station->adapter, node, 2);
   }
   int code = 0;
   {
     LoopThread loop{host, *epoch, station->plan};
-    PeerWatch peers{host, host.node(), assembly.map, node};
-    const std::string reason = watch(loop, launcher, peers);
+    PeerWatch peers{host, assembly.map, experiment, node};
+    const Reason reason = watch(loop, launcher, peers, longest_stop(experiment));
     code = conclude(loop, host, node, reason, experiment.retreat);
   }
-  station->adapter->deactivate();
+  code = deactivate(*station->adapter, node, code);
+  // In trouble it leaves its place on the ring taken, so that peers see that it did not leave in
+  // order, even if the launcher cannot tell them.
+  if (code != 0) std::_Exit(code);
   return code;
 }
 

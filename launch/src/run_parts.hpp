@@ -15,6 +15,10 @@ namespace rths::launch {
 [[nodiscard]] recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock,
                                                  const std::string& version);
 
+/// What a node may take from being told to stop until it is gone: its retreat, and a second to see
+/// the others through theirs.
+[[nodiscard]] Duration longest_stop(const Experiment& experiment);
+
 /// @returns what went wrong, empty if nothing did
 [[nodiscard]] std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                                               const RunOptions& options);

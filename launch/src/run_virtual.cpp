@@ -15,7 +15,6 @@
 namespace rths::launch {
 namespace {
 
-constexpr Duration kLongestStop = std::chrono::seconds{30};
 constexpr Duration kProgressEvery = std::chrono::milliseconds{500};
 
 struct Runner {
@@ -49,7 +48,7 @@ class VirtualRun {
     while (Runner* runner = next_due(runners_)) {
       const Status status = runner->host.tick(runner->due, stopping_since_.has_value(), {});
       if (status == Status::Done || status == Status::Fault) end(*runner, status);
-      if (stopping_since_ && runner->due > *stopping_since_ + kLongestStop)
+      if (stopping_since_ && runner->due > *stopping_since_ + longest_stop(experiment_))
         return "a node did not come to rest";
       report_progress(runner->due);
       runner->due += runner->station->plan.schedule.period;
@@ -85,8 +84,19 @@ class VirtualRun {
 
 std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                                 const RunOptions& options) {
+  const bool ends = std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
+                                [](const NodePlan& plan) { return plan.adapter == "numerical"; });
+  if (!ends)
+    throw Error{experiment.file.string() +
+                ": no node is a 'numerical', so a run in virtual time would never end"};
   std::string trouble = VirtualRun{experiment, assembly, options}.run();
-  for (auto& station : assembly.stations) station.adapter->deactivate();
+  for (auto& station : assembly.stations) {
+    try {
+      station.adapter->deactivate();
+    } catch (const Error& error) {
+      if (trouble.empty()) trouble = fmt::format("{}: {}", station.plan.node, error.what());
+    }
+  }
   return trouble;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <csignal>
 #include <deque>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -21,9 +22,9 @@ namespace {
 
 constexpr auto kReadyDeadline = std::chrono::seconds{20};
 constexpr auto kHeadStart = std::chrono::milliseconds{50};  // between "go" and the first step
-constexpr auto kRestDeadline = std::chrono::milliseconds{5000};
-constexpr int kLookEvery = 50;       // [ms]
-constexpr double kProbeMargin = 10;  // [s] beyond the planned duration
+constexpr auto kRestMargin = std::chrono::seconds{1};       // beyond what a node may take
+constexpr int kLookEvery = 50;                              // [ms]
+constexpr double kProbeMargin = 10;                         // [s] beyond the planned duration
 
 volatile std::sig_atomic_t interrupt_received = 0;  // NOLINT: a signal handler can reach no other
 
@@ -36,19 +37,19 @@ class InterruptGuard {
     interrupt_received = 0;
     struct sigaction action {};
     action.sa_handler = note_interrupt;
-    sigaction(SIGINT, &action, &previous_int_);
-    sigaction(SIGTERM, &action, &previous_term_);
+    for (std::size_t i = 0; i < std::size(kSignals); ++i)
+      sigaction(kSignals[i], &action, &previous_[i]);
   }
   ~InterruptGuard() {
-    sigaction(SIGINT, &previous_int_, nullptr);
-    sigaction(SIGTERM, &previous_term_, nullptr);
+    for (std::size_t i = 0; i < std::size(kSignals); ++i)
+      sigaction(kSignals[i], &previous_[i], nullptr);
   }
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
  private:
-  struct sigaction previous_int_ {};
-  struct sigaction previous_term_ {};
+  static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+  struct sigaction previous_[std::size(kSignals)] = {};
 };
 
 /// Removes the ring's name when the run is over, however it ends.
@@ -79,6 +80,7 @@ class WallRun {
              clock_.now() < deadline && interrupt_received == 0)
         wait_for_output();
       if (line == "ready") continue;
+      if (interrupt_received != 0) return;
       throw Error{
           fmt::format("node '{}' did not become ready: it {}", node.node,
                       node.process.ended() ? node.process.ending() : "was silent for too long")};
@@ -86,6 +88,10 @@ class WallRun {
   }
 
   WallRunResult run() {
+    if (interrupt_received != 0) {
+      result_.interrupted = true;
+      return std::move(result_);
+    }
     const TimePoint epoch = clock_.now() + kHeadStart;
     for (auto& node : nodes_) node.process.say(fmt::format("go {}", epoch.count()));
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
@@ -93,7 +99,8 @@ class WallRun {
       wait_for_output();
       for (auto& node : nodes_) listen(node);
       if (interrupt_received != 0 && !stopping_) stop("interrupted");
-      if (stopping_ && clock_.now() > *stopping_ + kRestDeadline) kill_the_rest();
+      if (stopping_ && clock_.now() > *stopping_ + longest_stop(experiment_) + kRestMargin)
+        kill_the_rest();
       report_progress(epoch);
     }
     result_.interrupted = interrupt_received != 0;
@@ -132,17 +139,19 @@ class WallRun {
         node.done = true;
         if (!stopping_) stop("");
       } else if (line->rfind("fault ", 0) == 0) {
-        fail(node, line->substr(6));
+        fail(node, ": " + line->substr(6));
       } else if (line->rfind("note ", 0) == 0) {
         result_.privileges.push_back(node.node + ": " + line->substr(5));
       }
     }
-    if (node.process.ended() && !node.done)
-      fail(node, fmt::format("(process {}) {}", node.process.pid(), node.process.ending()));
+    // A node that was stopped for a reason ends in trouble too, and the reason is known.
+    const bool lawful = node.done && (stopped_for_a_reason_ || node.process.succeeded());
+    if (node.process.ended() && !lawful)
+      fail(node, fmt::format(" (process {}) {}", node.process.pid(), node.process.ending()));
   }
 
   void fail(const NodeProcess& node, const std::string& what) {
-    const std::string trouble = fmt::format("{} {}", node.node, what);
+    const std::string trouble = node.node + what;
     if (result_.trouble.empty()) result_.trouble = trouble;
     if (!stopping_) stop(trouble);
   }
@@ -150,6 +159,7 @@ class WallRun {
   // An empty reason is the lawful end of a run.
   void stop(const std::string& reason) {
     stopping_ = clock_.now();
+    stopped_for_a_reason_ = !reason.empty();
     for (auto& node : nodes_) node.process.say(reason.empty() ? "stop" : "stop " + reason);
   }
 
@@ -172,6 +182,7 @@ class WallRun {
   WallClock clock_;
   std::deque<NodeProcess> nodes_;
   std::optional<TimePoint> stopping_;
+  bool stopped_for_a_reason_ = false;
   WallRunResult result_;
 };
 

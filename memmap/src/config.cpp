@@ -2,6 +2,7 @@
 #include <rths/memmap/config.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -23,7 +24,10 @@ std::string kind_of(const ConfigValue& value) {
 }
 
 double as_number(const std::string& key, const ConfigValue& value) {
-  if (const auto* real = std::get_if<double>(&value.value)) return *real;
+  if (const auto* real = std::get_if<double>(&value.value)) {
+    if (std::isfinite(*real)) return *real;
+    throw Error{fmt::format("{}: {} is {}, expected a finite number", value.where, key, *real)};
+  }
   if (const auto* whole = std::get_if<std::int64_t>(&value.value))
     return static_cast<double>(*whole);
   fail_kind(key, value, "a number");

@@ -15,14 +15,21 @@
 namespace rths::memmap {
 namespace {
 
+// With a point or an exponent, so that it reads back as what it is.
+std::string number_toml(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
 std::string signal_toml(const Signal& signal) {
   std::string text = fmt::format(
       "[[partition.signal]]\nname = \"{}\"\noffset = {}\ntype = \"{}\"\nunit = \"{}\"\n",
       signal.name, signal.offset.value(), to_text(signal.type), signal.unit);
-  // Numbers keep a decimal point so that they read back as what they are.
   if (signal.range)
-    text += fmt::format("range = [{:#}, {:#}]\n", signal.range->first, signal.range->second);
-  if (signal.initial != 0) text += fmt::format("initial = {:#}\n", signal.initial);
+    text += fmt::format("range = [{}, {}]\n", number_toml(signal.range->first),
+                        number_toml(signal.range->second));
+  if (signal.initial != 0) text += fmt::format("initial = {}\n", number_toml(signal.initial));
   if (!signal.values.empty()) {
     text += "values = {";
     for (const auto& [name, value] : signal.values)

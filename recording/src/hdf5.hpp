@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,21 +43,17 @@ inline void check(herr_t status, const std::string& what) {
   if (status < 0) throw Error{what + " failed"};
 }
 
-/// Keeps the library from printing its own error stack; ours says what matters.
-class QuietHdf5 {
- public:
-  QuietHdf5() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~QuietHdf5() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-  QuietHdf5(const QuietHdf5&) = delete;
-  QuietHdf5& operator=(const QuietHdf5&) = delete;
+/// What reads where nothing was ever written, after a crash or on a full disk: never a measurement.
+inline constexpr std::int64_t kNoTime = -1;
+inline constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
-};
+/// Keeps the library from printing its own error stack, for our errors say what matters, and from
+/// writing once more when the program ends, for whatever should be closed has been. Before any
+/// other call of the library.
+inline void silence_hdf5() {
+  H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 void write_text_attribute(hid_t object, const std::string& name, const std::string& text);
 void write_text_list_attribute(hid_t object, const std::string& name,

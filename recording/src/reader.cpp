@@ -10,6 +10,7 @@
 #include <rths/recording/recording.hpp>
 
 #include "hdf5.hpp"
+#include "writer_lock.hpp"
 
 namespace rths::recording {
 namespace {
@@ -49,7 +50,7 @@ std::vector<T> read_all(const Handle& dataset) {
 
 // A crashed writer leaves a mark that only readers in SWMR mode look past.
 Handle open_file(const std::filesystem::path& path) {
-  const QuietHdf5 quiet;
+  silence_hdf5();
   hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file < 0) file = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT);
   return {file, H5Fclose, path.string() + ": opening it as a recording"};
@@ -112,7 +113,7 @@ const std::vector<double>& Reader::File::load(const std::string& partition) {
 
 Reader::Reader(const std::filesystem::path& path) : file_{std::make_unique<File>()} {
   file_->file = open_file(path);
-  const QuietHdf5 quiet;
+  silence_hdf5();
   if (H5Aexists(file_->file.id(), "recording_format") <= 0)
     throw Error{path.string() + ": is an HDF5 file but no recording of a run"};
   const std::string format = read_text_attribute(file_->file.id(), "recording_format");
@@ -121,8 +122,10 @@ Reader::Reader(const std::filesystem::path& path) : file_{std::make_unique<File>
                             format, kRecordingFormat)};
   file_->map =
       memmap::parse_map(read_text_dataset(file_->file.id(), "map"), path.string() + ":map");
-  for (const auto ns : read_all<std::int64_t>(open_dataset(file_->file.id(), "time")))
+  for (const auto ns : read_all<std::int64_t>(open_dataset(file_->file.id(), "time"))) {
+    if (ns == kNoTime) break;  // a row that was begun, and that the file system did not take
     file_->time.push_back(to_seconds(Duration{ns}));
+  }
   const Handle signals = open_group(file_->file.id(), "signals");
   for (const auto& partition : file_->map->partitions())
     file_->index_partition(signals, partition.name);
@@ -213,7 +216,7 @@ bool is_hdf5(const std::filesystem::path& path) {
 }
 
 void add_meta(const std::filesystem::path& path, const NamedTexts& meta) {
-  const QuietHdf5 quiet;
+  silence_hdf5();
   const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
                     path.string() + ": opening the recording to add to it"};
   const Handle group = open_group(file.id(), "meta");
@@ -222,7 +225,7 @@ void add_meta(const std::filesystem::path& path, const NamedTexts& meta) {
 
 void add_meta_series(const std::filesystem::path& path, const std::string& name, double interval,
                      const std::vector<double>& values) {
-  const QuietHdf5 quiet;
+  silence_hdf5();
   const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
                     path.string() + ": opening the recording to add to it"};
   const Handle group = open_group(file.id(), "meta");
@@ -237,17 +240,19 @@ void add_meta_series(const std::filesystem::path& path, const std::string& name,
 }
 
 bool repair(const std::filesystem::path& path) {
-  const QuietHdf5 quiet;
+  silence_hdf5();
   if (const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); file >= 0) {
     H5Fclose(file);
     return false;
   }
+  if (WriterLock::is_held(path)) return false;  // its writer is at work: there is nothing to mend
   // What h5clear does: a property without a name in the headers, but in the library.
   const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
   const hbool_t clear = true;
   check(H5Pset(access.id(), "clear_status_flags", &clear), "HDF5 properties");
-  const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id()), H5Fclose,
-                    path.string() + ": is damaged beyond a crashed writer's mark; opening it"};
+  const hid_t opened = H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id());
+  if (opened < 0) return false;  // cut short by a full disk: only readers look past that
+  const Handle file{opened, H5Fclose, path.string()};
   // Killed in the middle of a batch, the file is longer than it says, and would be cut back to what
   // it says when it is closed.
   check(H5Fincrement_filesize(file.id(), 0), path.string() + ": mending the file's length");

@@ -6,6 +6,7 @@
 #include <rths/recording/recording.hpp>
 
 #include "hdf5.hpp"
+#include "writer_lock.hpp"
 
 namespace rths::recording {
 namespace {
@@ -43,6 +44,10 @@ Table create_table(hid_t group, const std::string& name, hid_t type, hsize_t col
   const Handle space{H5Screate_simple(rank, none, unlimited), H5Sclose, "HDF5 space"};
   const Handle properties{H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "HDF5 properties"};
   check(H5Pset_chunk(properties.id(), rank, chunk), "HDF5 chunks");
+  if (type == H5T_NATIVE_DOUBLE)
+    check(H5Pset_fill_value(properties.id(), type, &kNoValue), "HDF5 fill value");
+  if (type == H5T_NATIVE_INT64)
+    check(H5Pset_fill_value(properties.id(), type, &kNoTime), "HDF5 fill value");
   // Without times in the objects, identical runs give identical files.
   check(H5Pset_obj_track_times(properties.id(), false), "HDF5 properties");
   return {Handle{H5Dcreate2(group, name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(),
@@ -72,7 +77,8 @@ struct Writer::File {
     double last = 0;
   };
 
-  Handle file, meta;
+  WriterLock lock;
+  Handle file;
   Table time;
   std::vector<Block> blocks;
   std::vector<std::int64_t> time_buffer;
@@ -96,7 +102,7 @@ struct Writer::File {
 };
 
 void Writer::File::create(const std::filesystem::path& path) {
-  const QuietHdf5 quiet;
+  silence_hdf5();
   const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
   // Single-writer mode needs the newest structures of the file format.
   check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "HDF5 version");
@@ -181,14 +187,14 @@ void Writer::File::note_changes(Duration at, std::span<const double> row) {
   }
 }
 
+// The time of a row goes last: a row whose values could not be written does not count as one.
 void Writer::File::flush() {
-  const QuietHdf5 quiet;
   if (!time_buffer.empty()) {
-    time.append(rows, time_buffer.size(), time_buffer.data());
     for (auto& block : blocks) {
       block.table.append(rows, time_buffer.size(), block.buffer.data());
       block.buffer.clear();
     }
+    time.append(rows, time_buffer.size(), time_buffer.data());
     rows += time_buffer.size();
     time_buffer.clear();
   }
@@ -227,6 +233,7 @@ Writer::Writer(const std::filesystem::path& path, const memmap::Map& map,
   write_text_attribute(map_text.id(), "version", std::to_string(map.description().version));
   write_text_attribute(map_text.id(), "hash", memmap::hash_text(map.hash()));
   check(H5Fstart_swmr_write(file_->file.id()), path.string() + ": starting single-writer mode");
+  file_->lock = WriterLock{path};
 }
 
 Writer::Writer(Writer&&) noexcept = default;
@@ -241,18 +248,31 @@ Writer::~Writer() {
 }
 
 void Writer::append(Duration time, std::span<const double> row) {
+  if (!file_) throw Error{"the recording was closed, or could not be written"};
   file_->time_buffer.push_back(time.count());
   for (auto& block : file_->blocks)
     for (const auto column : block.columns) block.buffer.push_back(row[column]);
   file_->note_changes(time, row);
-  if (file_->time_buffer.size() >= kRowsPerBatch) file_->flush();
+  if (file_->time_buffer.size() >= kRowsPerBatch) flush();
 }
 
-std::uint64_t Writer::rows() const { return file_->rows + file_->time_buffer.size(); }
+void Writer::flush() {
+  try {
+    file_->flush();
+  } catch (const Error&) {
+    // As a crash would leave it: the last whole batch reads well. Closing would write again, in an
+    // order that is safe only if all of it succeeds.
+    static auto& abandoned = *new std::vector<std::unique_ptr<File>>;
+    abandoned.push_back(std::move(file_));
+    throw;
+  }
+}
+
+std::uint64_t Writer::rows() const { return file_ ? file_->rows + file_->time_buffer.size() : 0; }
 
 void Writer::close() {
   if (!file_) return;
-  file_->flush();
+  flush();
   file_.reset();
 }
 

@@ -160,7 +160,6 @@ StepAnalysis analyse_steps(const Reader& run, const Series& host_late) {
   steps.correct = closed("monitor.xpc.pc.correct_time");
   steps.predict = closed("monitor.xpc.pc.predict_time");
   steps.slow = closed("monitor.xpc.pc.slow_down_time");
-  steps.computing = at_each_count(targets, run.signal("monitor.opf.computing_time"));
   for (std::size_t i = 0; i < steps.slow.size(); ++i) {
     const bool excused = host_was_late(host_late, steps.start[i], steps.start[i + 1]);
     steps.excused.push_back(excused);
@@ -183,7 +182,7 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
     node.stale = std::lround(run.signal(prefix + "stale").back());
     node.late_p50 = percentile(late, 0.50);
     node.late_p99 = percentile(late, 0.99);
-    node.late_max = percentile(late, 1.0);
+    node.late_max = run.signal(prefix + "late_max").back();
     nodes.push_back(node);
   }
   return nodes;

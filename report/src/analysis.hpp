@@ -44,7 +44,6 @@ struct AxisAnalysis {
 struct StepAnalysis {
   std::vector<double> start;                   ///< when its target came [s]
   std::vector<double> predict, correct, slow;  ///< time in each state [s]
-  std::vector<double> computing;               ///< of the solver, where that is known [s]
   std::vector<bool> excused;                   ///< the host itself was late during the step
   long slow_downs = 0, slow_downs_excused = 0;
   long excused_count = 0;

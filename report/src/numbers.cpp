@@ -25,6 +25,21 @@ double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
 
+// Without the gaps.
+std::vector<double> numbers_in(std::vector<double> values) {
+  values.erase(
+      std::remove_if(values.begin(), values.end(), [](double value) { return std::isnan(value); }),
+      values.end());
+  return values;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 // Digits that a reader can use; the rest is noise.
 double rounded(double value, int decimals) {
   const double scale = std::pow(10.0, decimals);
@@ -44,6 +59,10 @@ Json axis_numbers(const AxisAnalysis& axis, const std::vector<NumericalAxis>& nu
   json["delay_compensated_ms"] = rounded(axis.delay * kMilli, 2);
   json["delay_compensated_min_rms_ms"] = rounded(axis.delay_min_rms * kMilli, 2);
   json["nrms_percent"] = rounded(axis.nrms * kPercent, 3);
+  const auto delays = numbers_in(axis.tracking.delay.values);
+  json["delay_in_windows_median_ms"] = rounded(median(delays) * kMilli, 2);
+  json["delay_in_windows_max_ms"] = rounded(largest(delays) * kMilli, 2);
+  json["nrms_in_windows_max_percent"] = rounded(largest(axis.tracking.nrms.values) * kPercent, 3);
   json["peak_error_percent"] = rounded(axis.peak_error * kPercent, 3);
   json["peak_displacement_mm"] = rounded(axis.peak_displacement * kMilli, 2);
   json["peak_shear_kN"] = rounded(axis.peak_shear * kPerKilo, 1);
@@ -123,11 +142,12 @@ std::string summary_of(const Analysis& analysis) {
           ? fmt::format(" (and {} while the host was late)", steps.slow_downs_excused)
           : "");
   for (const auto& axis : analysis.axes)
-    text += fmt::format("{:<7} delay {}{:.1f} ms  NRMS {:.2f} %  peak {:.1f} mm, {:.0f} kN\n",
-                        axis.name,
-                        axis.raw_delay ? fmt::format("{:.1f} -> ", *axis.raw_delay * kMilli) : "",
-                        axis.delay * kMilli, axis.nrms * kPercent, axis.peak_displacement * kMilli,
-                        axis.peak_shear * kPerKilo);
+    text += fmt::format(
+        "{:<7} delay {}{:.1f} ms (in windows of 2 s {:.1f} at the median)  NRMS {:.2f} %  peak "
+        "{:.1f} mm, {:.0f} kN\n",
+        axis.name, axis.raw_delay ? fmt::format("{:.1f} -> ", *axis.raw_delay * kMilli) : "",
+        axis.delay * kMilli, median(numbers_in(axis.tracking.delay.values)) * kMilli,
+        axis.nrms * kPercent, axis.peak_displacement * kMilli, axis.peak_shear * kPerKilo);
   text += fmt::format("host    late {:.2f} ms at most, {} of {} steps excused, {} overruns\n",
                       largest(analysis.host_late.values) * kMilli, steps.excused_count,
                       steps.slow.size() + 1, total_overruns(analysis));

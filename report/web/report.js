@@ -168,7 +168,8 @@
       `${n.motion} · ${n.duration_s} s · ${n.clock === "wall" ? "in real time" : "in virtual time"}, ` +
       `${n.processes} process${n.processes === 1 ? "" : "es"} · ${n.meta.started}`,
       el("span", { className: "badge", textContent: "synthetic specimen and machine" }));
-    const slow = n.slow_downs === 0 ? "no slow-downs" : `${n.slow_downs} slow-downs`;
+    const slow = (n.slow_downs === 0 ? "no slow-downs" : `${n.slow_downs} slow-downs`) +
+      (n.slow_downs_excused ? ` (and ${n.slow_downs_excused} while the host was late)` : "");
     const good = n.conclusive && n.slow_downs === 0;
     byId("verdict").textContent = n.conclusive
       ? `${n.integration_steps} integration steps at ${Math.round(n.control_rate_hz)} Hz control, ${slow}` +
@@ -292,7 +293,10 @@
     const rows = [
       ["raw delay, cross-correlation [ms]", "delay_raw_ms", 2], ["raw delay, minimum RMS [ms]", "delay_raw_min_rms_ms", 2],
       ["raw NRMS [%]", "nrms_raw_percent", 2], ["compensated delay, cross-correlation [ms]", "delay_compensated_ms", 2],
-      ["compensated delay, minimum RMS [ms]", "delay_compensated_min_rms_ms", 2], ["NRMS [%]", "nrms_percent", 2],
+      ["compensated delay, minimum RMS [ms]", "delay_compensated_min_rms_ms", 2],
+      ["compensated delay in windows of 2 s, median [ms]", "delay_in_windows_median_ms", 2],
+      ["compensated delay in windows of 2 s, largest [ms]", "delay_in_windows_max_ms", 2],
+      ["NRMS [%]", "nrms_percent", 2], ["NRMS in windows of 2 s, largest [%]", "nrms_in_windows_max_percent", 2],
       ["largest error / largest command [%]", "peak_error_percent", 2], ["peak displacement [mm]", "peak_displacement_mm", 1],
       ["peak displacement, numerical [mm]", "numerical_peak_displacement_mm", 1], ["peak shear [kN]", "peak_shear_kN", 0],
       ["peak shear, numerical [kN]", "numerical_peak_shear_kN", 0], ["ATS ticks at a limit", "ats_ticks_at_a_limit", 0],

@@ -11,6 +11,7 @@
 namespace rths::sim {
 namespace {
 
+constexpr double kLongestDelay = 1;    // [s]
 constexpr double kLongestPart = 1e-4;  // [s]; oil columns and spools are slower than 20 Hz
 
 double sign(double x) { return x > 0 ? 1.0 : (x < 0 ? -1.0 : 0.0); }
@@ -34,6 +35,9 @@ void check(const ServoAxis& axis) {
   require_positive(axis.position_gain, "position gain");
   require_positive(axis.effective_mass, "effective mass");
   require_positive(axis.friction_velocity, "friction velocity");
+  if (!(axis.transport_delay >= 0 && axis.transport_delay <= kLongestDelay))
+    throw Error{"test machine: transport delay is " + std::to_string(axis.transport_delay) +
+                " s, expected 0 to 1 s"};
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr const char* kMap = R"(
+std::string bench_map() {
+  std::string map = R"(
 ringmap = 1
 [ring]
 name = "bench"
@@ -48,49 +49,6 @@ offset = 16
 type = "f32"
 unit = "inch"
 [[partition]]
-name = "monitor.echo"
-node = "echo"
-offset = 32
-longwords = 16
-tear_group = true
-[[partition.signal]]
-name = "step"
-index = ["host"]
-offset = 32
-type = "f32"
-[[partition.signal]]
-name = "status"
-index = ["host"]
-offset = 33
-type = "f32"
-[[partition.signal]]
-name = "overruns"
-index = ["host"]
-offset = 34
-type = "f32"
-[[partition.signal]]
-name = "stale"
-index = ["host"]
-offset = 35
-type = "f32"
-[[partition.signal]]
-name = "late"
-index = ["host"]
-offset = 36
-type = "f32"
-unit = "s"
-[[partition.signal]]
-name = "duration"
-index = ["host"]
-offset = 37
-type = "f32"
-unit = "s"
-[[partition.signal]]
-name = "twice"
-offset = 38
-type = "f32"
-unit = "m"
-[[partition]]
 name = "tune.echo"
 node = "operator"
 offset = 64
@@ -100,7 +58,25 @@ name = "gain"
 offset = 64
 type = "f32"
 initial = 3
+[[partition]]
+name = "monitor.echo"
+node = "echo"
+offset = 32
+longwords = 16
+tear_group = true
+[[partition.signal]]
+name = "twice"
+offset = 47
+type = "f32"
+unit = "m"
 )";
+  int offset = 32;
+  for (const auto& port : host_ports())
+    map += "[[partition.signal]]\nname = \"" + port.name +
+           "\"\noffset = " + std::to_string(offset++) + "\ntype = \"f32\"\nunit = \"" + port.unit +
+           "\"\n";
+  return map;
+}
 
 /// Sends back what it gets, times its gain.
 class Echo final : public Adapter {
@@ -128,7 +104,7 @@ class Echo final : public Adapter {
 
 class HostTest : public ::testing::Test {
  protected:
-  memmap::Map map = memmap::parse_map(kMap, "bench");
+  memmap::Map map = memmap::parse_map(bench_map(), "bench");
   broker::Ring ring = broker::Ring::in_process(map);
   broker::Node source = ring.join("source", 0);
   Echo echo;
@@ -138,6 +114,11 @@ class HostTest : public ::testing::Test {
     const auto& entry = map.entry(map.signal("source.displ"));
     const std::uint32_t words[2] = {0, memmap::Codec{*entry.signal}.encode(displacement)};
     ASSERT_EQ(source.write_group(ring.tear_group("source"), words), Status::Ok);
+  }
+  void tune_gain(double gain) {
+    broker::Node hand = ring.join("operator", 0);
+    const auto& signal = *map.entry(map.signal("tune.echo.gain")).signal;
+    ASSERT_EQ(hand.write(signal.offset, memmap::Codec{signal}.encode(gain)), Status::Ok);
   }
   [[nodiscard]] double value(const std::string& name) const {
     const auto& entry = map.entry(map.signal(name));
@@ -155,9 +136,7 @@ TEST_F(HostTest, ConvertsUnitsOnTheWayInAndOut) {
 }
 
 TEST_F(HostTest, ReadsParametersThatAreTunedWhileItRuns) {
-  broker::Node hand = ring.join("operator", 0);
-  const auto& gain = map.entry(map.signal("tune.echo.gain"));
-  static_cast<void>(hand.write(gain.signal->offset, memmap::Codec{*gain.signal}.encode(5)));
+  tune_gain(5);
   send(0.1);
 
   static_cast<void>(host.tick(Duration{0}, false, {}));
@@ -173,6 +152,8 @@ TEST_F(HostTest, TellsOfItselfInItsMonitors) {
   EXPECT_EQ(value("monitor.echo.host.step"), 2);
   EXPECT_EQ(value("monitor.echo.host.status"), static_cast<double>(Status::LimitExceeded));
   EXPECT_EQ(value("monitor.echo.host.overruns"), 1);
+  EXPECT_EQ(value("monitor.echo.host.late"), 0);
+  EXPECT_NEAR(value("monitor.echo.host.late_max"), 20e-6, 1e-12);
   EXPECT_EQ(host.overruns(), 1U);
 }
 
@@ -199,6 +180,24 @@ TEST_F(HostTest, HoldsTheLastValueWhereAnAdapterGivesNoNumber) {
   EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
 }
 
+TEST_F(HostTest, HoldsTheLastValueWhereANumberDoesNotFitItsWord) {
+  send(0.1);
+  static_cast<void>(host.tick(Duration{0}, false, {}));
+  tune_gain(1e6);
+  send(1e33);
+
+  EXPECT_EQ(host.tick(Duration{0}, false, {}), Status::LimitExceeded);
+
+  EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
+}
+
+// Whoever is done is done, whatever its neighbours sent last.
+TEST_F(HostTest, EndsThoughAWordThatItReadsIsStale) {
+  send(std::nan(""));
+
+  EXPECT_EQ(host.tick(Duration{0}, true, {}), Status::Done);
+}
+
 TEST_F(HostTest, BeatsWithEveryStep) {
   const std::uint64_t before = source.beats_of(map.node("echo"));
 
@@ -219,7 +218,7 @@ TEST_F(HostTest, TicksInRealTime) {
 }
 
 TEST(Host, RefusesAnOutputThatBelongsToAnotherNode) {
-  broker::Ring ring = broker::Ring::in_process(memmap::parse_map(kMap, "bench"));
+  broker::Ring ring = broker::Ring::in_process(memmap::parse_map(bench_map(), "bench"));
   Echo echo;
   echo.list[2].name = "source.displ";
 
@@ -228,7 +227,7 @@ TEST(Host, RefusesAnOutputThatBelongsToAnotherNode) {
 }
 
 TEST(Host, RefusesASignalThatTheRingLacks) {
-  broker::Ring ring = broker::Ring::in_process(memmap::parse_map(kMap, "bench"));
+  broker::Ring ring = broker::Ring::in_process(memmap::parse_map(bench_map(), "bench"));
   Echo echo;
   echo.list[0].name = "source.dspl";
 

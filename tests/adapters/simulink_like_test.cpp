@@ -116,7 +116,7 @@ TEST(Diagram, KeepsTheDocumentedBlocksToTheirWord) {
       block("older", "transport_delay", "in.in = \"x\"\ndelay_s = 0.003") +
       block("v", "derivative", "in.in = \"x\"\nunit = \"m/s\"") +
       block("mean", "moving_average", "in.in = \"x\"\nsamples = 2") +
-      block("c", "constant", "value = 4") +
+      block("c", "constant", "value = 4") + block("now", "clock", "") +
       block("free", "remove_offset", "in.in = \"x\"\nduration_s = 0.002");
   const auto target = diagram(kX + rest);
   test::Bench bench{*target};
@@ -135,6 +135,7 @@ TEST(Diagram, KeepsTheDocumentedBlocksToTheirWord) {
   EXPECT_NEAR(bench.out("v.out.long"), 4000, 1e-9);
   EXPECT_EQ(bench.out("mean.out.long"), 7);
   EXPECT_EQ(bench.out("c.out"), 4);
+  EXPECT_EQ(bench.out("now.out"), 0.004);
   EXPECT_EQ(bench.out("free.out.long"), 9 - 4);  // the mean of the first two samples is 4
 }
 
@@ -160,7 +161,7 @@ TEST(Diagram, RunsEveryBlockInRealTime) {
   const auto target =
       diagram(kX + block("free", "remove_offset", "in.in = \"x\"\nduration_s = 0.002") +
               block("wave", "sine", "amplitude = 2\nfrequency_Hz = 50\nunit = \"m\"") +
-              block("c", "constant", "value = 4\nunit = \"m\"") +
+              block("c", "constant", "value = 4\nunit = \"m\"") + block("now", "clock", "") +
               block("twice", "gain", "in.in = \"free\"\ngain = 2") +
               block("sum", "sum", "rate = 10\nin.in1 = \"twice\"\nin.in2 = \"wave\"") +
               block("sat", "saturation", "in.in = \"sum\"\nlimits = [2, 1]") +

@@ -117,7 +117,7 @@ TEST(SharedRing, ReportsAndMendsAGroupThatItsWriterLeftHalfWritten) {
   const RingRemoval removal{name};
   Ring ring = Ring::create(name, small_map());
   // What a writer killed between two stores leaves behind: an odd sequence word.
-  Segment::attach_shared(name)->groups()[0].sequence = 7;
+  Segment::attach_shared(name, std::chrono::milliseconds{0})->groups()[0].sequence = 7;
   std::array<std::uint32_t, 8> words{};
 
   EXPECT_EQ(ring.observe().read_group(TearGroupId{0}, words), Status::Stale);
@@ -141,11 +141,46 @@ TEST(SharedRing, IsListedWithThoseWhoAreOnIt) {
   EXPECT_TRUE(report.usable);
   EXPECT_TRUE(report.in_use());
   EXPECT_EQ(report.map_name, "small");
-  ASSERT_EQ(report.occupants.size(), 1U);
-  EXPECT_EQ(report.occupants[0].node, "controller");
-  EXPECT_EQ(report.occupants[0].pid, getpid());
-  EXPECT_TRUE(report.occupants[0].alive);
-  EXPECT_EQ(report.occupants[0].beats, 1U);
+  ASSERT_EQ(report.occupants.size(), 2U);
+  EXPECT_EQ(report.occupants[0].node, "creator");
+  EXPECT_EQ(report.occupants[1].node, "controller");
+  for (const auto& occupant : report.occupants) {
+    EXPECT_EQ(occupant.pid, getpid());
+    EXPECT_TRUE(occupant.alive);
+  }
+  EXPECT_EQ(report.occupants[1].beats, 1U);
+}
+
+// Between its birth and the first node a ring has nobody but its creator.
+TEST(SharedRing, IsInUseWhileItsCreatorIsOnIt) {
+  const std::string name = unique_ring("creator");
+  const RingRemoval removal{name};
+  {
+    const Ring ring = Ring::create(name, small_map());
+    EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); }), "");
+  }
+  ASSERT_FALSE(report_of(name).in_use());
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); }), "");
+}
+
+// Whoever looks at a ring after a death must still see that death.
+TEST(SharedRing, KeepsTheDeadInSightWhenOthersJoin) {
+  const std::string name = unique_ring("in_sight");
+  const RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map());
+  Sacrifice machine{[&] {
+    auto* attached = new Ring{Ring::attach(name)};
+    new Node{attached->join("machine", 0)};
+  }};
+  machine.die();
+
+  const Node observer = ring.observe();
+  const Node controller = ring.join("controller", 0);
+
+  EXPECT_EQ(controller.presence_of(NodeId{1}).state, Presence::State::Vanished);
+  const Node successor = ring.join("machine", 0);
+  EXPECT_EQ(controller.presence_of(NodeId{1}).state, Presence::State::Alive);
 }
 
 TEST(SharedRing, RefusesANameThatIsInUse) {
@@ -157,9 +192,7 @@ TEST(SharedRing, RefusesANameThatIsInUse) {
   const std::string error =
       test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); });
 
-  EXPECT_NE(error.find("is in use by controller (pid " + std::to_string(getpid())),
-            std::string::npos)
-      << error;
+  EXPECT_NE(error.find("controller (pid " + std::to_string(getpid())), std::string::npos) << error;
 }
 
 TEST(SharedRing, ReplacesARingOnWhichNobodyLives) {
@@ -238,13 +271,50 @@ TEST(SharedRing, RefusesARingWhoseSizeIsNotWhatItsHeaderSays) {
   header.magic = kMagic;
   header.layout_version = kLayoutVersion;
   header.ready = kReady;
-  header.memory_at = 4096;
+  header.groups_at = header.map_text_at = sizeof(Header) + kMaxSlots * sizeof(Slot);
+  header.memory_at = 8192;
   header.memory_bytes = 1 << 20;
   const ForeignObject foreign{name, &header, sizeof header, 8192};
 
   EXPECT_NE(
       test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it has 8192 bytes"),
       std::string::npos);
+}
+
+// Nothing in memory that anybody may have written is believed: no offset, no size, no count.
+TEST(SharedRing, RefusesAHeaderThatPointsOutsideItsMemory) {
+  const std::string name = unique_ring("points");
+  std::uint64_t Header::*const fields[] = {&Header::groups_at,   &Header::group_count,
+                                           &Header::map_text_at, &Header::map_text_bytes,
+                                           &Header::memory_at,   &Header::memory_bytes};
+  for (const auto field : fields)
+    for (const std::uint64_t value :
+         {std::uint64_t{1} << 40, ~std::uint64_t{0}, std::uint64_t{8}}) {
+      Header header{};
+      header.magic = kMagic;
+      header.layout_version = kLayoutVersion;
+      header.ready = kReady;
+      header.groups_at = header.map_text_at = sizeof(Header) + kMaxSlots * sizeof(Slot);
+      header.memory_at = 8192;
+      header.memory_bytes = 4096;
+      header.*field = value;
+      const ForeignObject foreign{name, &header, sizeof header, 12'288};
+
+      EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); }), "");
+      EXPECT_FALSE(report_of(name).usable);
+    }
+}
+
+TEST(SharedRing, RefusesAMapThatTheRingWasNotMadeFrom) {
+  const std::string name = unique_ring("other_map");
+  const RingRemoval removal{name};
+  const Ring ring = Ring::create(name, small_map());
+  Segment::attach_shared(name, std::chrono::milliseconds{0})->header().map_hash ^= 1;
+
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(Ring::attach(name));
+            }).find("is not the one that the ring was made from"),
+            std::string::npos);
 }
 
 TEST(SharedRing, DoesNotWaitForACreatorThatDied) {

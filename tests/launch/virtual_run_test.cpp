@@ -119,6 +119,21 @@ TEST(VirtualRun, TestsOneAxisAlone) {
   for (const double u : reader.signal("monitor.srmd.true.displ.long")) ASSERT_NEAR(u, 0, 1e-3);
 }
 
+TEST(VirtualRun, IsRefusedWhereNothingWouldEndIt) {
+  const test::TemporaryFolder folder;
+  std::string text = test::content_of(example());
+  text.erase(text.find("[node.opf]"), std::string{"[node.opf]\nadapter = \"numerical\"\n"}.size());
+  text.replace(text.find("\"records/"), 9,
+               '"' + (test::source_tree() / "examples/records/").string());
+  const auto file = folder.write("no_solver.toml", text);
+
+  const auto run = test::run_rths(
+      {"run", file.string(), "--clock", "virtual", "--out", (folder.path() / "out").string()});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("no node is a 'numerical'"), std::string::npos) << run.err;
+}
+
 TEST(VirtualRun, EndsInOrderWhenANodeIsAtFault) {
   const test::TemporaryFolder folder;
   // A controller that never raises atTarget: without its observer's wire the run cannot start.

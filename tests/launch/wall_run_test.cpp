@@ -171,6 +171,105 @@ TEST(WallRun, EndsWhenANodeFallsSilent) {
   EXPECT_FALSE(run.ring_is_there());
 }
 
+// Silent for a while, then back: the test is over all the same, and nobody calls it completed.
+TEST(WallRun, IsNotCompletedWhenANodeWasSilentForAWhile) {
+  WallRun run{"silent_a_while", "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+
+  kill(pids.at("srmd"), SIGSTOP);
+  std::this_thread::sleep_for(milliseconds{800});
+  kill(pids.at("srmd"), SIGCONT);
+  const test::Finished finished = run.running.wait(20);
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("rths: the run ended early: "), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find(") is silent"), std::string::npos) << finished.err;
+  EXPECT_FALSE(std::filesystem::exists(run.folder.path() / "report.html"));
+}
+
+// Each on its own: with the launcher unable to say anything, a fault still brings all to rest.
+TEST(WallRun, ComesToRestThoughTheLauncherHangs) {
+  WallRun run{"hanging", "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+
+  kill(pids.at("launcher"), SIGSTOP);
+  kill(pids.at("srmd"), SIGKILL);
+  const auto begun = std::chrono::steady_clock::now();
+  const auto any_left = [&] {
+    return is_running(pids.at("xpc")) || is_running(pids.at("opf")) ||
+           is_running(pids.at("recorder"));
+  };
+  while (any_left() && std::chrono::steady_clock::now() - begun < std::chrono::seconds{10})
+    std::this_thread::sleep_for(milliseconds{10});
+
+  EXPECT_FALSE(any_left());
+  kill(pids.at("launcher"), SIGCONT);
+  EXPECT_EQ(run.running.wait(10).exit_code, 2);
+}
+
+// Whoever comes to look or to tune, and goes without a word, is nobody that a run depends on.
+TEST(WallRun, DoesNotDependOnWhoeverTunesIt) {
+  WallRun run{"operator", "3"};
+  ASSERT_EQ(run.wait_until_moving().size(), 5U);
+  {
+    broker::Ring ring = broker::Ring::attach(run.ring);
+    const broker::Node hand = ring.join("operator", 0);
+    std::this_thread::sleep_for(milliseconds{900});
+  }
+
+  EXPECT_EQ(run.running.wait(30).exit_code, 0);
+}
+
+// A word that is no number reaches nobody, and does not keep anybody from ending.
+TEST(WallRun, EndsInOrderThoughAWordIsNoNumber) {
+  WallRun run{"nan", "3"};
+  ASSERT_EQ(run.wait_until_moving().size(), 5U);
+  {
+    broker::Ring ring = broker::Ring::attach(run.ring);
+    broker::Node hand = ring.join("operator", 0);
+    const auto& map = ring.map();
+    const auto& gain = map.entry(map.signal("tune.xpc.feed_forward.velocity_gain_s"));
+    ASSERT_EQ(hand.write(gain.signal->offset, 0x7FC0'0000U), Status::Ok);  // a quiet NaN
+  }
+
+  EXPECT_EQ(run.running.wait(30).exit_code, 0);
+}
+
+class Signal : public ::testing::TestWithParam<int> {};
+
+// A terminal that closes and a service manager that stops signal all processes of a run at once.
+TEST_P(Signal, BringsTheWholeGroupToRest) {
+  WallRun run{"signal_" + std::to_string(GetParam()), "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+
+  for (const auto& [node, pid] : pids) kill(pid, GetParam());
+  const test::Finished finished = run.running.wait(10);
+
+  EXPECT_EQ(finished.exit_code, 1);
+  EXPECT_NE(finished.err.find("rths: the run ended early: interrupted"), std::string::npos);
+  EXPECT_FALSE(run.ring_is_there());
+  const recording::Reader reader{run.recording()};
+  EXPECT_NEAR(reader.signal("xpc.long.displ.ref").back(), 0, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(ToAll, Signal, ::testing::Values(SIGTERM, SIGHUP), [](const auto& signal) {
+  return signal.param == SIGTERM ? "Term" : "Hup";
+});
+
+TEST(WallRun, TakesAsLongToRestAsItIsTold) {
+  const test::TemporaryFolder folder;
+  const std::string ring = test::unique_ring("slow_rest");
+  const test::RingRemoval removal{ring};
+
+  const auto run = test::run_rths({"run", example(), "--out", folder.path().string(), "--ring",
+                                   ring, "--set", "duration_s=1", "--set", "stop.ramp_s=5"});
+
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
 TEST(WallRun, ComesToRestWhenInterrupted) {
   WallRun run{"interrupt", "30"};
   const auto pids = run.wait_until_moving();

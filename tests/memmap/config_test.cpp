@@ -21,6 +21,13 @@ TEST(Config, SaysWhereAValueOfTheWrongKindStands) {
             "lab.toml:2:10: gain is a text, expected a number");
 }
 
+TEST(Config, RefusesNumbersThatAreNone) {
+  EXPECT_EQ(test::error_of([] { static_cast<void>(parse("gain = nan").number("gain")); }),
+            "lab.toml:1:8: gain is nan, expected a finite number");
+  EXPECT_EQ(test::error_of([] { static_cast<void>(parse("gain = [1, -inf]").numbers("gain")); }),
+            "lab.toml:1:12: gain is -inf, expected a finite number");
+}
+
 TEST(Config, NamesTheKeyThatIsMissing) {
   const Config config = parse("gain = 1");
 

@@ -146,7 +146,8 @@ TEST(Map, AcceptsEveryLayoutThatKeepsTheRules) {
         signal.name = "s" + std::to_string(word);
         signal.offset = advance(partition.base, word);
         signal.type = static_cast<WordType>(below(3));
-        signal.initial = 0.25 * below(100);
+        const double scales[] = {0.25, 1e20, -1e-20};
+        signal.initial = scales[below(3)] * below(100);
         partition.signals.push_back(signal);
       }
       next += partition.longwords + below(60);

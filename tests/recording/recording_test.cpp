@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <random>
@@ -258,6 +259,37 @@ TEST(Recording, SaysWhenTheFileSystemTakesNoMore) {
   waitpid(child, &status, 0);
 
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+
+  // What got there is right, and what did not is not a number.
+  EXPECT_FALSE(repair(folder.path() / "run.h5"));
+  const Reader reader{folder.path() / "run.h5"};
+  const auto along = reader.signal("fbk.long.displ");
+  ASSERT_GT(along.size(), 1000U);
+  for (std::size_t i = 0; i < along.size(); ++i)
+    ASSERT_TRUE(along[i] == row(static_cast<int>(i))[0] || std::isnan(along[i])) << i;
+}
+
+// Mending is for what a crash left. Whoever writes is left alone.
+TEST(Recording, IsNotRepairedWhileItIsWritten) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  const pid_t child = fork();
+  if (child == 0) {
+    Writer writer = open_writer(file);
+    write_rows(writer, 0, 1000);
+    static_cast<void>(folder.write("written", ""));
+    pause();
+  }
+  for (int i = 0; i < 5000 && !std::filesystem::exists(folder.path() / "written"); ++i)
+    usleep(1000);
+
+  EXPECT_FALSE(repair(file));
+  expect_rows(Reader{file}, 1000);
+
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_TRUE(repair(file));
+  expect_rows(Reader{file}, 1000);
 }
 
 }  // namespace

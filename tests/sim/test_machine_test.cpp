@@ -104,6 +104,14 @@ TEST(TestMachine, SaysWhenAReferenceIsBeyondItsStroke) {
   EXPECT_TRUE(feedback.displacement.allFinite());
 }
 
+TEST(TestMachine, RefusesADelayThatNoMachineHas) {
+  TestMachine machine = quiet_machine();
+  machine.axes[1].transport_delay = 1e9;
+
+  EXPECT_NE(test::error_of([&] { TestMachineRun(machine, kPeriod); }).find("expected 0 to 1 s"),
+            std::string::npos);
+}
+
 TEST(TestMachine, CannotGoFasterThanItsValvesAllow) {
   TestMachineRun run{quiet_machine(), kPeriod};
   MachineFeedback feedback;

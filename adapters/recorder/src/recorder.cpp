@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 #include <optional>
 #include <thread>
 
@@ -29,7 +28,7 @@ class Recorder final : public Adapter {
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override;
   [[nodiscard]] Status step(Step& step) noexcept override;
-  void deactivate() noexcept override;
+  void deactivate() override;
 
  private:
   // A row waits in the queue as its time followed by its values.
@@ -128,13 +127,11 @@ void Recorder::stop_writer() noexcept {
   if (thread_.joinable()) thread_.join();
 }
 
-void Recorder::deactivate() noexcept {
+// The last rows are written after the last step.
+void Recorder::deactivate() {
   stop_writer();
-  try {
-    if (writer_ && !failed_.load()) writer_->close();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "recorder: %s\n", error.what());
-  }
+  if (failed_.load(std::memory_order_acquire)) throw Error{failure_};
+  if (writer_) writer_->close();
 }
 
 }  // namespace

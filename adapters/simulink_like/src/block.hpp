@@ -17,8 +17,9 @@ namespace rths::adapters {
 /// An input or output of a block.
 struct PortSpec {
   std::string name;
-  bool per_axis = true;   ///< one value per axis, else one
-  std::string unit = {};  ///< SI; empty: as the first input's
+  bool per_axis = true;  ///< one value per axis, else one
+  /// SI; empty: as the first input's. g++ wants the initializer, clang-tidy does not.
+  std::string unit = {};  // NOLINT(readability-redundant-member-init)
   bool optional = false;  ///< an input that may be left unwired; it then reads zeros
 };
 
@@ -31,10 +32,10 @@ struct ParameterSpec {
 
 /// Everything a block can be. Ring inputs and outputs have no step: the target copies for them.
 using BlockKind =
-    std::variant<RingInput, RingOutput, Constant, Sine, Gain, Sum, Saturation, RateLimiter, Switch,
-                 UnitDelay, TransportDelay, Derivative, LowPassBlock, MovingAverageBlock,
-                 RemoveOffset, PredictorCorrectorBlock, AtsBlock, FeedForwardBlock,
-                 ForceObserverBlock, Stop>;
+    std::variant<RingInput, RingOutput, Constant, ClockBlock, Sine, Gain, Sum, Saturation,
+                 RateLimiter, Switch, UnitDelay, TransportDelay, Derivative, LowPassBlock,
+                 MovingAverageBlock, RemoveOffset, PredictorCorrectorBlock, AtsBlock,
+                 FeedForwardBlock, ForceObserverBlock, Stop>;
 
 struct Block {
   std::string name;

@@ -65,6 +65,13 @@ Block make_constant(const Config& table, const BlockContext&) {
   return block;
 }
 
+Block make_clock(const Config&, const BlockContext&) {
+  Block block;
+  block.outputs = {{"out", kSingle, "s"}};
+  block.kind = ClockBlock{};
+  return block;
+}
+
 Block make_sine(const Config& table, const BlockContext&) {
   Block block;
   const std::string unit = table.text("unit", "1");
@@ -172,6 +179,7 @@ struct BlockType {
 constexpr BlockType kBlockTypes[] = {{"ring_input", make_ring_input},
                                      {"ring_output", make_ring_output},
                                      {"constant", make_constant},
+                                     {"clock", make_clock},
                                      {"sine", make_sine},
                                      {"gain", make_gain},
                                      {"sum", make_sum},

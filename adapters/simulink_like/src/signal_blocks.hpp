@@ -46,6 +46,11 @@ struct Sine {
   }
 };
 
+/// out = time of the step
+struct ClockBlock {
+  void step(const Wires& w) RTHS_REALTIME { *w.out[0] = w.time; }
+};
+
 /// out = gain · in
 struct Gain {
   void step(const Wires& w) RTHS_REALTIME {
@@ -74,7 +79,7 @@ struct Saturation {
   }
 };
 
-/// Lets a value change by at most limit·period per step.
+/// Lets a value change by at most limit·period per step; stays where it is while there is none.
 struct RateLimiter {
   std::vector<double> limits;  ///< [unit/s]
   double period;
@@ -82,7 +87,8 @@ struct RateLimiter {
   void step(const Wires& w) RTHS_REALTIME {
     for (std::size_t i = 0; i < w.axes; ++i) {
       const double change = limits[i] * period;
-      last[i] = std::clamp(w.in[0][i], last[i] - change, last[i] + change);
+      if (std::isfinite(w.in[0][i]))
+        last[i] = std::clamp(w.in[0][i], last[i] - change, last[i] + change);
       w.out[0][i] = last[i];
     }
   }

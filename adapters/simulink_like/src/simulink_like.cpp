@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/adapters/simulink_like.hpp>
 
+#include <cmath>
+
 #include "diagram.hpp"
 
 namespace rths::adapters {
@@ -21,7 +23,7 @@ class SimulinkLike final : public Adapter {
  private:
   Diagram diagram_;
   Retreat retreat_;
-  std::vector<double> held_;  ///< ramped outputs as they were when the run stopped
+  std::vector<double> held_;  ///< ramped outputs as they last were numbers before the run stopped
   double stopped_at_ = -1;
 };
 
@@ -30,7 +32,8 @@ class SimulinkLike final : public Adapter {
 Status SimulinkLike::step(Step& step) noexcept {
   const auto& ramped = diagram_.ramped_outputs();
   if (stopped_at_ < 0) {
-    for (std::size_t i = 0; i < ramped.size(); ++i) held_[i] = step.outputs[ramped[i]];
+    for (std::size_t i = 0; i < ramped.size(); ++i)
+      if (std::isfinite(step.outputs[ramped[i]])) held_[i] = step.outputs[ramped[i]];
     if (step.stopping) stopped_at_ = step.time;
   }
   diagram_.step(step.time, step.inputs, step.outputs);

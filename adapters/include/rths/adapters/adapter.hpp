@@ -51,8 +51,9 @@ class Adapter {
   virtual void activate() = 0;
   /// One period. Done: nothing is left to do, and everything is at rest.   @realtime
   [[nodiscard]] virtual Status step(Step& step) RTHS_REALTIME = 0;
-  /// Lets go of what `activate` took. Also called after a fault.   @setup
-  virtual void deactivate() noexcept = 0;
+  /// Lets go of what `activate` took. Also called after a fault.
+  /// @throws Error if what it should leave behind is not whole   @setup
+  virtual void deactivate() = 0;
 };
 
 }  // namespace rths::adapters

@@ -34,7 +34,7 @@ struct Timing {
 /// status says Stale for an input, LimitExceeded for an output.
 ///
 /// Adds to the adapter's monitors what every node tells of itself: host.step, host.status,
-/// host.overruns, host.stale, host.late, host.duration.
+/// host.overruns, host.stale, host.late (of this step) and host.late_max (of all), host.duration.
 class Host {
  public:
   /// @param node  name in the ring's map

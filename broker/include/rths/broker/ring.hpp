@@ -89,7 +89,8 @@ class Node {
 class Ring {
  public:
   /// Makes a ring that the other processes of this host can attach to. An abandoned ring of that
-  /// name, on which no process lives, is replaced.
+  /// name, on which no process lives, is replaced. The creator is on its ring, though as no node,
+  /// until this object goes.
   /// @throws Error if a ring of that name is in use, or there is no room for it   @setup
   [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map);
   /// Joins processes to an existing ring. Waits up to two seconds for its creator to finish.
@@ -121,7 +122,7 @@ class Ring {
 
 /// A process that is, or was, on a ring.
 struct Occupant {
-  std::string node;  ///< name in the map, "observer" for one that only reads
+  std::string node;  ///< name in the map; "observer" only reads, "creator" made the ring
   int pid = 0;
   bool alive = false;
   std::uint64_t beats = 0;
@@ -130,8 +131,9 @@ struct Occupant {
 /// What there is to say about one ring of this host.
 struct RingReport {
   std::string name;
-  bool usable = false;  ///< finished, and of this program's layout version
-  std::string trouble;  ///< why not, in words
+  bool usable = false;   ///< finished, and of this program's layout version
+  bool foreign = false;  ///< of another layout version, or not ours to open: may be in use
+  std::string trouble;   ///< why not, in words
   std::uint64_t bytes = 0;
   std::string map_name;
   std::uint32_t map_version = 0;
@@ -146,6 +148,8 @@ struct RingReport {
   }
 };
 
+/// One ring of this host, if there is an object of that name.   @setup
+[[nodiscard]] std::optional<RingReport> inspect_ring(const std::string& name);
 /// All rings of this host, by name.   @setup
 [[nodiscard]] std::vector<RingReport> list_rings();
 /// Removes a ring's name; processes still on it keep their memory. False if there was none. @setup

@@ -60,6 +60,7 @@ class Writer {
   [[nodiscard]] std::uint64_t rows() const;
 
  private:
+  void flush();
   struct File;
   std::unique_ptr<File> file_;
 };
@@ -114,7 +115,9 @@ void add_meta(const std::filesystem::path& file, const NamedTexts& meta);
 void add_meta_series(const std::filesystem::path& file, const std::string& name, double interval,
                      const std::vector<double>& values);
 /// Takes the mark off that a crashed writer leaves, so that every HDF5 program opens the file.
-/// @returns true if there was one   @throws Error if the file is damaged beyond that
+/// Leaves a file alone that is being written, and one that a full disk has cut short: `Reader`
+/// reads what is there.
+/// @returns true if there was one, and it is gone   @throws Error if the file cannot be mended
 bool repair(const std::filesystem::path& file);
 
 }  // namespace rths::recording

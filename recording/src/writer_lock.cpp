@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "writer_lock.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <utility>
+
+namespace rths::recording {
+namespace {
+
+int open_to_lock(const std::filesystem::path& file) {
+  return open(file.c_str(), O_RDONLY | O_CLOEXEC);  // NOLINT(cppcoreguidelines-pro-type-vararg)
+}
+
+}  // namespace
+
+// Shared, so that readers, whose library asks for the same, are let in; who would change the file
+// asks for it alone, and is not.
+WriterLock::WriterLock(const std::filesystem::path& file) : descriptor_{open_to_lock(file)} {
+  if (descriptor_ >= 0) flock(descriptor_, LOCK_SH | LOCK_NB);
+}
+
+WriterLock::WriterLock(WriterLock&& other) noexcept
+    : descriptor_{std::exchange(other.descriptor_, -1)} {}
+
+WriterLock& WriterLock::operator=(WriterLock&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+WriterLock::~WriterLock() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+bool WriterLock::is_held(const std::filesystem::path& file) {
+  const int descriptor = open_to_lock(file);
+  if (descriptor < 0) return false;
+  const bool free = flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+  close(descriptor);
+  return !free;
+}
+
+}  // namespace rths::recording
