@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -78,6 +79,7 @@ bool looks_like_toml(const std::string& line) {
 }  // namespace
 
 int check(const std::string& file) {
+  if (std::filesystem::is_directory(file)) throw Error{file + ": is a directory, expected a file"};
   if (recording::is_hdf5(file)) return check_recording(file);
   const std::string line = first_line(file);
   if (line.empty()) throw Error{file + ": is empty"};
