@@ -9,6 +9,7 @@
 #include <rths/core/error.hpp>
 
 #include "process.hpp"
+#include "record.hpp"
 #include "segment.hpp"
 
 namespace rths::broker {
@@ -36,9 +37,9 @@ void describe_groups(Segment& segment, const memmap::Map& map, RingReport& repor
   const Group* group = segment.groups();
   for (const auto& partition : map.partitions()) {
     if (!partition.tear_group) continue;
-    Group& shared = const_cast<Group&>(*group++);
-    if (std::atomic_ref{shared.sequence}.load() % 2 != 0)
+    if (is_torn(segment.record(*group), group->longwords))
       report.torn_groups.push_back(partition.name);
+    ++group;
   }
 }
 

@@ -1,23 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The hot path. One writer per longword; a word is a release store, a group is a sequence lock in
-// its fence-free form: data stored with release, loaded with acquire, so that a reader that saw any
-// new word also sees the sequence word that was odd before it.
+// The hot path. One writer per longword; a word is a release store and an entry in its writer's
+// journal, a group is an entry in the journal, a record that is read whole, and its words.
 #include <atomic>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <rths/broker/ring.hpp>
+#include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
 
+#include "mend.hpp"
 #include "process.hpp"
+#include "record.hpp"
 #include "segment.hpp"
 
 namespace rths::broker {
 namespace {
 
-constexpr int kGroupReadAttempts = 64;
+constexpr int kRecordAttempts = 64;
+constexpr int kJournalLooks = 4;
+
+std::uint64_t now() noexcept { return static_cast<std::uint64_t>(WallClock{}.now().count()); }
 
 template <class T>
 std::atomic_ref<T> shared(T& word) noexcept {
@@ -76,33 +81,58 @@ Slot* slot_of(Segment& segment, NodeId id) noexcept {
 
 }  // namespace
 
+struct Node::GroupAccess {
+  Group* group;
+  std::uint32_t* record;
+  std::uint32_t* words;
+  JournalPlace journal;
+  std::uint32_t longwords;
+  bool own;
+};
+
 Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id)
     : segment_{&segment}, slot_{claim_slot(segment, id ? id->value() : kObserver)} {
   shared(segment.slots()[slot_].node).store(id ? id->value() : kObserver);
-  if (!id) return;
-  if (const auto rival = rival_of(segment, slot_, *id)) {
+  if (id) {
+    if (const auto rival = rival_of(segment, slot_, *id)) {
+      leave();
+      throw Error{fmt::format("node '{}' is already on the ring, as process {}", map.node_name(*id),
+                              *rival)};
+    }
+  }
+  try {
+    for (std::uint64_t i = 0; i < segment.header().group_count; ++i) {
+      Group& group = segment.groups()[i];
+      const bool own = id && group.journal == node_place(map, *id);
+      groups_.push_back({&group, segment.record(group), segment.words() + group.base,
+                         segment.journal(group.journal), group.longwords, own});
+    }
+    if (id) take_over(map, *id);
+  } catch (...) {
     leave();
-    throw Error{
-        fmt::format("node '{}' is already on the ring, as process {}", map.node_name(*id), *rival)};
+    throw;
   }
-  std::uint32_t group = 0;
-  for (const auto& partition : map.partitions()) {
-    const bool own = map.node(partition.node) == *id;
-    if (own) own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
-    if (!partition.tear_group) continue;
-    own_groups_.push_back(own);
-    // A predecessor may have died in the middle of this group.
-    auto sequence = shared(segment.groups()[group].sequence);
-    if (own && sequence.load() % 2 != 0) sequence.fetch_add(1);
-    ++group;
-  }
+}
+
+// What is a node's own, and what a predecessor may have left unfinished.
+void Node::take_over(const memmap::Map& map, NodeId id) {
+  for (const auto& partition : map.partitions())
+    if (!partition.tear_group && map.node(partition.node) == id)
+      own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
+  register_as_writer();
+  const JournalPlace place = segment_->journal(node_place(map, id));
+  for (const auto& access : groups_)
+    if (access.own) mend_group(*segment_, *access.group, place);
+  journal_ = std::make_unique<JournalWriter>(place);
+  journal_->time(now());
 }
 
 Node::Node(Node&& other) noexcept
     : segment_{std::exchange(other.segment_, nullptr)},
       slot_{other.slot_},
       own_{std::move(other.own_)},
-      own_groups_{std::move(other.own_groups_)} {}
+      groups_{std::move(other.groups_)},
+      journal_{std::move(other.journal_)} {}
 
 Node& Node::operator=(Node&& other) noexcept {
   if (this == &other) return *this;
@@ -110,7 +140,8 @@ Node& Node::operator=(Node&& other) noexcept {
   segment_ = std::exchange(other.segment_, nullptr);
   slot_ = other.slot_;
   own_ = std::move(other.own_);
-  own_groups_ = std::move(other.own_groups_);
+  groups_ = std::move(other.groups_);
+  journal_ = std::move(other.journal_);
   return *this;
 }
 
@@ -118,6 +149,7 @@ Node::~Node() { leave(); }
 
 void Node::leave() noexcept {
   if (segment_ == nullptr) return;
+  if (journal_) journal_->time(now());
   Slot& slot = segment_->slots()[slot_];
   shared(slot.node).store(kNotYet);
   shared(slot.claim).store(0);
@@ -132,39 +164,50 @@ Status Node::write(LongwordOffset offset, std::uint32_t word) noexcept {
   for (const auto& range : own_) {
     if (offset.value() < range.begin || offset.value() >= range.end) continue;
     shared(segment_->words()[offset.value()]).store(word, std::memory_order_release);
+    journal_->word(offset.value(), word);
+    wake_sleepers(segment_->wake());
     return Status::Ok;
   }
   return Status::Fault;
 }
 
 Status Node::read_group(TearGroupId id, std::span<std::uint32_t> words) const noexcept {
-  Group& group = segment_->groups()[id.value()];
-  std::uint32_t* from = segment_->words() + group.base;
-  for (int attempt = 0; attempt < kGroupReadAttempts; ++attempt) {
-    const std::uint32_t before = shared(group.sequence).load(std::memory_order_acquire);
-    if (before % 2 != 0) continue;
-    for (std::size_t i = 0; i < words.size(); ++i)
-      words[i] = shared(from[i]).load(std::memory_order_acquire);
-    if (shared(group.sequence).load(std::memory_order_relaxed) == before) return Status::Ok;
+  const GroupAccess& access = groups_[id.value()];
+  auto journalled = shared(access.group->journalled);
+  if (journalled.load(std::memory_order_acquire) == 0) {
+    load_words(words, access.words);  // of a writer that takes no part in any of this
+    return Status::Ok;
+  }
+  for (int look = 0; look < kJournalLooks; ++look) {
+    for (int attempt = 0; attempt < kRecordAttempts; ++attempt)
+      if (read_record(access.record, words)) return Status::Ok;
+    // Its writer was stopped in the middle, or is very busy: then the journal has the last whole
+    // one.
+    const std::uint64_t position = journalled.load(std::memory_order_acquire) - 1;
+    if (read_journalled_group(access.journal, position, access.group->base, words))
+      return Status::Ok;
   }
   return Status::Stale;
 }
 
+// Into the journal first: whatever instruction a writer dies at, the journal has a whole write that
+// is no older than the one in the record.
 Status Node::write_group(TearGroupId id, std::span<const std::uint32_t> words) noexcept {
-  if (id.value() >= own_groups_.size() || !own_groups_[id.value()]) return Status::Fault;
-  Group& group = segment_->groups()[id.value()];
-  std::uint32_t* to = segment_->words() + group.base;
-  const std::uint32_t sequence = shared(group.sequence).load(std::memory_order_relaxed);
-  shared(group.sequence).store(sequence + 1, std::memory_order_relaxed);
-  for (std::size_t i = 0; i < words.size(); ++i)
-    shared(to[i]).store(words[i], std::memory_order_release);
-  shared(group.sequence).store(sequence + 2, std::memory_order_release);
+  if (id.value() >= groups_.size()) return Status::Fault;
+  const GroupAccess& access = groups_[id.value()];
+  if (!access.own || words.size() != access.longwords) return Status::Fault;
+  const std::uint64_t position = journal_->group(access.group->base, words);
+  shared(access.group->journalled).store(position + 1, std::memory_order_release);
+  write_record(access.record, words);
+  store_words(access.words, words);
+  wake_sleepers(segment_->wake());
   return Status::Ok;
 }
 
 void Node::beat() noexcept {
   auto beats = shared(segment_->slots()[slot_].beats);
   beats.store(beats.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+  if (journal_) journal_->time(now());
 }
 
 std::uint64_t Node::beats_of(NodeId node) const noexcept {

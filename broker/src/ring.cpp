@@ -36,14 +36,16 @@ Ring::Ring(Ring&&) noexcept = default;
 Ring& Ring::operator=(Ring&&) noexcept = default;
 Ring::~Ring() = default;
 
-Ring Ring::create(const std::string& name, const memmap::Map& map) {
+Ring Ring::create(const std::string& name, const memmap::Map& map, std::uint32_t journal_bits) {
   remove_if_abandoned(name);
-  return Ring{Segment::create_shared(name, map)};
+  return Ring{Segment::create_shared(name, map, journal_bits)};
 }
 
 Ring Ring::attach(const std::string& name) { return Ring{Segment::attach_shared(name, kPatience)}; }
 
-Ring Ring::in_process(const memmap::Map& map) { return Ring{Segment::create_in_process(map)}; }
+Ring Ring::in_process(const memmap::Map& map, std::uint32_t journal_bits) {
+  return Ring{Segment::create_in_process(map, journal_bits)};
+}
 
 const memmap::Map& Ring::map() const { return *map_; }
 

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "segment.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <new>
 #include <thread>
 #include <utility>
-#include <variant>
 
 #include <fcntl.h>
 
@@ -16,7 +14,6 @@
 #include <boost/interprocess/shared_memory_object.hpp>
 
 #include <rths/core/error.hpp>
-#include <rths/memmap/codec.hpp>
 #include <rths/memmap/map.hpp>
 
 #include "process.hpp"
@@ -27,65 +24,14 @@ namespace {
 namespace ipc = boost::interprocess;
 using std::chrono::steady_clock;
 
-constexpr std::uint64_t kMostBytes = 256U << 20U;  // of any part: twice the largest memory
 constexpr auto kReadyPoll = std::chrono::milliseconds{1};
 
-constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t to) {
-  return (value + to - 1) / to * to;
-}
-
-Header plan_layout(const memmap::Map& map, const std::string& map_text) {
-  Header header{};
-  header.magic = kMagic;
-  header.layout_version = kLayoutVersion;
-  header.creator = own_claim();
-  header.map_hash = map.hash();
-  header.groups_at = sizeof(Header) + kMaxSlots * sizeof(Slot);
-  header.group_count = static_cast<std::uint64_t>(
-      std::count_if(map.partitions().begin(), map.partitions().end(),
-                    [](const auto& partition) { return partition.tear_group; }));
-  header.map_text_at = header.groups_at + header.group_count * sizeof(Group);
-  header.map_text_bytes = map_text.size();
-  header.memory_at = round_up(header.map_text_at + header.map_text_bytes, kPageBytes);
-  header.memory_bytes = std::uint64_t{map.description().size_longwords} * 4;
-  return header;
-}
-
-std::uint64_t total_bytes(const Header& header) { return header.memory_at + header.memory_bytes; }
-
-// `ready` is published last, so whoever sees it sees all the rest.
-void fill(std::byte* base, Header header, const memmap::Map& map, const std::string& map_text) {
-  std::memcpy(base, &header, sizeof header);
-  auto* slots = reinterpret_cast<Slot*>(base + sizeof(Header));
-  std::memset(slots, 0, kMaxSlots * sizeof(Slot));
-  slots[0] = {header.creator, kCreator, 0, 0};
-  auto* group = reinterpret_cast<Group*>(base + header.groups_at);
-  for (const auto& partition : map.partitions())
-    if (partition.tear_group) *group++ = {0, partition.base.value(), partition.longwords};
-  std::memcpy(base + header.map_text_at, map_text.data(), map_text.size());
-  auto* words = reinterpret_cast<std::uint32_t*>(base + header.memory_at);
-  for (const auto& entry : map.signals()) {
-    const memmap::Codec codec{*entry.signal};
-    words[entry.signal->offset.value()] = codec.encode(codec.to_si(entry.signal->initial));
-  }
-  std::atomic_ref{reinterpret_cast<Header*>(base)->ready}.store(kReady, std::memory_order_release);
-}
-
-// The parts lie one behind the other and end where the memory ends.
-bool parts_are_in_order(const Header& h) {
-  for (const std::uint64_t size : {h.group_count * sizeof(Group), h.map_text_bytes, h.memory_bytes})
-    if (size > kMostBytes) return false;
-  return h.group_count <= kMostBytes && h.groups_at == sizeof(Header) + kMaxSlots * sizeof(Slot) &&
-         h.map_text_at == h.groups_at + h.group_count * sizeof(Group) &&
-         h.memory_at == round_up(h.map_text_at + h.map_text_bytes, kPageBytes);
-}
-
 // Anybody may have made an object of that name: nothing in it is believed before it is checked.
-std::string trouble_with(const Header& header, std::uint64_t mapped_bytes) {
+std::string trouble_with(const Header& header, std::uint64_t object_bytes) {
   if (header.magic != kMagic) return "it is no rths ring";
   if (!parts_are_in_order(header)) return "its header is damaged";
-  if (total_bytes(header) != mapped_bytes)
-    return fmt::format("it has {} bytes, its header says {}", mapped_bytes, total_bytes(header));
+  if (total_bytes(header) != object_bytes)
+    return fmt::format("it has {} bytes, its header says {}", object_bytes, total_bytes(header));
   return "";
 }
 
@@ -109,64 +55,125 @@ bool becomes_ready(const ipc::shared_memory_object& object, std::chrono::millise
 }
 
 // Room is taken now: a page that is not to be had would kill whoever touches it first.
-void take_room(ipc::shared_memory_object& object, std::uint64_t bytes) {
-  const int problem =
-      posix_fallocate(object.get_mapping_handle().handle, 0, static_cast<off_t>(bytes));
+void take_room(const ipc::shared_memory_object& object, std::uint64_t begin, std::uint64_t bytes) {
+  const int problem = posix_fallocate(object.get_mapping_handle().handle, static_cast<off_t>(begin),
+                                      static_cast<off_t>(bytes));
   if (problem != 0) throw Error{std::strerror(problem)};
+}
+
+ipc::mapped_region map_part(const ipc::shared_memory_object& object, std::uint64_t begin,
+                            std::uint64_t bytes) {
+  return {object, ipc::read_write, static_cast<ipc::offset_t>(begin), bytes};
+}
+
+std::uint64_t size_of(const ipc::shared_memory_object& object) {
+  ipc::offset_t size = 0;
+  return object.get_size(size) ? static_cast<std::uint64_t>(size) : 0;
+}
+
+// What the header says, once it is known to be true.
+Header checked_header(const ipc::shared_memory_object& object, const std::string& name) {
+  const ipc::mapped_region region = map_part(object, 0, sizeof(Header));
+  const Header header = *static_cast<const Header*>(region.get_address());
+  if (header.magic == kMagic && header.layout_version != kLayoutVersion)
+    throw ForeignRing{
+        fmt::format("ring '{}' cannot be used: its layout is version {}, this program's is {}",
+                    name, header.layout_version, kLayoutVersion)};
+  if (const std::string trouble = trouble_with(header, size_of(object)); !trouble.empty())
+    throw Error{fmt::format("ring '{}' cannot be used: {}", name, trouble)};
+  return header;
+}
+
+struct HeapDeleter {
+  void operator()(std::byte* bytes) const {
+    ::operator delete[](bytes, std::align_val_t{kPageBytes});
+  }
+};
+using Heap = std::unique_ptr<std::byte[], HeapDeleter>;
+
+Heap zeroed_heap(std::uint64_t bytes) {
+  Heap heap{static_cast<std::byte*>(::operator new[](bytes, std::align_val_t{kPageBytes}))};
+  std::memset(heap.get(), 0, bytes);
+  return heap;
 }
 
 }  // namespace
 
+// Either an object that others see too, or memory of this process alone.
 struct Segment::Memory {
-  struct HeapDeleter {
-    void operator()(std::byte* bytes) const {
-      ::operator delete[](bytes, std::align_val_t{kPageBytes});
-    }
-  };
-  ipc::mapped_region shared;
-  std::unique_ptr<std::byte[], HeapDeleter> heap;
+  ipc::shared_memory_object object;
+  ipc::mapped_region common;
+  std::vector<ipc::mapped_region> journals;
+  Heap heap;
+  std::vector<Heap> journal_heaps;
+  bool is_shared = false;
 
   [[nodiscard]] std::byte* base() const {
-    return heap ? heap.get() : static_cast<std::byte*>(shared.get_address());
+    return is_shared ? static_cast<std::byte*>(common.get_address()) : heap.get();
+  }
+  std::byte* journal(std::uint32_t index, std::uint64_t begin, std::uint64_t bytes) {
+    if (!is_shared) {
+      if (!journal_heaps[index]) journal_heaps[index] = zeroed_heap(bytes);
+      return journal_heaps[index].get();
+    }
+    if (journals[index].get_size() == 0) {
+      take_room(object, begin, bytes);
+      journals[index] = map_part(object, begin, bytes);
+    }
+    return static_cast<std::byte*>(journals[index].get_address());
   }
 };
 
 Segment::Segment(std::unique_ptr<Memory> memory, bool created)
-    : memory_{std::move(memory)}, base_{memory_->base()}, created_{created} {}
+    : memory_{std::move(memory)}, base_{memory_->base()}, created_{created} {
+  memory_->journals.resize(header().journal_count);
+  memory_->journal_heaps.resize(header().journal_count);
+}
 
 Segment::~Segment() {
   if (created_) std::atomic_ref{slots()[0].claim}.store(0);
 }
 
+JournalPlace Segment::journal(std::uint32_t index) {
+  const auto bits = static_cast<std::uint32_t>(header().journal_bits);
+  std::byte* begin = memory_->journal(index, journal_at(header(), index), journal_bytes(bits));
+  return {reinterpret_cast<JournalHead*>(begin),
+          reinterpret_cast<JournalEntry*>(begin + sizeof(JournalHead)), bits};
+}
+
 memmap::Map Segment::map() {
   const Header& h = header();
   auto map = memmap::parse_map({at<char>(h.map_text_at), h.map_text_bytes}, "the map in the ring");
-  const Header expected = plan_layout(map, map.to_toml());
-  if (h.memory_bytes != expected.memory_bytes || h.group_count != expected.group_count ||
-      h.map_hash != expected.map_hash)
+  const Header expected =
+      plan_layout(map, map.to_toml(), static_cast<std::uint32_t>(h.journal_bits));
+  if (h.map_hash != expected.map_hash || total_bytes(h) != total_bytes(expected) ||
+      h.group_count != expected.group_count || h.journal_count != expected.journal_count)
     throw Error{"the map in the ring is not the one that the ring was made from"};
   return map;
 }
 
 std::string object_name(const std::string& ring) { return "rths." + ring; }
 
-std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const memmap::Map& map) {
+std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const memmap::Map& map,
+                                                std::uint32_t journal_bits) {
   const std::string text = map.to_toml();
-  const Header header = plan_layout(map, text);
+  const Header header = plan_layout(map, text, journal_bits);
   auto memory = std::make_unique<Memory>();
+  memory->is_shared = true;
   bool made = false;
   try {
     ipc::permissions permissions;
     permissions.set_permissions(0660);
-    ipc::shared_memory_object object{ipc::create_only, object_name(name).c_str(), ipc::read_write,
-                                     permissions};
+    memory->object = ipc::shared_memory_object{ipc::create_only, object_name(name).c_str(),
+                                               ipc::read_write, permissions};
     made = true;
-    take_room(object, total_bytes(header));
-    memory->shared = ipc::mapped_region{object, ipc::read_write};
+    memory->object.truncate(static_cast<ipc::offset_t>(total_bytes(header)));
+    take_room(memory->object, 0, common_bytes(header));
+    memory->common = map_part(memory->object, 0, common_bytes(header));
   } catch (const std::exception& error) {
     if (made) ipc::shared_memory_object::remove(object_name(name).c_str());
     throw Error{fmt::format("ring '{}' ({} bytes of shared memory) cannot be created: {}", name,
-                            total_bytes(header), error.what())};
+                            common_bytes(header), error.what())};
   }
   fill(memory->base(), header, map, text);
   return std::unique_ptr<Segment>{new Segment{std::move(memory), true}};
@@ -175,35 +182,27 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
 std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
                                                 std::chrono::milliseconds patience) {
   auto memory = std::make_unique<Memory>();
+  memory->is_shared = true;
   try {
-    const ipc::shared_memory_object object{ipc::open_only, object_name(name).c_str(),
-                                           ipc::read_write};
-    if (!becomes_ready(object, patience))
+    memory->object =
+        ipc::shared_memory_object{ipc::open_only, object_name(name).c_str(), ipc::read_write};
+    if (!becomes_ready(memory->object, patience))
       throw Error{fmt::format(
           "ring '{}' was never finished by its creator; 'rths clean' removes it", name)};
-    memory->shared = ipc::mapped_region{object, ipc::read_write};
+    const Header header = checked_header(memory->object, name);
+    memory->common = map_part(memory->object, 0, common_bytes(header));
   } catch (const ipc::interprocess_exception& error) {
     throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
   }
-  const std::uint64_t mapped = memory->shared.get_size();
-  auto segment = std::unique_ptr<Segment>{new Segment{std::move(memory), false}};
-  const Header& header = segment->header();
-  if (header.magic == kMagic && header.layout_version != kLayoutVersion)
-    throw ForeignRing{
-        fmt::format("ring '{}' cannot be used: its layout is version {}, this program's is {}",
-                    name, header.layout_version, kLayoutVersion)};
-  if (const std::string trouble = trouble_with(header, mapped); !trouble.empty())
-    throw Error{fmt::format("ring '{}' cannot be used: {}", name, trouble)};
-  return segment;
+  return std::unique_ptr<Segment>{new Segment{std::move(memory), false}};
 }
 
-std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map) {
+std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map,
+                                                    std::uint32_t journal_bits) {
   const std::string text = map.to_toml();
-  const Header header = plan_layout(map, text);
+  const Header header = plan_layout(map, text, journal_bits);
   auto memory = std::make_unique<Memory>();
-  memory->heap.reset(
-      static_cast<std::byte*>(::operator new[](total_bytes(header), std::align_val_t{kPageBytes})));
-  std::memset(memory->base(), 0, total_bytes(header));
+  memory->heap = zeroed_heap(common_bytes(header));
   fill(memory->base(), header, map, text);
   return std::unique_ptr<Segment>{new Segment{std::move(memory), true}};
 }

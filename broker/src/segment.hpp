@@ -6,59 +6,15 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <type_traits>
+#include <vector>
 
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
 
+#include "journal.hpp"
+#include "layout.hpp"
+
 namespace rths::broker {
-
-// The shared-memory object of a ring, one per ring, named "/rths.<ring>":
-//
-//   0                    Header                 256 B
-//   kSlotsAt             Slot × kMaxSlots       128 B each: who is on the ring
-//   groups_at            Group × group_count     64 B each: sequence words of the tear groups
-//   map_text_at          canonical map, TOML    map_text_bytes
-//   memory_at            the ring's words       memory_bytes, on a page of its own
-//   journals_at          0 in this version: the place of the writers' journals
-//
-// kLayoutVersion is bumped whenever a program built before would read any of this wrongly.
-inline constexpr std::uint64_t kMagic = 0x474E'4952'5348'5452;  // "RTHSRING" in memory
-inline constexpr std::uint32_t kLayoutVersion = 1;
-inline constexpr std::uint32_t kMaxSlots = 32;
-inline constexpr std::size_t kPageBytes = 4096;
-inline constexpr std::uint32_t kReady = 1;
-inline constexpr std::uint32_t kObserver = 0xFFFF;      ///< node id of a slot that only reads
-inline constexpr std::uint32_t kCreator = 0xFFFF'FFFE;  ///< and of whoever made the ring
-
-struct alignas(256) Header {
-  std::uint64_t magic;
-  std::uint32_t layout_version;
-  std::uint32_t ready;    ///< kReady, stored last: everything before it can be trusted
-  std::uint64_t creator;  ///< claim of the creating process; see process.hpp
-  std::uint64_t map_hash;
-  std::uint64_t groups_at, group_count;
-  std::uint64_t map_text_at, map_text_bytes;
-  std::uint64_t memory_at, memory_bytes;
-  std::uint64_t journals_at;
-};
-
-struct alignas(128) Slot {
-  std::uint64_t claim;  ///< the process that holds it, 0 if free; taken by compare-exchange
-  std::uint32_t node;   ///< node id, kObserver, or kNotYet between claim and join
-  std::uint32_t pad;
-  std::uint64_t beats;
-};
-inline constexpr std::uint32_t kNotYet = 0xFFFF'FFFF;
-
-struct alignas(64) Group {
-  std::uint32_t sequence;  ///< odd while a writer is in the middle
-  std::uint32_t base, longwords;
-};
-
-static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 256);
-static_assert(std::is_trivially_copyable_v<Slot> && sizeof(Slot) == 128);
-static_assert(std::is_trivially_copyable_v<Group> && sizeof(Group) == 64);
 
 /// A ring that another version of this program or another user may be using.
 class ForeignRing : public Error {
@@ -71,13 +27,15 @@ class Segment {
  public:
   /// Shared memory under a name, filled from the map, with the creator in slot 0.
   /// @throws Error if the name is taken or there is no room; then nothing is left behind
-  static std::unique_ptr<Segment> create_shared(const std::string& name, const memmap::Map& map);
+  static std::unique_ptr<Segment> create_shared(const std::string& name, const memmap::Map& map,
+                                                std::uint32_t journal_bits);
   /// @param patience  for a creator that is still at work
   /// @throws ForeignRing if it may not be opened or is of another layout version; Error if it is no
   ///         ring or damaged
   static std::unique_ptr<Segment> attach_shared(const std::string& name,
                                                 std::chrono::milliseconds patience);
-  static std::unique_ptr<Segment> create_in_process(const memmap::Map& map);
+  static std::unique_ptr<Segment> create_in_process(const memmap::Map& map,
+                                                    std::uint32_t journal_bits);
 
   Segment(const Segment&) = delete;
   Segment& operator=(const Segment&) = delete;
@@ -87,6 +45,13 @@ class Segment {
   [[nodiscard]] Slot* slots() { return at<Slot>(sizeof(Header)); }
   [[nodiscard]] Group* groups() { return at<Group>(header().groups_at); }
   [[nodiscard]] std::uint32_t* words() { return at<std::uint32_t>(header().memory_at); }
+  [[nodiscard]] Wake& wake() { return *at<Wake>(kWakeAt); }
+  [[nodiscard]] std::uint32_t* record(const Group& group) {
+    return at<std::uint32_t>(header().records_at + group.record_at);
+  }
+  /// A node's journal, by the node's place in the map. Takes room for it and maps it when it is
+  /// first asked for. @throws Error if there is no room   @setup
+  [[nodiscard]] JournalPlace journal(std::uint32_t index);
   /// The map that the ring was made from. @throws Error if the two do not fit each other
   [[nodiscard]] memmap::Map map();
 

@@ -18,7 +18,8 @@ namespace {
 
 using test::small_map;
 
-constexpr LongwordOffset kMachineWord{3};
+constexpr LongwordOffset kMachineWord{500};
+constexpr LongwordOffset kGroupWord{3};
 constexpr LongwordOffset kControllerWord{512};
 
 TEST(Ring, ShowsEveryNodeWhatOneWrites) {
@@ -44,6 +45,15 @@ TEST(Ring, RefusesWritesToAnotherNodesPartition) {
   EXPECT_EQ(controller.write_group(TearGroupId{0}, words), Status::Fault);
   EXPECT_EQ(controller.write_group(TearGroupId{7}, words), Status::Fault);
   EXPECT_EQ(controller.read(kMachineWord), 0U);
+}
+
+TEST(Ring, RefusesWordsAndPartsOfAGroupThatIsWrittenWhole) {
+  Ring ring = Ring::in_process(small_map());
+  Node machine = ring.join("machine", 0);
+  const std::array<std::uint32_t, 7> part{};
+
+  EXPECT_EQ(machine.write(kGroupWord, 42), Status::Fault);
+  EXPECT_EQ(machine.write_group(TearGroupId{0}, part), Status::Fault);
 }
 
 TEST(Ring, LetsAnObserverWriteNothing) {

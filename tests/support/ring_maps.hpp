@@ -10,7 +10,8 @@
 
 namespace rths::test {
 
-/// A small map: a machine with a tear group of `group` words, a controller with loose words.
+/// A small map: a machine with a tear group of `group` words from 0 and a loose word at 500, a
+/// controller with loose words from 512.
 inline memmap::Map small_map(std::uint32_t group = 8) {
   memmap::MapDescription description;
   description.name = "small";
@@ -22,6 +23,11 @@ inline memmap::Map small_map(std::uint32_t group = 8) {
   feedback.base = LongwordOffset{0};
   feedback.longwords = group;
   feedback.tear_group = true;
+  memmap::Partition loose;
+  loose.name = "echo";
+  loose.node = "machine";
+  loose.base = LongwordOffset{500};
+  loose.longwords = 1;
   memmap::Partition reference;
   reference.name = "ref";
   reference.node = "controller";
@@ -33,7 +39,7 @@ inline memmap::Map small_map(std::uint32_t group = 8) {
   signal.initial = 2.5;
   signal.offset = LongwordOffset{512};
   reference.signals = {signal};
-  description.partitions = {feedback, reference};
+  description.partitions = {feedback, loose, reference};
   return memmap::Map{description};
 }
 

@@ -16,6 +16,16 @@
 namespace rths::broker {
 
 class Segment;
+class Follower;
+class JournalWriter;
+class Waiter;
+struct LastWrite;
+struct LongwordRange;
+
+/// Sizes of journals, unless asked for otherwise: 1 MiB, which is half a second of a node that
+/// writes a hundred words a millisecond, and 64 KiB.
+inline constexpr std::uint32_t kJournalBits = 16;
+inline constexpr std::uint32_t kInProcessJournalBits = 12;
 
 /// Whether a node is on a ring.
 struct Presence {
@@ -46,21 +56,25 @@ class Node {
   /// @pre the offset is inside the ring's memory   @realtime
   [[nodiscard]] std::uint32_t read(LongwordOffset offset) const RTHS_REALTIME;
   /// Makes `word` visible to every node.
-  /// @returns Fault, and writes nothing, if the longword is in no partition of this node  @realtime
+  /// @returns Fault, and writes nothing, if the longword is in no partition of this node, or in one
+  ///          that is written whole only   @realtime
   [[nodiscard]] Status write(LongwordOffset offset, std::uint32_t word) RTHS_REALTIME;
 
-  /// Reads a tear group whole: the words of one and the same write.
+  /// Reads a tear group whole: the words of one and the same write. If its writer stopped in the
+  /// middle of one, for ever or for a while, the last complete one.
   /// @param words  as long as the group
-  /// @returns Stale, with `words` unspecified, if a writer is in the middle of it now and was at
-  ///          each of a bounded number of attempts   @realtime
+  /// @returns Stale, with `words` unspecified, if a writer outran each of a bounded number of
+  ///          attempts   @realtime
   [[nodiscard]] Status read_group(TearGroupId group,
                                   std::span<std::uint32_t> words) const RTHS_REALTIME;
   /// Writes a tear group whole.
-  /// @returns Fault, and writes nothing, if the group belongs to another node   @realtime
+  /// @returns Fault, and writes nothing, if the group belongs to another node or has another length
+  /// @realtime
   [[nodiscard]] Status write_group(TearGroupId group,
                                    std::span<const std::uint32_t> words) RTHS_REALTIME;
 
-  /// Tells the others that this node is at work; `beats_of` shows it to them.   @realtime
+  /// Tells the others that this node is at work; `beats_of` shows it to them. Puts the time into
+  /// the journal: what was written since the beat before was written since then.   @realtime
   void beat() RTHS_REALTIME;
   /// How often a node of the map has beaten since it joined; 0 if it is not on the ring. @realtime
   [[nodiscard]] std::uint64_t beats_of(NodeId node) const RTHS_REALTIME;
@@ -75,10 +89,15 @@ class Node {
   struct OwnRange {
     std::uint32_t begin, end;  ///< longwords [begin, end)
   };
+  /// A tear group, and what is known about it from the beginning.
+  struct GroupAccess;
+
+  void take_over(const memmap::Map& map, NodeId id);
   Segment* segment_;
   std::uint32_t slot_;
-  std::vector<OwnRange> own_;
-  std::vector<bool> own_groups_;
+  std::vector<OwnRange> own_;  ///< but for tear groups
+  std::vector<GroupAccess> groups_;
+  std::unique_ptr<JournalWriter> journal_;  ///< of a node that may write
 };
 
 /// A software SCRAMNet+ ring: one memory that every node of a host sees at once.
@@ -92,12 +111,15 @@ class Ring {
   /// name, on which no process lives, is replaced. The creator is on its ring, though as no node,
   /// until this object goes.
   /// @throws Error if a ring of that name is in use, or there is no room for it   @setup
-  [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map);
+  /// @param journal_bits  a journal holds 2^journal_bits writes of a node, in 16 bytes each
+  [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map,
+                                   std::uint32_t journal_bits = kJournalBits);
   /// Joins processes to an existing ring. Waits up to two seconds for its creator to finish.
   /// @throws Error if there is none, or it is of another layout version   @setup
   [[nodiscard]] static Ring attach(const std::string& name);
   /// A ring in plain memory for one process: the same words, the same rules.   @setup
-  [[nodiscard]] static Ring in_process(const memmap::Map& map);
+  [[nodiscard]] static Ring in_process(const memmap::Map& map,
+                                       std::uint32_t journal_bits = kInProcessJournalBits);
 
   Ring(Ring&&) noexcept;
   Ring& operator=(Ring&&) noexcept;
@@ -111,6 +133,13 @@ class Ring {
   [[nodiscard]] Node join(const std::string& node, std::uint64_t map_hash);
   /// Joins as a node that only reads.   @setup
   [[nodiscard]] Node observe();
+  /// Follows what a node writes from now on, whether or not it is on the ring yet. See
+  /// follow.hpp.   @setup
+  [[nodiscard]] Follower follow(const std::string& node);
+  /// Waits for writes to these words, or to any if there are none. See follow.hpp.   @setup
+  [[nodiscard]] Waiter wait_for(const std::vector<LongwordRange>& words);
+  /// Who wrote a word last, and when.   @setup
+  [[nodiscard]] LastWrite last_write(LongwordOffset offset);
   /// The tear group of a partition. @throws Error if the partition is none   @setup
   [[nodiscard]] TearGroupId tear_group(const std::string& partition) const;
 

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Journals by themselves: tiny ones, so that laps come quickly.
+#include <array>
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "broker/src/journal.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::broker {
+namespace {
+
+constexpr std::uint32_t kBits = 6;
+constexpr std::uint64_t kLength = 1U << kBits;
+
+/// A journal in plain memory.
+struct Journal {
+  alignas(128) JournalHead head{};
+  std::array<JournalEntry, kLength> entries{};
+  JournalPlace place{&head, entries.data(), kBits};
+};
+
+std::uint32_t word_at(const JournalPlace& place, std::uint64_t position) {
+  JournalEntry entry;
+  return fetch_at(place, position, entry) == Fetched::Entry ? entry.b : ~0U;
+}
+
+TEST(Journal, GivesBackWhatWasWrittenUntilItIsLapped) {
+  Journal journal;
+  JournalWriter writer{journal.place};
+  for (std::uint32_t i = 0; i < 1000; ++i) writer.word(i, 7 * i);
+
+  JournalEntry entry;
+  for (std::uint64_t i = 1000 - kLength; i < 1000; ++i) EXPECT_EQ(word_at(journal.place, i), 7 * i);
+  EXPECT_EQ(fetch_at(journal.place, 1000 - kLength - 1, entry), Fetched::Gone);
+  EXPECT_EQ(fetch_at(journal.place, 1000, entry), Fetched::NotYet);
+  EXPECT_EQ(end_of(journal.place), 1000U);
+  EXPECT_EQ(begin_of(journal.place), 1000 - kLength);
+}
+
+TEST(Journal, IsEmptyBeforeTheFirstWrite) {
+  Journal journal;
+  JournalEntry entry;
+
+  EXPECT_EQ(end_of(journal.place), 0U);
+  EXPECT_EQ(fetch_at(journal.place, 0, entry), Fetched::NotYet);
+}
+
+// Its predecessor may have ended at any position, hinted at or not.
+TEST(Journal, GoesOnWhereAPredecessorEnded) {
+  for (std::uint32_t first = 0; first < 3 * kLength; ++first) {
+    Journal journal;
+    JournalWriter predecessor{journal.place};
+    for (std::uint32_t i = 0; i < first; ++i) predecessor.word(0, i);
+
+    JournalWriter successor{journal.place};
+    successor.word(0, 12345);
+
+    EXPECT_EQ(word_at(journal.place, first), 12345U) << first;
+  }
+}
+
+TEST(Journal, HoldsGroupsOfAnyLength) {
+  for (std::uint32_t length = 1; length <= 100; ++length) {
+    Journal journal;
+    JournalWriter writer{journal.place};
+    std::vector<std::uint32_t> words(length);
+    for (std::uint32_t i = 0; i < length; ++i) words[i] = 1000 + i;
+    writer.word(1, 1);
+    const std::uint64_t position = writer.group(40, words);
+    std::vector<std::uint32_t> read(length);
+
+    EXPECT_TRUE(read_journalled_group(journal.place, position, 40, read));
+    EXPECT_EQ(read, words);
+    EXPECT_FALSE(read_journalled_group(journal.place, position, 41, read));
+    EXPECT_FALSE(read_journalled_group(journal.place, position + 1, 40, read));
+  }
+}
+
+// A lap is 28 bits long; near its end the next is ahead, not behind.
+TEST(Journal, TellsAheadFromBehindWhenTheLapsWrap) {
+  Journal journal;
+  JournalPlace place = journal.place;
+  const std::uint64_t last_lap = (std::uint64_t{1} << kLapBits) - 2;
+  const std::uint64_t position = last_lap << kBits;
+  JournalEntry entry;
+  const auto put = [&](std::uint64_t at) {
+    publish(place.slot(at), {0, 0, 0, place.lap(at) << 4U | 1U});
+  };
+
+  put(position);
+  EXPECT_EQ(fetch_at(place, position, entry), Fetched::Entry);
+  EXPECT_EQ(fetch_at(place, position + kLength, entry), Fetched::NotYet);
+  put(position + 2 * kLength);  // over the end of all laps
+  EXPECT_EQ(fetch_at(place, position, entry), Fetched::Gone);
+  EXPECT_EQ(fetch_at(place, position + 2 * kLength, entry), Fetched::Entry);
+}
+
+// One writes without pause, one reads: every entry that is read is whole and in its place, however
+// often the writer laps the reader.
+TEST(Journal, IsNeverReadTorn) {
+  Journal journal;
+  constexpr std::uint32_t kWrites = 400'000;
+  std::atomic<bool> finished{false};
+  std::thread thread{[&] {
+    JournalWriter writer{journal.place};
+    for (std::uint32_t i = 0; i < kWrites; ++i) {
+      writer.word(i, ~i, i ^ 0x5A5A5A5AU);
+      if (i % 1000 == 0) std::this_thread::yield();
+    }
+    finished.store(true);
+  }};
+  long read = 0;
+  long gone = 0;
+  std::uint64_t position = 0;
+  JournalEntry entry;
+  while (!finished.load() || position < kWrites) {
+    switch (fetch_at(journal.place, position, entry)) {
+      case Fetched::Entry:
+        ASSERT_EQ(entry.a, static_cast<std::uint32_t>(position));
+        ASSERT_EQ(entry.b, ~entry.a);
+        ASSERT_EQ(entry.c, entry.a ^ 0x5A5A5A5AU);
+        ++read;
+        ++position;
+        break;
+      case Fetched::Gone:
+        ++gone;
+        position = end_of(journal.place);
+        break;
+      case Fetched::NotYet:
+        std::this_thread::yield();
+        break;
+    }
+  }
+  thread.join();
+
+  EXPECT_GT(read, 0);
+  EXPECT_EQ(end_of(journal.place), kWrites);
+}
+
+TEST(Journal, IsWrittenAndReadInRealTime) {
+  Journal journal;
+  JournalWriter writer{journal.place};
+  const std::array<std::uint32_t, 20> words{};
+  std::array<std::uint32_t, 20> read{};
+  std::uint64_t position = 0;
+  bool whole = false;
+  EXPECT_REALTIME(writer.word(1, 2));
+  EXPECT_REALTIME(writer.time(3));
+  EXPECT_REALTIME(position = writer.group(0, words));
+  EXPECT_REALTIME(whole = read_journalled_group(journal.place, position, 0, read));
+  EXPECT_TRUE(whole);
+}
+
+}  // namespace
+}  // namespace rths::broker

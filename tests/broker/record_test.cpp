@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "broker/src/record.hpp"
+
+namespace rths::broker {
+namespace {
+
+/// Lengths on both sides of every change of kind, and of vectors.
+constexpr std::uint32_t kLengths[] = {1, 7, 8, 15, 16, 17, 31, 48, 100, 256};
+
+struct alignas(128) Bytes {
+  std::uint32_t words[32];
+};
+
+class Record : public ::testing::TestWithParam<std::uint32_t> {
+ protected:
+  [[nodiscard]] std::vector<std::uint32_t> counting(std::uint32_t from) const {
+    std::vector<std::uint32_t> words(length);
+    for (std::uint32_t i = 0; i < length; ++i) words[i] = from + i;
+    return words;
+  }
+  std::uint32_t length = GetParam();
+  std::vector<Bytes> memory = std::vector<Bytes>(record_bytes(GetParam()) / sizeof(Bytes));
+  std::uint32_t* record = memory[0].words;
+};
+
+TEST_P(Record, GivesBackItsNewestWrite) {
+  std::vector<std::uint32_t> read(length);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    write_record(record, counting(1000 * i));
+    ASSERT_TRUE(read_record(record, read));
+    EXPECT_EQ(read, counting(1000 * i));
+    EXPECT_FALSE(is_torn(record, length));
+  }
+}
+
+TEST_P(Record, KeepsToItsBytes) {
+  std::vector<Bytes> larger(memory.size() + 1);
+  for (auto& word : larger.back().words) word = 0xABCD;
+  write_record(larger[0].words, counting(1));
+
+  for (const auto word : larger.back().words) EXPECT_EQ(word, 0xABCDU);
+}
+
+// A writer that died in the middle left an odd count. Its successor's first write makes it whole.
+TEST_P(Record, IsWholeAgainAfterTheNextWrite) {
+  if (record_kind(length) == RecordKind::Latch) return;  // has no middle
+  std::vector<std::uint32_t> read(length);
+  write_record(record, counting(1));
+  record[0] |= 1U;
+  EXPECT_TRUE(is_torn(record, length));
+  EXPECT_FALSE(read_record(record, read));
+
+  write_record(record, counting(5));
+
+  EXPECT_FALSE(is_torn(record, length));
+  ASSERT_TRUE(read_record(record, read));
+  EXPECT_EQ(read, counting(5));
+}
+
+// A latch has the last whole write also while the next is being written.
+TEST(Latch, NeverWaitsForItsWriter) {
+  std::vector<Bytes> memory(1);
+  const std::vector<std::uint32_t> first{1, 2, 3, 4, 5, 6, 7};
+  write_record(memory[0].words, first);
+  std::uint32_t* half_written = memory[0].words + 2 + kLatchWords * ((memory[0].words[0] + 1) % 2);
+  half_written[0] = 99;
+  std::vector<std::uint32_t> read(7);
+
+  ASSERT_TRUE(read_record(memory[0].words, read));
+  EXPECT_EQ(read, first);
+}
+
+TEST_P(Record, IsNeverReadTorn) {
+  constexpr std::uint32_t kWrites = 100'000;
+  std::atomic<bool> finished{false};
+  std::thread writer{[&] {
+    for (std::uint32_t count = 1; count <= kWrites; ++count) {
+      write_record(record, std::vector<std::uint32_t>(length, count));
+      if (count % 500 == 0) std::this_thread::yield();
+    }
+    finished.store(true);
+  }};
+  long torn = 0;
+  std::vector<std::uint32_t> read(length);
+  while (!finished.load()) {
+    if (!read_record(record, read)) continue;
+    for (const auto word : read) torn += word != read[0] ? 1 : 0;
+  }
+  writer.join();
+
+  EXPECT_EQ(torn, 0);
+  ASSERT_TRUE(read_record(record, read));
+  EXPECT_EQ(read[0], kWrites);
+}
+
+INSTANTIATE_TEST_SUITE_P(Words, Record, ::testing::ValuesIn(kLengths));
+
+}  // namespace
+}  // namespace rths::broker
