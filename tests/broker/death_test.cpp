@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A writer dies, or stands still, between any two of its instructions. Readers go on, no group is
+// read torn, no complete write is lost, and a successor finds everything in order.
+#include <sys/mman.h>
+#include <sys/ptrace.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <rths/broker/follow.hpp>
+
+#include "broker/src/record.hpp"
+#include "broker/src/segment.hpp"
+#include "support/ring_maps.hpp"
+
+namespace rths::broker {
+namespace {
+
+using std::chrono::steady_clock;
+using test::RingRemoval;
+using test::small_map;
+using test::unique_ring;
+
+/// A latch, a line, and records of several lines.
+constexpr std::uint32_t kLengths[] = {5, 15, 100};
+constexpr LongwordOffset kLooseWord{500};
+constexpr TearGroupId kGroup{0};
+
+/// The value of a group whose words are all alike; empty if they are not.
+std::optional<std::uint32_t> whole_value(const Node& reader, std::uint32_t length) {
+  std::vector<std::uint32_t> words(length);
+  if (reader.read_group(kGroup, words) != Status::Ok) return std::nullopt;
+  const bool alike = std::all_of(words.begin(), words.end(), [&](auto w) { return w == words[0]; });
+  return alike ? std::optional{words[0]} : std::nullopt;
+}
+
+void mark_as_dead(Segment& segment, NodeId node) {
+  for (std::uint32_t i = 0; i < kMaxSlots; ++i)
+    if (segment.slots()[i].node == node.value())
+      segment.slots()[i].claim = 1ULL << 40 | 999'999'999;  // no process
+}
+
+/// The ring as it would be left if its writer died now: a copy, in which it is dead.
+class Aftermath {
+ public:
+  Aftermath(const std::string& ring, const std::string& copy) : removal_{copy} {
+    std::filesystem::copy_file("/dev/shm/" + object_name(ring), "/dev/shm/" + object_name(copy),
+                               std::filesystem::copy_options::overwrite_existing);
+    segment_ = Segment::attach_shared(copy, std::chrono::milliseconds{0});
+    mark_as_dead(*segment_, NodeId{1});
+    ring_.emplace(Ring::attach(copy));
+  }
+  [[nodiscard]] Ring& ring() { return *ring_; }
+  /// True if record and memory of the group hold the same, whole.
+  [[nodiscard]] bool is_mended(std::uint32_t value) {
+    const Group& group = segment_->groups()[0];
+    std::vector<std::uint32_t> words(group.longwords);
+    if (!read_record(segment_->record(group), words)) return false;
+    const auto* memory = segment_->words() + group.base;
+    return std::all_of(words.begin(), words.end(), [&](auto w) { return w == value; }) &&
+           std::all_of(memory, memory + group.longwords, [&](auto w) { return w == value; });
+  }
+
+ private:
+  RingRemoval removal_;
+  std::unique_ptr<Segment> segment_;
+  std::optional<Ring> ring_;
+};
+
+class DeathOf : public ::testing::TestWithParam<std::uint32_t> {};
+
+/// Writes ones, stops, writes twos, stops.
+void write_twice_and_stop(const std::string& ring_name, std::uint32_t length) {
+  Ring ring = Ring::attach(ring_name);
+  Node machine = ring.join("machine", 0);
+  const std::vector<std::uint32_t> ones(length, 1);
+  const std::vector<std::uint32_t> twos(length, 2);
+  static_cast<void>(machine.write_group(kGroup, ones));
+  static_cast<void>(machine.write(kLooseWord, 1));
+  raise(SIGSTOP);
+  static_cast<void>(machine.write_group(kGroup, twos));
+  static_cast<void>(machine.write(kLooseWord, 2));
+  machine.beat();
+  raise(SIGSTOP);
+  _exit(0);
+}
+
+// Instruction by instruction through a write: what is in memory after each is what a process would
+// leave that is stopped or killed there.
+TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
+  const std::uint32_t length = GetParam();
+  const std::string name = unique_ring("step_" + std::to_string(length));
+  const RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map(length), 6);
+  const Node reader = ring.observe();
+  const pid_t child = fork();
+  if (child == 0) {
+    if (ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) != 0) _exit(77);
+    write_twice_and_stop(name, length);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (WIFEXITED(status)) GTEST_SKIP() << "SKIPPED: this host does not allow single steps";
+  ASSERT_EQ(whole_value(reader, length), 1U);
+
+  int steps = 0;
+  std::uint32_t seen = 1;
+  for (;; ++steps) {
+    ptrace(PTRACE_SINGLESTEP, child, nullptr, nullptr);
+    waitpid(child, &status, 0);
+    if (!WIFSTOPPED(status) || WSTOPSIG(status) != SIGTRAP) break;
+    const auto now = whole_value(reader, length);
+    ASSERT_TRUE(now.has_value()) << "torn after instruction " << steps;
+    ASSERT_GE(*now, seen) << "went back after instruction " << steps;
+    seen = *now;
+    if (steps % 3 != 0) continue;
+    Aftermath aftermath{name, name + "_copy"};
+    Node successor = aftermath.ring().join("machine", 0);
+    const auto after = whole_value(successor, length);
+    ASSERT_TRUE(after.has_value()) << "torn for a successor after instruction " << steps;
+    ASSERT_GE(*after, seen) << "lost for a successor after instruction " << steps;
+    ASSERT_TRUE(aftermath.is_mended(*after)) << "not mended after instruction " << steps;
+  }
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+
+  EXPECT_EQ(seen, 2U);
+  EXPECT_GT(steps, 50);
+}
+
+INSTANTIATE_TEST_SUITE_P(Words, DeathOf, ::testing::ValuesIn(kLengths));
+
+/// What a writer has completed, told outside the ring.
+struct Progress {
+  std::atomic<std::uint32_t> begun{0}, completed{0};
+};
+
+Progress& shared_progress() {
+  void* page = mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  return *new (page) Progress;
+}
+
+void write_for_ever(const std::string& ring_name, std::uint32_t length, Progress& progress) {
+  Ring ring = Ring::attach(ring_name);
+  Node machine = ring.join("machine", 0);
+  std::vector<std::uint32_t> words(length);
+  for (std::uint32_t count = progress.completed + 1;; ++count) {
+    std::fill(words.begin(), words.end(), count);
+    progress.begun.store(count);
+    static_cast<void>(machine.write_group(kGroup, words));
+    progress.completed.store(count);
+    static_cast<void>(machine.write(kLooseWord, count));
+  }
+}
+
+struct Tally {
+  int kills = 0, stops = 0;
+  long reads = 0, torn = 0, hung = 0, lost = 0;
+  std::vector<double> repair;  ///< from the kill until a successor has the last whole write [s]
+};
+
+/// One writer, killed at a random moment, stopped before or not; then its successor.
+void kill_one(const std::string& name, std::uint32_t length, Progress& progress,
+              std::mt19937& random, const Node& reader, Tally& tally) {
+  const pid_t child = fork();
+  if (child == 0) write_for_ever(name, length, progress);
+  const std::uint32_t before = progress.completed;
+  const auto check = [&] {
+    ++tally.reads;
+    const auto begun = steady_clock::now();
+    const std::uint32_t completed = progress.completed;
+    const auto value = whole_value(reader, length);
+    tally.torn += value ? 0 : 1;
+    tally.lost += value && *value < completed ? 1 : 0;
+    tally.hung += steady_clock::now() - begun > std::chrono::milliseconds{100} ? 1 : 0;
+  };
+  while (progress.completed == before) std::this_thread::yield();
+  const auto until = steady_clock::now() + std::chrono::microseconds{random() % 300};
+  do check();
+  while (steady_clock::now() < until);
+  if (random() % 3 == 0) {
+    ++tally.stops;
+    kill(child, SIGSTOP);
+    waitpid(child, nullptr, WUNTRACED);
+    for (int i = 0; i < 20; ++i) check();
+  }
+  kill(child, SIGKILL);
+  const auto killed = steady_clock::now();
+  ++tally.kills;
+  waitpid(child, nullptr, 0);
+  check();
+  Ring ring = Ring::attach(name);
+  const Node successor = ring.join("machine", 0);
+  const auto value = whole_value(successor, length);
+  tally.torn += value ? 0 : 1;
+  tally.lost += value && *value < progress.completed ? 1 : 0;
+  tally.repair.push_back(std::chrono::duration<double>(steady_clock::now() - killed).count());
+}
+
+class KillsOf : public ::testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(KillsOf, AWriterTearLoseAndHangNothing) {
+  const std::uint32_t length = GetParam();
+  const std::string name = unique_ring("kills_" + std::to_string(length));
+  const RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map(length));
+  const Node reader = ring.observe();
+  Progress& progress = shared_progress();
+  constexpr unsigned kSeed = 4;
+  std::mt19937 random{kSeed};
+  Tally tally;
+  const int kills = std::getenv("RTHS_LONG") != nullptr ? 3400 : 100;
+
+  while (tally.kills < kills) kill_one(name, length, progress, random, reader, tally);
+
+  std::sort(tally.repair.begin(), tally.repair.end());
+  const double p99 = tally.repair[static_cast<std::size_t>(0.99 * (kills - 1))];
+  RecordProperty("kills", tally.kills);
+  std::printf(
+      "seed %u, %d kills (%d stopped before), %ld reads, torn %ld, hung %ld, lost %ld, "
+      "repair p99 %.2f ms\n",
+      kSeed, tally.kills, tally.stops, tally.reads, tally.torn, tally.hung, tally.lost, 1e3 * p99);
+  EXPECT_EQ(tally.torn, 0);
+  EXPECT_EQ(tally.hung, 0);
+  EXPECT_EQ(tally.lost, 0);
+  EXPECT_LE(p99, 0.050);
+}
+
+INSTANTIATE_TEST_SUITE_P(Words, KillsOf, ::testing::ValuesIn(kLengths));
+
+}  // namespace
+}  // namespace rths::broker
