@@ -40,6 +40,9 @@ struct DumpArguments {
 };
 [[nodiscard]] int dump(const DumpArguments& arguments);
 
+/// Who wrote the words of a ring last, and when.
+[[nodiscard]] int who(const std::string& ring, const std::vector<std::string>& patterns);
+
 struct SendArguments {
   std::string ring;
   std::vector<std::string> assignments;  ///< name=value, with a unit if it is not the map's

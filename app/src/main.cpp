@@ -88,6 +88,13 @@ void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return dump(a.dump); }; });
 }
 
+void add_who(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("who", "Say who wrote the words of a ring last, and when");
+  command->add_option("ring", a.dump.source, "Name of a ring")->required();
+  command->add_option("signals", a.dump.patterns, "Names to show; * and ? match [all]");
+  command->callback([&] { chosen = [&a] { return who(a.dump.source, a.dump.patterns); }; });
+}
+
 void add_send(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("send", "Write words of a ring by name");
   command->add_option("ring", a.send.ring, "Name of a ring")->required();
@@ -126,7 +133,8 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", version());
   Arguments arguments;
   Chosen chosen;
-  for (const auto add : {add_run, add_node, add_check, add_dump, add_send, add_map, add_rest})
+  for (const auto add :
+       {add_run, add_node, add_check, add_dump, add_who, add_send, add_map, add_rest})
     add(app, arguments, chosen);
   try {
     app.parse(argc, argv);

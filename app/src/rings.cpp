@@ -18,9 +18,14 @@ void describe(const broker::RingReport& ring) {
              ring.map_version, ring.map_hash);
   for (const auto& occupant : ring.occupants)
     fmt::print("  {:<12} process {:<8} {} ({} beats)\n", occupant.node, occupant.pid,
-               occupant.alive ? "alive" : "ended without leaving", occupant.beats);
+               occupant.alive ? "alive" : "ended without leaving; its place is free",
+               occupant.beats);
   for (const auto& group : ring.torn_groups)
-    fmt::print("  partition '{}' was left in the middle of a write\n", group);
+    fmt::print(
+        "  partition '{}' was left in the middle of a write; readers get the last complete one, "
+        "and "
+        "the next node of its name mends it\n",
+        group);
   if (!ring.in_use()) fmt::print("  nobody is on it: 'rths clean' removes it\n");
 }
 

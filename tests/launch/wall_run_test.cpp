@@ -316,6 +316,9 @@ TEST(WallRun, ShowsAndTakesWordsByNameWhileItRuns) {
   const auto tuned =
       test::run_rths({"dump", run.ring, "--once", "tune.xpc.feed_forward.velocity_gain_s"});
   EXPECT_NE(tuned.out.find("velocity_gain_s = 0.015"), std::string::npos) << tuned.out;
+  const auto who = test::run_rths({"who", run.ring, "srmd.long.displ.fbk", "opf.7.time.target"});
+  EXPECT_NE(who.out.find(": by srmd, "), std::string::npos) << who.out;
+  EXPECT_NE(who.out.find(": opf's, "), std::string::npos) << who.out;
   EXPECT_EQ(test::run_rths({"doctor"}).exit_code, 0);
   EXPECT_NE(test::run_rths({"send", run.ring, "xpc.long.displ.ref=1mm"})
                 .err.find("node 'xpc' is already on the ring"),
