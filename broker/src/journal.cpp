@@ -33,17 +33,29 @@ std::uint64_t begin_of(const JournalPlace& place) noexcept {
   return end > length ? end - length : 0;
 }
 
-JournalWriter::JournalWriter(const JournalPlace& place) noexcept
-    : place_{place}, next_{end_of(place)} {}
+JournalWriter::JournalWriter(const JournalPlace& place) noexcept : place_{place} {
+  const std::uint64_t end = end_of(place);
+  lap_begin_ = end >> place.bits << place.bits;
+  index_ = static_cast<std::uint32_t>(end - lap_begin_);
+  lap_tag_ = place.lap(end) << 4U;
+}
+
+void JournalWriter::turn() noexcept {
+  std::atomic_ref{place_.head->hint}.store(position(), std::memory_order_release);
+  if (index_ >> place_.bits == 0) return;
+  lap_begin_ = position();
+  index_ = 0;
+  lap_tag_ = place_.lap(lap_begin_) << 4U;
+}
 
 std::uint64_t JournalWriter::group(std::uint32_t base,
                                    std::span<const std::uint32_t> words) noexcept {
-  const std::uint64_t position = next_;
+  const std::uint64_t first = position();
   append(EntryKind::Group, base, static_cast<std::uint32_t>(words.size()), 0);
   const auto word = [&](std::size_t i) { return i < words.size() ? words[i] : 0U; };
   for (std::size_t i = 0; i < words.size(); i += kWordsPerEntry)
     append(EntryKind::Data, word(i), word(i + 1), word(i + 2));
-  return position;
+  return first;
 }
 
 bool read_journalled_group(const JournalPlace& place, std::uint64_t position, std::uint32_t base,

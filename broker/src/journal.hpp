@@ -143,13 +143,18 @@ class JournalWriter {
 
  private:
   void append(EntryKind kind, std::uint32_t a, std::uint32_t b, std::uint32_t c) noexcept {
-    const std::uint32_t tag = place_.lap(next_) << 4U | static_cast<std::uint32_t>(kind);
-    publish(place_.slot(next_), {a, b, c, tag});
-    if (++next_ % kHintEvery == 0)
-      std::atomic_ref{place_.head->hint}.store(next_, std::memory_order_release);
+    publish(place_.entries[index_], {a, b, c, lap_tag_ | static_cast<std::uint32_t>(kind)});
+    if (++index_ % kHintEvery == 0) [[unlikely]]
+      turn();
   }
+  /// Leaves a hint, and begins the next lap where this one ends.
+  void turn() noexcept;
+  [[nodiscard]] std::uint64_t position() const noexcept { return lap_begin_ + index_; }
+
   JournalPlace place_;
-  std::uint64_t next_ = 0;
+  std::uint32_t index_ = 0;      ///< of the next entry
+  std::uint32_t lap_tag_ = 0;    ///< of this lap
+  std::uint64_t lap_begin_ = 0;  ///< position of its first entry
 };
 
 /// Reads a group that was journalled at a position. False if it is no longer, or not yet, there.

@@ -91,7 +91,9 @@ struct Node::GroupAccess {
 };
 
 Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id)
-    : segment_{&segment}, slot_{claim_slot(segment, id ? id->value() : kObserver)} {
+    : segment_{&segment},
+      words_{segment.words()},
+      slot_{claim_slot(segment, id ? id->value() : kObserver)} {
   shared(segment.slots()[slot_].node).store(id ? id->value() : kObserver);
   if (id) {
     if (const auto rival = rival_of(segment, slot_, *id)) {
@@ -129,6 +131,7 @@ void Node::take_over(const memmap::Map& map, NodeId id) {
 
 Node::Node(Node&& other) noexcept
     : segment_{std::exchange(other.segment_, nullptr)},
+      words_{other.words_},
       slot_{other.slot_},
       own_{std::move(other.own_)},
       groups_{std::move(other.groups_)},
@@ -138,6 +141,7 @@ Node& Node::operator=(Node&& other) noexcept {
   if (this == &other) return *this;
   leave();
   segment_ = std::exchange(other.segment_, nullptr);
+  words_ = other.words_;
   slot_ = other.slot_;
   own_ = std::move(other.own_);
   groups_ = std::move(other.groups_);
@@ -157,13 +161,13 @@ void Node::leave() noexcept {
 }
 
 std::uint32_t Node::read(LongwordOffset offset) const noexcept {
-  return shared(segment_->words()[offset.value()]).load(std::memory_order_acquire);
+  return shared(words_[offset.value()]).load(std::memory_order_acquire);
 }
 
 Status Node::write(LongwordOffset offset, std::uint32_t word) noexcept {
   for (const auto& range : own_) {
     if (offset.value() < range.begin || offset.value() >= range.end) continue;
-    shared(segment_->words()[offset.value()]).store(word, std::memory_order_release);
+    shared(words_[offset.value()]).store(word, std::memory_order_release);
     journal_->word(offset.value(), word);
     wake_sleepers(segment_->wake());
     return Status::Ok;

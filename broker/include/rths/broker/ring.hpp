@@ -94,6 +94,7 @@ class Node {
 
   void take_over(const memmap::Map& map, NodeId id);
   Segment* segment_;
+  std::uint32_t* words_;  ///< of the ring
   std::uint32_t slot_;
   std::vector<OwnRange> own_;  ///< but for tear groups
   std::vector<GroupAccess> groups_;
