@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/launch/installed_files.hpp>
 
+#include <set>
+
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
@@ -14,13 +16,13 @@ std::filesystem::path installed(const std::string& name, const std::string& fold
 }
 
 std::string built_in_names(const std::string& folder) {
-  std::string names;
+  std::set<std::string> names;
   std::error_code missing;
   for (const auto& file : std::filesystem::directory_iterator{shared_files() / folder, missing}) {
     const std::string name = file.path().filename().string();
-    names += (names.empty() ? "" : ", ") + name.substr(0, name.find('.'));
+    names.insert(name.substr(0, name.find('.')));
   }
-  return names;
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 bool is_bare_name(const std::string& name) {

@@ -93,8 +93,9 @@ TEST(MapCommand, ChecksAndGeneratesBuiltInMaps) {
   EXPECT_NE(
       run_rths({"map", "gen", "srmd", "--lang", "c"}).out.find("#define SRMD_OPF_NEWTARGET 1024u"),
       std::string::npos);
-  EXPECT_NE(run_rths({"map", "check", "smrd"}).err.find("expected a file or one of: flextest_osu, "),
-            std::string::npos);
+  EXPECT_NE(
+      run_rths({"map", "check", "smrd"}).err.find("expected a file or one of: flextest_osu, "),
+      std::string::npos);
 }
 
 /// A ring that this test is on, so that nobody cleans it away.
