@@ -50,7 +50,7 @@ struct alignas(256) Header {
 struct alignas(128) Slot {
   std::uint64_t claim;  ///< the process that holds it, 0 if free; taken by compare-exchange
   std::uint32_t node;   ///< node id, kObserver, or kNotYet between claim and join
-  std::uint32_t pad;
+  std::uint32_t plain;  ///< 1: stores through a plain pointer, and journals nothing
   std::uint64_t beats;
 };
 inline constexpr std::uint32_t kNotYet = 0xFFFF'FFFF;

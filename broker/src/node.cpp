@@ -90,10 +90,11 @@ struct Node::GroupAccess {
   bool own;
 };
 
-Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id)
+Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, bool plain)
     : segment_{&segment},
       words_{segment.words()},
       slot_{claim_slot(segment, id ? id->value() : kObserver)} {
+  shared(segment.slots()[slot_].plain).store(plain ? 1 : 0);
   shared(segment.slots()[slot_].node).store(id ? id->value() : kObserver);
   if (id) {
     if (const auto rival = rival_of(segment, slot_, *id)) {
@@ -106,10 +107,11 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id)
     for (std::uint64_t i = 0; i < segment.header().group_count; ++i) {
       Group& group = segment.groups()[i];
       const bool own = id && group.journal == node_place(map, *id);
+      if (own && plain) shared(group.journalled).store(0);  // read as the words stand, from now on
       groups_.push_back({&group, segment.record(group), segment.words() + group.base,
-                         segment.journal(group.journal), group.longwords, own});
+                         segment.journal(group.journal), group.longwords, own && !plain});
     }
-    if (id) take_over(map, *id);
+    if (id && !plain) take_over(map, *id);
   } catch (...) {
     leave();
     throw;
@@ -178,11 +180,12 @@ Status Node::write(LongwordOffset offset, std::uint32_t word) noexcept {
 Status Node::read_group(TearGroupId id, std::span<std::uint32_t> words) const noexcept {
   const GroupAccess& access = groups_[id.value()];
   auto journalled = shared(access.group->journalled);
-  if (journalled.load(std::memory_order_acquire) == 0) {
-    load_words(words, access.words);  // of a writer that takes no part in any of this
-    return Status::Ok;
-  }
   for (int look = 0; look < kJournalLooks; ++look) {
+    if (journalled.load(std::memory_order_acquire) == 0) {
+      load_words(words, access.words);  // of a writer that takes no part in any of this
+      // Unless one that does has just begun: then these may be its words, and not all of them.
+      if (journalled.load(std::memory_order_relaxed) == 0) return Status::Ok;
+    }
     for (int attempt = 0; attempt < kRecordAttempts; ++attempt)
       if (read_record(access.record, words)) return Status::Ok;
     // Its writer was stopped in the middle, or is very busy: then the journal has the last whole

@@ -58,6 +58,10 @@ Node Ring::join(const std::string& node, std::uint64_t map_hash) {
   return Node{*segment_, *map_, map_->node(node)};
 }
 
+Node Ring::join_plain(const std::string& node) {
+  return Node{*segment_, *map_, map_->node(node), true};
+}
+
 Node Ring::observe() { return Node{*segment_, *map_, std::nullopt}; }
 
 TearGroupId Ring::tear_group(const std::string& partition) const {

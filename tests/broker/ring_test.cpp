@@ -163,6 +163,33 @@ TEST(Node, KeepsItsPlaceWhenItIsMoved) {
   EXPECT_EQ(second.presence_of(NodeId{1}).state, Presence::State::Alive);
 }
 
+// The very first write finds readers that take the group for one that nobody writes whole.
+TEST(TearGroup, IsNotReadTornWhileItIsWrittenForTheFirstTime) {
+  constexpr std::uint32_t kWords = 100;
+  const std::vector<std::uint32_t> ones(kWords, 1);
+  long torn = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    Ring ring = Ring::in_process(small_map(kWords));
+    Node machine = ring.join("machine", 0);
+    const Node reader = ring.observe();
+    const TearGroupId group = ring.tear_group("fbk");
+    std::atomic<bool> reading{false};
+    std::thread thread{[&] {
+      std::vector<std::uint32_t> words(kWords);
+      do {
+        ASSERT_EQ(reader.read_group(group, words), Status::Ok);
+        for (const std::uint32_t word : words) torn += word != words[0] ? 1 : 0;
+        reading.store(true);
+      } while (words[0] == 0);
+    }};
+    while (!reading.load()) std::this_thread::yield();
+    ASSERT_EQ(machine.write_group(group, ones), Status::Ok);
+    thread.join();
+  }
+
+  EXPECT_EQ(torn, 0);
+}
+
 // Every word of a group carries the count of its write: a reader that ever saw two counts in one
 // read would have seen a torn group. One thread writes, two read.
 TEST(TearGroup, IsNeverReadTorn) {

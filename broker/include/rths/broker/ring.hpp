@@ -83,7 +83,7 @@ class Node {
 
  private:
   friend class Ring;
-  Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id);
+  Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, bool plain = false);
   void leave() noexcept;
 
   struct OwnRange {
@@ -132,6 +132,11 @@ class Ring {
   /// @throws Error if the hashes differ (both are shown), the map has no such node, or a living
   ///         process already is that node   @setup
   [[nodiscard]] Node join(const std::string& node, std::uint64_t map_hash);
+  /// Joins as a node of the map whose words are stored through a plain pointer, by a program that
+  /// knows nothing of this: `Node::write` writes none of them, no journal tells of them, and its
+  /// tear groups are read as the words stand.
+  /// @throws Error as `join`   @setup
+  [[nodiscard]] Node join_plain(const std::string& node);
   /// Joins as a node that only reads.   @setup
   [[nodiscard]] Node observe();
   /// Follows what a node writes from now on, whether or not it is on the ring yet. See
@@ -145,7 +150,9 @@ class Ring {
   [[nodiscard]] TearGroupId tear_group(const std::string& partition) const;
 
  private:
+  friend class Watch;
   explicit Ring(std::unique_ptr<Segment> segment);
+  [[nodiscard]] Segment& segment() { return *segment_; }
   std::unique_ptr<Segment> segment_;
   std::unique_ptr<memmap::Map> map_;
 };

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/broker/watch.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <map>
+#include <optional>
+
+#include <rths/broker/follow.hpp>
+
+#include "process.hpp"
+#include "segment.hpp"
+
+namespace rths::broker {
+namespace {
+
+constexpr std::size_t kChunkWords = 16;  // compared at once: a cache line
+// A writer may be kept from running between a word and its journal, and then it is no stranger.
+constexpr Duration kPatience = std::chrono::milliseconds{100};
+
+/// How a node is on the ring at the moment.
+enum class Attendance { Absent, Journals, Plain };
+
+}  // namespace
+
+struct Watch::State {
+  /// A node of the map, and how its words are known.
+  struct Member {
+    std::string name;
+    NodeId id;
+    std::uint32_t journal = 0;
+    Attendance attendance = Attendance::Absent;
+    std::optional<Follower> follower;        ///< of one that journals
+    std::optional<JournalWriter> on_behalf;  ///< of a plain one
+  };
+
+  Ring& ring;
+  Segment& segment;
+  Node place;
+  std::vector<Member> members;
+  std::vector<std::uint32_t> expected;  ///< what each word should be
+  struct Doubt {
+    std::uint32_t value;
+    TimePoint since;
+  };
+  std::map<std::uint32_t, Doubt> doubted;  ///< by word
+
+  void take_attendance();
+  void read_journals();
+  void journal(Member& owner, std::uint32_t offset, std::uint32_t value);
+  void compare(std::vector<PlainStore>& found);
+  void judge(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
+  [[nodiscard]] Attendance attendance_of(NodeId id);
+  [[nodiscard]] std::vector<std::string> plain_clients();
+  [[nodiscard]] std::uint32_t word(std::uint32_t offset) {
+    return std::atomic_ref{segment.words()[offset]}.load(std::memory_order_acquire);
+  }
+};
+
+Attendance Watch::State::attendance_of(NodeId id) {
+  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
+    Slot& slot = segment.slots()[i];
+    const Claim claim = std::atomic_ref{slot.claim}.load();
+    if (claim == 0 || std::atomic_ref{slot.node}.load() != id.value()) continue;
+    return std::atomic_ref{slot.plain}.load() != 0 && is_alive(claim) ? Attendance::Plain
+                                                                      : Attendance::Journals;
+  }
+  return Attendance::Absent;
+}
+
+// Who comes or goes is known by the look after; what an API node wrote before stays followed, since
+// its journal outlives it.
+void Watch::State::take_attendance() {
+  for (auto& member : members) {
+    const Attendance now = attendance_of(member.id);
+    if (now == Attendance::Plain && member.attendance != now) {
+      member.follower.reset();
+      member.on_behalf.emplace(segment.journal(member.journal));
+    } else if (now == Attendance::Journals && member.attendance != now) {
+      member.on_behalf.reset();
+      if (!member.follower) member.follower.emplace(ring.follow(member.name));
+    }
+    member.attendance = now;
+  }
+}
+
+void Watch::State::read_journals() {
+  Write write;
+  for (auto& member : members) {
+    if (!member.follower) continue;
+    for (;;) {
+      const Followed followed = member.follower->next(write);
+      if (followed == Followed::Nothing) break;
+      if (followed == Followed::Lost) {  // whatever it was, it was the owner's
+        for (const auto& partition : ring.map().partitions())
+          if (partition.node == member.name)
+            for (std::uint32_t i = 0; i < partition.longwords; ++i)
+              expected[partition.base.value() + i] = word(partition.base.value() + i);
+        continue;
+      }
+      if (write.group.empty())
+        expected[write.offset.value()] = write.value;
+      else
+        std::copy(write.group.begin(), write.group.end(), expected.begin() + write.offset.value());
+    }
+  }
+}
+
+void Watch::State::journal(Member& owner, std::uint32_t offset, std::uint32_t value) {
+  owner.on_behalf->word(offset, value, owner.id.value() + 1U);
+  wake_sleepers(segment.wake());
+}
+
+std::vector<std::string> Watch::State::plain_clients() {
+  std::vector<std::string> names;
+  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
+    Slot& slot = segment.slots()[i];
+    const Claim claim = std::atomic_ref{slot.claim}.load();
+    if (claim == 0 || std::atomic_ref{slot.plain}.load() == 0) continue;
+    const std::uint32_t node = std::atomic_ref{slot.node}.load();
+    const std::string name =
+        node <= 0xFF ? ring.map().node_name(NodeId{static_cast<std::uint16_t>(node)}) : "a client";
+    names.push_back(name + " (process " + std::to_string(pid_of(claim)) + ")");
+  }
+  return names;
+}
+
+void Watch::State::judge(std::uint32_t offset, std::uint32_t value,
+                         std::vector<PlainStore>& found) {
+  const auto* partition = ring.map().partition_at(LongwordOffset{offset});
+  PlainStore store{
+      LongwordOffset{offset}, value, partition == nullptr ? "" : partition->node, false, {},
+      WallClock{}.now()};
+  const auto owner = std::find_if(members.begin(), members.end(),
+                                  [&](const Member& m) { return m.name == store.owner; });
+  if (owner != members.end() && owner->attendance == Attendance::Plain) {
+    journal(*owner, offset, value);
+    store.allowed = true;
+  } else {
+    const auto [doubt, is_new] = doubted.try_emplace(offset, Doubt{value, store.seen});
+    if (doubt->second.value != value) doubt->second = {value, store.seen};
+    if (is_new || store.seen - doubt->second.since < kPatience) return;
+    store.others = plain_clients();
+  }
+  doubted.erase(offset);
+  expected[offset] = value;
+  found.push_back(std::move(store));
+}
+
+void Watch::State::compare(std::vector<PlainStore>& found) {
+  for (std::uint32_t begin = 0; begin < expected.size(); begin += kChunkWords) {
+    const auto length = std::min<std::size_t>(kChunkWords, expected.size() - begin);
+    // Which words differ is looked up one by one, and only where some do.
+    if (std::memcmp(segment.words() + begin, expected.data() + begin, 4 * length) == 0) continue;
+    for (std::uint32_t i = begin; i < begin + length; ++i) {
+      const std::uint32_t now = word(i);
+      if (now == expected[i])
+        doubted.erase(i);
+      else
+        judge(i, now, found);
+    }
+  }
+}
+
+Watch::Watch(Ring& ring) : state_{new State{ring, ring.segment(), ring.observe(), {}, {}, {}}} {
+  std::uint32_t end = 0;
+  for (const auto& partition : ring.map().partitions())
+    end = std::max(end, partition.base.value() + partition.longwords);
+  for (const auto& node : ring.map().description().nodes)
+    state_->members.push_back(
+        {node.name, node.id, node_place(ring.map(), node.id), Attendance::Absent, {}, {}});
+  state_->take_attendance();
+  for (std::uint32_t i = 0; i < end; ++i) state_->expected.push_back(state_->word(i));
+}
+
+Watch::~Watch() = default;
+
+std::vector<PlainStore> Watch::look() {
+  std::vector<PlainStore> found;
+  state_->take_attendance();
+  const auto now = static_cast<std::uint64_t>(WallClock{}.now().count());
+  for (auto& member : state_->members)
+    if (member.on_behalf) member.on_behalf->time(now);
+  state_->read_journals();
+  state_->compare(found);
+  return found;
+}
+
+}  // namespace rths::broker

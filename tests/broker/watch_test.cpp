@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <rths/broker/follow.hpp>
+#include <rths/broker/watch.hpp>
+
+#include "broker/src/segment.hpp"
+#include "support/ring_maps.hpp"
+
+namespace rths::broker {
+namespace {
+
+using std::chrono::milliseconds;
+using test::RingRemoval;
+using test::small_map;
+using test::unique_ring;
+
+constexpr LongwordOffset kMachineWord{500};
+constexpr LongwordOffset kControllerWord{512};
+constexpr LongwordOffset kNobodysWord{505};
+
+/// A ring with a controller that journals, and a plain pointer into it.
+class WatchTest : public ::testing::Test {
+ protected:
+  std::string name = unique_ring(std::string{"watch_"} +
+                                 ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map(), 8);
+  std::unique_ptr<Segment> segment = Segment::attach_shared(name, milliseconds{0});
+  Node controller = ring.join("controller", 0);
+
+  void store(LongwordOffset offset, std::uint32_t value) {
+    segment->words()[offset.value()] = value;
+  }
+  /// Everything that is told within a fifth of a second.
+  static std::vector<PlainStore> look_long(Watch& watch) {
+    std::vector<PlainStore> found;
+    for (int i = 0; i < 40; ++i) {
+      for (auto& store : watch.look()) found.push_back(store);
+      std::this_thread::sleep_for(milliseconds{5});
+    }
+    return found;
+  }
+};
+
+TEST_F(WatchTest, HasNothingToSayOfNodesThatJournal) {
+  Node machine = ring.join("machine", 0);
+  Watch watch{ring};
+  const std::array<std::uint32_t, 8> words{1, 2, 3, 4, 5, 6, 7, 8};
+  ASSERT_EQ(controller.write(kControllerWord, 5), Status::Ok);
+  ASSERT_EQ(machine.write_group(TearGroupId{0}, words), Status::Ok);
+
+  EXPECT_TRUE(look_long(watch).empty());
+}
+
+TEST_F(WatchTest, JournalsWhatAPlainClientStoresIntoItsOwnWords) {
+  const Node plain = ring.join_plain("machine");
+  Watch watch{ring};
+  Waiter waiter = ring.wait_for({{kMachineWord}});
+  const TimePoint before = WallClock{}.now();
+  static_cast<void>(watch.look());
+  store(kMachineWord, 77);
+
+  const auto found = watch.look();
+
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].offset, kMachineWord);
+  EXPECT_EQ(found[0].owner, "machine");
+  EXPECT_TRUE(found[0].allowed);
+  Write write;
+  ASSERT_EQ(waiter.wait(WallClock{}.now() + milliseconds{100}, write), Status::Ok);
+  EXPECT_EQ(write.value, 77U);
+  EXPECT_EQ(write.writer, NodeId{1});
+  const LastWrite last = ring.last_write(kMachineWord);
+  EXPECT_EQ(last.value, 77U);
+  EXPECT_GE(last.not_before, before);
+}
+
+TEST_F(WatchTest, TellsOfAStoreIntoAnotherNodesWord) {
+  const Node plain = ring.join_plain("machine");
+  Watch watch{ring};
+  store(kControllerWord, 99);
+
+  const auto found = look_long(watch);
+
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].offset, kControllerWord);
+  EXPECT_EQ(found[0].value, 99U);
+  EXPECT_EQ(found[0].owner, "controller");
+  EXPECT_FALSE(found[0].allowed);
+  EXPECT_EQ(found[0].others,
+            std::vector<std::string>{"machine (process " + std::to_string(getpid()) + ")"});
+}
+
+TEST_F(WatchTest, TellsOfAStoreIntoAWordThatIsNobodys) {
+  const Node plain = ring.join_plain("machine");
+  Watch watch{ring};
+  store(kNobodysWord, 1);
+
+  const auto found = look_long(watch);
+
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].owner, "");
+  EXPECT_FALSE(found[0].allowed);
+}
+
+// A client that took the place of one that journalled: its groups are read as the words stand.
+TEST_F(WatchTest, LeavesGroupsOfAPlainClientToItsPointer) {
+  const std::array<std::uint32_t, 8> words{1, 2, 3, 4, 5, 6, 7, 8};
+  {
+    Node machine = ring.join("machine", 0);
+    ASSERT_EQ(machine.write_group(TearGroupId{0}, words), Status::Ok);
+  }
+  Node plain = ring.join_plain("machine");
+  std::array<std::uint32_t, 8> read{};
+
+  store(LongwordOffset{3}, 44);
+
+  ASSERT_EQ(controller.read_group(TearGroupId{0}, read), Status::Ok);
+  EXPECT_EQ(read[3], 44U);
+  EXPECT_EQ(plain.write(kMachineWord, 1), Status::Fault);
+  EXPECT_EQ(plain.write_group(TearGroupId{0}, words), Status::Fault);
+}
+
+}  // namespace
+}  // namespace rths::broker
