@@ -50,8 +50,10 @@ std::optional<Cycle> CycleFile::read(const std::vector<Row>& rows) const {
     const json kept = json::parse(file);
     if (kept.at("round_trips") != round_trips_) return std::nullopt;
     Cycle cycle = cycle_from(kept);
+    // A row that was missing may have come with a package since.
     const bool whole = std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
-      return cycle.outcomes.count(row.name) == 1;
+      const auto outcome = cycle.outcomes.find(row.name);
+      return outcome != cycle.outcomes.end() && outcome->second.pairing;
     });
     if (whole) return cycle;
   } catch (const json::exception&) {

@@ -15,7 +15,7 @@ class CycleFile {
  public:
   /// @param folder  empty: nothing is read or written
   CycleFile(const std::filesystem::path& folder, int number, std::uint32_t round_trips);
-  /// The cycle, if it was kept with as many round trips and has all these rows.
+  /// The cycle, if it was kept with as many round trips and all these rows were measured in it.
   [[nodiscard]] std::optional<Cycle> read(const std::vector<Row>& rows) const;
   void write(const Cycle& cycle) const;
 

@@ -59,9 +59,7 @@ class GroupEnd {
  public:
   GroupEnd(const BenchRing& ring, Side side);
   void send(std::uint32_t number);
-  /// Looks at the record's last word, which is written last, and reads the record when it has
-  /// changed: that leaves its other lines to the writer for as long as it writes.
-  /// @throws Error if the record is torn
+  /// Reads the record whole, as often as it is asked. @throws Error if it is torn
   [[nodiscard]] bool arrived(std::uint32_t number);
 
   /// For the cost of writing under a reader who reads all the time.
@@ -71,7 +69,6 @@ class GroupEnd {
  private:
   RingPlace place_;
   TearGroupId out_group_, in_group_;
-  LongwordOffset last_;  ///< of the record that comes in
   std::vector<std::uint32_t> out_, in_;
 };
 

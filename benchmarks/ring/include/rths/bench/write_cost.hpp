@@ -26,10 +26,10 @@ template <class Write>
   return times_of(std::move(costs));
 }
 
-/// What a writer does between two writes: about 200 ns of multiplications that wait for each
+/// What a writer does between two writes: about a microsecond of multiplications that wait for each
 /// other. A write hides behind them exactly as it hides behind a program's own work.
 inline void work_between_writes() {
-  constexpr int kMultiplications = 160;
+  constexpr int kMultiplications = 800;
   std::uint64_t product = 3;
   for (int i = 0; i < kMultiplications; ++i) {
     product *= 0x9E3779B97F4A7C15U;
@@ -37,26 +37,24 @@ inline void work_between_writes() {
   }
 }
 
-/// Times a run of writes with work between them; without a write, the work alone.
+/// Time of one of a run of writes, each with work before it.
+/// @param write  called with the number of the write
 template <class Write>
-[[nodiscard]] std::vector<double> run_times(const Setup& setup, Write write) {
-  constexpr std::uint32_t kRun = 64;
-  std::vector<double> costs;
-  for (std::uint32_t done = 0; done < setup.round_trips + kRun; done += kRun) {
-    const std::uint64_t begun = stamp();
-    for (std::uint32_t i = 0; i < kRun; ++i) {
-      work_between_writes();
-      write(done + i);
-    }
-    costs.push_back(static_cast<double>(stamp() - begun) * setup.tick / kRun);
+[[nodiscard]] double run_time(std::uint32_t first, std::uint32_t writes, Write write) {
+  const std::uint64_t begun = stamp();
+  for (std::uint32_t i = 0; i < writes; ++i) {
+    work_between_writes();
+    write(first + i);
   }
-  return costs;
+  return static_cast<double>(stamp() - begun) / writes;
 }
 
-/// Times the writes of a record that the other processor reads without pause.
+/// Times the writes of a record that the other processor reads without pause. The work between
+/// them is timed right before, without writes, and taken off.
 /// @param make_end  makes an end with `write(number)` and `read()`, in its side's process
 template <class MakeEnd>
 [[nodiscard]] Times write_times_under_reader(const Setup& setup, MakeEnd make_end) {
+  constexpr std::uint32_t kRun = 64;
   const Shared<std::atomic<std::uint32_t>> ready;
   const Shared<std::atomic<std::uint32_t>> over;
   Partner reader{setup.cpus.far, [&] {
@@ -67,11 +65,14 @@ template <class MakeEnd>
   const Pinned pinned{setup.cpus.near};
   auto end = make_end(Side::Near);
   await_ready(*ready, reader);
-  const double work = median(run_times(setup, [](std::uint32_t) {}));
-  std::vector<double> costs = run_times(setup, [&](std::uint32_t number) { end.write(number); });
+  std::vector<double> costs;
+  for (std::uint32_t done = 0; done < setup.round_trips; done += kRun) {
+    const double work = run_time(done, kRun, [](std::uint32_t) {});
+    const double both = run_time(done, kRun, [&](std::uint32_t number) { end.write(number); });
+    costs.push_back((both - work) * setup.tick);
+  }
   over->store(1, std::memory_order_relaxed);
   reader.join();
-  for (double& cost : costs) cost -= work;
   return times_of(std::move(costs));
 }
 
