@@ -104,18 +104,19 @@ std::string raw_trouble(const RawSpread& raw) {
   return "";
 }
 
-std::string row_trouble(const std::vector<RowResult>& results) {
-  std::string missing;
-  std::string noisy;
-  for (const RowResult& result : results) {
-    if (!result.row.gate) continue;
-    if (result.verdict == Verdict::Missing)
-      missing +=
-          fmt::format("{}{} ({})", missing.empty() ? "" : ", ", result.row.name, result.missing);
-    if (result.verdict == Verdict::Inconclusive) noisy += " " + result.row.name;
-  }
-  if (!missing.empty()) return "not measured: " + missing;
-  return noisy.empty() ? "" : "too few quiet cycles for" + noisy;
+std::string missing_trouble(const std::vector<RowResult>& results) {
+  std::string rows;
+  for (const RowResult& result : results)
+    if (result.row.gate && result.verdict == Verdict::Missing)
+      rows += fmt::format("{}{} ({})", rows.empty() ? "" : ", ", result.row.name, result.missing);
+  return rows.empty() ? "" : "not measured: " + rows;
+}
+
+std::string noise_trouble(const std::vector<RowResult>& results) {
+  std::string rows;
+  for (const RowResult& result : results)
+    if (result.verdict == Verdict::Inconclusive) rows += " " + result.row.name;
+  return rows.empty() ? "" : "too few quiet cycles for" + rows;
 }
 
 }  // namespace
@@ -188,8 +189,11 @@ std::vector<std::string> troubles(const Machine& machine, const std::vector<Cycl
   if (cycles.size() < kFewestCycles)
     found.push_back(
         fmt::format("{} cycles say nothing, at least {} do", cycles.size(), kFewestCycles));
-  for (const auto& more : {load_trouble(cycles), raw_trouble(raw), row_trouble(results)})
+  for (const auto& more : {load_trouble(cycles), raw_trouble(raw), missing_trouble(results)})
     if (!more.empty()) found.push_back(more);
+  // That single rows are noisy is news only if nothing above explains it.
+  if (const auto noise = noise_trouble(results); found.empty() && !noise.empty())
+    found.push_back(noise);
   return found;
 }
 
