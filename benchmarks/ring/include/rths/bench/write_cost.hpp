@@ -3,6 +3,7 @@
 // What a write costs the one who writes, alone or while the other processor reads all the time.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <vector>
@@ -55,6 +56,7 @@ template <class Write>
 template <class MakeEnd>
 [[nodiscard]] Times write_times_under_reader(const Setup& setup, MakeEnd make_end) {
   constexpr std::uint32_t kRun = 64;
+  constexpr double kResolution = 0.1;  // of a difference of two times of a microsecond [ns]
   const Shared<std::atomic<std::uint32_t>> ready;
   const Shared<std::atomic<std::uint32_t>> over;
   Partner reader{setup.cpus.far, [&] {
@@ -69,7 +71,7 @@ template <class MakeEnd>
   for (std::uint32_t done = 0; done < setup.round_trips; done += kRun) {
     const double work = run_time(done, kRun, [](std::uint32_t) {});
     const double both = run_time(done, kRun, [&](std::uint32_t number) { end.write(number); });
-    costs.push_back((both - work) * setup.tick);
+    costs.push_back(std::max(kResolution, (both - work) * setup.tick));
   }
   over->store(1, std::memory_order_relaxed);
   reader.join();
