@@ -13,7 +13,14 @@ Row own_row() {
 }
 
 Row peer_row() {
-  return {"theirs", 4, "a peer", nullptr, Quantity::TimesOurs, Gate{8, 5}, {}, "program", "ours"};
+  return {"theirs",
+          4,
+          "a peer",
+          nullptr,
+          Quantity::TimesOurs,
+          Gate{8, 5},
+          std::nullopt,
+          Peer{"program", "ours"}};
 }
 
 Outcome paired(double ratio, double raw = kRaw, double tail_ratio = 1) {

@@ -43,6 +43,7 @@ CycleFile::CycleFile(const std::filesystem::path& folder, int number, std::uint3
     : path_{folder.empty() ? folder : folder / fmt::format("cycle-{:02}.json", number)},
       round_trips_{round_trips} {}
 
+// A file that is no cycle is as good as none: the cycle is measured again and the file replaced.
 std::optional<Cycle> CycleFile::read(const std::vector<Row>& rows) const {
   std::ifstream file{path_};
   if (path_.empty() || !file) return std::nullopt;
@@ -55,11 +56,10 @@ std::optional<Cycle> CycleFile::read(const std::vector<Row>& rows) const {
       const auto outcome = cycle.outcomes.find(row.name);
       return outcome != cycle.outcomes.end() && outcome->second.pairing;
     });
-    if (whole) return cycle;
+    return whole ? std::optional{std::move(cycle)} : std::nullopt;
   } catch (const json::exception&) {
-    // Not a cycle: it is measured again and the file replaced.
+    return std::nullopt;
   }
-  return std::nullopt;
 }
 
 void CycleFile::write(const Cycle& cycle) const {

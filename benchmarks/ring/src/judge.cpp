@@ -48,7 +48,7 @@ Series series_of(const Row& row, const std::vector<Cycle>& cycles, bool quiet_on
   Series series;
   for (const Cycle& cycle : cycles) {
     const Pairing* const pairing = pairing_in(cycle, row.name);
-    const Pairing* const ours = row.against.empty() ? pairing : pairing_in(cycle, row.against);
+    const Pairing* const ours = row.is_peers() ? pairing_in(cycle, row.peer->against) : pairing;
     if (pairing == nullptr || ours == nullptr) continue;
     const bool plausible =
         !is_paired_with_raw(row) || (raw_is_plausible(*pairing) && raw_is_plausible(*ours));
@@ -64,7 +64,7 @@ Series series_of(const Row& row, const std::vector<Cycle>& cycles, bool quiet_on
 
 std::string why_missing(const Row& row, const std::vector<Cycle>& cycles) {
   for (const Cycle& cycle : cycles)
-    for (const auto& name : {row.name, row.against})
+    for (const auto& name : {row.name, row.is_peers() ? row.peer->against : row.name})
       if (const auto found = cycle.outcomes.find(name);
           found != cycle.outcomes.end() && !found->second.missing.empty())
         return found->second.missing;

@@ -21,8 +21,9 @@ constexpr auto kLongestRun = std::chrono::seconds{60};
 constexpr std::uint32_t kMostKernelRoundTrips = 4'000;
 
 Times run_peer(const Row& row, const Workbench& bench, const std::string& task) {
-  const auto program = bench.programs / row.program;
-  if (!std::filesystem::exists(program)) throw Missing{fmt::format("{} is not built", row.program)};
+  const auto program = bench.programs / row.peer->program;
+  if (!std::filesystem::exists(program))
+    throw Missing{fmt::format("{} is not built", row.peer->program)};
   const bool is_judged = row.gate.has_value();
   const std::uint32_t trips = is_judged ? bench.setup.round_trips
                                         : std::min(bench.setup.round_trips, kMostKernelRoundTrips);

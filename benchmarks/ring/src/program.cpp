@@ -3,19 +3,17 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <cstring>
 
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-
-extern char** environ;
 
 namespace rths::bench {
 namespace {

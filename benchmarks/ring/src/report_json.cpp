@@ -44,7 +44,7 @@ void add_gate(json& out, const std::string& suffix, const std::optional<Gate>& g
 
 json document(const RowResult& result) {
   json out = {{"name", result.row.name}, {"bytes", result.row.bytes}, {"what", result.row.what}};
-  if (!result.row.against.empty()) out["against"] = result.row.against;
+  if (result.row.is_peers()) out["against"] = result.row.peer->against;
   if (!result.missing.empty()) {
     out["missing"] = result.missing;
   } else {
@@ -83,7 +83,7 @@ std::string to_json(const Report& report) {
               {"peers", json::array()},
               {"not_measured_yet", json::array()}};
   for (const RowResult& result : report.rows)
-    out[result.row.against.empty() ? "rows" : "peers"].push_back(document(result));
+    out[result.row.is_peers() ? "peers" : "rows"].push_back(document(result));
   for (const UnmeasuredRow& row : rows_not_measured_yet())
     out["not_measured_yet"].push_back({{"name", row.name}, {"what", row.what}});
   return out.dump(2) + "\n";

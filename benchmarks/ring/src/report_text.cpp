@@ -44,7 +44,7 @@ std::string line(const RowResult& result) {
 std::string table(const Report& report, bool peers) {
   std::string out;
   for (const RowResult& result : report.rows)
-    if (result.row.against.empty() != peers) out += line(result);
+    if (result.row.is_peers() == peers) out += line(result);
   if (out.empty()) return "";
   return header(peers ? "× ours" : "value") + out + "\n";
 }

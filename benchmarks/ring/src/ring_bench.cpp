@@ -17,7 +17,7 @@ Outcome measure(const Row& row, const Workbench& bench) {
     return {std::nullopt, missing.what()};
   } catch (const Error& error) {
     // A peer that does not work here takes nothing from the rest; a row of ours that fails does.
-    if (!row.against.empty()) return {std::nullopt, error.what()};
+    if (row.is_peers()) return {std::nullopt, error.what()};
     throw Error{fmt::format("row '{}': {}", row.name, error.what())};
   }
 }

@@ -33,14 +33,9 @@ std::vector<Row> own_rows() {
       {"group_1024", 1024, "the same", measure_group, RatioToRaw, Gate{2.4, 2.8}},
       {"write_cost", 4, "write a word, nobody reading; over a plain store [ns]", measure_write_cost,
        ExtraTime, Gate{1.0, 2.5}},
-      {"write_under_reader",
-       56,
-       "write a record that is read all the time; against blackboard",
-       measure_write_under_reader,
-       TimesCheaper,
-       Gate{15, 8},
-       {},
-       "rths_peer_blackboard"},
+      {"write_under_reader", 56, "write a record that is read all the time; against blackboard",
+       measure_write_under_reader, TimesCheaper, Gate{15, 8}, std::nullopt,
+       Peer{"rths_peer_blackboard", ""}},
   };
 }
 
@@ -49,15 +44,9 @@ constexpr Gate ahead(double goal) { return {goal, std::max(0.7 * goal, 0.93)}; }
 
 Row peer(const std::string& name, std::uint32_t bytes, const std::string& what,
          const std::string& against, std::optional<Gate> gate) {
-  return {fmt::format("{}_{}", name, bytes),
-          bytes,
-          what,
-          measure_peer,
-          TimesOurs,
-          gate,
-          {},
-          "rths_peer_" + name,
-          against};
+  return {
+      fmt::format("{}_{}", name, bytes), bytes, what, measure_peer, TimesOurs, gate, std::nullopt,
+      Peer{"rths_peer_" + name, against}};
 }
 
 std::vector<Row> peer_rows() {
@@ -112,7 +101,7 @@ std::vector<Row> select_rows(const std::vector<std::string>& names) {
       for (const Row& candidate : rows) known += " " + candidate.name;
       throw Error{fmt::format("there is no row '{}'; there are{}", name, known)};
     }
-    wanted.push_back(row->against);
+    if (row->peer) wanted.push_back(row->peer->against);
   }
   if (!names.empty())
     std::erase_if(rows, [&](const Row& row) {

@@ -32,6 +32,12 @@ struct Gate {
   double limit = 0;  ///< what must hold
 };
 
+/// A program that is not ours and takes part in a row.
+struct Peer {
+  std::string program;  ///< beside the command
+  std::string against;  ///< name of our row that a peer's row is held against
+};
+
 struct Row;
 
 /// Where rows are measured.
@@ -48,10 +54,12 @@ struct Row {
   /// @throws Missing if something that it needs is not here, Error if it fails
   Pairing (*measure)(const Row&, const Workbench&) = nullptr;
   Quantity quantity = Quantity::RatioToRaw;
-  std::optional<Gate> gate = {};       ///< of the quantity; none: printed, not judged
-  std::optional<Gate> tail_gate = {};  ///< of the ratio of the 99 % quantiles
-  std::string program = {};            ///< a peer's, beside the command
-  std::string against = {};            ///< name of our row that a peer is held against
+  std::optional<Gate> gate = std::nullopt;       ///< of the quantity; none: not judged
+  std::optional<Gate> tail_gate = std::nullopt;  ///< of the ratio of the 99 % quantiles
+  std::optional<Peer> peer = std::nullopt;       ///< that takes part in it
+
+  /// Whether it is a peer that is measured, and not the ring.
+  [[nodiscard]] bool is_peers() const { return quantity == Quantity::TimesOurs; }
 };
 
 /// Something that a row needs is not on this machine.
