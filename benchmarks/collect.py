@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Puts the benchmarks of a folder into one table, and into one file if asked.
+"""Puts the benchmarks of a folder into one table, and into files if asked.
 
-usage: collect.py FOLDER COMMIT [RESULT.json]
+usage: collect.py FOLDER COMMIT [RESULTS]
+
+Leaves loop.json, what a step costs, and ring.json, how fast the ring is, in the folder RESULTS.
 """
 import datetime
 import json
@@ -22,11 +24,19 @@ def median_and_spread(file):
     return {"median_ns": round(rows["median"], 2), "stddev_ns": round(rows["stddev"], 2)}
 
 
+def write(path, result):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(result, indent=2) + "\n")
+    print(f"wrote {path}")
+
+
 def main():
     folder, commit = pathlib.Path(sys.argv[1]), sys.argv[2]
-    result = {
+    stamp = {
         "commit": commit,
         "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+    }
+    result = stamp | {
         "machine": machine(),
         "steps": {file.stem: median_and_spread(file) for file in sorted(folder.glob("*.json"))},
     }
@@ -39,10 +49,9 @@ def main():
         print(f"  {name:<30} {row['median_ns']:>10.1f} ns  {part:8.4f} % of a control period")
     print(f"  a run in virtual time          {result['virtual_run']['times_real_time']} times real time")
     if len(sys.argv) > 3:
-        path = pathlib.Path(sys.argv[3])
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(result, indent=2) + "\n")
-        print(f"wrote {path}")
+        results = pathlib.Path(sys.argv[3])
+        write(results / "loop.json", result)
+        write(results / "ring.json", stamp | json.load(open(folder / "ring" / "result.json")))
 
 
 main()

@@ -1,9 +1,10 @@
-# rths_add(<folder> SOURCES <files> [DEPENDS <targets>] [PRIVATE <targets>] [PATH <dir>])
+# rths_add(<folder> [INTERNAL] SOURCES <files> [DEPENDS <targets>] [PRIVATE <targets>])
 #
 # One folder, one target: library rths_<folder>, alias rths::<folder>, public headers below include/.
-# Its include/ is its own root, so an arrow that is not in DEPENDS does not compile.
+# Its include/ is its own root, so an arrow that is not in DEPENDS does not compile. What is INTERNAL
+# is not installed: only this project's own programs use it.
 function(rths_add folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS;PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL" "" "SOURCES;DEPENDS;PRIVATE")
   set(target rths_${folder})
   add_library(${target} ${arg_SOURCES})
   add_library(rths::${folder} ALIAS ${target})
@@ -13,7 +14,9 @@ function(rths_add folder)
   target_link_libraries(${target} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:rths_warnings>)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
-  install(TARGETS ${target} EXPORT rths FILE_SET HEADERS)
+  if(NOT arg_INTERNAL)
+    install(TARGETS ${target} EXPORT rths FILE_SET HEADERS)
+  endif()
 endfunction()
 
 # rths_test(<folder> SOURCES <files> [DEPENDS <targets>] [LABEL <label>])

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,6 +49,18 @@ struct SendArguments {
   std::vector<std::string> assignments;  ///< name=value, with a unit if it is not the map's
 };
 [[nodiscard]] int send(const SendArguments& arguments);
+
+struct BenchArguments {
+  int cycles = 9;
+  std::uint32_t round_trips = 50'000;
+  std::uint64_t seed = 1;
+  std::vector<std::string> rows;  ///< empty: all
+  std::string keep;               ///< folder of finished cycles; empty: none
+  bool json = false;
+};
+/// 0 if every gate holds, 1 if this machine cannot tell, 2 if a gate does not hold.
+[[nodiscard]] int bench_ring(const BenchArguments& arguments);
+[[nodiscard]] std::vector<std::string> bench_rows();
 
 [[nodiscard]] int map_check(const std::string& file);
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);

@@ -31,6 +31,7 @@ struct Arguments {
   NodeArguments node;
   DumpArguments dump;
   SendArguments send;
+  BenchArguments bench;
   std::string clock = "wall", file, language = "cpp", folder;
   std::vector<std::string> sets;
 };
@@ -103,6 +104,29 @@ void add_send(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return send(a.send); }; });
 }
 
+void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("bench", "Measure on this machine");
+  command->require_subcommand(1);
+  auto* ring = command->add_subcommand(
+      "ring",
+      "How fast a word gets through the ring, against the bare cache line and against peers");
+  ring->add_flag("--json", a.bench.json, "One JSON document instead of tables");
+  ring->add_option("--cycles", a.bench.cycles, "How often to measure every row")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  ring->add_option("--row", a.bench.rows, "Only this row; may be repeated")
+      ->check(CLI::IsMember(bench_rows()))
+      ->take_all()
+      ->allow_extra_args(false);
+  ring->add_option("--round-trips", a.bench.round_trips, "Of each row in each cycle")
+      ->check(CLI::Range(100, 10'000'000))
+      ->capture_default_str();
+  ring->add_option("--seed", a.bench.seed, "Of the 95 % intervals")->capture_default_str();
+  ring->add_option("--keep", a.bench.keep,
+                   "Folder of finished cycles; those in it are not repeated");
+  ring->callback([&] { chosen = [&a] { return bench_ring(a.bench); }; });
+}
+
 void add_map(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("map", "Memory maps");
   command->require_subcommand(1);
@@ -134,7 +158,7 @@ int parse_and_run(int argc, char** argv) {
   Arguments arguments;
   Chosen chosen;
   for (const auto add :
-       {add_run, add_node, add_check, add_dump, add_who, add_send, add_map, add_rest})
+       {add_run, add_node, add_check, add_dump, add_who, add_send, add_bench, add_map, add_rest})
     add(app, arguments, chosen);
   try {
     app.parse(argc, argv);

@@ -28,7 +28,8 @@ TEST(Command, ExitsWithThreeWhenItIsUsedWrongly) {
 }
 
 TEST(Command, HelpsEverywhere) {
-  for (const char* command : {"run", "check", "dump", "who", "send", "map", "report", "doctor", "clean"}) {
+  for (const char* command :
+       {"run", "check", "dump", "who", "send", "bench", "map", "report", "doctor", "clean"}) {
     const Finished help = run_rths({command, "--help"});
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_GT(lines(help.out), 2) << command;

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// iceoryx 2: publish and subscribe through shared memory that a daemon, RouDi, hands out. RouDi is
+// started and stopped here.
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+#include <iceoryx_posh/popo/untyped_publisher.hpp>
+#include <iceoryx_posh/popo/untyped_subscriber.hpp>
+#include <iceoryx_posh/runtime/posh_runtime.hpp>
+
+#include <rths/core/error.hpp>
+
+#include "peer.hpp"
+
+namespace rths::peers {
+namespace {
+
+constexpr auto kPatience = std::chrono::seconds{10};  // with discovery
+
+/// The daemon, for as long as this object lives.
+class RouDi {
+ public:
+  RouDi() {
+    pid_ = fork();
+    if (pid_ != 0) return;
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    const int nowhere = open("/dev/null", O_WRONLY);
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+    // Monitoring would shut out a side that is measured and has no time to say that it lives.
+    execlp("iox-roudi", "iox-roudi", "--monitoring-mode", "off", nullptr);
+    _exit(127);
+  }
+  ~RouDi() {
+    kill(pid_, SIGTERM);
+    waitpid(pid_, nullptr, 0);
+  }
+  RouDi(const RouDi&) = delete;
+  RouDi& operator=(const RouDi&) = delete;
+
+  /// @throws Error if there is none, or one ran before and this one gave way
+  void settle() const {
+    constexpr auto kStart = std::chrono::milliseconds{300};
+    std::this_thread::sleep_for(kStart);
+    if (waitpid(pid_, nullptr, WNOHANG) != 0)
+      throw Error{"RouDi did not start: is iox-roudi installed, or another one running?"};
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+iox::capro::ServiceDescription service_of(bench::Side writer) {
+  if (writer == bench::Side::Near) return {"rths", "peer", "near"};
+  return {"rths", "peer", "far"};
+}
+
+iox::RuntimeName_t name_of(bench::Side side) {
+  if (side == bench::Side::Near) return "rths_peer_near";
+  return "rths_peer_far";
+}
+
+class TopicEnd {
+ public:
+  TopicEnd(bench::Side side, std::uint32_t bytes)
+      : runtime_{iox::runtime::PoshRuntime::initRuntime(name_of(side))},
+        publisher_{service_of(side)},
+        subscriber_{service_of(bench::other(side))},
+        bytes_{bytes} {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (!publisher_.hasSubscribers() ||
+           subscriber_.getSubscriptionState() != iox::SubscribeState::SUBSCRIBED) {
+      if (std::chrono::steady_clock::now() > deadline) throw Error{"the two sides did not meet"};
+      std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    }
+  }
+  void send(std::uint32_t number) {
+    auto chunk = publisher_.loan(bytes_);
+    if (chunk.has_error()) throw Error{"RouDi has no memory left"};
+    mark(chunk.value(), bytes_, number);
+    publisher_.publish(chunk.value());
+  }
+  [[nodiscard]] bool arrived(std::uint32_t number) {
+    const auto chunk = subscriber_.take();
+    if (chunk.has_error()) return false;
+    const std::uint32_t received = number_of(chunk.value(), bytes_);
+    subscriber_.release(chunk.value());
+    return received == number;
+  }
+
+ private:
+  iox::runtime::PoshRuntime& runtime_;
+  iox::popo::UntypedPublisher publisher_;
+  iox::popo::UntypedSubscriber subscriber_;
+  std::uint32_t bytes_;
+};
+
+// Ends this process in the one way in which iceoryx tells RouDi: by the destructors of its statics.
+// RouDi aborts, and leaves its memory behind, if it finds somebody gone who has not told it.
+[[noreturn]] void leave_roudi() { std::exit(0); }
+
+/// The end of a process that has nothing else to do.
+class LastEnd : public TopicEnd {
+ public:
+  LastEnd(bench::Side side, std::uint32_t bytes) : TopicEnd{side, bytes}, side_{side} {}
+  ~LastEnd() {
+    if (side_ == bench::Side::Far) leave_roudi();
+  }
+  LastEnd(const LastEnd&) = delete;
+  LastEnd& operator=(const LastEnd&) = delete;
+
+ private:
+  bench::Side side_;
+};
+
+bench::Times measure(const Request& request) {
+  const RouDi roudi;
+  roudi.settle();
+  const bench::Shared<bench::Times> times;
+  bench::Partner near{request.setup.cpus.near, [&] {
+                        *times = bench::round_trips(request.setup, [&](bench::Side side) {
+                          return LastEnd{side, request.bytes};
+                        });
+                        leave_roudi();
+                      }};
+  near.join();
+  return *times;
+}
+
+}  // namespace
+}  // namespace rths::peers
+
+int main(int argc, char** argv) { return rths::peers::run_peer(argc, argv, rths::peers::measure); }

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A peer: another way to pass data between two processes, as a program of its own, so that nothing
+// of it is in the command. It is called as
+//
+//     rths_peer_<name> round_trips|writes BYTES ROUND_TRIPS NEAR_CPU FAR_CPU
+//
+// and says {"p50_ns": …, "p99_ns": …} or {"error": "…"} in one line on standard output.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+
+#include <rths/bench/round_trip.hpp>
+
+namespace rths::peers {
+
+/// What the command asks for.
+struct Request {
+  std::uint32_t bytes = 0;
+  bench::Setup setup;
+};
+
+using Task = std::function<bench::Times(const Request&)>;
+
+/// `main` of a peer: reads the request, measures, says the result. A task may throw.
+/// @param writes  what a write costs under a reader; few peers are asked for it
+[[nodiscard]] int run_peer(int argc, char** argv, const Task& round_trips,
+                           const Task& writes = nullptr);
+
+/// Writes a number to the first and last four bytes of a message; they are the same if it has four.
+inline void mark(void* message, std::size_t bytes, std::uint32_t number) {
+  std::memcpy(message, &number, sizeof number);
+  std::memcpy(static_cast<std::byte*>(message) + bytes - sizeof number, &number, sizeof number);
+}
+
+/// The number of a message. @throws Error if its two ends differ
+[[nodiscard]] std::uint32_t number_of(const void* message, std::size_t bytes);
+
+}  // namespace rths::peers

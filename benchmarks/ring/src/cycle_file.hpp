@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include <rths/bench/judge.hpp>
+
+namespace rths::bench {
+
+/// One measured cycle in a file, so that an interrupted run goes on where it was.
+class CycleFile {
+ public:
+  /// @param folder  empty: nothing is read or written
+  CycleFile(const std::filesystem::path& folder, int number, std::uint32_t round_trips);
+  /// The cycle, if it was kept with as many round trips and all these rows were measured in it.
+  [[nodiscard]] std::optional<Cycle> read(const std::vector<Row>& rows) const;
+  void write(const Cycle& cycle) const;
+
+ private:
+  std::filesystem::path path_;
+  std::uint32_t round_trips_;
+};
+
+}  // namespace rths::bench

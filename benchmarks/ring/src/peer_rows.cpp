@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "peer_rows.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/core/error.hpp>
+
+#include "program.hpp"
+#include "ring_rows.hpp"
+
+namespace rths::bench {
+namespace {
+
+constexpr auto kLongestRun = std::chrono::seconds{60};
+// The peers that are not judged go through the kernel: a wake-up takes as long as hundreds of
+// messages that need none.
+constexpr std::uint32_t kMostKernelRoundTrips = 4'000;
+
+Times run_peer(const Row& row, const Workbench& bench, const std::string& task) {
+  const auto program = bench.programs / row.peer->program;
+  if (!std::filesystem::exists(program))
+    throw Missing{fmt::format("{} is not built", row.peer->program)};
+  const bool is_judged = row.gate.has_value();
+  const std::uint32_t trips = is_judged ? bench.setup.round_trips
+                                        : std::min(bench.setup.round_trips, kMostKernelRoundTrips);
+  const std::string out =
+      output_of({program.string(), task, std::to_string(row.bytes), std::to_string(trips),
+                 std::to_string(bench.setup.cpus.near), std::to_string(bench.setup.cpus.far)},
+                kLongestRun);
+  return parse_peer_line(out);
+}
+
+}  // namespace
+
+Times parse_peer_line(const std::string& line) {
+  const auto said = nlohmann::json::parse(line, nullptr, false);
+  if (!said.is_object()) throw Error{fmt::format("expected one line of JSON, found '{}'", line)};
+  if (said.contains("error")) throw Error{said["error"].get<std::string>()};
+  if (!said.contains("p50_ns") || !said.contains("p99_ns"))
+    throw Error{fmt::format("expected p50_ns and p99_ns, found '{}'", line)};
+  return {said["p50_ns"].get<double>(), said["p99_ns"].get<double>()};
+}
+
+Pairing measure_peer(const Row& row, const Workbench& bench) {
+  const Times raw = raw_round_trips(bench.setup);
+  return {run_peer(row, bench, "round_trips"), raw};
+}
+
+Pairing measure_write_under_reader(const Row& row, const Workbench& bench) {
+  const Times peer = run_peer(row, bench, "writes");
+  return {write_group_under_reader(row, bench), peer};
+}
+
+}  // namespace rths::bench

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nlohmann/json.hpp>
+
+#include <rths/bench/ring_bench.hpp>
+
+namespace rths::bench {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+// Bumped when a reader of the document would take something for something else.
+constexpr int kFormat = 1;
+
+const char* name_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::RatioToRaw:
+      return "ratio_to_raw";
+    case Quantity::ExtraTime:
+      return "extra_ns";
+    case Quantity::TimesCheaper:
+      return "times_cheaper";
+    case Quantity::TimesOurs:
+      return "times_ours";
+  }
+  return "unknown";
+}
+
+json document(const Machine& machine) {
+  json out = {{"cpu", machine.cpu},
+              {"processors", machine.processors},
+              {"kernel", machine.kernel},
+              {"hypervisor", machine.hypervisor},
+              {"huge_pages", machine.huge_pages},
+              {"used", json::array()},
+              {"smt_siblings", machine.chosen && machine.chosen->siblings}};
+  if (machine.chosen) out["used"] = {machine.chosen->cpus.near, machine.chosen->cpus.far};
+  return out;
+}
+
+void add_gate(json& out, const std::string& suffix, const std::optional<Gate>& gate) {
+  out["goal" + suffix] = gate ? json(gate->goal) : json();
+  out["gate" + suffix] = gate ? json(gate->limit) : json();
+}
+
+json document(const RowResult& result) {
+  json out = {{"name", result.row.name}, {"bytes", result.row.bytes}, {"what", result.row.what}};
+  if (result.row.is_peers()) out["against"] = result.row.peer->against;
+  if (!result.missing.empty()) {
+    out["missing"] = result.missing;
+  } else {
+    out["p50_ns"] = result.times.p50;
+    out["p99_ns"] = result.times.p99;
+    out["ratio_p50"] = result.ratio_p50;
+    out["ratio_p50_95"] = {result.ratio_interval.low, result.ratio_interval.high};
+    out["ratio_p99"] = result.ratio_p99;
+    out["quantity"] = name_of(result.row.quantity);
+    out["value"] = result.value;
+    out["value_95"] = {result.value_interval.low, result.value_interval.high};
+    out["cycles"] = result.cycles;
+    out["noisy"] = result.noisy;
+  }
+  add_gate(out, "", result.row.gate);
+  add_gate(out, "_p99", result.row.tail_gate);
+  out["verdict"] = to_text(result.verdict);
+  return out;
+}
+
+}  // namespace
+
+std::string to_json(const Report& report) {
+  json out = {{"format", kFormat},
+              {"result", to_text(report.result)},
+              {"troubles", report.troubles},
+              {"cycles", report.cycles},
+              {"round_trips", report.round_trips},
+              {"seed", report.seed},
+              {"machine", document(report.machine)},
+              {"raw_ns",
+               {{"median", report.raw.median},
+                {"lower_quartile", report.raw.low},
+                {"upper_quartile", report.raw.high}}},
+              {"rows", json::array()},
+              {"peers", json::array()},
+              {"not_measured_yet", json::array()}};
+  for (const RowResult& result : report.rows)
+    out[result.row.is_peers() ? "peers" : "rows"].push_back(document(result));
+  for (const UnmeasuredRow& row : rows_not_measured_yet())
+    out["not_measured_yet"].push_back({{"name", row.name}, {"what", row.what}});
+  return out.dump(2) + "\n";
+}
+
+}  // namespace rths::bench

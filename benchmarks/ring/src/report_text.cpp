@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <rths/bench/ring_bench.hpp>
+
+namespace rths::bench {
+namespace {
+
+std::string describe(const Machine& machine) {
+  const std::string used =
+      machine.chosen
+          ? fmt::format("{} and {}{}", machine.chosen->cpus.near, machine.chosen->cpus.far,
+                        machine.chosen->siblings ? ", siblings of one core" : "")
+          : "none";
+  return fmt::format("{}, {} processors, used: {}; kernel {}{}\nhuge pages: {}\n", machine.cpu,
+                     machine.processors, used, machine.kernel,
+                     machine.hypervisor ? ", a guest" : "", machine.huge_pages);
+}
+
+std::string nanoseconds(double value) {
+  return value < 10 ? fmt::format("{:.2f}", value) : fmt::format("{:.0f}", value);
+}
+
+std::string header(const std::string& value) {
+  return fmt::format("{:<20}{:>6}{:>10}{:>10}{:>10}{:>18}{:>8}{:>10}{:>7}{:>7}  verdict\n", "row",
+                     "bytes", "p50 [ns]", "p99 [ns]", "ratio", "95 %", "p99", value, "goal",
+                     "gate");
+}
+
+std::string line(const RowResult& result) {
+  const std::string start = fmt::format("{:<20}{:>6}", result.row.name, result.row.bytes);
+  if (!result.missing.empty()) return fmt::format("{}  missing: {}\n", start, result.missing);
+  const auto bound = [&](double Gate::*part) {
+    return result.row.gate ? fmt::format("{:.2f}", (*result.row.gate).*part) : std::string{"-"};
+  };
+  return fmt::format(
+      "{}{:>10}{:>10}{:>10.2f}{:>18}{:>8.2f}{:>10.2f}{:>7}{:>7}  {}{}\n", start,
+      nanoseconds(result.times.p50), nanoseconds(result.times.p99), result.ratio_p50,
+      fmt::format("{:.2f} to {:.2f}", result.ratio_interval.low, result.ratio_interval.high),
+      result.ratio_p99, result.value, bound(&Gate::goal), bound(&Gate::limit),
+      to_text(result.verdict), result.noisy ? " (noisy)" : "");
+}
+
+std::string table(const Report& report, bool peers) {
+  std::string out;
+  for (const RowResult& result : report.rows)
+    if (result.row.is_peers() == peers) out += line(result);
+  if (out.empty()) return "";
+  return header(peers ? "× ours" : "value") + out + "\n";
+}
+
+std::string upper(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const Report& report) {
+  std::string out = describe(report.machine);
+  out += fmt::format(
+      "{} cycles of {} round trips; raw {:.0f} ns, quartiles {:.0f} and {:.0f}; "
+      "seed {}\n\n",
+      report.cycles, report.round_trips, report.raw.median, report.raw.low, report.raw.high,
+      report.seed);
+  out += table(report, false) + table(report, true);
+  out += "Not measured yet:\n";
+  for (const UnmeasuredRow& row : rows_not_measured_yet())
+    out += fmt::format("  {:<18}{}\n", row.name, row.what);
+  out += fmt::format("\n{}\n", upper(to_text(report.result)));
+  for (const std::string& trouble : report.troubles) out += fmt::format("  {}\n", trouble);
+  return out;
+}
+
+}  // namespace rths::bench

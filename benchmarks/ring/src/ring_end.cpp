@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ring_end.hpp"
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::bench {
+namespace {
+
+constexpr std::uint32_t kLongwordsPerPair = 32;  // two cache lines, which processors fetch together
+constexpr const char* kNear = "near";
+constexpr const char* kFar = "far";
+
+// The far partition starts on lines of its own, one pair of lines behind the near one.
+LongwordOffset far_base(std::uint32_t longwords) {
+  const std::uint32_t pairs = (longwords + kLongwordsPerPair - 1) / kLongwordsPerPair;
+  return LongwordOffset{(pairs + 1) * kLongwordsPerPair};
+}
+
+memmap::Map map_of(std::uint32_t longwords, bool tear_group) {
+  memmap::MapDescription description;
+  description.name = "bench";
+  description.nodes = {{kNear, NodeId{1}, ""}, {kFar, NodeId{2}, ""}};
+  const LongwordOffset far = far_base(longwords);
+  for (const auto& [node, base] : {std::pair{kNear, LongwordOffset{0}}, std::pair{kFar, far}}) {
+    memmap::Partition partition;
+    partition.name = node;
+    partition.node = node;
+    partition.base = base;
+    partition.longwords = longwords;
+    partition.tear_group = tear_group;
+    description.partitions.push_back(partition);
+  }
+  constexpr std::uint32_t kSmallestCard = 1024;  // [longwords]
+  description.size_longwords = kSmallestCard;
+  while (description.size_longwords < far.value() + longwords) description.size_longwords *= 2;
+  return memmap::Map{description};
+}
+
+}  // namespace
+
+BenchRing::BenchRing(std::uint32_t longwords, bool tear_group)
+    : name_{fmt::format("bench_{}", getpid())},
+      longwords_{longwords},
+      ring_{broker::Ring::create(name_, map_of(longwords, tear_group))} {}
+
+BenchRing::~BenchRing() { broker::remove_ring(name_); }
+
+RingPlace::RingPlace(const BenchRing& bench_ring, Side side)
+    : ring{broker::Ring::attach(bench_ring.name())},
+      node{ring.join(side == Side::Near ? kNear : kFar, 0)},
+      out{side == Side::Near ? LongwordOffset{0} : far_base(bench_ring.longwords())},
+      in{side == Side::Near ? far_base(bench_ring.longwords()) : LongwordOffset{0}},
+      out_partition{side == Side::Near ? kNear : kFar},
+      in_partition{side == Side::Near ? kFar : kNear} {}
+
+GroupEnd::GroupEnd(const BenchRing& ring, Side side)
+    : place_{ring, side},
+      out_group_{place_.ring.tear_group(place_.out_partition)},
+      in_group_{place_.ring.tear_group(place_.in_partition)},
+      out_(ring.longwords(), 0),
+      in_(ring.longwords(), 0) {}
+
+void GroupEnd::send(std::uint32_t number) {
+  out_.front() = out_.back() = number;
+  static_cast<void>(place_.node.write_group(out_group_, out_));
+}
+
+bool GroupEnd::arrived(std::uint32_t number) {
+  if (place_.node.read_group(in_group_, in_) != Status::Ok) return false;
+  if (in_.front() != in_.back()) throw Error{"a record was read torn"};
+  return in_.back() == number;
+}
+
+void GroupEnd::read() {
+  if (place_.node.read_group(in_group_, in_) == Status::Ok && in_.front() != in_.back())
+    throw Error{"a record was read torn"};
+}
+
+}  // namespace rths::bench

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Our rows: one small function each. A row that is timed by round trips measures raw first.
+#include "ring_rows.hpp"
+
+#include <array>
+#include <atomic>
+
+#include <rths/bench/write_cost.hpp>
+#include <rths/broker/ring.hpp>
+
+#include "ring_end.hpp"
+
+namespace rths::bench {
+namespace {
+
+// Words of one card page: sequential writes stay in the first cache, so that it is the write that
+// is timed and not the memory.
+constexpr std::uint32_t kPageLongwords = 1024;
+
+template <Poll poll, class End>
+Pairing over_ring(const Row& row, const Workbench& bench, bool tear_group) {
+  const BenchRing ring{row.bytes / kBytesPerLongword, tear_group};
+  const Times raw = raw_round_trips(bench.setup);
+  return {round_trips<poll>(bench.setup, [&](Side side) { return End{ring, side}; }), raw};
+}
+
+}  // namespace
+
+Pairing measure_raw(const Row&, const Workbench& bench) {
+  const Times raw = raw_round_trips(bench.setup);
+  return {raw_round_trips(bench.setup), raw};
+}
+
+Pairing measure_raw_paused(const Row&, const Workbench& bench) {
+  const Times raw = raw_round_trips(bench.setup);
+  return {raw_round_trips<Poll::Paused>(bench.setup), raw};
+}
+
+Pairing measure_word(const Row& row, const Workbench& bench) {
+  return over_ring<Poll::Tight, WordEnd>(row, bench, false);
+}
+
+Pairing measure_word_paused(const Row& row, const Workbench& bench) {
+  return over_ring<Poll::Paused, WordEnd>(row, bench, false);
+}
+
+Pairing measure_group(const Row& row, const Workbench& bench) {
+  return over_ring<Poll::Tight, GroupEnd>(row, bench, true);
+}
+
+Pairing measure_write_cost(const Row&, const Workbench& bench) {
+  const Shared<std::array<std::uint32_t, kPageLongwords>> plain;
+  const Times stores = write_times(bench.setup, [&](std::uint32_t i) {
+    std::atomic_ref{(*plain)[i % kPageLongwords]}.store(i, std::memory_order_release);
+  });
+  const BenchRing ring{kPageLongwords, false};
+  RingPlace place{ring, Side::Near};
+  const Times writes = write_times(bench.setup, [&](std::uint32_t i) {
+    static_cast<void>(place.node.write(LongwordOffset{i % kPageLongwords}, i));
+  });
+  return {writes, stores};
+}
+
+Times write_group_under_reader(const Row& row, const Workbench& bench) {
+  // The reader is the far side and reads what the near side writes.
+  const BenchRing ring{row.bytes / kBytesPerLongword, true};
+  return write_times_under_reader(bench.setup, [&](Side side) { return GroupEnd{ring, side}; });
+}
+
+}  // namespace rths::bench

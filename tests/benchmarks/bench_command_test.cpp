@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The command as scripts meet it. Nothing here is judged by time: the machine may be busy.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/broker/ring.hpp>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace rths {
+namespace {
+
+using nlohmann::json;
+using test::Finished;
+using test::run_rths;
+
+// One cycle says nothing, and the command says so; a cycle of few round trips is over at once.
+const std::vector<std::string> kShort{"bench", "ring", "--cycles", "1", "--round-trips", "200"};
+
+std::vector<std::string> shortly(const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = kShort;
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+void expect_measured_row(const json& row) {
+  for (const char* key : {"name", "bytes", "what", "p50_ns", "p99_ns", "ratio_p50", "ratio_p50_95",
+                          "ratio_p99", "quantity", "value", "value_95", "cycles", "noisy", "goal",
+                          "gate", "goal_p99", "gate_p99", "verdict"})
+    EXPECT_TRUE(row.contains(key)) << key << " in " << row;
+  EXPECT_GT(row["p50_ns"], 0);
+  EXPECT_EQ(row["ratio_p50_95"].size(), 2);
+}
+
+TEST(BenchRing, SaysEverythingInOneJsonDocument) {
+  const Finished run = run_rths(shortly({"--json", "--seed", "7"}), 110);
+
+  ASSERT_EQ(run.exit_code, 1) << run.err;
+  const json said = json::parse(run.out);
+  EXPECT_EQ(said["format"], 1);
+  EXPECT_EQ(said["result"], "inconclusive");
+  EXPECT_FALSE(said["troubles"].empty());
+  EXPECT_EQ(said["seed"], 7);
+  for (const char* key :
+       {"cpu", "processors", "used", "smt_siblings", "kernel", "hypervisor", "huge_pages"})
+    EXPECT_TRUE(said["machine"].contains(key)) << key;
+  if (said["machine"]["used"].empty()) GTEST_SKIP() << "one processor";
+  for (const json& row : said["rows"])
+    if (!row.contains("missing")) expect_measured_row(row);
+  for (const json& row : said["peers"]) {
+    EXPECT_TRUE(row.contains("against"));
+    if (!row.contains("missing")) expect_measured_row(row);
+  }
+  EXPECT_FALSE(said["not_measured_yet"].empty());
+}
+
+TEST(BenchRing, PrintsATableOfTheRowsAskedForAndOfThoseTheyNeed) {
+  const Finished run = run_rths(shortly({"--row", "message_queue_8"}));
+
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_NE(run.out.find("message_queue_8"), std::string::npos);
+  EXPECT_NE(run.out.find("\nword "), std::string::npos);
+  EXPECT_EQ(run.out.find("group_64"), std::string::npos);
+  EXPECT_NE(run.out.find("INCONCLUSIVE"), std::string::npos);
+  EXPECT_EQ(run.err, "");
+}
+
+TEST(BenchRing, LeavesNoRingBehind) {
+  static_cast<void>(run_rths(shortly({"--row", "group_1024"})));
+
+  for (const auto& ring : broker::list_rings()) EXPECT_NE(ring.name.rfind("bench_", 0), 0U);
+}
+
+TEST(BenchRing, GoesOnWithTheCyclesThatItKept) {
+  const test::TemporaryFolder folder;
+  const auto run = [&] {
+    return run_rths(shortly({"--json", "--row", "word", "--keep", folder.path().string()}));
+  };
+
+  const Finished first = run();
+  const Finished second = run();
+
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "cycle-00.json"));
+  EXPECT_EQ(json::parse(first.out)["rows"], json::parse(second.out)["rows"]);
+}
+
+TEST(BenchRing, MeasuresAgainWhatIsNoWholeCycle) {
+  const test::TemporaryFolder folder;
+  folder.write("cycle-00.json", "{\"round_trips\": 200, ");
+
+  const Finished run =
+      run_rths(shortly({"--json", "--row", "word", "--keep", folder.path().string()}));
+
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_TRUE(json::accept(test::content_of(folder.path() / "cycle-00.json")));
+}
+
+TEST(BenchRing, ExitsWithThreeWhenItIsUsedWrongly) {
+  EXPECT_EQ(run_rths({"bench"}).exit_code, 3);
+  EXPECT_EQ(run_rths({"bench", "ring", "--row", "no_such_row"}).exit_code, 3);
+  EXPECT_EQ(run_rths({"bench", "ring", "--cycles", "0"}).exit_code, 3);
+}
+
+}  // namespace
+}  // namespace rths

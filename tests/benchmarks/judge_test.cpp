@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/bench/judge.hpp>
+
+#include <gtest/gtest.h>
+
+namespace rths::bench {
+namespace {
+
+constexpr double kRaw = 150;  // [ns], plausible
+
+Row own_row() {
+  return {"ours", 4, "a row of ours", nullptr, Quantity::RatioToRaw, Gate{1.05, 1.15}};
+}
+
+Row peer_row() {
+  return {"theirs",
+          4,
+          "a peer",
+          nullptr,
+          Quantity::TimesOurs,
+          Gate{8, 5},
+          std::nullopt,
+          Peer{"program", "ours"}};
+}
+
+Outcome paired(double ratio, double raw = kRaw, double tail_ratio = 1) {
+  return {Pairing{{ratio * raw, tail_ratio * raw}, {raw, raw}}, ""};
+}
+
+Cycle cycle(double ours, double raw = kRaw, Load load = {}) {
+  return {{{"ours", paired(ours, raw)}, {"theirs", paired(10 * ours, raw)}}, load};
+}
+
+Machine two_cores() {
+  Machine machine;
+  machine.chosen = Choice{{0, 1}, false};
+  return machine;
+}
+
+/// What `run` of the whole would conclude.
+struct Conclusion {
+  std::vector<RowResult> results;
+  std::vector<std::string> why;
+  Verdict verdict;
+};
+
+Conclusion conclude(const std::vector<Row>& rows, const std::vector<Cycle>& cycles,
+                    const Machine& machine = two_cores()) {
+  Conclusion conclusion;
+  for (const Row& row : rows) conclusion.results.push_back(judge_row(row, cycles, 1));
+  conclusion.why = troubles(machine, cycles, conclusion.results, raw_spread(rows, cycles));
+  conclusion.verdict = overall(conclusion.results, conclusion.why);
+  return conclusion;
+}
+
+bool mentions(const Conclusion& conclusion, const std::string& words) {
+  for (const auto& trouble : conclusion.why)
+    if (trouble.find(words) != std::string::npos) return true;
+  return false;
+}
+
+TEST(RowVerdict, IsPassUpToTheGateAndFailBeyond) {
+  const auto with_median = [](double ratio) {
+    return judge_row(own_row(), {cycle(1), cycle(ratio), cycle(2)}, 1);
+  };
+
+  EXPECT_EQ(with_median(1.15).verdict, Verdict::Pass);
+  EXPECT_EQ(with_median(1.16).verdict, Verdict::Fail);
+  EXPECT_DOUBLE_EQ(with_median(1.16).value, 1.16);
+}
+
+TEST(RowVerdict, AsksMuchOfAPeerAndLittleOfUs) {
+  EXPECT_TRUE(holds(Quantity::RatioToRaw, 1, 2));
+  EXPECT_TRUE(holds(Quantity::ExtraTime, 1, 2));
+  EXPECT_FALSE(holds(Quantity::TimesCheaper, 1, 2));
+  EXPECT_FALSE(holds(Quantity::TimesOurs, 1, 2));
+}
+
+TEST(RowVerdict, FailsForTheTailAlone) {
+  Row row = own_row();
+  row.tail_gate = Gate{1.25, 1.6};
+  std::vector<Cycle> cycles(3);
+  for (Cycle& each : cycles) each.outcomes["ours"] = paired(1, kRaw, 1.7);
+
+  EXPECT_EQ(judge_row(row, cycles, 1).verdict, Verdict::Fail);
+}
+
+TEST(RowVerdict, HoldsAPeerAgainstOurRowOfTheSameCycle) {
+  const RowResult result = judge_row(peer_row(), {cycle(1), cycle(1.1), cycle(1.2)}, 1);
+
+  EXPECT_DOUBLE_EQ(result.value, 10);
+  EXPECT_DOUBLE_EQ(result.ratio_p50, 11);
+  EXPECT_EQ(result.verdict, Verdict::Pass);
+}
+
+TEST(RowVerdict, IsNoneWithoutAGate) {
+  Row row = own_row();
+  row.gate.reset();
+
+  EXPECT_EQ(judge_row(row, {cycle(9), cycle(9), cycle(9)}, 1).verdict, Verdict::NotJudged);
+}
+
+TEST(RowVerdict, IsMissingWithTheReasonIfNothingWasMeasured) {
+  const Cycle empty{{{"ours", {std::nullopt, "is not built"}}}, {}};
+
+  const RowResult result = judge_row(own_row(), {empty, empty, empty}, 1);
+
+  EXPECT_EQ(result.verdict, Verdict::Missing);
+  EXPECT_EQ(result.missing, "is not built");
+}
+
+TEST(RowVerdict, LeavesOutCyclesThatWereNotQuiet) {
+  const Load busy{0.3, 0};
+
+  const RowResult result =
+      judge_row(own_row(), {cycle(1), cycle(1), cycle(1), cycle(9, kRaw, busy), cycle(9, 29)}, 1);
+
+  EXPECT_EQ(result.cycles, 3);
+  EXPECT_EQ(result.verdict, Verdict::Pass);
+  EXPECT_FALSE(result.noisy);
+}
+
+TEST(RowVerdict, IsInconclusiveWithoutThreeQuietCycles) {
+  const Load stolen{0, 0.05};
+
+  const RowResult result = judge_row(own_row(), {cycle(9), cycle(9), cycle(9, kRaw, stolen)}, 1);
+
+  EXPECT_EQ(result.cycles, 3);
+  EXPECT_TRUE(result.noisy);
+  EXPECT_EQ(result.verdict, Verdict::Inconclusive);
+}
+
+TEST(RunVerdict, IsPassIfEveryGateHolds) {
+  const auto conclusion = conclude({own_row(), peer_row()}, {cycle(1), cycle(1), cycle(1)});
+
+  EXPECT_EQ(conclusion.verdict, Verdict::Pass);
+  EXPECT_TRUE(conclusion.why.empty());
+}
+
+TEST(RunVerdict, IsFailIfOneGateDoesNot) {
+  EXPECT_EQ(conclude({own_row(), peer_row()}, {cycle(2), cycle(2), cycle(2)}).verdict,
+            Verdict::Fail);
+}
+
+TEST(RunVerdict, IsInconclusiveOnSiblingsOfOneCore) {
+  Machine machine;
+  machine.chosen = Choice{{0, 1}, true};
+
+  const auto conclusion = conclude({own_row()}, {cycle(2), cycle(2), cycle(2)}, machine);
+
+  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_TRUE(mentions(conclusion, "share a core"));
+}
+
+TEST(RunVerdict, IsInconclusiveOnASingleProcessor) {
+  const auto conclusion = conclude({own_row()}, {}, Machine{});
+
+  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_TRUE(mentions(conclusion, "only one processor"));
+}
+
+TEST(RunVerdict, IsInconclusiveOnABusyMachine) {
+  const Cycle busy = cycle(2, kRaw, Load{0.5, 0.0});
+
+  const auto conclusion = conclude({own_row()}, {busy, busy, busy, cycle(1)});
+
+  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_TRUE(mentions(conclusion, "busy"));
+}
+
+TEST(RunVerdict, IsInconclusiveIfRawIsImplausible) {
+  for (const double raw : {29.0, 400.0}) {
+    const auto conclusion = conclude({own_row()}, {cycle(1, raw), cycle(1, raw), cycle(1, raw)});
+
+    EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+    EXPECT_TRUE(mentions(conclusion, "raw takes")) << raw;
+  }
+}
+
+TEST(RunVerdict, IsInconclusiveIfRawIsUnstable) {
+  const auto conclusion = conclude(
+      {own_row()}, {cycle(1, 100), cycle(1, 100), cycle(1, 150), cycle(1, 200), cycle(1, 200)});
+
+  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_TRUE(mentions(conclusion, "unstable"));
+}
+
+TEST(RunVerdict, IsInconclusiveIfAJudgedPeerIsMissing) {
+  Cycle without = cycle(1);
+  without.outcomes["theirs"] = {std::nullopt, "rths_peer_theirs is not built"};
+
+  const auto conclusion = conclude({own_row(), peer_row()}, {without, without, without});
+
+  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_TRUE(mentions(conclusion, "rths_peer_theirs is not built"));
+}
+
+TEST(RunVerdict, IsInconclusiveAfterTooFewCycles) {
+  EXPECT_EQ(conclude({own_row()}, {cycle(1), cycle(1)}).verdict, Verdict::Inconclusive);
+}
+
+}  // namespace
+}  // namespace rths::bench
