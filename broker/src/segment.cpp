@@ -19,6 +19,7 @@
 #include <rths/memmap/codec.hpp>
 #include <rths/memmap/map.hpp>
 
+#include "card_room.hpp"
 #include "process.hpp"
 
 namespace rths::broker {
@@ -51,7 +52,19 @@ Header plan_layout(const memmap::Map& map, const std::string& map_text) {
   return header;
 }
 
+// What every node maps.
 std::uint64_t total_bytes(const Header& header) { return header.memory_at + header.memory_bytes; }
+
+std::uint64_t object_bytes(const Header& header) {
+  return header.card_count == 0 ? total_bytes(header)
+                                : header.cards_at + header.card_count * header.card_bytes;
+}
+
+void plan_cards(Header& header) {
+  header.cards_at = round_up(total_bytes(header), kPageBytes);
+  header.card_bytes = card_room(header.memory_bytes);
+  header.card_count = kMaxSlots;
+}
 
 // `ready` is published last, so whoever sees it sees all the rest.
 void fill(std::byte* base, Header header, const memmap::Map& map, const std::string& map_text) {
@@ -75,17 +88,21 @@ void fill(std::byte* base, Header header, const memmap::Map& map, const std::str
 bool parts_are_in_order(const Header& h) {
   for (const std::uint64_t size : {h.group_count * sizeof(Group), h.map_text_bytes, h.memory_bytes})
     if (size > kMostBytes) return false;
+  if (h.card_count != 0 &&
+      (h.card_count > kMaxSlots || h.cards_at != round_up(total_bytes(h), kPageBytes) ||
+       h.card_bytes != card_room(h.memory_bytes)))
+    return false;
   return h.group_count <= kMostBytes && h.groups_at == sizeof(Header) + kMaxSlots * sizeof(Slot) &&
          h.map_text_at == h.groups_at + h.group_count * sizeof(Group) &&
          h.memory_at == round_up(h.map_text_at + h.map_text_bytes, kPageBytes);
 }
 
 // Anybody may have made an object of that name: nothing in it is believed before it is checked.
-std::string trouble_with(const Header& header, std::uint64_t mapped_bytes) {
+std::string trouble_with(const Header& header, std::uint64_t found_bytes) {
   if (header.magic != kMagic) return "it is no rths ring";
   if (!parts_are_in_order(header)) return "its header is damaged";
-  if (total_bytes(header) != mapped_bytes)
-    return fmt::format("it has {} bytes, its header says {}", mapped_bytes, total_bytes(header));
+  if (object_bytes(header) != found_bytes)
+    return fmt::format("it has {} bytes, its header says {}", found_bytes, object_bytes(header));
   return "";
 }
 
@@ -108,11 +125,20 @@ bool becomes_ready(const ipc::shared_memory_object& object, std::chrono::millise
   }
 }
 
-// Room is taken now: a page that is not to be had would kill whoever touches it first.
-void take_room(ipc::shared_memory_object& object, std::uint64_t bytes) {
+// Room is taken now: a page that is not to be had would kill whoever touches it first. Only a
+// memory larger than any SCRAMNet+ card's stays sparse: nobody uses all of a GT card's 128 MB.
+void take_room(ipc::shared_memory_object& object, const Header& header) {
+  const bool sparse = header.memory_bytes > kLargestPlusMemory;
+  const std::uint64_t now = sparse ? header.memory_at : total_bytes(header);
   const int problem =
-      posix_fallocate(object.get_mapping_handle().handle, 0, static_cast<off_t>(bytes));
+      posix_fallocate(object.get_mapping_handle().handle, 0, static_cast<off_t>(now));
   if (problem != 0) throw Error{std::strerror(problem)};
+  object.truncate(static_cast<ipc::offset_t>(object_bytes(header)));
+}
+
+Header header_of(const ipc::shared_memory_object& object) {
+  const ipc::mapped_region region{object, ipc::read_only, 0, sizeof(Header)};
+  return *static_cast<const Header*>(region.get_address());
 }
 
 }  // namespace
@@ -152,7 +178,8 @@ std::string object_name(const std::string& ring) { return "rths." + ring; }
 
 std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const memmap::Map& map) {
   const std::string text = map.to_toml();
-  const Header header = plan_layout(map, text);
+  Header header = plan_layout(map, text);
+  plan_cards(header);
   auto memory = std::make_unique<Memory>();
   bool made = false;
   try {
@@ -161,8 +188,8 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
     ipc::shared_memory_object object{ipc::create_only, object_name(name).c_str(), ipc::read_write,
                                      permissions};
     made = true;
-    take_room(object, total_bytes(header));
-    memory->shared = ipc::mapped_region{object, ipc::read_write};
+    take_room(object, header);
+    memory->shared = ipc::mapped_region{object, ipc::read_write, 0, total_bytes(header)};
   } catch (const std::exception& error) {
     if (made) ipc::shared_memory_object::remove(object_name(name).c_str());
     throw Error{fmt::format("ring '{}' ({} bytes of shared memory) cannot be created: {}", name,
@@ -181,20 +208,21 @@ std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
     if (!becomes_ready(object, patience))
       throw Error{fmt::format(
           "ring '{}' was never finished by its creator; 'rths clean' removes it", name)};
-    memory->shared = ipc::mapped_region{object, ipc::read_write};
+    const Header header = header_of(object);
+    if (header.magic == kMagic && header.layout_version != kLayoutVersion)
+      throw ForeignRing{
+          fmt::format("ring '{}' cannot be used: its layout is version {}, this program's is {}",
+                      name, header.layout_version, kLayoutVersion)};
+    ipc::offset_t size = 0;
+    object.get_size(size);
+    if (const std::string trouble = trouble_with(header, static_cast<std::uint64_t>(size));
+        !trouble.empty())
+      throw Error{fmt::format("ring '{}' cannot be used: {}", name, trouble)};
+    memory->shared = ipc::mapped_region{object, ipc::read_write, 0, total_bytes(header)};
   } catch (const ipc::interprocess_exception& error) {
     throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
   }
-  const std::uint64_t mapped = memory->shared.get_size();
-  auto segment = std::unique_ptr<Segment>{new Segment{std::move(memory), false}};
-  const Header& header = segment->header();
-  if (header.magic == kMagic && header.layout_version != kLayoutVersion)
-    throw ForeignRing{
-        fmt::format("ring '{}' cannot be used: its layout is version {}, this program's is {}",
-                    name, header.layout_version, kLayoutVersion)};
-  if (const std::string trouble = trouble_with(header, mapped); !trouble.empty())
-    throw Error{fmt::format("ring '{}' cannot be used: {}", name, trouble)};
-  return segment;
+  return std::unique_ptr<Segment>{new Segment{std::move(memory), false}};
 }
 
 std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map) {

@@ -21,10 +21,14 @@ namespace rths::broker {
 //   map_text_at          canonical map, TOML    map_text_bytes
 //   memory_at            the ring's words       memory_bytes, on a page of its own
 //   journals_at          0 in this version: the place of the writers' journals
+//   cards_at             room for card_count cards, card_bytes each: see card_room.hpp
+//
+// The cards are at the very end and outside the mapping that every node makes, since nodes lock
+// their memory: who needs a card maps that card. Their room is sparse until a card is used.
 //
 // kLayoutVersion is bumped whenever a program built before would read any of this wrongly.
 inline constexpr std::uint64_t kMagic = 0x474E'4952'5348'5452;  // "RTHSRING" in memory
-inline constexpr std::uint32_t kLayoutVersion = 1;
+inline constexpr std::uint32_t kLayoutVersion = 2;
 inline constexpr std::uint32_t kMaxSlots = 32;
 inline constexpr std::size_t kPageBytes = 4096;
 inline constexpr std::uint32_t kReady = 1;
@@ -41,6 +45,8 @@ struct alignas(256) Header {
   std::uint64_t map_text_at, map_text_bytes;
   std::uint64_t memory_at, memory_bytes;
   std::uint64_t journals_at;
+  std::uint64_t cards_at, card_bytes, card_count;  ///< all 0 if the ring has no room for cards
+  std::uint64_t cards_in_use;                      ///< bit n: card n has its room and its registers
 };
 
 struct alignas(128) Slot {
