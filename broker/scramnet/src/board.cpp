@@ -37,6 +37,7 @@ Board::Board(const Settings& settings)
       window_bytes_{checked_window(place_, settings)},
       size_code_{size_code_of(window_bytes_)},
       memory_{whole_memory(place_)},
+      interrupts_seen_{place_.card().plus.host_interrupts.load()},
       scanner_{place_, reinterpret_cast<Word*>(memory_),
                static_cast<std::uint32_t>(window_bytes_ / 4)} {
   registers().set_size_code(size_code_);
@@ -151,6 +152,11 @@ void Board::clear_acr() {
   for (std::uint64_t i = 0; i < window_bytes_ / 4; ++i)
     if (acr()[i].load(std::memory_order_relaxed) != 0) acr()[i].store(0);
   plus().acr_changes.fetch_add(1);
+}
+
+std::uint32_t Board::take_interrupts() {
+  const std::uint32_t delivered = plus().host_interrupts.load();
+  return delivered - interrupts_seen_.exchange(delivered);
 }
 
 void Board::update_thread() {

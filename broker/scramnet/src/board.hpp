@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "complaint.hpp"
@@ -48,6 +49,8 @@ class Board {
   /// Whether another card on the ring is receiving or transmitting.
   [[nodiscard]] bool others_are_at_work() const;
 
+  /// Host interrupts delivered since the last time this process asked.
+  [[nodiscard]] std::uint32_t take_interrupts();
   void update_thread();
   void leave();
 
@@ -63,6 +66,7 @@ class Board {
   std::byte* memory_;
   std::byte* window_ = nullptr;
   std::uint64_t page_offset_ = 0;
+  std::atomic<std::uint32_t> interrupts_seen_;
   Scanner scanner_;
 };
 

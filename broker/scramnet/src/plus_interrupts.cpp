@@ -37,8 +37,6 @@ class ExactSleep {
   int before_;
 };
 
-std::atomic<unsigned> interrupts_seen{0};
-
 // Looks, then sleeps for a period with the caller's signals let in, so that none is missed between
 // the look and the sleep. Lasts as long as it takes: that is what the call promises.
 int wait_for_interrupt(Board& card, unsigned* count) {
@@ -50,9 +48,8 @@ int wait_for_interrupt(Board& card, unsigned* count) {
   int result = 0;
   for (;;) {
     card.scanner().look();
-    const unsigned delivered = card.plus().host_interrupts.load();
-    if (const unsigned seen = interrupts_seen.exchange(delivered); seen != delivered) {
-      if (count != nullptr) *count = delivered - seen;
+    if (const unsigned delivered = card.take_interrupts(); delivered != 0) {
+      if (count != nullptr) *count = delivered;
       break;
     }
     const timespec period{0, Scanner::kPeriodNs};
