@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Programs in the shapes of those that were written for the cards, as processes of their own.
-#include <chrono>
 #include <memory>
-#include <thread>
+
+#include <unistd.h>
 
 #include "vendor_ring.hpp"
 
@@ -77,6 +77,21 @@ TEST_F(Clients, MakeOneRingHoweverManyStartAtOnce) {
   const auto report = rths::broker::inspect_ring(clients_ring());
   ASSERT_TRUE(report && report->usable);
   EXPECT_TRUE(report->occupants.empty());
+}
+
+TEST_F(Clients, RunTheExample) {
+  const auto map = rths::test::source_tree() / "examples" / "scramnet" / "sums.ringmap.toml";
+  Running sums{client("example_sums", {clients_ring(), map.string()})};
+  for (int i = 0; i < 5000 && !rths::broker::inspect_ring(clients_ring()); ++i) usleep(1000);
+  setenv("RTHS_SCRAMNET_NODE", "adder", 1);
+  Running counter{client("example_counter")};
+  unsetenv("RTHS_SCRAMNET_NODE");
+
+  const Finished of_sums = sums.wait(20);
+
+  EXPECT_EQ(of_sums.exit_code, 0) << of_sums.err;
+  EXPECT_NE(of_sums.out.find("sum of 1 to 10: 55\n"), std::string::npos);
+  EXPECT_EQ(counter.wait(5).out, "vendor's side: summed 10 numbers\n");
 }
 
 // A client of ours and one of theirs on the same words.

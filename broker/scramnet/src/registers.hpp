@@ -16,7 +16,7 @@ namespace rths::scramnet {
 /// reading and writing. Atomic each, not together, as on the bus. Nothing here waits.
 class Registers {
  public:
-  explicit Registers(Card& card) : card_{&card}, plus_{&card.plus} {}
+  explicit Registers(Card& card) : plus_{&card.plus} {}
 
   /// @param nodes  on the ring, which CSR3 shows
   /// @param bypass_switch  which CSR1 shows
@@ -42,7 +42,6 @@ class Registers {
   void write_extended(std::uint32_t value);
   void write_counter(std::uint32_t value);
 
-  Card* card_;
   PlusCard* plus_;
 };
 
