@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "complaint.hpp"
 
+#include <array>
 #include <cstdio>
+#include <cstring>
 #include <mutex>
-#include <new>
-#include <set>
-#include <string>
 
 namespace rths::scramnet {
 
 void complain_once(const char* where, const char* message) noexcept {
   static std::mutex mutex;
-  static auto* said = new std::set<std::string>;  // outlives the clients' own destructors
+  static std::array<const char*, 16> said{};
   const std::lock_guard lock{mutex};
-  try {
-    if (!said->insert(where).second) return;
-  } catch (const std::bad_alloc&) {  // said twice is better than not at all
+  for (const char*& entry : said) {
+    if (entry != nullptr && std::strcmp(entry, where) == 0) return;
+    if (entry != nullptr) continue;
+    entry = where;
+    break;
   }
   std::fprintf(stderr, "scramnet: %s\n", message);
 }

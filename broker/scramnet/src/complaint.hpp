@@ -3,7 +3,8 @@
 
 namespace rths::scramnet {
 
-/// One line on standard error, once for each `where`: a vendor's call can only return a number.
+/// One line on standard error, once for each `where`, a literal: a vendor's call can only return a
+/// number.
 void complain_once(const char* where, const char* message) noexcept;
 
 }  // namespace rths::scramnet

@@ -2,9 +2,9 @@
 //
 // Vendor's GT calls: receiving interrupts. Each caller reads the card's queue with a cursor of his
 // own, so all of them see all interrupts.
-#include <time.h>
 
 #include <algorithm>
+#include <ctime>
 
 #include "gt_unit.hpp"
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <ctime>
+
 #include "gt_queue.hpp"
 
 #include <linux/futex.h>
 #include <sched.h>
 #include <sys/syscall.h>
-#include <time.h>
 #include <unistd.h>
 
 namespace rths::scramnet {

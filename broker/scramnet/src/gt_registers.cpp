@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gt_registers.hpp"
 
-#include <time.h>
-
 #include <array>
+#include <ctime>
 
 #include <gtucore.h>
 

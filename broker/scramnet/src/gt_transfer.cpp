@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Vendor's GT calls: moving data and interrupts.
-#include <time.h>
 
 #include <algorithm>
 #include <cstring>
+#include <ctime>
 #include <utility>
 
 #include "gt_unit.hpp"
@@ -87,6 +87,7 @@ void tell(uint32* done, uint32 bytes) {
 
 extern "C" {
 
+// NOLINTNEXTLINE(readability-function-size): the vendor's prototype has seven parameters
 uint32 scgtWrite(scgtHandle* handle, uint32 offset, const void* data, uint32 bytes, uint32 flags,
                  uint32* done, const scgtInterrupt* interrupt) {
   tell(done, 0);

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdlib>
+#include <memory>
 #include <mutex>
 
 #include <rths/core/error.hpp>
@@ -78,7 +79,7 @@ GtUnit* take_unit(std::uint32_t number) noexcept {
   static bool leaves_at_exit = false;
   if (GtUnit* taken = units[number].load()) return taken;
   try {
-    units[number].store(new GtUnit{number});
+    units[number].store(std::make_unique<GtUnit>(number).release());
   } catch (const std::exception& error) {
     complain_once("scgt", error.what());
     return nullptr;

@@ -27,7 +27,9 @@ enum FileError {
 };
 
 struct Closer {
-  void operator()(FILE* file) const { std::fclose(file); }
+  void operator()(FILE* file) const {
+    std::fclose(file);  // NOLINT(cppcoreguidelines-owning-memory): the pointer owns it
+  }
 };
 using File = std::unique_ptr<FILE, Closer>;
 

@@ -117,10 +117,12 @@ void scr_bswp_mm(void) {}
 int scr_probe_mm(void* address, unsigned short size) {
   if (size != 1 && size != 2 && size != 4) return -1;
   const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
-  const auto first = reinterpret_cast<std::uintptr_t>(address);
   unsigned char resident = 0;
-  for (const std::uintptr_t byte : {first, first + size - 1})
-    if (mincore(reinterpret_cast<void*>(byte / page * page), 1, &resident) != 0) return -1;
+  for (const int last : {0, size - 1}) {
+    auto* byte = static_cast<unsigned char*>(address) + last;
+    byte -= reinterpret_cast<std::uintptr_t>(byte) % page;
+    if (mincore(byte, 1, &resident) != 0) return -1;
+  }
   return 0;
 }
 

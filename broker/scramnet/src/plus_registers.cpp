@@ -19,6 +19,22 @@ void change(int csr, unsigned set, unsigned clear) {
   if (Board* card = card_with_registers()) card->change_csr(csr, set, clear);
 }
 
+void transmit_interrupts(bool off, int argument) {
+  if (off) return change(SCR_CSR0, 0, CSR0_OTF | CSR0_NIE);
+  const unsigned all = (argument & INTALL) != 0 ? CSR0_OTF : 0U;
+  change(SCR_CSR0, 0x8103U | all, CSR0_OTF);
+}
+
+void receive_interrupts(bool off, int argument) {
+  if (off) {
+    change(SCR_CSR0, 0, CSR0_ORF | CSR0_MME | CSR0_HIE);
+    return change(SCR_CSR2, 0, CSR2_ISEN);
+  }
+  const unsigned all = (argument & INTALL) != 0 ? CSR0_ORF : 0U;
+  if ((argument & INTOWN) != 0) change(SCR_CSR2, CSR2_WOS | CSR2_ISEN, 0);
+  change(SCR_CSR0, 0x802BU | all, CSR0_ORF);
+}
+
 }  // namespace
 
 extern "C" {
@@ -33,8 +49,8 @@ void scr_csr_write(int csr, unsigned short value) {
 }
 
 void scr_rw_mm(struct rw_scr* request) {
-  const int csr = request->csr_reg;
-  if (csr < 0 || csr > SCR_CSR5) {
+  const int csr = static_cast<unsigned char>(request->csr_reg);
+  if (csr > SCR_CSR5) {
     std::fprintf(stderr, "scramnet: scr_rw_mm: there is no register %d to use\n", csr);
     return;
   }
@@ -105,19 +121,9 @@ void scr_error_mm(FILE* to, unsigned short csr1) {
 // RST_INT wins over SET_INT, in whatever else the argument says.
 void scr_int_mm(int command, int argument) {
   const bool off = (argument & RST_INT) != 0;
-  const bool all = (argument & INTALL) != 0;
   if (!off && (argument & SET_INT) == 0) return;
-  if (command == TX_INT && off) change(SCR_CSR0, 0, CSR0_OTF | CSR0_NIE);
-  if (command == TX_INT && !off) change(SCR_CSR0, 0x8103U | (all ? CSR0_OTF : 0U), CSR0_OTF);
-  if (command == RX_INT && off) {
-    change(SCR_CSR0, 0, CSR0_ORF | CSR0_MME | CSR0_HIE);
-    change(SCR_CSR2, 0, CSR2_ISEN);
-  }
-  if (command == RX_INT && !off) {
-    if ((argument & INTOWN) != 0) change(SCR_CSR2, CSR2_WOS | CSR2_ISEN, 0);
-    change(SCR_CSR0, 0x802BU | (all ? CSR0_ORF : 0U), CSR0_ORF);
-  }
-  if (command == INT_ERR && off) change(SCR_CSR0, 0, CSR0_IOE);
-  if (command == INT_ERR && !off) change(SCR_CSR0, CSR0_IOE | CSR0_HIE, 0);
+  if (command == TX_INT) transmit_interrupts(off, argument);
+  if (command == RX_INT) receive_interrupts(off, argument);
+  if (command == INT_ERR) change(SCR_CSR0, off ? 0U : CSR0_IOE | CSR0_HIE, off ? CSR0_IOE : 0U);
 }
 }

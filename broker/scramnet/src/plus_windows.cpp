@@ -2,7 +2,8 @@
 //
 // Names of the vendor's Windows libraries: what has a meaning here has it, the rest answers as a
 // card without that facility would.
-#include <time.h>
+
+#include <ctime>
 
 #include "plus_state.hpp"
 

@@ -2,9 +2,9 @@
 #include "scanner.hpp"
 
 #include <sys/prctl.h>
-#include <time.h>
 
 #include <csignal>
+#include <ctime>
 
 #include "bits.hpp"
 #include "fifo.hpp"

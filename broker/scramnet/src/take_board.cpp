@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
 #include <cstdlib>
+#include <memory>
 #include <mutex>
 
 #include <rths/core/error.hpp>
@@ -24,7 +25,7 @@ BoardError take() noexcept {
     return BoardError::Configuration;
   }
   try {
-    the_board.store(new Board{settings});
+    the_board.store(std::make_unique<Board>(settings).release());
     std::atexit([] { the_board.load()->leave(); });
     return BoardError::None;
   } catch (const std::exception& error) {

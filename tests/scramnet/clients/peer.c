@@ -2,6 +2,7 @@
  *
  * Another card: writes 1, 2, 3, … into consecutive words for which it has TIE.
  *   peer FIRST COUNT PERIOD_US */
+#define _POSIX_C_SOURCE 200809L
 #include <scrplus.h>
 #include <stdlib.h>
 #include <time.h>
