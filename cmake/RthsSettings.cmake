@@ -13,7 +13,8 @@ set(RTHS_SANITIZER "" CACHE STRING "Sanitizers to build with, as -fsanitize take
 # Warnings are for this project's own sources and are not handed to those who link to it.
 add_library(rths_warnings INTERFACE)
 target_compile_options(rths_warnings INTERFACE
-  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wold-style-cast -Wcast-align
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wcast-align
+  $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast>
   # clang counts these to -Wconversion, g++ does not; of an index they say nothing worth knowing.
   $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>
   $<$<BOOL:${RTHS_WERROR}>:-Werror>)

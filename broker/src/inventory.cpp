@@ -50,6 +50,7 @@ RingReport inspect(const std::string& name, std::uint64_t bytes) {
   try {
     const auto segment = Segment::attach_shared(name, kPatience);
     const memmap::Map map = segment->map();
+    report.bytes = segment->header().memory_at + segment->header().memory_bytes;
     report.map_name = map.description().name;
     report.map_version = map.description().version;
     report.map_hash = memmap::hash_text(map.hash());

@@ -7,6 +7,7 @@
 
 #include <rths/memmap/codec.hpp>
 
+#include "card_room.hpp"
 #include "journal.hpp"
 #include "process.hpp"
 #include "record.hpp"
@@ -80,11 +81,14 @@ Header plan_layout(const memmap::Map& map, const std::string& map_text,
   header.journals_at = header.memory_at + header.memory_bytes;
   header.journal_bits = enough_bits(map, journal_bits);
   header.journal_count = map.description().nodes.size();
+  header.cards_at = journal_at(header, static_cast<std::uint32_t>(header.journal_count));
+  header.card_bytes = card_room(header.memory_bytes);
+  header.card_count = kMaxSlots;
   return header;
 }
 
 std::uint64_t total_bytes(const Header& header) {
-  return header.journals_at + header.journal_count * journal_stride(header);
+  return header.cards_at + header.card_count * header.card_bytes;
 }
 
 std::uint64_t common_bytes(const Header& header) { return header.journals_at; }
@@ -98,7 +102,9 @@ bool parts_are_in_order(const Header& h) {
          h.map_text_at == records_end(h) &&
          h.memory_at == round_up(h.map_text_at + h.map_text_bytes, kPageBytes) &&
          h.journals_at == h.memory_at + h.memory_bytes && h.journal_bits >= kFewestBits &&
-         h.journal_bits <= kMostBits;
+         h.journal_bits <= kMostBits &&
+         h.cards_at == journal_at(h, static_cast<std::uint32_t>(h.journal_count)) &&
+         h.card_bytes == card_room(h.memory_bytes) && h.card_count == kMaxSlots;
 }
 
 std::uint64_t journal_at(const Header& header, std::uint32_t index) {

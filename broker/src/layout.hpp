@@ -23,7 +23,11 @@ namespace rths::broker {
 //   memory_at            the ring's words       memory_bytes, on a page of its own
 //   journals_at          a journal per node     journal_bytes each, on pages of their own
 //
-// Room for a journal is taken when its node first joins, and whoever reads it maps it then.
+//   cards_at             room for kMaxSlots cards of the vendor's interface: see card_room.hpp
+//
+// Journals and cards are outside the mapping that every node makes, since nodes lock their memory.
+// Room for a journal is taken when its node first joins, for a card when it is first used, and
+// whoever needs one maps it then.
 //
 // kLayoutVersion is bumped whenever a program built before would read any of this wrongly.
 inline constexpr std::uint64_t kMagic = 0x474E'4952'5348'5452;  // "RTHSRING" in memory
@@ -45,6 +49,8 @@ struct alignas(256) Header {
   std::uint64_t map_text_at, map_text_bytes;
   std::uint64_t memory_at, memory_bytes;
   std::uint64_t journals_at, journal_bits, journal_count;
+  std::uint64_t cards_at, card_bytes, card_count;
+  std::uint64_t cards_in_use;  ///< bit n: card n has its room and its registers
 };
 
 struct alignas(128) Slot {

@@ -16,6 +16,7 @@
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
 
+#include "card_room.hpp"
 #include "process.hpp"
 
 namespace rths::broker {
@@ -59,6 +60,11 @@ void take_room(const ipc::shared_memory_object& object, std::uint64_t begin, std
   const int problem = posix_fallocate(object.get_mapping_handle().handle, static_cast<off_t>(begin),
                                       static_cast<off_t>(bytes));
   if (problem != 0) throw Error{std::strerror(problem)};
+}
+
+// Only a memory larger than any SCRAMNet+ card's stays sparse: nobody uses all of a GT card's 128 MB.
+std::uint64_t room_at_once(const Header& header) {
+  return header.memory_bytes > kLargestPlusMemory ? header.memory_at : common_bytes(header);
 }
 
 ipc::mapped_region map_part(const ipc::shared_memory_object& object, std::uint64_t begin,
@@ -168,7 +174,7 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
                                                ipc::read_write, permissions};
     made = true;
     memory->object.truncate(static_cast<ipc::offset_t>(total_bytes(header)));
-    take_room(memory->object, 0, common_bytes(header));
+    take_room(memory->object, 0, room_at_once(header));
     memory->common = map_part(memory->object, 0, common_bytes(header));
   } catch (const std::exception& error) {
     if (made) ipc::shared_memory_object::remove(object_name(name).c_str());

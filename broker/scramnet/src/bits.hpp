@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace rths::scramnet {
+
+// The bits of the registers that this software acts on, under their fields' names. The vendor's
+// macros for them are for clients: names like MAP or ACR would reach into our own code.
+namespace csr0 {
+inline constexpr std::uint32_t kReceive = 0x1, kTransmit = 0x2, kHostInterrupts = 0x8,
+                               kAcrWindow = 0x10, kMemoryInterrupts = 0x20,
+                               kAllReceiveInterrupts = 0x40, kErrorInterrupts = 0x80,
+                               kSendInterrupts = 0x100, kAllSendInterrupts = 0x200,
+                               kResetInterruptFifo = 0x2000, kInsert = 0x8000;
+}
+namespace csr1 {
+inline constexpr std::uint32_t kInterruptFifoFull = 0x10, kCounterOverflow = 0x1000,
+                               kArmed = 0x4000, kNoBypassSwitch = 0x8000;
+}
+namespace csr2 {
+inline constexpr std::uint32_t kNoFibreLoopback = 0x40, kWireLoopback = 0x80, kNoHostWrite = 0x100,
+                               kReceiveOwn = 0x200, kInterruptOwn = 0x400;
+}
+namespace csr5 {
+inline constexpr std::uint32_t kNotEmpty = 0x8000;
+}
+namespace csr8 {
+inline constexpr std::uint32_t kIdMux = 0x1, kResetAll = 0x100, kFreeRun = 0x200,
+                               kAllInterrupt = 0x400, kSizeMask = 0x7000, kAlwaysSet = 0x8000;
+inline constexpr std::uint32_t kSizeShift = 12;
+}  // namespace csr8
+namespace csr9 {
+inline constexpr std::uint32_t kSelfTest = 0x8, kCountTriggers = 0x2000, kCountErrors = 0x4000;
+}
+namespace acr {
+inline constexpr std::uint32_t kReceiveInterrupt = 0x1, kTransmitInterrupt = 0x2, kBits = 0x1f;
+}
+
+}  // namespace rths::scramnet

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "board.hpp"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+
+#include <rths/core/error.hpp>
+
+#include "bits.hpp"
+#include "interrupts.hpp"
+
+namespace rths::scramnet {
+namespace {
+
+std::uint64_t checked_window(const Place& place, const Settings& settings) {
+  if (place.own().acr == nullptr)
+    throw Error{"ring '" + settings.ring + "' is larger than any SCRAMNet+ card, 8 MB"};
+  const std::uint64_t all = place.memory_bytes();
+  return settings.card_bytes == 0 ? all : std::min(all, settings.card_bytes);
+}
+
+std::byte* whole_memory(const Place& place) {
+  std::byte* memory = place.map_memory(nullptr, 0, place.memory_bytes());
+  if (memory == nullptr) throw Error{"the ring's memory cannot be mapped"};
+  return memory;
+}
+
+constexpr std::uint32_t kPagingOn = 0x1;
+constexpr std::uint32_t kPageBytesShift = 7;  // CSR12 bit 5 is address bit 12
+
+}  // namespace
+
+Board::Board(const Settings& settings)
+    : place_{settings},
+      bypass_switch_{settings.bypass_switch},
+      window_bytes_{checked_window(place_, settings)},
+      size_code_{size_code_of(window_bytes_)},
+      memory_{whole_memory(place_)},
+      interrupts_seen_{place_.card().plus.host_interrupts.load()},
+      scanner_{place_, reinterpret_cast<Word*>(memory_),
+               static_cast<std::uint32_t>(window_bytes_ / 4)} {
+  registers().set_size_code(size_code_);
+  show();
+}
+
+std::uint32_t Board::read_csr(int index) {
+  if (index == 1 || index == 5) scanner_.look();
+  std::uint32_t nodes = 0;
+  if (index == 3)
+    place_.for_each_card([&](const Place::CardView& card) {
+      nodes += Registers{*card.card}.all_set(0, csr0::kInsert) ? 1 : 0;
+    });
+  return registers().read(index, nodes, bypass_switch_);
+}
+
+void Board::write_csr(int index, std::uint32_t value) {
+  const std::uint32_t before = registers().peek(0);
+  registers().write(index, value);
+  if (index == 0 || index == 8) control_changed(before);
+  if (index == 1) scanner_.look();
+  if (index == 3) warn_of_shared_id();
+  if (index == 12) show();
+}
+
+void Board::change_csr(int index, std::uint32_t set, std::uint32_t clear) {
+  write_csr(index, (registers().peek(index) & ~clear) | set);
+}
+
+void Board::control_changed(std::uint32_t before) {
+  const std::uint32_t now = registers().peek(0);
+  const std::uint32_t changed = before ^ now;
+  constexpr std::uint32_t kWhatCounts =
+      csr0::kReceive | csr0::kMemoryInterrupts | csr0::kAllReceiveInterrupts;
+  const bool window_closed = (before & ~now & csr0::kAcrWindow) != 0;
+  if ((changed & csr0::kAcrWindow) != 0) show();
+  if (window_closed) {
+    for (std::uint64_t i = 0; i < window_bytes_ / 4; ++i)
+      if (acr()[i].load(std::memory_order_relaxed) > acr::kBits) acr()[i].fetch_and(acr::kBits);
+    plus().acr_changes.fetch_add(1);
+  }
+  if (scanner_.is_enabled() && ((changed & kWhatCounts) != 0 || window_closed))
+    scanner_.start_afresh();
+  update_thread();
+  deliver_if_due(place_.card());
+}
+
+void Board::warn_of_shared_id() {
+  const std::uint32_t id = registers().peek(3) >> 8;
+  place_.for_each_card([&](const Place::CardView& card) {
+    if (card.card != &place_.card() && broker::is_alive(card.card->holder.load()) &&
+        Registers{*card.card}.peek(3) >> 8 == id)
+      complain_once("id",
+                    "another node of the ring has this node's id; cards would swallow each "
+                    "other's messages, here they arrive");
+  });
+}
+
+bool Board::has_page(std::uint32_t page) const {
+  return (page + 1) * window_bytes_ <= place_.memory_bytes();
+}
+
+bool Board::others_are_at_work() const {
+  bool found = false;
+  place_.for_each_card([&](const Place::CardView& card) {
+    const std::uint32_t csr0 = Registers{*card.card}.peek(0);
+    found |= card.card != &place_.card() && broker::is_alive(card.card->holder.load()) &&
+             (csr0 & (csr0::kReceive | csr0::kTransmit)) != 0;
+  });
+  return found;
+}
+
+bool Board::map_window() {
+  if (window_ != nullptr) return true;
+  window_ = place_.map_memory(nullptr, page_offset_, window_bytes_);
+  show();
+  return window_ != nullptr;
+}
+
+void Board::unmap_window() {
+  if (window_ != nullptr) munmap(window_, window_bytes_);
+  window_ = nullptr;
+}
+
+// Other pages appear at the same address; who reads or writes meanwhile meets the old or the new.
+void Board::show() {
+  const std::uint32_t csr12 = registers().peek(12);
+  const std::uint64_t wanted =
+      (csr12 & kPagingOn) == 0 ? 0 : std::uint64_t{csr12 & 0xFFE0} << kPageBytesShift;
+  const std::uint64_t offset = wanted + window_bytes_ <= place_.memory_bytes() ? wanted : 0;
+  if (offset != page_offset_) {
+    page_offset_ = offset;
+    scanner_.set_window(reinterpret_cast<Word*>(memory()),
+                        static_cast<std::uint32_t>(window_bytes_ / 4),
+                        static_cast<std::uint32_t>(offset / 4));
+  }
+  if (window_ == nullptr) return;
+  if (registers().all_set(0, csr0::kAcrWindow))
+    static_cast<void>(place_.map_acr(window_, window_bytes_));
+  else
+    static_cast<void>(place_.map_memory(window_, page_offset_, window_bytes_));
+}
+
+void Board::write_acr(std::uint32_t longword, std::uint32_t value) {
+  const std::uint32_t before = acr()[longword].exchange(value & acr::kBits);
+  plus().acr_changes.fetch_add(1);
+  if ((value & ~before & acr::kReceiveInterrupt) != 0 && scanner_.is_enabled())
+    scanner_.start_afresh(longword);
+}
+
+void Board::clear_acr() {
+  for (std::uint64_t i = 0; i < window_bytes_ / 4; ++i)
+    if (acr()[i].load(std::memory_order_relaxed) != 0) acr()[i].store(0);
+  plus().acr_changes.fetch_add(1);
+}
+
+std::uint32_t Board::take_interrupts() {
+  const std::uint32_t delivered = plus().host_interrupts.load();
+  return delivered - interrupts_seen_.exchange(delivered);
+}
+
+void Board::update_thread() {
+  scanner_.run_thread(scanner_.is_enabled() && registers().all_set(0, csr0::kHostInterrupts) &&
+                      is_registered(plus(), place_.self()));
+}
+
+void Board::leave() {
+  scanner_.run_thread(false);
+  remove_registration(plus(), place_.self());
+  place_.leave();
+}
+
+}  // namespace rths::scramnet

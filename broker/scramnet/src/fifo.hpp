@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "card.hpp"
+
+namespace rths::scramnet {
+
+/// Adds the address of a longword. A full FIFO keeps its oldest entries: the newest one is
+/// overwritten, as on the card. One process at a time.
+/// @returns false if it was full
+bool push(InterruptFifo& fifo, std::uint32_t byte_address) noexcept;
+/// The oldest entry, which stays.   @any_thread
+[[nodiscard]] std::optional<std::uint32_t> peek(const InterruptFifo& fifo) noexcept;
+/// Takes the oldest entry.   @any_thread
+[[nodiscard]] std::optional<std::uint32_t> pop(InterruptFifo& fifo) noexcept;
+void clear(InterruptFifo& fifo) noexcept;
+
+}  // namespace rths::scramnet

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <ctime>
+
+#include "gt_queue.hpp"
+
+#include <linux/futex.h>
+#include <sched.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+namespace rths::scramnet {
+namespace {
+
+constexpr int kAttempts = 400;  // the first half yields, the second sleeps
+constexpr timespec kNap{0, 50'000};
+
+long futex(Word& word, int operation, std::uint32_t value, const timespec* timeout) {
+  return syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&word), operation, value, timeout,
+                 nullptr, 0);
+}
+
+// An entry is reserved by whoever puts his claim into it; that of a dead process counts as none.
+bool reserve(GtEntry& entry, broker::Claim self) {
+  broker::Claim writer = entry.writer.load();
+  if (writer != 0 && broker::is_alive(writer)) return false;
+  return entry.writer.compare_exchange_strong(writer, self);
+}
+
+void advance(GtCard& card, std::uint64_t place) {
+  card.tail.compare_exchange_strong(place, place + 1);
+}
+
+// The tail moves only past what is complete. Who finds a complete entry at the tail, because its
+// writer has died or not come so far, moves it on for him.
+bool try_push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
+  const std::uint64_t place = card.tail.load();
+  GtEntry& entry = card.queue[place % kGtQueueEntries];
+  if (!reserve(entry, self)) return false;
+  const bool is_free = card.tail.load() == place && entry.stamp.load() != place + 1;
+  if (is_free) {
+    entry.stamp.store(0);
+    entry.type.store(interrupt.type);
+    entry.source.store(interrupt.source);
+    entry.id.store(interrupt.id);
+    entry.value.store(interrupt.value);
+    entry.stamp.store(place + 1);
+  }
+  if (entry.stamp.load() == place + 1) advance(card, place);
+  entry.writer.store(0);
+  return is_free;
+}
+
+}  // namespace
+
+bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
+  for (int attempt = 0; !try_push(card, interrupt, self); ++attempt) {
+    if (attempt == kAttempts) return false;
+    if (attempt < kAttempts / 2)
+      sched_yield();
+    else
+      clock_nanosleep(CLOCK_MONOTONIC, 0, &kNap, nullptr);
+  }
+  card.arrivals.fetch_add(1);
+  if (card.sleepers.load() != 0) futex(card.arrivals, FUTEX_WAKE, 0x7FFF'FFFF, nullptr);
+  return true;
+}
+
+bool read(const GtCard& card, std::uint64_t place, GtInterrupt& interrupt) {
+  const GtEntry& entry = card.queue[place % kGtQueueEntries];
+  if (entry.stamp.load() != place + 1) return false;
+  interrupt = {entry.type.load(), entry.source.load(), entry.id.load(), entry.value.load()};
+  return entry.stamp.load() == place + 1;
+}
+
+void sleep_on(GtCard& card, std::uint32_t arrivals, std::int64_t nanoseconds) {
+  const timespec timeout{nanoseconds / 1'000'000'000, nanoseconds % 1'000'000'000};
+  card.sleepers.fetch_add(1);
+  futex(card.arrivals, FUTEX_WAIT, arrivals, &timeout);
+  card.sleepers.fetch_sub(1);
+}
+
+}  // namespace rths::scramnet

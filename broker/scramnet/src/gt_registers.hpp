@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "card.hpp"
+
+namespace rths::scramnet {
+
+// Control registers of a GT card, by index (byte offset / 4), and the bits that act here.
+namespace gt {
+inline constexpr std::uint32_t kBoardInfo = 0x00 / 4, kUser = 0x08 / 4, kLinkControl = 0x10 / 4,
+                               kLinkStatus = 0x14 / 4, kBroadcastMask = 0x18 / 4,
+                               kUnicastMask = 0x1C / 4, kMisc = 0x20 / 4, kTimer = 0x40 / 4;
+inline constexpr std::uint32_t kLaser0 = 0x1, kLaser1 = 0x2, kNodeIdShift = 8, kTransmit = 0x1'0000,
+                               kReceive = 0x2'0000, kRetransmit = 0x4'0000,
+                               kInterruptSelf = 0x20'0000;
+inline constexpr std::uint32_t kLinkUp = 0x2'0000, kSignal0 = 0x4'0000, kSignal1 = 0x8'0000;
+inline constexpr std::uint32_t kSwaps = 0x3;
+}  // namespace gt
+
+/// Statistics of a card, by index.
+enum GtCount : std::uint32_t { kReceived, kSent, kMissed, kReads, kWrites };
+
+/// What a card sees of its ring.
+struct GtRing {
+  std::uint32_t nodes = 1;     ///< on it
+  std::uint32_t upstream = 0;  ///< node id of the one before
+};
+
+void power_up_gt(GtCard& card);
+[[nodiscard]] std::uint32_t read_cr(const GtCard& card, std::uint32_t index, const GtRing& ring);
+/// Read-only registers stay as they are.
+void write_cr(GtCard& card, std::uint32_t index, std::uint32_t value);
+
+enum class StateResult { Ok, BadParameter, Unsupported };
+/// @returns 0xFFFFFFFF if there is no such state
+[[nodiscard]] std::uint32_t get_state(const GtCard& card, std::uint32_t state, const GtRing& ring);
+[[nodiscard]] StateResult set_state(GtCard& card, std::uint32_t state, std::uint32_t value);
+
+[[nodiscard]] std::uint32_t node_id(const GtCard& card);
+[[nodiscard]] bool is_set(const GtCard& card, std::uint32_t index, std::uint32_t bits);
+
+}  // namespace rths::scramnet

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gt_unit.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+
+#include <rths/core/error.hpp>
+
+#include "complaint.hpp"
+
+namespace rths::scramnet {
+namespace {
+
+// As with the SCRAMNet+ card, a unit lasts as long as its process; at exit it leaves the ring.
+std::array<std::atomic<GtUnit*>, SCGT_MAX_DEVICES> units{};
+std::mutex taking;
+
+void leave_all() {
+  for (auto& unit : units)
+    if (GtUnit* taken = unit.load()) taken->place().leave();
+}
+
+bool lets_in(const GtCard& card, const scgtInterrupt& interrupt) {
+  if (!is_set(card, gt::kLinkControl, gt::kReceive)) return false;
+  if (interrupt.type == SCGT_BROADCAST_INTR)
+    return is_set(card, gt::kBroadcastMask, 1U << interrupt.id);
+  return node_id(card) == interrupt.id && is_set(card, gt::kUnicastMask, 1);
+}
+
+}  // namespace
+
+GtUnit::GtUnit(std::uint32_t unit)
+    : place_{gt_settings(unit)}, memory_{place_.map_memory(nullptr, 0, place_.memory_bytes())} {
+  if (memory_ == nullptr) throw Error{"the ring's memory cannot be mapped"};
+}
+
+GtRing GtUnit::ring() const {
+  GtRing ring{0, node_id(card())};
+  bool met_self = false;
+  place_.for_each_card([&](const Place::CardView& other) {
+    ++ring.nodes;
+    const bool self = other.card == &place_.card();
+    // The one before this card; before the first one comes the last.
+    if (!self && (!met_self || place_.index() == 0)) ring.upstream = node_id(other.card->gt);
+    met_self = met_self || self;
+  });
+  return ring;
+}
+
+bool GtUnit::send(const scgtInterrupt& interrupt) {
+  if (!is_set(card(), gt::kLinkControl, gt::kTransmit)) return true;
+  const bool unicast = interrupt.type == SCGT_UNICAST_INTR;
+  const GtInterrupt message{interrupt.type, node_id(card()), unicast ? 0 : interrupt.id,
+                            interrupt.val};
+  bool all = true;
+  place_.for_each_card([&](const Place::CardView& other) {
+    const bool self = other.card == &place_.card();
+    if (self && !is_set(card(), gt::kLinkControl, gt::kInterruptSelf)) return;
+    if (!lets_in(other.card->gt, interrupt)) return;
+    if (push(other.card->gt, message, place_.self()))
+      other.card->gt.counts[kReceived].fetch_add(1);
+    else
+      all = false;
+  });
+  card().counts[kSent].fetch_add(1);
+  return all;
+}
+
+GtUnit* unit_of(const scgtHandle* handle) noexcept {
+  if (handle == nullptr || handle->unitNum >= SCGT_MAX_DEVICES) return nullptr;
+  return units[handle->unitNum].load(std::memory_order_acquire);
+}
+
+GtUnit* take_unit(std::uint32_t number) noexcept {
+  const std::lock_guard lock{taking};
+  static bool leaves_at_exit = false;
+  if (GtUnit* taken = units[number].load()) return taken;
+  try {
+    units[number].store(std::make_unique<GtUnit>(number).release());
+  } catch (const std::exception& error) {
+    complain_once("scgt", error.what());
+    return nullptr;
+  }
+  if (!leaves_at_exit) leaves_at_exit = std::atexit(leave_all) == 0;
+  return units[number].load();
+}
+
+}  // namespace rths::scramnet

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gt_queue.hpp"
+#include "gt_registers.hpp"
+#include "place.hpp"
+
+#include <scgtapi.h>
+
+namespace rths::scramnet {
+
+/// The GT card that this process holds under a unit number.
+class GtUnit {
+ public:
+  /// @throws Error
+  explicit GtUnit(std::uint32_t unit);
+
+  [[nodiscard]] GtCard& card() const { return place_.card().gt; }
+  [[nodiscard]] Place& place() { return place_; }
+  [[nodiscard]] GtRing ring() const;
+  [[nodiscard]] std::uint32_t memory_bytes() const {
+    return static_cast<std::uint32_t>(place_.memory_bytes());
+  }
+  /// The memory as the driver's DMA reaches it, whether or not a client has mapped it.
+  [[nodiscard]] std::byte* memory() const { return memory_; }
+  /// Sends an interrupt to every card that lets it in. @returns false if one could not be reached
+  [[nodiscard]] bool send(const scgtInterrupt& interrupt);
+
+ private:
+  Place place_;
+  std::byte* memory_;
+};
+
+/// The card behind a handle; null if the handle is null or was never opened.
+[[nodiscard]] GtUnit* unit_of(const scgtHandle* handle) noexcept;
+/// The card of a unit, taken if need be; null, with the reason on standard error, if it cannot be.
+[[nodiscard]] GtUnit* take_unit(std::uint32_t unit) noexcept;
+
+}  // namespace rths::scramnet

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "card.hpp"
+
+namespace rths::scramnet {
+
+/// Delivers one host interrupt if the card is armed, lets interrupts through, and has something to
+/// tell; disarms it. Whoever is registered gets SIGUSR1.
+void deliver_if_due(Card& card);
+
+/// Registers a process for SIGUSR1. @returns false if all places are taken
+[[nodiscard]] bool add_registration(PlusCard& card, broker::Claim process);
+/// @returns false if it was not registered
+bool remove_registration(PlusCard& card, broker::Claim process);
+void remove_all_registrations(PlusCard& card);
+[[nodiscard]] bool is_registered(const PlusCard& card, broker::Claim process);
+
+}  // namespace rths::scramnet

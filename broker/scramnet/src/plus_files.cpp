@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Vendor's calls: a memory or an ACR as a text file. A line is "offset:value:format:bytes" for
+// memory, the value spelled as the printf format says; "offset:value" for the ACR. Offsets are of
+// bytes, hexadecimal.
+#include <cinttypes>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include "plus_state.hpp"
+
+#include <scrplus.h>
+
+using namespace rths::scramnet;
+
+namespace {
+
+enum FileError {
+  kNoMemory = -1,
+  kNoRegisters = -2,
+  kNotOpen = -3,
+  kNotRead = -4,
+  kPastEnd = -5,
+  kBadCommand = -6
+};
+
+struct Closer {
+  void operator()(FILE* file) const {
+    std::fclose(file);  // NOLINT(cppcoreguidelines-owning-memory): the pointer owns it
+  }
+};
+using File = std::unique_ptr<FILE, Closer>;
+
+int trouble_with(int which) {
+  if (card_with_memory() == nullptr) return kNoMemory;
+  if (card_with_registers() == nullptr) return kNoRegisters;
+  return which == MEM || which == ACR ? 0 : kBadCommand;
+}
+
+// The bytes of a value, by the last letter of its format. The format itself is never handed to
+// scanf: it comes from a file.
+bool parse_value(const char* text, char conversion, unsigned bytes, unsigned char* value) {
+  char* end = nullptr;
+  if (std::strchr("eEfFgG", conversion) != nullptr) {
+    const double number = std::strtod(text, &end);
+    const auto single = static_cast<float>(number);
+    std::memcpy(value, bytes == 8 ? static_cast<const void*>(&number) : &single, bytes);
+    return end != text && (bytes == 4 || bytes == 8);
+  }
+  const int base = conversion == 'o' ? 8 : std::strchr("xX", conversion) != nullptr ? 16 : 10;
+  const bool is_signed = conversion == 'd' || conversion == 'i';
+  const auto number = is_signed ? static_cast<std::uint64_t>(std::strtoll(text, &end, base))
+                                : std::strtoull(text, &end, base);
+  std::memcpy(value, &number, bytes);
+  return end != text;
+}
+
+int load_memory_line(Board& card, const char* line) {
+  unsigned long offset = 0;
+  unsigned bytes = 0;
+  char text[64];
+  char format[16];
+  if (std::sscanf(line, "%lx:%63[^:]:%15[^:]:%u", &offset, text, format, &bytes) != 4)
+    return kNotRead;
+  if (bytes == 0 || bytes > 8 || (bytes & (bytes - 1)) != 0) return kNotRead;
+  unsigned char value[8] = {};
+  if (!parse_value(text, format[std::strlen(format) - 1], bytes, value)) return kNotRead;
+  if (offset > card.window_bytes() || bytes > card.window_bytes() - offset) return kPastEnd;
+  std::memcpy(card.memory() + offset, value, bytes);
+  return 0;
+}
+
+int load_acr_line(Board& card, const char* line) {
+  unsigned long offset = 0;
+  unsigned value = 0;
+  if (std::sscanf(line, "%lx:%x", &offset, &value) != 2) return kNotRead;
+  if (offset >= card.window_bytes()) return kPastEnd;
+  card.write_acr(static_cast<std::uint32_t>(offset / 4), value);
+  return 0;
+}
+
+}  // namespace
+
+extern "C" {
+
+int scr_load_mm(char* name, int which) {
+  if (const int trouble = trouble_with(which); trouble != 0) return trouble;
+  const File file{std::fopen(name, "r")};
+  if (!file) return kNotOpen;
+  char line[160];
+  int result = 0;
+  while (result == 0 && std::fgets(line, sizeof line, file.get()) != nullptr)
+    if (line[0] != '\n')
+      result = which == MEM ? load_memory_line(*board(), line) : load_acr_line(*board(), line);
+  return result == 0 && std::ferror(file.get()) != 0 ? kNotRead : result;
+}
+
+int scr_save_mm(char* name, int which) {
+  if (const int trouble = trouble_with(which); trouble != 0) return trouble;
+  const File file{std::fopen(name, "w")};
+  if (!file) return kNotOpen;
+  const Board& card = *board();
+  const auto* words = reinterpret_cast<const Word*>(card.memory());
+  for (std::uint64_t i = 0; i < card.window_bytes() / 4; ++i)
+    if (which == MEM)
+      std::fprintf(file.get(), "%" PRIx64 ":%x:%%x:4\n", i * 4, words[i].load());
+    else
+      std::fprintf(file.get(), "%" PRIx64 ":%x\n", i * 4, card.acr()[i].load() & ACR_MASK);
+  return std::ferror(file.get()) != 0 ? kNotRead : 0;
+}
+}

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "registers.hpp"
+
+#include <ctime>
+#include <utility>
+
+#include "bits.hpp"
+#include "fifo.hpp"
+
+namespace rths::scramnet {
+namespace {
+
+constexpr std::uint32_t kTimeout = 0x10;  // in 240 ns
+
+// By size code; 0 is none.
+constexpr std::array<std::uint64_t, 8> kSizes{0,        8U << 20,   4U << 20,   2U << 20,
+                                              1U << 20, 512U << 10, 128U << 10, 4U << 10};
+
+std::int64_t now_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+// Length of a tick of the counter in ps, 0 in the modes that count what plain stores do not show.
+std::int64_t tick_ps(std::uint32_t csr8_value, std::uint32_t csr9_value) {
+  if ((csr8_value & csr8::kFreeRun) == 0) return 0;
+  if ((csr9_value & csr9::kCountErrors) != 0) return 26'660;
+  return (csr9_value & csr9::kCountTriggers) != 0 ? 1'706'000 : 0;
+}
+
+}  // namespace
+
+std::uint64_t bytes_of_size_code(std::uint32_t code) noexcept { return kSizes[code & 7]; }
+
+std::uint32_t size_code_of(std::uint64_t bytes) noexcept {
+  for (std::uint32_t code = 1; code < kSizes.size(); ++code)
+    if (kSizes[code] <= bytes) return code;
+  return 7;
+}
+
+std::uint32_t Registers::peek(int index) const {
+  return index >= 0 && index < 16 ? plus_->csr[static_cast<std::size_t>(index)].load() : 0;
+}
+
+bool Registers::all_set(int index, std::uint32_t bits) const {
+  return (peek(index) & bits) == bits;
+}
+
+void Registers::change(int index, std::uint32_t set, std::uint32_t clear) {
+  write(index, (peek(index) & ~clear) | set);
+}
+
+std::uint32_t Registers::read(int index, std::uint32_t nodes, bool bypass_switch) {
+  switch (index) {
+    case 1:
+      return read_status(bypass_switch);
+    case 3:
+      return read_id(nodes);
+    case 4:
+      return scramnet::pop(plus_->fifo).value_or(0) & 0xFFFC;
+    case 5: {
+      const auto oldest = scramnet::peek(plus_->fifo);
+      return oldest ? csr5::kNotEmpty | (*oldest >> 16 & 0x7F) : 0;
+    }
+    case 9:  // the stream of the self-test is all ones
+      return peek(9) | csr9::kSelfTest;
+    case 13:
+      return read_counter();
+    default:
+      return peek(index);
+  }
+}
+
+// Latched bits are gone once read. What is live stays: whether interrupts are armed, and the
+// switch. Nothing ever waits in the transmit FIFO: a store is at the others at once.
+std::uint32_t Registers::read_status(bool bypass_switch) {
+  static_cast<void>(read_counter());
+  return plus_->latched.exchange(0) | (plus_->armed.load() != 0 ? csr1::kArmed : 0) |
+         (bypass_switch ? 0 : csr1::kNoBypassSwitch);
+}
+
+std::uint32_t Registers::read_id(std::uint32_t nodes) const {
+  if (all_set(8, csr8::kIdMux)) return plus_->receive_id.load() << 8 | plus_->transmit_age.load();
+  return (peek(3) & 0xFF00) | (nodes & 0xFF);
+}
+
+std::uint32_t Registers::read_counter() {
+  const std::int64_t tick = tick_ps(peek(8), peek(9));
+  std::uint64_t count = plus_->counter.load();
+  if (tick != 0)
+    count += static_cast<std::uint64_t>((now_ns() - plus_->counter_since_ns.load()) * 1000 / tick);
+  if (count > 0xFFFF) {
+    latch(csr1::kCounterOverflow);
+    write_counter(static_cast<std::uint32_t>(count & 0xFFFF));
+  }
+  return static_cast<std::uint32_t>(count & 0xFFFF);
+}
+
+void Registers::write(int index, std::uint32_t value) {
+  value &= 0xFFFF;
+  switch (index) {
+    case 0:
+      return write_control(value);
+    case 1:  // any value
+      return plus_->armed.store(1);
+    case 3:
+      return write_id(value);
+    case 5:
+      return plus_->timeout.store(value);
+    case 8:
+      return write_extended(value);
+    case 9:
+      return plus_->csr[9].store(value & ~csr9::kSelfTest);
+    case 13:
+      return write_counter(value);
+    case 2:
+    case 10:
+    case 11:
+    case 12:
+      return plus_->csr[static_cast<std::size_t>(index)].store(value);
+    default:
+      return;  // read only, reserved, or no register at all
+  }
+}
+
+void Registers::write_control(std::uint32_t value) {
+  const std::uint32_t before = plus_->csr[0].exchange(value);
+  if (((before | value) & csr0::kResetInterruptFifo) != 0) scramnet::clear(plus_->fifo);
+}
+
+void Registers::write_id(std::uint32_t value) {
+  plus_->receive_id.store(value >> 8);
+  if (all_set(8, csr8::kIdMux))
+    plus_->transmit_age.store(value & 0xFF);
+  else
+    plus_->csr[3].store(value & 0xFF00);
+}
+
+void Registers::write_extended(std::uint32_t value) {
+  const std::uint32_t fixed = (peek(8) & csr8::kSizeMask) | csr8::kAlwaysSet;
+  if ((value & csr8::kResetAll) != 0) {
+    const std::uint32_t id = peek(3) >> 8;
+    power_up(id);
+    plus_->csr[8].store((peek(8) & ~csr8::kSizeMask) | fixed);
+    return;
+  }
+  write_counter(read_counter());
+  plus_->csr[8].store((value & ~csr8::kSizeMask) | fixed);
+}
+
+void Registers::write_counter(std::uint32_t value) {
+  plus_->counter_since_ns.store(now_ns());
+  plus_->counter.store(value);
+}
+
+void Registers::power_up(std::uint32_t id) {
+  constexpr std::array<std::pair<std::size_t, std::uint32_t>, 7> kValues{
+      {{2, 0xC040}, {8, 0x8800}, {9, 0x0021}, {10, 0x0001}, {11, 0x0080}, {12, 0}, {15, 0x0020}}};
+  for (auto& csr : plus_->csr) csr.store(0);
+  for (const auto& [csr, value] : kValues) plus_->csr[csr].store(value);
+  plus_->csr[3].store(id << 8 & 0xFF00);
+  plus_->receive_id.store(id & 0xFF);
+  plus_->transmit_age.store(0);
+  plus_->timeout.store(kTimeout);
+  plus_->latched.store(0);
+  plus_->armed.store(0);
+  scramnet::clear(plus_->fifo);
+  write_counter(0);
+}
+
+void Registers::set_size_code(std::uint32_t code) {
+  plus_->csr[8].store((peek(8) & ~csr8::kSizeMask) | code << csr8::kSizeShift);
+}
+
+}  // namespace rths::scramnet

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ring_of_clients.hpp"
+
+#include <unistd.h>
+
+#include <rths/core/error.hpp>
+#include <rths/memmap/map.hpp>
+
+#include "segment.hpp"
+
+namespace rths::scramnet {
+namespace {
+
+// A map must name a node; the words of this one belong to whoever writes them.
+memmap::Map plain_map(const Settings& settings) {
+  memmap::MapDescription description;
+  description.name = "plain";
+  description.size_longwords = static_cast<std::uint32_t>(settings.ring_bytes / 4);
+  description.nodes = {{"client", NodeId{0}, ""}};
+  return memmap::Map{description};
+}
+
+bool exists(const std::string& ring) {
+  return access(("/dev/shm/" + broker::object_name(ring)).c_str(), F_OK) == 0;
+}
+
+}  // namespace
+
+broker::Ring attach_or_make(const Settings& settings) {
+  constexpr int kAttempts = 3;  // it may be made, or removed, between two of our looks
+  for (int attempt = 1;; ++attempt) {
+    try {
+      if (!exists(settings.ring)) {
+        const auto map =
+            settings.map.empty() ? plain_map(settings) : memmap::load_map(settings.map);
+        const auto made = broker::Segment::create_shared(settings.ring, map, broker::kJournalBits);
+      }
+      return broker::Ring::attach(settings.ring);
+    } catch (const Error&) {
+      if (attempt == kAttempts) throw;
+    }
+  }
+}
+
+}  // namespace rths::scramnet
