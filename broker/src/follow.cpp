@@ -30,6 +30,9 @@ void relax() noexcept {
 }  // namespace
 
 struct Follower::State {
+  /// What stands behind the first entry of a group.
+  enum class Rest { Whole, Coming, Cut };
+
   JournalPlace place;
   NodeId writer;
   std::uint64_t position = 0;
@@ -39,6 +42,7 @@ struct Follower::State {
   [[nodiscard]] Followed next(Write& write) noexcept;
   void catch_up() noexcept;
   [[nodiscard]] bool take_group(const JournalEntry& first, Write& write) noexcept;
+  [[nodiscard]] Rest rest_of(const JournalEntry& first) const noexcept;
 };
 
 void Follower::State::catch_up() noexcept {
@@ -47,14 +51,26 @@ void Follower::State::catch_up() noexcept {
   position = end;
 }
 
-// A group whose writer died in the middle of it is none.
 bool Follower::State::take_group(const JournalEntry& first, Write& write) noexcept {
   if (first.b > words.size()) return false;
   const std::span<std::uint32_t> all{words.data(), first.b};
   if (!read_journalled_group(place, position - 1, first.a, all)) return false;
-  position += (first.b + 2) / 3;
+  position += group_entries(first.b) - 1;
   write = {writer, LongwordOffset{first.a}, 0, all};
   return true;
+}
+
+// A group whose writer died in the middle of it is none: its successor's entries stand where the
+// rest should.
+Follower::State::Rest Follower::State::rest_of(const JournalEntry& first) const noexcept {
+  if (first.b > words.size()) return Rest::Cut;
+  JournalEntry entry;
+  for (std::uint64_t i = 0; i + 1 < group_entries(first.b); ++i) {
+    const Fetched fetched = fetch_at(place, position + i, entry);
+    if (fetched == Fetched::NotYet) return Rest::Coming;
+    if (fetched == Fetched::Gone || entry.kind() != EntryKind::Data) return Rest::Cut;
+  }
+  return Rest::Whole;
 }
 
 Followed Follower::State::next(Write& write) noexcept {
@@ -77,15 +93,10 @@ Followed Follower::State::next(Write& write) noexcept {
     }
     if (entry.kind() != EntryKind::Group) continue;
     if (take_group(entry, write)) return Followed::Write;
-    // Not whole yet: its first entry is looked at again. If the writer is gone, its successor's
-    // entries stand where the rest should.
-    JournalEntry last;
-    const std::uint64_t end = position + (entry.b + 2) / 3;
-    if (fetch_at(place, end - 1, last) != Fetched::NotYet) continue;
-    if (fetch_at(place, position, last) == Fetched::Entry && last.kind() != EntryKind::Data)
-      continue;
-    --position;
-    return Followed::Nothing;
+    const Rest rest = rest_of(entry);
+    if (rest == Rest::Cut) continue;
+    --position;  // whole by now, or soon: its first entry is looked at again
+    if (rest == Rest::Coming) return Followed::Nothing;
   }
 }
 

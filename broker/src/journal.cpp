@@ -38,6 +38,8 @@ JournalWriter::JournalWriter(const JournalPlace& place) noexcept : place_{place}
   lap_begin_ = end >> place.bits << place.bits;
   index_ = static_cast<std::uint32_t>(end - lap_begin_);
   lap_tag_ = place.lap(end) << 4U;
+  // A predecessor may have died before it left one; with two such the end would be out of sight.
+  std::atomic_ref{place_.head->hint}.store(end, std::memory_order_release);
 }
 
 void JournalWriter::turn() noexcept {

@@ -157,6 +157,11 @@ class JournalWriter {
   std::uint64_t lap_begin_ = 0;  ///< position of its first entry
 };
 
+/// How many entries a group takes: its first, and one for every three words.
+[[nodiscard]] constexpr std::uint64_t group_entries(std::size_t longwords) noexcept {
+  return 1 + (longwords + 2) / 3;
+}
+
 /// Reads a group that was journalled at a position. False if it is no longer, or not yet, there.
 [[nodiscard]] bool read_journalled_group(const JournalPlace& place, std::uint64_t position,
                                          std::uint32_t base,

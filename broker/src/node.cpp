@@ -191,6 +191,9 @@ Status Node::read_group(TearGroupId id, std::span<std::uint32_t> words) const no
     // Its writer was stopped in the middle, or is very busy: then the journal has the last whole
     // one.
     const std::uint64_t position = journalled.load(std::memory_order_acquire) - 1;
+    // Unless the record is whole by now: the journal may be ahead of it, and who read that first
+    // would go back in time.
+    if (read_record(access.record, words)) return Status::Ok;
     if (read_journalled_group(access.journal, position, access.group->base, words))
       return Status::Ok;
   }

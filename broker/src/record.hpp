@@ -73,11 +73,12 @@ inline void write_record(std::uint32_t* record, std::span<const std::uint32_t> w
   }
 }
 
-/// One attempt. False: the writer is, or was, in the middle.
+/// One attempt. False: the writer is, or was, in the middle, or nobody ever wrote.
 [[nodiscard]] inline bool read_record(std::uint32_t* record,
                                       std::span<std::uint32_t> words) noexcept {
   using detail::at;
   const std::uint32_t count = at(record[0]).load(std::memory_order_acquire);
+  if (count == 0) return false;
   switch (record_kind(static_cast<std::uint32_t>(words.size()))) {
     case RecordKind::Latch: {
       // The copy that this count names is written again only after the next count was published.

@@ -62,7 +62,8 @@ void take_room(const ipc::shared_memory_object& object, std::uint64_t begin, std
   if (problem != 0) throw Error{std::strerror(problem)};
 }
 
-// Only a memory larger than any SCRAMNet+ card's stays sparse: nobody uses all of a GT card's 128 MB.
+// Only a memory larger than any SCRAMNet+ card's stays sparse: nobody uses all of a GT card's 128
+// MB.
 std::uint64_t room_at_once(const Header& header) {
   return header.memory_bytes > kLargestPlusMemory ? header.memory_at : common_bytes(header);
 }

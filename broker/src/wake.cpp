@@ -22,19 +22,25 @@ long futex(std::uint32_t& word, int operation, std::uint32_t value,
   return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
 }
 
+/// @returns how many it woke
+long call(Wake& wake) noexcept {
+  std::atomic_ref{wake.calls}.fetch_add(1);
+  return futex(wake.calls, FUTEX_WAKE, INT_MAX, nullptr);
+}
+
 }  // namespace
 
 void register_as_writer() {
   static_cast<void>(membarrier(MEMBARRIER_CMD_REGISTER_GLOBAL_EXPEDITED));
 }
 
-// A bit that nobody is behind is that of a process that died in its sleep. Whoever clears the bit
-// of one that is only just lying down makes it oversleep, at most until its own time-out.
+// A bit that nobody is behind is that of a process that died in its sleep. It may also be that of
+// one that is only just lying down, for the second time already: then the second call keeps it up.
 void wake_all(Wake& wake) noexcept {
   const std::uint32_t seen = std::atomic_ref{wake.sleepers}.load(std::memory_order_relaxed);
-  std::atomic_ref{wake.calls}.fetch_add(1);
-  if (futex(wake.calls, FUTEX_WAKE, INT_MAX, nullptr) == 0)
-    std::atomic_ref{wake.sleepers}.fetch_and(~seen);
+  if (call(wake) != 0) return;
+  std::atomic_ref{wake.sleepers}.fetch_and(~seen);
+  call(wake);
 }
 
 Drowsy::Drowsy(Wake& wake, std::uint32_t slot) noexcept

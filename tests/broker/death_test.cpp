@@ -144,6 +144,67 @@ TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
 
 INSTANTIATE_TEST_SUITE_P(Words, DeathOf, ::testing::ValuesIn(kLengths));
 
+/// A shared ring, and its bytes: what a writer left that died.
+class Remains : public ::testing::Test {
+ protected:
+  static constexpr std::uint32_t kWords = 100;
+  std::string name = unique_ring("remains");
+  RingRemoval removal{name};
+  Ring ring = Ring::create(name, small_map(kWords), 6);
+  std::unique_ptr<Segment> segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
+  JournalPlace journal = segment->journal(0);
+  std::vector<std::uint32_t> ones = std::vector<std::uint32_t>(kWords, 1);
+  std::vector<std::uint32_t> twos = std::vector<std::uint32_t>(kWords, 2);
+
+  void live_and_write_ones(std::uint64_t loose_writes) {
+    Node machine = ring.join("machine", 0);
+    ASSERT_EQ(machine.write_group(kGroup, ones), Status::Ok);
+    for (std::uint64_t i = 0; i < loose_writes; ++i)
+      ASSERT_EQ(machine.write(kLooseWord, 1), Status::Ok);
+  }
+  void die_behind_the_journal_of_twos() { JournalWriter{journal}.group(0, twos); }
+};
+
+TEST_F(Remains, FirstWriteIsMendedEvenIfItsWriterCouldNotMarkIt) {
+  die_behind_the_journal_of_twos();
+
+  const Node successor = ring.join("machine", 0);
+
+  EXPECT_EQ(whole_value(successor, kWords), 2U);
+}
+
+TEST_F(Remains, WriteIsMendedEvenIfTheOneBeforeIsNoLongerInTheJournal) {
+  live_and_write_ones(std::uint64_t{1} << journal.bits);
+  die_behind_the_journal_of_twos();
+
+  const Node successor = ring.join("machine", 0);
+
+  EXPECT_EQ(whole_value(successor, kWords), 2U);
+}
+
+// The successor's successor finds the record in the middle again.
+TEST_F(Remains, ReadersDoNotFallBackBehindAWriteThatWasMended) {
+  live_and_write_ones(0);
+  die_behind_the_journal_of_twos();
+  const Node successor = ring.join("machine", 0);
+  segment->record(segment->groups()[0])[0] |= 1U;
+
+  EXPECT_EQ(whole_value(successor, kWords), 2U);
+}
+
+TEST_F(Remains, FollowersDoNotWaitForTheRestOfAGroup) {
+  Follower follower = ring.follow("machine");
+  const std::uint32_t lap = journal.lap(0) << 4U;
+  publish(journal.slot(0), {0, kWords, 0, lap | static_cast<std::uint32_t>(EntryKind::Group)});
+  publish(journal.slot(1), {1, 1, 1, lap | static_cast<std::uint32_t>(EntryKind::Data)});
+  Node successor = ring.join("machine", 0);
+  ASSERT_EQ(successor.write(kLooseWord, 7), Status::Ok);
+  Write write;
+
+  ASSERT_EQ(follower.next(write), Followed::Write);
+  EXPECT_EQ(write.value, 7U);
+}
+
 /// What a writer has completed, told outside the ring.
 struct Progress {
   std::atomic<std::uint32_t> begun{0}, completed{0};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <atomic>
 #include <thread>
 #include <vector>
 
@@ -51,6 +52,37 @@ TEST_F(FollowTest, SeesEveryWriteOnceAndInOrder) {
   ASSERT_EQ(follower.next(write), Followed::Write);
   EXPECT_EQ(write.offset, kMachineWord);
   EXPECT_EQ(follower.next(write), Followed::Nothing);
+}
+
+// It looks while each group is just being journalled: the writer waits for it before the next.
+TEST_F(FollowTest, SeesEveryGroupThatIsWrittenMeanwhile) {
+  constexpr std::uint32_t kWords = 60;
+  constexpr std::uint32_t kWrites = 50'000;
+  Ring wide = Ring::in_process(small_map(kWords), 10);
+  Node writer = wide.join("machine", 0);
+  Follower follower = wide.follow("machine");
+  std::atomic<std::uint32_t> followed{0};
+  std::thread thread{[&] {
+    for (std::uint32_t count = 1; count <= kWrites; ++count) {
+      while (followed.load() + 1 < count) std::this_thread::yield();
+      const std::vector<std::uint32_t> words(kWords, count);
+      static_cast<void>(writer.write_group(TearGroupId{0}, words));
+      static_cast<void>(writer.write(kMachineWord, count));
+    }
+  }};
+  std::uint32_t groups = 0;
+  while (followed.load() < kWrites) {
+    if (follower.next(write) != Followed::Write)
+      std::this_thread::yield();
+    else if (write.group.empty())
+      followed.store(write.value);
+    else
+      ++groups;
+  }
+  thread.join();
+
+  EXPECT_EQ(groups, kWrites);
+  EXPECT_EQ(follower.lost(), 0U);
 }
 
 TEST_F(FollowTest, IsToldWhenItFallsBehind) {

@@ -100,6 +100,19 @@ TEST(Journal, TellsAheadFromBehindWhenTheLapsWrap) {
   EXPECT_EQ(fetch_at(place, position + 2 * kLength, entry), Fetched::Entry);
 }
 
+// A hint is left after every 64th entry: these writers die before.
+TEST(Journal, EndsWhereItDoesAfterManyDeathsBeforeAHint) {
+  Journal journal;
+  for (std::uint64_t life = 1; life <= 4; ++life) {
+    JournalWriter writer{journal.place};
+    const std::uint64_t hint = journal.head.hint;
+    for (std::uint32_t i = 0; i < kHintEvery; ++i) writer.word(i, i);
+    journal.head.hint = hint;
+
+    EXPECT_EQ(end_of(journal.place), life * kHintEvery);
+  }
+}
+
 // One writes without pause, one reads: every entry that is read is whole and in its place, however
 // often the writer laps the reader.
 TEST(Journal, IsNeverReadTorn) {

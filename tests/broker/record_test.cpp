@@ -40,6 +40,12 @@ TEST_P(Record, GivesBackItsNewestWrite) {
   }
 }
 
+TEST_P(Record, GivesNothingBeforeItsFirstWrite) {
+  std::vector<std::uint32_t> read(length);
+
+  EXPECT_FALSE(read_record(record, read));
+}
+
 TEST_P(Record, KeepsToItsBytes) {
   std::vector<Bytes> larger(memory.size() + 1);
   for (auto& word : larger.back().words) word = 0xABCD;
