@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <thread>
 
@@ -56,8 +57,7 @@ void mark_as_dead(Segment& segment, NodeId node) {
 class Aftermath {
  public:
   Aftermath(const std::string& ring, const std::string& copy) : removal_{copy} {
-    std::filesystem::copy_file("/dev/shm/" + object_name(ring), "/dev/shm/" + object_name(copy),
-                               std::filesystem::copy_options::overwrite_existing);
+    copy_object("/dev/shm/" + object_name(ring), "/dev/shm/" + object_name(copy));
     segment_ = Segment::attach_shared(copy, std::chrono::milliseconds{0});
     mark_as_dead(*segment_, NodeId{1});
     ring_.emplace(Ring::attach(copy));
@@ -74,6 +74,18 @@ class Aftermath {
   }
 
  private:
+  // All but the cards, which are large and of no interest here.
+  static void copy_object(const std::string& from, const std::string& to) {
+    std::ifstream source{from, std::ios::binary};
+    Header header{};
+    source.read(reinterpret_cast<char*>(&header), sizeof header);
+    std::vector<char> bytes(header.cards_at);
+    source.seekg(0).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream{to, std::ios::binary}.write(bytes.data(),
+                                              static_cast<std::streamsize>(bytes.size()));
+    std::filesystem::resize_file(to, total_bytes(header));
+  }
+
   RingRemoval removal_;
   std::unique_ptr<Segment> segment_;
   std::optional<Ring> ring_;
