@@ -44,6 +44,14 @@ struct DumpArguments {
 /// Who wrote the words of a ring last, and when.
 [[nodiscard]] int who(const std::string& ring, const std::vector<std::string>& patterns);
 
+struct WatchArguments {
+  std::string ring;
+  long period_us = 50;  ///< between two looks
+  long timeout_ms = 0;  ///< end after this long; 0: never
+};
+/// Journals what plain clients store, and tells of stores into words that are not theirs.
+[[nodiscard]] int watch(const WatchArguments& arguments);
+
 struct SendArguments {
   std::string ring;
   std::vector<std::string> assignments;  ///< name=value, with a unit if it is not the map's

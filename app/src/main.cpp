@@ -30,6 +30,7 @@ struct Arguments {
   RunArguments run;
   NodeArguments node;
   DumpArguments dump;
+  WatchArguments watch;
   SendArguments send;
   BenchArguments bench;
   std::string clock = "wall", file, language = "cpp", folder;
@@ -96,6 +97,17 @@ void add_who(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return who(a.dump.source, a.dump.patterns); }; });
 }
 
+void add_watch(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "watch", "Journal what plain clients store; tell of stores into words that are not theirs");
+  command->add_option("ring", a.watch.ring, "Name of a ring")->required();
+  command->add_option("--period-us", a.watch.period_us, "Between two looks [50]")
+      ->check(CLI::Range(1, 1'000'000));
+  command->add_option("-T,--timeout", a.watch.timeout_ms, "End after so many milliseconds")
+      ->check(CLI::NonNegativeNumber);
+  command->callback([&] { chosen = [&a] { return watch(a.watch); }; });
+}
+
 void add_send(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("send", "Write words of a ring by name");
   command->add_option("ring", a.send.ring, "Name of a ring")->required();
@@ -157,8 +169,8 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", version());
   Arguments arguments;
   Chosen chosen;
-  for (const auto add :
-       {add_run, add_node, add_check, add_dump, add_who, add_send, add_bench, add_map, add_rest})
+  for (const auto add : {add_run, add_node, add_check, add_dump, add_who, add_watch, add_send,
+                         add_bench, add_map, add_rest})
     add(app, arguments, chosen);
   try {
     app.parse(argc, argv);

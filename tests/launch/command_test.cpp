@@ -28,8 +28,8 @@ TEST(Command, ExitsWithThreeWhenItIsUsedWrongly) {
 }
 
 TEST(Command, HelpsEverywhere) {
-  for (const char* command :
-       {"run", "check", "dump", "who", "send", "bench", "map", "report", "doctor", "clean"}) {
+  for (const char* command : {"run", "check", "dump", "who", "watch", "send", "bench", "map",
+                              "report", "doctor", "clean"}) {
     const Finished help = run_rths({command, "--help"});
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_GT(lines(help.out), 2) << command;
@@ -113,6 +113,26 @@ TEST_F(RingCommand, SendWritesInTheUnitThatIsGiven) {
 
   EXPECT_NE(run_rths({"dump", name, "--once", "ref.long"}).out.find(") ref.long = 50.8 mm\n"),
             std::string::npos);
+}
+
+TEST_F(RingCommand, WhoSaysWhoseAWordIsAndWhenItWasWritten) {
+  EXPECT_NE(run_rths({"who", name, "ref.long"}).out.find(": controller's, who has not written it"),
+            std::string::npos);
+
+  EXPECT_EQ(run_rths({"send", name, "ref.long=2inch"}).exit_code, 0);
+
+  EXPECT_NE(run_rths({"who", name, "ref.long"}).out.find("ref.long = 50.8 mm: by controller, "),
+            std::string::npos);
+}
+
+TEST_F(RingCommand, WatchHasNothingToSayOfNodesThatJournal) {
+  test::Running watch{{test::rths_command(), "watch", name, "-T", "400"}};
+  EXPECT_EQ(run_rths({"send", name, "ref.long=2inch"}).exit_code, 0);
+
+  const Finished finished = watch.wait(10);
+
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_EQ(finished.out, "");
 }
 
 TEST_F(RingCommand, SendUnderstandsAllBeforeItWritesAny) {

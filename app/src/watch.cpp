@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include <rths/broker/watch.hpp>
+
+#include "commands.hpp"
+
+namespace rths::app {
+namespace {
+
+using std::chrono::steady_clock;
+
+std::string listed(const std::vector<std::string>& names) {
+  return names.empty() ? "nobody who shows itself" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+// Address, value, whose word it is, and who may have done it.
+void tell(const broker::PlainStore& store, TimePoint begun) {
+  fmt::print("({:.3f}) longword {} (byte {}) = {:#010x}: {} word; stored without a journal by {}\n",
+             to_seconds(store.seen - begun), store.offset.value(),
+             to_byte_offset(store.offset).value(), store.value,
+             store.owner.empty() ? "nobody's" : store.owner + "'s", listed(store.others));
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int watch(const WatchArguments& arguments) {
+  broker::Ring ring = broker::Ring::attach(arguments.ring);
+  broker::Watch watch{ring};
+  const TimePoint begun = WallClock{}.now();
+  const auto until = steady_clock::now() + std::chrono::milliseconds{arguments.timeout_ms};
+  bool found = false;
+  do {
+    for (const auto& store : watch.look()) {
+      if (store.allowed) continue;
+      tell(store, begun);
+      found = true;
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds{arguments.period_us});
+  } while (arguments.timeout_ms == 0 || steady_clock::now() < until);
+  return found ? kConditionNotMet : kOk;
+}
+
+}  // namespace rths::app
