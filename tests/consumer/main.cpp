@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
 #include <cstdio>
+#include <vector>
 
 #include <rths/broker/ring.hpp>
 #include <rths/controller/predictor_corrector.hpp>
@@ -9,7 +11,7 @@
 #include <rths/report/report.hpp>
 #include <rths/sim/lead_rubber.hpp>
 
-// Puts a bearing's force on a ring, word by word, with nothing but installed headers and libraries.
+// Puts a bearing's force on a ring, with nothing but installed headers and libraries.
 int main(int argc, char** argv) {
   if (argc < 2) return 3;
   try {
@@ -20,7 +22,9 @@ int main(int argc, char** argv) {
     const auto force = advance(rths::sim::LeadRubber{}, state, {0.1, 0.0});
     const auto& entry = map.entry(map.signal("srmd.long.force.fbk"));
     const rths::memmap::Codec codec{*entry.signal};
-    if (machine.write(entry.signal->offset, codec.encode(force[0])) != rths::Status::Ok) return 1;
+    std::vector<std::uint32_t> words(entry.partition->longwords);
+    words[entry.signal->offset.value() - entry.partition->base.value()] = codec.encode(force[0]);
+    if (machine.write_group(ring.tear_group("srmd"), words) != rths::Status::Ok) return 1;
     const double back = codec.decode(machine.read(entry.signal->offset));
     std::printf("%.0f N\n", back);
     return back > 1e6 ? 0 : 1;
