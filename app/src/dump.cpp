@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fnmatch.h>
-
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -16,6 +14,7 @@
 #include <rths/recording/recording.hpp>
 
 #include "commands.hpp"
+#include "patterns.hpp"
 
 namespace rths::app {
 namespace {
@@ -24,12 +23,6 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kLookEvery{1};
-
-bool matches(const std::string& name, const std::vector<std::string>& patterns) {
-  for (const auto& pattern : patterns)
-    if (fnmatch(pattern.c_str(), name.c_str(), 0) == 0) return true;
-  return patterns.empty();
-}
 
 /// Prints values in the format asked for and says when it has printed enough. Seven digits: a word
 /// of the ring holds no more.

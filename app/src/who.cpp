@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fnmatch.h>
-
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -10,6 +8,7 @@
 #include <rths/memmap/codec.hpp>
 
 #include "commands.hpp"
+#include "patterns.hpp"
 
 namespace rths::app {
 namespace {
@@ -39,10 +38,7 @@ int who(const std::string& name, const std::vector<std::string>& patterns) {
   const broker::Node node = ring.observe();
   bool any = false;
   for (const auto& entry : ring.map().signals()) {
-    const auto matches = [&](const std::string& pattern) {
-      return fnmatch(pattern.c_str(), entry.name.c_str(), 0) == 0;
-    };
-    if (!patterns.empty() && std::none_of(patterns.begin(), patterns.end(), matches)) continue;
+    if (!matches(entry.name, patterns)) continue;
     any = true;
     const memmap::Codec codec{*entry.signal};
     const auto offset = entry.signal->offset;

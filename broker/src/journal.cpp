@@ -6,7 +6,6 @@
 namespace rths::broker {
 namespace {
 
-constexpr std::uint32_t kWordsPerEntry = 3;
 constexpr int kLooks = 4;  // at a hint that a running writer moves meanwhile
 
 }  // namespace

@@ -37,6 +37,7 @@ struct alignas(128) JournalHead {
 static_assert(sizeof(JournalEntry) == 16 && sizeof(JournalHead) == 128);
 
 inline constexpr std::uint64_t kHintEvery = 64;
+inline constexpr std::uint32_t kWordsPerEntry = 3;  ///< of a group
 inline constexpr std::uint32_t kLapBits = 28;
 
 /// Where a journal lies, and how long it is.
@@ -159,7 +160,7 @@ class JournalWriter {
 
 /// How many entries a group takes: its first, and one for every three words.
 [[nodiscard]] constexpr std::uint64_t group_entries(std::size_t longwords) noexcept {
-  return 1 + (longwords + 2) / 3;
+  return 1 + (longwords + kWordsPerEntry - 1) / kWordsPerEntry;
 }
 
 /// Reads a group that was journalled at a position. False if it is no longer, or not yet, there.

@@ -155,10 +155,13 @@ void PredictorCorrector::evaluate(Branch branch) noexcept {
 
 double hold_point(double slow_down_from) { return (1 + slow_down_from) / 2; }
 
+double refused_delay_ratio(double slow_down_from) {
+  return std::min(kRefusedDelayRatio, hold_point(slow_down_from));
+}
+
 DelayVerdict judge_delay(int delay_substeps, const PredictorCorrectorSettings& settings) {
   const double ratio = static_cast<double>(delay_substeps) / settings.substeps;
-  if (ratio >= std::min(kRefusedDelayRatio, hold_point(settings.slow_down_from)))
-    return DelayVerdict::Refused;
+  if (ratio >= refused_delay_ratio(settings.slow_down_from)) return DelayVerdict::Refused;
   return ratio > kWarnedDelayRatio ? DelayVerdict::Warned : DelayVerdict::Fine;
 }
 

@@ -38,10 +38,9 @@ std::vector<int> read_sampling_delay(const Config& table, const BlockContext& co
                    table.where("sampling_delay_s"), ratio);
         break;
       case controller::DelayVerdict::Refused:
-        table.fail(
-            "sampling_delay_s",
-            fmt::format("the sampling delay is {:.2f} of the step, expected less than {:g}", ratio,
-                        std::min(0.8, controller::hold_point(settings.slow_down_from))));
+        table.fail("sampling_delay_s",
+                   fmt::format("the sampling delay is {:.2f} of the step, expected less than {:g}",
+                               ratio, controller::refused_delay_ratio(settings.slow_down_from)));
     }
     delays.push_back(in_substeps);
   }

@@ -103,6 +103,9 @@ enum class DelayVerdict { Fine, Warned, Refused };
 /// Part of the step at which a late target freezes the command: h = (1 + p)/2.   @setup
 [[nodiscard]] double hold_point(double slow_down_from);
 
+/// Ratio of a sampling delay to the step from which on `judge_delay` refuses it.   @setup
+[[nodiscard]] double refused_delay_ratio(double slow_down_from);
+
 /// Judges delayed sampling by the ratio of delay to step: warned above 0.6, refused from 0.8 on,
 /// and from the hold point on, which the counter never reaches while a target is late.   @setup
 [[nodiscard]] DelayVerdict judge_delay(int delay_substeps,
