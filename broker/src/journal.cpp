@@ -49,14 +49,11 @@ void JournalWriter::turn() noexcept {
   lap_tag_ = place_.lap(lap_begin_) << 4U;
 }
 
-std::uint64_t JournalWriter::group(std::uint32_t base,
-                                   std::span<const std::uint32_t> words) noexcept {
-  const std::uint64_t first = position();
+void JournalWriter::group(std::uint32_t base, std::span<const std::uint32_t> words) noexcept {
   append(EntryKind::Group, base, static_cast<std::uint32_t>(words.size()), 0);
   const auto word = [&](std::size_t i) { return i < words.size() ? words[i] : 0U; };
   for (std::size_t i = 0; i < words.size(); i += kWordsPerEntry)
     append(EntryKind::Data, word(i), word(i + 1), word(i + 2));
-  return first;
 }
 
 bool read_journalled_group(const JournalPlace& place, std::uint64_t position, std::uint32_t base,

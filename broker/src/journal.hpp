@@ -135,8 +135,7 @@ class JournalWriter {
   void word(std::uint32_t offset, std::uint32_t value, std::uint32_t on_behalf = 0) noexcept {
     append(EntryKind::Word, offset, value, on_behalf);
   }
-  /// @returns the position of the group's first entry
-  std::uint64_t group(std::uint32_t base, std::span<const std::uint32_t> words) noexcept;
+  void group(std::uint32_t base, std::span<const std::uint32_t> words) noexcept;
   void time(std::uint64_t nanoseconds) noexcept {
     append(EntryKind::Time, static_cast<std::uint32_t>(nanoseconds),
            static_cast<std::uint32_t>(nanoseconds >> 32U), 0);

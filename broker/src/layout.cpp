@@ -47,6 +47,7 @@ void fill_groups(std::byte* base, const Header& header, const memmap::Map& map) 
     if (!partition.tear_group) continue;
     *group++ = {partition.base.value(), partition.longwords,
                 node_place(map, map.node(partition.node)), record_at, 0};
+    keep_no_longer(reinterpret_cast<std::uint32_t*>(base + header.records_at + record_at));
     record_at += static_cast<std::uint32_t>(record_bytes(partition.longwords));
   }
 }

@@ -31,7 +31,7 @@ namespace rths::broker {
 //
 // kLayoutVersion is bumped whenever a program built before would read any of this wrongly.
 inline constexpr std::uint64_t kMagic = 0x474E'4952'5348'5452;  // "RTHSRING" in memory
-inline constexpr std::uint32_t kLayoutVersion = 1;
+inline constexpr std::uint32_t kLayoutVersion = 2;
 inline constexpr std::uint32_t kMaxSlots = 32;
 inline constexpr std::size_t kPageBytes = 4096;
 inline constexpr std::uint32_t kReady = 1;
@@ -64,10 +64,9 @@ inline constexpr std::size_t kWakeAt = 256 + kMaxSlots * 128;
 
 struct alignas(64) Group {
   std::uint32_t base, longwords;
-  std::uint32_t journal;     ///< of its node
-  std::uint32_t record_at;   ///< from the header's records_at [B]
-  std::uint64_t journalled;  ///< position, plus 1, of its last complete write; 0: written by nobody
-                             ///< but through plain pointers, and read so too
+  std::uint32_t journal;    ///< of its node
+  std::uint32_t record_at;  ///< from the header's records_at [B]
+  std::uint32_t journalled;  ///< count of the record's last write that its node's journal has
 };
 
 static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 256);

@@ -5,9 +5,8 @@
 
 namespace rths::broker {
 
-/// Finishes what the writer of a group left unfinished: its last complete write, from its journal,
-/// is brought into record and memory. For its successor, or anybody when its process has ended.
-/// @returns true if there was something to finish
-bool mend_group(Segment& segment, Group& group, const JournalPlace& journal);
+/// Finishes what the writer of a group left unfinished: of record and memory, the one that is whole
+/// is brought into the other, and into the journal if it is not there yet. For its successor.
+void mend_group(Segment& segment, Group& group, JournalWriter& journal);
 
 }  // namespace rths::broker

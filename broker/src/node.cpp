@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The hot path. One writer per longword; a word is a release store and an entry in its writer's
-// journal, a group is an entry in the journal, a record that is read whole, and its words.
+// The hot path. One writer per longword. A word is a release store; a group is a record that is read
+// whole, and its words. Then either goes into its writer's journal.
 #include <atomic>
 #include <utility>
 
@@ -19,8 +19,7 @@
 namespace rths::broker {
 namespace {
 
-constexpr int kRecordAttempts = 64;
-constexpr int kJournalLooks = 4;
+constexpr int kAttempts = 64;
 
 std::uint64_t now() noexcept { return static_cast<std::uint64_t>(WallClock{}.now().count()); }
 
@@ -85,7 +84,6 @@ struct Node::GroupAccess {
   Group* group;
   std::uint32_t* record;
   std::uint32_t* words;
-  JournalPlace journal;
   std::uint32_t longwords;
   bool own;
 };
@@ -107,11 +105,10 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
     for (std::uint64_t i = 0; i < segment.header().group_count; ++i) {
       Group& group = segment.groups()[i];
       const bool own = id && group.journal == node_place(map, *id);
-      if (own && plain) shared(group.journalled).store(0);  // read as the words stand, from now on
-      groups_.push_back({&group, segment.record(group), segment.words() + group.base,
-                         segment.journal(group.journal), group.longwords, own && !plain});
+      groups_.push_back(
+          {&group, segment.record(group), segment.words() + group.base, group.longwords, own});
     }
-    if (id && !plain) take_over(map, *id);
+    if (id) take_over(map, *id, plain);
   } catch (...) {
     leave();
     throw;
@@ -119,16 +116,21 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
 }
 
 // What is a node's own, and what a predecessor may have left unfinished.
-void Node::take_over(const memmap::Map& map, NodeId id) {
+void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
+  JournalWriter journal{segment_->journal(node_place(map, id))};
+  for (auto& access : groups_) {
+    if (!access.own) continue;
+    mend_group(*segment_, *access.group, journal);
+    if (plain) keep_no_longer(access.record);
+    access.own = !plain;
+  }
+  if (plain) return;
+  register_as_writer();
   for (const auto& partition : map.partitions())
     if (!partition.tear_group && map.node(partition.node) == id)
       own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
-  register_as_writer();
-  const JournalPlace place = segment_->journal(node_place(map, id));
-  for (const auto& access : groups_)
-    if (access.own) mend_group(*segment_, *access.group, place);
-  journal_ = std::make_unique<JournalWriter>(place);
-  journal_->time(now());
+  journal.time(now());
+  journal_ = std::make_unique<JournalWriter>(journal);
 }
 
 Node::Node(Node&& other) noexcept
@@ -179,37 +181,25 @@ Status Node::write(LongwordOffset offset, std::uint32_t word) noexcept {
 
 Status Node::read_group(TearGroupId id, std::span<std::uint32_t> words) const noexcept {
   const GroupAccess& access = groups_[id.value()];
-  auto journalled = shared(access.group->journalled);
-  for (int look = 0; look < kJournalLooks; ++look) {
-    if (journalled.load(std::memory_order_acquire) == 0) {
-      load_words(words, access.words);  // of a writer that takes no part in any of this
-      // Unless one that does has just begun: then these may be its words, and not all of them.
-      if (journalled.load(std::memory_order_relaxed) == 0) return Status::Ok;
-    }
-    for (int attempt = 0; attempt < kRecordAttempts; ++attempt)
-      if (read_record(access.record, words)) return Status::Ok;
-    // Its writer was stopped in the middle, or is very busy: then the journal has the last whole
-    // one.
-    const std::uint64_t position = journalled.load(std::memory_order_acquire) - 1;
-    // Unless the record is whole by now: the journal may be ahead of it, and who read that first
-    // would go back in time.
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
     if (read_record(access.record, words)) return Status::Ok;
-    if (read_journalled_group(access.journal, position, access.group->base, words))
-      return Status::Ok;
+    if (!is_kept(access.record)) break;
   }
+  // Its writer stands still in the middle, or is very busy; or it is none of ours.
+  for (int attempt = 0; attempt < kAttempts; ++attempt)
+    if (read_memory(access.record, access.words, words) || read_record(access.record, words))
+      return Status::Ok;
   return Status::Stale;
 }
 
-// Into the journal first: whatever instruction a writer dies at, the journal has a whole write that
-// is no older than the one in the record.
 Status Node::write_group(TearGroupId id, std::span<const std::uint32_t> words) noexcept {
   if (id.value() >= groups_.size()) return Status::Fault;
   const GroupAccess& access = groups_[id.value()];
   if (!access.own || words.size() != access.longwords) return Status::Fault;
-  const std::uint64_t position = journal_->group(access.group->base, words);
-  shared(access.group->journalled).store(position + 1, std::memory_order_release);
   write_record(access.record, words);
   store_words(access.words, words);
+  journal_->group(access.group->base, words);
+  shared(access.group->journalled).store(count_of(access.record), std::memory_order_release);
   wake_sleepers(segment_->wake());
   return Status::Ok;
 }

@@ -19,9 +19,6 @@ constexpr std::size_t kChunkWords = 16;  // compared at once: a cache line
 // A writer may be kept from running between a word and its journal, and then it is no stranger.
 constexpr Duration kPatience = std::chrono::milliseconds{100};
 
-/// How a node is on the ring at the moment.
-enum class Attendance { Absent, Journals, Plain };
-
 }  // namespace
 
 struct Watch::State {
@@ -29,10 +26,8 @@ struct Watch::State {
   struct Member {
     std::string name;
     NodeId id;
-    std::uint32_t journal = 0;
-    Attendance attendance = Attendance::Absent;
-    std::optional<Follower> follower;        ///< of one that journals
-    std::optional<JournalWriter> on_behalf;  ///< of a plain one
+    Follower follower;  ///< from the beginning: what a node writes as soon as it joins is its own
+    std::optional<JournalWriter> on_behalf = std::nullopt;  ///< while it is a plain one
   };
 
   Ring& ring;
@@ -51,46 +46,39 @@ struct Watch::State {
   void journal(Member& owner, std::uint32_t offset, std::uint32_t value);
   void compare(std::vector<PlainStore>& found);
   void judge(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
-  [[nodiscard]] Attendance attendance_of(NodeId id);
+  [[nodiscard]] bool is_plain(NodeId id);
   [[nodiscard]] std::vector<std::string> plain_clients();
   [[nodiscard]] std::uint32_t word(std::uint32_t offset) {
     return std::atomic_ref{segment.words()[offset]}.load(std::memory_order_acquire);
   }
 };
 
-Attendance Watch::State::attendance_of(NodeId id) {
+bool Watch::State::is_plain(NodeId id) {
   for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
     Slot& slot = segment.slots()[i];
     const Claim claim = std::atomic_ref{slot.claim}.load();
-    if (claim == 0 || std::atomic_ref{slot.node}.load() != id.value()) continue;
-    return std::atomic_ref{slot.plain}.load() != 0 && is_alive(claim) ? Attendance::Plain
-                                                                      : Attendance::Journals;
+    if (claim != 0 && std::atomic_ref{slot.node}.load() == id.value())
+      return std::atomic_ref{slot.plain}.load() != 0 && is_alive(claim);
   }
-  return Attendance::Absent;
+  return false;
 }
 
-// Who comes or goes is known by the look after; what an API node wrote before stays followed, since
-// its journal outlives it.
+// Who comes or goes is known by the look after.
 void Watch::State::take_attendance() {
   for (auto& member : members) {
-    const Attendance now = attendance_of(member.id);
-    if (now == Attendance::Plain && member.attendance != now) {
-      member.follower.reset();
-      member.on_behalf.emplace(segment.journal(member.journal));
-    } else if (now == Attendance::Journals && member.attendance != now) {
+    const bool plain = is_plain(member.id);
+    if (plain && !member.on_behalf)
+      member.on_behalf.emplace(segment.journal(node_place(ring.map(), member.id)));
+    else if (!plain)
       member.on_behalf.reset();
-      if (!member.follower) member.follower.emplace(ring.follow(member.name));
-    }
-    member.attendance = now;
   }
 }
 
 void Watch::State::read_journals() {
   Write write;
   for (auto& member : members) {
-    if (!member.follower) continue;
     for (;;) {
-      const Followed followed = member.follower->next(write);
+      const Followed followed = member.follower.next(write);
       if (followed == Followed::Nothing) break;
       if (followed == Followed::Lost) {  // whatever it was, it was the owner's
         for (const auto& partition : ring.map().partitions())
@@ -134,7 +122,7 @@ void Watch::State::judge(std::uint32_t offset, std::uint32_t value,
       WallClock{}.now()};
   const auto owner = std::find_if(members.begin(), members.end(),
                                   [&](const Member& m) { return m.name == store.owner; });
-  if (owner != members.end() && owner->attendance == Attendance::Plain) {
+  if (owner != members.end() && owner->on_behalf) {
     journal(*owner, offset, value);
     store.allowed = true;
   } else {
@@ -168,8 +156,7 @@ Watch::Watch(Ring& ring) : state_{new State{ring, ring.segment(), ring.observe()
   for (const auto& partition : ring.map().partitions())
     end = std::max(end, partition.base.value() + partition.longwords);
   for (const auto& node : ring.map().description().nodes)
-    state_->members.push_back(
-        {node.name, node.id, node_place(ring.map(), node.id), Attendance::Absent, {}, {}});
+    state_->members.push_back({node.name, node.id, ring.follow(node.name)});
   state_->take_attendance();
   for (std::uint32_t i = 0; i < end; ++i) state_->expected.push_back(state_->word(i));
 }

@@ -168,40 +168,59 @@ class Remains : public ::testing::Test {
   std::vector<std::uint32_t> ones = std::vector<std::uint32_t>(kWords, 1);
   std::vector<std::uint32_t> twos = std::vector<std::uint32_t>(kWords, 2);
 
-  void live_and_write_ones(std::uint64_t loose_writes) {
+  void live_and_write_ones() {
     Node machine = ring.join("machine", 0);
     ASSERT_EQ(machine.write_group(kGroup, ones), Status::Ok);
-    for (std::uint64_t i = 0; i < loose_writes; ++i)
-      ASSERT_EQ(machine.write(kLooseWord, 1), Status::Ok);
   }
-  void die_behind_the_journal_of_twos() { JournalWriter{journal}.group(0, twos); }
+  std::uint32_t* record() { return segment->record(segment->groups()[0]); }
+  void die_in_the_record_of_twos() {
+    record()[0] = (record()[0] & ~kPlain) | 1U;
+    store_words(record() + kLineBytes / 4, {twos.data(), kWords / 2});
+  }
+  void die_in_the_memory_of_twos() {
+    write_record(record(), twos);
+    store_words(segment->words(), {twos.data(), kWords / 2});
+  }
 };
 
-TEST_F(Remains, FirstWriteIsMendedEvenIfItsWriterCouldNotMarkIt) {
-  die_behind_the_journal_of_twos();
+TEST_F(Remains, ReadersAndASuccessorTakeMemoryIfTheRecordIsTorn) {
+  live_and_write_ones();
+  die_in_the_record_of_twos();
 
+  EXPECT_EQ(whole_value(ring.observe(), kWords), 1U);
   const Node successor = ring.join("machine", 0);
-
-  EXPECT_EQ(whole_value(successor, kWords), 2U);
+  EXPECT_EQ(whole_value(successor, kWords), 1U);
+  EXPECT_FALSE(is_torn(record(), kWords));
 }
 
-TEST_F(Remains, WriteIsMendedEvenIfTheOneBeforeIsNoLongerInTheJournal) {
-  live_and_write_ones(std::uint64_t{1} << journal.bits);
-  die_behind_the_journal_of_twos();
+TEST_F(Remains, TheFirstWriteEverLeavesWhatMemoryHeld) {
+  store_words(segment->words(), ones);
+  die_in_the_record_of_twos();
 
-  const Node successor = ring.join("machine", 0);
-
-  EXPECT_EQ(whole_value(successor, kWords), 2U);
+  EXPECT_EQ(whole_value(ring.observe(), kWords), 1U);
+  EXPECT_EQ(whole_value(ring.join("machine", 0), kWords), 1U);
 }
 
-// The successor's successor finds the record in the middle again.
-TEST_F(Remains, ReadersDoNotFallBackBehindAWriteThatWasMended) {
-  live_and_write_ones(0);
-  die_behind_the_journal_of_twos();
-  const Node successor = ring.join("machine", 0);
-  segment->record(segment->groups()[0])[0] |= 1U;
+TEST_F(Remains, MemoryIsFinishedFromTheRecord) {
+  live_and_write_ones();
+  die_in_the_memory_of_twos();
 
+  EXPECT_EQ(whole_value(ring.observe(), kWords), 2U);
+  const Node successor = ring.join("machine", 0);
   EXPECT_EQ(whole_value(successor, kWords), 2U);
+  EXPECT_EQ(successor.read(LongwordOffset{kWords - 1}), 2U);
+}
+
+TEST_F(Remains, FollowersGetWhatReadersSaw) {
+  live_and_write_ones();
+  Follower follower = ring.follow("machine");
+  die_in_the_memory_of_twos();
+  const Node successor = ring.join("machine", 0);
+  Write write;
+
+  ASSERT_EQ(follower.next(write), Followed::Write);
+  EXPECT_EQ(std::vector(write.group.begin(), write.group.end()), twos);
+  EXPECT_EQ(follower.next(write), Followed::Nothing);
 }
 
 TEST_F(Remains, FollowersDoNotWaitForTheRestOfAGroup) {

@@ -40,10 +40,33 @@ TEST_P(Record, GivesBackItsNewestWrite) {
   }
 }
 
-TEST_P(Record, GivesNothingBeforeItsFirstWrite) {
+// Of a record that nobody keeps, the group is what stands in memory.
+TEST_P(Record, GivesNothingWhileNobodyKeepsIt) {
   std::vector<std::uint32_t> read(length);
+  write_record(record, counting(1));
+
+  keep_no_longer(record);
 
   EXPECT_FALSE(read_record(record, read));
+  EXPECT_FALSE(is_torn(record, length));
+  ASSERT_TRUE(read_memory(record, counting(7).data(), read));
+  EXPECT_EQ(read, counting(7));
+  write_record(record, counting(3));
+  EXPECT_FALSE(read_memory(record, counting(7).data(), read));
+  ASSERT_TRUE(read_record(record, read));
+  EXPECT_EQ(read, counting(3));
+}
+
+// As many writes as a count can count, but for one.
+TEST_P(Record, GoesOnWhereCountsBeginAgain) {
+  std::vector<std::uint32_t> read(length);
+  record[0] = record_kind(length) == RecordKind::Latch ? kPlain - 1 : kPlain - 2;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    write_record(record, counting(i));
+    ASSERT_TRUE(read_record(record, read));
+    EXPECT_EQ(read, counting(i));
+    EXPECT_TRUE(is_kept(record));
+  }
 }
 
 TEST_P(Record, KeepsToItsBytes) {
@@ -62,6 +85,8 @@ TEST_P(Record, IsWholeAgainAfterTheNextWrite) {
   record[0] |= 1U;
   EXPECT_TRUE(is_torn(record, length));
   EXPECT_FALSE(read_record(record, read));
+  ASSERT_TRUE(read_memory(record, counting(1).data(), read));
+  EXPECT_EQ(read, counting(1));
 
   write_record(record, counting(5));
 

@@ -56,6 +56,13 @@ TEST_F(WatchTest, HasNothingToSayOfNodesThatJournal) {
   EXPECT_TRUE(look_long(watch).empty());
 }
 
+TEST_F(WatchTest, HasNothingToSayOfANodeThatComesAndGoesBetweenTwoLooks) {
+  Watch watch{ring};
+  ASSERT_EQ(ring.join("machine", 0).write(kMachineWord, 5), Status::Ok);
+
+  EXPECT_TRUE(look_long(watch).empty());
+}
+
 TEST_F(WatchTest, JournalsWhatAPlainClientStoresIntoItsOwnWords) {
   const Node plain = ring.join_plain("machine");
   Watch watch{ring};

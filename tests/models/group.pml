@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Tear groups: Node::write_group and Node::read_group of node.cpp, in a journal of 4 entries that
- * each write overwrites; the writer is killed anywhere, its successor mends, mend_group of mend.cpp.
- * At first the memory holds what a program wrote that takes no part in any of this.
- *   as is  a record of one line, attempts of which fail while its writer is in the middle
+ * Tear groups: Node::write_group and Node::read_group of node.cpp, write_record, read_record and
+ * read_memory of record.hpp. The writer is killed anywhere, its successor mends, mend_group of
+ * mend.cpp. At first the memory holds what a program wrote that takes no part in any of this.
+ *   as is  a record of one line, attempts at which fail while its writer is in the middle
  *   -DLATCH
  * Claims: what is read is whole, was written, and is never older than before nor than a write that
  * was complete when the reader came; a reader is turned away only if something was stored meanwhile;
- * in the end record and memory hold the last write that is whole in the journal.
- * Broken: -DMARK_FIRST  -DNO_JOURNAL  -DNO_LAST_ATTEMPT  -DMEMORY_UNCHECKED  -DZERO_IS_A_COUNT
- *         -DMEND_MARKED_ONLY  -DMEND_UNMARKED (with -DDEATHS=2)
+ * before a record is written again the journal has what was in it; in the end record, memory and
+ * journal hold the last complete write.
+ * Broken: -DNO_ODD  -DNO_RECHECK  -DEVEN_FIRST  -DCOUNT_ANEW (with -DDEATHS=2)  -DMEMORY_FIRST
+ *         -DMEMORY_UNCHECKED  -DPLAIN_IS_A_COUNT  -DNO_MEND  -DNO_FINISH  -DNO_JOURNAL
+ *         -DRELAXED_WORDS  -DRELAXED_ODD (both with -DWEAK)
  */
 #ifndef WRITES
 #define WRITES 2
@@ -22,45 +24,49 @@
 #endif
 #define PENDING 4
 
-#define LENGTH 4
-#define ENTRIES 3 /* of a group: its head, and a word in each of two more */
-#define HEAD 1
-#define DATA 2
-#define TIME 3
-/* An entry in a byte: lap, kind, contents. It is published by one store, see journal.pml. */
-#define ENTRY(position, kind, contents) (((position) / LENGTH + 1) * 32 + (kind) * 8 + (contents))
-
-#define MARK 0  /* group.journalled */
-#define COUNT 1 /* record[0] */
-#define MEMORY 2
-#define RECORD 4
-#define JOURNAL 8
-#define CELLS (JOURNAL + LENGTH)
+#define MARK 0    /* group.journalled */
+#define COUNT 1   /* record[0] */
+#define JOURNAL 2 /* its last whole group; journal.pml and follow.pml have a real one */
+#define MEMORY 3
+#define RECORD 5
+#define CELLS (RECORD + 4)
+#define PLAIN 128
 #ifdef LATCH
 #define COPY(count) (RECORD + 2 * ((count) % 2))
+#define IS_ODD(count) false
 #else
 #define COPY(count) RECORD
+#define IS_ODD(count) ((count) % 2 != 0)
+#endif
+#ifdef RELAXED_WORDS
+#define WORDS RELAXED
+#else
+#define WORDS RELEASE
+#endif
+#ifdef RELAXED_ODD
+#define ODD RELAXED
+#else
+#define ODD RELEASE
 #endif
 
 #define BEFORE 1 /* what the memory holds at first */
 
-bool changed;     /* anything, since the reader came */
-byte end_of;      /* the journal, as memory has it; see end.pml */
-byte promised = BEFORE; /* last write that is whole in the journal, as memory has it */
-byte complete = BEFORE; /* last write that memory has all of */
-bool second_word; /* the next DATA is a group's last */
+bool changed;           /* anything, since the reader came */
+byte complete = BEFORE; /* last write that the record has all of */
+byte recorded;          /* what its last words are */
 
 inline note(where, what) {
   changed = true;
   if
-  :: where >= JOURNAL && where < JOURNAL + LENGTH ->
-     end_of++;
-     if
-     :: what / 8 % 4 == DATA && second_word -> promised = what % 8; second_word = false
-     :: what / 8 % 4 == DATA && !second_word -> second_word = true
-     :: else -> second_word = false
-     fi
-  :: where == MEMORY + 1 -> complete = what
+#ifdef LATCH
+  :: where == RECORD || where == RECORD + 2 -> recorded = what
+  :: where == COUNT && complete != BEFORE -> assert(memory[JOURNAL] == complete); complete = recorded
+  :: where == COUNT && complete == BEFORE -> complete = recorded
+#else
+  :: where == RECORD + 1 -> recorded = what
+  :: where == COUNT && what % 2 == 0 -> complete = recorded
+  :: where == COUNT && what % 2 != 0 -> assert(complete == BEFORE || memory[JOURNAL] == complete)
+#endif
   :: else
   fi
 }
@@ -77,119 +83,104 @@ inline note(where, what) {
 
 bool killed, finished;
 
-inline append(kind, contents) {
-  store(0, JOURNAL + position % LENGTH, ENTRY(position, kind, contents), RELEASE);
-  position++
-}
-
 inline write_record(value) {
 #ifdef LATCH
-  store(0, COPY(count + 1), value, RELEASE);
-  store(0, COPY(count + 1) + 1, value, RELEASE);
-  store(0, COUNT, count + 1, RELEASE);
-  count++
+  count = (count + 1) % PLAIN;
+  store(0, COPY(count), value, WORDS);
+  store(0, COPY(count) + 1, value, WORDS);
+  store(0, COUNT, count, RELEASE)
 #else
-  store(0, COUNT, count | 1, RELAXED);
-  store(0, RECORD, value, RELEASE);
-  store(0, RECORD + 1, value, RELEASE);
-  store(0, COUNT, (count | 1) + 1, RELEASE);
-  count = (count | 1) + 1
+#ifdef COUNT_ANEW
+  count = (count + 1) % PLAIN;
+#else
+  count = (count | 1) % PLAIN;
+#endif
+#ifndef NO_ODD
+  store(0, COUNT, count, ODD);
+#endif
+  count++;
+#ifdef EVEN_FIRST
+  store(0, COUNT, count, RELEASE);
+#endif
+  store(0, RECORD, value, WORDS);
+  store(0, RECORD + 1, value, WORDS);
+#ifndef EVEN_FIRST
+  store(0, COUNT, count, RELEASE)
+#endif
 #endif
 }
 
 inline store_memory(value) {
-  store(0, MEMORY, value, RELEASE);
-  store(0, MEMORY + 1, value, RELEASE)
+  store(0, MEMORY, value, WORDS);
+  store(0, MEMORY + 1, value, WORDS)
 }
 
-/* read_journalled_group, where nobody writes: 0 if there is no whole group */
-inline group_at(first, value) {
-  value = memory[JOURNAL + (first + 1) % LENGTH] % 8;
-  if
-  :: memory[JOURNAL + (first) % LENGTH] == ENTRY(first, HEAD, 0) &&
-     memory[JOURNAL + (first + 1) % LENGTH] == ENTRY(first + 1, DATA, value) &&
-     memory[JOURNAL + (first + 2) % LENGTH] == ENTRY(first + 2, DATA, value)
-  :: else -> value = 0
-  fi
+/* journal.group(...), group.journalled = count_of(record) */
+inline write_journal(value) {
+#ifdef NO_JOURNAL
+  skip
+#else
+  store(0, JOURNAL, value, RELEASE);
+  store(0, MARK, count, RELEASE)
+#endif
 }
 
 /* What it loads it loads at once: its predecessor is dead, and nobody else writes. */
 inline mend_group() {
-  atomic {
-    marked = memory[MARK];
-    newest = 0;
-#ifdef MEND_MARKED_ONLY
-    /* nothing that is not marked */
+#ifdef NO_MEND
+  skip
 #else
-    /* A whole group that is not marked is the last thing its writer wrote. */
-    if
-    :: position >= marked + ENTRIES -> group_at(position - ENTRIES, newest)
-    :: else
-    fi;
-#endif
-    if
-    :: newest != 0 -> marked = position - ENTRIES + 1
-    :: newest == 0 && marked != 0 -> group_at(marked - 1, newest)
-    :: else
-    fi;
-    if
-    :: newest != 0 && memory[COUNT] != 0 && memory[MEMORY] == newest &&
-       memory[MEMORY + 1] == newest && memory[COPY(count)] == newest &&
-       memory[COPY(count) + 1] == newest ->
-#ifndef LATCH
-       newest = (count % 2 == 0 -> 0 : newest)
-#else
-       newest = 0
-#endif
-    :: else
-    fi
-  };
   if
-  :: newest != 0 ->
-#ifndef MEND_UNMARKED
-     store(0, MARK, marked, RELEASE);
+  :: count < PLAIN ->
+     if
+     :: IS_ODD(count) -> newest = memory[MEMORY]; write_record(newest)
+     :: else ->
+        newest = memory[COPY(count)];
+#ifndef NO_FINISH
+        store_memory(newest)
 #endif
-     write_record(newest);
-     store_memory(newest)
+     fi;
+     if
+     :: memory[MARK] != count && newest != BEFORE -> write_journal(newest)
+     :: else
+     fi
   :: else
   fi;
-  newest = 0; marked = 0
+  newest = 0
+#endif
 }
 
 proctype Writer() {
-  byte count, position, marked, newest;
+  byte count, newest;
   byte value = BEFORE;
 life:
   {
-    atomic { count = memory[COUNT]; position = end_of };
+    count = memory[COUNT];
     mend_group();
-    append(TIME, 0);  /* journal_->time(now()) */
     do
     :: value < BEFORE + WRITES ->
        value++;
-#ifdef MARK_FIRST
-       store(0, MARK, position + 1, RELEASE);
-#endif
-       /* const std::uint64_t position = journal_->group(access.group->base, words) */
-       append(HEAD, 0);
-       append(DATA, value);
-       append(DATA, value);
-#ifndef MARK_FIRST
-       /* shared(access.group->journalled).store(position + 1, release) */
-       store(0, MARK, position - ENTRIES + 1, RELEASE);
-#endif
+#ifdef MEMORY_FIRST
+       store_memory(value);
        write_record(value);
-       store_memory(value)
+#else
+       write_record(value);
+       store_memory(value);
+#endif
+       write_journal(value)
     :: else -> break
     od;
     goto done
   } unless { killed };
-  atomic { is_drained(0) -> count = 0; position = 0; marked = 0; newest = 0; killed = false };
+  /* The kernel calls it dead when its last store is in memory. */
+  atomic { is_drained(0) -> count = 0; newest = 0; killed = false };
   goto life;
 done:
   is_drained(0);
-  assert(memory[MEMORY] == promised && memory[MEMORY + 1] == promised);
-  assert(promised == BEFORE || (memory[COPY(count)] == promised && memory[COPY(count) + 1] == promised));
+  assert(memory[MEMORY] == complete && memory[MEMORY + 1] == complete);
+  assert(complete == BEFORE ||
+         (memory[COPY(count)] == complete && memory[COPY(count) + 1] == complete &&
+          memory[JOURNAL] == complete));
   finished = true
 }
 
@@ -203,76 +194,57 @@ end_idle:
   od
 }
 
-/* One attempt, see latch.pml and record.pml. A count of 0 is that of a record never written. */
 inline read_record() {
   atomic {
     count = memory[COUNT];
-    ok = true;
-#ifndef ZERO_IS_A_COUNT
-    ok = ok && count != 0;
-#endif
-#ifndef LATCH
-    ok = ok && count % 2 == 0
+    ok = !IS_ODD(count);
+#ifdef PLAIN_IS_A_COUNT
+    count = count % PLAIN
+#else
+    ok = ok && count < PLAIN
 #endif
   };
   if
   :: ok ->
      first = memory[COPY(count)];
      second = memory[COPY(count) + 1];
+#ifndef NO_RECHECK
+#ifdef PLAIN_IS_A_COUNT
+     atomic { ok = (memory[COUNT] % PLAIN == count); count = 0 }
+#else
      atomic { ok = (memory[COUNT] == count); count = 0 }
+#endif
+#endif
+  :: else -> count = 0
+  fi
+}
+
+inline read_memory() {
+  atomic { count = memory[COUNT]; ok = IS_ODD(count) || count >= PLAIN };
+  if
+  :: ok ->
+     first = memory[MEMORY];
+     second = memory[MEMORY + 1];
+#ifndef MEMORY_UNCHECKED
+     atomic { ok = (memory[COUNT] == count); count = 0 }
+#endif
   :: else -> count = 0
   fi
 }
 
 proctype Reader() {
-  byte reads, mark, count, first, second, seen, oldest;
+  byte reads, count, first, second, seen, oldest;
   bool ok;
   do
   :: reads < READS ->
-     /* if (journalled.load(acquire) == 0) { load_words(words, access.words); … */
-     atomic { changed = false; oldest = complete; mark = memory[MARK] };
+     atomic { changed = false; oldest = complete };
+     read_record();
      if
-     :: mark == 0 ->
-        first = memory[MEMORY];
-        second = memory[MEMORY + 1];
-#ifdef MEMORY_UNCHECKED
-        ok = true
-#else
-        /* … if (journalled.load(relaxed) == 0) return Ok; } */
-        ok = (memory[MARK] == 0)
-#endif
+     :: !ok -> read_memory()
      :: else
      fi;
-     /* for (int attempt = 0; attempt < kRecordAttempts; ++attempt) */
      if
      :: !ok -> read_record()
-     :: else
-     fi;
-     if
-     :: !ok ->
-        /* position = journalled.load(acquire) - 1 */
-        mark = memory[MARK];
-#ifndef NO_LAST_ATTEMPT
-        read_record();
-#endif
-        if
-#ifndef NO_JOURNAL
-        :: !ok ->
-           /* read_journalled_group(access.journal, position, access.group->base, words) */
-           ok = (memory[JOURNAL + (mark - 1) % LENGTH] == ENTRY(mark - 1, HEAD, 0));
-           atomic {
-             first = memory[JOURNAL + mark % LENGTH];
-             ok = ok && first / 8 == ENTRY(mark, DATA, 0) / 8;
-             first = first % 8
-           };
-           atomic {
-             second = memory[JOURNAL + (mark + 1) % LENGTH];
-             ok = ok && second / 8 == ENTRY(mark + 1, DATA, 0) / 8;
-             second = second % 8
-           }
-#endif
-        :: else
-        fi
      :: else
      fi;
      atomic {
@@ -285,7 +257,7 @@ proctype Reader() {
           seen = first
        :: else -> assert(changed || ON_ITS_WAY)  /* Stale */
        fi;
-       first = 0; second = 0; mark = 0; oldest = 0; ok = false; changed = false;
+       first = 0; second = 0; count = 0; oldest = 0; ok = false; changed = false;
        reads++
      }
   :: else -> break
@@ -294,7 +266,7 @@ proctype Reader() {
 
 init {
   atomic {
-    memory[MEMORY] = BEFORE; memory[MEMORY + 1] = BEFORE;
+    memory[MEMORY] = BEFORE; memory[MEMORY + 1] = BEFORE; memory[COUNT] = PLAIN;
     run Processor(0); run Writer(); run Killer(); run Reader()
   }
 }

@@ -92,7 +92,7 @@ class Node {
   /// A tear group, and what is known about it from the beginning.
   struct GroupAccess;
 
-  void take_over(const memmap::Map& map, NodeId id);
+  void take_over(const memmap::Map& map, NodeId id, bool plain);
   Segment* segment_;
   std::uint32_t* words_;  ///< of the ring
   std::uint32_t slot_;
