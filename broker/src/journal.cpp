@@ -49,11 +49,16 @@ void JournalWriter::turn() noexcept {
   lap_tag_ = place_.lap(lap_begin_) << 4U;
 }
 
-void JournalWriter::group(std::uint32_t base, std::span<const std::uint32_t> words) noexcept {
+void JournalWriter::group_over_a_hint(std::uint32_t base,
+                                      std::span<const std::uint32_t> words) noexcept {
   append(EntryKind::Group, base, static_cast<std::uint32_t>(words.size()), 0);
-  const auto word = [&](std::size_t i) { return i < words.size() ? words[i] : 0U; };
-  for (std::size_t i = 0; i < words.size(); i += kWordsPerEntry)
-    append(EntryKind::Data, word(i), word(i + 1), word(i + 2));
+  while (!words.empty()) {
+    const std::size_t room = (kHintEvery - index_ % kHintEvery) * kWordsPerEntry;
+    const auto part = words.first(std::min(room, words.size()));
+    publish_words(place_.entries + index_, part, tag(EntryKind::Data));
+    pass(index_ + static_cast<std::uint32_t>(entries_of(part.size())));
+    words = words.subspan(part.size());
+  }
 }
 
 bool read_journalled_group(const JournalPlace& place, std::uint64_t position, std::uint32_t base,

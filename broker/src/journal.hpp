@@ -5,6 +5,7 @@
 // whether it is there: its lap is that of its position.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <span>
@@ -64,22 +65,38 @@ inline std::uint64_t halves(std::uint32_t low, std::uint32_t high) noexcept {
 }
 
 /// Publishes an entry whole. Everything the thread stored before is visible to whoever sees it.
-inline void publish(JournalEntry& to, const JournalEntry& entry) noexcept {
+inline void publish(JournalEntry& to, std::uint32_t a, std::uint32_t b, std::uint32_t c,
+                    std::uint32_t tag) noexcept {
 #ifdef RTHS_ONE_STORE
   // x86-64 with AVX stores aligned 16 bytes at once, and no store before another.
   std::atomic_signal_fence(std::memory_order_seq_cst);
   _mm_store_si128(reinterpret_cast<__m128i*>(&to),
-                  _mm_set_epi32(static_cast<int>(entry.tag), static_cast<int>(entry.c),
-                                static_cast<int>(entry.b), static_cast<int>(entry.a)));
+                  _mm_set_epi64x(static_cast<std::int64_t>(halves(c, tag)),
+                                 static_cast<std::int64_t>(halves(a, b))));
   std::atomic_signal_fence(std::memory_order_seq_cst);
 #else
   // In three: void, contents, valid. Whoever sees new contents also sees that the old tag is gone.
   auto* words = reinterpret_cast<std::uint32_t*>(&to);
   std::atomic_ref{words[3]}.store(0, std::memory_order_relaxed);
-  std::atomic_ref{words[0]}.store(entry.a, std::memory_order_release);
-  std::atomic_ref{words[1]}.store(entry.b, std::memory_order_release);
-  std::atomic_ref{words[2]}.store(entry.c, std::memory_order_release);
-  std::atomic_ref{words[3]}.store(entry.tag, std::memory_order_release);
+  std::atomic_ref{words[0]}.store(a, std::memory_order_release);
+  std::atomic_ref{words[1]}.store(b, std::memory_order_release);
+  std::atomic_ref{words[2]}.store(c, std::memory_order_release);
+  std::atomic_ref{words[3]}.store(tag, std::memory_order_release);
+#endif
+}
+
+/// Publishes three words of a group. The word behind them is read too, and not used.
+inline void publish_words(JournalEntry& to, const std::uint32_t* words,
+                          std::uint32_t tag) noexcept {
+#ifdef RTHS_ONE_STORE
+  const __m128i three = _mm_set_epi32(0, -1, -1, -1);
+  const __m128i last = _mm_set_epi32(static_cast<int>(tag), 0, 0, 0);
+  const __m128i four = _mm_loadu_si128(reinterpret_cast<const __m128i*>(words));
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  _mm_store_si128(reinterpret_cast<__m128i*>(&to), _mm_or_si128(_mm_and_si128(four, three), last));
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+#else
+  publish(to, words[0], words[1], words[2], tag);
 #endif
 }
 
@@ -125,6 +142,26 @@ inline Fetched fetch_at(const JournalPlace& place, std::uint64_t position,
 /// The oldest position that is still there, or shortly was.
 [[nodiscard]] std::uint64_t begin_of(const JournalPlace& place) noexcept;
 
+/// Publishes words of a group in as many entries as they take.
+inline void publish_words(JournalEntry* to, std::span<const std::uint32_t> words,
+                          std::uint32_t tag) noexcept {
+  std::size_t i = 0;
+  for (; i + kWordsPerEntry < words.size(); i += kWordsPerEntry)
+    publish_words(*to++, &words[i], tag);
+  const auto word = [&](std::size_t at) { return at < words.size() ? words[at] : 0; };
+  publish(*to, word(i), word(i + 1), word(i + 2), tag);
+}
+
+/// How many entries words of a group take.
+[[nodiscard]] constexpr std::size_t entries_of(std::size_t longwords) noexcept {
+  return (longwords + kWordsPerEntry - 1) / kWordsPerEntry;
+}
+
+/// How many entries a group takes: its first, and those of its words.
+[[nodiscard]] constexpr std::uint64_t group_entries(std::size_t longwords) noexcept {
+  return 1 + entries_of(longwords);
+}
+
 /// Appends to a journal. One per journal, in one thread.
 class JournalWriter {
  public:
@@ -135,18 +172,38 @@ class JournalWriter {
   void word(std::uint32_t offset, std::uint32_t value, std::uint32_t on_behalf = 0) noexcept {
     append(EntryKind::Word, offset, value, on_behalf);
   }
-  void group(std::uint32_t base, std::span<const std::uint32_t> words) noexcept;
+  void group(std::uint32_t base, std::span<const std::uint32_t> words) noexcept {
+    const auto entries = static_cast<std::uint32_t>(group_entries(words.size()));
+    const std::uint32_t index = index_;
+    if (index % kHintEvery + entries >= kHintEvery) return group_over_a_hint(base, words);
+    JournalEntry* const to = place_.entries + index;
+    const std::uint32_t data = tag(EntryKind::Data);
+    publish(*to, base, static_cast<std::uint32_t>(words.size()), 0, tag(EntryKind::Group));
+    publish_words(to + 1, words, data);
+    index_ = index + entries;
+  }
   void time(std::uint64_t nanoseconds) noexcept {
     append(EntryKind::Time, static_cast<std::uint32_t>(nanoseconds),
            static_cast<std::uint32_t>(nanoseconds >> 32U), 0);
   }
 
  private:
+  // What is read again after a store may be taken for changed by it: hence the copies.
   void append(EntryKind kind, std::uint32_t a, std::uint32_t b, std::uint32_t c) noexcept {
-    publish(place_.entries[index_], {a, b, c, lap_tag_ | static_cast<std::uint32_t>(kind)});
-    if (++index_ % kHintEvery == 0) [[unlikely]]
+    const std::uint32_t index = index_;
+    publish(place_.entries[index], a, b, c, tag(kind));
+    pass(index + 1);
+  }
+  [[nodiscard]] std::uint32_t tag(EntryKind kind) const noexcept {
+    return lap_tag_ | static_cast<std::uint32_t>(kind);
+  }
+  /// All entries up to here are published, and no hint was passed since the last.
+  void pass(std::uint32_t index) noexcept {
+    index_ = index;
+    if (index % kHintEvery == 0) [[unlikely]]
       turn();
   }
+  void group_over_a_hint(std::uint32_t base, std::span<const std::uint32_t> words) noexcept;
   /// Leaves a hint, and begins the next lap where this one ends.
   void turn() noexcept;
   [[nodiscard]] std::uint64_t position() const noexcept { return lap_begin_ + index_; }
@@ -156,11 +213,6 @@ class JournalWriter {
   std::uint32_t lap_tag_ = 0;    ///< of this lap
   std::uint64_t lap_begin_ = 0;  ///< position of its first entry
 };
-
-/// How many entries a group takes: its first, and one for every three words.
-[[nodiscard]] constexpr std::uint64_t group_entries(std::size_t longwords) noexcept {
-  return 1 + (longwords + kWordsPerEntry - 1) / kWordsPerEntry;
-}
 
 /// Reads a group that was journalled at a position. False if it is no longer, or not yet, there.
 [[nodiscard]] bool read_journalled_group(const JournalPlace& place, std::uint64_t position,

@@ -64,8 +64,8 @@ inline constexpr std::size_t kWakeAt = 256 + kMaxSlots * 128;
 
 struct alignas(64) Group {
   std::uint32_t base, longwords;
-  std::uint32_t journal;    ///< of its node
-  std::uint32_t record_at;  ///< from the header's records_at [B]
+  std::uint32_t journal;     ///< of its node
+  std::uint32_t record_at;   ///< from the header's records_at [B]
   std::uint32_t journalled;  ///< count of the record's last write that its node's journal has
 };
 

@@ -16,7 +16,7 @@ void mend_group(Segment& segment, Group& group, JournalWriter& journal) {
   std::vector<std::uint32_t> words(group.longwords);
   if (is_torn(record, group.longwords)) {
     load_words(words, memory);
-    write_record(record, words);
+    write_record(record, words, count_of(record));
   } else if (read_record(record, words)) {
     store_words(memory, words);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The hot path. One writer per longword. A word is a release store; a group is a record that is read
-// whole, and its words. Then either goes into its writer's journal.
+// The hot path. One writer per longword. A word is a release store; a group is a record that is
+// read whole, and its words. Then either goes into its writer's journal.
 #include <atomic>
 #include <utility>
 
@@ -20,6 +20,7 @@ namespace rths::broker {
 namespace {
 
 constexpr int kAttempts = 64;
+constexpr std::uint32_t kNothingRead = ~0U;  // no record has an odd count that nobody keeps
 
 std::uint64_t now() noexcept { return static_cast<std::uint64_t>(WallClock{}.now().count()); }
 
@@ -86,6 +87,17 @@ struct Node::GroupAccess {
   std::uint32_t* words;
   std::uint32_t longwords;
   bool own;
+  std::uint32_t count = 0;  ///< of the last write, if it is our own
+  /// What was read last of a record of several lines. While its count stands, the others are left
+  /// alone: a writer has to fetch back every line that somebody looked at.
+  std::uint32_t read_count = kNothingRead;
+  std::vector<std::uint32_t> read = {};
+};
+
+/// What a node needs to write, in one place.
+struct Node::Writer {
+  JournalWriter journal;
+  Wake* wake;
 };
 
 Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, bool plain)
@@ -107,6 +119,8 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
       const bool own = id && group.journal == node_place(map, *id);
       groups_.push_back(
           {&group, segment.record(group), segment.words() + group.base, group.longwords, own});
+      if (record_kind(group.longwords) == RecordKind::Bulk)
+        groups_.back().read.resize(group.longwords);
     }
     if (id) take_over(map, *id, plain);
   } catch (...) {
@@ -122,6 +136,7 @@ void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
     if (!access.own) continue;
     mend_group(*segment_, *access.group, journal);
     if (plain) keep_no_longer(access.record);
+    access.count = count_of(access.record);
     access.own = !plain;
   }
   if (plain) return;
@@ -130,7 +145,7 @@ void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
     if (!partition.tear_group && map.node(partition.node) == id)
       own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
   journal.time(now());
-  journal_ = std::make_unique<JournalWriter>(journal);
+  writer_.reset(new Writer{journal, &segment_->wake()});
 }
 
 Node::Node(Node&& other) noexcept
@@ -139,7 +154,7 @@ Node::Node(Node&& other) noexcept
       slot_{other.slot_},
       own_{std::move(other.own_)},
       groups_{std::move(other.groups_)},
-      journal_{std::move(other.journal_)} {}
+      writer_{std::move(other.writer_)} {}
 
 Node& Node::operator=(Node&& other) noexcept {
   if (this == &other) return *this;
@@ -149,7 +164,7 @@ Node& Node::operator=(Node&& other) noexcept {
   slot_ = other.slot_;
   own_ = std::move(other.own_);
   groups_ = std::move(other.groups_);
-  journal_ = std::move(other.journal_);
+  writer_ = std::move(other.writer_);
   return *this;
 }
 
@@ -157,7 +172,7 @@ Node::~Node() { leave(); }
 
 void Node::leave() noexcept {
   if (segment_ == nullptr) return;
-  if (journal_) journal_->time(now());
+  if (writer_) writer_->journal.time(now());
   Slot& slot = segment_->slots()[slot_];
   shared(slot.node).store(kNotYet);
   shared(slot.claim).store(0);
@@ -172,18 +187,29 @@ Status Node::write(LongwordOffset offset, std::uint32_t word) noexcept {
   for (const auto& range : own_) {
     if (offset.value() < range.begin || offset.value() >= range.end) continue;
     shared(words_[offset.value()]).store(word, std::memory_order_release);
-    journal_->word(offset.value(), word);
-    wake_sleepers(segment_->wake());
+    Writer& writer = *writer_;
+    writer.journal.word(offset.value(), word);
+    wake_sleepers(*writer.wake);
     return Status::Ok;
   }
   return Status::Fault;
 }
 
 Status Node::read_group(TearGroupId id, std::span<std::uint32_t> words) const noexcept {
-  const GroupAccess& access = groups_[id.value()];
+  GroupAccess& access = groups_[id.value()];
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    if (read_record(access.record, words)) return Status::Ok;
-    if (!is_kept(access.record)) break;
+    const std::uint32_t count = count_of(access.record);
+    if (!access.read.empty() && count == access.read_count) {
+      load_words(words, access.read.data());
+      return Status::Ok;
+    }
+    if (read_record(access.record, words, count)) {
+      if (access.read.empty()) return Status::Ok;
+      access.read_count = count;
+      store_words(access.read.data(), words);
+      return Status::Ok;
+    }
+    if ((count & kPlain) != 0) break;
   }
   // Its writer stands still in the middle, or is very busy; or it is none of ours.
   for (int attempt = 0; attempt < kAttempts; ++attempt)
@@ -194,20 +220,21 @@ Status Node::read_group(TearGroupId id, std::span<std::uint32_t> words) const no
 
 Status Node::write_group(TearGroupId id, std::span<const std::uint32_t> words) noexcept {
   if (id.value() >= groups_.size()) return Status::Fault;
-  const GroupAccess& access = groups_[id.value()];
+  GroupAccess& access = groups_[id.value()];
   if (!access.own || words.size() != access.longwords) return Status::Fault;
-  write_record(access.record, words);
+  access.count = write_record(access.record, words, access.count);
   store_words(access.words, words);
-  journal_->group(access.group->base, words);
-  shared(access.group->journalled).store(count_of(access.record), std::memory_order_release);
-  wake_sleepers(segment_->wake());
+  Writer& writer = *writer_;
+  writer.journal.group(access.group->base, words);
+  shared(access.group->journalled).store(access.count, std::memory_order_release);
+  wake_sleepers(*writer.wake);
   return Status::Ok;
 }
 
 void Node::beat() noexcept {
   auto beats = shared(segment_->slots()[slot_].beats);
   beats.store(beats.load(std::memory_order_relaxed) + 1, std::memory_order_release);
-  if (journal_) journal_->time(now());
+  if (writer_) writer_->journal.time(now());
 }
 
 std::uint64_t Node::beats_of(NodeId node) const noexcept {

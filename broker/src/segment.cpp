@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/mman.h>
 
 #include <fmt/format.h>
 #include <boost/interprocess/mapped_region.hpp>
@@ -73,6 +74,16 @@ ipc::mapped_region map_part(const ipc::shared_memory_object& object, std::uint64
   return {object, ipc::read_write, static_cast<ipc::offset_t>(begin), bytes};
 }
 
+// Neither advice need be taken: huge pages where the kernel has them for shared memory; and no page
+// of which room was taken is first touched while it is written in real time.
+ipc::mapped_region map_for_work(const ipc::shared_memory_object& object, std::uint64_t begin,
+                                std::uint64_t bytes, std::uint64_t populated) {
+  ipc::mapped_region region = map_part(object, begin, bytes);
+  madvise(region.get_address(), bytes, MADV_HUGEPAGE);
+  madvise(region.get_address(), populated, MADV_POPULATE_WRITE);
+  return region;
+}
+
 std::uint64_t size_of(const ipc::shared_memory_object& object) {
   ipc::offset_t size = 0;
   return object.get_size(size) ? static_cast<std::uint64_t>(size) : 0;
@@ -125,7 +136,7 @@ struct Segment::Memory {
     }
     if (journals[index].get_size() == 0) {
       take_room(object, begin, bytes);
-      journals[index] = map_part(object, begin, bytes);
+      journals[index] = map_for_work(object, begin, bytes, bytes);
     }
     return static_cast<std::byte*>(journals[index].get_address());
   }
@@ -176,7 +187,7 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
     made = true;
     memory->object.truncate(static_cast<ipc::offset_t>(total_bytes(header)));
     take_room(memory->object, 0, room_at_once(header));
-    memory->common = map_part(memory->object, 0, common_bytes(header));
+    memory->common = map_for_work(memory->object, 0, common_bytes(header), room_at_once(header));
   } catch (const std::exception& error) {
     if (made) ipc::shared_memory_object::remove(object_name(name).c_str());
     throw Error{fmt::format("ring '{}' ({} bytes of shared memory) cannot be created: {}", name,
@@ -197,7 +208,7 @@ std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
       throw Error{fmt::format(
           "ring '{}' was never finished by its creator; 'rths clean' removes it", name)};
     const Header header = checked_header(memory->object, name);
-    memory->common = map_part(memory->object, 0, common_bytes(header));
+    memory->common = map_for_work(memory->object, 0, common_bytes(header), room_at_once(header));
   } catch (const ipc::interprocess_exception& error) {
     throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
   }

@@ -71,6 +71,8 @@ TEST(RowVerdict, IsPassUpToTheGateAndFailBeyond) {
 
 TEST(RowVerdict, AsksMuchOfAPeerAndLittleOfUs) {
   EXPECT_TRUE(holds(Quantity::RatioToRaw, 1, 2));
+  EXPECT_TRUE(holds(Quantity::RatioToOther, 1, 2));
+  EXPECT_TRUE(holds(Quantity::Time, 1, 2));
   EXPECT_TRUE(holds(Quantity::ExtraTime, 1, 2));
   EXPECT_FALSE(holds(Quantity::TimesCheaper, 1, 2));
   EXPECT_FALSE(holds(Quantity::TimesOurs, 1, 2));

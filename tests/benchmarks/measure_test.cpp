@@ -86,8 +86,6 @@ TEST(PeerLine, IsRefusedIfItIsNoSuchLine) {
 TEST(Rows, HaveNamesOfTheirOwn) {
   std::set<std::string> names;
   for (const Row& row : all_rows()) EXPECT_TRUE(names.insert(row.name).second) << row.name;
-  for (const auto& row : rows_not_measured_yet())
-    EXPECT_TRUE(names.insert(row.name).second) << row.name;
 }
 
 TEST(Rows, ComeWithTheRowThatAPeerIsHeldAgainst) {

@@ -178,7 +178,7 @@ class Remains : public ::testing::Test {
     store_words(record() + kLineBytes / 4, {twos.data(), kWords / 2});
   }
   void die_in_the_memory_of_twos() {
-    write_record(record(), twos);
+    write_record(record(), twos, count_of(record()));
     store_words(segment->words(), {twos.data(), kWords / 2});
   }
 };
@@ -226,8 +226,8 @@ TEST_F(Remains, FollowersGetWhatReadersSaw) {
 TEST_F(Remains, FollowersDoNotWaitForTheRestOfAGroup) {
   Follower follower = ring.follow("machine");
   const std::uint32_t lap = journal.lap(0) << 4U;
-  publish(journal.slot(0), {0, kWords, 0, lap | static_cast<std::uint32_t>(EntryKind::Group)});
-  publish(journal.slot(1), {1, 1, 1, lap | static_cast<std::uint32_t>(EntryKind::Data)});
+  publish(journal.slot(0), 0, kWords, 0, lap | static_cast<std::uint32_t>(EntryKind::Group));
+  publish(journal.slot(1), 1, 1, 1, lap | static_cast<std::uint32_t>(EntryKind::Data));
   Node successor = ring.join("machine", 0);
   ASSERT_EQ(successor.write(kLooseWord, 7), Status::Ok);
   Write write;

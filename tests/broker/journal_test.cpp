@@ -90,7 +90,7 @@ TEST(Journal, TellsAheadFromBehindWhenTheLapsWrap) {
   const std::uint64_t position = last_lap << kBits;
   JournalEntry entry;
   const auto put = [&](std::uint64_t at) {
-    publish(place.slot(at), {0, 0, 0, place.lap(at) << 4U | 1U});
+    publish(place.slot(at), 0, 0, 0, place.lap(at) << 4U | 1U);
   };
 
   put(position);

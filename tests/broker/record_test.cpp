@@ -28,12 +28,15 @@ class Record : public ::testing::TestWithParam<std::uint32_t> {
   std::uint32_t length = GetParam();
   std::vector<Bytes> memory = std::vector<Bytes>(record_bytes(GetParam()) / sizeof(Bytes));
   std::uint32_t* record = memory[0].words;
+  void write(const std::vector<std::uint32_t>& words) {
+    write_record(record, words, count_of(record));
+  }
 };
 
 TEST_P(Record, GivesBackItsNewestWrite) {
   std::vector<std::uint32_t> read(length);
   for (std::uint32_t i = 0; i < 10; ++i) {
-    write_record(record, counting(1000 * i));
+    write(counting(1000 * i));
     ASSERT_TRUE(read_record(record, read));
     EXPECT_EQ(read, counting(1000 * i));
     EXPECT_FALSE(is_torn(record, length));
@@ -43,7 +46,7 @@ TEST_P(Record, GivesBackItsNewestWrite) {
 // Of a record that nobody keeps, the group is what stands in memory.
 TEST_P(Record, GivesNothingWhileNobodyKeepsIt) {
   std::vector<std::uint32_t> read(length);
-  write_record(record, counting(1));
+  write(counting(1));
 
   keep_no_longer(record);
 
@@ -51,7 +54,7 @@ TEST_P(Record, GivesNothingWhileNobodyKeepsIt) {
   EXPECT_FALSE(is_torn(record, length));
   ASSERT_TRUE(read_memory(record, counting(7).data(), read));
   EXPECT_EQ(read, counting(7));
-  write_record(record, counting(3));
+  write(counting(3));
   EXPECT_FALSE(read_memory(record, counting(7).data(), read));
   ASSERT_TRUE(read_record(record, read));
   EXPECT_EQ(read, counting(3));
@@ -62,7 +65,7 @@ TEST_P(Record, GoesOnWhereCountsBeginAgain) {
   std::vector<std::uint32_t> read(length);
   record[0] = record_kind(length) == RecordKind::Latch ? kPlain - 1 : kPlain - 2;
   for (std::uint32_t i = 0; i < 4; ++i) {
-    write_record(record, counting(i));
+    write(counting(i));
     ASSERT_TRUE(read_record(record, read));
     EXPECT_EQ(read, counting(i));
     EXPECT_TRUE(is_kept(record));
@@ -72,7 +75,7 @@ TEST_P(Record, GoesOnWhereCountsBeginAgain) {
 TEST_P(Record, KeepsToItsBytes) {
   std::vector<Bytes> larger(memory.size() + 1);
   for (auto& word : larger.back().words) word = 0xABCD;
-  write_record(larger[0].words, counting(1));
+  write_record(larger[0].words, counting(1), 0);
 
   for (const auto word : larger.back().words) EXPECT_EQ(word, 0xABCDU);
 }
@@ -81,14 +84,14 @@ TEST_P(Record, KeepsToItsBytes) {
 TEST_P(Record, IsWholeAgainAfterTheNextWrite) {
   if (record_kind(length) == RecordKind::Latch) return;  // has no middle
   std::vector<std::uint32_t> read(length);
-  write_record(record, counting(1));
+  write(counting(1));
   record[0] |= 1U;
   EXPECT_TRUE(is_torn(record, length));
   EXPECT_FALSE(read_record(record, read));
   ASSERT_TRUE(read_memory(record, counting(1).data(), read));
   EXPECT_EQ(read, counting(1));
 
-  write_record(record, counting(5));
+  write(counting(5));
 
   EXPECT_FALSE(is_torn(record, length));
   ASSERT_TRUE(read_record(record, read));
@@ -99,7 +102,7 @@ TEST_P(Record, IsWholeAgainAfterTheNextWrite) {
 TEST(Latch, NeverWaitsForItsWriter) {
   std::vector<Bytes> memory(1);
   const std::vector<std::uint32_t> first{1, 2, 3, 4, 5, 6, 7};
-  write_record(memory[0].words, first);
+  write_record(memory[0].words, first, 0);
   std::uint32_t* half_written = memory[0].words + 2 + kLatchWords * ((memory[0].words[0] + 1) % 2);
   half_written[0] = 99;
   std::vector<std::uint32_t> read(7);
@@ -113,7 +116,7 @@ TEST_P(Record, IsNeverReadTorn) {
   std::atomic<bool> finished{false};
   std::thread writer{[&] {
     for (std::uint32_t count = 1; count <= kWrites; ++count) {
-      write_record(record, std::vector<std::uint32_t>(length, count));
+      write(std::vector<std::uint32_t>(length, count));
       if (count % 500 == 0) std::this_thread::yield();
     }
     finished.store(true);

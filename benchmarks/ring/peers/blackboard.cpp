@@ -52,14 +52,15 @@ class BoardEnd {
         sent_(bytes),
         received_(bytes) {}
   void send(std::uint32_t number) {
-    mark(sent_.data(), sent_.size(), number);
-    store(out_, sent_.data(), sent_.size());
+    fill(number);
+    write();
   }
   [[nodiscard]] bool arrived(std::uint32_t number) {
     return load(in_, received_.data(), received_.size()) &&
            number_of(received_.data(), received_.size()) == number;
   }
-  void write(std::uint32_t number) { send(number); }
+  void fill(std::uint32_t number) { mark(sent_.data(), sent_.size(), number); }
+  void write() { store(out_, sent_.data(), sent_.size()); }
   void read() { static_cast<void>(load(in_, received_.data(), received_.size())); }
 
  private:
@@ -83,9 +84,10 @@ bench::Times round_trips(const Request& request) {
   });
 }
 
+template <std::uint32_t gap>
 bench::Times writes(const Request& request) {
   return with_boards(request, [](const bench::Setup& setup, auto make_end) {
-    return bench::write_times_under_reader(setup, make_end);
+    return bench::write_times_under_reader(setup, gap, make_end);
   });
 }
 
@@ -93,5 +95,9 @@ bench::Times writes(const Request& request) {
 }  // namespace rths::peers
 
 int main(int argc, char** argv) {
-  return rths::peers::run_peer(argc, argv, rths::peers::round_trips, rths::peers::writes);
+  using namespace rths::peers;
+  return run_peer(argc, argv,
+                  {{"round_trips", round_trips},
+                   {"writes_each_200", writes<200>},
+                   {"writes_each_1000", writes<1000>}});
 }

@@ -105,4 +105,6 @@ bench::Times measure(const Request& request) {
 }  // namespace
 }  // namespace rths::peers
 
-int main(int argc, char** argv) { return rths::peers::run_peer(argc, argv, rths::peers::measure); }
+int main(int argc, char** argv) {
+  return rths::peers::run_peer(argc, argv, {{"round_trips", rths::peers::measure}});
+}

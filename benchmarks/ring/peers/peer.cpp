@@ -28,23 +28,21 @@ Request parse(char** argv) {
   return request;
 }
 
-bench::Times measure(int argc, char** argv, const Task& round_trips, const Task& writes) {
-  if (argc != kArguments)
-    throw Error{"expected: round_trips|writes BYTES ROUND_TRIPS NEAR_CPU FAR_CPU"};
-  const std::string name = argv[1];
-  if (name == "round_trips") return round_trips(parse(argv));
-  if (name == "writes" && writes) return writes(parse(argv));
-  throw Error{"there is no task '" + name + "'"};
+bench::Times measure(int argc, char** argv, const Tasks& tasks) {
+  if (argc != kArguments) throw Error{"expected: TASK BYTES ROUND_TRIPS NEAR_CPU FAR_CPU"};
+  const auto task = tasks.find(argv[1]);
+  if (task == tasks.end()) throw Error{"there is no task '" + std::string{argv[1]} + "'"};
+  return task->second(parse(argv));
 }
 
 }  // namespace
 
-int run_peer(int argc, char** argv, const Task& round_trips, const Task& writes) {
+int run_peer(int argc, char** argv, const Tasks& tasks) {
   // It is of no use to anybody but the command that started it.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   nlohmann::json said;
   try {
-    const bench::Times times = measure(argc, argv, round_trips, writes);
+    const bench::Times times = measure(argc, argv, tasks);
     said = {{"p50_ns", times.p50}, {"p99_ns", times.p99}};
   } catch (const std::exception& error) {
     said = {{"error", error.what()}};

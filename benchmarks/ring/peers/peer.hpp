@@ -3,7 +3,7 @@
 // A peer: another way to pass data between two processes, as a program of its own, so that nothing
 // of it is in the command. It is called as
 //
-//     rths_peer_<name> round_trips|writes BYTES ROUND_TRIPS NEAR_CPU FAR_CPU
+//     rths_peer_<name> TASK BYTES ROUND_TRIPS NEAR_CPU FAR_CPU
 //
 // and says {"p50_ns": …, "p99_ns": …} or {"error": "…"} in one line on standard output.
 #pragma once
@@ -12,6 +12,8 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <map>
+#include <string>
 
 #include <rths/bench/round_trip.hpp>
 
@@ -23,12 +25,11 @@ struct Request {
   bench::Setup setup;
 };
 
-using Task = std::function<bench::Times(const Request&)>;
+/// What a peer can be asked to measure, by name. May throw.
+using Tasks = std::map<std::string, std::function<bench::Times(const Request&)>>;
 
-/// `main` of a peer: reads the request, measures, says the result. A task may throw.
-/// @param writes  what a write costs under a reader; few peers are asked for it
-[[nodiscard]] int run_peer(int argc, char** argv, const Task& round_trips,
-                           const Task& writes = nullptr);
+/// `main` of a peer: reads the request, measures, says the result.
+[[nodiscard]] int run_peer(int argc, char** argv, const Tasks& tasks);
 
 /// Writes a number to the first and last four bytes of a message; they are the same if it has four.
 inline void mark(void* message, std::size_t bytes, std::uint32_t number) {

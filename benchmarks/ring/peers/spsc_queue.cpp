@@ -3,6 +3,8 @@
 // boost::lockfree::spsc_queue, one in each direction, laid into shared memory.
 #include <array>
 
+#include <rths/bench/stream.hpp>
+
 #include <boost/lockfree/spsc_queue.hpp>
 
 #include <rths/core/error.hpp>
@@ -12,7 +14,7 @@
 namespace rths::peers {
 namespace {
 
-constexpr std::size_t kDepth = 64;
+constexpr std::size_t kDepth = 4096;
 
 template <std::size_t bytes>
 struct Queues {
@@ -35,6 +37,15 @@ class QueueEnd {
   [[nodiscard]] bool arrived(std::uint32_t number) {
     return in_.pop(received_) && number_of(received_.data(), bytes) == number;
   }
+  [[nodiscard]] bool offer(std::uint32_t number) {
+    mark(sent_.data(), bytes, number);
+    return out_.push(sent_);
+  }
+  [[nodiscard]] bool take(std::uint32_t& number) {
+    if (!in_.pop(received_)) return false;
+    number = number_of(received_.data(), bytes);
+    return true;
+  }
 
  private:
   typename Queues<bytes>::Queue& out_;
@@ -42,30 +53,40 @@ class QueueEnd {
   typename Queues<bytes>::Message sent_{}, received_{};
 };
 
-template <std::size_t bytes>
-bench::Times measure_size(const bench::Setup& setup) {
-  // In shared pages from birth to death: both processes see it at one address.
+// In shared pages from birth to death: both processes see it at one address.
+template <std::size_t bytes, class Measure>
+bench::Times with_queues(Measure measure) {
   const bench::SharedPages pages{sizeof(Queues<bytes>)};
   auto* const queues = new (pages.address()) Queues<bytes>;
-  const bench::Times times = bench::round_trips(setup, [&](bench::Side side) {
+  const bench::Times times = measure([&](bench::Side side) {
     return QueueEnd<bytes>{*queues, side};
   });
   queues->~Queues<bytes>();
   return times;
 }
 
-bench::Times measure(const Request& request) {
+bench::Times round_trips(const Request& request) {
+  const auto measure = [&](auto make_end) { return bench::round_trips(request.setup, make_end); };
   switch (request.bytes) {
     case 8:
-      return measure_size<8>(request.setup);
+      return with_queues<8>(measure);
     case 64:
-      return measure_size<64>(request.setup);
+      return with_queues<64>(measure);
     default:
       throw Error{"expected 8 or 64 bytes"};
   }
 }
 
+bench::Times stream(const Request& request) {
+  if (request.bytes != 8) throw Error{"expected 8 bytes"};
+  return with_queues<8>(
+      [&](auto make_end) { return bench::stream_times(request.setup, make_end); });
+}
+
 }  // namespace
 }  // namespace rths::peers
 
-int main(int argc, char** argv) { return rths::peers::run_peer(argc, argv, rths::peers::measure); }
+int main(int argc, char** argv) {
+  using namespace rths::peers;
+  return run_peer(argc, argv, {{"round_trips", round_trips}, {"stream", stream}});
+}

@@ -33,7 +33,10 @@ bool raw_is_plausible(const Pairing& pairing) {
 double value_of(const Row& row, const Pairing& pairing, const Pairing* ours) {
   switch (row.quantity) {
     case Quantity::RatioToRaw:
+    case Quantity::RatioToOther:
       return ratio(pairing);
+    case Quantity::Time:
+      return pairing.measured.p50;
     case Quantity::ExtraTime:
       return pairing.measured.p50 - pairing.reference.p50;
     case Quantity::TimesCheaper:
@@ -140,8 +143,8 @@ const char* to_text(Verdict verdict) noexcept {
 bool is_quiet(const Load& load) { return load.other <= kQuiet.other && load.steal <= kQuiet.steal; }
 
 bool holds(Quantity quantity, double value, double bound) {
-  const bool at_most = quantity == Quantity::RatioToRaw || quantity == Quantity::ExtraTime;
-  return at_most ? value <= bound : value >= bound;
+  const bool at_least = quantity == Quantity::TimesCheaper || quantity == Quantity::TimesOurs;
+  return at_least ? value >= bound : value <= bound;
 }
 
 RowResult judge_row(const Row& row, const std::vector<Cycle>& cycles, std::uint64_t seed) {

@@ -50,9 +50,23 @@ Pairing measure_peer(const Row& row, const Workbench& bench) {
   return {run_peer(row, bench, "round_trips"), raw};
 }
 
-Pairing measure_write_under_reader(const Row& row, const Workbench& bench) {
-  const Times peer = run_peer(row, bench, "writes");
-  return {write_group_under_reader(row, bench), peer};
+Pairing measure_vendor_store(const Row& row, const Workbench& bench) {
+  return measure_peer(row, bench);
+}
+
+Pairing measure_write_under_reader_200(const Row& row, const Workbench& bench) {
+  const Times peer = run_peer(row, bench, "writes_each_200");
+  return {write_group_under_reader(row, bench, 200), peer};
+}
+
+Pairing measure_write_under_reader_1000(const Row& row, const Workbench& bench) {
+  const Times peer = run_peer(row, bench, "writes_each_1000");
+  return {write_group_under_reader(row, bench, 1000), peer};
+}
+
+Pairing measure_queue_throughput(const Row& row, const Workbench& bench) {
+  const Times peer = run_peer(row, bench, "stream");
+  return {stream_of_words(bench), peer};
 }
 
 }  // namespace rths::bench

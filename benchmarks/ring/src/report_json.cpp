@@ -15,6 +15,10 @@ const char* name_of(Quantity quantity) {
   switch (quantity) {
     case Quantity::RatioToRaw:
       return "ratio_to_raw";
+    case Quantity::RatioToOther:
+      return "ratio";
+    case Quantity::Time:
+      return "ns";
     case Quantity::ExtraTime:
       return "extra_ns";
     case Quantity::TimesCheaper:
@@ -80,12 +84,9 @@ std::string to_json(const Report& report) {
                 {"lower_quartile", report.raw.low},
                 {"upper_quartile", report.raw.high}}},
               {"rows", json::array()},
-              {"peers", json::array()},
-              {"not_measured_yet", json::array()}};
+              {"peers", json::array()}};
   for (const RowResult& result : report.rows)
     out[result.row.is_peers() ? "peers" : "rows"].push_back(document(result));
-  for (const UnmeasuredRow& row : rows_not_measured_yet())
-    out["not_measured_yet"].push_back({{"name", row.name}, {"what", row.what}});
   return out.dump(2) + "\n";
 }
 

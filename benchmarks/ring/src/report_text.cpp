@@ -22,13 +22,13 @@ std::string nanoseconds(double value) {
 }
 
 std::string header(const std::string& value) {
-  return fmt::format("{:<20}{:>6}{:>10}{:>10}{:>10}{:>18}{:>8}{:>10}{:>7}{:>7}  verdict\n", "row",
+  return fmt::format("{:<24}{:>6}{:>10}{:>10}{:>10}{:>18}{:>8}{:>10}{:>7}{:>7}  verdict\n", "row",
                      "bytes", "p50 [ns]", "p99 [ns]", "ratio", "95 %", "p99", value, "goal",
                      "gate");
 }
 
 std::string line(const RowResult& result) {
-  const std::string start = fmt::format("{:<20}{:>6}", result.row.name, result.row.bytes);
+  const std::string start = fmt::format("{:<24}{:>6}", result.row.name, result.row.bytes);
   if (!result.missing.empty()) return fmt::format("{}  missing: {}\n", start, result.missing);
   const auto bound = [&](double Gate::*part) {
     return result.row.gate ? fmt::format("{:.2f}", (*result.row.gate).*part) : std::string{"-"};
@@ -64,10 +64,7 @@ std::string to_text(const Report& report) {
       report.cycles, report.round_trips, report.raw.median, report.raw.low, report.raw.high,
       report.seed);
   out += table(report, false) + table(report, true);
-  out += "Not measured yet:\n";
-  for (const UnmeasuredRow& row : rows_not_measured_yet())
-    out += fmt::format("  {:<18}{}\n", row.name, row.what);
-  out += fmt::format("\n{}\n", upper(to_text(report.result)));
+  out += fmt::format("{}\n", upper(to_text(report.result)));
   for (const std::string& trouble : report.troubles) out += fmt::format("  {}\n", trouble);
   return out;
 }

@@ -9,6 +9,9 @@ namespace rths::bench {
 namespace {
 
 constexpr std::uint32_t kLongwordsPerPair = 32;  // two cache lines, which processors fetch together
+constexpr std::uint32_t kMostAhead = 1U << 14U;  // a sender of its receiver: a quarter of a journal
+constexpr std::uint32_t kConfirmEvery = 1024;
+constexpr auto kLongestWait = std::chrono::seconds{1};
 constexpr const char* kNear = "near";
 constexpr const char* kFar = "far";
 
@@ -40,10 +43,10 @@ memmap::Map map_of(std::uint32_t longwords, bool tear_group) {
 
 }  // namespace
 
-BenchRing::BenchRing(std::uint32_t longwords, bool tear_group)
+BenchRing::BenchRing(std::uint32_t longwords, bool tear_group, std::uint32_t journal_bits)
     : name_{fmt::format("bench_{}", getpid())},
       longwords_{longwords},
-      ring_{broker::Ring::create(name_, map_of(longwords, tear_group))} {}
+      ring_{broker::Ring::create(name_, map_of(longwords, tear_group), journal_bits)} {}
 
 BenchRing::~BenchRing() { broker::remove_ring(name_); }
 
@@ -55,17 +58,38 @@ RingPlace::RingPlace(const BenchRing& bench_ring, Side side)
       out_partition{side == Side::Near ? kNear : kFar},
       in_partition{side == Side::Near ? kFar : kNear} {}
 
+StreamEnd::StreamEnd(const BenchRing& ring, Side side)
+    : place_{ring, side},
+      longwords_{ring.longwords()},
+      follower_{place_.ring.follow(place_.in_partition)} {}
+
+bool StreamEnd::offer(std::uint32_t number) {
+  if (number - taken_ >= kMostAhead) {
+    taken_ = place_.node.read(place_.in);
+    if (number - taken_ >= kMostAhead) return false;
+  }
+  return place_.node.write(advance(place_.out, number % longwords_), number) == Status::Ok;
+}
+
+bool StreamEnd::take(std::uint32_t& number) {
+  if (follower_.next(write_) != broker::Followed::Write) return false;
+  number = write_.value;
+  if (++taken_ % kConfirmEvery == 0) static_cast<void>(place_.node.write(place_.out, taken_));
+  return true;
+}
+
+bool WaitEnd::arrived(std::uint32_t number) {
+  if (waiter_.wait(WallClock{}.now() + kLongestWait, write_) != Status::Ok)
+    throw Error{"a word that was waited for did not come"};
+  return write_.value == number;
+}
+
 GroupEnd::GroupEnd(const BenchRing& ring, Side side)
     : place_{ring, side},
       out_group_{place_.ring.tear_group(place_.out_partition)},
       in_group_{place_.ring.tear_group(place_.in_partition)},
       out_(ring.longwords(), 0),
       in_(ring.longwords(), 0) {}
-
-void GroupEnd::send(std::uint32_t number) {
-  out_.front() = out_.back() = number;
-  static_cast<void>(place_.node.write_group(out_group_, out_));
-}
 
 bool GroupEnd::arrived(std::uint32_t number) {
   if (place_.node.read_group(in_group_, in_) != Status::Ok) return false;

@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint32_t kPageLongwords = 1024;
 
 template <Poll poll, class End>
-Pairing over_ring(const Row& row, const Workbench& bench, bool tear_group) {
-  const BenchRing ring{row.bytes / kBytesPerLongword, tear_group};
+Pairing over_ring(const Workbench& bench, std::uint32_t longwords, bool tear_group = false) {
+  const BenchRing ring{longwords, tear_group};
   const Times raw = raw_round_trips(bench.setup);
   return {round_trips<poll>(bench.setup, [&](Side side) { return End{ring, side}; }), raw};
 }
@@ -37,16 +37,28 @@ Pairing measure_raw_paused(const Row&, const Workbench& bench) {
   return {raw_round_trips<Poll::Paused>(bench.setup), raw};
 }
 
-Pairing measure_word(const Row& row, const Workbench& bench) {
-  return over_ring<Poll::Tight, WordEnd>(row, bench, false);
+Pairing measure_word(const Row&, const Workbench& bench) {
+  return over_ring<Poll::Tight, WordEnd>(bench, 1);
 }
 
-Pairing measure_word_paused(const Row& row, const Workbench& bench) {
-  return over_ring<Poll::Paused, WordEnd>(row, bench, false);
+Pairing measure_word_paused(const Row&, const Workbench& bench) {
+  return over_ring<Poll::Paused, WordEnd>(bench, 1);
+}
+
+Pairing measure_any_word(const Row&, const Workbench& bench) {
+  return over_ring<Poll::Tight, AnyWordEnd>(bench, kManyWords);
+}
+
+Pairing measure_any_word_paused(const Row&, const Workbench& bench) {
+  return over_ring<Poll::Paused, AnyWordEnd>(bench, kManyWords);
 }
 
 Pairing measure_group(const Row& row, const Workbench& bench) {
-  return over_ring<Poll::Tight, GroupEnd>(row, bench, true);
+  return over_ring<Poll::Tight, GroupEnd>(bench, row.bytes / kBytesPerLongword, true);
+}
+
+Pairing measure_wait_spinning(const Row&, const Workbench& bench) {
+  return over_ring<Poll::Tight, WaitEnd>(bench, 1);
 }
 
 Pairing measure_write_cost(const Row&, const Workbench& bench) {
@@ -62,10 +74,12 @@ Pairing measure_write_cost(const Row&, const Workbench& bench) {
   return {writes, stores};
 }
 
-Times write_group_under_reader(const Row& row, const Workbench& bench) {
+Times write_group_under_reader(const Row& row, const Workbench& bench, std::uint32_t gap) {
   // The reader is the far side and reads what the near side writes.
   const BenchRing ring{row.bytes / kBytesPerLongword, true};
-  return write_times_under_reader(bench.setup, [&](Side side) { return GroupEnd{ring, side}; });
+  return write_times_under_reader(bench.setup, gap, [&](Side side) {
+    return GroupEnd{ring, side};
+  });
 }
 
 }  // namespace rths::bench

@@ -10,10 +10,20 @@ namespace rths::bench {
 [[nodiscard]] Pairing measure_raw_paused(const Row& row, const Workbench& bench);
 [[nodiscard]] Pairing measure_word(const Row& row, const Workbench& bench);
 [[nodiscard]] Pairing measure_word_paused(const Row& row, const Workbench& bench);
+[[nodiscard]] Pairing measure_any_word(const Row& row, const Workbench& bench);
+[[nodiscard]] Pairing measure_any_word_paused(const Row& row, const Workbench& bench);
 [[nodiscard]] Pairing measure_group(const Row& row, const Workbench& bench);
+[[nodiscard]] Pairing measure_wait_spinning(const Row& row, const Workbench& bench);
+/// Both sides fall asleep before each message; against a word and a futex.
+[[nodiscard]] Pairing measure_wait_sleeping(const Row& row, const Workbench& bench);
 /// A word through the ring against a plain store, sequential, nobody reading.
 [[nodiscard]] Pairing measure_write_cost(const Row& row, const Workbench& bench);
-/// A group of the row's size, written while the other processor reads it all the time.
-[[nodiscard]] Times write_group_under_reader(const Row& row, const Workbench& bench);
+/// The fastest of some rates at which the other process follows every write.
+[[nodiscard]] Pairing measure_journal_follow(const Row& row, const Workbench& bench);
+/// Words through a journal, as fast as they are taken.
+[[nodiscard]] Times stream_of_words(const Workbench& bench);
+/// A group of the row's size, written every `gap` while the other processor reads it all the time.
+[[nodiscard]] Times write_group_under_reader(const Row& row, const Workbench& bench,
+                                             std::uint32_t gap);
 
 }  // namespace rths::bench

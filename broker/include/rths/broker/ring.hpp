@@ -17,7 +17,6 @@ namespace rths::broker {
 
 class Segment;
 class Follower;
-class JournalWriter;
 class Waiter;
 struct LastWrite;
 struct LongwordRange;
@@ -91,14 +90,15 @@ class Node {
   };
   /// A tear group, and what is known about it from the beginning.
   struct GroupAccess;
+  struct Writer;
 
   void take_over(const memmap::Map& map, NodeId id, bool plain);
   Segment* segment_;
   std::uint32_t* words_;  ///< of the ring
   std::uint32_t slot_;
   std::vector<OwnRange> own_;  ///< but for tear groups
-  std::vector<GroupAccess> groups_;
-  std::unique_ptr<JournalWriter> journal_;  ///< of a node that may write
+  mutable std::vector<GroupAccess> groups_;  ///< with what was read last
+  std::unique_ptr<Writer> writer_;  ///< of a node that may write
 };
 
 /// A software SCRAMNet+ ring: one memory that every node of a host sees at once.

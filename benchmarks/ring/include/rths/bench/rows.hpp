@@ -21,6 +21,8 @@ struct Pairing {
 /// What a row is judged by.
 enum class Quantity {
   RatioToRaw,    ///< measured / raw; at most so many
+  RatioToOther,  ///< measured / reference, which is not raw; at most so many
+  Time,          ///< measured [ns]; at most so many
   ExtraTime,     ///< measured − reference [ns]; at most so many
   TimesCheaper,  ///< reference / measured; at least so many
   TimesOurs,     ///< a peer's ratio to raw / that of our row of the same meaning; at least so many
@@ -68,14 +70,8 @@ class Missing : public Error {
   using Error::Error;
 };
 
-/// A row that cannot be measured yet, because the ring cannot do it yet.
-struct UnmeasuredRow {
-  std::string name, what;
-};
-
 /// All rows, in the order in which they are printed.
 [[nodiscard]] std::vector<Row> all_rows();
-[[nodiscard]] std::vector<UnmeasuredRow> rows_not_measured_yet();
 
 /// The rows of these names, all if there are none, and those of ours that peers among them need.
 /// @throws Error that lists the rows there are

@@ -21,6 +21,16 @@ namespace rths::bench {
 #endif
 }
 
+/// The same, once everything before it has been executed. Stores may still be on their way.
+[[nodiscard]] inline std::uint64_t stamp_behind() noexcept {
+#if defined(__x86_64__)
+  unsigned processor = 0;
+  return __rdtscp(&processor);
+#else
+  return stamp();
+#endif
+}
+
 /// Tells the processor that this loop waits, so that it leaves the line it looks at alone.
 inline void pause() noexcept {
 #if defined(__x86_64__)

@@ -27,36 +27,15 @@ template <class Write>
   return times_of(std::move(costs));
 }
 
-/// What a writer does between two writes: about a microsecond of multiplications that wait for each
-/// other. A write hides behind them exactly as it hides behind a program's own work.
-inline void work_between_writes() {
-  constexpr int kMultiplications = 800;
-  std::uint64_t product = 3;
-  for (int i = 0; i < kMultiplications; ++i) {
-    product *= 0x9E3779B97F4A7C15U;
-    asm volatile("" : "+r"(product));
-  }
-}
-
-/// Time of one of a run of writes, each with work before it.
-/// @param write  called with the number of the write
-template <class Write>
-[[nodiscard]] double run_time(std::uint32_t first, std::uint32_t writes, Write write) {
-  const std::uint64_t begun = stamp();
-  for (std::uint32_t i = 0; i < writes; ++i) {
-    work_between_writes();
-    write(first + i);
-  }
-  return static_cast<double>(stamp() - begun) / writes;
-}
-
-/// Times the writes of a record that the other processor reads without pause. The work between
-/// them is timed right before, without writes, and taken off.
-/// @param make_end  makes an end with `write(number)` and `read()`, in its side's process
+/// Times the writes of a record that the other processor reads without pause: each from its first
+/// instruction to its last, less what it takes to look at the clock. What the processor still has to
+/// do then, to bring the stores to where others see them, keeps no writer waiting.
+/// @param gap       between two writes [ns]
+/// @param make_end  makes an end with `fill(number)`, `write()` and `read()`, in its side's process
 template <class MakeEnd>
-[[nodiscard]] Times write_times_under_reader(const Setup& setup, MakeEnd make_end) {
-  constexpr std::uint32_t kRun = 64;
-  constexpr double kResolution = 0.1;  // of a difference of two times of a microsecond [ns]
+[[nodiscard]] Times write_times_under_reader(const Setup& setup, std::uint32_t gap,
+                                             MakeEnd make_end) {
+  constexpr double kResolution = 0.1;  // [ns]
   const Shared<std::atomic<std::uint32_t>> ready;
   const Shared<std::atomic<std::uint32_t>> over;
   Partner reader{setup.cpus.far, [&] {
@@ -68,10 +47,17 @@ template <class MakeEnd>
   auto end = make_end(Side::Near);
   await_ready(*ready, reader);
   std::vector<double> costs;
-  for (std::uint32_t done = 0; done < setup.round_trips; done += kRun) {
-    const double work = run_time(done, kRun, [](std::uint32_t) {});
-    const double both = run_time(done, kRun, [&](std::uint32_t number) { end.write(number); });
-    costs.push_back(std::max(kResolution, (both - work) * setup.tick));
+  const auto gap_ticks = static_cast<std::uint64_t>(gap / setup.tick);
+  for (std::uint32_t number = 1; number <= setup.round_trips; ++number) {
+    for (const std::uint64_t begun = stamp(); stamp() - begun < gap_ticks;) {
+    }
+    end.fill(number);
+    const std::uint64_t before = stamp_behind();
+    const std::uint64_t begun = stamp_behind();
+    end.write();
+    const std::uint64_t after = stamp_behind();
+    const auto ticks = static_cast<double>(after - begun) - static_cast<double>(begun - before);
+    costs.push_back(std::max(kResolution, ticks * setup.tick));
   }
   over->store(1, std::memory_order_relaxed);
   reader.join();

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What it takes to be woken. Both sides fall asleep before each message.
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <ctime>
+
+#include "ring_end.hpp"
+#include "ring_rows.hpp"
+
+namespace rths::bench {
+namespace {
+
+constexpr double kWorkBeforeSending = 150'000;  // [ns]; nobody stays awake for as long
+constexpr std::uint32_t kMostSleeps = 1'000;    // a round trip takes as long as a thousand others
+
+/// Another end, whose sides work before they send: the other one falls asleep meanwhile.
+template <class End>
+class SleepyEnd {
+ public:
+  SleepyEnd(End end, double tick) : end_{std::move(end)}, tick_{tick} {}
+  void send(std::uint32_t number) {
+    const std::uint64_t begun = stamp();
+    while (static_cast<double>(stamp() - begun) * tick_ < kWorkBeforeSending) pause();
+    end_.send(number);
+  }
+  [[nodiscard]] bool arrived(std::uint32_t number) { return end_.arrived(number); }
+
+ private:
+  End end_;
+  double tick_;
+};
+
+/// A word and a futex, and nothing else.
+struct FutexLines {
+  alignas(128) std::atomic<std::uint32_t> there{0};
+  alignas(128) std::atomic<std::uint32_t> back{0};
+};
+
+class FutexEnd {
+ public:
+  FutexEnd(FutexLines& lines, Side side)
+      : out_{side == Side::Near ? lines.there : lines.back},
+        in_{side == Side::Near ? lines.back : lines.there} {}
+  void send(std::uint32_t number) {
+    out_.store(number);
+    futex(out_, FUTEX_WAKE, 1);
+  }
+  [[nodiscard]] bool arrived(std::uint32_t number) {
+    const std::uint32_t found = in_.load();
+    if (found == number) return true;
+    futex(in_, FUTEX_WAIT, found);
+    return in_.load() == number;
+  }
+
+ private:
+  static void futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value) {
+    const timespec a_second{1, 0};
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
+    syscall(SYS_futex, &word, operation, value, &a_second, nullptr, 0);
+  }
+  std::atomic<std::uint32_t>& out_;
+  std::atomic<std::uint32_t>& in_;
+};
+
+/// From the send to the look that finds it, the work before left out.
+template <class MakeEnd>
+Times wake_times(const Workbench& bench, MakeEnd make_end) {
+  Setup setup = bench.setup;
+  setup.round_trips = std::min(setup.round_trips, kMostSleeps);
+  const Times times = round_trips(setup, [&](Side side) {
+    return SleepyEnd{make_end(side), setup.tick};
+  });
+  return {times.p50 - kWorkBeforeSending, times.p99 - kWorkBeforeSending};
+}
+
+}  // namespace
+
+Pairing measure_wait_sleeping(const Row&, const Workbench& bench) {
+  const Shared<FutexLines> lines;
+  const Times bare = wake_times(bench, [&](Side side) { return FutexEnd{*lines, side}; });
+  const BenchRing ring{1, false};
+  return {wake_times(bench, [&](Side side) { return WaitEnd{ring, side}; }), bare};
+}
+
+}  // namespace rths::bench
