@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "record.hpp"
+
 namespace rths::broker {
 namespace {
 
@@ -33,30 +35,35 @@ std::uint64_t begin_of(const JournalPlace& place) noexcept {
 }
 
 JournalWriter::JournalWriter(const JournalPlace& place) noexcept : place_{place} {
-  const std::uint64_t end = end_of(place);
-  lap_begin_ = end >> place.bits << place.bits;
-  index_ = static_cast<std::uint32_t>(end - lap_begin_);
-  lap_tag_ = place.lap(end) << 4U;
+  begin_at(end_of(place));
   // A predecessor may have died before it left one; with two such the end would be out of sight.
-  std::atomic_ref{place_.head->hint}.store(end, std::memory_order_release);
+  std::atomic_ref{place_.head->hint}.store(position(), std::memory_order_release);
+}
+
+void JournalWriter::begin_at(std::uint64_t position) noexcept {
+  const std::uint64_t index = position & ((std::uint64_t{1} << place_.bits) - 1);
+  lap_begin_ = position - index;
+  next_ = place_.entries + index;
+  stop_ = place_.entries + (index / kHintEvery + 1) * kHintEvery;
+  lap_tag_ = place_.lap(position) << 4U;
+  word_half_ = halves(0, tag(EntryKind::Word));
 }
 
 void JournalWriter::turn() noexcept {
   std::atomic_ref{place_.head->hint}.store(position(), std::memory_order_release);
-  if (index_ >> place_.bits == 0) return;
-  lap_begin_ = position();
-  index_ = 0;
-  lap_tag_ = place_.lap(lap_begin_) << 4U;
+  begin_at(position());
+  // Long since read by all who will, and not in this processor's cache.
+  detail::ask_for_lines(reinterpret_cast<const std::uint32_t*>(stop_), kHintEvery * sizeof *stop_);
 }
 
 void JournalWriter::group_over_a_hint(std::uint32_t base,
                                       std::span<const std::uint32_t> words) noexcept {
   append(EntryKind::Group, base, static_cast<std::uint32_t>(words.size()), 0);
   while (!words.empty()) {
-    const std::size_t room = (kHintEvery - index_ % kHintEvery) * kWordsPerEntry;
+    const auto room = static_cast<std::size_t>(stop_ - next_) * kWordsPerEntry;
     const auto part = words.first(std::min(room, words.size()));
-    publish_words(place_.entries + index_, part, tag(EntryKind::Data));
-    pass(index_ + static_cast<std::uint32_t>(entries_of(part.size())));
+    publish_words(next_, part, tag(EntryKind::Data));
+    pass(next_ + entries_of(part.size()));
     words = words.subspan(part.size());
   }
 }

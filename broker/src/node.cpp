@@ -94,12 +94,6 @@ struct Node::GroupAccess {
   std::vector<std::uint32_t> read = {};
 };
 
-/// What a node needs to write, in one place.
-struct Node::Writer {
-  JournalWriter journal;
-  Wake* wake;
-};
-
 Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, bool plain)
     : segment_{&segment},
       words_{segment.words()},
@@ -145,7 +139,7 @@ void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
     if (!partition.tear_group && map.node(partition.node) == id)
       own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
   journal.time(now());
-  writer_.reset(new Writer{journal, &segment_->wake()});
+  writer_.reset(new Writer{words_, {0, 0}, &segment_->wake(), journal});
 }
 
 Node::Node(Node&& other) noexcept
@@ -183,14 +177,12 @@ std::uint32_t Node::read(LongwordOffset offset) const noexcept {
   return shared(words_[offset.value()]).load(std::memory_order_acquire);
 }
 
-Status Node::write(LongwordOffset offset, std::uint32_t word) noexcept {
+// Another range than the time before, or none of this node's.
+Status Node::write_elsewhere(LongwordOffset offset, std::uint32_t word) noexcept {
   for (const auto& range : own_) {
-    if (offset.value() < range.begin || offset.value() >= range.end) continue;
-    shared(words_[offset.value()]).store(word, std::memory_order_release);
-    Writer& writer = *writer_;
-    writer.journal.word(offset.value(), word);
-    wake_sleepers(*writer.wake);
-    return Status::Ok;
+    if (!range.has(offset.value())) continue;
+    writer_->range = range;
+    return write(offset, word);
   }
   return Status::Fault;
 }

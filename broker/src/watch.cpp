@@ -96,7 +96,7 @@ void Watch::State::read_journals() {
 }
 
 void Watch::State::journal(Member& owner, std::uint32_t offset, std::uint32_t value) {
-  owner.on_behalf->word(offset, value, owner.id.value() + 1U);
+  owner.on_behalf->word_of(owner.id.value(), offset, value);
   wake_sleepers(segment.wake());
 }
 

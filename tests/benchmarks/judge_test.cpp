@@ -78,6 +78,23 @@ TEST(RowVerdict, AsksMuchOfAPeerAndLittleOfUs) {
   EXPECT_FALSE(holds(Quantity::TimesOurs, 1, 2));
 }
 
+TEST(RowVerdict, LeavesOutPairingsWhosePlainStoreWasSlow) {
+  Row row = own_row();
+  row.quantity = Quantity::ExtraTime;
+  row.gate = Gate{1, 2.5};
+  std::vector<Cycle> cycles(6);
+  for (std::size_t i = 0; i < cycles.size(); ++i) {
+    const double store = i % 2 == 0 ? 0.5 : 1.5;
+    cycles[i].outcomes["ours"] = {Pairing{{4 * store, 5}, {store, store}}, ""};
+  }
+
+  const RowResult result = judge_row(row, cycles, 1);
+
+  EXPECT_DOUBLE_EQ(result.value, 1.5);
+  EXPECT_EQ(result.cycles, 3);
+  EXPECT_EQ(result.verdict, Verdict::Pass);
+}
+
 TEST(RowVerdict, FailsForTheTailAlone) {
   Row row = own_row();
   row.tail_gate = Gate{1.25, 1.6};

@@ -124,7 +124,7 @@ TEST(Journal, IsNeverReadTorn) {
   std::thread thread{[&] {
     JournalWriter writer{journal.place};
     for (std::uint32_t i = 0; i < kWrites; ++i) {
-      writer.word(i, ~i, i ^ 0x5A5A5A5AU);
+      writer.word_of((i ^ 0x5A5A5A5AU) - 1, i, ~i);
       // The reader takes part: it has the first half lap before anything is lapped.
       while (i == kLength / 2 && read.load() == 0) std::this_thread::yield();
       if (i % 1000 == 0) std::this_thread::yield();

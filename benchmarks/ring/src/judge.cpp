@@ -26,7 +26,10 @@ struct Series {
   std::vector<double> p50, p99, ratio_p50, ratio_p99, value;
 };
 
-bool raw_is_plausible(const Pairing& pairing) {
+// What a row is held against tells whether the machine was itself meanwhile.
+bool reference_is_plausible(const Row& row, const Pairing& pairing) {
+  if (row.quantity == Quantity::ExtraTime) return pairing.reference.p50 <= kLongestPlainStore;
+  if (!is_paired_with_raw(row)) return true;
   return pairing.reference.p50 >= kPlausibleRaw.low && pairing.reference.p50 <= kPlausibleRaw.high;
 }
 
@@ -53,8 +56,8 @@ Series series_of(const Row& row, const std::vector<Cycle>& cycles, bool quiet_on
     const Pairing* const pairing = pairing_in(cycle, row.name);
     const Pairing* const ours = row.is_peers() ? pairing_in(cycle, row.peer->against) : pairing;
     if (pairing == nullptr || ours == nullptr) continue;
-    const bool plausible =
-        !is_paired_with_raw(row) || (raw_is_plausible(*pairing) && raw_is_plausible(*ours));
+    const bool plausible = reference_is_plausible(row, *pairing) &&
+                           (!row.is_peers() || reference_is_plausible(row, *ours));
     if (quiet_only && !(is_quiet(cycle.load) && plausible)) continue;
     series.p50.push_back(pairing->measured.p50);
     series.p99.push_back(pairing->measured.p99);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -8,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <rths/broker/detail/journal_writer.hpp>
+#include <rths/broker/detail/wake.hpp>
 #include <rths/core/ids.hpp>
 #include <rths/core/realtime.hpp>
 #include <rths/core/status.hpp>
@@ -87,19 +90,36 @@ class Node {
 
   struct OwnRange {
     std::uint32_t begin, end;  ///< longwords [begin, end)
+    [[nodiscard]] bool has(std::uint32_t offset) const { return begin <= offset && offset < end; }
   };
+  /// What writing a word takes, in one place.
+  struct Writer {
+    std::uint32_t* words;  ///< of the ring
+    OwnRange range;        ///< that was written last
+    Wake* wake;
+    JournalWriter journal;
+  };
+  [[nodiscard]] Status write_elsewhere(LongwordOffset offset, std::uint32_t word) noexcept;
   /// A tear group, and what is known about it from the beginning.
   struct GroupAccess;
-  struct Writer;
 
   void take_over(const memmap::Map& map, NodeId id, bool plain);
   Segment* segment_;
   std::uint32_t* words_;  ///< of the ring
   std::uint32_t slot_;
-  std::vector<OwnRange> own_;  ///< but for tear groups
+  std::vector<OwnRange> own_;                ///< but for tear groups
   mutable std::vector<GroupAccess> groups_;  ///< with what was read last
-  std::unique_ptr<Writer> writer_;  ///< of a node that may write
+  std::unique_ptr<Writer> writer_;           ///< of a node that may write
 };
+
+inline Status Node::write(LongwordOffset offset, std::uint32_t word) noexcept {
+  Writer* const writer = writer_.get();
+  if (writer == nullptr || !writer->range.has(offset.value())) return write_elsewhere(offset, word);
+  std::atomic_ref{writer->words[offset.value()]}.store(word, std::memory_order_release);
+  writer->journal.word(offset.value(), word);
+  wake_sleepers(*writer->wake);
+  return Status::Ok;
+}
 
 /// A software SCRAMNet+ ring: one memory that every node of a host sees at once.
 ///

@@ -46,6 +46,8 @@ struct RowResult {
 
 /// Paired raw times of a quiet machine lie in here; below, the two processors share a core [ns].
 inline constexpr Interval kPlausibleRaw{90, 230};
+/// A store that nobody reads takes a cycle or two; longer, and somebody else is on the core [ns].
+inline constexpr double kLongestPlainStore = 0.6;
 /// A cycle is quiet if others took no more than this of the two processors [-].
 inline constexpr Load kQuiet{0.10, 0.02};
 /// Fewer quiet cycles than these say nothing.
