@@ -19,12 +19,12 @@ constexpr const char* kObjectFolder = "/dev/shm";
 constexpr auto kPatience = std::chrono::milliseconds{100};  // with a ring that is being made
 
 void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& report) {
-  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
-    Slot& slot = segment.slots()[i];
+  for (Slot& slot : segment.slots()) {
     const Claim claim = std::atomic_ref{slot.claim}.load();
     if (claim == 0) continue;
     const std::uint32_t node = std::atomic_ref{slot.node}.load();
-    const std::string name = node == kObserver  ? "observer"
+    const bool plain = std::atomic_ref{slot.plain}.load() != 0;
+    const std::string name = node == kObserver  ? (plain ? "client" : "observer")
                              : node == kCreator ? "creator"
                              : node == kNotYet  ? "joining"
                                                : map.node_name(NodeId{static_cast<uint16_t>(node)});

@@ -52,13 +52,14 @@ void JournalWriter::begin_at(std::uint64_t position) noexcept {
 void JournalWriter::turn() noexcept {
   std::atomic_ref{place_.head->hint}.store(position(), std::memory_order_release);
   begin_at(position());
-  // Long since read by all who will, and not in this processor's cache.
-  detail::ask_for_lines(reinterpret_cast<const std::uint32_t*>(stop_), kHintEvery * sizeof *stop_);
+  // What comes after the next hint: long since read by all who will, and in nobody's cache.
+  const JournalEntry& ahead = place_.slot(position() + kHintEvery);
+  detail::ask_for_lines(reinterpret_cast<const std::uint32_t*>(&ahead), kHintEvery * sizeof ahead);
 }
 
-void JournalWriter::group_over_a_hint(std::uint32_t base,
-                                      std::span<const std::uint32_t> words) noexcept {
-  append(EntryKind::Group, base, static_cast<std::uint32_t>(words.size()), 0);
+void JournalWriter::group_over_a_hint(std::uint32_t base, std::span<const std::uint32_t> words,
+                                      std::uint32_t count) noexcept {
+  append(EntryKind::Group, base, static_cast<std::uint32_t>(words.size()), count);
   while (!words.empty()) {
     const auto room = static_cast<std::size_t>(stop_ - next_) * kWordsPerEntry;
     const auto part = words.first(std::min(room, words.size()));

@@ -19,6 +19,7 @@ constexpr std::uint64_t kMostBytes = 256U << 20U;  // of any part: twice the lar
 constexpr std::uint32_t kFewestBits = 6;
 constexpr std::uint32_t kMostBits = 24;
 constexpr std::uint64_t kGroupsAt = kWakeAt + sizeof(Wake);
+static_assert(kGroupsAt % alignof(Group) == 0);
 
 constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t to) {
   return (value + to - 1) / to * to;

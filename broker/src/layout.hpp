@@ -17,7 +17,7 @@ namespace rths::broker {
 //   0                    Header                 256 B
 //   kSlotsAt             Slot × kMaxSlots       128 B each: who is on the ring
 //   kWakeAt              Wake                   128 B: who sleeps until somebody writes
-//   groups_at            Group × group_count     64 B each: the tear groups
+//   groups_at            Group × group_count     128 B each: the tear groups
 //   records_at           their records          see record.hpp
 //   map_text_at          canonical map, TOML    map_text_bytes
 //   memory_at            the ring's words       memory_bytes, on a page of its own
@@ -62,7 +62,7 @@ struct alignas(128) Slot {
 inline constexpr std::uint32_t kNotYet = 0xFFFF'FFFF;
 inline constexpr std::size_t kWakeAt = 256 + kMaxSlots * 128;
 
-struct alignas(64) Group {
+struct alignas(128) Group {
   std::uint32_t base, longwords;
   std::uint32_t journal;     ///< of its node
   std::uint32_t record_at;   ///< from the header's records_at [B]
@@ -71,7 +71,7 @@ struct alignas(64) Group {
 
 static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 256);
 static_assert(std::is_trivially_copyable_v<Slot> && sizeof(Slot) == 128);
-static_assert(std::is_trivially_copyable_v<Group> && sizeof(Group) == 64);
+static_assert(std::is_trivially_copyable_v<Group> && sizeof(Group) == 128);
 
 /// A node's place in the map, which is also that of its journal.
 [[nodiscard]] std::uint32_t node_place(const memmap::Map& map, NodeId node);

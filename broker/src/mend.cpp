@@ -4,26 +4,55 @@
 #include <atomic>
 #include <vector>
 
+#include "journal.hpp"
 #include "record.hpp"
 
 namespace rths::broker {
+namespace {
+
+std::atomic_ref<std::uint32_t> journalled(Group& group) {
+  return std::atomic_ref{group.journalled};
+}
+
+// Its writer died between the entry and the mark that says so: then it is the journal's last.
+bool is_last_entry(const JournalPlace& journal, const Group& group, std::uint32_t count) {
+  const std::uint64_t end = end_of(journal);
+  const std::uint64_t length = group_entries(group.longwords);
+  JournalEntry entry;
+  return end >= length && fetch_at(journal, end - length, entry) == Fetched::Entry &&
+         entry.kind() == EntryKind::Group && entry.a == group.base && entry.c == count;
+}
+
+}  // namespace
 
 // A writer goes through record, memory and journal in this order.
-void mend_group(Segment& segment, Group& group, JournalWriter& journal) {
+bool mend_group(Segment& segment, Group& group, const JournalPlace& journal) {
   std::uint32_t* record = segment.record(group);
   std::uint32_t* memory = segment.words() + group.base;
-  if (!is_kept(record)) return;
+  if (!is_kept(record)) return false;
   std::vector<std::uint32_t> words(group.longwords);
   if (is_torn(record, group.longwords)) {
+    // The write before, which was journalled. Said first: a mender may die too.
+    const std::uint32_t count = count_of(record);
+    journalled(group).store(next_count(count), std::memory_order_release);
     load_words(words, memory);
-    write_record(record, words, count_of(record));
-  } else if (read_record(record, words)) {
-    store_words(memory, words);
+    write_record(record, words, count);
+    return false;
   }
-  auto journalled = std::atomic_ref{group.journalled};
-  if (journalled.load() == count_of(record)) return;
-  journal.group(group.base, words);
-  journalled.store(count_of(record), std::memory_order_release);
+  if (!read_record(record, words)) return false;
+  store_words(memory, words);
+  const std::uint32_t count = count_of(record);
+  if (journalled(group).load() != count && is_last_entry(journal, group, count))
+    journalled(group).store(count, std::memory_order_release);
+  return journalled(group).load() != count;
+}
+
+void journal_mended_group(Segment& segment, Group& group, JournalWriter& journal) {
+  std::uint32_t* record = segment.record(group);
+  std::vector<std::uint32_t> words(group.longwords);
+  if (!read_record(record, words)) return;
+  journal.group(group.base, words, count_of(record));
+  journalled(group).store(count_of(record), std::memory_order_release);
 }
 
 }  // namespace rths::broker

@@ -20,7 +20,7 @@ namespace rths::broker {
 namespace {
 
 constexpr int kAttempts = 64;
-constexpr std::uint32_t kNothingRead = ~0U;  // no record has an odd count that nobody keeps
+constexpr std::uint32_t kNothingRead = ~0U;  // odd, of no keeper: no record of several lines has it
 
 std::uint64_t now() noexcept { return static_cast<std::uint64_t>(WallClock{}.now().count()); }
 
@@ -60,23 +60,13 @@ std::uint32_t claim_slot(Segment& segment, std::uint32_t node) {
 }
 
 // Of two processes that become the same node at once, both see the other here, and both give way.
-std::optional<int> rival_of(Segment& segment, std::uint32_t slot, NodeId id) {
-  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
-    const Claim holder = shared(segment.slots()[i].claim).load();
-    const bool same = shared(segment.slots()[i].node).load() == id.value();
-    if (i != slot && holder != 0 && same && is_alive(holder)) return pid_of(holder);
+std::optional<int> rival_of(Segment& segment, const Slot& own, NodeId id) {
+  for (Slot& slot : segment.slots()) {
+    const Claim holder = shared(slot.claim).load();
+    const bool same = shared(slot.node).load() == id.value();
+    if (&slot != &own && holder != 0 && same && is_alive(holder)) return pid_of(holder);
   }
   return std::nullopt;
-}
-
-Slot* slot_of(Segment& segment, NodeId id) noexcept {
-  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
-    Slot& slot = segment.slots()[i];
-    if (shared(slot.claim).load(std::memory_order_acquire) != 0 &&
-        shared(slot.node).load(std::memory_order_acquire) == id.value())
-      return &slot;
-  }
-  return nullptr;
 }
 
 }  // namespace
@@ -98,16 +88,18 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
     : segment_{&segment},
       words_{segment.words()},
       slot_{claim_slot(segment, id ? id->value() : kObserver)} {
-  shared(segment.slots()[slot_].plain).store(plain ? 1 : 0);
+  shared(segment.slots()[slot_].plain)
+      .store(!id && plain ? 1 : 0);  // a node's only when it is ready
   shared(segment.slots()[slot_].node).store(id ? id->value() : kObserver);
   if (id) {
-    if (const auto rival = rival_of(segment, slot_, *id)) {
+    if (const auto rival = rival_of(segment, segment.slots()[slot_], *id)) {
       leave();
       throw Error{fmt::format("node '{}' is already on the ring, as process {}", map.node_name(*id),
                               *rival)};
     }
   }
   try {
+    segment.populate();
     for (std::uint64_t i = 0; i < segment.header().group_count; ++i) {
       Group& group = segment.groups()[i];
       const bool own = id && group.journal == node_place(map, *id);
@@ -123,23 +115,36 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
   }
 }
 
-// What is a node's own, and what a predecessor may have left unfinished.
+// What is a node's own, and what a predecessor may have left unfinished. A plain node leaves the
+// journal alone unless there is something of that kind: somebody may be keeping it for it.
 void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
-  JournalWriter journal{segment_->journal(node_place(map, id))};
+  const JournalPlace place = segment_->journal(node_place(map, id));
+  register_as_writer();
+  std::vector<Group*> unjournalled;
   for (auto& access : groups_) {
     if (!access.own) continue;
-    mend_group(*segment_, *access.group, journal);
-    if (plain) keep_no_longer(access.record);
+    if (mend_group(*segment_, *access.group, place)) unjournalled.push_back(access.group);
     access.count = count_of(access.record);
-    access.own = !plain;
   }
-  if (plain) return;
-  register_as_writer();
+  if (!unjournalled.empty()) {
+    JournalWriter journal{place};
+    for (Group* group : unjournalled) journal_mended_group(*segment_, *group, journal);
+    wake_sleepers(segment_->wake());
+  }
+  if (plain) return become_plain();
   for (const auto& partition : map.partitions())
     if (!partition.tear_group && map.node(partition.node) == id)
       own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
-  journal.time(now());
-  writer_.reset(new Writer{words_, {0, 0}, &segment_->wake(), journal});
+  writer_.reset(new Writer{words_, {0, 0}, &segment_->wake(), JournalWriter{place}});
+  writer_->journal.time(now());
+}
+
+void Node::become_plain() noexcept {
+  for (auto& access : groups_) {
+    if (access.own) keep_no_longer(access.record);
+    access.own = false;
+  }
+  shared(segment_->slots()[slot_].plain).store(1);
 }
 
 Node::Node(Node&& other) noexcept
@@ -188,7 +193,9 @@ Status Node::write_elsewhere(LongwordOffset offset, std::uint32_t word) noexcept
 }
 
 Status Node::read_group(TearGroupId id, std::span<std::uint32_t> words) const noexcept {
+  if (id.value() >= groups_.size()) return Status::Fault;
   GroupAccess& access = groups_[id.value()];
+  if (words.size() != access.longwords) return Status::Fault;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const std::uint32_t count = count_of(access.record);
     if (!access.read.empty() && count == access.read_count) {
@@ -217,7 +224,7 @@ Status Node::write_group(TearGroupId id, std::span<const std::uint32_t> words) n
   access.count = write_record(access.record, words, access.count);
   store_words(access.words, words);
   Writer& writer = *writer_;
-  writer.journal.group(access.group->base, words);
+  writer.journal.group(access.group->base, words, access.count);
   shared(access.group->journalled).store(access.count, std::memory_order_release);
   wake_sleepers(*writer.wake);
   return Status::Ok;
@@ -230,12 +237,12 @@ void Node::beat() noexcept {
 }
 
 std::uint64_t Node::beats_of(NodeId node) const noexcept {
-  Slot* slot = slot_of(*segment_, node);
+  Slot* slot = segment_->slot_of(node);
   return slot == nullptr ? 0 : shared(slot->beats).load(std::memory_order_acquire);
 }
 
 Presence Node::presence_of(NodeId node) const {
-  Slot* slot = slot_of(*segment_, node);
+  Slot* slot = segment_->slot_of(node);
   if (slot == nullptr) return {};
   const Claim claim = shared(slot->claim).load();
   if (claim == 0) return {};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record.hpp"
 
+#include <algorithm>
+
 #ifdef RTHS_VECTORS
 #include <immintrin.h>
 #endif
@@ -32,14 +34,12 @@ void copy_128(std::uint32_t* to, const std::uint32_t* from, std::size_t count) n
   copy_few(to + i, from + i, count - i);
 }
 
-using Copy = void (*)(std::uint32_t*, const std::uint32_t*, std::size_t) noexcept;
+bool has_512() noexcept { return __builtin_cpu_supports("avx512f") > 0; }
+bool has_256() noexcept { return __builtin_cpu_supports("avx2") > 0; }
+Copy widest_copy() noexcept { return has_512() ? copy_512 : has_256() ? copy_256 : copy_128; }
 
-Copy widest_copy() noexcept {
-  if (__builtin_cpu_supports("avx512f") > 0) return copy_512;
-  return __builtin_cpu_supports("avx2") > 0 ? copy_256 : copy_128;
-}
-
-const Copy widest = widest_copy();
+constinit Copy widest = copy_128;
+[[maybe_unused]] const Copy chosen = widest = widest_copy();
 
 }  // namespace
 
@@ -48,10 +48,26 @@ void copy_many(std::uint32_t* to, const std::uint32_t* from, std::size_t count) 
 }
 #endif
 
+std::vector<Copy> copies() {
+  std::vector<Copy> all{
+      [](std::uint32_t* to, const std::uint32_t* from, std::size_t count) noexcept {
+        store_words(to, {from, count});
+      }};
+#ifdef RTHS_VECTORS
+  all.push_back(copy_128);
+  if (has_256()) all.push_back(copy_256);
+  if (has_512()) all.push_back(copy_512);
+#endif
+  return all;
+}
+
+constexpr std::size_t kMostLines = 32;  // that a processor asks for at once and still has later
+
 // Processors that do not know these hints do nothing.
 void ask_for_lines(const std::uint32_t* begin, std::size_t bytes) noexcept {
   const auto* line = reinterpret_cast<const char*>(begin);
-  for (const char* end = line + bytes; line < end; line += kLineBytes)
+  for (const char* end = line + std::min(bytes, kMostLines * kLineBytes); line < end;
+       line += kLineBytes)
 #if defined(__x86_64__)
     asm volatile("prefetchw %0" : : "m"(*line));
 #else

@@ -3,7 +3,9 @@
 // A tear group is kept twice: in its record, laid out so that a reader touches as few cache lines
 // as its length allows, and in memory, where clients look that know nothing of records. A write
 // goes through the record, then through memory; so one of the two is whole at any instant, and the
-// record's count says which: it is odd while the record is not. One writer.
+// record's count says which: it is odd while memory is. (A latch is whole at any instant by
+// itself.) One writer. Counts wrap: a reader that rests through exactly 2^30 writes, 12 days of one
+// each millisecond, takes the last of them for the one that it has.
 //
 // Both are sequence locks in the fence-free form: data stored with release and loaded with acquire,
 // so that a reader that saw any new word also sees the mark that was set before it.
@@ -12,6 +14,7 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #if defined(RTHS_VECTOR_COPIES) && defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
 #include <emmintrin.h>
@@ -76,6 +79,10 @@ inline void copy_few(std::uint32_t* to, const std::uint32_t* from, std::size_t c
 }
 void copy_many(std::uint32_t* to, const std::uint32_t* from, std::size_t count) noexcept;
 #endif
+
+using Copy = void (*)(std::uint32_t* to, const std::uint32_t* from, std::size_t count) noexcept;
+/// All ways to copy that this processor has, for tests.
+[[nodiscard]] std::vector<Copy> copies();
 
 }  // namespace detail
 

@@ -59,7 +59,8 @@ Node Ring::join(const std::string& node, std::uint64_t map_hash) {
 }
 
 Node Ring::join_plain(const std::string& node) {
-  return Node{*segment_, *map_, map_->node(node), true};
+  const auto id = node.empty() ? std::nullopt : std::optional{map_->node(node)};
+  return Node{*segment_, *map_, id, true};
 }
 
 Node Ring::observe() { return Node{*segment_, *map_, std::nullopt}; }

@@ -74,14 +74,10 @@ ipc::mapped_region map_part(const ipc::shared_memory_object& object, std::uint64
   return {object, ipc::read_write, static_cast<ipc::offset_t>(begin), bytes};
 }
 
-// Neither advice need be taken: huge pages where the kernel has them for shared memory; and no page
-// of which room was taken is first touched while it is written in real time.
-ipc::mapped_region map_for_work(const ipc::shared_memory_object& object, std::uint64_t begin,
-                                std::uint64_t bytes, std::uint64_t populated) {
-  ipc::mapped_region region = map_part(object, begin, bytes);
-  madvise(region.get_address(), bytes, MADV_HUGEPAGE);
-  madvise(region.get_address(), populated, MADV_POPULATE_WRITE);
-  return region;
+// Of which room was taken: so that no page is first touched while it is written in real time. A
+// kernel that cannot do it does nothing.
+void populate_pages(const ipc::mapped_region& region, std::uint64_t bytes) {
+  madvise(region.get_address(), bytes, MADV_POPULATE_WRITE);
 }
 
 std::uint64_t size_of(const ipc::shared_memory_object& object) {
@@ -136,7 +132,8 @@ struct Segment::Memory {
     }
     if (journals[index].get_size() == 0) {
       take_room(object, begin, bytes);
-      journals[index] = map_for_work(object, begin, bytes, bytes);
+      journals[index] = map_part(object, begin, bytes);
+      populate_pages(journals[index], bytes);
     }
     return static_cast<std::byte*>(journals[index].get_address());
   }
@@ -150,6 +147,18 @@ Segment::Segment(std::unique_ptr<Memory> memory, bool created)
 
 Segment::~Segment() {
   if (created_) std::atomic_ref{slots()[0].claim}.store(0);
+}
+
+void Segment::populate() {
+  if (memory_->is_shared) populate_pages(memory_->common, room_at_once(header()));
+}
+
+Slot* Segment::slot_of(NodeId node) noexcept {
+  for (Slot& slot : slots())
+    if (std::atomic_ref{slot.claim}.load(std::memory_order_acquire) != 0 &&
+        std::atomic_ref{slot.node}.load(std::memory_order_acquire) == node.value())
+      return &slot;
+  return nullptr;
 }
 
 JournalPlace Segment::journal(std::uint32_t index) {
@@ -187,7 +196,7 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
     made = true;
     memory->object.truncate(static_cast<ipc::offset_t>(total_bytes(header)));
     take_room(memory->object, 0, room_at_once(header));
-    memory->common = map_for_work(memory->object, 0, common_bytes(header), room_at_once(header));
+    memory->common = map_part(memory->object, 0, common_bytes(header));
   } catch (const std::exception& error) {
     if (made) ipc::shared_memory_object::remove(object_name(name).c_str());
     throw Error{fmt::format("ring '{}' ({} bytes of shared memory) cannot be created: {}", name,
@@ -208,7 +217,7 @@ std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
       throw Error{fmt::format(
           "ring '{}' was never finished by its creator; 'rths clean' removes it", name)};
     const Header header = checked_header(memory->object, name);
-    memory->common = map_for_work(memory->object, 0, common_bytes(header), room_at_once(header));
+    memory->common = map_part(memory->object, 0, common_bytes(header));
   } catch (const ipc::interprocess_exception& error) {
     throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
   }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,13 @@ class Segment {
   ~Segment();
 
   [[nodiscard]] Header& header() { return *reinterpret_cast<Header*>(base_); }
-  [[nodiscard]] Slot* slots() { return at<Slot>(sizeof(Header)); }
+  [[nodiscard]] std::span<Slot, kMaxSlots> slots() {
+    return std::span<Slot, kMaxSlots>{at<Slot>(sizeof(Header)), kMaxSlots};
+  }
+  /// Takes the pages that every process maps into this one's table, for which there is room. @setup
+  void populate();
+  /// The slot of a node that is, or was, on the ring; null if there is none.   @realtime
+  [[nodiscard]] Slot* slot_of(NodeId node) noexcept;
   [[nodiscard]] Group* groups() { return at<Group>(header().groups_at); }
   [[nodiscard]] std::uint32_t* words() { return at<std::uint32_t>(header().memory_at); }
   [[nodiscard]] Wake& wake() { return *at<Wake>(kWakeAt); }

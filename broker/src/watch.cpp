@@ -27,7 +27,8 @@ struct Watch::State {
     std::string name;
     NodeId id;
     Follower follower;  ///< from the beginning: what a node writes as soon as it joins is its own
-    std::optional<JournalWriter> on_behalf = std::nullopt;  ///< while it is a plain one
+    Claim plain = 0;    ///< of the process that is this node by a plain pointer
+    std::optional<JournalWriter> on_behalf = std::nullopt;  ///< meanwhile
   };
 
   Ring& ring;
@@ -46,31 +47,29 @@ struct Watch::State {
   void journal(Member& owner, std::uint32_t offset, std::uint32_t value);
   void compare(std::vector<PlainStore>& found);
   void judge(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
-  [[nodiscard]] bool is_plain(NodeId id);
+  /// The process that is this node by a plain pointer, 0: none.
+  [[nodiscard]] Claim plain_holder(NodeId id);
   [[nodiscard]] std::vector<std::string> plain_clients();
   [[nodiscard]] std::uint32_t word(std::uint32_t offset) {
     return std::atomic_ref{segment.words()[offset]}.load(std::memory_order_acquire);
   }
 };
 
-bool Watch::State::is_plain(NodeId id) {
-  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
-    Slot& slot = segment.slots()[i];
-    const Claim claim = std::atomic_ref{slot.claim}.load();
-    if (claim != 0 && std::atomic_ref{slot.node}.load() == id.value())
-      return std::atomic_ref{slot.plain}.load() != 0 && is_alive(claim);
-  }
-  return false;
+Claim Watch::State::plain_holder(NodeId id) {
+  Slot* slot = segment.slot_of(id);
+  if (slot == nullptr || std::atomic_ref{slot->plain}.load() == 0) return 0;
+  const Claim claim = std::atomic_ref{slot->claim}.load();
+  return is_alive(claim) ? claim : 0;
 }
 
 // Who comes or goes is known by the look after.
 void Watch::State::take_attendance() {
   for (auto& member : members) {
-    const bool plain = is_plain(member.id);
-    if (plain && !member.on_behalf)
-      member.on_behalf.emplace(segment.journal(node_place(ring.map(), member.id)));
-    else if (!plain)
-      member.on_behalf.reset();
+    const Claim plain = plain_holder(member.id);
+    if (plain == member.plain) continue;
+    member.plain = plain;
+    member.on_behalf.reset();
+    if (plain != 0) member.on_behalf.emplace(segment.journal(node_place(ring.map(), member.id)));
   }
 }
 
@@ -80,6 +79,7 @@ void Watch::State::read_journals() {
     for (;;) {
       const Followed followed = member.follower.next(write);
       if (followed == Followed::Nothing) break;
+      if (followed == Followed::Lost && member.on_behalf) continue;  // our own entries
       if (followed == Followed::Lost) {  // whatever it was, it was the owner's
         for (const auto& partition : ring.map().partitions())
           if (partition.node == member.name)
@@ -102,8 +102,7 @@ void Watch::State::journal(Member& owner, std::uint32_t offset, std::uint32_t va
 
 std::vector<std::string> Watch::State::plain_clients() {
   std::vector<std::string> names;
-  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
-    Slot& slot = segment.slots()[i];
+  for (Slot& slot : segment.slots()) {
     const Claim claim = std::atomic_ref{slot.claim}.load();
     if (claim == 0 || std::atomic_ref{slot.plain}.load() == 0) continue;
     const std::uint32_t node = std::atomic_ref{slot.node}.load();
@@ -157,6 +156,7 @@ Watch::Watch(Ring& ring) : state_{new State{ring, ring.segment(), ring.observe()
     end = std::max(end, partition.base.value() + partition.longwords);
   for (const auto& node : ring.map().description().nodes)
     state_->members.push_back({node.name, node.id, ring.follow(node.name)});
+  register_as_writer();
   state_->take_attendance();
   for (std::uint32_t i = 0; i < end; ++i) state_->expected.push_back(state_->word(i));
 }

@@ -34,13 +34,6 @@ double largest_magnitude(const std::vector<double>& values) {
   return largest;
 }
 
-double percentile(std::vector<double> values, double part) {
-  if (values.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
-}
-
 /// The controller's view of a recording: one value per tick, up to the end of the test.
 class Ticks {
  public:
@@ -223,6 +216,13 @@ std::optional<Reader> open_if_there(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+double percentile(std::vector<double> values, double part) {
+  if (values.empty()) return 0;
+  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
 
 std::vector<double> at_each_count(const std::vector<double>& counter,
                                   const std::vector<double>& signal) {

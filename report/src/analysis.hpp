@@ -18,6 +18,10 @@ struct Series {
   std::vector<double> values;
 };
 
+/// The value that a part of the values lies below, one of them; 0 if there are none.
+/// @param part  0 to 1 [-]
+[[nodiscard]] double percentile(std::vector<double> values, double part);
+
 /// Tracking in a sliding window; gaps (NaN) where the command hardly moves.
 struct WindowedTracking {
   Series delay;  ///< [s]

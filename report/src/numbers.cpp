@@ -33,12 +33,7 @@ std::vector<double> numbers_in(std::vector<double> values) {
   return values;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+double median(std::vector<double> values) { return percentile(std::move(values), 0.5); }
 
 // Digits that a reader can use; the rest is noise.
 double rounded(double value, int decimals) {

@@ -95,6 +95,23 @@ TEST(RowVerdict, LeavesOutPairingsWhosePlainStoreWasSlow) {
   EXPECT_EQ(result.verdict, Verdict::Pass);
 }
 
+TEST(RowVerdict, LeavesOutPairingsWhoseProcessorsShareACore) {
+  Row row = own_row();
+  row.quantity = Quantity::TimesCheaper;
+  row.gate = Gate{15, 8};
+  std::vector<Cycle> cycles(6);
+  for (std::size_t i = 0; i < cycles.size(); ++i) {
+    const bool shared = i % 2 == 0;
+    cycles[i].outcomes["ours"] = {
+        Pairing{{10, 12}, {shared ? 10.0 : 160.0, 170}, shared ? 30.0 : kRaw}, ""};
+  }
+
+  const RowResult result = judge_row(row, cycles, 1);
+
+  EXPECT_DOUBLE_EQ(result.value, 16);
+  EXPECT_EQ(result.cycles, 3);
+}
+
 TEST(RowVerdict, FailsForTheTailAlone) {
   Row row = own_row();
   row.tail_gate = Gate{1.25, 1.6};

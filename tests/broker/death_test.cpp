@@ -48,9 +48,8 @@ std::optional<std::uint32_t> whole_value(const Node& reader, std::uint32_t lengt
 }
 
 void mark_as_dead(Segment& segment, NodeId node) {
-  for (std::uint32_t i = 0; i < kMaxSlots; ++i)
-    if (segment.slots()[i].node == node.value())
-      segment.slots()[i].claim = 1ULL << 40 | 999'999'999;  // no process
+  for (Slot& slot : segment.slots())
+    if (slot.node == node.value()) slot.claim = 1ULL << 40 | 999'999'999;  // no process
 }
 
 /// The ring as it would be left if its writer died now: a copy, in which it is dead.
@@ -117,6 +116,7 @@ TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
   const RingRemoval removal{name};
   Ring ring = Ring::create(name, small_map(length), 6);
   const Node reader = ring.observe();
+  Follower follower = ring.follow("machine");
   const pid_t child = fork();
   if (child == 0) {
     if (ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) != 0) _exit(77);
@@ -152,6 +152,11 @@ TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
 
   EXPECT_EQ(seen, 2U);
   EXPECT_GT(steps, 50);
+  Write write;
+  std::vector<std::uint32_t> followed;
+  while (follower.next(write) == Followed::Write)
+    if (!write.group.empty()) followed.push_back(write.group.back());
+  EXPECT_EQ(followed, (std::vector<std::uint32_t>{1, 2}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Words, DeathOf, ::testing::ValuesIn(kLengths));
@@ -209,6 +214,53 @@ TEST_F(Remains, MemoryIsFinishedFromTheRecord) {
   const Node successor = ring.join("machine", 0);
   EXPECT_EQ(whole_value(successor, kWords), 2U);
   EXPECT_EQ(successor.read(LongwordOffset{kWords - 1}), 2U);
+}
+
+TEST_F(Remains, FollowersDoNotGetAWriteTwiceIfTheNextOneWasTorn) {
+  live_and_write_ones();
+  Follower follower = ring.follow("machine");
+  die_in_the_record_of_twos();
+  const Node successor = ring.join("machine", 0);
+  Write write;
+
+  EXPECT_EQ(follower.next(write), Followed::Nothing);
+}
+
+TEST_F(Remains, FollowersDoNotGetAWriteTwiceIfItsWriterCouldNotMarkIt) {
+  live_and_write_ones();
+  Follower follower = ring.follow("machine");
+  write_record(record(), twos, count_of(record()));
+  JournalWriter{journal}.group(0, twos, count_of(record()));
+  const Node successor = ring.join("machine", 0);
+  Write write;
+
+  ASSERT_EQ(follower.next(write), Followed::Write);
+  EXPECT_EQ(follower.next(write), Followed::Nothing);
+}
+
+TEST_F(Remains, WhoReadBeforeReadsWhatWasMended) {
+  live_and_write_ones();
+  const Node reader = ring.observe();
+  ASSERT_EQ(whole_value(reader, kWords), 1U);
+  die_in_the_memory_of_twos();
+  EXPECT_EQ(whole_value(reader, kWords), 2U);
+  ASSERT_EQ(ring.join("machine", 0).write_group(kGroup, ones), Status::Ok);
+
+  EXPECT_EQ(whole_value(reader, kWords), 1U);
+}
+
+TEST_F(Remains, WhoReadBeforeReadsWhatAPlainClientStores) {
+  live_and_write_ones();
+  const Node reader = ring.observe();
+  ASSERT_EQ(whole_value(reader, kWords), 1U);
+  {
+    const Node plain = ring.join_plain("machine");
+    store_words(segment->words(), twos);
+    EXPECT_EQ(whole_value(reader, kWords), 2U);
+  }
+  live_and_write_ones();
+
+  EXPECT_EQ(whole_value(reader, kWords), 1U);
 }
 
 TEST_F(Remains, FollowersGetWhatReadersSaw) {

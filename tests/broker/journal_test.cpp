@@ -72,7 +72,7 @@ TEST(Journal, HoldsGroupsOfAnyLength) {
     for (std::uint32_t i = 0; i < length; ++i) words[i] = 1000 + i;
     writer.word(1, 1);
     const std::uint64_t position = end_of(journal.place);
-    writer.group(40, words);
+    writer.group(40, words, 0);
     std::vector<std::uint32_t> read(length);
 
     EXPECT_TRUE(read_journalled_group(journal.place, position, 40, read));
@@ -164,7 +164,7 @@ TEST(Journal, IsWrittenAndReadInRealTime) {
   bool whole = false;
   EXPECT_REALTIME(writer.word(1, 2));
   EXPECT_REALTIME(writer.time(3));
-  EXPECT_REALTIME(writer.group(0, words));
+  EXPECT_REALTIME(writer.group(0, words, 0));
   const std::uint64_t position = end_of(journal.place) - group_entries(words.size());
   EXPECT_REALTIME(whole = read_journalled_group(journal.place, position, 0, read));
   EXPECT_TRUE(whole);

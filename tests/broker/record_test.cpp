@@ -98,6 +98,23 @@ TEST_P(Record, IsWholeAgainAfterTheNextWrite) {
   EXPECT_EQ(read, counting(5));
 }
 
+/// Copies that this processor can make, and what the build would choose.
+TEST(Words, AreCopiedAndNothingBesideThem) {
+  constexpr std::uint32_t kGuard = 0xABCD;
+  constexpr std::size_t kMost = 70;
+  std::vector<std::uint32_t> from(kMost + 2);
+  for (std::size_t i = 0; i < from.size(); ++i) from[i] = static_cast<std::uint32_t>(100 + i);
+  for (const auto copy : detail::copies()) {
+    for (std::size_t count = 0; count <= kMost; ++count) {
+      std::vector<std::uint32_t> to(kMost + 2, kGuard);
+      copy(&to[1], &from[1], count);
+      EXPECT_EQ(to[0], kGuard);
+      for (std::size_t i = 1; i <= count; ++i) ASSERT_EQ(to[i], from[i]) << i << " of " << count;
+      for (std::size_t i = count + 1; i < to.size(); ++i) ASSERT_EQ(to[i], kGuard) << count;
+    }
+  }
+}
+
 // A latch has the last whole write also while the next is being written.
 TEST(Latch, NeverWaitsForItsWriter) {
   std::vector<Bytes> memory(1);
@@ -114,8 +131,10 @@ TEST(Latch, NeverWaitsForItsWriter) {
 TEST_P(Record, IsNeverReadTorn) {
   constexpr std::uint32_t kWrites = 100'000;
   std::atomic<bool> finished{false};
+  std::atomic<long> whole{0};
   std::thread writer{[&] {
     for (std::uint32_t count = 1; count <= kWrites; ++count) {
+      while (count == kWrites / 2 && whole.load() == 0) std::this_thread::yield();
       write(std::vector<std::uint32_t>(length, count));
       if (count % 500 == 0) std::this_thread::yield();
     }
@@ -125,6 +144,7 @@ TEST_P(Record, IsNeverReadTorn) {
   std::vector<std::uint32_t> read(length);
   while (!finished.load()) {
     if (!read_record(record, read)) continue;
+    ++whole;
     for (const auto word : read) torn += word != read[0] ? 1 : 0;
   }
   writer.join();

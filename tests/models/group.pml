@@ -7,11 +7,11 @@
  *   -DLATCH
  * Claims: what is read is whole, was written, and is never older than before nor than a write that
  * was complete when the reader came; a reader is turned away only if something was stored meanwhile;
- * before a record is written again the journal has what was in it; in the end record, memory and
- * journal hold the last complete write.
+ * before a record is written again the journal has what was in it, and it gets every write once; in
+ * the end record, memory and journal hold the last complete write.
  * Broken: -DNO_ODD  -DNO_RECHECK  -DEVEN_FIRST  -DCOUNT_ANEW (with -DDEATHS=2)  -DMEMORY_FIRST
  *         -DMEMORY_UNCHECKED  -DPLAIN_IS_A_COUNT  -DNO_MEND  -DNO_FINISH  -DNO_JOURNAL
- *         -DRELAXED_WORDS  -DRELAXED_ODD (both with -DWEAK)
+ *         -DJOURNAL_TORN  -DJOURNAL_AGAIN  -DRELAXED_WORDS  -DRELAXED_ODD (both with -DWEAK)
  */
 #ifndef WRITES
 #define WRITES 2
@@ -54,10 +54,12 @@
 bool changed;           /* anything, since the reader came */
 byte complete = BEFORE; /* last write that the record has all of */
 byte recorded;          /* what its last words are */
+byte journalled;        /* write that the journal got last */
 
 inline note(where, what) {
   changed = true;
   if
+  :: where == JOURNAL -> assert(what > journalled); journalled = what
 #ifdef LATCH
   :: where == RECORD || where == RECORD + 2 -> recorded = what
   :: where == COUNT && complete != BEFORE -> assert(memory[JOURNAL] == complete); complete = recorded
@@ -127,21 +129,35 @@ inline write_journal(value) {
 
 /* What it loads it loads at once: its predecessor is dead, and nobody else writes. */
 inline mend_group() {
+  mended = IS_ODD(count);
 #ifdef NO_MEND
   skip
 #else
   if
   :: count < PLAIN ->
      if
-     :: IS_ODD(count) -> newest = memory[MEMORY]; write_record(newest)
+     :: IS_ODD(count) ->
+#ifndef JOURNAL_TORN
+        store(0, MARK, count + 1, RELEASE);
+#endif
+        newest = memory[MEMORY];
+        write_record(newest);
+#ifdef JOURNAL_TORN
+        write_journal(newest)
+#endif
      :: else ->
         newest = memory[COPY(count)];
 #ifndef NO_FINISH
         store_memory(newest)
 #endif
      fi;
+     /* is_last_entry: the journal's last write is this one, though its writer could not mark it */
      if
-     :: memory[MARK] != count && newest != BEFORE -> write_journal(newest)
+#ifdef JOURNAL_AGAIN
+     :: memory[MARK] != count -> write_journal(newest)
+#else
+     :: memory[MARK] != count && !mended && memory[JOURNAL] != newest -> write_journal(newest)
+#endif
      :: else
      fi
   :: else
@@ -153,6 +169,7 @@ inline mend_group() {
 proctype Writer() {
   byte count, newest;
   byte value = BEFORE;
+  bool mended;
 life:
   {
     count = memory[COUNT];
@@ -173,7 +190,7 @@ life:
     goto done
   } unless { killed };
   /* The kernel calls it dead when its last store is in memory. */
-  atomic { is_drained(0) -> count = 0; newest = 0; killed = false };
+  atomic { is_drained(0) -> count = 0; newest = 0; mended = false; killed = false };
   goto life;
 done:
   is_drained(0);

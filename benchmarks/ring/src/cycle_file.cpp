@@ -21,12 +21,15 @@ Times times_from(const json& pair) { return {pair.at(0), pair.at(1)}; }
 json to_json(const Outcome& outcome) {
   if (!outcome.pairing) return {{"missing", outcome.missing}};
   return {{"measured", to_json(outcome.pairing->measured)},
-          {"reference", to_json(outcome.pairing->reference)}};
+          {"reference", to_json(outcome.pairing->reference)},
+          {"raw", outcome.pairing->raw}};
 }
 
 Outcome outcome_from(const json& kept) {
   if (kept.contains("missing")) return {std::nullopt, kept["missing"]};
-  return {Pairing{times_from(kept.at("measured")), times_from(kept.at("reference"))}, ""};
+  return {Pairing{times_from(kept.at("measured")), times_from(kept.at("reference")),
+                  kept.at("raw").get<double>()},
+          ""};
 }
 
 Cycle cycle_from(const json& kept) {

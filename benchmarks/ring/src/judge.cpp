@@ -26,11 +26,11 @@ struct Series {
   std::vector<double> p50, p99, ratio_p50, ratio_p99, value;
 };
 
-// What a row is held against tells whether the machine was itself meanwhile.
-bool reference_is_plausible(const Row& row, const Pairing& pairing) {
+// Whether the machine was itself meanwhile.
+bool is_plausible(const Row& row, const Pairing& pairing) {
   if (row.quantity == Quantity::ExtraTime) return pairing.reference.p50 <= kLongestPlainStore;
-  if (!is_paired_with_raw(row)) return true;
-  return pairing.reference.p50 >= kPlausibleRaw.low && pairing.reference.p50 <= kPlausibleRaw.high;
+  const double raw = is_paired_with_raw(row) ? pairing.reference.p50 : pairing.raw;
+  return raw == 0 || (raw >= kPlausibleRaw.low && raw <= kPlausibleRaw.high);
 }
 
 double value_of(const Row& row, const Pairing& pairing, const Pairing* ours) {
@@ -56,8 +56,8 @@ Series series_of(const Row& row, const std::vector<Cycle>& cycles, bool quiet_on
     const Pairing* const pairing = pairing_in(cycle, row.name);
     const Pairing* const ours = row.is_peers() ? pairing_in(cycle, row.peer->against) : pairing;
     if (pairing == nullptr || ours == nullptr) continue;
-    const bool plausible = reference_is_plausible(row, *pairing) &&
-                           (!row.is_peers() || reference_is_plausible(row, *ours));
+    const bool plausible =
+        is_plausible(row, *pairing) && (!row.is_peers() || is_plausible(row, *ours));
     if (quiet_only && !(is_quiet(cycle.load) && plausible)) continue;
     series.p50.push_back(pairing->measured.p50);
     series.p99.push_back(pairing->measured.p99);

@@ -34,6 +34,12 @@ Times run_peer(const Row& row, const Workbench& bench, const std::string& task) 
   return parse_peer_line(out);
 }
 
+Pairing write_under_reader(const Row& row, const Workbench& bench, std::uint32_t gap) {
+  const double raw = raw_round_trips(bench.setup).p50;
+  const Times peer = run_peer(row, bench, fmt::format("writes_each_{}", gap));
+  return {write_group_under_reader(row, bench, gap), peer, raw};
+}
+
 }  // namespace
 
 Times parse_peer_line(const std::string& line) {
@@ -55,18 +61,17 @@ Pairing measure_vendor_store(const Row& row, const Workbench& bench) {
 }
 
 Pairing measure_write_under_reader_200(const Row& row, const Workbench& bench) {
-  const Times peer = run_peer(row, bench, "writes_each_200");
-  return {write_group_under_reader(row, bench, 200), peer};
+  return write_under_reader(row, bench, 200);
 }
 
 Pairing measure_write_under_reader_1000(const Row& row, const Workbench& bench) {
-  const Times peer = run_peer(row, bench, "writes_each_1000");
-  return {write_group_under_reader(row, bench, 1000), peer};
+  return write_under_reader(row, bench, 1000);
 }
 
 Pairing measure_queue_throughput(const Row& row, const Workbench& bench) {
+  const double raw = raw_round_trips(bench.setup).p50;
   const Times peer = run_peer(row, bench, "stream");
-  return {stream_of_words(bench), peer};
+  return {stream_of_words(bench), peer, raw};
 }
 
 }  // namespace rths::bench

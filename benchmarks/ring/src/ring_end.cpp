@@ -9,7 +9,8 @@ namespace rths::bench {
 namespace {
 
 constexpr std::uint32_t kLongwordsPerPair = 32;  // two cache lines, which processors fetch together
-constexpr std::uint32_t kMostAhead = 1U << 14U;  // a sender of its receiver: a quarter of a journal
+constexpr std::uint32_t kMostAhead =
+    4096;  // a sender of its receiver, as the queue it is held against
 constexpr std::uint32_t kConfirmEvery = 1024;
 constexpr auto kLongestWait = std::chrono::seconds{1};
 constexpr const char* kNear = "near";

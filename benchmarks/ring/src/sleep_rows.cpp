@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <ctime>
 
 #include "ring_end.hpp"
@@ -50,8 +51,12 @@ class FutexEnd {
     out_.store(number);
     futex(out_, FUTEX_WAKE, 1);
   }
+  // Awake for as long as a `Waiter` is, so that the processor has slept as long in both.
   [[nodiscard]] bool arrived(std::uint32_t number) {
-    const std::uint32_t found = in_.load();
+    const auto drowsy = std::chrono::steady_clock::now() + std::chrono::microseconds{50};
+    std::uint32_t found = in_.load();
+    for (; found != number && std::chrono::steady_clock::now() < drowsy; found = in_.load())
+      pause();
     if (found == number) return true;
     futex(in_, FUTEX_WAIT, found);
     return in_.load() == number;

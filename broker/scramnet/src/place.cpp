@@ -56,13 +56,13 @@ std::optional<std::uint16_t> number_of(const std::string& text) {
 
 // A node of the map is joined, so that others see whether it lives. Where several processes share
 // a card, the first is the node.
-broker::Node join_or_observe(broker::Ring& ring, const std::string& node) {
-  if (node.empty() || number_of(node)) return ring.observe();
+broker::Node join_as_client(broker::Ring& ring, const std::string& node) {
+  if (node.empty() || number_of(node)) return ring.join_plain("");
   static_cast<void>(ring.map().node(node));
   try {
     return ring.join_plain(node);
   } catch (const Error&) {
-    return ring.observe();
+    return ring.join_plain("");
   }
 }
 
@@ -73,7 +73,7 @@ Place::Place(const Settings& settings) : self_{broker::own_claim()} {
   try {
     open_object(settings.ring);
     take_card(settings);
-    node_.emplace(join_or_observe(*ring_, settings.node));
+    node_.emplace(join_as_client(*ring_, settings.node));
   } catch (...) {
     if (object_ >= 0) close(object_);
     throw;

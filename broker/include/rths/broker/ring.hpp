@@ -66,7 +66,7 @@ class Node {
   /// middle of one, for ever or for a while, the last complete one.
   /// @param words  as long as the group
   /// @returns Stale, with `words` unspecified, if a writer outran each of a bounded number of
-  ///          attempts   @realtime
+  ///          attempts; Fault, with `words` untouched, if they have another length   @realtime
   [[nodiscard]] Status read_group(TearGroupId group,
                                   std::span<std::uint32_t> words) const RTHS_REALTIME;
   /// Writes a tear group whole.
@@ -104,6 +104,7 @@ class Node {
   struct GroupAccess;
 
   void take_over(const memmap::Map& map, NodeId id, bool plain);
+  void become_plain() noexcept;
   Segment* segment_;
   std::uint32_t* words_;  ///< of the ring
   std::uint32_t slot_;
@@ -155,6 +156,7 @@ class Ring {
   /// Joins as a node of the map whose words are stored through a plain pointer, by a program that
   /// knows nothing of this: `Node::write` writes none of them, no journal tells of them, and its
   /// tear groups are read as the words stand.
+  /// @param node  empty: none of the map's
   /// @throws Error as `join`   @setup
   [[nodiscard]] Node join_plain(const std::string& node);
   /// Joins as a node that only reads.   @setup
@@ -179,7 +181,8 @@ class Ring {
 
 /// A process that is, or was, on a ring.
 struct Occupant {
-  std::string node;  ///< name in the map; "observer" only reads, "creator" made the ring
+  std::string node;  ///< name in the map; "observer" only reads, "client" is none of the map's,
+                     ///< "creator" made the ring
   int pid = 0;
   bool alive = false;
   std::uint64_t beats = 0;

@@ -16,6 +16,7 @@ namespace rths::bench {
 struct Pairing {
   Times measured;
   Times reference;
+  double raw = 0;  ///< of a cache line right before, where it is not the reference [ns]; 0: unknown
 };
 
 /// What a row is judged by.

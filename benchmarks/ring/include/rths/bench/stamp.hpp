@@ -21,11 +21,14 @@ namespace rths::bench {
 #endif
 }
 
-/// The same, once everything before it has been executed. Stores may still be on their way.
-[[nodiscard]] inline std::uint64_t stamp_behind() noexcept {
+/// The same, once everything before it has been executed, and before anything behind it is. Stores
+/// may still be on their way.
+[[nodiscard]] inline std::uint64_t stamp_between() noexcept {
 #if defined(__x86_64__)
   unsigned processor = 0;
-  return __rdtscp(&processor);
+  const std::uint64_t now = __rdtscp(&processor);
+  _mm_lfence();
+  return now;
 #else
   return stamp();
 #endif

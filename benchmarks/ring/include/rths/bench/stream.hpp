@@ -9,6 +9,7 @@
 //     };
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <vector>

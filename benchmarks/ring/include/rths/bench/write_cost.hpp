@@ -28,14 +28,13 @@ template <class Write>
 }
 
 /// Times the writes of a record that the other processor reads without pause: each from its first
-/// instruction to its last, less what it takes to look at the clock. What the processor still has to
-/// do then, to bring the stores to where others see them, keeps no writer waiting.
+/// instruction to its last, less what it takes to look at the clock. What the processor still has
+/// to do then, to bring the stores to where others see them, keeps no writer waiting.
 /// @param gap       between two writes [ns]
 /// @param make_end  makes an end with `fill(number)`, `write()` and `read()`, in its side's process
 template <class MakeEnd>
 [[nodiscard]] Times write_times_under_reader(const Setup& setup, std::uint32_t gap,
                                              MakeEnd make_end) {
-  constexpr double kResolution = 0.1;  // [ns]
   const Shared<std::atomic<std::uint32_t>> ready;
   const Shared<std::atomic<std::uint32_t>> over;
   Partner reader{setup.cpus.far, [&] {
@@ -52,12 +51,12 @@ template <class MakeEnd>
     for (const std::uint64_t begun = stamp(); stamp() - begun < gap_ticks;) {
     }
     end.fill(number);
-    const std::uint64_t before = stamp_behind();
-    const std::uint64_t begun = stamp_behind();
+    const std::uint64_t before = stamp_between();
+    const std::uint64_t begun = stamp_between();
     end.write();
-    const std::uint64_t after = stamp_behind();
+    const std::uint64_t after = stamp_between();
     const auto ticks = static_cast<double>(after - begun) - static_cast<double>(begun - before);
-    costs.push_back(std::max(kResolution, ticks * setup.tick));
+    costs.push_back(std::max(1.0, ticks) * setup.tick);
   }
   over->store(1, std::memory_order_relaxed);
   reader.join();

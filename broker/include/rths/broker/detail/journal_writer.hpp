@@ -21,9 +21,10 @@ namespace rths::broker {
 
 enum class EntryKind : std::uint32_t {
   Word = 1,   ///< a: offset, b: value, c: node on whose behalf it was written, plus 1
-  Group = 2,  ///< a: offset of the first word, b: longwords; its words follow as Data
-  Data = 3,   ///< a, b, c: the next three words of a group
-  Time = 4,   ///< a, b: CLOCK_MONOTONIC [ns], low and high half; what follows is later
+  Group = 2,  ///< a: offset of the first word, b: longwords, c: count of the record's write; its
+              ///< words follow as Data
+  Data = 3,  ///< a, b, c: the next three words of a group
+  Time = 4,  ///< a, b: CLOCK_MONOTONIC [ns], low and high half; what follows is later
 };
 
 struct alignas(16) JournalEntry {
@@ -111,10 +112,19 @@ inline void publish_words(JournalEntry& to, const std::uint32_t* words,
 /// Publishes words of a group in as many entries as they take.
 inline void publish_words(JournalEntry* to, std::span<const std::uint32_t> words,
                           std::uint32_t tag) noexcept {
+  const std::size_t count = words.size();
   std::size_t i = 0;
-  for (; i + kWordsPerEntry < words.size(); i += kWordsPerEntry)
-    publish_words(*to++, &words[i], tag);
-  const auto word = [&](std::size_t at) { return at < words.size() ? words[at] : 0; };
+  const auto three_more = [&] {
+    publish_words(*to++, words.data() + i, tag);
+    i += kWordsPerEntry;
+  };
+  // The few of a line without a loop, whose end a processor could not foresee.
+  if (count > 1 * kWordsPerEntry) three_more();
+  if (count > 2 * kWordsPerEntry) three_more();
+  if (count > 3 * kWordsPerEntry) three_more();
+  if (count > 4 * kWordsPerEntry) three_more();
+  while (i + kWordsPerEntry < count) three_more();
+  const auto word = [&](std::size_t at) { return at < count ? words[at] : 0; };
   publish(*to, word(i), word(i + 1), word(i + 2), tag);
 }
 
@@ -144,12 +154,15 @@ class JournalWriter {
   void word_of(std::uint32_t node, std::uint32_t offset, std::uint32_t value) noexcept {
     append(EntryKind::Word, offset, value, node + 1);
   }
-  void group(std::uint32_t base, std::span<const std::uint32_t> words) noexcept {
+  /// @param count  of the record's write
+  void group(std::uint32_t base, std::span<const std::uint32_t> words,
+             std::uint32_t count) noexcept {
     const std::size_t entries = group_entries(words.size());
     JournalEntry* const to = next_;
-    if (to + entries >= stop_) return group_over_a_hint(base, words);
+    if (entries >= static_cast<std::size_t>(stop_ - to))
+      return group_over_a_hint(base, words, count);
     const std::uint32_t data = tag(EntryKind::Data);
-    publish(*to, base, static_cast<std::uint32_t>(words.size()), 0, tag(EntryKind::Group));
+    publish(*to, base, static_cast<std::uint32_t>(words.size()), count, tag(EntryKind::Group));
     publish_words(to + 1, words, data);
     next_ = to + entries;
   }
@@ -171,7 +184,8 @@ class JournalWriter {
     if (next == stop_) [[unlikely]]
       turn();
   }
-  void group_over_a_hint(std::uint32_t base, std::span<const std::uint32_t> words) noexcept;
+  void group_over_a_hint(std::uint32_t base, std::span<const std::uint32_t> words,
+                         std::uint32_t count) noexcept;
   /// Leaves a hint, and begins the next lap where this one ends.
   void turn() noexcept;
   void begin_at(std::uint64_t position) noexcept;
