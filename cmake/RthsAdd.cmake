@@ -28,6 +28,8 @@ function(rths_test folder)
   add_executable(${target} ${arg_SOURCES})
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
                                           GTest::gtest_main)
+  # Tests are built more often than they are run: what they test has the preset's optimization.
+  target_compile_options(${target} PRIVATE -O1)
   if(NOT arg_LABEL)
     set(arg_LABEL unit)
   endif()

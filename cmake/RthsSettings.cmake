@@ -6,7 +6,7 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 option(RTHS_WERROR "Treat warnings as errors: for those who work on rths, never for its users" OFF)
 option(RTHS_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
-option(RTHS_VECTOR_COPIES "Copy long tear groups with vector instructions where there are any" ON)
+option(RTHS_VECTOR_COPIES "Copy tear groups with vector instructions where there are any" ON)
 option(RTHS_BENCHMARKS "Build the benchmarks, and the peers that the ring is held against" OFF)
 set(RTHS_SANITIZER "" CACHE STRING "Sanitizers to build with, as -fsanitize takes them")
 

@@ -50,10 +50,12 @@ TEST(Ring, RefusesWritesToAnotherNodesPartition) {
 TEST(Ring, RefusesWordsAndPartsOfAGroupThatIsWrittenWhole) {
   Ring ring = Ring::in_process(small_map());
   Node machine = ring.join("machine", 0);
-  const std::array<std::uint32_t, 7> part{};
+  std::array<std::uint32_t, 7> part{};
 
   EXPECT_EQ(machine.write(kGroupWord, 42), Status::Fault);
   EXPECT_EQ(machine.write_group(TearGroupId{0}, part), Status::Fault);
+  EXPECT_EQ(machine.read_group(TearGroupId{0}, part), Status::Fault);
+  EXPECT_EQ(machine.read_group(TearGroupId{7}, part), Status::Fault);
 }
 
 TEST(Ring, LetsAnObserverWriteNothing) {
@@ -252,13 +254,25 @@ TEST(Ring, ShowsAFlagOnlyAfterTheDataItGuards) {
   EXPECT_EQ(early, 0);
 }
 
-TEST(Node, WorksInRealTime) {
-  Ring ring = Ring::in_process(small_map());
+class NodeOf : public ::testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(NodeOf, WorksInRealTime) {
+  Ring ring = Ring::in_process(small_map(GetParam()));
   Node machine = ring.join("machine", 0);
   const TearGroupId group = ring.tear_group("fbk");
-  std::array<std::uint32_t, 8> words{};
+  std::vector<std::uint32_t> words(GetParam());
   std::uint64_t sum = 0;
   Status status = Status::Ok;
+  // So many that they pass every hint of the journal, and its end.
+  const auto write_and_read_often = [&] {
+    for (int i = 0; i < 2'000; ++i) {
+      status = worst(status, machine.write_group(group, words));
+      status = worst(status, machine.read_group(group, words));
+      status = worst(status, machine.read_group(group, words));
+      status = worst(status, machine.write(kMachineWord, 7));
+    }
+  };
+  EXPECT_REALTIME(write_and_read_often());
   EXPECT_REALTIME(sum += machine.read(kControllerWord));
   EXPECT_REALTIME(status = worst(status, machine.write(kMachineWord, 7)));
   EXPECT_REALTIME(status = worst(status, machine.write_group(group, words)));
@@ -268,6 +282,8 @@ TEST(Node, WorksInRealTime) {
   EXPECT_EQ(status, Status::Ok);
   EXPECT_GT(sum, 0U);
 }
+
+INSTANTIATE_TEST_SUITE_P(Words, NodeOf, ::testing::Values(5, 15, 100));
 
 }  // namespace
 }  // namespace rths::broker
