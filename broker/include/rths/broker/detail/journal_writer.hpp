@@ -23,8 +23,8 @@ enum class EntryKind : std::uint32_t {
   Word = 1,   ///< a: offset, b: value, c: node on whose behalf it was written, plus 1
   Group = 2,  ///< a: offset of the first word, b: longwords, c: count of the record's write; its
               ///< words follow as Data
-  Data = 3,  ///< a, b, c: the next three words of a group
-  Time = 4,  ///< a, b: CLOCK_MONOTONIC [ns], low and high half; what follows is later
+  Data = 3,   ///< a, b, c: the next three words of a group
+  Time = 4,   ///< a, b: CLOCK_MONOTONIC [ns], low and high half; what follows is later
 };
 
 struct alignas(16) JournalEntry {
