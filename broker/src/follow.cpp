@@ -87,8 +87,11 @@ Followed Follower::State::next(Write& write) noexcept {
     }
     ++position;
     if (entry.kind() == EntryKind::Word) {
-      const NodeId by = entry.c != 0 ? NodeId{static_cast<std::uint16_t>(entry.c - 1)} : writer;
-      write = {by, LongwordOffset{entry.a}, entry.b, {}};
+      // One by one: copied as a whole, they would have to wait for each other.
+      write.writer = entry.c != 0 ? NodeId{static_cast<std::uint16_t>(entry.c - 1)} : writer;
+      write.offset = LongwordOffset{entry.a};
+      write.value = entry.b;
+      write.group = {};
       return Followed::Write;
     }
     if (entry.kind() != EntryKind::Group) continue;
