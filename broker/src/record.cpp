@@ -39,7 +39,7 @@ bool has_256() noexcept { return __builtin_cpu_supports("avx2") > 0; }
 Copy widest_copy() noexcept { return has_512() ? copy_512 : has_256() ? copy_256 : copy_128; }
 
 constinit Copy widest = copy_128;
-[[maybe_unused]] const Copy chosen = widest = widest_copy();
+[[maybe_unused]] const Copy kChosen = widest = widest_copy();
 
 }  // namespace
 

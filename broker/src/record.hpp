@@ -120,7 +120,7 @@ inline std::uint32_t* words_of(std::uint32_t* record, RecordKind kind,
                                std::uint32_t count) noexcept {
   switch (kind) {
     case RecordKind::Latch:
-      return record + 2 + (count % 2) * kLatchWords;
+      return record + 2 + std::size_t{count % 2} * kLatchWords;
     case RecordKind::Line:
       return record + 1;
     case RecordKind::Bulk:

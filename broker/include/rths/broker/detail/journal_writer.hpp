@@ -41,7 +41,7 @@ struct alignas(128) JournalHead {
 static_assert(sizeof(JournalEntry) == 16 && sizeof(JournalHead) == 128);
 
 inline constexpr std::uint64_t kHintEvery = 64;
-inline constexpr std::uint32_t kWordsPerEntry = 3;  ///< of a group
+inline constexpr std::size_t kWordsPerEntry = 3;  ///< of a group
 inline constexpr std::uint32_t kLapBits = 28;
 
 /// Where a journal lies, and how long it is.
