@@ -137,6 +137,12 @@ void pass_on_lines(const std::uint32_t* begin, std::size_t bytes) noexcept;
 inline constexpr std::size_t kFewLines = 8;
 }  // namespace detail
 
+/// Whether the record is what to read at this count, and not the group's words in memory.
+[[nodiscard]] constexpr bool record_is_whole(std::uint32_t count, RecordKind kind) noexcept {
+  const bool is_odd = kind != RecordKind::Latch && count % 2 != 0;
+  return !is_odd && (count & kPlain) == 0;
+}
+
 [[nodiscard]] inline std::uint32_t count_of(std::uint32_t* record) noexcept {
   return std::atomic_ref{record[0]}.load(std::memory_order_acquire);
 }
@@ -180,8 +186,7 @@ inline std::uint32_t write_record(std::uint32_t* record, std::span<const std::ui
 [[nodiscard]] inline bool read_record(std::uint32_t* record, std::span<std::uint32_t> words,
                                       std::uint32_t count) noexcept {
   const RecordKind kind = record_kind(words.size());
-  const bool is_odd = kind != RecordKind::Latch && count % 2 != 0;
-  if (is_odd || (count & kPlain) != 0) return false;
+  if (!record_is_whole(count, kind)) return false;
   // The copy that a latch's count names is written again only after the next count was published.
   const std::uint32_t* from = detail::words_of(record, kind, count);
   load_words(words, from);
@@ -199,16 +204,14 @@ inline std::uint32_t write_record(std::uint32_t* record, std::span<const std::ui
 [[nodiscard]] inline bool read_memory(std::uint32_t* record, const std::uint32_t* memory,
                                       std::span<std::uint32_t> words) noexcept {
   const std::uint32_t count = count_of(record);
-  const bool is_odd = record_kind(words.size()) != RecordKind::Latch && count % 2 != 0;
-  if (!is_odd && (count & kPlain) == 0) return false;
+  if (record_is_whole(count, record_kind(words.size()))) return false;
   load_words(words, memory);
   return detail::at(record[0]).load(std::memory_order_relaxed) == count;
 }
 
 /// True if the record's writer stopped in the middle of it.
 [[nodiscard]] inline bool is_torn(std::uint32_t* record, std::size_t longwords) noexcept {
-  return record_kind(longwords) != RecordKind::Latch && is_kept(record) &&
-         count_of(record) % 2 != 0;
+  return is_kept(record) && !record_is_whole(count_of(record), record_kind(longwords));
 }
 
 }  // namespace rths::broker

@@ -150,7 +150,9 @@ Segment::~Segment() {
 }
 
 void Segment::populate() {
-  if (memory_->is_shared) populate_pages(memory_->common, room_at_once(header()));
+  if (!memory_->is_shared || populated_) return;
+  populate_pages(memory_->common, room_at_once(header()));
+  populated_ = true;
 }
 
 Slot* Segment::slot_of(NodeId node) noexcept {

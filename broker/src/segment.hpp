@@ -71,6 +71,7 @@ class Segment {
   }
   std::unique_ptr<Memory> memory_;
   std::byte* base_;
+  bool populated_ = false;
   bool created_;  ///< here: the creator's slot is free again when this object goes
 };
 

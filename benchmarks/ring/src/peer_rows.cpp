@@ -56,10 +56,6 @@ Pairing measure_peer(const Row& row, const Workbench& bench) {
   return {run_peer(row, bench, "round_trips"), raw};
 }
 
-Pairing measure_vendor_store(const Row& row, const Workbench& bench) {
-  return measure_peer(row, bench);
-}
-
 Pairing measure_write_under_reader_200(const Row& row, const Workbench& bench) {
   return write_under_reader(row, bench, 200);
 }

@@ -5,12 +5,10 @@
 
 namespace rths::bench {
 
-/// Round trips through a peer's program.
+/// Round trips through another program, a peer's or a client of the vendor's kind.
 /// @throws Missing if the program was not built, Error if it fails
 [[nodiscard]] Pairing measure_peer(const Row& row, const Workbench& bench);
 
-/// Words through the vendor's pointer, in a program that knows only the vendor's names.
-[[nodiscard]] Pairing measure_vendor_store(const Row& row, const Workbench& bench);
 /// Our group and a peer's record of the same size, each written under a reader.
 [[nodiscard]] Pairing measure_write_under_reader_200(const Row& row, const Workbench& bench);
 [[nodiscard]] Pairing measure_write_under_reader_1000(const Row& row, const Workbench& bench);

@@ -24,8 +24,8 @@ std::vector<Row> own_rows() {
   return {
       {"raw", 4, "a cache line to and fro; against itself", measure_raw},
       {"raw_pause", 4, "the same, pausing while it waits", measure_raw_paused},
-      {"vendor_store", 4, "a word stored and loaded through the vendor's pointer",
-       measure_vendor_store, RatioToRaw, Gate{1.05, 1.15}, std::nullopt, program("vendor")},
+      {"vendor_store", 4, "a word stored and loaded through the vendor's pointer", measure_peer,
+       RatioToRaw, Gate{1.05, 1.15}, std::nullopt, program("vendor")},
       {"word", 4, "write a word, see it", measure_word, RatioToRaw, Gate{1.05, 1.15}, kTail},
       {"word_pause", 4, "the same, pausing while it waits", measure_word_paused, RatioToRaw,
        Gate{0.95, 1.10}, kTail},

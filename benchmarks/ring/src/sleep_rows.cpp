@@ -36,17 +36,10 @@ class SleepyEnd {
   double tick_;
 };
 
-/// A word and a futex, and nothing else.
-struct FutexLines {
-  alignas(128) std::atomic<std::uint32_t> there{0};
-  alignas(128) std::atomic<std::uint32_t> back{0};
-};
-
+/// A word that is a futex, and nothing else.
 class FutexEnd {
  public:
-  FutexEnd(FutexLines& lines, Side side)
-      : out_{side == Side::Near ? lines.there : lines.back},
-        in_{side == Side::Near ? lines.back : lines.there} {}
+  FutexEnd(RawLines& lines, Side side) : out_{lines.out(side)}, in_{lines.in(side)} {}
   void send(std::uint32_t number) {
     out_.store(number);
     futex(out_, FUTEX_WAKE, 1);
@@ -86,7 +79,7 @@ Times wake_times(const Workbench& bench, MakeEnd make_end) {
 }  // namespace
 
 Pairing measure_wait_sleeping(const Row&, const Workbench& bench) {
-  const Shared<FutexLines> lines;
+  const Shared<RawLines> lines;
   const Times bare = wake_times(bench, [&](Side side) { return FutexEnd{*lines, side}; });
   const BenchRing ring{1, false};
   return {wake_times(bench, [&](Side side) { return WaitEnd{ring, side}; }), bare};

@@ -101,14 +101,18 @@ template <Poll poll = Poll::Tight, class MakeEnd>
 struct RawLines {
   alignas(128) std::atomic<std::uint32_t> there{0};
   alignas(128) std::atomic<std::uint32_t> back{0};
+
+  /// What a side writes, and what it reads.
+  [[nodiscard]] std::atomic<std::uint32_t>& out(Side side) {
+    return side == Side::Near ? there : back;
+  }
+  [[nodiscard]] std::atomic<std::uint32_t>& in(Side side) { return out(other(side)); }
 };
 
 /// A word stored through a plain pointer, as programs for the cards do it.
 class RawEnd {
  public:
-  RawEnd(RawLines& lines, Side side)
-      : out_{side == Side::Near ? lines.there : lines.back},
-        in_{side == Side::Near ? lines.back : lines.there} {}
+  RawEnd(RawLines& lines, Side side) : out_{lines.out(side)}, in_{lines.in(side)} {}
   void send(std::uint32_t number) { out_.store(number, std::memory_order_release); }
   [[nodiscard]] bool arrived(std::uint32_t number) const {
     return in_.load(std::memory_order_acquire) == number;
