@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/launch/run.hpp>
-#include <rths/memmap/config.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/sim/ground_motion.hpp>
 
@@ -45,7 +45,7 @@ int check_diagram(const std::string& file) {
 }
 
 int check_toml(const std::string& file) {
-  const auto config = memmap::Config::load(file);
+  const auto config = Config::load(file);
   if (config.has("ringmap")) return map_check(file);
   if (config.has("diagram")) return check_diagram(file);
   if (config.has("format")) return check_experiment(file);

@@ -52,7 +52,7 @@ void check_tuning(const NodePlan& plan, const std::vector<adapters::Port>& ports
   for (const auto& [name, value] : plan.tune) {
     static_cast<void>(value);
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const auto meant = memmap::nearest(name, known);
+    const auto meant = nearest(name, known);
     throw Error{fmt::format("node '{}' has no parameter '{}'{}", plan.node, name,
                             meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
   }

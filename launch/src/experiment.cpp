@@ -7,14 +7,12 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/launch/installed_files.hpp>
-#include <rths/memmap/config.hpp>
 
 namespace rths::launch {
 namespace {
-
-using memmap::Config;
 
 constexpr double kMillisecond = 1e-3;
 constexpr double kShortestTest = 1;  // [s]: less tells nothing about delays

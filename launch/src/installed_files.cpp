@@ -45,7 +45,7 @@ std::filesystem::path find_map(const std::string& name_or_path) {
                           built_in_names("maps"))};
 }
 
-std::filesystem::path find_file(const memmap::Config& table, const std::string& key,
+std::filesystem::path find_file(const Config& table, const std::string& key,
                                 const std::string& folder) {
   const std::string name = table.text(key);
   auto file = is_bare_name(name) ? installed(name, folder) : table.resolve(name);

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
-#include <rths/memmap/config.hpp>
 
 #include "map_rules.hpp"
 

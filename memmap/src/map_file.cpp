@@ -3,8 +3,8 @@
 // Reads *.ringmap.toml into a MapDescription. What the words may say is checked in map.cpp.
 #include <fmt/format.h>
 
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
-#include <rths/memmap/config.hpp>
 #include <rths/memmap/map.hpp>
 
 namespace rths::memmap {

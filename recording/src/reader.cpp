@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/memmap/config.hpp>
+#include <rths/core/config.hpp>
 #include <rths/recording/recording.hpp>
 
 #include "hdf5.hpp"
@@ -144,7 +144,7 @@ bool Reader::has(const std::string& signal) const { return file_->columns.count(
 std::vector<double> Reader::signal(const std::string& name) const {
   const auto found = file_->columns.find(name);
   if (found == file_->columns.end()) {
-    const auto meant = memmap::nearest(name, file_->names);
+    const auto meant = nearest(name, file_->names);
     throw Error{fmt::format("the recording has no signal '{}'{}", name,
                             meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
   }

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include <rths/controller/delay.hpp>
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
-#include <rths/memmap/config.hpp>
 #include <rths/report/report.hpp>
 
 namespace rths::report {
@@ -199,7 +199,7 @@ void read_experiment(Analysis& analysis, const Reader& run) {
   const auto meta = run.meta();
   const auto file = meta.find("experiment");
   if (file == meta.end()) return;
-  auto config = memmap::Config::parse(run.config(file->second), file->second);
+  auto config = Config::parse(run.config(file->second), file->second);
   for (const auto& line : lines(run.config(recording::kOverridesText)))
     config.set(line.substr(0, line.find('=')), line.substr(line.find('=') + 1));
   analysis.name = config.text("name");

@@ -95,7 +95,7 @@ TEST(Srmd, RefusesAnAxisItDoesNotDrive) {
 
 TEST(MachineConfig, SetsBothAxes) {
   const auto machine =
-      read_machine(memmap::Config::parse("dead_band = [0.01, 0.02]\nempty_table = true", "m.toml"));
+      read_machine(Config::parse("dead_band = [0.01, 0.02]\nempty_table = true", "m.toml"));
 
   EXPECT_EQ(machine.axes[0].dead_band, 0.01);
   EXPECT_EQ(machine.axes[1].dead_band, 0.02);
@@ -104,23 +104,23 @@ TEST(MachineConfig, SetsBothAxes) {
 
 TEST(MachineConfig, SaysWhatIsWrong) {
   EXPECT_EQ(test::error_of([] {
-              static_cast<void>(read_machine(memmap::Config::parse("dead_band = [1]", "m.toml")));
+              static_cast<void>(read_machine(Config::parse("dead_band = [1]", "m.toml")));
             }),
             "m.toml:1:13: dead_band has 1 numbers, expected [long, lat]");
   EXPECT_EQ(test::error_of([] {
-              static_cast<void>(read_machine(memmap::Config::parse("dead_bnd = [1, 2]", "m.toml")));
+              static_cast<void>(read_machine(Config::parse("dead_bnd = [1, 2]", "m.toml")));
             }),
             "m.toml:1:12: unknown key 'dead_bnd' (did you mean 'dead_band'?)");
 }
 
 TEST(SpecimenConfig, SaysWhatIsWrong) {
   EXPECT_EQ(test::error_of([] {
-              static_cast<void>(read_specimen(memmap::Config::parse("model = \"LRB\"", "m.toml")));
+              static_cast<void>(read_specimen(Config::parse("model = \"LRB\"", "m.toml")));
             }),
             "m.toml:1:9: model is 'LRB', expected LPRB");
   EXPECT_EQ(test::error_of([] {
-              static_cast<void>(read_specimen(
-                  memmap::Config::parse("initial_stiffness_N_per_m = 1000", "m.toml")));
+              static_cast<void>(
+                  read_specimen(Config::parse("initial_stiffness_N_per_m = 1000", "m.toml")));
             }),
             "m.toml:1:29: the initial stiffness must be larger than that after yield");
 }

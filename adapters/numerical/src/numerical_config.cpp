@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
 
-sim::Stick read_stick(const memmap::Config& table) {
+sim::Stick read_stick(const Config& table) {
   sim::Stick stick;
   stick.name = table.text("name");
   stick.masses = table.numbers("masses_kg");
@@ -19,7 +19,7 @@ sim::Stick read_stick(const memmap::Config& table) {
   return stick;
 }
 
-sim::RecordComponent read_component(const memmap::Config& table, const std::string& key) {
+sim::RecordComponent read_component(const Config& table, const std::string& key) {
   const auto file = table.resolve(table.text("file_" + key, table.text("file", "")));
   if (!table.has("file") && !table.has("file_" + key))
     table.fail("file", "[motion] needs 'file', or 'file_long' and 'file_lat'");
@@ -32,7 +32,7 @@ sim::RecordComponent read_component(const memmap::Config& table, const std::stri
 
 }  // namespace
 
-sim::IsolatedPlant read_plant(const memmap::Config& table) {
+sim::IsolatedPlant read_plant(const Config& table) {
   sim::IsolatedPlant plant = sim::example_plant();
   plant.basemat_mass = table.number_in("basemat_mass_kg", 1, 1e12, plant.basemat_mass);
   plant.damping_ratio = table.number_in("damping_ratio", 0, 0.99, plant.damping_ratio);
@@ -47,7 +47,7 @@ sim::IsolatedPlant read_plant(const memmap::Config& table) {
   return plant;
 }
 
-sim::GroundMotion read_motion(const memmap::Config& table) {
+sim::GroundMotion read_motion(const Config& table) {
   const auto along = read_component(table, "long");
   const auto across = read_component(table, "lat");
   if (along.values.size() != across.values.size() ||

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <rths/adapters/simulink_like.hpp>
-#include <rths/memmap/config.hpp>
+#include <rths/core/config.hpp>
 
 #include "control_blocks.hpp"
 #include "signal_blocks.hpp"
@@ -56,7 +56,7 @@ struct BlockContext {
 };
 
 /// Builds a block from its table. @throws Error file:line:column
-[[nodiscard]] Block make_block(const memmap::Config& table, const DiagramContext& run,
-                               double base_period, int substeps);
+[[nodiscard]] Block make_block(const Config& table, const DiagramContext& run, double base_period,
+                               int substeps);
 
 }  // namespace rths::adapters

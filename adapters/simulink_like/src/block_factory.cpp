@@ -14,8 +14,6 @@
 namespace rths::adapters {
 namespace {
 
-using memmap::Config;
-
 // The signals of a ring port: "{axis}" in the name stands for one signal per axis.
 std::vector<std::string> expand_axes(const std::string& pattern, const BlockContext& context) {
   const auto place = pattern.find("{axis}");
@@ -205,7 +203,7 @@ const BlockType& type_named(const Config& table) {
     if (type.name == name) return type;
     known.emplace_back(type.name);
   }
-  const auto meant = memmap::nearest(name, known);
+  const auto meant = nearest(name, known);
   table.fail("type", fmt::format("there is no block type '{}'{}", name,
                                  meant ? fmt::format(" (did you mean '{}'?)", *meant) : ""));
 }

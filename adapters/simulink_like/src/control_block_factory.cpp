@@ -13,8 +13,6 @@
 namespace rths::adapters {
 namespace {
 
-using memmap::Config;
-
 constexpr double kFadeTime = 0.5;  // of switching compensation on or off [s]
 constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
 

@@ -23,7 +23,7 @@ bool is_unit_delay(const Block& block) { return std::holds_alternative<UnitDelay
 
 }  // namespace
 
-Diagram::Diagram(const memmap::Config& file, const DiagramContext& context) : context_{context} {
+Diagram::Diagram(const Config& file, const DiagramContext& context) : context_{context} {
   const std::int64_t format = file.integer("diagram");
   if (format != kDiagramFormat)
     file.fail("diagram",
@@ -81,7 +81,7 @@ Diagram::Source Diagram::find_source(const Placed& placed, const std::string& wi
       if (names[o] == wire || (names.size() == 1 && blocks_[b].block.name == wire)) return {b, o};
     known.insert(known.end(), names.begin(), names.end());
   }
-  const auto meant = memmap::nearest(wire, known);
+  const auto meant = nearest(wire, known);
   throw Error{fmt::format("{}: block '{}' reads '{}', which no block gives{}", placed.block.where,
                           placed.block.name, wire,
                           meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};

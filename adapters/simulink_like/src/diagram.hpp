@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
+#include <rths/core/config.hpp>
 #include <rths/core/realtime.hpp>
-#include <rths/memmap/config.hpp>
 
 #include "block.hpp"
 
@@ -17,7 +17,7 @@ namespace rths::adapters {
 class Diagram {
  public:
   /// @throws Error file:line:column   @setup
-  Diagram(const memmap::Config& file, const DiagramContext& context);
+  Diagram(const Config& file, const DiagramContext& context);
   Diagram(const Diagram&) = delete;
   Diagram& operator=(const Diagram&) = delete;
 

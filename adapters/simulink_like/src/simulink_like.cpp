@@ -10,7 +10,7 @@ namespace {
 
 class SimulinkLike final : public Adapter {
  public:
-  SimulinkLike(const memmap::Config& file, const DiagramContext& context)
+  SimulinkLike(const Config& file, const DiagramContext& context)
       : diagram_{file, context}, retreat_{context.retreat} {
     held_.resize(diagram_.ramped_outputs().size());
   }
@@ -49,17 +49,17 @@ Status SimulinkLike::step(Step& step) noexcept {
 
 std::unique_ptr<Adapter> make_simulink_like(const std::filesystem::path& diagram,
                                             const DiagramContext& context) {
-  return std::make_unique<SimulinkLike>(memmap::Config::load(diagram), context);
+  return std::make_unique<SimulinkLike>(Config::load(diagram), context);
 }
 
 std::unique_ptr<Adapter> make_simulink_like_from_text(const std::string& text,
                                                       const std::string& name,
                                                       const DiagramContext& context) {
-  return std::make_unique<SimulinkLike>(memmap::Config::parse(text, name), context);
+  return std::make_unique<SimulinkLike>(Config::parse(text, name), context);
 }
 
 double diagram_period(const std::filesystem::path& diagram) {
-  return 1 / memmap::Config::load(diagram).number_in("base_rate_Hz", 1, 100'000);
+  return 1 / Config::load(diagram).number_in("base_rate_Hz", 1, 100'000);
 }
 
 }  // namespace rths::adapters

@@ -5,7 +5,7 @@ namespace rths::adapters {
 namespace {
 
 // A number per axis: one for both, or [long, lat].
-void read_pair(const memmap::Config& table, const std::string& key, double sim::ServoAxis::*member,
+void read_pair(const Config& table, const std::string& key, double sim::ServoAxis::*member,
                std::array<sim::ServoAxis, sim::kHorizontalAxes>& axes) {
   if (!table.has(key)) return;
   const auto values = table.numbers(key);
@@ -17,7 +17,7 @@ void read_pair(const memmap::Config& table, const std::string& key, double sim::
 
 }  // namespace
 
-sim::LeadRubber read_specimen(const memmap::Config& table) {
+sim::LeadRubber read_specimen(const Config& table) {
   sim::LeadRubber bearing;
   const std::string model = table.text("model", "LPRB");
   if (model != "LPRB") table.fail("model", "model is '" + model + "', expected LPRB");
@@ -34,7 +34,7 @@ sim::LeadRubber read_specimen(const memmap::Config& table) {
   return bearing;
 }
 
-sim::TestMachine read_machine(const memmap::Config& table) {
+sim::TestMachine read_machine(const Config& table) {
   sim::TestMachine machine = sim::srmd_machine();
   auto& axes = machine.axes;
   read_pair(table, "position_gain_per_s", &sim::ServoAxis::position_gain, axes);

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
-#include <rths/memmap/config.hpp>
 
 namespace rths::scramnet {
 namespace {
@@ -53,14 +53,14 @@ void read_environment(const std::string& prefix, Settings& settings) {
   read_size(prefix + "CARD_BYTES", settings.card_bytes);
 }
 
-void read_size(const memmap::Config& table, const std::string& key, std::uint64_t& bytes) {
+void read_size(const Config& table, const std::string& key, std::uint64_t& bytes) {
   if (!table.has(key)) return;
   bytes = static_cast<std::uint64_t>(table.integer_in(key, 0, std::int64_t{kLargestMemory}));
   if (const auto trouble = trouble_with_size(bytes); !trouble.empty())
     table.fail(key, key + " " + trouble);
 }
 
-void read_table(const memmap::Config& table, Settings& settings) {
+void read_table(const Config& table, Settings& settings) {
   settings.ring = table.text("ring", settings.ring);
   if (table.has("map")) settings.map = table.resolve(table.text("map")).string();
   settings.node = table.text("node", settings.node);
@@ -74,7 +74,7 @@ void read_file(const std::string& key, Settings& settings) {
   std::string file = config_file();
   if (file.empty()) file = variable("RTHS_SCRAMNET_CONFIG").value_or("");
   if (file.empty()) return;
-  const auto config = memmap::Config::load(file);
+  const auto config = Config::load(file);
   static_cast<void>(config.has("scramnet"));
   static_cast<void>(config.has("scgt"));
   read_table(config.table_or_empty(key), settings);

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include <rths/memmap/config.hpp>
+#include <rths/core/config.hpp>
 
 namespace rths::launch {
 
@@ -17,7 +17,7 @@ namespace rths::launch {
 
 /// File that a config key names: a path relative to the config, or a bare name of an installed file
 /// in `folder` ("maps", "diagrams"). @throws Error with the key's place if there is neither @setup
-[[nodiscard]] std::filesystem::path find_file(const memmap::Config& table, const std::string& key,
+[[nodiscard]] std::filesystem::path find_file(const Config& table, const std::string& key,
                                               const std::string& folder);
 
 }  // namespace rths::launch

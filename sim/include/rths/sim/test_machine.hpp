@@ -11,10 +11,9 @@
 #include <rths/core/realtime.hpp>
 #include <rths/core/status.hpp>
 #include <rths/sim/lead_rubber.hpp>
+#include <rths/sim/term.hpp>
 
 namespace rths::sim {
-
-inline constexpr int kHorizontalAxes = 2;  ///< long, lat
 
 /// What an axis of a test machine can do.
 struct AxisLimits {

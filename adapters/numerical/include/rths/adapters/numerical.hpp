@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
-#include <rths/memmap/config.hpp>
+#include <rths/core/config.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 
@@ -44,9 +44,9 @@ struct NumericalSettings {
 };
 
 /// Reads a [plant] table. @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] sim::IsolatedPlant read_plant(const memmap::Config& table);
+[[nodiscard]] sim::IsolatedPlant read_plant(const Config& table);
 /// Reads a [motion] table: .AT2 or columns, scaled. @setup
-[[nodiscard]] sim::GroundMotion read_motion(const memmap::Config& table);
+[[nodiscard]] sim::GroundMotion read_motion(const Config& table);
 
 /// Our own solver as a node that speaks OpenFresco's words and handshake: it writes targets and
 /// newTarget, waits for switchPC and atTarget, and reads the sampled feedback.

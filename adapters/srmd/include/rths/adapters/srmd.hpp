@@ -7,7 +7,7 @@
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/retreat.hpp>
-#include <rths/memmap/config.hpp>
+#include <rths/core/config.hpp>
 #include <rths/sim/test_machine.hpp>
 
 namespace rths::adapters {
@@ -24,8 +24,8 @@ struct SrmdSettings {
 
 /// Reads [machine] and [specimen] tables of an experiment.
 /// @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] sim::LeadRubber read_specimen(const memmap::Config& table);
-[[nodiscard]] sim::TestMachine read_machine(const memmap::Config& table);
+[[nodiscard]] sim::LeadRubber read_specimen(const Config& table);
+[[nodiscard]] sim::TestMachine read_machine(const Config& table);
 
 /// @throws Error if a parameter is outside its physical range   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_srmd(const SrmdSettings& settings);

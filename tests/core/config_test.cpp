@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <rths/memmap/config.hpp>
+#include <rths/core/config.hpp>
 
 #include "support/files.hpp"
 
-namespace rths::memmap {
+namespace rths {
 namespace {
 
 Config parse(const std::string& text) { return Config::parse(text, "lab.toml"); }
@@ -134,5 +134,19 @@ TEST(Nearest, FindsTheLikelyWordOnly) {
   EXPECT_EQ(nearest("temperature", {"length", "width"}), std::nullopt);
 }
 
+TEST(Config, LaysChangesOverATableKeyByKey) {
+  const Config base = parse("[slider]\nfriction = 0.1\nstiffness = 2\n[spring]\nstiffness = 3");
+  const Config changes = Config::parse("[slider]\nfriction = \"none\"\n[stop]\ngap = 4", "c.toml");
+
+  const Config both = base.overlaid(changes);
+
+  EXPECT_EQ(both.table("slider").number("stiffness"), 2);
+  EXPECT_EQ(both.table("slider").text("friction"), "none");
+  EXPECT_EQ(both.table("slider").where("friction"), "c.toml:2:12");
+  EXPECT_EQ(both.table("spring").number("stiffness"), 3);
+  EXPECT_EQ(both.table("stop").number("gap"), 4);
+  EXPECT_FALSE(base.has("stop"));
+}
+
 }  // namespace
-}  // namespace rths::memmap
+}  // namespace rths

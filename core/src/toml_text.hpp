@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <rths/memmap/config.hpp>
+#include <rths/core/config.hpp>
 
-namespace rths::memmap {
+namespace rths {
 
 /// The whole file. @throws Error if it cannot be read
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
@@ -12,4 +12,4 @@ namespace rths::memmap {
 /// @throws Error "name:line:column: …"
 [[nodiscard]] ConfigValue::Table parse_toml(std::string_view text, const std::string& name);
 
-}  // namespace rths::memmap
+}  // namespace rths

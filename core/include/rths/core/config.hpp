@@ -13,7 +13,7 @@
 
 #include <rths/core/error.hpp>
 
-namespace rths::memmap {
+namespace rths {
 
 /// One value of a TOML file together with the place where it stands.
 struct ConfigValue {
@@ -37,6 +37,7 @@ class Config {
 
   [[nodiscard]] bool has(const std::string& key) const;
   [[nodiscard]] bool is_table(const std::string& key) const;
+  [[nodiscard]] bool is_array(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> keys() const;
 
   /// Required values.
@@ -86,6 +87,9 @@ class Config {
   /// @throws Error for the first key that no getter has asked for, with the nearest known key
   void reject_unknown_keys() const;
 
+  /// This table with what `changes` has in it: tables key by key, anything else replaced.
+  [[nodiscard]] Config overlaid(const Config& changes) const;
+
   /// Puts `value` (as TOML text) at a dotted path, as the command line does.
   void set(const std::string& dotted_key, const std::string& value);
 
@@ -104,4 +108,4 @@ class Config {
 [[nodiscard]] std::optional<std::string> nearest(const std::string& word,
                                                  const std::vector<std::string>& candidates);
 
-}  // namespace rths::memmap
+}  // namespace rths

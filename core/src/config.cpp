@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/memmap/config.hpp>
+#include <rths/core/config.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "toml_text.hpp"
 
-namespace rths::memmap {
+namespace rths {
 namespace {
 
 std::string kind_of(const ConfigValue& value) {
@@ -58,6 +58,18 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     }
   }
   return row[b.size()];
+}
+
+void overlay(ConfigValue::Table& table, const ConfigValue::Table& changes) {
+  for (const auto& [key, change] : changes) {
+    ConfigValue& value = table[key];
+    auto* const inner = std::get_if<ConfigValue::Table>(&value.value);
+    const auto* const inner_changes = std::get_if<ConfigValue::Table>(&change.value);
+    if (inner != nullptr && inner_changes != nullptr)
+      overlay(*inner, *inner_changes);
+    else
+      value = change;
+  }
 }
 
 }  // namespace
@@ -110,6 +122,11 @@ bool Config::has(const std::string& key) const { return find(key) != nullptr; }
 bool Config::is_table(const std::string& key) const {
   const ConfigValue* found = find(key);
   return found != nullptr && std::holds_alternative<ConfigValue::Table>(found->value);
+}
+
+bool Config::is_array(const std::string& key) const {
+  const ConfigValue* found = find(key);
+  return found != nullptr && std::holds_alternative<ConfigValue::Array>(found->value);
 }
 
 std::vector<std::string> Config::keys() const {
@@ -225,6 +242,13 @@ void Config::reject_unknown_keys() const {
   }
 }
 
+Config Config::overlaid(const Config& changes) const {
+  Config result = *this;
+  result.asked_.clear();
+  overlay(result.table_, changes.table_);
+  return result;
+}
+
 void Config::set(const std::string& dotted_key, const std::string& value) {
   const std::string where = fmt::format("--set {}", dotted_key);
   ConfigValue parsed = std::move(parse_toml("value = " + value, where).at("value"));
@@ -243,4 +267,4 @@ void Config::set(const std::string& dotted_key, const std::string& value) {
   (*table)[dotted_key.substr(start)] = std::move(parsed);
 }
 
-}  // namespace rths::memmap
+}  // namespace rths

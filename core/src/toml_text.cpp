@@ -11,7 +11,7 @@
 
 #include <rths/core/error.hpp>
 
-namespace rths::memmap {
+namespace rths {
 namespace {
 
 std::string place(const std::string& name, const toml::source_region& source) {
@@ -61,4 +61,4 @@ ConfigValue::Table parse_toml(std::string_view text, const std::string& name) {
   }
 }
 
-}  // namespace rths::memmap
+}  // namespace rths

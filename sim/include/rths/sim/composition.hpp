@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rths/core/config.hpp>
+#include <rths/core/realtime.hpp>
+#include <rths/sim/term.hpp>
+
+namespace rths::sim {
+
+inline constexpr unsigned kBothAxes = 0b11;
+
+/// A term as a configuration asks for it.
+struct TermSettings {
+  std::string kind;
+  std::string name;                                        ///< empty: that of the kind
+  std::vector<std::pair<std::string, double>> parameters;  ///< by name, SI; others are absent
+  unsigned axes = kBothAxes;                               ///< bit 0: long, bit 1: lat
+  Channel channel = Channel::Force;                        ///< of a sensor term
+};
+
+/// Terms that act one after the other: a bearing, a machine, a chain of sensors.
+///
+/// Const once built; what it remembers is a plain array of numbers that the caller owns, zeros for
+/// a bearing that nothing has happened to. Copy the array to come back to where it was.
+class Composition {
+ public:
+  struct Term {
+    const TermKind* kind;
+    std::string name;
+    unsigned axes;
+    Channel channel;
+    std::size_t first_parameter, first_state, first_constant;
+  };
+
+  Composition() = default;
+  /// Orders the terms as the catalogue does, whatever their order here.
+  /// @param time_step  of every step to come [s], > 0
+  /// @throws Error for an unknown kind or parameter, a value out of bounds, a name used twice
+  /// @setup
+  Composition(const std::vector<TermSettings>& terms, double time_step);
+
+  [[nodiscard]] std::span<const Term> terms() const { return terms_; }
+  [[nodiscard]] double time_step() const { return time_step_; }
+  /// All parameters, term after term.
+  [[nodiscard]] std::span<const double> parameters() const { return parameters_; }
+  /// Where a parameter stands in `parameters()`. @throws Error if there is none   @setup
+  [[nodiscard]] std::size_t parameter_index(const std::string& term,
+                                            const std::string& parameter) const;
+  [[nodiscard]] std::size_t states() const { return states_; }
+
+  /// One step to the motion in `q`: fills in everything that the terms compute.
+  /// @param parameters  as `parameters()`, which those with derivatives replace
+  /// @param state  of length `states()`   @realtime
+  void advance(std::span<const double> parameters, std::span<double> state,
+               Quantities<double>& q) const RTHS_REALTIME;
+  void advance(std::span<const Dual> parameters, std::span<Dual> state,
+               Quantities<Dual>& q) const RTHS_REALTIME;
+  void advance(std::span<double> state, Quantities<double>& q) const RTHS_REALTIME {
+    advance(parameters_, state, q);
+  }
+
+ private:
+  double time_step_ = 0;
+  std::vector<Term> terms_;
+  std::vector<double> parameters_, constants_;
+  std::size_t states_ = 0;
+};
+
+/// Reads the terms of a table: each of its tables is a term, its key the kind, or any name if the
+/// table says `kind = "…"`. A parameter may be an array [long, lat] where a term acts on each axis.
+/// `enabled = false` leaves a term out.
+///
+///     [specimen.bouc_wen]
+///     characteristic_strength_N = 1_010_000
+///
+/// @throws Error with the place of the first wrong key or value   @setup
+[[nodiscard]] std::vector<TermSettings> read_terms(const Config& table);
+
+/// Key of a parameter in a configuration: "stiffness" in "N/m" is "stiffness_N_per_m".   @setup
+[[nodiscard]] std::string parameter_key(const Parameter& parameter, Channel channel);
+
+}  // namespace rths::sim

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace rths::sim {
+
+/// A number together with its derivatives with respect to a few parameters: forward-mode automatic
+/// differentiation. What is computed with it carries exact derivatives along.
+///
+/// A comparison looks at the value alone, so a function with cases is differentiated in the case
+/// it is in. Source: Griewank & Walther, Evaluating Derivatives (2008), chapter 3.
+struct Dual {
+  static constexpr std::size_t kLanes = 4;  ///< parameters followed at once
+
+  double value = 0;
+  std::array<double, kLanes> derivative{};
+
+  constexpr Dual() = default;
+  constexpr Dual(double constant) : value{constant} {}  // NOLINT: constants mix with duals
+
+  /// The parameter that lane `lane` follows.
+  [[nodiscard]] static constexpr Dual variable(double value, std::size_t lane) {
+    Dual x{value};
+    x.derivative[lane] = 1;
+    return x;
+  }
+  /// f(x) by the chain rule, f and f' at x given.
+  [[nodiscard]] constexpr Dual chain(double f, double slope) const {
+    Dual y{f};
+    for (std::size_t i = 0; i < kLanes; ++i) y.derivative[i] = slope * derivative[i];
+    return y;
+  }
+
+  constexpr Dual& operator+=(const Dual& other) {
+    value += other.value;
+    for (std::size_t i = 0; i < kLanes; ++i) derivative[i] += other.derivative[i];
+    return *this;
+  }
+  constexpr Dual& operator-=(const Dual& other) {
+    value -= other.value;
+    for (std::size_t i = 0; i < kLanes; ++i) derivative[i] -= other.derivative[i];
+    return *this;
+  }
+  constexpr Dual& operator*=(const Dual& other) {
+    for (std::size_t i = 0; i < kLanes; ++i)
+      derivative[i] = derivative[i] * other.value + value * other.derivative[i];
+    value *= other.value;
+    return *this;
+  }
+  constexpr Dual& operator/=(const Dual& other) {
+    value /= other.value;
+    for (std::size_t i = 0; i < kLanes; ++i)
+      derivative[i] = (derivative[i] - value * other.derivative[i]) / other.value;
+    return *this;
+  }
+  friend constexpr Dual operator+(Dual a, const Dual& b) { return a += b; }
+  friend constexpr Dual operator-(Dual a, const Dual& b) { return a -= b; }
+  friend constexpr Dual operator*(Dual a, const Dual& b) { return a *= b; }
+  friend constexpr Dual operator/(Dual a, const Dual& b) { return a /= b; }
+  friend constexpr Dual operator-(const Dual& a) { return a.chain(-a.value, -1); }
+  friend constexpr bool operator==(const Dual& a, const Dual& b) { return a.value == b.value; }
+  friend constexpr auto operator<=>(const Dual& a, const Dual& b) { return a.value <=> b.value; }
+};
+
+/// The plain number in a Dual, or the number itself: for decisions and tables.
+[[nodiscard]] constexpr double value_of(double x) { return x; }
+[[nodiscard]] constexpr double value_of(const Dual& x) { return x.value; }
+
+[[nodiscard]] inline Dual exp(const Dual& x) {
+  const double f = std::exp(x.value);
+  return x.chain(f, f);
+}
+[[nodiscard]] inline Dual log(const Dual& x) { return x.chain(std::log(x.value), 1 / x.value); }
+[[nodiscard]] inline Dual log1p(const Dual& x) {
+  return x.chain(std::log1p(x.value), 1 / (1 + x.value));
+}
+/// At 0 the slope is infinite; it is taken as 0, which is right for a length whose parts are 0.
+[[nodiscard]] inline Dual sqrt(const Dual& x) {
+  const double f = std::sqrt(x.value);
+  return x.chain(f, f > 0 ? 0.5 / f : 0);
+}
+[[nodiscard]] inline Dual cbrt(const Dual& x) {
+  const double f = std::cbrt(x.value);
+  return x.chain(f, f != 0 ? 1 / (3 * f * f) : 0);
+}
+[[nodiscard]] inline Dual tanh(const Dual& x) {
+  const double f = std::tanh(x.value);
+  return x.chain(f, 1 - f * f);
+}
+[[nodiscard]] inline Dual sin(const Dual& x) {
+  return x.chain(std::sin(x.value), std::cos(x.value));
+}
+[[nodiscard]] inline Dual cos(const Dual& x) {
+  return x.chain(std::cos(x.value), -std::sin(x.value));
+}
+[[nodiscard]] inline Dual acos(const Dual& x) {
+  return x.chain(std::acos(x.value), -1 / std::sqrt(1 - x.value * x.value));
+}
+[[nodiscard]] inline Dual abs(const Dual& x) { return x.value < 0 ? -x : x; }
+/// x^p for x ≥ 0; at x = 0 the derivatives are taken as 0.
+[[nodiscard]] inline Dual pow(const Dual& x, const Dual& p) {
+  const double f = std::pow(x.value, p.value);
+  if (!(x.value > 0)) return Dual{f};
+  Dual y = x.chain(f, p.value * f / x.value);
+  for (std::size_t i = 0; i < Dual::kLanes; ++i)
+    y.derivative[i] += f * std::log(x.value) * p.derivative[i];
+  return y;
+}
+
+}  // namespace rths::sim

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include <rths/core/realtime.hpp>
+#include <rths/sim/dual.hpp>
+
+namespace rths::sim {
+
+inline constexpr int kHorizontalAxes = 2;  ///< long, lat
+
+template <class Real>
+using Horizontal = std::array<Real, kHorizontalAxes>;  ///< long, lat
+
+/// What a term reads and changes in one time step. `Real` is double, or Dual where derivatives with
+/// respect to parameters are wanted.
+///
+/// A composition hands one of these through its terms, in the order of the catalogue: what moves
+/// first (the actuator), then what reaches the specimen, the specimen, the machine around it, and
+/// last the sensors that look at all of it. Each term finds what those before it have made.
+template <class Real>
+struct Quantities {
+  double time = 0;                                              ///< any origin [s]
+  Horizontal<Real> displacement{}, velocity{}, acceleration{};  ///< [m], [m/s], [m/s²]
+  Real vertical_displacement{}, vertical_velocity{};  ///< > 0 lengthens the specimen [m], [m/s]
+  Real axial_load{};   ///< > 0 compresses [N]; given, or computed by a vertical term
+  Real temperature{};  ///< of the surroundings above that of reference [°C]
+
+  // What modifiers have made of the specimen.
+  Real strength{1};            ///< factor on characteristic strength or friction [-]
+  Real stiffness{1};           ///< factor on the stiffness after yield [-]
+  Real vertical_stiffness{1};  ///< factor [-]
+  Real buckling_load{};        ///< critical axial load, > 0 [N]; 0: none
+
+  Horizontal<Real> force{};                  ///< resisting the motion, of all terms so far [N]
+  Horizontal<Real> hysteretic_force{};       ///< the part that dissipates: lead plug, slider [N]
+  Horizontal<Real> last_hysteretic_force{};  ///< the same one step before [N]
+};
+
+/// Where a term stands in the composition.
+enum class Stage {
+  Actuator,   ///< command → displacement
+  Motion,     ///< displacement of the platen → displacement of the specimen
+  Vertical,   ///< vertical displacement → axial load
+  Modifier,   ///< factors on the specimen's strength and stiffness
+  Restoring,  ///< the specimen's force
+  Machine,    ///< forces between specimen and load cell
+  Sensor,     ///< what is measured of it
+};
+
+/// What a sensor term acts on.
+enum class Channel { Force, Displacement, Acceleration, AxialLoad };
+
+/// A parameter of a term. In a configuration its key is name_unit: "characteristic_strength_N".
+struct Parameter {
+  std::string_view name;
+  std::string_view unit;  ///< "N/m", "-", or kChannelUnit for that of the channel it acts on
+  double low, high;       ///< bounds
+  double absent;          ///< default: the term has no effect, or its usual shape
+  double typical;         ///< where a fit begins
+};
+inline constexpr std::string_view kChannelUnit = "channel";
+
+/// Properties of a kind that tests hold it to.
+enum Trait : unsigned {
+  kPlain = 0,
+  kDissipative = 1,       ///< from rest, it never gives back more work than it took
+  kFrameIndifferent = 2,  ///< turning the motion turns its force
+  kPerAxis = 4,           ///< the axes know nothing of each other; may act on one of them alone
+  kPerChannel = 8,        ///< a sensor term that acts on one channel
+};
+
+/// Numbers of one term of a composition, where it finds them.
+template <class Real>
+struct TermView {
+  const Real* parameters;   ///< in the order of the kind's table
+  const double* constants;  ///< made by `prepare`
+  Real* state;              ///< zeros when nothing has happened yet
+  double time_step;         ///< [s]
+  unsigned axes;            ///< bit 0: long, bit 1: lat
+  Channel channel;
+
+  [[nodiscard]] bool acts_on(std::size_t axis) const { return (axes >> axis & 1U) != 0; }
+};
+
+/// What is known of a term when a composition is built.
+struct TermSetup {
+  std::span<const double> parameters;
+  std::span<const Parameter> table;  ///< of the kind: bounds tell how large a delay line must be
+  double time_step;                  ///< [s]
+};
+
+/// What a term needs beside its parameters.
+struct TermSize {
+  std::size_t states = 0, constants = 0;
+};
+
+/// One kind of physics: what it is called, its equation, its parameters, and how it steps.
+struct TermKind {
+  std::string_view name;   ///< in configurations and verdicts: "lead_heating"
+  std::string_view title;  ///< "lead-core heating"
+  std::string_view equation;
+  std::string_view source;
+  Stage stage;
+  unsigned traits;
+  std::span<const Parameter> parameters;
+  TermSize (*size)(const TermSetup&);
+  void (*prepare)(const TermSetup&, std::span<double> constants);  ///< @setup
+  void (*step)(const TermView<double>&, Quantities<double>&) RTHS_REALTIME;
+  void (*step_dual)(const TermView<Dual>&, Quantities<Dual>&) RTHS_REALTIME;
+};
+
+/// Every kind, in the order in which terms act.
+[[nodiscard]] std::span<const TermKind> catalogue();
+
+/// @throws Error naming the nearest known kind   @setup
+[[nodiscard]] const TermKind& term_kind(std::string_view name);
+
+}  // namespace rths::sim

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/sim/composition.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace rths::sim {
+namespace {
+
+constexpr std::string_view kAxisNames[] = {"long", "lat"};
+
+struct ChannelName {
+  Channel channel;
+  std::string_view name, unit;
+};
+constexpr ChannelName kChannels[] = {{Channel::Force, "force", "N"},
+                                     {Channel::Displacement, "displacement", "m"},
+                                     {Channel::Acceleration, "acceleration", "m/s2"},
+                                     {Channel::AxialLoad, "axial_load", "N"}};
+
+unsigned read_axes(const Config& table) {
+  if (!table.has("axes")) return kBothAxes;
+  unsigned axes = 0;
+  for (const auto& axis : table.texts("axes")) {
+    const auto found = std::find(std::begin(kAxisNames), std::end(kAxisNames), axis);
+    if (found == std::end(kAxisNames))
+      table.fail("axes", fmt::format("axis '{}' is not known, expected long or lat", axis));
+    axes |= 1U << static_cast<unsigned>(found - std::begin(kAxisNames));
+  }
+  return axes;
+}
+
+Channel read_channel(const Config& table) {
+  const std::string name = table.text("channel", "force");
+  for (const auto& known : kChannels)
+    if (known.name == name) return known.channel;
+  table.fail("channel", fmt::format("channel is '{}', expected force, displacement, acceleration "
+                                    "or axial_load",
+                                    name));
+}
+
+// The values of a key: none, one for both axes, or one for each.
+std::vector<double> read_values(const Config& table, const std::string& key, const TermKind& kind) {
+  if (!table.has(key)) return {};
+  if (!table.is_array(key)) return {table.number(key)};
+  auto values = table.numbers(key);
+  if ((kind.traits & kPerAxis) == 0)
+    table.fail(key,
+               fmt::format("{} is an array, but '{}' acts on both axes at once", key, kind.name));
+  if (values.size() != kHorizontalAxes)
+    table.fail(key, fmt::format("{} has {} numbers, expected [long, lat]", key, values.size()));
+  return values;
+}
+
+void check_bounds(const Config& table, const std::string& key, const Parameter& parameter,
+                  double value) {
+  if (!(value >= parameter.low && value <= parameter.high))
+    table.fail(
+        key, fmt::format("{} is {}, expected {} to {}", key, value, parameter.low, parameter.high));
+}
+
+// One term, or one per axis if a parameter is an array.
+std::vector<TermSettings> read_term(const std::string& name, const Config& table) {
+  TermSettings settings;
+  settings.kind = table.text("kind", name);
+  settings.name = name;
+  const TermKind& kind =
+      table.placed("kind", [&]() -> const TermKind& { return term_kind(settings.kind); });
+  const bool enabled = table.flag("enabled", true);
+  settings.axes = read_axes(table);
+  settings.channel = read_channel(table);
+  std::vector<TermSettings> axes;
+  for (const auto& parameter : kind.parameters) {
+    const std::string key = parameter_key(parameter, settings.channel);
+    const auto values = read_values(table, key, kind);
+    for (const double value : values) check_bounds(table, key, parameter, value);
+    if (values.size() == kHorizontalAxes && axes.empty()) {
+      axes.assign(kHorizontalAxes, settings);
+      for (std::size_t i = 0; i < axes.size(); ++i) {
+        axes[i].name += fmt::format(".{}", kAxisNames[i]);
+        axes[i].axes = 1U << i;
+      }
+    }
+    if (values.empty()) continue;
+    settings.parameters.emplace_back(parameter.name, values[0]);
+    for (std::size_t i = 0; i < axes.size(); ++i)
+      axes[i].parameters.emplace_back(parameter.name, values[std::min(i, values.size() - 1)]);
+  }
+  table.reject_unknown_keys();
+  if (!enabled) return {};
+  return axes.empty() ? std::vector{settings} : axes;
+}
+
+}  // namespace
+
+std::string parameter_key(const Parameter& parameter, Channel channel) {
+  std::string_view unit = parameter.unit;
+  if (unit == kChannelUnit)
+    for (const auto& known : kChannels)
+      if (known.channel == channel) unit = known.unit;
+  if (unit == "-") return std::string{parameter.name};
+  std::string key = fmt::format("{}_", parameter.name);
+  for (const char c : unit) {
+    if (c == '/')
+      key += "_per_";
+    else
+      key += c == '*' ? '_' : c;
+  }
+  return key;
+}
+
+std::vector<TermSettings> read_terms(const Config& table) {
+  std::vector<TermSettings> terms;
+  for (const auto& key : table.keys()) {
+    if (!table.is_table(key)) continue;
+    const auto read = read_term(key, table.table(key));
+    terms.insert(terms.end(), read.begin(), read.end());
+  }
+  return terms;
+}
+
+}  // namespace rths::sim

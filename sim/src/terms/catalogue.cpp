@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <rths/core/config.hpp>
+#include <rths/core/error.hpp>
+
+#include "kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+// Within a stage, terms act in the order of these groups and of the kinds in each.
+std::vector<TermKind> all_kinds() {
+  std::vector<TermKind> kinds;
+  for (const auto& group : {actuator_kinds(), elastomeric_kinds(), hysteresis_kinds(),
+                            sliding_kinds(), machine_kinds(), sensor_kinds()})
+    kinds.insert(kinds.end(), group.begin(), group.end());
+  std::stable_sort(kinds.begin(), kinds.end(),
+                   [](const auto& a, const auto& b) { return a.stage < b.stage; });
+  return kinds;
+}
+
+}  // namespace
+
+std::span<const TermKind> catalogue() {
+  static const std::vector<TermKind> kinds = all_kinds();
+  return kinds;
+}
+
+const TermKind& term_kind(std::string_view name) {
+  std::vector<std::string> known;
+  for (const auto& kind : catalogue()) {
+    if (kind.name == name) return kind;
+    known.emplace_back(kind.name);
+  }
+  const auto meant = nearest(std::string{name}, known);
+  throw Error{"there is no term '" + std::string{name} + "'" +
+              (meant ? " (did you mean '" + *meant + "'?)" : "")};
+}
+
+}  // namespace rths::sim

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/sim/dual.hpp>
+
+namespace rths::sim {
+
+/// A vector in the horizontal plane, long and lat.
+template <class Real>
+struct Plane {
+  Real x{}, y{};
+
+  friend Plane operator+(const Plane& a, const Plane& b) { return {a.x + b.x, a.y + b.y}; }
+  friend Plane operator-(const Plane& a, const Plane& b) { return {a.x - b.x, a.y - b.y}; }
+  friend Plane operator*(const Plane& a, const Real& b) { return {a.x * b, a.y * b}; }
+};
+
+template <class Real>
+Real dot(const Plane<Real>& a, const Plane<Real>& b) {
+  return a.x * b.x + a.y * b.y;
+}
+
+template <class Real>
+Real length(const Plane<Real>& a) {
+  using std::sqrt;
+  return sqrt(dot(a, a));
+}
+
+}  // namespace rths::sim

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/sim/composition.hpp>
+
+#include <gtest/gtest.h>
+
+#include "support/files.hpp"
+
+namespace rths::sim {
+namespace {
+
+using rths::test::error_of;
+
+std::vector<TermSettings> read(const std::string& text) {
+  return read_terms(Config::parse(text, "b.toml"));
+}
+
+TEST(Composition, OrdersTermsAsTheyActWhateverTheFileSays) {
+  const Composition composition{{{"coulomb_friction", "", {}}, {"bouc_wen", "", {}}}, 1e-3};
+
+  EXPECT_EQ(composition.terms()[0].name, "bouc_wen");
+  EXPECT_EQ(composition.terms()[1].name, "coulomb_friction");
+}
+
+TEST(Composition, ComesBackToWhereItWasWhenItsStateIsCopied) {
+  const Composition bearing{{{"bouc_wen", "", {{"characteristic_strength", 1e6}}}}, 1e-3};
+  std::vector<double> state(bearing.states());
+  Quantities<double> q;
+  q.displacement = {0.01, 0.002};
+  bearing.advance(state, q);
+  const auto saved = state;
+
+  Quantities<double> first, again;
+  first.displacement = again.displacement = {0.02, -0.01};
+  bearing.advance(state, first);
+  state = saved;
+  bearing.advance(state, again);
+
+  EXPECT_EQ(first.force, again.force);
+}
+
+TEST(Composition, RefusesWhatItDoesNotKnow) {
+  const auto build = [](const TermSettings& term) {
+    return error_of([&] { Composition({term}, 1e-3); });
+  };
+  EXPECT_EQ(build({"bouc_wenn", "", {}}),
+            "there is no term 'bouc_wenn' (did you mean 'bouc_wen'?)");
+  EXPECT_EQ(build({"bouc_wen", "", {{"strength", 1}}}),
+            "term 'bouc_wen' has no parameter 'strength'");
+  EXPECT_EQ(build({"bouc_wen", "", {{"beta", 2}}}), "term 'bouc_wen': beta is 2, expected 0 to 1");
+  EXPECT_EQ(build({"bouc_wen", "", {}, 1}),
+            "term 'bouc_wen' acts on both axes at once; it cannot be limited to one");
+  EXPECT_EQ(error_of([] {
+              Composition({{"bouc_wen", "", {}}, {"bouc_wen", "", {}}}, 1e-3);
+            }),
+            "two terms are called 'bouc_wen'");
+  EXPECT_EQ(error_of([] { Composition({}, 0); }),
+            "time step of a composition is 0, expected a positive number");
+}
+
+TEST(TermReader, ReadsTermsWithUnitsInTheirKeys) {
+  const auto terms = read("[bouc_wen]\ncharacteristic_strength_N = 1e6\nbeta = 0.1\n");
+
+  ASSERT_EQ(terms.size(), 1U);
+  EXPECT_EQ(terms[0].kind, "bouc_wen");
+  ASSERT_EQ(terms[0].parameters.size(), 2U);
+  EXPECT_EQ(terms[0].parameters[0].first, "characteristic_strength");
+  EXPECT_EQ(terms[0].parameters[0].second, 1e6);
+}
+
+TEST(TermReader, MakesATermOfEachAxisFromAnArray) {
+  const auto terms = read("[coulomb_friction]\nfriction_force_N = [5100, 8600]\n");
+
+  ASSERT_EQ(terms.size(), 2U);
+  EXPECT_EQ(terms[0].name, "coulomb_friction.long");
+  EXPECT_EQ(terms[0].axes, 0b01U);
+  EXPECT_EQ(terms[1].axes, 0b10U);
+  EXPECT_EQ(terms[1].parameters[0].second, 8600);
+}
+
+TEST(TermReader, LeavesOutWhatIsNotEnabled) {
+  EXPECT_TRUE(read("[bouc_wen]\nenabled = false\n").empty());
+}
+
+TEST(TermReader, SaysWhereSomethingIsWrong) {
+  EXPECT_EQ(error_of([] { read("[bouc_wen]\nbeta = 1.5\n"); }),
+            "b.toml:2:8: beta is 1.5, expected 0 to 1");
+  EXPECT_EQ(error_of([] { read("[bouc_wen]\nbetta = 0.5\n"); }),
+            "b.toml:2:9: unknown key 'betta' (did you mean 'beta'?)");
+  EXPECT_EQ(error_of([] { read("[x]\nkind = \"bouc_wem\"\n"); }),
+            "b.toml:2:8: there is no term 'bouc_wem' (did you mean 'bouc_wen'?)");
+  EXPECT_EQ(error_of([] { read("[bouc_wen]\nbeta = [0.5, 0.5]\n"); }),
+            "b.toml:2:8: beta is an array, but 'bouc_wen' acts on both axes at once");
+}
+
+}  // namespace
+}  // namespace rths::sim

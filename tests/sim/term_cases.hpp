@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rths/sim/composition.hpp>
+
+namespace rths::sim::test {
+
+/// The motion that terms are tested under: two sums of sines per axis with incommensurate
+/// frequencies, so that directions and amplitudes vary; load and vertical motion vary too.
+struct Motion {
+  double amplitude = 0.15;            ///< of each axis, at most [m]
+  double frequency = 0.4;             ///< of the slowest sine [Hz]
+  double axial_load = 9.7e6;          ///< mean [N]
+  double axial_load_variation = 0.3;  ///< of the mean [-]
+  double vertical_offset = -2e-3;     ///< [m]
+  double vertical_amplitude = 1e-3;   ///< [m]
+  double time_step = 5e-3;            ///< [s]
+  int steps = 800;
+};
+
+/// Inputs at step `i`; everything else zero.
+[[nodiscard]] Quantities<double> motion_at(const Motion& motion, int i);
+
+/// How a kind is tested: the term itself with typical parameters, in company that lets it be seen.
+struct TermCase {
+  std::string kind;
+  TermSettings term;                  ///< parameters not given are typical, not absent
+  std::vector<TermSettings> company;  ///< the terms beside it
+  std::vector<std::string> fixed;     ///< parameters that a fit takes as known, e.g. dimensions
+  Motion motion;
+  double noise = 0.01;  ///< standard deviation over that of each output
+  double start = 0.1;   ///< a fit begins this part away from the truth
+};
+
+/// The case of a kind: what its group's file says, or one made up from its stage.
+[[nodiscard]] TermCase case_of(const TermKind& kind);
+
+/// Cases that differ from what is made up, one list per group of terms.
+[[nodiscard]] std::vector<TermCase> actuator_cases();
+[[nodiscard]] std::vector<TermCase> elastomeric_cases();
+[[nodiscard]] std::vector<TermCase> hysteresis_cases();
+[[nodiscard]] std::vector<TermCase> machine_cases();
+[[nodiscard]] std::vector<TermCase> sensor_cases();
+[[nodiscard]] std::vector<TermCase> sliding_cases();
+
+/// The term of a case and its company.
+[[nodiscard]] Composition composition_of(const TermCase& c);
+
+/// Outputs of a run, step after step: displacement, acceleration, force of both axes, axial load.
+inline constexpr int kOutputs = 7;
+template <class Real>
+[[nodiscard]] std::vector<Real> outputs_of(const Composition& composition,
+                                           std::span<const Real> parameters, const Motion& motion);
+
+}  // namespace rths::sim::test

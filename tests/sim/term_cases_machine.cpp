@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "term_cases.hpp"
+
+namespace rths::sim::test {
+
+std::vector<TermCase> machine_cases() { return {}; }
+
+}  // namespace rths::sim::test

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every term of the catalogue has to keep, whatever its physics.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include <rths/sim/composition.hpp>
+
+#include "sim/term_cases.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::sim {
+namespace {
+
+class EveryTerm : public testing::TestWithParam<TermKind> {};
+
+// Any parameters() is a copy with one entry moved.
+std::vector<double> with(std::span<const double> parameters, std::size_t i, double value) {
+  std::vector<double> changed(parameters.begin(), parameters.end());
+  changed[i] = value;
+  return changed;
+}
+
+const Composition::Term& tested(const Composition& composition) {
+  for (const auto& term : composition.terms())
+    if (term.name == "tested") return term;
+  throw std::logic_error{"no term is tested"};
+}
+
+double norm(std::span<const double> values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return std::sqrt(sum);
+}
+
+TEST_P(EveryTerm, KnowsItsParameters) {
+  for (const auto& parameter : GetParam().parameters) {
+    EXPECT_LE(parameter.low, parameter.absent) << parameter.name;
+    EXPECT_LE(parameter.absent, parameter.high) << parameter.name;
+    EXPECT_LE(parameter.low, parameter.typical) << parameter.name;
+    EXPECT_LE(parameter.typical, parameter.high) << parameter.name;
+    EXPECT_FALSE(parameter.unit.empty()) << parameter.name;
+  }
+}
+
+TEST_P(EveryTerm, IsWithoutEffectByDefault) {
+  auto c = test::case_of(GetParam());
+  const Composition alone{c.company, c.motion.time_step};
+  c.term.parameters.clear();
+  const Composition both = test::composition_of(c);
+
+  const auto without = test::outputs_of<double>(alone, alone.parameters(), c.motion);
+  const auto with_it = test::outputs_of<double>(both, both.parameters(), c.motion);
+
+  for (std::size_t i = 0; i < without.size(); ++i)
+    ASSERT_NEAR(with_it[i], without[i], 1e-12 * std::abs(without[i])) << "output " << i;
+}
+
+// Dual numbers against central differences, in the root mean square over all steps: at single
+// steps, a kink that the difference straddles may differ.
+TEST_P(EveryTerm, DifferentiatesItself) {
+  const auto c = test::case_of(GetParam());
+  const Composition composition = test::composition_of(c);
+  const auto p = composition.parameters();
+  const auto& term = tested(composition);
+  for (std::size_t k = 0; k < term.kind->parameters.size(); ++k) {
+    const std::string name{term.kind->parameters[k].name};
+    if (std::find(c.fixed.begin(), c.fixed.end(), name) != c.fixed.end()) continue;
+    const std::size_t i = term.first_parameter + k;
+    std::vector<Dual> duals(p.begin(), p.end());
+    duals[i] = Dual::variable(p[i], 1);
+    const auto exact = test::outputs_of<Dual>(composition, duals, c.motion);
+    const double h = 1e-6 * std::max(std::abs(p[i]), 1e-3 * term.kind->parameters[k].typical);
+    const auto up = test::outputs_of<double>(composition, with(p, i, p[i] + h), c.motion);
+    const auto down = test::outputs_of<double>(composition, with(p, i, p[i] - h), c.motion);
+    for (std::size_t output = 0; output < test::kOutputs; ++output) {
+      std::vector<double> slope, error;
+      for (std::size_t n = output; n < exact.size(); n += test::kOutputs) {
+        slope.push_back((up[n] - down[n]) / (2 * h));
+        error.push_back(slope.back() - exact[n].derivative[1]);
+      }
+      double scale = 0;
+      for (std::size_t n = output; n < up.size(); n += test::kOutputs)
+        scale = std::max(scale, std::abs(up[n]));
+      // Round-off of the difference: 1e-16 of the output over h.
+      const double round_off = 1e-14 * scale / h * std::sqrt(static_cast<double>(slope.size()));
+      EXPECT_LE(norm(error), 0.02 * norm(slope) + round_off) << name << ", output " << output;
+    }
+  }
+}
+
+// A random walk with smooth velocity, in and out of everything that a term can do.
+TEST_P(EveryTerm, IsPassiveIfItDissipates) {
+  if ((GetParam().traits & kDissipative) == 0) return;
+  auto c = test::case_of(GetParam());
+  c.company.clear();
+  const double dt = 1e-3;
+  c.motion.time_step = dt;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Composition composition = test::composition_of(c);
+    std::vector<double> state(composition.states());
+    std::mt19937 random{seed};
+    std::normal_distribution<double> normal;
+    Quantities<double> q;
+    Horizontal<double> u{}, v{}, f{};
+    double work = 0, largest = 0;
+    for (int i = 0; i < 20'000; ++i) {
+      q = Quantities<double>{};
+      q.time = i * dt;
+      q.axial_load = c.motion.axial_load;
+      q.vertical_displacement = c.motion.vertical_offset;
+      for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+        // Velocity with a memory of 0.2 s, drawn back to the middle with a period of 3 s.
+        v[axis] += dt * (-v[axis] / 0.2 - 4.4 * u[axis] +
+                         30 * c.motion.amplitude * normal(random) / std::sqrt(dt) * 0.15);
+        u[axis] += dt * v[axis];
+      }
+      q.displacement = u;
+      q.velocity = v;
+      composition.advance(state, q);
+      double force = 0;
+      for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+        work += 0.5 * (f[axis] + q.force[axis]) * v[axis] * dt;
+        force += q.force[axis] * q.force[axis];
+        f[axis] = q.force[axis];
+      }
+      largest = std::max(largest, std::sqrt(force));
+      // The trapezoid's error on a force that turns within a step: a hundredth of a millimetre's
+      // worth of the largest force for each metre of way would be seen.
+      ASSERT_GE(work, -1e-4 * largest * c.motion.amplitude) << "seed " << seed << ", step " << i;
+    }
+    EXPECT_GT(work, 0) << "seed " << seed;
+  }
+}
+
+TEST_P(EveryTerm, KnowsNoDirectionIfItIsFrameIndifferent) {
+  if ((GetParam().traits & kFrameIndifferent) == 0) return;
+  const auto c = test::case_of(GetParam());
+  const Composition composition = test::composition_of(c);
+  const double angle = 0.7, cosine = std::cos(angle), sine = std::sin(angle);
+  const auto turned = [&](const Horizontal<double>& x) {
+    return Horizontal<double>{cosine * x[0] - sine * x[1], sine * x[0] + cosine * x[1]};
+  };
+  std::vector<double> state(composition.states()), turned_state(composition.states());
+  double largest = 0;
+  for (int i = 0; i < c.motion.steps; ++i) {
+    Quantities<double> q = test::motion_at(c.motion, i);
+    Quantities<double> r = q;
+    r.displacement = turned(q.displacement);
+    r.velocity = turned(q.velocity);
+    r.acceleration = turned(q.acceleration);
+    composition.advance(state, q);
+    composition.advance(turned_state, r);
+    const auto expected = turned(q.force);
+    largest = std::max({largest, std::abs(expected[0]), std::abs(expected[1])});
+    ASSERT_NEAR(r.force[0], expected[0], 1e-7 * largest) << "step " << i;
+    ASSERT_NEAR(r.force[1], expected[1], 1e-7 * largest) << "step " << i;
+    ASSERT_NEAR(r.axial_load, q.axial_load, 1e-7 * std::abs(q.axial_load)) << "step " << i;
+  }
+}
+
+TEST_P(EveryTerm, StepsInRealTime) {
+  const auto c = test::case_of(GetParam());
+  const Composition composition = test::composition_of(c);
+  std::vector<double> state(composition.states());
+  const auto run = [&] {
+    for (int i = 0; i < 100; ++i) {
+      Quantities<double> q = test::motion_at(c.motion, 7 * i);
+      composition.advance(state, q);
+    }
+  };
+  EXPECT_REALTIME(run());
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryTerm,
+                         testing::ValuesIn(catalogue().begin(), catalogue().end()),
+                         [](const auto& instance) { return std::string{instance.param.name}; });
+
+}  // namespace
+}  // namespace rths::sim
