@@ -56,18 +56,6 @@ void force_observer_step(benchmark::State& state) {
 }
 BENCHMARK(force_observer_step);
 
-void lead_rubber_advance(benchmark::State& state) {
-  const sim::LeadRubber bearing;
-  sim::LeadRubberState bearing_state;
-  double t = 0;
-  for (auto _ : state) {
-    t += 1e-4;
-    benchmark::DoNotOptimize(
-        advance(bearing, bearing_state, {0.1 * std::sin(3 * t), 0.1 * std::cos(2 * t) - 0.1}));
-  }
-}
-BENCHMARK(lead_rubber_advance);
-
 void test_machine_step_1ms(benchmark::State& state) {
   sim::TestMachineRun machine{sim::srmd_machine(), 0.001};
   sim::MachineFeedback feedback;

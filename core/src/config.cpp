@@ -120,13 +120,13 @@ const ConfigValue& Config::require(const std::string& key) const {
 bool Config::has(const std::string& key) const { return find(key) != nullptr; }
 
 bool Config::is_table(const std::string& key) const {
-  const ConfigValue* found = find(key);
-  return found != nullptr && std::holds_alternative<ConfigValue::Table>(found->value);
+  const auto found = table_.find(key);
+  return found != table_.end() && std::holds_alternative<ConfigValue::Table>(found->second.value);
 }
 
 bool Config::is_array(const std::string& key) const {
-  const ConfigValue* found = find(key);
-  return found != nullptr && std::holds_alternative<ConfigValue::Array>(found->value);
+  const auto found = table_.find(key);
+  return found != table_.end() && std::holds_alternative<ConfigValue::Array>(found->second.value);
 }
 
 std::vector<std::string> Config::keys() const {

@@ -33,7 +33,7 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodeP
   settings.axes = e.axes;
   settings.plant = e.plant;
   settings.motion = e.motion;
-  settings.bearing_initial_stiffness = e.specimen.initial_stiffness;
+  settings.bearing_initial_stiffness = sim::initial_stiffness(e.specimen);
   settings.integration_step = e.integration_step;
   settings.alpha = e.alpha;
   settings.duration = e.duration;

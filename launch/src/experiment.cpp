@@ -15,6 +15,7 @@ namespace rths::launch {
 namespace {
 
 constexpr double kMillisecond = 1e-3;
+constexpr const char* kUsualSpecimen = "lprb";
 constexpr double kShortestTest = 1;  // [s]: less tells nothing about delays
 
 // When a node's step falls within a millisecond: the machine samples, then the controller answers,
@@ -99,6 +100,17 @@ void read_steps(const Config& file, Experiment& experiment) {
   experiment.seed = static_cast<std::uint64_t>(file.integer_in("seed", 0, 1LL << 53, 1));
 }
 
+// A bearing by name, with the changes that the experiment makes to it.
+sim::Bearing read_specimen(const Config& table, Experiment& experiment) {
+  const auto path = find_file(table, "model", "bearings", kUsualSpecimen);
+  const Config bearing = Config::load(path).overlaid(table);
+  static_cast<void>(bearing.text("model", ""));
+  auto specimen = sim::read_bearing(bearing, sim::weight_per_bearing(experiment.plant));
+  bearing.reject_unknown_keys();
+  experiment.config.emplace_back(path.filename().string(), file_content(path));
+  return specimen;
+}
+
 void read_solver(const Config& table, Experiment& experiment) {
   experiment.alpha = table.number_in("alpha", -1.0 / 3, 0, experiment.alpha);
   experiment.wait_deadline =
@@ -147,6 +159,7 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
               fmt::format("format is {}, this program reads {}", format, kExperimentFormat));
   Experiment experiment;
   experiment.file = path;
+  experiment.config = {{path.filename().string(), file_content(path)}};
   experiment.name = file.text("name");
   experiment.map = find_file(file, "map", "maps");
   read_axes(file, experiment);
@@ -155,7 +168,7 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   experiment.motion_name = motion.text("name", motion.text("file", ""));
   experiment.motion = adapters::read_motion(motion);
   experiment.plant = adapters::read_plant(file.table_or_empty("plant"));
-  experiment.specimen = adapters::read_specimen(file.table_or_empty("specimen"));
+  experiment.specimen = read_specimen(file.table_or_empty("specimen"), experiment);
   experiment.machine = adapters::read_machine(file.table_or_empty("machine"));
   read_solver(file.table_or_empty("solver"), experiment);
   read_stop(file.table_or_empty("stop"), experiment);
@@ -163,7 +176,6 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);
-  experiment.config = {{path.filename().string(), file_content(path)}};
   for (const auto& plan : experiment.nodes)
     if (!plan.diagram.empty())
       experiment.config.emplace_back(plan.diagram.filename().string(), file_content(plan.diagram));

@@ -46,8 +46,8 @@ std::filesystem::path find_map(const std::string& name_or_path) {
 }
 
 std::filesystem::path find_file(const Config& table, const std::string& key,
-                                const std::string& folder) {
-  const std::string name = table.text(key);
+                                const std::string& folder, const std::string& otherwise) {
+  const std::string name = otherwise.empty() ? table.text(key) : table.text(key, otherwise);
   auto file = is_bare_name(name) ? installed(name, folder) : table.resolve(name);
   if (!std::filesystem::exists(file))
     table.fail(key, fmt::format("{} is '{}', expected a file or one of: {}", key, name,

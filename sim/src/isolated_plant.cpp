@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -16,6 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kDirections = 2;
+constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
 constexpr double kElevationTolerance = 0.01;  // [m]
 
 // Shear stick on a fixed base with unit storey stiffness.
@@ -91,6 +93,13 @@ int floor_at(const Stick& stick, double elevation, int first) {
 }
 
 }  // namespace
+
+double weight_per_bearing(const IsolatedPlant& plant) {
+  double mass = plant.basemat_mass;
+  for (const auto& stick : plant.sticks)
+    mass += std::accumulate(stick.masses.begin(), stick.masses.end(), 0.0);
+  return mass * kStandardGravity / plant.bearings;
+}
 
 PlantMatrices assemble(const IsolatedPlant& plant) {
   check(plant);

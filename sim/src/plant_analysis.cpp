@@ -56,9 +56,9 @@ Eigen::Vector2d PlantAnalysis::floor_acceleration(std::size_t i) const {
 }
 
 ResponseHistory numerical_response(const PlantMatrices& plant, const GroundMotion& motion,
-                                   const LeadRubber& bearing, double time_step, double duration) {
-  PlantAnalysis analysis{plant, motion, bearing.initial_stiffness, time_step, kReferenceAlpha};
-  LeadRubberState state;
+                                   const Bearing& bearing, double time_step, double duration) {
+  PlantAnalysis analysis{plant, motion, initial_stiffness(bearing), time_step, kReferenceAlpha};
+  BearingRun run{bearing, time_step};
   ResponseHistory history;
   history.time_step = time_step;
   for (const auto& name : plant.floor_names) history.floors.push_back({name, {}, {}});
@@ -66,7 +66,9 @@ ResponseHistory numerical_response(const PlantMatrices& plant, const GroundMotio
   for (long step = 0; step < steps; ++step) {
     const Eigen::Vector2d displacement = analysis.predict();
     const Eigen::Vector2d force =
-        plant.bearings > 0 ? advance(bearing, state, displacement) : Eigen::Vector2d::Zero();
+        plant.bearings > 0
+            ? run.advance(displacement, analysis.predicted_velocity(), bearing.axial_load)
+            : Eigen::Vector2d::Zero();
     analysis.correct(force);
     history.displacement_long.push_back(displacement[0]);
     history.displacement_lat.push_back(displacement[1]);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include <rths/core/error.hpp>
 
@@ -34,20 +35,36 @@ void check(const ServoAxis& axis) {
   require_positive(axis.valve_frequency, "valve frequency");
   require_positive(axis.position_gain, "position gain");
   require_positive(axis.effective_mass, "effective mass");
-  require_positive(axis.friction_velocity, "friction velocity");
   if (!(axis.transport_delay >= 0 && axis.transport_delay <= kLongestDelay))
     throw Error{"test machine: transport delay is " + std::to_string(axis.transport_delay) +
                 " s, expected 0 to 1 s"};
 }
 
+int parts_of(double period) {
+  require_positive(period, "period");
+  return std::max(1, static_cast<int>(std::ceil(period / kLongestPart - 1e-9)));
+}
+
+// The paper's Table 2, first set-up: F_s and F_d; the way before sliding is ours.
+constexpr const char* kSrmdTerms = R"(
+[coulomb_friction]
+friction_force_N = [5100, 8600]
+presliding_m = 1e-5
+[viscous_friction]
+damping_N_s_per_m = [716, 870]
+)";
+
 }  // namespace
 
 TestMachineRun::TestMachineRun(const TestMachine& machine, double period)
     : machine_{machine},
-      parts_{std::max(1, static_cast<int>(std::ceil(period / kLongestPart - 1e-9)))},
+      parts_{parts_of(period)},
       part_{period / parts_},
+      actuator_{terms_between(machine, Stage::Actuator, Stage::Actuator, period)},
+      platen_{terms_between(machine, Stage::Motion, Stage::Machine, part_)},
+      sensors_{terms_between(machine, Stage::Sensor, Stage::Sensor, period)},
+      specimen_{machine.specimen, part_},
       random_{machine.seed} {
-  require_positive(period, "period");
   for (int i = 0; i < kHorizontalAxes; ++i) {
     check(machine_.axes[i]);
     const auto delay = std::lround(machine_.axes[i].transport_delay / part_);
@@ -57,9 +74,8 @@ TestMachineRun::TestMachineRun(const TestMachine& machine, double period)
 
 double TestMachineRun::platen_acceleration(int axis, const AxisState& s) const noexcept {
   const ServoAxis& p = machine_.axes[axis];
-  const double friction =
-      p.coulomb_friction * std::tanh(s.v / p.friction_velocity) + p.viscous_friction * s.v;
-  return (p.piston_area * s.pressure - friction - specimen_force_[axis]) / p.effective_mass;
+  return (p.piston_area * s.pressure - machine_force_[axis] - specimen_force_[axis]) /
+         p.effective_mass;
 }
 
 TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s,
@@ -112,7 +128,8 @@ double TestMachineRun::draw(double standard_deviation) noexcept {
   return standard_deviation * normal_(random_);
 }
 
-Status TestMachineRun::step(const Eigen::Vector2d& reference, MachineFeedback& feedback) noexcept {
+Status TestMachineRun::step(const Eigen::Vector2d& reference, double axial_load,
+                            MachineFeedback& feedback) noexcept {
   Status status = Status::Ok;
   Eigen::Vector2d clamped = reference;
   for (int i = 0; i < kHorizontalAxes; ++i) {
@@ -121,30 +138,82 @@ Status TestMachineRun::step(const Eigen::Vector2d& reference, MachineFeedback& f
     if (!(std::abs(reference[i]) <= stroke)) status = Status::LimitExceeded;
     if (std::isnan(reference[i])) clamped[i] = axes_[i].state.x;
   }
-  for (int part = 0; part < parts_; ++part) {
-    for (int i = 0; i < kHorizontalAxes; ++i) integrate_part(i, clamped[i]);
-    // The specimen follows the platen one part behind: 0.1 ms against its 0.1 s.
-    if (machine_.has_specimen)
-      specimen_force_ = advance(machine_.specimen, specimen_, true_displacement());
+  const Eigen::Vector2d moved = through_actuator_terms(clamped);
+  for (int part = 0; part < parts_; ++part) integrate_part(moved, axial_load);
+  for (int i = 0; i < kHorizontalAxes; ++i)
+    if (at_limit(i)) status = Status::LimitExceeded;
+  measure(axial_load, feedback);
+  return status;
+}
+
+TestMachineRun::Terms TestMachineRun::terms_between(const TestMachine& machine, Stage first,
+                                                    Stage last, double time_step) {
+  std::vector<TermSettings> wanted;
+  for (const auto& term : machine.terms)
+    if (const Stage stage = term_kind(term.kind).stage; stage >= first && stage <= last)
+      wanted.push_back(term);
+  Composition composition{wanted, time_step};
+  std::vector<double> state(composition.states());
+  return {std::move(composition), std::move(state)};
+}
+
+Eigen::Vector2d TestMachineRun::through_actuator_terms(const Eigen::Vector2d& reference) noexcept {
+  Quantities<double> q;
+  q.time = time_;
+  q.displacement = {reference[0], reference[1]};
+  actuator_.run(q);
+  return {q.displacement[0], q.displacement[1]};
+}
+
+Quantities<double> TestMachineRun::motion() const noexcept {
+  Quantities<double> q;
+  q.time = time_;
+  for (int i = 0; i < kHorizontalAxes; ++i) {
+    q.displacement[i] = axes_[i].state.x;
+    q.velocity[i] = axes_[i].state.v;
+    q.acceleration[i] = platen_acceleration(i, axes_[i].state);
   }
+  return q;
+}
+
+// Specimen and friction follow the platen one part behind: 0.1 ms against its 0.1 s.
+void TestMachineRun::integrate_part(const Eigen::Vector2d& reference, double axial_load) noexcept {
+  for (int i = 0; i < kHorizontalAxes; ++i) integrate_part(i, reference[i]);
+  time_ += part_;
+  Quantities<double> q = motion();
+  q.axial_load = axial_load;
+  platen_.run(q);
+  machine_force_ = {q.force[0], q.force[1]};
+  if (machine_.has_specimen)
+    specimen_force_ =
+        specimen_.advance(true_displacement(), {axes_[0].state.v, axes_[1].state.v}, axial_load);
+}
+
+void TestMachineRun::measure(double axial_load, MachineFeedback& feedback) noexcept {
+  Quantities<double> q = motion();
+  q.axial_load = axial_load;
   for (int i = 0; i < kHorizontalAxes; ++i) {
     const ServoAxis& axis = machine_.axes[i];
-    if (at_limit(i)) status = Status::LimitExceeded;
-    feedback.displacement[i] = axes_[i].state.x + draw(machine_.noise.displacement);
-    feedback.acceleration[i] =
-        platen_acceleration(i, axes_[i].state) + draw(machine_.noise.acceleration);
-    feedback.force[i] =
-        axis.piston_area * axes_[i].state.pressure + axis.force_offset + draw(machine_.noise.force);
+    q.force[i] = axis.piston_area * axes_[i].state.pressure + axis.force_offset;
   }
-  return status;
+  sensors_.run(q);
+  for (int i = 0; i < kHorizontalAxes; ++i) {
+    feedback.displacement[i] = q.displacement[i] + draw(machine_.noise.displacement);
+    feedback.acceleration[i] = q.acceleration[i] + draw(machine_.noise.acceleration);
+    feedback.force[i] = q.force[i] + draw(machine_.noise.force);
+  }
+  feedback.axial_load = q.axial_load;
 }
 
 Eigen::Vector2d TestMachineRun::true_displacement() const {
   return {axes_[0].state.x, axes_[1].state.x};
 }
 
+Config srmd_terms() { return Config::parse(kSrmdTerms, "srmd"); }
+
 TestMachine srmd_machine() {
   TestMachine machine;
+  machine.terms = read_terms(srmd_terms());
   ServoAxis& longitudinal = machine.axes[0];
   longitudinal.limits = {1.22, 1.778, 8.9e6};
   ServoAxis& lateral = machine.axes[1];
@@ -154,8 +223,6 @@ TestMachine srmd_machine() {
   lateral.rated_flow = 0.25;
   lateral.leakage = 1e-10;
   lateral.effective_mass = 116'836;
-  lateral.coulomb_friction = 8'600;
-  lateral.viscous_friction = 870;
   lateral.force_offset = -1'500;
   return machine;
 }

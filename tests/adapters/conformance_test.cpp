@@ -10,10 +10,10 @@
 #include <rths/adapters/recorder.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
-#include <rths/sim/lead_rubber.hpp>
 
 #include "support/bench.hpp"
 #include "support/files.hpp"
+#include "support/lead_rubber.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::adapters {
@@ -23,7 +23,7 @@ std::unique_ptr<Adapter> make_sample_numerical() {
   NumericalSettings settings;
   settings.plant = sim::example_plant();
   settings.motion = {0.01, std::vector<double>(500, 1.0), std::vector<double>(500, 0.5)};
-  settings.bearing_initial_stiffness = sim::LeadRubber{}.initial_stiffness;
+  settings.bearing_initial_stiffness = rths::test::kInitialStiffness;
   return make_numerical(settings);
 }
 

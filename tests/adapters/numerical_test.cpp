@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <rths/adapters/numerical.hpp>
-#include <rths/sim/lead_rubber.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 #include "support/bench.hpp"
 #include "support/files.hpp"
+#include "support/lead_rubber.hpp"
 
 namespace rths::adapters {
 namespace {
@@ -27,7 +27,7 @@ NumericalSettings settings() {
   NumericalSettings s;
   s.plant = sim::example_plant();
   s.motion = pulse();
-  s.bearing_initial_stiffness = sim::LeadRubber{}.initial_stiffness;
+  s.bearing_initial_stiffness = rths::test::kInitialStiffness;
   s.duration = 0.5;
   return s;
 }
@@ -55,7 +55,7 @@ class Partner {
       Eigen::Vector2d u = Eigen::Vector2d::Zero();
       for (const auto& axis : axes_)
         u[axis == "long" ? 0 : 1] = bench.out("opf." + axis + ".displ.target");
-      const Eigen::Vector2d force = advance(bearing_, state_, u);
+      const Eigen::Vector2d force = rths::test::moved(bearing_, u);
       for (const auto& axis : axes_)
         bench.in("daq." + axis + ".force.fbk") = force[axis == "long" ? 0 : 1];
       bench.in("daq.atTarget") = 1;
@@ -70,8 +70,7 @@ class Partner {
 
  private:
   std::vector<std::string> axes_;
-  sim::LeadRubber bearing_;
-  sim::LeadRubberState state_;
+  sim::BearingRun bearing_{rths::test::plain_lead_rubber(), 0.01};
   double previous_ = 0;
   int countdown_ = 0;
 };
@@ -93,15 +92,14 @@ TEST(Numerical, GetsTheSameResultAsTheAnalysisAlone) {
   const auto solver = make_numerical(settings());
   Partner partner{*solver, {"long", "lat"}};
   sim::PlantAnalysis alone{sim::assemble(sim::example_plant()), pulse(),
-                           sim::LeadRubber{}.initial_stiffness, 0.01, -0.05};
-  sim::LeadRubber bearing;
-  sim::LeadRubberState state;
+                           rths::test::kInitialStiffness, 0.01, -0.05};
+  sim::BearingRun bearing{rths::test::plain_lead_rubber(), 0.01};
   for (int step = 0; step < 40; ++step) {
     while (partner.targets <= step) ASSERT_EQ(partner.tick(), Status::Ok);
     const Eigen::Vector2d u = alone.predict();
     EXPECT_EQ(partner.bench.out("opf.long.displ.target"), u[0]);
     EXPECT_EQ(partner.bench.out("opf.lat.displ.target"), u[1]);
-    alone.correct(advance(bearing, state, u));
+    alone.correct(rths::test::moved(bearing, u));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "support/bench.hpp"
 #include "support/files.hpp"
+#include "support/lead_rubber.hpp"
 
 namespace rths::adapters {
 namespace {
@@ -15,6 +16,7 @@ SrmdSettings settings() {
   SrmdSettings s;
   s.machine = sim::srmd_machine();
   s.machine.noise = {0, 0, 0};
+  s.machine.specimen = rths::test::plain_lead_rubber();
   return s;
 }
 
@@ -113,16 +115,15 @@ TEST(MachineConfig, SaysWhatIsWrong) {
             "m.toml:1:12: unknown key 'dead_bnd' (did you mean 'dead_band'?)");
 }
 
-TEST(SpecimenConfig, SaysWhatIsWrong) {
-  EXPECT_EQ(test::error_of([] {
-              static_cast<void>(read_specimen(Config::parse("model = \"LRB\"", "m.toml")));
-            }),
-            "m.toml:1:9: model is 'LRB', expected LPRB");
-  EXPECT_EQ(test::error_of([] {
-              static_cast<void>(
-                  read_specimen(Config::parse("initial_stiffness_N_per_m = 1000", "m.toml")));
-            }),
-            "m.toml:1:29: the initial stiffness must be larger than that after yield");
+TEST(MachineConfig, LaysTermsOverThoseOfTheSrmd) {
+  const auto machine = read_machine(Config::parse(
+      "[coulomb_friction]\nfriction_force_N = [6000, 7000]\n[viscous_friction]\nenabled = false",
+      "m.toml"));
+
+  ASSERT_EQ(machine.terms.size(), 2U);
+  EXPECT_EQ(machine.terms[0].name, "coulomb_friction.long");
+  EXPECT_EQ(machine.terms[0].parameters[0].second, 6000);
+  EXPECT_EQ(machine.terms[1].parameters[0].second, 7000);
 }
 
 }  // namespace

@@ -5,11 +5,12 @@
 
 #include <rths/broker/ring.hpp>
 #include <rths/controller/predictor_corrector.hpp>
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/memmap/codec.hpp>
 #include <rths/report/report.hpp>
-#include <rths/sim/lead_rubber.hpp>
+#include <rths/sim/bearing.hpp>
 
 // Puts a bearing's force on a ring, with nothing but installed headers and libraries.
 int main(int argc, char** argv) {
@@ -18,8 +19,10 @@ int main(int argc, char** argv) {
     const auto map = rths::memmap::load_map(argv[1]);
     auto ring = rths::broker::Ring::in_process(map);
     auto machine = ring.join("srmd", map.hash());
-    rths::sim::LeadRubberState state;
-    const auto force = advance(rths::sim::LeadRubber{}, state, {0.1, 0.0});
+    const auto lead_rubber = rths::Config::parse(
+        "[bouc_wen]\ncharacteristic_strength_N = 1e6\npost_yield_stiffness_N_per_m = 4e6\n", "lrb");
+    rths::sim::BearingRun bearing{rths::sim::read_bearing(lead_rubber, 9.7e6), 0.001};
+    const auto force = bearing.advance({0.1, 0.0}, {0.0, 0.0}, 9.7e6);
     const auto& entry = map.entry(map.signal("srmd.long.force.fbk"));
     const rths::memmap::Codec codec{*entry.signal};
     std::vector<std::uint32_t> words(entry.partition->longwords);

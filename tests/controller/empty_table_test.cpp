@@ -35,7 +35,7 @@ Measured empty_table_run(sim::TestMachine machine, int axis, std::uint64_t seed)
     for (int k = 0; k < 4; ++k)
       reference[axis] +=
           kAmplitude[k] * std::sin(2 * std::numbers::pi * kFrequency[k] * t) * std::min(1.0, t);
-    EXPECT_EQ(run.step(reference, feedback), Status::Ok);
+    EXPECT_EQ(run.step(reference, 0, feedback), Status::Ok);
     measured.displacement.push_back(feedback.displacement[axis]);
     measured.acceleration.push_back(feedback.acceleration[axis]);
     measured.force.push_back(feedback.force[axis]);
@@ -55,8 +55,12 @@ sim::TestMachine machine_of(const Case& c) {
   sim::TestMachine machine = sim::srmd_machine();
   auto& axis = machine.axes[static_cast<std::size_t>(c.axis)];
   axis.effective_mass = c.truth.effective_mass;
-  axis.coulomb_friction = c.truth.coulomb_friction;
-  axis.viscous_friction = c.truth.viscous_friction;
+  const unsigned this_axis = 1U << static_cast<unsigned>(c.axis);
+  machine.terms = {{"coulomb_friction",
+                    "",
+                    {{"friction_force", c.truth.coulomb_friction}, {"presliding", 1e-5}},
+                    this_axis},
+                   {"viscous_friction", "", {{"damping", c.truth.viscous_friction}}, this_axis}};
   axis.force_offset = c.truth.offset;
   return machine;
 }

@@ -73,7 +73,25 @@ TEST_F(ExperimentTest, IsReadWithItsDefaults) {
   EXPECT_EQ(e.machine.seed, 7U);
   EXPECT_NEAR(e.motion.long_acceleration[1], 0.3 * 2 * 9.80665, 1e-12);
   EXPECT_NEAR(e.motion.lat_acceleration[1], -0.1 * 2 * 9.80665, 1e-12);
-  EXPECT_EQ(e.config.size(), 2U);
+  EXPECT_EQ(e.config.size(), 3U);  // with the bearing and the diagram
+  EXPECT_NEAR(e.specimen.axial_load, 480e6 * 9.80665 / 486, 1);
+}
+
+TEST_F(ExperimentTest, ChangesABearingTermByTerm) {
+  const Experiment plain = load_experiment(write());
+  const Experiment changed =
+      load_experiment(write(), {{"specimen.bouc_wen.characteristic_strength_N", "5e5"},
+                                {"specimen.coulomb_friction.friction_force_N", "1e4"}});
+
+  EXPECT_EQ(changed.specimen.terms.size(), plain.specimen.terms.size() + 1);
+  EXPECT_EQ(test::error_of([&] {
+              static_cast<void>(load_experiment(write(), {{"specimen.model", "\"lprc\""}}));
+            }).find("model is 'lprc', expected a file or one of:") == std::string::npos,
+            false);
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(load_experiment(write(), {{"specimen.modl", "\"lprb\""}}));
+            }).find("unknown key 'modl' (did you mean 'model'?)"),
+            std::string::npos);
 }
 
 TEST_F(ExperimentTest, StartsListenersBeforeSpeakers) {

@@ -7,10 +7,10 @@
 #include <Eigen/Dense>
 
 #include <rths/sim/isolated_plant.hpp>
-#include <rths/sim/lead_rubber.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 #include "support/files.hpp"
+#include "support/lead_rubber.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::sim {
@@ -66,10 +66,9 @@ TEST(IsolatedPlant, HasItsDampingRatioInEveryFixedBaseMode) {
 
 TEST(IsolatedPlant, HasTheIsolationFrequenciesItWasMadeFor) {
   const PlantMatrices plant = assemble(example_plant());
-  const LeadRubber bearing;
 
-  EXPECT_NEAR(frequencies(with_bearings(plant, bearing.initial_stiffness), plant.M)[0], 2.8, 0.05);
-  EXPECT_NEAR(1 / frequencies(with_bearings(plant, bearing.post_yield_stiffness), plant.M)[0], 3.0,
+  EXPECT_NEAR(frequencies(with_bearings(plant, test::kInitialStiffness), plant.M)[0], 2.8, 0.05);
+  EXPECT_NEAR(1 / frequencies(with_bearings(plant, test::kPostYieldStiffness), plant.M)[0], 3.0,
               0.1);
 }
 
@@ -151,8 +150,8 @@ TEST(PlantAnalysis, StepsInRealTime) {
 // The numerical result at 10 ms against that at 1 ms: what the hybrid test's own step costs.
 TEST(NumericalResponse, HardlyDependsOnTheStep) {
   const PlantMatrices plant = assemble(example_plant());
-  const auto coarse = numerical_response(plant, sine_motion(), LeadRubber{}, 0.01, 10);
-  const auto fine = numerical_response(plant, sine_motion(), LeadRubber{}, 0.001, 10);
+  const auto coarse = numerical_response(plant, sine_motion(), test::plain_lead_rubber(), 0.01, 10);
+  const auto fine = numerical_response(plant, sine_motion(), test::plain_lead_rubber(), 0.001, 10);
 
   const auto peak = [](const std::vector<double>& values) {
     double largest = 0;

@@ -46,7 +46,9 @@ enum Out : std::size_t {
 class Srmd final : public Adapter {
  public:
   explicit Srmd(const SrmdSettings& settings)
-      : settings_{settings}, machine_{settings.machine, settings.period} {
+      : settings_{settings},
+        machine_{settings.machine, settings.period},
+        compression_{settings.machine.specimen.axial_load} {
     for (const auto& axis : settings.axes)
       if (std::find(std::begin(kAxes), std::end(kAxes), axis) == std::end(kAxes))
         throw Error{"srmd: axis '" + axis + "' is not driven, expected long or lat"};
@@ -70,7 +72,7 @@ class Srmd final : public Adapter {
   sim::MachineFeedback feedback_;
   Eigen::Vector2d held_ = Eigen::Vector2d::Zero();
   double stopped_at_ = -1;
-  double compression_ = 0;
+  double compression_;  // loaded before the test begins
 };
 
 std::vector<Port> Srmd::ports() const {
@@ -119,10 +121,10 @@ Eigen::Vector2d Srmd::reference(const Step& step) noexcept {
 
 Status Srmd::step(Step& step) noexcept {
   const Eigen::Vector2d now = reference(step);
-  const Status status = machine_.step(now, feedback_);
   const double wanted = step.inputs[kRefCompression];
   compression_ += (wanted - compression_) * settings_.period /
                   (settings_.period + settings_.compression_time_constant);
+  const Status status = machine_.step(now, compression_, feedback_);
   step.outputs[kEchoLong] = now[0];
   step.outputs[kEchoLat] = now[1];
   write_feedback(step);
@@ -137,13 +139,14 @@ void Srmd::write_feedback(const Step& step) const noexcept {
   out[kDisplLong] = feedback_.displacement[0];
   out[kDisplLat] = feedback_.displacement[1];
   out[kDisplVert] = step.inputs[kRefVert];
-  out[kCompression] = compression_;
+  out[kCompression] = feedback_.axial_load;
   out[kAccelLong] = feedback_.acceleration[0];
   out[kAccelLat] = feedback_.acceleration[1];
   out[kForceLong] = feedback_.force[0];
   out[kForceLat] = feedback_.force[1];
-  out[kForceVert] = compression_;
-  for (std::size_t i = 0; i < kOutriggers; ++i) out[kOutrigger + i] = compression_ / kOutriggers;
+  out[kForceVert] = feedback_.axial_load;
+  for (std::size_t i = 0; i < kOutriggers; ++i)
+    out[kOutrigger + i] = feedback_.axial_load / kOutriggers;
   out[kLiftPressure] = settings_.lift_pressure;
   for (std::size_t i = 0; i < kUserInputs; ++i) out[kUserEcho + i] = step.inputs[kUserInput + i];
   for (int i = 0; i < sim::kHorizontalAxes; ++i) {

@@ -17,24 +17,8 @@ void read_pair(const Config& table, const std::string& key, double sim::ServoAxi
 
 }  // namespace
 
-sim::LeadRubber read_specimen(const Config& table) {
-  sim::LeadRubber bearing;
-  const std::string model = table.text("model", "LPRB");
-  if (model != "LPRB") table.fail("model", "model is '" + model + "', expected LPRB");
-  bearing.characteristic_strength =
-      table.number_in("characteristic_strength_N", 1, 1e9, bearing.characteristic_strength);
-  bearing.post_yield_stiffness =
-      table.number_in("post_yield_stiffness_N_per_m", 1, 1e12, bearing.post_yield_stiffness);
-  bearing.initial_stiffness =
-      table.number_in("initial_stiffness_N_per_m", 1, 1e12, bearing.initial_stiffness);
-  if (bearing.initial_stiffness <= bearing.post_yield_stiffness)
-    table.fail("initial_stiffness_N_per_m",
-               "the initial stiffness must be larger than that after yield");
-  table.reject_unknown_keys();
-  return bearing;
-}
-
-sim::TestMachine read_machine(const Config& table) {
+sim::TestMachine read_machine(const Config& changes) {
+  const Config table = sim::srmd_terms().overlaid(changes);
   sim::TestMachine machine = sim::srmd_machine();
   auto& axes = machine.axes;
   read_pair(table, "position_gain_per_s", &sim::ServoAxis::position_gain, axes);
@@ -44,14 +28,13 @@ sim::TestMachine read_machine(const Config& table) {
   read_pair(table, "bulk_modulus_Pa", &sim::ServoAxis::bulk_modulus, axes);
   read_pair(table, "transport_delay_s", &sim::ServoAxis::transport_delay, axes);
   read_pair(table, "effective_mass_kg", &sim::ServoAxis::effective_mass, axes);
-  read_pair(table, "coulomb_friction_N", &sim::ServoAxis::coulomb_friction, axes);
-  read_pair(table, "viscous_friction_N_s_per_m", &sim::ServoAxis::viscous_friction, axes);
   read_pair(table, "force_offset_N", &sim::ServoAxis::force_offset, axes);
   auto& noise = machine.noise;
   noise.displacement = table.number_in("displacement_noise_m", 0, 1, noise.displacement);
   noise.force = table.number_in("force_noise_N", 0, 1e9, noise.force);
   noise.acceleration = table.number_in("acceleration_noise_m_per_s2", 0, 1e3, noise.acceleration);
   machine.has_specimen = !table.flag("empty_table", false);
+  machine.terms = sim::read_terms(table);
   table.reject_unknown_keys();
   return machine;
 }

@@ -34,7 +34,22 @@ struct CoulombFriction {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<CoulombFriction>()};
+struct ViscousFriction {
+  static constexpr std::string_view kName = "viscous_friction";
+  static constexpr std::string_view kTitle = "viscous friction";
+  static constexpr std::string_view kEquation = "F = c v";
+  static constexpr std::string_view kSource = "";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  static constexpr Parameter kParameters[] = {{"damping", "N*s/m", 0, 1e7, 0, 1e4}};
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+      if (term.acts_on(axis)) q.force[axis] += term.parameters[0] * q.velocity[axis];
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<CoulombFriction>(), kind_of<ViscousFriction>()};
 
 }  // namespace
 

@@ -36,6 +36,7 @@ class Config {
   [[nodiscard]] static Config parse(std::string_view text, const std::string& name);
 
   [[nodiscard]] bool has(const std::string& key) const;
+  /// What a key holds; to look is not to ask for it.
   [[nodiscard]] bool is_table(const std::string& key) const;
   [[nodiscard]] bool is_array(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> keys() const;

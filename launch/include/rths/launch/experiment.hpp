@@ -49,7 +49,7 @@ struct Experiment {
   std::string motion_name;
   sim::GroundMotion motion;
   sim::IsolatedPlant plant;
-  sim::LeadRubber specimen;
+  sim::Bearing specimen;
   sim::TestMachine machine;
   double alpha = -0.05;      ///< of α-OS
   double wait_deadline = 1;  ///< [s]

@@ -16,8 +16,10 @@ namespace rths::launch {
 [[nodiscard]] std::filesystem::path find_map(const std::string& name_or_path);
 
 /// File that a config key names: a path relative to the config, or a bare name of an installed file
-/// in `folder` ("maps", "diagrams"). @throws Error with the key's place if there is neither @setup
+/// in `folder` ("maps", "diagrams", "bearings"); `otherwise` if the key is absent and it is given.
+/// @throws Error with the key's place if there is neither   @setup
 [[nodiscard]] std::filesystem::path find_file(const Config& table, const std::string& key,
-                                              const std::string& folder);
+                                              const std::string& folder,
+                                              const std::string& otherwise = "");
 
 }  // namespace rths::launch

@@ -29,6 +29,9 @@ struct IsolatedPlant {
   double spectrum_elevation = 47.5;  ///< where floor spectra are taken [m]
 };
 
+/// What one bearing carries when nothing moves [N].
+[[nodiscard]] double weight_per_bearing(const IsolatedPlant& plant);
+
 /// The equations of motion of a plant, in coordinates relative to the ground:
 ///     M a + C v + K u + L F(u_b) = −M ι a_g
 ///

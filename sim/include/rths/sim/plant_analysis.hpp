@@ -9,9 +9,9 @@
 
 #include <rths/core/realtime.hpp>
 #include <rths/sim/alpha_os.hpp>
+#include <rths/sim/bearing.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
-#include <rths/sim/lead_rubber.hpp>
 
 namespace rths::sim {
 
@@ -63,10 +63,10 @@ struct ResponseHistory {
 };
 
 /// The whole analysis with a bearing model in place of a specimen: the purely numerical result.
+/// @param bearing  carries its mean load throughout
 /// @param duration  [s]   @setup
 [[nodiscard]] ResponseHistory numerical_response(const PlantMatrices& plant,
-                                                 const GroundMotion& motion,
-                                                 const LeadRubber& bearing, double time_step,
-                                                 double duration);
+                                                 const GroundMotion& motion, const Bearing& bearing,
+                                                 double time_step, double duration);
 
 }  // namespace rths::sim

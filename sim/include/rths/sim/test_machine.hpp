@@ -10,8 +10,8 @@
 
 #include <rths/core/realtime.hpp>
 #include <rths/core/status.hpp>
-#include <rths/sim/lead_rubber.hpp>
-#include <rths/sim/term.hpp>
+#include <rths/sim/bearing.hpp>
+#include <rths/sim/composition.hpp>
 
 namespace rths::sim {
 
@@ -28,11 +28,12 @@ struct AxisLimits {
 ///     spool        ẍ_v = ω_v² (w − x_v) − 2 ζ_v ω_v ẋ_v                   |x_v| ≤ 1
 ///     port flow    Q = Q_r y √(1 − sgn(y) P_L/P_s),  y = x_v outside the dead band, else 0
 ///     oil column   Ṗ_L = (4 B/V) (Q − A ẋ − C_l P_L)
-///     platen       m_e ẍ = A P_L − F_s tanh(ẋ/v_s) − F_d ẋ − F_specimen
+///     platen       m_e ẍ = A P_L − F_machine − F_specimen
 ///     table force  A P_L + offset + noise:  what the load cells of the actuators see
 ///
-/// Standard equations of servo-hydraulics (Merritt 1967); the table force contains the platen's
-/// inertia and friction, which is why a hybrid test has to correct it.
+/// Standard equations of servo-hydraulics (Merritt 1967). F_machine is what the machine's terms
+/// give, friction above all; the table force contains it and the platen's inertia, which is why a
+/// hybrid test has to correct it.
 struct ServoAxis {
   AxisLimits limits;
   double piston_area = 0.43;        ///< A [m²]
@@ -48,9 +49,6 @@ struct ServoAxis {
   double pressure_gain = 0.1;       ///< K_p [-]
   double transport_delay = 0.002;   ///< τ [s]
   double effective_mass = 113'371;  ///< m_e of platen and moving parts [kg]
-  double coulomb_friction = 5'100;  ///< F_s [N]
-  double viscous_friction = 716;    ///< F_d [N·s/m]
-  double friction_velocity = 5e-4;  ///< v_s [m/s]
   double force_offset = 2'000;      ///< of the table force [N]
 };
 
@@ -64,9 +62,12 @@ struct SensorNoise {
 /// A bearing test machine with two horizontal axes and a specimen.
 struct TestMachine {
   std::array<ServoAxis, kHorizontalAxes> axes;
+  /// What the equations above leave out: actuator terms act on the reference, machine terms on the
+  /// platen, sensor terms on what is measured.
+  std::vector<TermSettings> terms;
   SensorNoise noise;
   bool has_specimen = true;  ///< false: an empty table
-  LeadRubber specimen;
+  Bearing specimen;
   std::uint64_t seed = 1;
 };
 
@@ -75,6 +76,7 @@ struct MachineFeedback {
   Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< [m]
   Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  ///< [m/s²]
   Eigen::Vector2d force = Eigen::Vector2d::Zero();         ///< table force [N]
+  double axial_load = 0;                                   ///< compression [N]
 };
 
 /// The machine in motion. Allocates when built, never in `step`.
@@ -86,9 +88,10 @@ class TestMachineRun {
 
   /// One period with the references held.
   /// @param reference  what the servo receives: long, lat [m]
+  /// @param axial_load  on the specimen, compression [N]
   /// @returns LimitExceeded if the stroke, velocity or force of an axis was at its limit; the
   ///          reference is clamped to the stroke   @realtime
-  [[nodiscard]] Status step(const Eigen::Vector2d& reference,
+  [[nodiscard]] Status step(const Eigen::Vector2d& reference, double axial_load,
                             MachineFeedback& feedback) RTHS_REALTIME;
 
   /// True state, which no sensor shows: displacement [m] and specimen force [N].
@@ -105,6 +108,19 @@ class TestMachineRun {
     std::size_t delay_head = 0;
   };
 
+  /// Terms of one part of the machine, and what they remember.
+  struct Terms {
+    Composition composition;
+    std::vector<double> state;
+    void run(Quantities<double>& q) noexcept { composition.advance(state, q); }
+  };
+
+  [[nodiscard]] static Terms terms_between(const TestMachine& machine, Stage first, Stage last,
+                                           double time_step);
+  [[nodiscard]] Quantities<double> motion() const noexcept;
+  [[nodiscard]] Eigen::Vector2d through_actuator_terms(const Eigen::Vector2d& reference) noexcept;
+  void integrate_part(const Eigen::Vector2d& reference, double axial_load) noexcept;
+  void measure(double axial_load, MachineFeedback& feedback) noexcept;
   void integrate_part(int axis, double reference) noexcept;
   [[nodiscard]] AxisState rates(int axis, const AxisState& s, double reference) const noexcept;
   [[nodiscard]] double platen_acceleration(int axis, const AxisState& s) const noexcept;
@@ -114,12 +130,18 @@ class TestMachineRun {
   TestMachine machine_;
   int parts_;
   double part_;  ///< [s]
+  double time_ = 0;
   std::array<Axis, kHorizontalAxes> axes_;
-  LeadRubberState specimen_;
+  Terms actuator_, platen_, sensors_;
+  BearingRun specimen_;
   Eigen::Vector2d specimen_force_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d machine_force_ = Eigen::Vector2d::Zero();
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
 };
+
+/// Friction of the SRMD's axes, as the configuration of terms that a [machine] table is laid over.
+[[nodiscard]] Config srmd_terms();
 
 /// The SRMD's axes: the limits of Table 1 of the paper; hydraulics of the right scale, not
 /// measured.

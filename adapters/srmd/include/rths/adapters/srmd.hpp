@@ -22,9 +22,8 @@ struct SrmdSettings {
   Retreat retreat;
 };
 
-/// Reads [machine] and [specimen] tables of an experiment.
+/// Reads the [machine] table of an experiment: numbers of the SRMD that it changes, and terms.
 /// @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] sim::LeadRubber read_specimen(const Config& table);
 [[nodiscard]] sim::TestMachine read_machine(const Config& table);
 
 /// @throws Error if a parameter is outside its physical range   @setup
