@@ -70,6 +70,26 @@ struct BenchArguments {
 [[nodiscard]] int bench_ring(const BenchArguments& arguments);
 [[nodiscard]] std::vector<std::string> bench_rows();
 
+struct LoopArguments {
+  std::string bearing;     ///< file, or name of one that comes along
+  double amplitude = 0.2;  ///< [m]
+  double frequency = 0.3;  ///< [Hz]
+  int cycles = 3;          ///< full ones
+  double axial_load = 0;   ///< [N]; 0: a bearing's share of the example plant
+  std::string svg, csv;    ///< files to write; empty: none
+  Changes changes;
+};
+/// Drives a bearing through a loop, tells its numbers and draws it.
+[[nodiscard]] int loop(const LoopArguments& arguments);
+
+struct TermsArguments {
+  std::vector<std::string> names;  ///< empty: all
+  bool markdown = false;
+  std::string draw;  ///< folder to draw them into; empty: text instead
+};
+/// The catalogue of terms.
+[[nodiscard]] int terms(const TermsArguments& arguments);
+
 [[nodiscard]] int map_check(const std::string& file);
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);
 [[nodiscard]] int report(const std::string& folder);

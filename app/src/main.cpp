@@ -33,6 +33,8 @@ struct Arguments {
   WatchArguments watch;
   SendArguments send;
   BenchArguments bench;
+  LoopArguments loop;
+  TermsArguments terms;
   std::string clock = "wall", file, language = "cpp", folder;
   std::vector<std::string> sets;
 };
@@ -139,6 +141,40 @@ void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   ring->callback([&] { chosen = [&a] { return bench_ring(a.bench); }; });
 }
 
+void add_loop(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("loop", "Drive a bearing through a loop, and draw it");
+  command->add_option("bearing", a.loop.bearing, "Name (lprb, eqsb, tpfb), or a file")->required();
+  command->add_option("--amplitude-m", a.loop.amplitude)
+      ->check(CLI::Range(1e-6, 10.0))
+      ->capture_default_str();
+  command->add_option("--frequency-Hz", a.loop.frequency)
+      ->check(CLI::Range(1e-4, 20.0))
+      ->capture_default_str();
+  command->add_option("--cycles", a.loop.cycles, "Full ones, after one that grows")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--axial-load-N", a.loop.axial_load, "[a bearing's share of the plant]")
+      ->check(CLI::Range(0.0, 1e9));
+  command->add_option("--svg", a.loop.svg, "Draw it into this file");
+  command->add_option("--csv", a.loop.csv, "Write the loop along one axis into this file");
+  command->add_option("--set", a.sets, "Change a term: term.key=value, term.enabled=false")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->callback([&] {
+    a.loop.changes = split_changes(a.sets);
+    chosen = [&a] { return loop(a.loop); };
+  });
+}
+
+void add_terms(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "terms", "List what bearings, machines and sensors are composed of, with equations");
+  command->add_option("names", a.terms.names, "Terms to list [all]");
+  command->add_flag("--markdown", a.terms.markdown, "As a page");
+  command->add_option("--draw", a.terms.draw, "Draw the effect of each into this folder instead");
+  command->callback([&] { chosen = [&a] { return terms(a.terms); }; });
+}
+
 void add_map(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("map", "Memory maps");
   command->require_subcommand(1);
@@ -170,7 +206,7 @@ int parse_and_run(int argc, char** argv) {
   Arguments arguments;
   Chosen chosen;
   for (const auto add : {add_run, add_node, add_check, add_dump, add_who, add_watch, add_send,
-                         add_bench, add_map, add_rest})
+                         add_bench, add_loop, add_terms, add_map, add_rest})
     add(app, arguments, chosen);
   try {
     app.parse(argc, argv);

@@ -29,6 +29,16 @@ bool is_bare_name(const std::string& name) {
   return name.find('/') == std::string::npos && name.find('.') == std::string::npos;
 }
 
+std::filesystem::path find_named(const std::string& name_or_path, const char* what,
+                                 const std::string& folder) {
+  if (!is_bare_name(name_or_path)) return name_or_path;
+  auto file = installed(name_or_path, folder);
+  if (std::filesystem::exists(file)) return file;
+  if (std::filesystem::exists(name_or_path)) return name_or_path;
+  throw Error{fmt::format("there is no {} '{}', expected a file or one of: {}", what, name_or_path,
+                          built_in_names(folder))};
+}
+
 }  // namespace
 
 std::filesystem::path shared_files() {
@@ -37,12 +47,11 @@ std::filesystem::path shared_files() {
 }
 
 std::filesystem::path find_map(const std::string& name_or_path) {
-  if (!is_bare_name(name_or_path)) return name_or_path;
-  auto file = installed(name_or_path, "maps");
-  if (std::filesystem::exists(file)) return file;
-  if (std::filesystem::exists(name_or_path)) return name_or_path;
-  throw Error{fmt::format("there is no map '{}', expected a file or one of: {}", name_or_path,
-                          built_in_names("maps"))};
+  return find_named(name_or_path, "map", "maps");
+}
+
+std::filesystem::path find_bearing(const std::string& name_or_path) {
+  return find_named(name_or_path, "bearing", "bearings");
 }
 
 std::filesystem::path find_file(const Config& table, const std::string& key,

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/launch/installed_files.hpp>
+#include <rths/report/drawing.hpp>
+#include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/loop_test.hpp>
+
+#include "commands.hpp"
+#include "write_file.hpp"
+
+namespace rths::app {
+namespace {
+
+using sim::LoopHistory;
+
+std::vector<double> scaled(std::vector<double> values, double factor) {
+  for (double& value : values) value *= factor;
+  return values;
+}
+
+report::Panel loop_panel(const std::string& title, const LoopHistory& history, bool both_axes) {
+  report::Panel panel{title, "displacement [mm]", "force [kN]", {}};
+  panel.curves.push_back({both_axes ? "long" : "", scaled(history.displacement_long, 1e3),
+                          scaled(history.force_long, 1e-3)});
+  if (both_axes)
+    panel.curves.push_back(
+        {"lat", scaled(history.displacement_lat, 1e3), scaled(history.force_lat, 1e-3)});
+  return panel;
+}
+
+std::string table_of(const std::vector<sim::CycleNumbers>& cycles) {
+  std::string table = "cycle   peak kN   strength kN   stiffness kN/m   energy kJ\n";
+  for (std::size_t i = 0; i < cycles.size(); ++i)
+    table += fmt::format("{:5}{:10.0f}{:14.0f}{:17.0f}{:12.1f}\n", i + 1,
+                         cycles[i].peak_force / 1e3, cycles[i].strength / 1e3,
+                         cycles[i].effective_stiffness / 1e3, cycles[i].energy / 1e3);
+  return table;
+}
+
+std::string csv_of(const LoopHistory& h) {
+  std::string csv =
+      "time_s,displacement_long_m,displacement_lat_m,force_long_N,force_lat_N,axial_load_N\n";
+  for (std::size_t i = 0; i < h.time.size(); ++i)
+    csv += fmt::format("{:.6g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", h.time[i],
+                       h.displacement_long[i], h.displacement_lat[i], h.force_long[i],
+                       h.force_lat[i], h.axial_load[i]);
+  return csv;
+}
+
+}  // namespace
+
+int loop(const LoopArguments& arguments) {
+  const auto file = launch::find_bearing(arguments.bearing);
+  Config table = Config::load(file);
+  for (const auto& [key, value] : arguments.changes) table.set(key, value);
+  const double load = arguments.axial_load > 0 ? arguments.axial_load
+                                               : sim::weight_per_bearing(sim::example_plant());
+  const sim::Bearing bearing = sim::read_bearing(table, load);
+  table.reject_unknown_keys();
+
+  sim::LoopTest test;
+  test.amplitude_long = arguments.amplitude;
+  test.frequency = arguments.frequency;
+  test.cycles = arguments.cycles + 1;
+  const LoopHistory line = sim::run_loop_test(bearing, test);
+  sim::LoopTest eight = test;
+  eight.amplitude_lat = 0.5 * arguments.amplitude;
+  const LoopHistory orbit = sim::run_loop_test(bearing, eight);
+
+  fmt::print("{}, {:.2f} MN, {:g} mm at {:g} Hz along one axis\n{}", bearing.title, load / 1e6,
+             test.amplitude_long * 1e3, test.frequency, table_of(sim::cycle_numbers(line, test)));
+  if (!arguments.csv.empty()) write_file(arguments.csv, csv_of(line));
+  if (!arguments.svg.empty())
+    write_file(arguments.svg, report::draw(fmt::format("{}, {:.2f} MN, {:g} Hz (model)",
+                                                       bearing.title, load / 1e6, test.frequency),
+                                           {loop_panel("along one axis", line, false),
+                                            loop_panel("along a figure of eight", orbit, true)}));
+  return kOk;
+}
+
+}  // namespace rths::app

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include <rths/report/drawing.hpp>
+#include <rths/sim/loop_test.hpp>
+
+#include "commands.hpp"
+#include "write_file.hpp"
+
+namespace rths::app {
+namespace {
+
+using sim::LoopHistory;
+using sim::TermKind;
+using Values = std::vector<double> LoopHistory::*;
+
+constexpr const char* kStages[] = {"actuator",  "motion",  "vertical", "modifier",
+                                   "restoring", "machine", "sensor"};
+
+// What a picture may show: an output over the quantity that it belongs to.
+struct View {
+  Values x, y;
+  double x_scale, y_scale;
+  const char *x_label, *y_label;
+};
+constexpr View kViews[] = {
+    {&LoopHistory::displacement_long, &LoopHistory::force_long, 1e3, 1e-3, "displacement [mm]",
+     "force [kN]"},
+    {&LoopHistory::vertical_displacement, &LoopHistory::axial_load, 1e3, 1e-3,
+     "vertical displacement [mm]", "axial load [kN]"},
+    {&LoopHistory::command_long, &LoopHistory::displacement_long, 1e3, 1e3, "command [mm]",
+     "displacement [mm]"},
+    {&LoopHistory::time, &LoopHistory::acceleration_long, 1, 1, "time [s]", "acceleration [m/s²]"}};
+
+double change(const std::vector<double>& without, const std::vector<double>& with) {
+  double difference = 0, size = 1e-300;
+  for (std::size_t i = 0; i < without.size(); ++i) {
+    difference += std::pow(with[i] - without[i], 2);
+    size += std::pow(without[i], 2) + std::pow(with[i], 2);
+  }
+  return difference / size;
+}
+
+// The view in which the term changes most. What moves first changes all that follows, so a view of
+// the motion is taken wherever the motion changes.
+const View& best_view(const sim::Demonstration& shown) {
+  const View* best = &kViews[0];
+  double most = 0;
+  for (const auto& view : kViews) {
+    const double now = change(shown.without.*view.y, shown.with.*view.y);
+    if (now > most) best = &view, most = now;
+  }
+  return *best;
+}
+
+std::vector<double> scaled(std::vector<double> values, double factor) {
+  for (double& value : values) value *= factor;
+  return values;
+}
+
+// What the term does, and by itself what it adds, which beside the rest may be too small to see.
+std::string picture_of(const TermKind& kind) {
+  const sim::Demonstration shown = sim::demonstrate(kind);
+  const View& view = best_view(shown);
+  const auto x = scaled(shown.with.*view.x, view.x_scale);
+  const auto without = scaled(shown.without.*view.y, view.y_scale);
+  const auto with = scaled(shown.with.*view.y, view.y_scale);
+  std::vector<double> difference(with.size());
+  std::transform(with.begin(), with.end(), without.begin(), difference.begin(), std::minus{});
+  report::Panel both{std::string{kind.name}, view.x_label, view.y_label, {}};
+  both.curves.push_back({"without", scaled(shown.without.*view.x, view.x_scale), without, true});
+  both.curves.push_back({"with", x, with});
+  const report::Panel alone{"difference", view.x_label, view.y_label, {{"", x, difference}}};
+  return report::draw(fmt::format("{} (model)", kind.title), {both, alone});
+}
+
+std::string parameter_rows(const TermKind& kind, const char* row) {
+  std::string rows;
+  for (const auto& p : kind.parameters)
+    rows += fmt::format(fmt::runtime(row), sim::parameter_key(p, sim::Channel::Force), p.low,
+                        p.high, p.absent, p.typical);
+  return rows;
+}
+
+std::string text_of(const TermKind& kind) {
+  return fmt::format("{} ({}): {}\n    {}\n    source: {}\n{}", kind.name,
+                     kStages[static_cast<int>(kind.stage)], kind.title, kind.equation, kind.source,
+                     parameter_rows(kind, "    {:<36} {:g} to {:g}, default {:g}, typical {:g}\n"));
+}
+
+std::string markdown_of(const TermKind& kind) {
+  return fmt::format(
+      "### {0}\n\n{1}. Stage: {2}. Source: {3}.\n\n    {4}\n\n"
+      "| key | from | to | default | typical |\n|---|---|---|---|---|\n{5}\n"
+      "![{1}](images/terms/{0}.svg)\n\n",
+      kind.name, kind.title, kStages[static_cast<int>(kind.stage)], kind.source, kind.equation,
+      parameter_rows(kind, "| `{}` | {:g} | {:g} | {:g} | {:g} |\n"));
+}
+
+}  // namespace
+
+int terms(const TermsArguments& arguments) {
+  std::vector<TermKind> kinds;
+  for (const auto& name : arguments.names) kinds.push_back(sim::term_kind(name));
+  if (kinds.empty()) kinds.assign(sim::catalogue().begin(), sim::catalogue().end());
+  if (!arguments.draw.empty()) {
+    std::filesystem::create_directories(arguments.draw);
+    for (const auto& kind : kinds)
+      write_file(std::filesystem::path{arguments.draw} / fmt::format("{}.svg", kind.name),
+                 picture_of(kind));
+    return kOk;
+  }
+  for (const auto& kind : kinds)
+    fmt::print("{}", arguments.markdown ? markdown_of(kind) : text_of(kind));
+  return kOk;
+}
+
+}  // namespace rths::app

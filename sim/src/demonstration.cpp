@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include <rths/sim/loop_test.hpp>
+
+namespace rths::sim {
+namespace {
+
+TermSettings typical(const TermKind& kind) {
+  TermSettings settings;
+  settings.kind = kind.name;
+  for (const auto& parameter : kind.parameters)
+    settings.parameters.emplace_back(parameter.name, parameter.typical);
+  return settings;
+}
+
+// What stands beside the term, so that there is something that it can change.
+std::vector<TermSettings> company_of(const TermKind& kind) {
+  std::vector<TermSettings> company;
+  if (kind.stage == Stage::Vertical && kind.name != "elastomeric_axial")
+    company.push_back(typical(term_kind("elastomeric_axial")));
+  if (kind.stage != Stage::Restoring) company.push_back(typical(term_kind("bouc_wen")));
+  return company;
+}
+
+}  // namespace
+
+Demonstration demonstrate(const TermKind& kind) {
+  LoopTest test;
+  test.amplitude_lat = 0.08;
+  test.cycles = 3;
+  test.axial_load_variation = 0.4;
+  test.vertical_offset = -2e-3;
+  test.vertical_amplitude = 4e-3;
+  test.time_step = 2e-3;
+  Bearing bearing{std::string{kind.title}, company_of(kind), 9.7e6};
+  Demonstration demonstration;
+  demonstration.without = run_loop_test(bearing, test);
+  bearing.terms.push_back(typical(kind));
+  demonstration.with = run_loop_test(bearing, test);
+  return demonstration;
+}
+
+}  // namespace rths::sim

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Bearings and terms from the command line.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace rths {
+namespace {
+
+using test::run_rths;
+
+TEST(LoopCommand, TellsTheNumbersOfEachCycle) {
+  const auto run = run_rths({"loop", "lprb", "--cycles", "2"});
+
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 4) << run.out;
+}
+
+TEST(LoopCommand, DrawsAndWritesWhatItDid) {
+  const test::TemporaryFolder folder;
+  const auto svg = (folder.path() / "loop.svg").string();
+  const auto csv = (folder.path() / "loop.csv").string();
+
+  const auto run = run_rths({"loop", "lprb", "--svg", svg, "--csv", csv});
+
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(test::content_of(svg).rfind("<svg", 0), 0U);
+  EXPECT_EQ(test::content_of(csv).rfind("time_s,displacement_long_m", 0), 0U);
+}
+
+TEST(LoopCommand, ChangesATermForOneRun) {
+  const auto whole = run_rths({"loop", "lprb"});
+  const auto without =
+      run_rths({"loop", "lprb", "--set", "bouc_wen.characteristic_strength_N=1e5"});
+
+  EXPECT_EQ(without.exit_code, 0) << without.err;
+  EXPECT_NE(whole.out, without.out);
+}
+
+TEST(LoopCommand, SaysWhereABearingIsWrong) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("b.toml", "[bouc_wen]\nstrength_N = 1\n");
+
+  const auto run = run_rths({"loop", file.string()});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err, "rths: " + file.string() + ":2:14: unknown key 'strength_N'\n");
+  EXPECT_NE(run_rths({"loop", "lprx"}).err.find("there is no bearing 'lprx', expected a file or"),
+            std::string::npos);
+}
+
+TEST(TermsCommand, ListsEveryTermWithItsEquation) {
+  const auto run = run_rths({"terms"});
+
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.out.find("bouc_wen (restoring)"), std::string::npos);
+  EXPECT_NE(run_rths({"terms", "bouc_wem"}).err.find("did you mean 'bouc_wen'?"),
+            std::string::npos);
+}
+
+// The page in docs is what the command writes.
+TEST(TermsCommand, WritesThePageOfTerms) {
+  const auto page = run_rths({"terms", "--markdown"}).out;
+  const auto committed = test::content_of(test::source_tree() / "docs/terms.md");
+
+  EXPECT_NE(committed.find(page), std::string::npos) << "./lab pictures writes it again";
+}
+
+TEST(TermsCommand, DrawsEveryTerm) {
+  const test::TemporaryFolder folder;
+
+  const auto run = run_rths({"terms", "--draw", folder.path().string()});
+
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  for (const auto& entry : std::filesystem::directory_iterator{folder.path()}) {
+    const auto name = entry.path().filename();
+    EXPECT_TRUE(std::filesystem::exists(test::source_tree() / "docs/images/terms" / name))
+        << name << " is not in docs; ./lab pictures draws it";
+  }
+}
+
+}  // namespace
+}  // namespace rths
