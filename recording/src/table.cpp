@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/recording/table.hpp>
+
+#include <fmt/format.h>
+
+#include <rths/core/config.hpp>
+#include <rths/core/error.hpp>
+#include <rths/recording/recording.hpp>
+
+#include "table_formats.hpp"
+
+namespace rths::recording {
+
+Table Table::load(const std::filesystem::path& file) {
+  Table table;
+  table.file_ = file.string();
+  if (is_hdf5(file))
+    table.columns_ = read_hdf5_columns(file);
+  else if (is_mat(file))
+    table.columns_ = read_mat_columns(file);
+  else
+    table.columns_ = read_text_columns(file);
+  if (table.columns_.empty())
+    throw Error{fmt::format("{}: holds no columns of numbers", file.string())};
+  return table;
+}
+
+const std::vector<double>& Table::column(const std::string& name) const {
+  if (name.size() > 1 && name[0] == '#') {
+    const auto place = std::strtoul(name.c_str() + 1, nullptr, 10);
+    if (place >= 1 && place <= columns_.size()) return columns_[place - 1].values;
+    throw Error{
+        fmt::format("{}: there is no column {}, expected #1 to #{}", file_, name, columns_.size())};
+  }
+  std::vector<std::string> known;
+  for (const auto& column : columns_) {
+    if (column.name == name) return column.values;
+    known.push_back(column.name);
+  }
+  const auto meant = nearest(name, known);
+  throw Error{fmt::format("{}: there is no column '{}'{}", file_, name,
+                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+}
+
+}  // namespace rths::recording

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include <matio.h>
+
+#include <rths/core/error.hpp>
+
+#include "table_formats.hpp"
+
+namespace rths::recording {
+namespace {
+
+constexpr int kDeepest = 4;  // structures in structures
+
+struct CloseFile {
+  void operator()(mat_t* file) const { Mat_Close(file); }
+};
+struct FreeVariable {
+  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
+};
+
+template <class T>
+void append(const matvar_t& variable, std::vector<double>& values) {
+  const std::size_t count = variable.nbytes / sizeof(T);
+  const auto* data = static_cast<const T*>(variable.data);
+  for (std::size_t i = 0; i < count; ++i) values.push_back(static_cast<double>(data[i]));
+}
+
+std::vector<double> numbers_of(const matvar_t& variable) {
+  std::vector<double> values;
+  if (variable.data == nullptr || variable.isComplex != 0) return values;
+  switch (variable.class_type) {
+    case MAT_C_DOUBLE:
+      append<double>(variable, values);
+      break;
+    case MAT_C_SINGLE:
+      append<float>(variable, values);
+      break;
+    case MAT_C_INT8:
+      append<std::int8_t>(variable, values);
+      break;
+    case MAT_C_UINT8:
+      append<std::uint8_t>(variable, values);
+      break;
+    case MAT_C_INT16:
+      append<std::int16_t>(variable, values);
+      break;
+    case MAT_C_UINT16:
+      append<std::uint16_t>(variable, values);
+      break;
+    case MAT_C_INT32:
+      append<std::int32_t>(variable, values);
+      break;
+    case MAT_C_UINT32:
+      append<std::uint32_t>(variable, values);
+      break;
+    case MAT_C_INT64:
+      append<std::int64_t>(variable, values);
+      break;
+    case MAT_C_UINT64:
+      append<std::uint64_t>(variable, values);
+      break;
+    default:
+      break;
+  }
+  return values;
+}
+
+void add_variable(const std::string& name, matvar_t& variable, int depth, Columns& columns) {
+  if (variable.class_type == MAT_C_STRUCT && depth < kDeepest) {
+    const unsigned fields = Mat_VarGetNumberOfFields(&variable);
+    const char* const* names = Mat_VarGetStructFieldnames(&variable);
+    for (unsigned i = 0; i < fields; ++i)
+      if (matvar_t* field = Mat_VarGetStructFieldByIndex(&variable, i, 0))
+        add_variable(name + "." + names[i], *field, depth + 1, columns);
+    return;
+  }
+  const auto values = numbers_of(variable);
+  if (values.empty() || variable.rank != 2) return;
+  // A row is a column lying down.
+  const std::size_t rows = variable.dims[0] == 1 ? variable.dims[1] : variable.dims[0];
+  add_array(columns, name, rows, values);
+}
+
+}  // namespace
+
+bool is_mat(const std::filesystem::path& file) {
+  std::array<char, 20> head{};
+  std::ifstream stream{file, std::ios::binary};
+  stream.read(head.data(), head.size());
+  for (const char* version : {"MATLAB 5.0 MAT-file", "MATLAB 7.3 MAT-file"})
+    if (std::memcmp(head.data(), version, 19) == 0) return true;
+  // Version 4 has no name; its first word is a type below 5000 whose bytes no text begins with.
+  std::uint32_t words[5];
+  std::memcpy(words, head.data(), sizeof words);
+  return stream.gcount() == 20 && words[0] < 5000 && words[3] <= 1 && words[4] > 0 &&
+         words[4] < 64 && words[1] > 0 && words[2] > 0;
+}
+
+Columns read_mat_columns(const std::filesystem::path& file) {
+  const std::unique_ptr<mat_t, CloseFile> opened{Mat_Open(file.c_str(), MAT_ACC_RDONLY)};
+  if (!opened) throw Error{file.string() + ": cannot be read as a MAT file"};
+  Columns columns;
+  while (true) {
+    const std::unique_ptr<matvar_t, FreeVariable> variable{Mat_VarReadNext(opened.get())};
+    if (!variable) return columns;
+    add_variable(variable->name, *variable, 0, columns);
+  }
+}
+
+}  // namespace rths::recording

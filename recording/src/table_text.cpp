@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+#include "table_formats.hpp"
+
+namespace rths::recording {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\r'; }
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (is_blank(text.front()) || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (is_blank(text.back()) || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+std::string_view unquoted(std::string_view text) {
+  const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+  return quoted ? text.substr(1, text.size() - 2) : text;
+}
+
+// The separator of a line: the first of these that occurs in it, else blanks.
+char separator_of(std::string_view line) {
+  for (const char candidate : {';', ',', '\t'})
+    if (line.find(candidate) != std::string_view::npos) return candidate;
+  return ' ';
+}
+
+std::vector<std::string_view> cells(std::string_view line, char separator) {
+  std::vector<std::string_view> result;
+  if (separator != ' ') {
+    while (true) {
+      const auto end = line.find(separator);
+      result.push_back(unquoted(trimmed(line.substr(0, end))));
+      if (end == std::string_view::npos) return result;
+      line.remove_prefix(end + 1);
+    }
+  }
+  while (true) {
+    line = trimmed(line);
+    if (line.empty()) return result;
+    const auto end = std::min(line.find_first_of(" \t"), line.size());
+    result.push_back(unquoted(line.substr(0, end)));
+    line.remove_prefix(end);
+  }
+}
+
+std::optional<double> number(std::string_view cell) {
+  if (!cell.empty() && cell.front() == '+') cell.remove_prefix(1);
+  double value = 0;
+  const auto [stopped, problem] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (problem != std::errc{} || stopped != cell.data() + cell.size()) return std::nullopt;
+  return value;
+}
+
+class TextReader {
+ public:
+  explicit TextReader(const std::filesystem::path& file) : file_{file.string()} {}
+
+  void take(std::string_view line) {
+    ++line_;
+    if (line_ == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
+    const std::string_view content = trimmed(line);
+    if (content.empty() || content.front() == '#' || content.front() == '%') return;
+    if (columns.empty())
+      begin(content);
+    else
+      add_row(cells(content, separator_));
+  }
+
+  Columns columns;
+
+ private:
+  void begin(std::string_view line) {
+    separator_ = separator_of(line);
+    const auto first = cells(line, separator_);
+    const bool is_data =
+        std::all_of(first.begin(), first.end(), [](auto cell) { return number(cell).has_value(); });
+    for (std::size_t i = 0; i < first.size(); ++i)
+      columns.push_back({is_data ? std::to_string(i + 1) : std::string{first[i]}, {}});
+    if (is_data) add_row(first);
+  }
+
+  void add_row(const std::vector<std::string_view>& row) {
+    if (row.size() != columns.size())
+      throw Error{fmt::format("{}:{}: {} columns, expected {} as in the first row", file_, line_,
+                              row.size(), columns.size())};
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const auto value = number(row[i]);
+      if (!value || !std::isfinite(*value))
+        throw Error{fmt::format("{}:{}: '{}' in column '{}' is no finite number", file_, line_,
+                                row[i], columns[i].name)};
+      columns[i].values.push_back(*value);
+    }
+  }
+
+  std::string file_;
+  std::size_t line_ = 0;
+  char separator_ = ',';
+};
+
+}  // namespace
+
+Columns read_text_columns(const std::filesystem::path& file) {
+  std::ifstream stream{file, std::ios::binary};
+  if (!stream) throw Error{file.string() + ": cannot be read"};
+  const std::string text{std::istreambuf_iterator<char>{stream}, {}};
+  TextReader reader{file};
+  std::string_view rest{text};
+  while (!rest.empty()) {
+    const auto end = rest.find('\n');
+    reader.take(rest.substr(0, end));
+    if (end == std::string_view::npos) break;
+    rest.remove_prefix(end + 1);
+  }
+  return std::move(reader.columns);
+}
+
+}  // namespace rths::recording

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/recording/table.hpp>
+
+#include <hdf5.h>
+#include <matio.h>
+
+#include <gtest/gtest.h>
+
+#include <rths/recording/recording.hpp>
+
+#include "support/files.hpp"
+
+namespace rths::recording {
+namespace {
+
+using Values = std::vector<double>;
+
+class TableTest : public ::testing::Test {
+ protected:
+  Table load(const std::string& text) { return Table::load(folder_.write("log.csv", text)); }
+  std::string error(const std::string& text) {
+    const auto message = test::error_of([&] { static_cast<void>(load(text)); });
+    const auto at = message.find("log.csv");
+    return at == std::string::npos ? message : message.substr(at);
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(TableTest, ReadsColumnsHoweverTheyAreSeparated) {
+  for (const char* text : {"t,u\n0,1.5\n0.1,+2e-3\n", "t;u\r\n0;1.5\r\n0.1;2e-3\r\n",
+                           "t\tu\n0\t1.5\n0.1\t2e-3", "  t u\n  0   1.5\n 0.1 2e-3 \n\n",
+                           "# a comment\n\"t\",\"u\"\n% another\n0,1.5\n0.1,0.002\n"}) {
+    const Table table = load(text);
+    EXPECT_EQ(table.column("t"), (Values{0, 0.1})) << text;
+    EXPECT_EQ(table.column("u"), (Values{1.5, 2e-3})) << text;
+  }
+}
+
+TEST_F(TableTest, NumbersColumnsWithoutNames) {
+  const Table table = load("0 1\n2 3\n");
+
+  EXPECT_EQ(table.column("2"), (Values{1, 3}));
+  EXPECT_EQ(table.column("#1"), (Values{0, 2}));
+}
+
+TEST_F(TableTest, SaysInWhichLineSomethingIsWrong) {
+  EXPECT_EQ(error("t,u\n0,1\n0.1\n"), "log.csv:3: 1 columns, expected 2 as in the first row");
+  EXPECT_EQ(error("t,u\n0,one\n"), "log.csv:2: 'one' in column 'u' is no finite number");
+  EXPECT_EQ(error("t,u\n0,nan\n"), "log.csv:2: 'nan' in column 'u' is no finite number");
+  EXPECT_EQ(error("# nothing\n"), "log.csv: holds no columns of numbers");
+}
+
+TEST_F(TableTest, NamesTheNearestColumn) {
+  const Table table = load("time,force_N\n0,1\n");
+
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(table.column("force_kN"));
+            }).find("there is no column 'force_kN' (did you mean 'force_N'?)"),
+            std::string::npos);
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(table.column("#3"));
+            }).find("there is no column #3, expected #1 to #2"),
+            std::string::npos);
+}
+
+TEST_F(TableTest, ReadsMatFilesOfEveryVersion) {
+  for (const auto version : {MAT_FT_MAT4, MAT_FT_MAT5, MAT_FT_MAT73}) {
+    const auto file = folder_.path() / ("log" + std::to_string(version) + ".mat");
+    mat_t* mat = Mat_CreateVer(file.c_str(), nullptr, version);
+    ASSERT_NE(mat, nullptr);
+    double row[] = {1, 2, 3};
+    double matrix[] = {1, 2, 3, 4, 5, 6};
+    std::size_t lying[] = {1, 3}, two[] = {3, 2};
+    matvar_t* t = Mat_VarCreate("t", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, lying, row, 0);
+    matvar_t* u = Mat_VarCreate("u", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, two, matrix, 0);
+    Mat_VarWrite(mat, t, MAT_COMPRESSION_NONE);
+    Mat_VarWrite(mat, u, MAT_COMPRESSION_NONE);
+    Mat_VarFree(t);
+    Mat_VarFree(u);
+    Mat_Close(mat);
+
+    const Table table = Table::load(file);
+
+    EXPECT_EQ(table.column("t"), (Values{1, 2, 3})) << version;
+    EXPECT_EQ(table.column("u(2)"), (Values{4, 5, 6})) << version;
+  }
+}
+
+TEST_F(TableTest, ReadsDatasetsOfAnyHdf5File) {
+  const auto path = folder_.path() / "log.h5";
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t group = H5Gcreate2(file, "run", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t size[] = {3, 2};
+  const hid_t space = H5Screate_simple(2, size, nullptr);
+  const hid_t data =
+      H5Dcreate2(group, "motion", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const float rows[] = {1, 10, 2, 20, 3, 30};
+  H5Dwrite(data, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows);
+  for (const auto close : {H5Dclose(data), H5Sclose(space), H5Gclose(group), H5Fclose(file)})
+    ASSERT_GE(close, 0);
+
+  EXPECT_EQ(Table::load(path).column("run/motion(2)"), (Values{10, 20, 30}));
+}
+
+TEST_F(TableTest, ReadsOurOwnRecordingsByTheNamesOfTheirSignals) {
+  memmap::MapDescription description;
+  description.name = "small";
+  description.size_longwords = 1024;
+  description.nodes = {{"daq", NodeId{1}, ""}};
+  memmap::Signal signal;
+  signal.name = "force";
+  signal.unit = "N";
+  memmap::Partition partition;
+  partition.name = "daq";
+  partition.node = "daq";
+  partition.longwords = 1;
+  partition.signals = {signal};
+  description.partitions = {partition};
+  const memmap::Map map{description};
+  const auto path = folder_.path() / "run.h5";
+  Writer writer{path, map, {SignalId{0}}, {}};
+  for (int i = 0; i < 3; ++i) {
+    const double row[] = {2.0 * i};
+    writer.append(from_seconds(0.5 * i), row);
+  }
+  writer.close();
+
+  const Table table = Table::load(path);
+
+  EXPECT_EQ(table.column("time"), (Values{0, 0.5, 1}));
+  EXPECT_EQ(table.column("daq.force"), (Values{0, 2, 4}));
+}
+
+}  // namespace
+}  // namespace rths::recording
