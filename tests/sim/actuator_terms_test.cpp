@@ -122,7 +122,8 @@ TEST(RateSaturation, FollowsAtItsVelocityAndCatchesUp) {
   for (int i = 1; i <= 100; ++i) {
     const auto q = actuator.to(0.05);
     EXPECT_NEAR(q.displacement[0], 0.5 * kStep * i, 1e-12);
-    EXPECT_NEAR(q.velocity[0], i < 100 ? 0.5 : 0, 0.5 + 1e-12);
+    if (i == 100) break;  // it may be there, or a rounding short of it
+    EXPECT_NEAR(q.velocity[0], 0.5, 1e-12);
   }
   EXPECT_EQ(actuator.to(0.05).displacement[0], 0.05);
   EXPECT_EQ(actuator.to(0.0501).displacement[0], 0.0501);
