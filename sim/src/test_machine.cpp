@@ -51,7 +51,7 @@ constexpr const char* kSrmdTerms = R"(
 friction_force_N = [5100, 8600]
 presliding_m = 1e-5
 [viscous_friction]
-damping_N_s_per_m = [716, 870]
+coefficient_N_s_per_m = [716, 870]
 )";
 
 }  // namespace

@@ -60,7 +60,7 @@ sim::TestMachine machine_of(const Case& c) {
                     "",
                     {{"friction_force", c.truth.coulomb_friction}, {"presliding", 1e-5}},
                     this_axis},
-                   {"viscous_friction", "", {{"damping", c.truth.viscous_friction}}, this_axis}};
+                   {"viscous_friction", "", {{"coefficient", c.truth.viscous_friction}}, this_axis}};
   axis.force_offset = c.truth.offset;
   return machine;
 }

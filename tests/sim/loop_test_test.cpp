@@ -37,7 +37,7 @@ TEST(LoopTest, TellsStrengthStiffnessAndEnergyOfACycle) {
 TEST(LoopTest, BeginsAtRestAndHasTheVelocityOfItsMotion) {
   LoopTest test;
   test.amplitude_lat = 0.1;
-  const Bearing dashpot{"dashpot", {{"viscous_friction", "", {{"damping", 1.0}}}}, 1};
+  const Bearing dashpot{"dashpot", {{"viscous_friction", "", {{"coefficient", 1.0}}}}, 1};
 
   const auto h = run_loop_test(dashpot, test);
 
