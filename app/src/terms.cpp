@@ -33,9 +33,10 @@ constexpr View kViews[] = {
      "force [kN]"},
     {&LoopHistory::vertical_displacement, &LoopHistory::axial_load, 1e3, 1e-3,
      "vertical displacement [mm]", "axial load [kN]"},
-    {&LoopHistory::command_long, &LoopHistory::displacement_long, 1e3, 1e3, "command [mm]",
-     "displacement [mm]"},
     {&LoopHistory::time, &LoopHistory::acceleration_long, 1, 1, "time [s]", "acceleration [m/s²]"}};
+constexpr View kCommandView = {
+    &LoopHistory::command_long, &LoopHistory::displacement_long, 1e3, 1e3, "command [mm]",
+    "displacement [mm]"};
 
 double change(const std::vector<double>& without, const std::vector<double>& with) {
   double difference = 0, size = 1e-300;
@@ -46,16 +47,14 @@ double change(const std::vector<double>& without, const std::vector<double>& wit
   return difference / size;
 }
 
-// The view in which the term changes most. What moves first changes all that follows, so a view of
-// the motion is taken wherever the motion changes.
-const View& best_view(const sim::Demonstration& shown) {
-  const View* best = &kViews[0];
-  double most = 0;
-  for (const auto& view : kViews) {
-    const double now = change(shown.without.*view.y, shown.with.*view.y);
-    if (now > most) best = &view, most = now;
-  }
-  return *best;
+// The view in which the term changes most; of an actuator, what becomes of its command.
+const View& best_view(const TermKind& kind, const sim::Demonstration& shown) {
+  const auto changed = [&](const View& view) {
+    return change(shown.without.*view.y, shown.with.*view.y);
+  };
+  if (kind.stage == sim::Stage::Actuator) return kCommandView;
+  return *std::max_element(std::begin(kViews), std::end(kViews),
+                           [&](const View& a, const View& b) { return changed(a) < changed(b); });
 }
 
 std::vector<double> scaled(std::vector<double> values, double factor) {
@@ -66,17 +65,23 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
 // What the term does, and by itself what it adds, which beside the rest may be too small to see.
 std::string picture_of(const TermKind& kind) {
   const sim::Demonstration shown = sim::demonstrate(kind);
-  const View& view = best_view(shown);
+  const View& view = best_view(kind, shown);
   const auto x = scaled(shown.with.*view.x, view.x_scale);
-  const auto without = scaled(shown.without.*view.y, view.y_scale);
   const auto with = scaled(shown.with.*view.y, view.y_scale);
-  std::vector<double> difference(with.size());
-  std::transform(with.begin(), with.end(), without.begin(), difference.begin(), std::minus{});
-  report::Panel both{std::string{kind.name}, view.x_label, view.y_label, {}};
-  both.curves.push_back({"without", scaled(shown.without.*view.x, view.x_scale), without, true});
-  both.curves.push_back({"with", x, with});
-  const report::Panel alone{"difference", view.x_label, view.y_label, {{"", x, difference}}};
-  return report::draw(fmt::format("{} (model)", kind.title), {both, alone});
+  report::Panel panel{std::string{kind.name}, view.x_label, view.y_label, {}};
+  std::vector<report::Panel> panels;
+  if (shown.alone) {
+    panel.curves.push_back({"", x, with});
+    panels = {panel};
+  } else {
+    const auto without = scaled(shown.without.*view.y, view.y_scale);
+    std::vector<double> difference(with.size());
+    std::transform(with.begin(), with.end(), without.begin(), difference.begin(), std::minus{});
+    panel.curves.push_back({"without", scaled(shown.without.*view.x, view.x_scale), without, true});
+    panel.curves.push_back({"with", x, with});
+    panels = {panel, {"difference", view.x_label, view.y_label, {{"", x, difference}}}};
+  }
+  return report::draw(fmt::format("{} (model)", kind.title), panels);
 }
 
 std::string parameter_rows(const TermKind& kind, const char* row) {

@@ -15,6 +15,7 @@ constexpr double kPanelWidth = 360, kPanelHeight = 270;  // of the axes' box
 constexpr double kLeft = 62, kRight = 18, kTop = 52, kBottom = 46;
 constexpr double kThinning = 0.15;  // a point this near to the line is not drawn, in pixels
 constexpr int kTicks = 5;
+constexpr double kSmallestSpan = 1e-9;  // of the values themselves
 constexpr const char* kColours[] = {"#1f5fa8", "#c8501e", "#2e8b57", "#7b4ea3", "#b8860b"};
 constexpr const char* kReferenceColour = "#9aa0a6";
 
@@ -24,7 +25,9 @@ struct Range {
 
 // Limits and ticks on round numbers.
 Range round_range(double low, double high) {
-  if (!(high > low)) high = low + std::max(1.0, std::abs(low)), low = low - (high - low);
+  // A value that hardly varies is a constant with round-off.
+  const double smallest = kSmallestSpan * std::max(std::abs(low), std::abs(high));
+  if (!(high - low > smallest)) high = low + std::max(1.0, std::abs(low)), low = low - (high - low);
   const double raw = (high - low) / kTicks;
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
   double step = 10 * power;
@@ -61,6 +64,14 @@ struct Point {
   double x, y;
 };
 
+double distance_to_segment(const Point& p, const Point& a, const Point& b) {
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  const double square = dx * dx + dy * dy;
+  const double along = square > 0 ? ((p.x - a.x) * dx + (p.y - a.y) * dy) / square : 0;
+  const double part = std::clamp(along, 0.0, 1.0);
+  return std::hypot(p.x - a.x - part * dx, p.y - a.y - part * dy);
+}
+
 // Leaves out points that a straight line passes anyway (Douglas & Peucker 1973).
 void thin(const std::vector<Point>& points, std::size_t first, std::size_t last,
           std::vector<bool>& kept) {
@@ -68,14 +79,10 @@ void thin(const std::vector<Point>& points, std::size_t first, std::size_t last,
   while (!open.empty()) {
     const auto [a, b] = open.back();
     open.pop_back();
-    const double dx = points[b].x - points[a].x, dy = points[b].y - points[a].y;
-    const double length = std::hypot(dx, dy);
     double farthest = 0;
     std::size_t at = a;
     for (std::size_t i = a + 1; i < b; ++i) {
-      const double px = points[i].x - points[a].x, py = points[i].y - points[a].y;
-      const double distance =
-          length > 0 ? std::abs(px * dy - py * dx) / length : std::hypot(px, py);
+      const double distance = distance_to_segment(points[i], points[a], points[b]);
       if (distance > farthest) farthest = distance, at = i;
     }
     if (farthest <= kThinning) continue;

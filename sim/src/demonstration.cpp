@@ -17,9 +17,15 @@ TermSettings typical(const TermKind& kind) {
 // What stands beside the term, so that there is something that it can change.
 std::vector<TermSettings> company_of(const TermKind& kind) {
   std::vector<TermSettings> company;
-  if (kind.stage == Stage::Vertical && kind.name != "elastomeric_axial")
-    company.push_back(typical(term_kind("elastomeric_axial")));
-  if (kind.stage != Stage::Restoring) company.push_back(typical(term_kind("bouc_wen")));
+  const auto add = [&](std::string_view name) {
+    if (name != kind.name) company.push_back(typical(term_kind(name)));
+  };
+  if (kind.stage == Stage::Restoring) return company;
+  if (kind.stage == Stage::Vertical && kind.name != "elastomeric_axial") add("elastomeric_axial");
+  // One gives the critical load, the other makes something of it.
+  if (kind.name == "buckling_load_variation") add("horizontal_stiffness_variation");
+  if (kind.name == "horizontal_stiffness_variation") add("buckling_load_variation");
+  if (kind.name != "elastomeric_axial") add("bouc_wen");
   return company;
 }
 
@@ -35,6 +41,7 @@ Demonstration demonstrate(const TermKind& kind) {
   test.time_step = 2e-3;
   Bearing bearing{std::string{kind.title}, company_of(kind), 9.7e6};
   Demonstration demonstration;
+  demonstration.alone = bearing.terms.empty();
   demonstration.without = run_loop_test(bearing, test);
   bearing.terms.push_back(typical(kind));
   demonstration.with = run_loop_test(bearing, test);

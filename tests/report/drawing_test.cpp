@@ -35,6 +35,15 @@ TEST(Drawing, LeavesOutPointsOnAStraightLine) {
   EXPECT_NE(svg.find("d=\"M0.0 270.0L360.0 0.0\""), std::string::npos);
 }
 
+// Out and back along a line ends where it began, and is a line all the same.
+TEST(Drawing, KeepsALineThatTurnsBack) {
+  Curve line{"", {0, 1, 2, 1, 0}, {5, 5, 5, 5, 5}};
+
+  const auto svg = draw("line", {{"", "x", "y", {line}}});
+
+  EXPECT_NE(svg.find("d=\"M0.0 135.0L360.0 135.0L0.0 135.0\""), std::string::npos) << svg;
+}
+
 TEST(Drawing, KeepsTheShapeOfWhatIsRound) {
   const auto svg = draw("circle", {{"", "x", "y", {circle(2000)}}});
   const auto path = svg.find("M360.0 135.0L");

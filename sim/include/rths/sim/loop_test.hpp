@@ -49,6 +49,7 @@ struct CycleNumbers {
 /// The effect of one kind of term with typical parameters: the same test without and with it.
 struct Demonstration {
   LoopHistory without, with;
+  bool alone = false;  ///< the term needs no company: without it there is nothing
 };
 
 /// A plain lead-rubber bearing, or the axial spring below one, shows what the kind does to it.
