@@ -30,6 +30,8 @@ struct ConfigValue {
 /// `reject_unknown_keys` after the last getter. All of it @setup.
 class Config {
  public:
+  /// An empty table.
+  Config() = default;
   /// Reads a file. @throws Error if it cannot be read or is no TOML
   [[nodiscard]] static Config load(const std::filesystem::path& file);
   /// Reads text; `name` takes the file's place in messages.

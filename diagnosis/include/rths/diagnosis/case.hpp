@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rths/core/config.hpp>
+
+namespace rths::diagnosis {
+
+/// Version of the format of case.toml. Bumped when a file that was right before would mean
+/// something else, or no longer load.
+inline constexpr int kCaseFormat = 1;
+
+/// What was measured, or predicted, by the role it plays: "displacement.long", "input.voltage".
+struct Channel {
+  std::string role;
+  std::string unit;            ///< SI
+  std::vector<double> values;  ///< [unit]
+};
+
+/// What a record is for.
+enum class Use {
+  Fit,       ///< parameters are found on it
+  HeldOut,   ///< and proven on it
+  Reference  ///< an empty table, or nothing moving: tells the noise
+};
+
+/// One recording: channels of equal length, equally spaced in time.
+struct Record {
+  std::string name;  ///< of its file
+  Use use = Use::Fit;
+  double start = 0;      ///< time of the first sample [s]
+  double time_step = 0;  ///< [s]
+  std::vector<Channel> channels;
+  std::optional<std::pair<std::size_t, std::size_t>> quiet;  ///< samples in which nothing moves
+
+  [[nodiscard]] std::size_t samples() const;
+  /// The channel of a role, null if it was not recorded.
+  [[nodiscard]] const Channel* find(const std::string& role) const;
+};
+
+/// A parameter of the model that was fitted, and may be fitted again.
+struct FittedParameter {
+  std::string name;                                 ///< "term.parameter"
+  std::optional<std::pair<double, double>> bounds;  ///< [SI]; none: those of the term
+};
+
+/// What the simulation assumed.
+struct Model {
+  std::string kind =
+      "data";    ///< bearing, platen, servo_axis, structure, mass_spring_damper, linear
+  Config table;  ///< [model] as it stands: terms, matrices, whatever the kind needs
+  std::vector<FittedParameter> fitted;
+};
+
+/// A recording and a model that does not explain it.
+struct Case {
+  std::string name;
+  std::filesystem::path folder;
+  std::vector<Record> records;  ///< as case.toml lists them
+  Model model;
+  std::vector<std::pair<std::string, double>> noise;  ///< standard deviation by role [SI]
+};
+
+/// Reads case.toml of a folder and the recordings it names.
+/// @throws Error file:line:column, what was found and what was expected   @setup
+[[nodiscard]] Case load_case(const std::filesystem::path& folder);
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/diagnosis/case.hpp>
+
+#include <gtest/gtest.h>
+
+#include "support/files.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr const char* kCase = R"(format = 1
+name = "workshop"
+[[record]]
+file = "fit.csv"
+use = "fit"
+quiet_s = [0, 0.02]
+[[record]]
+file = "other.csv"
+use = "held_out"
+[channels]
+time = "t [s]"
+displacement.long = "u [mm]"
+force.long = "F [kN]"
+predicted.force.long = "F_sim [kN]"
+[model]
+kind = "bearing"
+fitted = ["bouc_wen.post_yield_stiffness"]
+[model.bouc_wen]
+post_yield_stiffness_N_per_m = 4e6
+[model.bounds]
+"bouc_wen.post_yield_stiffness" = [1e6, 9e6]
+[noise]
+"force.long" = "2.5 [kN]"
+)";
+constexpr const char* kLog = "t,u,F,F_sim\n0,0,0,0\n0.01,1,4,5\n0.02,2,8,9\n0.03,3,12,13\n";
+
+class CaseTest : public ::testing::Test {
+ protected:
+  CaseTest() {
+    folder_.write("fit.csv", kLog);
+    folder_.write("other.csv", kLog);
+  }
+  Case load(const std::string& toml = kCase) {
+    folder_.write("case.toml", toml);
+    return load_case(folder_.path());
+  }
+  std::string error_with(const std::string& before, const std::string& after) {
+    std::string toml = kCase;
+    toml.replace(toml.find(before), before.size(), after);
+    const auto message = test::error_of([&] { static_cast<void>(load(toml)); });
+    const auto at = message.rfind(folder_.path().string() + "/");
+    return at == std::string::npos ? message : message.substr(folder_.path().string().size() + 1);
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(CaseTest, ReadsChannelsInSi) {
+  const Case c = load();
+
+  ASSERT_EQ(c.records.size(), 2U);
+  const Record& fit = c.records[0];
+  EXPECT_EQ(fit.use, Use::Fit);
+  EXPECT_NEAR(fit.time_step, 0.01, 1e-12);
+  EXPECT_EQ(fit.samples(), 4U);
+  EXPECT_NEAR(fit.find("displacement.long")->values[2], 2e-3, 1e-15);
+  EXPECT_NEAR(fit.find("predicted.force.long")->values[1], 5e3, 1e-9);
+  EXPECT_EQ(fit.find("acceleration.long"), nullptr);
+  EXPECT_EQ(fit.quiet, (std::pair<std::size_t, std::size_t>{0, 2}));
+  EXPECT_EQ(c.noise[0].second, 2.5e3);
+}
+
+TEST_F(CaseTest, ReadsWhatTheSimulationAssumed) {
+  const Model model = load().model;
+
+  EXPECT_EQ(model.kind, "bearing");
+  ASSERT_EQ(model.fitted.size(), 1U);
+  EXPECT_EQ(model.fitted[0].bounds->second, 9e6);
+  EXPECT_TRUE(model.table.is_table("bouc_wen"));
+}
+
+TEST_F(CaseTest, TakesARateInsteadOfTime) {
+  std::string toml = kCase;
+  toml.replace(toml.find("time = \"t [s]\""), 14, "rate_Hz = 100 ");
+
+  EXPECT_NEAR(load(toml).records[0].time_step, 0.01, 1e-15);
+}
+
+TEST_F(CaseTest, SaysWhereSomethingIsWrong) {
+  EXPECT_EQ(error_with("\"u [mm]\"", "\"u\""),
+            "case.toml:12:21: 'u' names no unit, expected \"column [unit]\"");
+  EXPECT_EQ(error_with("\"u [mm]\"", "\"u [kN]\""),
+            "case.toml:12:21: displacement.long is in N, expected m");
+  EXPECT_EQ(
+      error_with("displacement.long", "displacment.long")
+          .find("case.toml:12:20: there is no role 'displacment.long', expected one of command.*"),
+      0U);
+  EXPECT_NE(error_with("\"u [mm]\"", "\"v [mm]\"").find("there is no column 'v'"),
+            std::string::npos);
+  EXPECT_EQ(error_with("\"held_out\"", "\"unseen\""),
+            "case.toml:9:7: use is 'unseen', expected fit, held_out or reference");
+  EXPECT_EQ(error_with("\"bearing\"", "\"spring\"").find("case.toml:16:8: there is no model of"),
+            0U);
+  EXPECT_EQ(error_with("use = \"fit\"", "use = \"reference\""),
+            "case.toml:3:1: no [[record]] has use = \"fit\"");
+}
+
+TEST_F(CaseTest, RefusesSamplesThatAreNotEquallySpaced) {
+  folder_.write("other.csv", "t,u,F,F_sim\n0,0,0,0\n0.01,1,4,5\n0.025,2,8,9\n0.03,3,1,1\n");
+
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(load());
+            }).find("row 3 is at 0.025 s, expected 0.02 s: samples are not equally spaced"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace rths::diagnosis
