@@ -92,7 +92,8 @@ SeriesSolution solve_series(const Segments& segments, const Plane<double>& total
   double strength = 0;
   for (const auto& segment : segments) strength = std::max(strength, segment.strength);
   SeriesSolution solution;
-  Answers found = answers(segments, u);
+  Answers& found = solution.answers;
+  found = answers(segments, u);
   // The first step makes displacements add up, so it is taken whole.
   NewtonStep step = newton_step(found, total - (u[0] + u[1] + u[2]));
   u = moved(u, step, 1);
