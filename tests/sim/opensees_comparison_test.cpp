@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The same bearing here and in OpenSees, along the same paths. Where both state the same law their
+// forces agree; where they are meant to differ, it is measured how much.
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "opensees_rows.hpp"
+
+namespace rths::sim {
+namespace {
+
+using test::OpenseesRow;
+
+std::vector<OpenseesRow> all_rows() {
+  auto rows = test::elastomeric_rows();
+  for (auto& row : test::sliding_rows()) rows.push_back(std::move(row));
+  return rows;
+}
+
+void print_line(const std::string& name, const std::string& path, double time_step,
+                const test::Nrmse& found) {
+  std::printf("  %-34s %-11s dt %.2g ms  shear %7.4f %%  axial %7.4f %%\n", name.c_str(),
+              path.c_str(), 1e3 * time_step, 100 * found.shear, 100 * found.axial);
+}
+
+class Opensees : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!test::opensees_python())
+      GTEST_SKIP()
+          << "no OpenSees: RTHS_OPENSEES_PYTHON is not set and build/opensees is not there";
+  }
+};
+
+class OpenseesBearing : public Opensees, public testing::WithParamInterface<OpenseesRow> {};
+
+TEST_P(OpenseesBearing, AnswersAsOursDoes) {
+  const OpenseesRow& row = GetParam();
+  for (const auto& path : test::all_paths(row.amplitude, row.time_step)) {
+    const auto theirs = test::opensees_forces(row.bearing, path);
+    const auto ours = test::our_forces(row.bearing, path);
+
+    const auto found = test::nrmse(ours, theirs);
+
+    print_line(row.name, path.name, path.time_step, found);
+    EXPECT_LE(found.shear, row.bound) << path.name;
+    EXPECT_LE(found.axial, row.bound) << path.name;
+  }
+  if (!row.deviation.empty()) std::printf("  intended: %s\n", row.deviation.c_str());
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, OpenseesBearing, testing::ValuesIn(all_rows()),
+                         [](const auto& instance) { return instance.param.name; });
+
+}  // namespace
+}  // namespace rths::sim
