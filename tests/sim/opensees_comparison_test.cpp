@@ -2,12 +2,19 @@
 // The same bearing here and in OpenSees, along the same paths. Where both state the same law their
 // forces agree; where they are meant to differ, it is measured how much.
 #include <cstdio>
+#include <ostream>
 
 #include <gtest/gtest.h>
 
 #include "opensees_rows.hpp"
 
 namespace rths::sim {
+namespace test {
+
+// What a failed test calls its row.
+void PrintTo(const OpenseesRow& row, std::ostream* out) { *out << row.name; }
+
+}  // namespace test
 namespace {
 
 using test::OpenseesRow;
@@ -36,7 +43,9 @@ class OpenseesBearing : public Opensees, public testing::WithParamInterface<Open
 
 TEST_P(OpenseesBearing, AnswersAsOursDoes) {
   const OpenseesRow& row = GetParam();
-  for (const auto& path : test::all_paths(row.amplitude, row.time_step)) {
+  auto paths = test::all_paths(row.amplitude, row.time_step);
+  if (row.pulled) paths.push_back(test::pulled(row.amplitude, row.time_step, 1));
+  for (const auto& path : paths) {
     const auto theirs = test::opensees_forces(row.bearing, path);
     const auto ours = test::our_forces(row.bearing, path);
 

@@ -116,6 +116,18 @@ Path recorded(double amplitude, double time_step) {
   return path;
 }
 
+Path pulled(double amplitude, double time_step, double most) {
+  constexpr double kSwing = 1.3;  // [Hz]
+  Path path = cloverleaf(amplitude, time_step);
+  path.name = "pulled";
+  for (std::size_t i = 0; i < path.places.size(); ++i) {
+    const double t = static_cast<double>(i) * time_step;
+    path.places[i].load = most * t / kOrbitDuration * std::sin(2 * std::numbers::pi * kSwing * t);
+  }
+  differentiate(path);
+  return path;
+}
+
 std::vector<Path> all_paths(double amplitude, double time_step) {
   return {circle(amplitude, time_step), cloverleaf(amplitude, time_step),
           spiral(amplitude, time_step), recorded(amplitude, time_step)};

@@ -30,7 +30,11 @@ struct Path {
 /// the load follows the vertical ground acceleration, in units of 1/g, three times.
 [[nodiscard]] Path recorded(double amplitude, double time_step);
 
-/// All of these.
+/// A cloverleaf under a load that swings between compression and tension, ever more: up to `most`
+/// times its mean in both.
+[[nodiscard]] Path pulled(double amplitude, double time_step, double most);
+
+/// All of these, but for the last.
 [[nodiscard]] std::vector<Path> all_paths(double amplitude, double time_step);
 
 }  // namespace rths::sim::test

@@ -15,6 +15,7 @@ struct OpenseesRow {
   double amplitude = 0.2;   ///< of the paths [m]
   double time_step = 5e-4;  ///< [s]
   double bound = 0.005;     ///< on the NRMSE of shear and axial force, on every path
+  bool pulled = false;      ///< is led along a path with tension, too
   /// Why the two are meant to differ; empty: they state the same law.
   std::string deviation = {};
 };

@@ -1,8 +1,141 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <numbers>
+
 #include "opensees_rows.hpp"
 
 namespace rths::sim::test {
+namespace {
 
-std::vector<OpenseesRow> sliding_rows() { return {}; }
+using nlohmann::json;
+
+constexpr double kAxialLoad = 9.7e6;          // [N]
+constexpr double kInitialStiffness = 4e8;     // before sliding [N/m]
+constexpr double kVerticalStiffness = 1e10;   // [N/m]
+constexpr double kFast = 0.11, kSlow = 0.06;  // friction coefficients [-]
+constexpr double kRate = 30;                  // from one to the other [s/m]
+
+void append(json& to, const json& more) {
+  for (const auto& word : more) to.push_back(word);
+}
+
+// The element stands on a vertical spring that bears no tension; iterations end at 1 mN.
+OpenseesRow slider(const std::string& name, json element, const json& friction) {
+  OpenseesRow row;
+  row.name = name;
+  row.bearing.element = std::move(element);
+  append(row.bearing.element,
+         {"-T", 2, "-My", 2, "-Mz", 2, "-orient", 0, 0, 1, 1, 0, 0, "-iter", 50, 1e-3});
+  row.bearing.friction_models = json::array({friction});
+  row.bearing.materials = json::array({{"ENT", 1, kVerticalStiffness}, {"Elastic", 2, 1e6}});
+  row.bearing.axial_load = kAxialLoad;
+  row.bearing.vertical_stiffness = kVerticalStiffness;
+  return row;
+}
+
+const json kCoulomb = {"Coulomb", 1, kFast};
+const json kVelocityDependent = {"VelDependent", 1, kSlow, kFast, kRate};
+
+TermSettings flat() {
+  return {"flat_slider",
+          "",
+          {{"friction_coefficient", kFast}, {"initial_stiffness", kInitialStiffness}}};
+}
+
+TermSettings pendulum(double radius) {
+  return {"single_pendulum",
+          "",
+          {{"friction_coefficient", kFast},
+           {"initial_stiffness", kInitialStiffness},
+           {"effective_radius", radius}}};
+}
+
+TermSettings velocity_dependent() {
+  return {
+      "velocity_dep_sliding", "", {{"low_velocity_reduction", 1 - kSlow / kFast}, {"rate", kRate}}};
+}
+
+OpenseesRow flat_coulomb() {
+  auto row =
+      slider("flatSliderBearing", {"flatSliderBearing", 1, kInitialStiffness, "-P", 1}, kCoulomb);
+  row.bearing.terms = {flat()};
+  return row;
+}
+
+OpenseesRow flat_velocity_dependent() {
+  auto row = slider("flatSliderBearingVelDependent",
+                    {"flatSliderBearing", 1, kInitialStiffness, "-P", 1}, kVelocityDependent);
+  row.bearing.terms = {flat(), velocity_dependent()};
+  return row;
+}
+
+OpenseesRow single_pendulum() {
+  constexpr double kRadius = 2.2;  // [m]
+  auto row = slider("singleFPBearing", {"singleFPBearing", 1, kRadius, kInitialStiffness, "-P", 1},
+                    kVelocityDependent);
+  row.bearing.terms = {pendulum(kRadius), velocity_dependent()};
+  return row;
+}
+
+OpenseesRow eradiquake() {
+  constexpr double kSpring = 1.2e7;  // [N/m]
+  auto row = slider("RJWatsonEqsBearing",
+                    {"RJWatsonEqsBearing", 1, kInitialStiffness, "-P", 1, "-Vy", 3, "-Vz", 3},
+                    kVelocityDependent);
+  row.bearing.materials.push_back({"Elastic", 3, kSpring});
+  row.bearing.terms = {flat(), velocity_dependent(), {"mer_spring", "", {{"stiffness", kSpring}}}};
+  return row;
+}
+
+// Friction that falls as the surface warms; nothing else changes it.
+OpenseesRow heated_pendulum() {
+  constexpr double kRadius = 2.2, kContactRadius = 0.3, kPressure = 5e7;
+  constexpr double kDiffusivity = 4.44e-6, kConductivity = 18;
+  auto row = slider("FPBearingPTV",
+                    {"FPBearingPTV",
+                     kFast,
+                     0,
+                     kPressure,
+                     1,
+                     kDiffusivity,
+                     kConductivity,
+                     0,
+                     kRate,
+                     kRadius,
+                     kContactRadius,
+                     kInitialStiffness,
+                     1,
+                     2,
+                     2,
+                     2,
+                     0,
+                     0,
+                     1,
+                     1,
+                     0,
+                     0,
+                     0.0,
+                     0,
+                     0.0,
+                     50,
+                     1e-3,
+                     1},
+                    kCoulomb);
+  row.bearing.element.erase(row.bearing.element.begin() + 28, row.bearing.element.end());
+  row.bearing.terms = {pendulum(kRadius),
+                       {"friction_heating",
+                        "",
+                        {{"heat_share", 1},
+                         {"contact_area", std::numbers::pi * kContactRadius * kContactRadius},
+                         {"conductivity", kConductivity},
+                         {"diffusivity", kDiffusivity}}}};
+  return row;
+}
+
+}  // namespace
+
+std::vector<OpenseesRow> sliding_rows() {
+  return {flat_coulomb(), flat_velocity_dependent(), single_pendulum(), eradiquake(),
+          heated_pendulum()};
+}
 
 }  // namespace rths::sim::test

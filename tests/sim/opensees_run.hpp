@@ -38,7 +38,7 @@ using Forces = std::vector<std::array<double, 3>>;
 /// Root mean square of the difference over that of the reference about its mean [-].
 struct Nrmse {
   double shear = 0;  ///< both axes together
-  double axial = 0;  ///< 0 where the reference does not vary
+  double axial = 0;  ///< where the reference does not vary, over its root mean square
 };
 [[nodiscard]] Nrmse nrmse(const Forces& ours, const Forces& reference);
 
