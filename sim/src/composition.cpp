@@ -12,8 +12,9 @@
 namespace rths::sim {
 namespace {
 
-// The first states of a composition are what its hysteresis was one step before.
-constexpr std::size_t kSharedStates = kHorizontalAxes;
+// The first states of a composition are what its hysteresis and its specimen's force were one step
+// before.
+constexpr std::size_t kSharedStates = 2 * kHorizontalAxes;
 
 const std::string& name_of(const TermSettings& settings) {
   return settings.name.empty() ? settings.kind : settings.name;
@@ -51,22 +52,44 @@ void check(const TermKind& kind, const TermSettings& settings) {
 }
 
 template <class Real>
+struct HorizontalMotion {
+  Horizontal<Real> displacement, velocity, acceleration;
+};
+
+template <class Real>
 void run(const Composition& composition, std::span<const double> constants, const Real* parameters,
          std::span<Real> state, Quantities<Real>& q) noexcept {
-  for (std::size_t i = 0; i < kSharedStates; ++i) q.last_hysteretic_force[i] = state[i];
-  for (const auto& term : composition.terms()) {
-    const TermView<Real> view{parameters + term.first_parameter,
-                              constants.data() + term.first_constant,
-                              state.data() + term.first_state,
-                              composition.time_step(),
-                              term.axes,
-                              term.channel};
-    if constexpr (std::is_same_v<Real, double>)
-      term.kind->step(view, q);
-    else
-      term.kind->step_dual(view, q);
+  for (std::size_t i = 0; i < kHorizontalAxes; ++i) {
+    q.last_hysteretic_force[i] = state[i];
+    q.last_specimen_force[i] = state[kHorizontalAxes + i];
   }
-  for (std::size_t i = 0; i < kSharedStates; ++i) state[i] = q.hysteretic_force[i];
+  const auto terms = composition.terms();
+  auto term = terms.begin();
+  const auto advance_through = [&](Stage last) {
+    for (; term != terms.end() && term->kind->stage <= last; ++term) {
+      const TermView<Real> view{parameters + term->first_parameter,
+                                constants.data() + term->first_constant,
+                                state.data() + term->first_state,
+                                composition.time_step(),
+                                term->axes,
+                                term->channel};
+      if constexpr (std::is_same_v<Real, double>)
+        term->kind->step(view, q);
+      else
+        term->kind->step_dual(view, q);
+    }
+  };
+  advance_through(Stage::Actuator);
+  const HorizontalMotion<Real> platen{q.displacement, q.velocity, q.acceleration};
+  advance_through(Stage::Restoring);
+  for (std::size_t i = 0; i < kHorizontalAxes; ++i) {
+    state[i] = q.hysteretic_force[i];
+    state[kHorizontalAxes + i] = q.force[i];
+  }
+  q.displacement = platen.displacement;
+  q.velocity = platen.velocity;
+  q.acceleration = platen.acceleration;
+  advance_through(Stage::Sensor);
 }
 
 }  // namespace

@@ -95,10 +95,10 @@ std::vector<TermSettings> read_term(const std::string& name, const Config& table
 }  // namespace
 
 std::string parameter_key(const Parameter& parameter, Channel channel) {
-  std::string_view unit = parameter.unit;
-  if (unit == kChannelUnit)
+  std::string unit{parameter.unit};
+  if (unit.starts_with(kChannelUnit))
     for (const auto& known : kChannels)
-      if (known.channel == channel) unit = known.unit;
+      if (known.channel == channel) unit.replace(0, kChannelUnit.size(), known.unit);
   if (unit == "-") return std::string{parameter.name};
   std::string key = fmt::format("{}_", parameter.name);
   for (const char c : unit) {

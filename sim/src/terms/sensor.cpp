@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "joined.hpp"
 #include "kinds.hpp"
+
+#include "sensor_kinds.hpp"
 
 namespace rths::sim {
 
-std::span<const TermKind> sensor_kinds() { return {}; }
+// As a signal passes: what leaks in, how it is scaled, when it arrives, how it is written down.
+std::span<const TermKind> sensor_kinds() {
+  static const auto kinds = joined(
+      {sensor_cross_kinds(), sensor_scale_kinds(), sensor_time_kinds(), sensor_range_kinds()});
+  return kinds;
+}
 
 }  // namespace rths::sim

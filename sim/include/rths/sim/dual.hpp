@@ -68,6 +68,13 @@ struct Dual {
 [[nodiscard]] constexpr double value_of(double x) { return x; }
 [[nodiscard]] constexpr double value_of(const Dual& x) { return x.value; }
 
+/// Whether x is this number and nothing is differentiated with respect to it: a short cut that
+/// holds at this number alone loses no derivative then.
+[[nodiscard]] constexpr bool is_just(double x, double number) { return x == number; }
+[[nodiscard]] constexpr bool is_just(const Dual& x, double number) {
+  return x.value == number && x.derivative == std::array<double, Dual::kLanes>{};
+}
+
 [[nodiscard]] inline Dual exp(const Dual& x) {
   const double f = std::exp(x.value);
   return x.chain(f, f);

@@ -39,9 +39,11 @@ struct Quantities {
   Horizontal<Real> force{};                  ///< resisting the motion, of all terms so far [N]
   Horizontal<Real> hysteretic_force{};       ///< the part that dissipates: lead plug, slider [N]
   Horizontal<Real> last_hysteretic_force{};  ///< the same one step before [N]
+  Horizontal<Real> last_specimen_force{};    ///< `force` after the specimen, one step before [N]
 };
 
-/// Where a term stands in the composition.
+/// Where a term stands in the composition. Terms of Motion give the specimen a motion of its own;
+/// from Machine on, the platen's is seen again: it is what rubs on the guides and what is measured.
 enum class Stage {
   Actuator,   ///< command → displacement
   Motion,     ///< displacement of the platen → displacement of the specimen
@@ -58,7 +60,7 @@ enum class Channel { Force, Displacement, Acceleration, AxialLoad };
 /// A parameter of a term. In a configuration its key is name_unit: "characteristic_strength_N".
 struct Parameter {
   std::string_view name;
-  std::string_view unit;  ///< "N/m", "-", or kChannelUnit for that of the channel it acts on
+  std::string_view unit;  ///< "N/m", "-", or one that begins with kChannelUnit: "channel/s"
   double low, high;       ///< bounds
   double absent;          ///< default: the term has no effect, or its usual shape
   double typical;         ///< where a fit begins

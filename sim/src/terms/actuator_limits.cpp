@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <limits>
+
+#include "actuator_kinds.hpp"
+#include "compliance.hpp"
+#include "kinds.hpp"
+#include "lag.hpp"
+
+namespace rths::sim {
+namespace {
+
+struct RateSaturation {
+  static constexpr std::string_view kName = "rate_saturation";
+  static constexpr std::string_view kTitle = "largest velocity of the actuator";
+  static constexpr std::string_view kEquation = "u follows the command with |u'| <= v_max";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Actuator;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kRate };
+  static constexpr Parameter kParameters[] = {{"velocity_limit", "m/s", 1e-4, 1e3, 1e3, 0.3}};
+  static constexpr std::size_t kStates = 2 * kHorizontalAxes;  // started, u
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      Real* state = term.state + 2 * axis;
+      const Real& command = q.displacement[axis];
+      if (state[0] == 0) state[0] = 1.0, state[1] = command;
+      const Real reach = term.parameters[kRate] * term.time_step;
+      const Real missing = command - state[1];
+      const Real way = clipped(missing, reach);
+      if (way == missing) {
+        state[1] = command;
+        continue;
+      }
+      state[1] += way;
+      q.displacement[axis] = state[1];
+      q.velocity[axis] = way * (1 / term.time_step);
+      q.acceleration[axis] = Real{0};
+    }
+  }
+};
+
+// T u' = e − clip(e, d), e = command − u: outside the dead band the part x = e ∓ d beyond it obeys
+// x' = s − x/T, s the command's velocity, solved exactly; inside, u rests. A step that comes from
+// the inside has only its part after the edge.
+struct ValveDeadband {
+  static constexpr std::string_view kName = "valve_deadband";
+  static constexpr std::string_view kTitle = "dead band of the servo valve";
+  static constexpr std::string_view kEquation = "T u' = e - clip(e, d),  e = command - u";
+  static constexpr std::string_view kSource = "Merritt 1967, chapter 5, in a position loop";
+  static constexpr Stage kStage = Stage::Actuator;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kBand, kTimeConstant };
+  static constexpr Parameter kParameters[] = {{"dead_band", "m", 0, 0.1, 0, 1e-3},
+                                              {"time_constant", "s", 0, 10, 0, 20e-3}};
+  static constexpr std::size_t kAxisStates = 4;  // started, command, u, u'
+  static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
+
+  // How far the error is beyond the edge, `rest`, and how much of it drives u, `drive`: nothing if
+  // it has come back across the edge within this step.
+  template <class Real>
+  struct Beyond {
+    Real rest{}, drive{};
+  };
+
+  // After a step of the command from `before` to `error` ahead of a resting u.
+  template <class Real>
+  static Beyond<Real> beyond(const Real& before, const Real& error, const Real& edge,
+                             const Real& steps, bool came) {
+    using std::exp;
+    using std::log1p;
+    // Without a lag u is where the edge of the band has pushed it.
+    if (!(steps > kShortestLag)) return {};
+    const Real slope = error - before;
+    const Real first = came ? Real{0} : Real{before - edge};
+    const Real part = came ? Real{(error - edge) / slope} : Real{1};
+    const Real kept = exp(-part / steps);
+    const Real x = first * kept + steps * slope * (1 - kept);
+    const bool crossed = (first > 0 && x < 0) || (first < 0 && x > 0);
+    if (!crossed) return {x, x};
+    return {slope * (1 - steps * log1p(-first / (steps * slope))), Real{0}};
+  }
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real& band = term.parameters[kBand];
+    const Real steps = term.parameters[kTimeConstant] * (1 / term.time_step);
+    const auto inside = [&](const Real& e) { return e <= band && e >= -band; };
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      Real* state = term.state + axis * kAxisStates;
+      const Real command = q.displacement[axis];
+      if (state[0] == 0) state[0] = 1.0, state[1] = state[2] = command;
+      const Real before = state[1] - state[2], error = command - state[2];  // were u to rest
+      state[1] = command;
+      const bool came = inside(before) || !(steps > kShortestLag);
+      if (came && inside(error)) {
+        q.displacement[axis] = state[2];
+        if (band > 0) set_velocity(term, q, axis, Real{0});
+        continue;
+      }
+      const Real edge = (came ? error : before) > 0 ? band : -band;
+      const Beyond<Real> x = beyond(before, error, edge, steps, came);
+      q.displacement[axis] = state[2] = command - edge - x.rest;
+      if (steps > kShortestLag)
+        set_velocity(term, q, axis, Real{x.drive / term.parameters[kTimeConstant]});
+      else
+        state[3] = q.velocity[axis];
+    }
+  }
+
+  // The acceleration jumps at the edges of the band; its mean over the step does not.
+  template <class Real>
+  static void set_velocity(const TermView<Real>& term, Quantities<Real>& q, std::size_t axis,
+                           const Real& velocity) {
+    Real& last = term.state[axis * kAxisStates + 3];
+    q.velocity[axis] = velocity;
+    q.acceleration[axis] = (velocity - last) * (1 / term.time_step);
+    last = velocity;
+  }
+};
+
+struct LoadCompliance {
+  static constexpr std::string_view kName = "load_compliance";
+  static constexpr std::string_view kTitle = "actuator that yields under load";
+  static constexpr std::string_view kEquation = "u = command - chi F";
+  static constexpr std::string_view kSource =
+      "textbook; how it is solved: docs/theory/machine_terms.md";
+  static constexpr Stage kStage = Stage::Actuator;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kCompliance, kStiffness };
+  static constexpr Parameter kParameters[] = {{"compliance", "m/N", 0, 1e-3, 0, 2e-9},
+                                              kStiffnessEstimate};
+  // Of the compliance; how much it yields, and how fast.
+  static constexpr std::size_t kAxisStates = Compliance<double>::kStates + 2;
+  static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      Real* state = term.state + axis * kAxisStates;
+      Compliance<Real> oil{state, term.parameters[kCompliance], term.parameters[kStiffness]};
+      const Real x = oil.yield(q.displacement[axis], q.last_specimen_force[axis],
+                               Real{std::numeric_limits<double>::max()});
+      const Real yield = q.displacement[axis] - x;
+      const Real rate = (yield - state[2]) * (1 / term.time_step);
+      q.acceleration[axis] -= (rate - state[3]) * (1 / term.time_step);
+      q.velocity[axis] -= rate;
+      q.displacement[axis] -= yield;
+      state[2] = yield;
+      state[3] = rate;
+    }
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<RateSaturation>(), kind_of<ValveDeadband>(),
+                               kind_of<LoadCompliance>()};
+
+}  // namespace
+
+std::span<const TermKind> actuator_limit_kinds() { return kKinds; }
+
+}  // namespace rths::sim

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "actuator_kinds.hpp"
+#include "delay_line.hpp"
+#include "kinds.hpp"
+#include "lag.hpp"
+
+namespace rths::sim {
+namespace {
+
+// What is linear acts on velocity and acceleration as it acts on displacement.
+constexpr std::size_t kSignals = kHorizontalAxes * kMotionSignals;
+
+template <class Lag, class Real>
+void lag_motion(const TermView<Real>& term, Quantities<Real>& q, const Lag& lag) {
+  Real* state = term.state;
+  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+    for (Real* signal : motion_of(q, axis)) {
+      if (term.acts_on(axis)) *signal = lag(state, *signal);
+      state += Lag::kStates;
+    }
+}
+
+struct ActuatorDelay {
+  static constexpr std::string_view kName = "actuator_delay";
+  static constexpr std::string_view kTitle = "pure delay of the actuator";
+  static constexpr std::string_view kEquation = "u(t) = command(t - tau)";
+  static constexpr std::string_view kSource = "Horiuchi et al. 1999; cubic interpolation is ours";
+  static constexpr Stage kStage = Stage::Actuator;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kDelay };
+  static constexpr double kLongest = 0.2;  // [s]
+  static constexpr Parameter kParameters[] = {{"delay", "s", 0, kLongest, 0, 12e-3}};
+
+  static TermSize size(const TermSetup& setup) {
+    using Line = DelayLine<double>;
+    return {Line::states(Line::capacity(kLongest, setup.time_step), kSignals), 0};
+  }
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    DelayLine<Real> line{term.state, DelayLine<Real>::capacity(kLongest, term.time_step)};
+    line.advance(term.parameters[kDelay] * (1 / term.time_step));
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      std::size_t signal = axis * kMotionSignals;
+      for (Real* value : motion_of(q, axis)) *value = line.exchange(signal++, *value);
+    }
+  }
+};
+
+struct ActuatorLag {
+  static constexpr std::string_view kName = "first_order_lag";
+  static constexpr std::string_view kTitle = "first-order lag of the actuator";
+  static constexpr std::string_view kEquation = "T u' + u = command";
+  static constexpr std::string_view kSource = "textbook, exact for a command linear in each step";
+  static constexpr Stage kStage = Stage::Actuator;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kTimeConstant };
+  static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 10, 0, 20e-3}};
+  static constexpr std::size_t kStates = kSignals * FirstOrderLag<double>::kStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    lag_motion(term, q, FirstOrderLag<Real>{term.parameters[kTimeConstant], term.time_step});
+  }
+};
+
+struct ActuatorBandwidth {
+  static constexpr std::string_view kName = "actuator_bandwidth";
+  static constexpr std::string_view kTitle = "second-order lag of the actuator";
+  static constexpr std::string_view kEquation =
+      "T^2 u'' + 2 zeta T u' + u = command,  T = 1/(2 pi f)";
+  static constexpr std::string_view kSource = "textbook, exact for a command linear in each step";
+  static constexpr Stage kStage = Stage::Actuator;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kTimeConstant, kDamping };
+  static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 1, 0, 13e-3},
+                                              {"damping", "-", 0.01, 10, 0.8, 0.8}};
+  static constexpr std::size_t kStates = kSignals * SecondOrderLag<double>::kStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    lag_motion(term, q,
+               SecondOrderLag<Real>{term.parameters[kTimeConstant], term.parameters[kDamping],
+                                    term.time_step});
+  }
+};
+
+struct OilColumnResonance {
+  static constexpr std::string_view kName = "oil_column_resonance";
+  static constexpr std::string_view kTitle = "platen on the oil column";
+  static constexpr std::string_view kEquation =
+      "T^2 u'' + 2 zeta T u' + u = command,  T^2 = m V / (4 B A^2)";
+  static constexpr std::string_view kSource = "Merritt 1967, chapter 6";
+  static constexpr Stage kStage = Stage::Actuator;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kTimeConstant, kDamping };
+  static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 1, 0, 13e-3},
+                                              {"damping", "-", 0.001, 10, 0.1, 0.1}};
+  static constexpr std::size_t kStates = kSignals * SecondOrderLag<double>::kStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    lag_motion(term, q,
+               SecondOrderLag<Real>{term.parameters[kTimeConstant], term.parameters[kDamping],
+                                    term.time_step});
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<ActuatorDelay>(), kind_of<ActuatorLag>(),
+                               kind_of<ActuatorBandwidth>(), kind_of<OilColumnResonance>()};
+
+}  // namespace
+
+std::span<const TermKind> linear_actuator_kinds() { return kKinds; }
+
+}  // namespace rths::sim

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hysteresis_kinds.hpp"
+#include "kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+// Sliders lie evenly on a logarithmic scale of two decades below the reach. The spline has a knot
+// at every fourth of them.
+constexpr std::size_t kKnots = 6;
+constexpr std::size_t kSlidersPerKnot = 4;
+constexpr std::size_t kSliders = (kKnots - 1) * kSlidersPerKnot + 1;
+constexpr double kDecades = 2;
+
+// How much of the strength of the knots to its left and right a slider has: a hat, whose sum over
+// the sliders is 1 for every knot.
+struct Share {
+  std::size_t left;
+  double of_left, of_right;
+};
+
+constexpr double hat_sum(std::size_t knot) {
+  const double full = kSlidersPerKnot;  // 1 + 2 (1/n + … + (n-1)/n)
+  return knot == 0 || knot == kKnots - 1 ? (full + 1) / 2 : full;
+}
+
+constexpr Share share_of(std::size_t slider) {
+  const std::size_t left = std::min(slider / kSlidersPerKnot, kKnots - 2);
+  const double right = static_cast<double>(slider - left * kSlidersPerKnot) / kSlidersPerKnot;
+  return {left, (1 - right) / hat_sum(left), right / hat_sum(left + 1)};
+}
+
+struct Iwan {
+  static constexpr std::string_view kName = "iwan";
+  static constexpr std::string_view kTitle = "Masing hysteresis with a spline backbone";
+  static constexpr std::string_view kEquation =
+      "F = K_d u + sum_j Q_j z_j,  dz_j = du/r_j within |z_j| < 1, radial return to |z_j| = 1,  "
+      "Q_j = sum_k q_k hat_k(log r_j)";
+  static constexpr std::string_view kSource =
+      "Iwan 1966 (parallel sliders), monotone concave spline after Meyer 2008";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
+  enum { kStiffness, kReach, kStrength };
+  static constexpr Parameter kParameters[] = {{"post_yield_stiffness", "N/m", 0, 1e12, 0, 4e6},
+                                              {"reach", "m", 1e-6, 10, 0.1, 0.1},
+                                              {"strength_1", "N", 0, 1e9, 0, 1e5},
+                                              {"strength_2", "N", 0, 1e9, 0, 3e5},
+                                              {"strength_3", "N", 0, 1e9, 0, 3e5},
+                                              {"strength_4", "N", 0, 1e9, 0, 2e5},
+                                              {"strength_5", "N", 0, 1e9, 0, 1e5},
+                                              {"strength_6", "N", 0, 1e9, 0, 5e4}};
+  static constexpr std::size_t kStates = 2 + 2 * kSliders;  // displacement before, z of each
+
+  static TermSize size(const TermSetup&) { return {kStates, kSliders}; }
+  // 1/r_j over that of the reach.
+  static void prepare(const TermSetup&, std::span<double> constants) {
+    for (std::size_t j = 0; j < kSliders; ++j)
+      constants[j] = std::pow(10, kDecades * (1 - static_cast<double>(j) / (kSliders - 1)));
+  }
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Plane<Real> u = displacement_of(q);
+    const Plane<Real> du =
+        (u - Plane<Real>{term.state[0], term.state[1]}) * (1 / term.parameters[kReach]);
+    term.state[0] = u.x, term.state[1] = u.y;
+    Plane<Real> sum;
+    for (std::size_t j = 0; j < kSliders; ++j) {
+      Real* slider = term.state + 2 + 2 * j;
+      Plane<Real> z = Plane<Real>{slider[0], slider[1]} + du * Real{term.constants[j]};
+      if (dot(z, z) > 1) z = z * (1 / length(z));
+      slider[0] = z.x, slider[1] = z.y;
+      const Share share = share_of(j);
+      const Real* strength = term.parameters + kStrength + share.left;
+      sum = sum + z * (strength[0] * share.of_left + strength[1] * share.of_right);
+    }
+    resist(q, sum * q.strength, term.parameters[kStiffness] * q.stiffness);
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<Iwan>()};
+
+}  // namespace
+
+std::span<const TermKind> iwan_kinds() { return kKinds; }
+
+}  // namespace rths::sim

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hysteresis_kinds.hpp"
+#include "kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+constexpr std::size_t kElements = 4;
+
+struct HysteresisShape {
+  static constexpr std::string_view kName = "hysteresis_shape";
+  static constexpr std::string_view kTitle = "shape of the loop (model form)";
+  static constexpr std::string_view kEquation =
+      "F = sum_k q_k h_k,  dh_k = (du - h_k |du|) / L_k,  L_k = L (1, 10/3, 65/6, 37.5)";
+  static constexpr std::string_view kSource = "Dahl 1968 for two directions; the sum is ours";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kFrameIndifferent;  // forces below 0 give work back
+  enum { kLength, kForce };
+  static constexpr Parameter kParameters[] = {{"length", "m", 1e-7, 1, 1.2e-3, 1.2e-3},
+                                              {"force_1", "N", -1e9, 1e9, 0, 2e4},
+                                              {"force_2", "N", -1e9, 1e9, 0, 2e4},
+                                              {"force_3", "N", -1e9, 1e9, 0, 2e4},
+                                              {"force_4", "N", -1e9, 1e9, 0, 2e4}};
+  static constexpr std::size_t kStates = 2 + 2 * kElements;  // displacement before, h of each
+  static constexpr double kLengths[kElements] = {1, 4 / 1.2, 13 / 1.2, 45 / 1.2};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::exp;
+    const Plane<Real> u = displacement_of(q);
+    const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
+    term.state[0] = u.x, term.state[1] = u.y;
+    const Real way = length(du);
+    const Plane<Real> ahead = way > 0 ? du * (1 / way) : Plane<Real>{};
+    const Real ways = way / term.parameters[kLength];
+    Plane<Real> sum;
+    for (std::size_t k = 0; k < kElements; ++k) {
+      Real* state = term.state + 2 + 2 * k;
+      // The law is solved exactly along a straight step.
+      const Real kept = exp(ways * (-1 / kLengths[k]));
+      const Plane<Real> h = Plane<Real>{state[0], state[1]} * kept + ahead * (1 - kept);
+      state[0] = h.x, state[1] = h.y;
+      sum = sum + h * term.parameters[kForce + k];
+    }
+    resist(q, sum * q.strength, Real{0});
+  }
+};
+
+struct Degradation {
+  static constexpr std::string_view kName = "degradation";
+  static constexpr std::string_view kTitle = "strength and stiffness lost with dissipated work";
+  static constexpr std::string_view kEquation =
+      "Q_d -> Q_d / (1 + d_Q W),  K_d -> K_d / (1 + d_K W),  W = int F_h . du";
+  static constexpr std::string_view kSource = "Baber & Wen 1981";
+  static constexpr Stage kStage = Stage::Modifier;
+  static constexpr unsigned kTraits = kFrameIndifferent;
+  enum { kStrengthLoss, kStiffnessLoss };
+  static constexpr Parameter kParameters[] = {{"strength_loss", "1/J", 0, 1, 0, 1e-7},
+                                              {"stiffness_loss", "1/J", 0, 1, 0, 1e-7}};
+  static constexpr std::size_t kStates = 3;  // displacement before, W
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    Real& work = term.state[2];
+    for (std::size_t i = 0; i < kHorizontalAxes; ++i) {
+      work += q.last_hysteretic_force[i] * (q.displacement[i] - term.state[i]);
+      term.state[i] = q.displacement[i];
+    }
+    // The force is one step old: a first reversal may lead a little below 0.
+    if (work < 0) work = Real{0};
+    q.strength *= 1 / (1 + term.parameters[kStrengthLoss] * work);
+    q.stiffness *= 1 / (1 + term.parameters[kStiffnessLoss] * work);
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<HysteresisShape>(), kind_of<Degradation>()};
+
+}  // namespace
+
+std::span<const TermKind> model_form_kinds() { return kKinds; }
+
+}  // namespace rths::sim

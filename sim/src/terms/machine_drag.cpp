@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <numbers>
+
+#include "kinds.hpp"
+#include "machine_kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+// Adds f(axis) to the force of each axis that the term acts on.
+template <class Real, class Force>
+void add(const TermView<Real>& term, Quantities<Real>& q, Force force) {
+  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+    if (term.acts_on(axis)) q.force[axis] += force(axis);
+}
+
+struct ViscousFriction {
+  static constexpr std::string_view kName = "viscous_friction";
+  static constexpr std::string_view kTitle = "viscous friction";
+  static constexpr std::string_view kEquation = "F = c v";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent | kPerAxis;
+  enum { kCoefficient };
+  static constexpr Parameter kParameters[] = {{"coefficient", "N*s/m", 0, 1e9, 0, 2e4}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    add(term, q,
+        [&](std::size_t axis) { return term.parameters[kCoefficient] * q.velocity[axis]; });
+  }
+};
+
+struct AsymmetricViscous {
+  static constexpr std::string_view kName = "asymmetric_viscous";
+  static constexpr std::string_view kTitle = "viscous friction that differs forwards and backwards";
+  static constexpr std::string_view kEquation = "F = c_+ v for v > 0, c_- v for v < 0";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  enum { kForward, kBackward };
+  static constexpr Parameter kParameters[] = {{"forward_coefficient", "N*s/m", 0, 1e9, 0, 3e4},
+                                              {"backward_coefficient", "N*s/m", 0, 1e9, 0, 1e4}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    add(term, q, [&](std::size_t axis) {
+      const Real& v = q.velocity[axis];
+      return term.parameters[v > 0 ? kForward : kBackward] * v;
+    });
+  }
+};
+
+struct QuadraticDrag {
+  static constexpr std::string_view kName = "quadratic_drag";
+  static constexpr std::string_view kTitle = "drag with the square of velocity (pipes, orifices)";
+  static constexpr std::string_view kEquation = "F = c_2 |v| v";
+  static constexpr std::string_view kSource = "textbook; of a pipe c_2 = rho zeta A^3 / (2 a^2)";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  enum { kCoefficient };
+  static constexpr Parameter kParameters[] = {{"coefficient", "N*s2/m2", 0, 1e9, 0, 2e4}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::abs;
+    add(term, q, [&](std::size_t axis) {
+      const Real& v = q.velocity[axis];
+      return term.parameters[kCoefficient] * (abs(v) * v);
+    });
+  }
+};
+
+struct PlatenInertia {
+  static constexpr std::string_view kName = "platen_inertia";
+  static constexpr std::string_view kTitle = "inertia of what moves with the platen";
+  static constexpr std::string_view kEquation = "F = m a";
+  static constexpr std::string_view kSource = "Newton";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kFrameIndifferent | kPerAxis;
+  enum { kMass };
+  // Below 0: a correction that took away too much.
+  static constexpr Parameter kParameters[] = {{"mass", "kg", -1e7, 1e7, 0, 5e3}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    add(term, q, [&](std::size_t axis) { return term.parameters[kMass] * q.acceleration[axis]; });
+  }
+};
+
+struct Cogging {
+  static constexpr std::string_view kName = "cogging";
+  static constexpr std::string_view kTitle = "force that repeats along the way (cogging)";
+  static constexpr std::string_view kEquation = "F = F_g sin(2 pi u / p + phi)";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kForce, kPitch, kPhase };
+  static constexpr Parameter kParameters[] = {{"force", "N", 0, 1e7, 0, 2e4},
+                                              {"pitch", "m", 1e-4, 10, 0.05, 0.05},
+                                              {"phase", "rad", -3.2, 3.2, 0, 0.5}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::sin;
+    const Real wave_number = 2 * std::numbers::pi / term.parameters[kPitch];
+    add(term, q, [&](std::size_t axis) {
+      return term.parameters[kForce] *
+             sin(wave_number * q.displacement[axis] + term.parameters[kPhase]);
+    });
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<ViscousFriction>(), kind_of<AsymmetricViscous>(),
+                               kind_of<QuadraticDrag>(), kind_of<PlatenInertia>(),
+                               kind_of<Cogging>()};
+
+}  // namespace
+
+std::span<const TermKind> drag_kinds() { return kKinds; }
+
+}  // namespace rths::sim

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kinds.hpp"
+#include "machine_kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+constexpr std::size_t kDahlStates = 2 * kHorizontalAxes;  // displacement before, s
+
+// Part s of full friction of an axis, -1 … 1, after this step: Dahl's law with exponent 1, solved
+// exactly along a step that does not turn.
+template <class Real>
+const Real& presliding(const TermView<Real>& term, const Quantities<Real>& q, std::size_t axis,
+                       const Real& length) {
+  using std::abs;
+  using std::exp;
+  Real& before = term.state[2 * axis];
+  Real& s = term.state[2 * axis + 1];
+  const Real du = q.displacement[axis] - before;
+  const Real sign = du > 0 ? Real{1} : Real{-1};
+  s = sign + (s - sign) * exp(-abs(du) / length);
+  before = q.displacement[axis];
+  return s;
+}
+
+constexpr std::string_view kDahl = "Dahl 1968, exponent 1";
+constexpr Parameter kPreslidingLength = {"presliding", "m", 1e-7, 0.1, 1e-4, 1e-4};
+
+struct CoulombFriction {
+  static constexpr std::string_view kName = "coulomb_friction";
+  static constexpr std::string_view kTitle = "Coulomb friction with presliding";
+  static constexpr std::string_view kEquation = "F = F_c s,  ds = (du - s |du|) / z_s";
+  static constexpr std::string_view kSource = kDahl;
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  enum { kForce, kPresliding };
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
+                                              kPreslidingLength};
+  static constexpr std::size_t kStates = kDahlStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+      if (term.acts_on(axis))
+        q.force[axis] +=
+            term.parameters[kForce] * presliding(term, q, axis, term.parameters[kPresliding]);
+  }
+};
+
+struct AsymmetricFriction {
+  static constexpr std::string_view kName = "asymmetric_friction";
+  static constexpr std::string_view kTitle = "Coulomb friction that differs forwards and backwards";
+  static constexpr std::string_view kEquation =
+      "F = F_+ s for s > 0, F_- s for s < 0,  ds = (du - s |du|) / z_s";
+  static constexpr std::string_view kSource = kDahl;
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  enum { kForward, kBackward, kPresliding };
+  static constexpr Parameter kParameters[] = {{"forward_force", "N", 0, 1e7, 0, 1.2e4},
+                                              {"backward_force", "N", 0, 1e7, 0, 0.8e4},
+                                              kPreslidingLength};
+  static constexpr std::size_t kStates = kDahlStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const Real& s = presliding(term, q, axis, term.parameters[kPresliding]);
+      q.force[axis] += term.parameters[s > 0 ? kForward : kBackward] * s;
+    }
+  }
+};
+
+struct LoadDependentFriction {
+  static constexpr std::string_view kName = "load_dependent_friction";
+  static constexpr std::string_view kTitle = "friction in proportion to the vertical force";
+  static constexpr std::string_view kEquation = "F = mu max(N, 0) s,  ds = (du - s |du|) / z_s";
+  static constexpr std::string_view kSource = kDahl;
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  enum { kCoefficient, kPresliding };
+  static constexpr Parameter kParameters[] = {{"friction_coefficient", "-", 0, 1, 0, 2e-3},
+                                              kPreslidingLength};
+  static constexpr std::size_t kStates = kDahlStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real load = q.axial_load > 0 ? q.axial_load : Real{0};
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+      if (term.acts_on(axis))
+        q.force[axis] += term.parameters[kCoefficient] * load *
+                         presliding(term, q, axis, term.parameters[kPresliding]);
+  }
+};
+
+struct StribeckFriction {
+  static constexpr std::string_view kName = "stribeck_friction";
+  static constexpr std::string_view kTitle = "Coulomb friction with breakaway";
+  static constexpr std::string_view kEquation =
+      "F = (F_c + dF_s exp(-(v/v_s)^2)) s,  ds = (du - s |du|) / z_s";
+  static constexpr std::string_view kSource = "Armstrong-Helouvry, Dupont & Canudas de Wit 1994";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kPerAxis;  // presliding may give back what breakaway lent
+  enum { kForce, kBreakaway, kVelocity, kPresliding };
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
+                                              {"breakaway_force", "N", 0, 1e7, 0, 1e4},
+                                              {"stribeck_velocity", "m/s", 1e-5, 10, 0.02, 0.05},
+                                              kPreslidingLength};
+  static constexpr std::size_t kStates = kDahlStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::exp;
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const Real ratio = q.velocity[axis] / term.parameters[kVelocity];
+      const Real level =
+          term.parameters[kForce] + term.parameters[kBreakaway] * exp(-(ratio * ratio));
+      q.force[axis] += level * presliding(term, q, axis, term.parameters[kPresliding]);
+    }
+  }
+};
+
+struct PositionDependentFriction {
+  static constexpr std::string_view kName = "position_dependent_friction";
+  static constexpr std::string_view kTitle = "friction at one place (rub)";
+  static constexpr std::string_view kEquation =
+      "F = F_r exp(-((u - u_r)/w)^2) s,  ds = (du - s |du|) / z_s";
+  static constexpr std::string_view kSource = "Dahl 1968, exponent 1; the bell is ours";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kPerAxis;  // s is spent elsewhere than where it was wound up
+  enum { kForce, kPlace, kWidth, kPresliding };
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 2e4},
+                                              {"place", "m", -10, 10, 0, 0.05},
+                                              {"width", "m", 1e-4, 10, 0.02, 0.02},
+                                              kPreslidingLength};
+  static constexpr std::size_t kStates = kDahlStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::exp;
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const Real off = (q.displacement[axis] - term.parameters[kPlace]) / term.parameters[kWidth];
+      q.force[axis] += term.parameters[kForce] * exp(-(off * off)) *
+                       presliding(term, q, axis, term.parameters[kPresliding]);
+    }
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<CoulombFriction>(), kind_of<AsymmetricFriction>(),
+                               kind_of<LoadDependentFriction>(), kind_of<StribeckFriction>(),
+                               kind_of<PositionDependentFriction>()};
+
+}  // namespace
+
+std::span<const TermKind> friction_kinds() { return kKinds; }
+
+}  // namespace rths::sim

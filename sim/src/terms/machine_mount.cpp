@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <limits>
+
+#include "compliance.hpp"
+#include "kinds.hpp"
+#include "machine_kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+constexpr std::string_view kMount = "textbook; how it is solved: docs/theory/machine_terms.md";
+
+// Gives the specimen the displacement x, and the velocity that goes with it.
+template <class Real>
+void yield_to(const TermView<Real>& term, Quantities<Real>& q, std::size_t axis, const Real& x,
+              Real& last_yield) {
+  const Real yield = q.displacement[axis] - x;
+  q.velocity[axis] -= (yield - last_yield) * (1 / term.time_step);
+  q.displacement[axis] -= yield;
+  last_yield = yield;
+}
+
+struct SupportFlexibility {
+  static constexpr std::string_view kName = "support_flexibility";
+  static constexpr std::string_view kTitle = "support that yields under the specimen's force";
+  static constexpr std::string_view kEquation = "u_specimen = u - chi F";
+  static constexpr std::string_view kSource = kMount;
+  static constexpr Stage kStage = Stage::Motion;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kFlexibility, kStiffness };
+  static constexpr Parameter kParameters[] = {{"flexibility", "m/N", 0, 1e-3, 0, 2e-9},
+                                              kStiffnessEstimate};
+  static constexpr std::size_t kAxisStates = Compliance<double>::kStates + 1;
+  static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      Real* state = term.state + axis * kAxisStates;
+      Compliance<Real> support{state, term.parameters[kFlexibility], term.parameters[kStiffness]};
+      const Real x = support.yield(q.displacement[axis], q.last_specimen_force[axis],
+                                   Real{std::numeric_limits<double>::max()});
+      yield_to(term, q, axis, x, state[kAxisStates - 1]);
+    }
+  }
+};
+
+struct MountSlack {
+  static constexpr std::string_view kName = "mount_slack";
+  static constexpr std::string_view kTitle = "slack in the specimen's mount";
+  static constexpr std::string_view kEquation = "u_specimen = u - (g/2) clip(F/F_seat, 1)";
+  static constexpr std::string_view kSource = kMount;
+  static constexpr Stage kStage = Stage::Motion;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kSlack, kSeat, kStiffness };
+  static constexpr Parameter kParameters[] = {{"slack", "m", 0, 0.1, 0, 2e-3},
+                                              {"seating_force", "N", 1, 1e9, 1e5, 1e5},
+                                              kStiffnessEstimate};
+  static constexpr std::size_t kAxisStates = Compliance<double>::kStates + 1;
+  static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real half = 0.5 * term.parameters[kSlack];
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      Real* state = term.state + axis * kAxisStates;
+      Compliance<Real> mount{state, half / term.parameters[kSeat], term.parameters[kStiffness]};
+      const Real x = mount.yield(q.displacement[axis], q.last_specimen_force[axis], half);
+      yield_to(term, q, axis, x, state[kAxisStates - 1]);
+    }
+  }
+};
+
+struct TransducerBacklash {
+  static constexpr std::string_view kName = "transducer_backlash";
+  static constexpr std::string_view kTitle = "backlash between transducer and specimen";
+  static constexpr std::string_view kEquation = "u_specimen: play of u, moved only beyond +-g/2";
+  static constexpr std::string_view kSource = "Krasnosel'skii & Pokrovskii 1989 (play operator)";
+  static constexpr Stage kStage = Stage::Motion;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kGap };
+  static constexpr Parameter kParameters[] = {{"gap", "m", 0, 0.1, 0, 2e-3}};
+  static constexpr std::size_t kStates = kHorizontalAxes;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real half = 0.5 * term.parameters[kGap];
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const Real& u = q.displacement[axis];
+      Real& x = term.state[axis];
+      if (u >= x + half)
+        x = u - half;
+      else if (u <= x - half)
+        x = u + half;
+      else
+        q.velocity[axis] = q.acceleration[axis] = Real{0};
+      q.displacement[axis] = x;
+    }
+  }
+};
+
+struct InputDeadZone {
+  static constexpr std::string_view kName = "input_dead_zone";
+  static constexpr std::string_view kTitle = "small displacements that do not reach the specimen";
+  static constexpr std::string_view kEquation = "u_specimen = u - clip(u, d)";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Motion;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kHalfWidth };
+  static constexpr Parameter kParameters[] = {{"half_width", "m", 0, 1, 0, 5e-3}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const Real lost = clipped(q.displacement[axis], term.parameters[kHalfWidth]);
+      if (lost == q.displacement[axis] && term.parameters[kHalfWidth] > 0)
+        q.velocity[axis] = q.acceleration[axis] = Real{0};
+      q.displacement[axis] -= lost;
+    }
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<SupportFlexibility>(), kind_of<MountSlack>(),
+                               kind_of<TransducerBacklash>(), kind_of<InputDeadZone>()};
+
+}  // namespace
+
+std::span<const TermKind> mount_kinds() { return kKinds; }
+
+}  // namespace rths::sim

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kinds.hpp"
+#include "machine_kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+struct PolynomialStiffness {
+  static constexpr std::string_view kName = "polynomial_stiffness";
+  static constexpr std::string_view kTitle = "polynomial spring";
+  static constexpr std::string_view kEquation = "F = k_1 u + k_2 u^2 + k_3 u^3";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kLinear, kQuadratic, kCubic };
+  static constexpr Parameter kParameters[] = {{"linear", "N/m", -1e12, 1e12, 0, 4e6},
+                                              {"quadratic", "N/m2", -1e14, 1e14, 0, 5e6},
+                                              {"cubic", "N/m3", -1e16, 1e16, 0, 1e8}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real* k = term.parameters;
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const Real& u = q.displacement[axis];
+      q.force[axis] += u * (k[kLinear] + u * (k[kQuadratic] + u * k[kCubic]));
+    }
+  }
+};
+
+struct PiecewiseStiffness {
+  static constexpr std::string_view kName = "piecewise_stiffness";
+  static constexpr std::string_view kTitle = "spring with one stiffness inside and one outside";
+  static constexpr std::string_view kEquation = "F = k_1 clip(u, u_b) + k_2 (u - clip(u, u_b))";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kInside, kOutside, kBreak };
+  static constexpr Parameter kParameters[] = {{"inside_stiffness", "N/m", 0, 1e12, 0, 4e6},
+                                              {"outside_stiffness", "N/m", 0, 1e12, 0, 1e7},
+                                              {"break_displacement", "m", 0, 10, 0.05, 0.05}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const Real inside = clipped(q.displacement[axis], term.parameters[kBreak]);
+      q.force[axis] += term.parameters[kInside] * inside +
+                       term.parameters[kOutside] * (q.displacement[axis] - inside);
+    }
+  }
+};
+
+struct PiecewiseDamping {
+  static constexpr std::string_view kName = "piecewise_damping";
+  static constexpr std::string_view kTitle = "damper with a slow and a fast coefficient";
+  static constexpr std::string_view kEquation = "F = c_1 clip(v, v_b) + c_2 (v - clip(v, v_b))";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  enum { kSlow, kFast, kBreak };
+  static constexpr Parameter kParameters[] = {{"slow_coefficient", "N*s/m", 0, 1e9, 0, 2e5},
+                                              {"fast_coefficient", "N*s/m", 0, 1e9, 0, 5e4},
+                                              {"break_velocity", "m/s", 0, 100, 0.1, 0.1}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const Real slow = clipped(q.velocity[axis], term.parameters[kBreak]);
+      q.force[axis] +=
+          term.parameters[kSlow] * slow + term.parameters[kFast] * (q.velocity[axis] - slow);
+    }
+  }
+};
+
+struct GapContact {
+  static constexpr std::string_view kName = "gap_contact";
+  static constexpr std::string_view kTitle = "stop behind a gap, with loss at impact";
+  static constexpr std::string_view kEquation =
+      "F = sgn(u) max(0, k d (1 + c d')),  d = max(0, |u| - gap)";
+  static constexpr std::string_view kSource = "Hunt & Crossley 1975, exponent 1";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  enum { kGap, kStiffness, kLoss };
+  static constexpr Parameter kParameters[] = {{"gap", "m", 0, 10, 0.1, 0.1},
+                                              {"stiffness", "N/m", 0, 1e12, 0, 5e7},
+                                              {"loss", "s/m", 0, 100, 0, 0.5}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::abs;
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const double side = value_of(q.displacement[axis]) < 0 ? -1 : 1;
+      const Real depth = abs(q.displacement[axis]) - term.parameters[kGap];
+      const Real hold = 1 + term.parameters[kLoss] * q.velocity[axis] * side;
+      if (depth > 0 && hold > 0) q.force[axis] += term.parameters[kStiffness] * depth * hold * side;
+    }
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<PolynomialStiffness>(), kind_of<PiecewiseStiffness>(),
+                               kind_of<PiecewiseDamping>(), kind_of<GapContact>()};
+
+}  // namespace
+
+std::span<const TermKind> spring_kinds() { return kKinds; }
+
+}  // namespace rths::sim

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+
+#include <rths/sim/term.hpp>
+
+namespace rths::sim {
+
+std::span<const TermKind> sensor_cross_kinds();
+std::span<const TermKind> sensor_range_kinds();
+std::span<const TermKind> sensor_scale_kinds();
+std::span<const TermKind> sensor_time_kinds();
+
+/// What a sensor term's channel reads: one number per axis, or the axial load alone.
+template <class Real>
+Horizontal<Real>* horizontal_channel(const TermView<Real>& term, Quantities<Real>& q) {
+  switch (term.channel) {
+    case Channel::Force:
+      return &q.force;
+    case Channel::Displacement:
+      return &q.displacement;
+    case Channel::Acceleration:
+      return &q.acceleration;
+    case Channel::AxialLoad:
+      break;
+  }
+  return nullptr;
+}
+
+/// Gives each reading that the term acts on to `change(place, reading)`, place 0 or 1.
+template <class Real, class Change>
+void change_readings(const TermView<Real>& term, Quantities<Real>& q, Change change) {
+  Horizontal<Real>* readings = horizontal_channel(term, q);
+  if (readings == nullptr) return change(std::size_t{0}, q.axial_load);
+  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+    if (term.acts_on(axis)) change(axis, (*readings)[axis]);
+}
+
+inline constexpr unsigned kSensorTraits = kPerAxis | kPerChannel;
+
+}  // namespace rths::sim
