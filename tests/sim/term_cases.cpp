@@ -50,6 +50,7 @@ Quantities<double> motion_at(const Motion& motion, int i) {
   q.axial_load = motion.axial_load * (1 + motion.axial_load_variation * up.value);
   q.vertical_displacement = motion.vertical_offset + motion.vertical_amplitude * up.value;
   q.vertical_velocity = motion.vertical_amplitude * up.rate;
+  q.temperature = wave(motion.temperature, 0.3 * motion.frequency, 2.3, q.time).value;
   return q;
 }
 
@@ -93,6 +94,7 @@ std::vector<Real> outputs_of(const Composition& composition, std::span<const Rea
     q.axial_load = given.axial_load;
     q.vertical_displacement = given.vertical_displacement;
     q.vertical_velocity = given.vertical_velocity;
+    q.temperature = given.temperature;
     composition.advance(parameters, state, q);
     for (const auto& pair : {q.displacement, q.acceleration, q.force})
       outputs.insert(outputs.end(), pair.begin(), pair.end());

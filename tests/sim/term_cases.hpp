@@ -19,6 +19,7 @@ struct Motion {
   double axial_load_variation = 0.3;  ///< of the mean [-]
   double vertical_offset = -2e-3;     ///< [m]
   double vertical_amplitude = 1e-3;   ///< [m]
+  double temperature = 0;             ///< of the surroundings, amplitude [°C]
   double time_step = 5e-3;            ///< [s]
   int steps = 800;
 };

@@ -2,7 +2,100 @@
 #include "term_cases.hpp"
 
 namespace rths::sim::test {
+namespace {
 
-std::vector<TermCase> elastomeric_cases() { return {}; }
+TermSettings bearing() {
+  return {"bouc_wen",
+          "",
+          {{"characteristic_strength", 1.01e6},
+           {"post_yield_stiffness", 4.238e6},
+           {"yield_displacement", 2.855e-3}}};
+}
+
+// A small bearing, so that its displacements reach the least area.
+TermCase buckling() {
+  TermCase c;
+  c.kind = "buckling_load_variation";
+  c.term.parameters = {{"critical_load", 6e7}, {"outer_diameter", 0.3}, {"residual_ratio", 0.35}};
+  c.company = {bearing(), {"horizontal_stiffness_variation", "", {{"coefficient", 1}}}};
+  return c;
+}
+
+TermCase vertical_stiffness() {
+  TermCase c;
+  c.kind = "vertical_stiffness_variation";
+  c.company = {{"elastomeric_axial", "", {{"vertical_stiffness", 5e9}}}};
+  return c;
+}
+
+// Soft, so that one motion reaches cavitation, its decay and buckling, and mostly compressed, so
+// that damage grows in several cycles. A load that buckling limits has little scatter for its noise
+// to be a part of. The rubber's thickness is on the drawing, and tells little beside the decay.
+TermCase axial() {
+  TermCase c;
+  c.kind = "elastomeric_axial";
+  c.term.parameters = {
+      {"vertical_stiffness", 5e8}, {"damage_rate", 0.2}, {"buckled_stiffness_ratio", 0.05}};
+  c.company = {{"buckling_load_variation", "", {{"critical_load", 1e7}}}};
+  c.fixed = {"rubber_thickness"};
+  c.motion.vertical_offset = -0.04;
+  c.motion.vertical_amplitude = 0.1;
+  c.noise = 0.002;
+  return c;
+}
+
+TermCase horizontal_stiffness() {
+  TermCase c;
+  c.kind = "horizontal_stiffness_variation";
+  c.company = {bearing(), {"buckling_load_variation", "", {{"critical_load", 3e7}}}};
+  return c;
+}
+
+TermCase ageing() {
+  TermCase c;
+  c.kind = "ageing_temperature";
+  c.company = {bearing()};
+  c.motion.temperature = 20;
+  return c;
+}
+
+// Long enough to cool.
+TermCase adiabatic() {
+  TermCase c;
+  c.kind = "adiabatic_heating";
+  c.term.parameters = {{"cooling_time", 20}};
+  c.company = {bearing()};
+  c.motion.time_step = 0.02;
+  c.motion.steps = 1000;
+  return c;
+}
+
+// Dimensions are on the drawing. Data tell the ratio of softening to capacity only, and lead's
+// capacity is known best. Conductivity and diffusivity of steel come as a pair; one is enough.
+TermCase heating() {
+  TermCase c;
+  c.kind = "lead_heating";
+  c.fixed = {"lead_radius", "lead_height", "shim_thickness", "lead_heat_capacity",
+             "steel_diffusivity"};
+  c.company = {bearing()};
+  c.motion.time_step = 0.04;
+  c.motion.steps = 1000;
+  return c;
+}
+
+// Only the ratio to the height acts.
+TermCase p_delta() {
+  TermCase c;
+  c.kind = "p_delta";
+  c.fixed = {"height"};
+  return c;
+}
+
+}  // namespace
+
+std::vector<TermCase> elastomeric_cases() {
+  return {buckling(), vertical_stiffness(), axial(),   horizontal_stiffness(),
+          ageing(),   adiabatic(),          heating(), p_delta()};
+}
 
 }  // namespace rths::sim::test

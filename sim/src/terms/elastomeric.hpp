@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include <rths/sim/dual.hpp>
+#include <rths/sim/term.hpp>
+
+#include "plane.hpp"
+
+namespace rths::sim {
+
+// The kinds of elastomeric bearings by what they act on (docs/theory/lead_rubber.md). Within a
+// stage they act in this order: first what the axial law needs, then the axial law.
+std::span<const TermKind> elastomeric_vertical_kinds();
+std::span<const TermKind> elastomeric_modifier_kinds();
+std::span<const TermKind> lead_heating_kinds();
+std::span<const TermKind> elastomeric_restoring_kinds();
+
+template <class Real>
+Plane<Real> displacement_of(const Quantities<Real>& q) {
+  return {q.displacement[0], q.displacement[1]};
+}
+
+/// A factor that would be negative is 0: strength and stiffness may be lost, not turned round.
+template <class Real>
+void scale(Real& quantity, const Real& factor) {
+  quantity *= factor > 0 ? factor : Real{0};
+}
+
+}  // namespace rths::sim

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// Forces of the rubber beside its linear stiffness: docs/theory/lead_rubber.md, "Restoring".
+#include <cmath>
+
+#include "elastomeric.hpp"
+#include "kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+template <class Real>
+void add(Quantities<Real>& q, const Plane<Real>& force) {
+  q.force[0] += force.x;
+  q.force[1] += force.y;
+}
+
+struct LargeStrainStiffening {
+  static constexpr std::string_view kName = "large_strain_stiffening";
+  static constexpr std::string_view kTitle = "stiffening at large strain";
+  static constexpr std::string_view kEquation = "F = k_h max(0, |u| - u_h) u/|u|";
+  static constexpr std::string_view kSource = "bilinear envelope of natural rubber";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kFrameIndifferent;
+  enum { kStiffness, kOnset };
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e12, 0, 2e6},
+                                              {"onset", "m", 0, 10, 0.1, 0.1}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Plane<Real> u = displacement_of(q);
+    const Real radius = length(u);
+    const Real& onset = term.parameters[kOnset];
+    if (radius > onset) add(q, u * (term.parameters[kStiffness] * (1 - onset / radius)));
+  }
+};
+
+struct CubicStiffness {
+  static constexpr std::string_view kName = "cubic_stiffness";
+  static constexpr std::string_view kTitle = "cubic stiffness";
+  static constexpr std::string_view kEquation = "F = k_3 |u|^2 u";
+  static constexpr std::string_view kSource = "next odd term of an isotropic elastic law";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kFrameIndifferent;
+  enum { kStiffness };
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m3", -1e14, 1e14, 0, 2e7}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Plane<Real> u = displacement_of(q);
+    add(q, u * (term.parameters[kStiffness] * dot(u, u)));
+  }
+};
+
+struct AsymmetricStiffness {
+  static constexpr std::string_view kName = "asymmetric_stiffness";
+  static constexpr std::string_view kTitle = "stiffness that differs by direction";
+  static constexpr std::string_view kEquation = "F = k_2 u^2 on each axis";
+  static constexpr std::string_view kSource = "first even term of an elastic law";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kStiffness };
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m2", -1e14, 1e14, 0, 1e6}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+      if (term.acts_on(axis))
+        q.force[axis] += term.parameters[kStiffness] * q.displacement[axis] * q.displacement[axis];
+  }
+};
+
+struct PDelta {
+  static constexpr std::string_view kName = "p_delta";
+  static constexpr std::string_view kTitle = "P-delta force";
+  static constexpr std::string_view kEquation = "F = k_L N u/h,  k_L < 0 pushes outwards";
+  static constexpr std::string_view kSource = "equilibrium in the displaced position";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kFrameIndifferent;
+  enum { kCoefficient, kHeight };
+  static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, -0.05},
+                                              {"height", "m", 1e-3, 100, 0.37, 0.37}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real* p = term.parameters;
+    add(q, displacement_of(q) * (p[kCoefficient] * q.axial_load / p[kHeight]));
+  }
+};
+
+struct ViscoelasticRelaxation {
+  static constexpr std::string_view kName = "viscoelastic_relaxation";
+  static constexpr std::string_view kTitle = "Maxwell branch: a force that relaxes";
+  static constexpr std::string_view kEquation = "dF/dt = k du/dt - F/tau";
+  static constexpr std::string_view kSource = "Maxwell 1867; exact for u linear within a step";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
+  enum { kStiffness, kTime };
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e12, 0, 1e6},
+                                              {"relaxation_time", "s", 1e-3, 1e4, 1, 1}};
+  static constexpr std::size_t kStates = 4;  // displacement before, force
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::exp;
+    const Real part = term.time_step / term.parameters[kTime];
+    const Real decay = exp(-part);
+    const Real intake = term.parameters[kStiffness] * (1 - decay) / part;
+    const Plane<Real> u = displacement_of(q);
+    const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
+    const Plane<Real> force = Plane<Real>{term.state[2], term.state[3]} * decay + du * intake;
+    term.state[0] = u.x, term.state[1] = u.y;
+    term.state[2] = force.x, term.state[3] = force.y;
+    add(q, force);
+  }
+};
+
+struct ViscousDamping {
+  static constexpr std::string_view kName = "viscous_damping";
+  static constexpr std::string_view kTitle = "viscous damping of the bearing";
+  static constexpr std::string_view kEquation = "F = c v";
+  static constexpr std::string_view kSource = "Newton's law";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
+  enum { kDamping };
+  static constexpr Parameter kParameters[] = {{"damping", "N*s/m", 0, 1e10, 0, 1e5}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    add(q, Plane<Real>{q.velocity[0], q.velocity[1]} * term.parameters[kDamping]);
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<LargeStrainStiffening>(),  kind_of<CubicStiffness>(),
+                               kind_of<AsymmetricStiffness>(),    kind_of<PDelta>(),
+                               kind_of<ViscoelasticRelaxation>(), kind_of<ViscousDamping>()};
+
+}  // namespace
+
+std::span<const TermKind> elastomeric_restoring_kinds() { return kKinds; }
+
+}  // namespace rths::sim

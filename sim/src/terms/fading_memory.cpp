@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fading_memory.hpp"
+
+#include <cmath>
+
+#include <Eigen/Core>
+#include <Eigen/QR>
+
+namespace rths::sim {
+namespace {
+
+// Rates lie evenly in their logarithm, from somewhat slower than the longest time to somewhat
+// faster than the shortest, where the kernel still needs them.
+constexpr double kSlowest = 0.03;  // over 1/longest [-]
+constexpr double kFastest = 6;     // over 1/shortest [-]
+constexpr Eigen::Index kFitTimes = 300;
+
+// The kernel's relative error is fitted, so each column is scaled to be about 1 where it matters.
+Eigen::MatrixXd shares(const Eigen::ArrayXd& times, const std::vector<double>& rates,
+                       double power) {
+  Eigen::MatrixXd share(times.size(), static_cast<Eigen::Index>(rates.size()));
+  for (Eigen::Index j = 0; j < share.cols(); ++j) {
+    const Eigen::ArrayXd x = times * rates[static_cast<std::size_t>(j)];
+    share.col(j) = x.pow(power) * (-x).exp();
+  }
+  return share;
+}
+
+}  // namespace
+
+std::vector<FadingExponential> fading_exponentials(double power, double shortest, double longest) {
+  const auto evenly = [](double first, double last, Eigen::Index count) -> Eigen::ArrayXd {
+    return Eigen::ArrayXd::LinSpaced(count, std::log(first), std::log(last)).exp();
+  };
+  const Eigen::ArrayXd times = evenly(shortest, longest, kFitTimes);
+  const Eigen::ArrayXd all = evenly(kSlowest / longest, kFastest / shortest, kFadingExponentials);
+  std::vector<double> rates(all.begin(), all.end());
+  Eigen::VectorXd share;
+  // Least squares without the rates whose weights come out negative.
+  while (true) {
+    share =
+        shares(times, rates, power).colPivHouseholderQr().solve(Eigen::VectorXd::Ones(kFitTimes));
+    Eigen::Index worst = 0;
+    if (share.minCoeff(&worst) >= 0) break;
+    rates.erase(rates.begin() + worst);
+  }
+  std::vector<FadingExponential> exponentials(kFadingExponentials, {1 / longest, 0});
+  for (std::size_t i = 0; i < rates.size(); ++i)
+    exponentials[i] = {rates[i], share[static_cast<Eigen::Index>(i)] * std::pow(rates[i], power)};
+  return exponentials;
+}
+
+// The exponentials serve from one time step on: what a step took in, they hold when the next
+// begins, and M at the end of that step needs what has decayed during it.
+void prepare_fading_memory(double power, double time_step, std::span<double> constants) {
+  constants[0] = std::pow(time_step, 1 - power) / (1 - power);
+  const auto exponentials = fading_exponentials(power, time_step, kLongestMemory + time_step);
+  for (std::size_t i = 0; i < kFadingExponentials; ++i) {
+    const auto& [rate, weight] = exponentials[i];
+    const double decay = std::exp(-rate * time_step);
+    constants[1 + i] = decay;
+    constants[1 + kFadingExponentials + i] = weight * decay * -std::expm1(-rate * time_step) / rate;
+  }
+}
+
+}  // namespace rths::sim
