@@ -44,7 +44,7 @@ class OpenseesBearing : public Opensees, public testing::WithParamInterface<Open
 TEST_P(OpenseesBearing, AnswersAsOursDoes) {
   const OpenseesRow& row = GetParam();
   auto paths = test::all_paths(row.amplitude, row.time_step);
-  if (row.pulled) paths.push_back(test::pulled(row.amplitude, row.time_step, 1));
+  if (row.swing > 0) paths.push_back(test::pulled(row.amplitude, row.time_step, row.swing));
   for (const auto& path : paths) {
     const auto theirs = test::opensees_forces(row.bearing, path);
     const auto ours = test::our_forces(row.bearing, path);

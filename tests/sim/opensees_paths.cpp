@@ -128,6 +128,17 @@ Path pulled(double amplitude, double time_step, double most) {
   return path;
 }
 
+Path two_bursts(double amplitude, double time_step) {
+  constexpr std::size_t kRest = 8;
+  // The ninth second ends in the middle of a leaf's way out: at the centre, but in motion.
+  Path path = cloverleaf(amplitude, time_step);
+  path.name = "two bursts";
+  const auto burst = path.places;
+  path.places.insert(path.places.end(), kRest * burst.size(), Place{});
+  path.places.insert(path.places.end(), burst.begin(), burst.end());
+  return path;
+}
+
 std::vector<Path> all_paths(double amplitude, double time_step) {
   return {circle(amplitude, time_step), cloverleaf(amplitude, time_step),
           spiral(amplitude, time_step), recorded(amplitude, time_step)};

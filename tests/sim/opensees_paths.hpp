@@ -34,7 +34,10 @@ struct Path {
 /// times its mean in both.
 [[nodiscard]] Path pulled(double amplitude, double time_step, double most);
 
-/// All of these, but for the last.
+/// Two cloverleaves with a rest between them that is as long as eight.
+[[nodiscard]] Path two_bursts(double amplitude, double time_step);
+
+/// The first four of these.
 [[nodiscard]] std::vector<Path> all_paths(double amplitude, double time_step);
 
 }  // namespace rths::sim::test

@@ -41,11 +41,11 @@ TermSettings flat() {
           {{"friction_coefficient", kFast}, {"initial_stiffness", kInitialStiffness}}};
 }
 
-TermSettings pendulum(double radius) {
+TermSettings pendulum(double radius, double initial_stiffness = kInitialStiffness) {
   return {"single_pendulum",
           "",
           {{"friction_coefficient", kFast},
-           {"initial_stiffness", kInitialStiffness},
+           {"initial_stiffness", initial_stiffness},
            {"effective_radius", radius}}};
 }
 
@@ -68,11 +68,19 @@ OpenseesRow flat_velocity_dependent() {
   return row;
 }
 
-OpenseesRow single_pendulum() {
+OpenseesRow single_pendulum(const std::string& name, double amplitude) {
   constexpr double kRadius = 2.2;  // [m]
-  auto row = slider("singleFPBearing", {"singleFPBearing", 1, kRadius, kInitialStiffness, "-P", 1},
-                    kVelocityDependent);
+  auto row =
+      slider(name, {"singleFPBearing", 1, kRadius, kInitialStiffness, "-P", 1}, kVelocityDependent);
   row.bearing.terms = {pendulum(kRadius), velocity_dependent()};
+  row.amplitude = amplitude;
+  return row;
+}
+
+OpenseesRow steep_pendulum() {
+  OpenseesRow row = single_pendulum("singleFPBearingFarOut", 0.2);
+  row.bound = 0.012;
+  row.deviation = "ours is for small slopes; theirs adds F.u/R to the load, 1 % at u/R = 0.1";
   return row;
 }
 
@@ -87,10 +95,10 @@ OpenseesRow eradiquake() {
 }
 
 // Friction that falls as the surface warms; nothing else changes it.
-OpenseesRow heated_pendulum() {
+OpenseesRow heated_pendulum(const std::string& name, double initial_stiffness) {
   constexpr double kRadius = 2.2, kContactRadius = 0.3, kPressure = 5e7;
   constexpr double kDiffusivity = 4.44e-6, kConductivity = 18;
-  auto row = slider("FPBearingPTV",
+  auto row = slider(name,
                     {"FPBearingPTV",
                      kFast,
                      0,
@@ -102,7 +110,7 @@ OpenseesRow heated_pendulum() {
                      kRate,
                      kRadius,
                      kContactRadius,
-                     kInitialStiffness,
+                     initial_stiffness,
                      1,
                      2,
                      2,
@@ -121,7 +129,7 @@ OpenseesRow heated_pendulum() {
                      1},
                     kCoulomb);
   row.bearing.element.erase(row.bearing.element.begin() + 28, row.bearing.element.end());
-  row.bearing.terms = {pendulum(kRadius),
+  row.bearing.terms = {pendulum(kRadius, initial_stiffness),
                        {"friction_heating",
                         "",
                         {{"heat_share", 1},
@@ -131,11 +139,23 @@ OpenseesRow heated_pendulum() {
   return row;
 }
 
+OpenseesRow soft_heated_pendulum() {
+  OpenseesRow row = heated_pendulum("FPBearingPTVSoft", kInitialStiffness);
+  row.bound = 0.06;
+  row.deviation = "ours is heated by its work, theirs by mu p |v|, also where it sticks";
+  return row;
+}
+
 }  // namespace
 
 std::vector<OpenseesRow> sliding_rows() {
-  return {flat_coulomb(), flat_velocity_dependent(), single_pendulum(), eradiquake(),
-          heated_pendulum()};
+  return {flat_coulomb(),
+          flat_velocity_dependent(),
+          single_pendulum("singleFPBearing", 0.1),
+          steep_pendulum(),
+          eradiquake(),
+          heated_pendulum("FPBearingPTV", 1e10),
+          soft_heated_pendulum()};
 }
 
 }  // namespace rths::sim::test
