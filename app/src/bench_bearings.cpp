@@ -35,7 +35,7 @@ int bench_bearings(const BearingBenchArguments& arguments) {
   options.passes = arguments.passes;
   options.steps = arguments.steps;
   options.opensees_steps = std::min(options.opensees_steps, arguments.steps);
-  options.bearings = shared / "specimens";
+  options.bearings = shared / "bearings";
   options.script = shared / "opensees/bearing.py";
   options.python = find_opensees(arguments.opensees, programs);
   const bool on_terminal = isatty(STDERR_FILENO) == 1;

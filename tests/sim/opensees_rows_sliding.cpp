@@ -72,7 +72,9 @@ OpenseesRow single_pendulum(const std::string& name, double amplitude) {
   constexpr double kRadius = 2.2;  // [m]
   auto row =
       slider(name, {"singleFPBearing", 1, kRadius, kInitialStiffness, "-P", 1}, kVelocityDependent);
-  row.bearing.terms = {pendulum(kRadius), velocity_dependent()};
+  // Theirs is the stiffness of the whole before sliding, ours that of friction alone.
+  row.bearing.terms = {pendulum(kRadius, kInitialStiffness - kAxialLoad / kRadius),
+                       velocity_dependent()};
   row.amplitude = amplitude;
   return row;
 }
