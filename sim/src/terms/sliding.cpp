@@ -81,8 +81,8 @@ std::span<const TermKind> slider_kinds() { return kSliders; }
 std::span<const TermKind> sliding_kinds() {
   static const std::vector<TermKind> all = [] {
     std::vector<TermKind> kinds;
-    for (const auto& group :
-         {sliding_vertical_kinds(), sliding_modifier_kinds(), slider_kinds(), stop_kinds()})
+    for (const auto& group : {sliding_vertical_kinds(), sliding_modifier_kinds(), slider_kinds(),
+                              triple_pendulum_kinds(), stop_kinds()})
       kinds.insert(kinds.end(), group.begin(), group.end());
     return kinds;
   }();

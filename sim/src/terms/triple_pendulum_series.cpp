@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "triple_pendulum.hpp"
+
+namespace rths::sim {
+namespace {
+
+// The imbalance that is no longer worth a step, per friction and force.
+constexpr double kTolerance = 1e-11;
+// A step is good if the energy's slope at its end has lost half of what it had.
+constexpr double kEnoughSlope = 0.5;
+
+using Segments = std::array<Segment<double>, kSegments>;
+using Answers = std::array<Answer<double>, kSegments>;
+
+Answers answers(const Segments& segments, const SeriesDisplacements& u) {
+  return {answer(segments[0], u[0]), answer(segments[1], u[1]), answer(segments[2], u[2])};
+}
+
+// The common force and the way to it, where every segment is replaced by its tangent.
+struct NewtonStep {
+  SeriesDisplacements direction;
+  double imbalance = 0, scale = 0;
+  double slope = 0;  // of the energy along the direction, ≤ 0 once displacements add up
+};
+
+NewtonStep newton_step(const Answers& found, const Plane<double>& missing) {
+  std::array<Symmetric, kSegments> compliance;
+  Symmetric all;
+  Plane<double> sum = missing;
+  for (std::size_t i = 0; i < kSegments; ++i) {
+    compliance[i] = found[i].tangent.inverse();
+    all += compliance[i];
+    sum = sum + compliance[i] * found[i].force;
+  }
+  const Plane<double> force = all.inverse() * sum;
+  NewtonStep step;
+  for (std::size_t i = 0; i < kSegments; ++i) {
+    const Plane<double> gap = force - found[i].force;
+    step.direction[i] = compliance[i] * gap;
+    step.slope -= dot(gap, step.direction[i]);
+    step.imbalance = std::max(step.imbalance, length(gap));
+    step.scale = std::max(step.scale, length(found[i].force));
+  }
+  return step;
+}
+
+SeriesDisplacements moved(const SeriesDisplacements& u, const NewtonStep& step, double part) {
+  SeriesDisplacements to = u;
+  for (std::size_t i = 0; i < kSegments; ++i) to[i] = u[i] + step.direction[i] * part;
+  return to;
+}
+
+double slope_at(const Answers& found, const NewtonStep& step) {
+  double slope = 0;
+  for (std::size_t i = 0; i < kSegments; ++i) slope += dot(found[i].force, step.direction[i]);
+  return slope;
+}
+
+}  // namespace
+
+SeriesSolution solve_series(const Segments& segments, const Plane<double>& total,
+                            SeriesDisplacements& u) noexcept {
+  double strength = 0;
+  for (const auto& segment : segments) strength = std::max(strength, segment.strength);
+  SeriesSolution solution;
+  Answers found = answers(segments, u);
+  // The first step makes displacements add up, so it is taken whole.
+  NewtonStep step = newton_step(found, total - (u[0] + u[1] + u[2]));
+  u = moved(u, step, 1);
+  found = answers(segments, u);
+  solution.evaluations = 2;
+  while (true) {
+    step = newton_step(found, total - (u[0] + u[1] + u[2]));
+    solution.imbalance = step.imbalance;
+    if (step.imbalance <= kTolerance * (strength + step.scale)) break;
+    double part = 1;
+    const SeriesDisplacements from = u;
+    while (solution.evaluations < kMostEvaluations) {
+      u = moved(from, step, part);
+      found = answers(segments, u);
+      ++solution.evaluations;
+      const double slope = slope_at(found, step);
+      if (slope <= -kEnoughSlope * step.slope) break;
+      // The slope grows along the direction: its zero lies between.
+      part *= std::clamp(step.slope / (step.slope - slope), 0.1, 0.9);
+    }
+    if (solution.evaluations >= kMostEvaluations) break;
+  }
+  return solution;
+}
+
+}  // namespace rths::sim
