@@ -129,15 +129,15 @@ void compare(const test::Path& path, test::Forces (*part)(const test::Forces&)) 
   const auto ours = part(test::our_forces(bearing, path));
   const auto again = part(law_along(path, Source::Speed, Elastic::Kept));
   const auto softer = part(law_along(path, Source::Speed, Elastic::SoftensWithStrength));
-  const auto by_work = part(law_along(path, Source::Work, Elastic::SoftensWithStrength));
+  const auto by_work = part(law_along(path, Source::Work, Elastic::Kept));
 
   const double written_down = test::nrmse(again, theirs).shear;
 
   std::printf(
-      "  %-11s their law again %7.4f %%; softer before yield %7.4f %%; warmed by work %7.4f %%; "
-      "cooled as ours %7.4f %%\n",
-      path.name.c_str(), 100 * written_down, 100 * test::nrmse(softer, again).shear,
-      100 * test::nrmse(by_work, softer).shear, 100 * test::nrmse(ours, by_work).shear);
+      "  %-11s their law again %7.4f %%; with that warmed by work %7.4f %%, or softer before yield "
+      "%7.4f %%; ours from that warmed by work %7.4f %%\n",
+      path.name.c_str(), 100 * written_down, 100 * test::nrmse(by_work, again).shear,
+      100 * test::nrmse(softer, again).shear, 100 * test::nrmse(ours, by_work).shear);
   EXPECT_LE(written_down, 0.005) << path.name;
 }
 

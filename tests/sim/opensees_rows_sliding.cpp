@@ -96,6 +96,37 @@ OpenseesRow eradiquake() {
   return row;
 }
 
+// With friction that depends on velocity it does not converge. What is elastic before sliding is
+// said in another way, so it is made to last a tenth of a millimetre.
+OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
+  constexpr double kYield = 1e-4;                       // [m]
+  constexpr double kLengths[] = {0.4, 2, 2};            // [m]
+  constexpr double kCapacities[] = {0.05, 0.25, 0.25};  // [m]
+  constexpr double kFrictions[] = {0.02, 0.06, 0.1};    // [-]
+  constexpr double kTension = 1e8, kLeastLoad = 1e3, kTolerance = 1e-5;
+  OpenseesRow row;
+  row.name = name;
+  row.amplitude = amplitude;
+  row.bearing.axial_load = kAxialLoad;
+  row.bearing.vertical_stiffness = kVerticalStiffness;
+  row.bearing.materials = json::array({{"ENT", 1, kVerticalStiffness}, {"Elastic", 2, 1e6}});
+  row.bearing.element = {"TripleFrictionPendulum", 1, 2, 3, 1, 2, 2, 2};
+  TermSettings term{"triple_pendulum", "", {{"yield_displacement", kYield}}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto number = static_cast<int>(i + 1);
+    const std::string suffix = "_" + std::to_string(number);
+    row.bearing.friction_models.push_back({"Coulomb", number, kFrictions[i]});
+    term.parameters.emplace_back("radius" + suffix, kLengths[i]);
+    term.parameters.emplace_back("capacity" + suffix, kCapacities[i]);
+    term.parameters.emplace_back("friction" + suffix, kFrictions[i]);
+  }
+  append(row.bearing.element, kLengths);
+  append(row.bearing.element, kCapacities);
+  append(row.bearing.element, {kAxialLoad, kYield, kTension, kLeastLoad, kTolerance});
+  row.bearing.terms = {term};
+  return row;
+}
+
 // Friction that falls as the surface warms; nothing else changes it.
 OpenseesRow heated_pendulum(const std::string& name, double initial_stiffness) {
   constexpr double kRadius = 2.2, kContactRadius = 0.3, kPressure = 5e7;
@@ -157,7 +188,9 @@ std::vector<OpenseesRow> sliding_rows() {
           steep_pendulum(),
           eradiquake(),
           heated_pendulum("FPBearingPTV", 1e10),
-          soft_heated_pendulum()};
+          soft_heated_pendulum(),
+          triple_pendulum("TripleFrictionPendulum", 0.3),
+          triple_pendulum("TripleFrictionPendulumAtStops", 0.58)};
 }
 
 }  // namespace rths::sim::test
