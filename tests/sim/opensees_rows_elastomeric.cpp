@@ -102,10 +102,10 @@ OpenseesRow frame_indifferent() {
 
 OpenseesRow heated(const std::string& name, const LeadRubberEffects& effects) {
   OpenseesRow row = rubber_row(name, effects);
-  row.bound = 0.1;
+  row.bound = 0.15;
   row.deviation =
-      "ours is heated by its work and cools all the time, theirs by |z||v| and less "
-      "and less the longer the analysis lasts";
+      "a warm plug of ours is softer before yield, and it is heated by its work: "
+      "OpenseesHeating takes them apart";
   return row;
 }
 

@@ -48,6 +48,18 @@ TermCase lift() {
   return vertical("pendulum_lift", {{"multilinear_axial", "", {{"stiffness_1", 3e9}}}});
 }
 
+// Through all regimes into the stops of both outer surfaces. Dimensions are known from drawings.
+TermCase triple_pendulum() {
+  TermCase c;
+  c.kind = "triple_pendulum";
+  c.term.parameters = {{"capacity_1", 0.03}, {"capacity_2", 0.12}, {"capacity_3", 0.13}};
+  c.fixed = {"radius_1",   "radius_2",       "radius_3",       "capacity_1",    "capacity_2",
+             "capacity_3", "contact_area_1", "contact_area_2", "contact_area_3"};
+  c.motion.amplitude = 0.25;
+  c.noise = 0.003;
+  return c;
+}
+
 }  // namespace
 
 std::vector<TermCase> sliding_cases() {
@@ -56,7 +68,8 @@ std::vector<TermCase> sliding_cases() {
           modifier("pressure_tanh_sliding", {"contact_area"}),
           heating(),
           multilinear(),
-          lift()};
+          lift(),
+          triple_pendulum()};
 }
 
 }  // namespace rths::sim::test

@@ -51,13 +51,14 @@ struct TriplePendulum {
                                               {"contact_area_1", "m2", 1e-4, 100, 0.25, 0.25},
                                               {"contact_area_2", "m2", 1e-4, 100, 0.3, 0.3},
                                               {"contact_area_3", "m2", 1e-4, 100, 0.3, 0.3},
-                                              {"yield_displacement", "m", 1e-7, 0.1, 1e-3, 1e-3},
+                                              {"yield_displacement", "m", 1e-5, 0.1, 1e-3, 1e-3},
                                               {"rim_stiffness", "1/m", 0, 1e7, 100, 100},
                                               {"rate", "s/m", 0, 1e4, 100, 20},
                                               {"heat_share", "-", 0, 1, 0, 0.9}};
 
-  // Per segment: displacement, slipped, mean flux into its surface, memory of the flux.
-  enum { kDisplacement = 0, kSlipped = 6, kFlux = 12, kMemory = 15 };
+  // Per segment: displacement, its growth in the last step, slip so far, mean flux into its
+  // surface, memory of the flux.
+  enum { kDisplacement = 0, kGrowth = 6, kSlipped = 12, kFlux = 18, kMemory = 21 };
   enum { kFluxGain = kFadingConstants, kConstants };
 
   static TermSize size(const TermSetup&) {
@@ -98,7 +99,7 @@ struct TriplePendulum {
       segment.strength = p[kFriction + i] * q.strength;
       segment.reduction = p[kReduction + i];
       segment.rim = p[kRim];
-      segment.slipped = {term.state[kSlipped + 2 * i], term.state[kSlipped + 2 * i + 1]};
+      segment.slipped = point(term.state + kSlipped + 2 * i);
     }
     return segments;
   }
@@ -124,6 +125,22 @@ struct TriplePendulum {
   template <class Real>
   static Plane<Real> point(const Real* at) {
     return {at[0], at[1]};
+  }
+  template <class Real>
+  static void put(const Plane<Real>& value, Real* at) {
+    at[0] = value.x, at[1] = value.y;
+  }
+
+  // Where the segments are if they go on as in the step before: there the search begins.
+  template <class Real>
+  static SeriesDisplacements expected(const TermView<Real>& term) {
+    SeriesDisplacements at;
+    for (std::size_t i = 0; i < kSegments; ++i) {
+      const Plane<Real> u =
+          point(term.state + kDisplacement + 2 * i) + point(term.state + kGrowth + 2 * i);
+      at[i] = {value_of(u.x), value_of(u.y)};
+    }
+    return at;
   }
 
   // Heat of one surface's slip, while its contact covers the middle.
@@ -202,9 +219,7 @@ struct TriplePendulum {
     auto segments = segments_of(term, q);
     soften(term, q, segments);
     const Plane<Real> total{q.displacement[0], q.displacement[1]};
-    SeriesDisplacements at;
-    for (std::size_t i = 0; i < kSegments; ++i)
-      at[i] = {value_of(term.state[2 * i]), value_of(term.state[2 * i + 1])};
+    SeriesDisplacements at = expected(term);
     const auto values = plain(segments);
     solve_series(values, {value_of(total.x), value_of(total.y)}, at);
 
@@ -215,8 +230,10 @@ struct TriplePendulum {
     for (std::size_t i = 0; i < kSegments; ++i) {
       answers[i] = answer(segments[i], u[i]);
       const Plane<Real> slipped = segments[i].slipped + answers[i].slip;
-      term.state[kDisplacement + 2 * i] = u[i].x, term.state[kDisplacement + 2 * i + 1] = u[i].y;
-      term.state[kSlipped + 2 * i] = slipped.x, term.state[kSlipped + 2 * i + 1] = slipped.y;
+      const Plane<Real> growth = u[i] - point(term.state + kDisplacement + 2 * i);
+      put(growth, term.state + kGrowth + 2 * i);
+      put(u[i], term.state + kDisplacement + 2 * i);
+      put(slipped, term.state + kSlipped + 2 * i);
       const Real radius = 1 / segments[i].curvature;
       radii += radius;
       friction = friction + answers[i].friction * radius;

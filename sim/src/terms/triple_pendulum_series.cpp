@@ -20,6 +20,7 @@ Answers answers(const Segments& segments, const SeriesDisplacements& u) {
 
 // The common force and the way to it, where every segment is replaced by its tangent.
 struct NewtonStep {
+  Plane<double> force;
   SeriesDisplacements direction;
   double imbalance = 0, scale = 0;
   double slope = 0;  // of the energy along the direction, ≤ 0 once displacements add up
@@ -34,10 +35,10 @@ NewtonStep newton_step(const Answers& found, const Plane<double>& missing) {
     all += compliance[i];
     sum = sum + compliance[i] * found[i].force;
   }
-  const Plane<double> force = all.inverse() * sum;
   NewtonStep step;
+  step.force = all.inverse() * sum;
   for (std::size_t i = 0; i < kSegments; ++i) {
-    const Plane<double> gap = force - found[i].force;
+    const Plane<double> gap = step.force - found[i].force;
     step.direction[i] = compliance[i] * gap;
     step.slope -= dot(gap, step.direction[i]);
     step.imbalance = std::max(step.imbalance, length(gap));
@@ -52,10 +53,36 @@ SeriesDisplacements moved(const SeriesDisplacements& u, const NewtonStep& step, 
   return to;
 }
 
+// Directions add up to nothing but round-off, which the common force would make large.
 double slope_at(const Answers& found, const NewtonStep& step) {
   double slope = 0;
-  for (std::size_t i = 0; i < kSegments; ++i) slope += dot(found[i].force, step.direction[i]);
+  for (std::size_t i = 0; i < kSegments; ++i)
+    slope += dot(found[i].force - step.force, step.direction[i]);
   return slope;
+}
+
+// Along the direction of a step, which adds up to nothing. The energy's slope grows along it; its
+// zero is enclosed, so that the point found sees the tangent beyond a corner if there is one.
+void search(const Segments& segments, const NewtonStep& step, SeriesDisplacements& u,
+            Answers& found, SeriesSolution& solution) {
+  const SeriesDisplacements from = u;
+  double part = 1, before = 0, slope_before = step.slope, beyond = 0, slope_beyond = 0;
+  while (solution.evaluations < kMostEvaluations) {
+    u = moved(from, step, part);
+    found = answers(segments, u);
+    ++solution.evaluations;
+    const double slope = slope_at(found, step);
+    const bool first = beyond == 0;
+    if (slope > 0) {
+      if (!first && slope_beyond > 0) slope_before *= 0.5;  // Illinois: no end stays for ever
+      beyond = part, slope_beyond = slope;
+    } else {
+      if (!first) slope_beyond *= 0.5;
+      before = part, slope_before = slope;
+    }
+    if (std::abs(slope) <= -kEnoughSlope * step.slope || (first && slope <= 0)) return;
+    part = before + (beyond - before) * slope_before / (slope_before - slope_beyond);
+  }
 }
 
 }  // namespace
@@ -75,17 +102,7 @@ SeriesSolution solve_series(const Segments& segments, const Plane<double>& total
     step = newton_step(found, total - (u[0] + u[1] + u[2]));
     solution.imbalance = step.imbalance;
     if (step.imbalance <= kTolerance * (strength + step.scale)) break;
-    double part = 1;
-    const SeriesDisplacements from = u;
-    while (solution.evaluations < kMostEvaluations) {
-      u = moved(from, step, part);
-      found = answers(segments, u);
-      ++solution.evaluations;
-      const double slope = slope_at(found, step);
-      if (slope <= -kEnoughSlope * step.slope) break;
-      // The slope grows along the direction: its zero lies between.
-      part *= std::clamp(step.slope / (step.slope - slope), 0.1, 0.9);
-    }
+    search(segments, step, u, found, solution);
     if (solution.evaluations >= kMostEvaluations) break;
   }
   return solution;
