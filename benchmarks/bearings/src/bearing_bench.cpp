@@ -18,13 +18,13 @@ namespace {
 
 constexpr int kBearingsOfPlant = 486;
 
-// All terms of a file, with those that it leaves out because a test of two axes does not see them.
-sim::Composition whole_bearing(const std::filesystem::path& file) {
+// The terms of a file; with those of the vertical, which a test of two axes leaves out, if asked.
+sim::Composition read_bearing(const std::filesystem::path& file, bool vertical) {
   std::ifstream stream{file};
   if (!stream) throw Error{fmt::format("{} cannot be read", file.string())};
   std::string text;
   for (std::string line; std::getline(stream, line);)
-    text += (line.rfind("enabled = false", 0) == 0 ? "" : line) + "\n";
+    text += (vertical && line.rfind("enabled = false", 0) == 0 ? "" : line) + "\n";
   return {sim::read_terms(Config::parse(text, file.string())), kTimeStep};
 }
 
@@ -32,7 +32,8 @@ BearingResult measure(const Specimen& specimen, const BearingOptions& options, d
   const auto tell = [&](const char* what) {
     if (options.progress) options.progress(fmt::format("{}: {}", specimen.name, what));
   };
-  const sim::Composition composition = whole_bearing(options.bearings / (specimen.name + ".toml"));
+  const sim::Composition composition =
+      read_bearing(options.bearings / (specimen.name + ".toml"), specimen.vertical);
   const Shaking shaking = earthquake(specimen.demand, options.steps);
   BearingResult result;
   result.name = specimen.name;

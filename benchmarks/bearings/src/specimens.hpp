@@ -13,8 +13,9 @@ struct Specimen {
   std::string name;  ///< of its file in the folder of compositions, less ".toml"
   std::string title;
   Demand demand;
-  double goal = 0;       ///< on the median of a step [ns]; 0: none
-  std::string opensees;  ///< the same bearing there, as JSON
+  bool vertical = false;  ///< axial load from vertical displacement; else it is given
+  double goal = 0;        ///< on the median of a step [ns]; 0: none
+  std::string opensees;   ///< the same bearing there, as JSON
 };
 
 [[nodiscard]] std::vector<Specimen> all_specimens();
