@@ -166,6 +166,7 @@ OpenseesRow heated_pendulum(const std::string& name, double initial_stiffness) {
                      1},
                     kCoulomb);
   row.bearing.element.erase(row.bearing.element.begin() + 28, row.bearing.element.end());
+  row.time_step = 1e-3;  // it sums over all of its past in every step
   row.bearing.terms = {pendulum(kRadius, initial_stiffness),
                        {"friction_heating",
                         "",
