@@ -176,20 +176,6 @@ struct TriplePendulum {
     }
   }
 
-  template <class Real>
-  static std::array<Segment<double>, kSegments> plain(
-      const std::array<Segment<Real>, kSegments>& segments) {
-    std::array<Segment<double>, kSegments> values;
-    for (std::size_t i = 0; i < kSegments; ++i) {
-      const Segment<Real>& s = segments[i];
-      values[i] = {value_of(s.curvature), value_of(s.elastic),
-                   value_of(s.strength),  value_of(s.reduction),
-                   value_of(s.rate),      value_of(s.clearance),
-                   value_of(s.rim),       {value_of(s.slipped.x), value_of(s.slipped.y)}};
-    }
-    return values;
-  }
-
   // One more Newton step from the solution: it changes values by no more than their imbalance, and
   // carries the derivatives of parameters, history and displacement.
   template <class Real>
@@ -214,37 +200,56 @@ struct TriplePendulum {
   }
 
   template <class Real>
+  static void keep(const TermView<Real>& term, const std::array<Segment<Real>, kSegments>& segments,
+                   const std::array<Plane<Real>, kSegments>& u,
+                   const std::array<Answer<Real>, kSegments>& answers) {
+    for (std::size_t i = 0; i < kSegments; ++i) {
+      put(u[i] - point(term.state + kDisplacement + 2 * i), term.state + kGrowth + 2 * i);
+      put(u[i], term.state + kDisplacement + 2 * i);
+      put(segments[i].slipped + answers[i].slip, term.state + kSlipped + 2 * i);
+    }
+  }
+
+  // All three carry the same force. The sliders' part of it is the mean of their frictions,
+  // weighted by the radii: u = Σ R_i (F − f_i).
+  template <class Real>
+  static void act(const std::array<Segment<Real>, kSegments>& segments,
+                  const std::array<Answer<Real>, kSegments>& answers, Quantities<Real>& q) {
+    Plane<Real> friction;
+    Real radii{};
+    for (std::size_t i = 0; i < kSegments; ++i) {
+      const Real radius = 1 / segments[i].curvature;
+      radii += radius;
+      friction = friction + answers[i].friction * radius;
+    }
+    const Real load = contact_load(q);
+    friction = friction * (load / radii);
+    q.hysteretic_force[0] += friction.x, q.hysteretic_force[1] += friction.y;
+    q.force[0] += answers[0].force.x * load, q.force[1] += answers[0].force.y * load;
+  }
+
+  template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     if (!(term.parameters[kRadius] > 0)) return;
     auto segments = segments_of(term, q);
     soften(term, q, segments);
     const Plane<Real> total{q.displacement[0], q.displacement[1]};
     SeriesDisplacements at = expected(term);
-    const auto values = plain(segments);
-    solve_series(values, {value_of(total.x), value_of(total.y)}, at);
-
-    const auto u = settle(segments, total, at);
+    const SeriesSolution solution =
+        solve_series({plain(segments[0]), plain(segments[1]), plain(segments[2])},
+                     {value_of(total.x), value_of(total.y)}, at);
+    std::array<Plane<Real>, kSegments> u;
     std::array<Answer<Real>, kSegments> answers;
-    Plane<Real> force, friction;
-    Real radii{};
-    for (std::size_t i = 0; i < kSegments; ++i) {
-      answers[i] = answer(segments[i], u[i]);
-      const Plane<Real> slipped = segments[i].slipped + answers[i].slip;
-      const Plane<Real> growth = u[i] - point(term.state + kDisplacement + 2 * i);
-      put(growth, term.state + kGrowth + 2 * i);
-      put(u[i], term.state + kDisplacement + 2 * i);
-      put(slipped, term.state + kSlipped + 2 * i);
-      const Real radius = 1 / segments[i].curvature;
-      radii += radius;
-      friction = friction + answers[i].friction * radius;
+    if constexpr (std::is_same_v<Real, double>) {
+      u = at;
+      answers = solution.answers;
+    } else {
+      u = settle(segments, total, at);
+      for (std::size_t i = 0; i < kSegments; ++i) answers[i] = answer(segments[i], u[i]);
     }
-    const Real load = contact_load(q);
-    warm(term, load, answers);
-    // All three carry the same force; the softest tells it with the least round-off.
-    force = answers[0].force * load;
-    friction = friction * (load / radii);
-    q.hysteretic_force[0] += friction.x, q.hysteretic_force[1] += friction.y;
-    q.force[0] += force.x, q.force[1] += force.y;
+    keep(term, segments, u, answers);
+    warm(term, contact_load(q), answers);
+    act(segments, answers, q);
   }
 };
 

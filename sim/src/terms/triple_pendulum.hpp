@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "plane.hpp"
 
@@ -56,29 +58,56 @@ struct Answer {
   Symmetric tangent{};                ///< [1/m]
 };
 
-/// Slip in this step of a slider drawn by `trial` beyond its strength at no velocity: the root of
+/// Slip in this step of a slider, and the friction that it is short of its strength.
+struct Slip {
+  double slip = 0, lost = 0;
+};
+
+/// Slip of a slider drawn by `trial` beyond its strength at no velocity: the root of
 ///     trial − elastic s − strength (1 − reduction e^(−rate s)) = 0
 /// which is convex and falls, so that Newton from the left stays there.
-template <class Real>
-[[nodiscard]] double slip_of(const Segment<Real>& segment, double trial) noexcept {
+[[nodiscard]] inline Slip slip_of(const Segment<double>& segment, double trial) noexcept {
   constexpr int kMostIterations = 12;
-  const double elastic = value_of(segment.elastic), strength = value_of(segment.strength);
-  const double reduction = value_of(segment.reduction), rate = value_of(segment.rate);
-  double slip = std::max(0.0, (trial - strength) / elastic);
-  if (reduction == 0) return slip;
+  constexpr double kTolerance = 1e-13;  // per trial force
+  Slip result{std::max(0.0, (trial - segment.strength) / segment.elastic), 0};
+  if (segment.reduction == 0) return result;
   for (int i = 0; i < kMostIterations; ++i) {
-    const double lost = strength * reduction * std::exp(-rate * slip);
-    const double excess = trial - elastic * slip - strength + lost;
-    slip += excess / (elastic + rate * lost);
-    if (excess <= 1e-13 * trial) break;
+    result.lost = segment.strength * segment.reduction * std::exp(-segment.rate * result.slip);
+    const double excess = trial - segment.elastic * result.slip - segment.strength + result.lost;
+    const double step = excess / (segment.elastic + segment.rate * result.lost);
+    result.slip += step;
+    // What is left after a step is half the curvature of `lost` times its square.
+    const double bend = segment.rate * step;
+    if (0.5 * result.lost * bend * bend <= kTolerance * trial) {
+      result.lost *= 1 - bend;
+      break;
+    }
   }
-  return slip;
+  return result;
+}
+
+/// Values without their derivatives.
+template <class Real>
+[[nodiscard]] Segment<double> plain(const Segment<Real>& s) noexcept {
+  return {value_of(s.curvature), value_of(s.elastic),
+          value_of(s.strength),  value_of(s.reduction),
+          value_of(s.rate),      value_of(s.clearance),
+          value_of(s.rim),       {value_of(s.slipped.x), value_of(s.slipped.y)}};
+}
+
+/// One Newton step from the root changes no value; it carries the derivatives.
+template <class Real>
+[[nodiscard]] Real carried(const Segment<Real>& segment, const Real& trial, const Slip& root,
+                           double slope) noexcept {
+  using std::exp;
+  if constexpr (std::is_same_v<Real, double>) return root.slip;
+  const Real lost = segment.strength * segment.reduction * exp(-(segment.rate * root.slip));
+  return root.slip + (trial - segment.elastic * root.slip - segment.strength + lost) * (1 / slope);
 }
 
 template <class Real>
 [[nodiscard]] Answer<Real> answer(const Segment<Real>& segment, const Plane<Real>& u) noexcept {
-  using std::exp;
-  const auto plain = [](const Plane<Real>& a) {
+  const auto values = [](const Plane<Real>& a) {
     return Plane<double>{value_of(a.x), value_of(a.y)};
   };
   Answer<Real> result;
@@ -90,16 +119,13 @@ template <class Real>
   const Real trial = segment.elastic * size;
   const double elastic = value_of(segment.elastic);
   if (trial > segment.strength * (1 - segment.reduction)) {
-    // One Newton step from the root changes no value; it carries the derivatives.
-    const double root = slip_of(segment, value_of(trial));
-    const Real lost = segment.strength * segment.reduction * exp(-(segment.rate * root));
-    const double slope = elastic + value_of(segment.rate) * value_of(lost);
-    const Real slip =
-        root + (trial - segment.elastic * root - segment.strength + lost) * (1 / slope);
+    const Slip root = slip_of(plain(segment), value_of(trial));
+    const double slope = elastic + value_of(segment.rate) * root.lost;
+    const Real slip = carried(segment, trial, root, slope);
     const Plane<Real> direction = stretch * (1 / size);
     result.slip = direction * slip;
     result.friction = direction * (trial - segment.elastic * slip);
-    result.tangent.add(plain(direction), elastic * (1 - elastic / slope),
+    result.tangent.add(values(direction), elastic * (1 - elastic / slope),
                        elastic * (1 - value_of(slip) / value_of(size)));
   } else {
     result.friction = stretch * segment.elastic;
@@ -111,7 +137,7 @@ template <class Real>
   if (radius > segment.clearance) {
     const Real push = segment.rim * (radius - segment.clearance) / radius;
     result.force = result.force + u * push;
-    result.tangent.add(plain(u * (1 / radius)), value_of(segment.rim), value_of(push));
+    result.tangent.add(values(u * (1 / radius)), value_of(segment.rim), value_of(push));
   }
   return result;
 }
@@ -121,6 +147,7 @@ using SeriesDisplacements = std::array<Plane<double>, kSegments>;
 struct SeriesSolution {
   int evaluations = 0;   ///< of all three segments, ≤ kMostEvaluations
   double imbalance = 0;  ///< largest difference between a segment's force and that of all [-]
+  std::array<Answer<double>, kSegments> answers{};
 };
 
 inline constexpr int kMostEvaluations = 30;

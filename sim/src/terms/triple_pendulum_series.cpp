@@ -8,8 +8,8 @@ namespace {
 
 // The imbalance that is no longer worth a step, per friction and force.
 constexpr double kTolerance = 1e-11;
-// A step is good if the energy's slope at its end has lost half of what it had.
-constexpr double kEnoughSlope = 0.5;
+// A search ends where the energy's slope has lost nine tenths of what it had.
+constexpr double kEnoughSlope = 0.1;
 
 using Segments = std::array<Segment<double>, kSegments>;
 using Answers = std::array<Answer<double>, kSegments>;
@@ -67,19 +67,19 @@ void search(const Segments& segments, const NewtonStep& step, SeriesDisplacement
             Answers& found, SeriesSolution& solution) {
   const SeriesDisplacements from = u;
   double part = 1, before = 0, slope_before = step.slope, beyond = 0, slope_beyond = 0;
+  bool last_over = true;
   while (solution.evaluations < kMostEvaluations) {
     u = moved(from, step, part);
     found = answers(segments, u);
     ++solution.evaluations;
     const double slope = slope_at(found, step);
     const bool first = beyond == 0;
-    if (slope > 0) {
-      if (!first && slope_beyond > 0) slope_before *= 0.5;  // Illinois: no end stays for ever
-      beyond = part, slope_beyond = slope;
-    } else {
-      if (!first) slope_beyond *= 0.5;
-      before = part, slope_before = slope;
-    }
+    const bool over = slope > 0;
+    // Illinois: no end of the interval stays for ever.
+    if (!first && over == last_over) (over ? slope_before : slope_beyond) *= 0.5;
+    (over ? beyond : before) = part;
+    (over ? slope_beyond : slope_before) = slope;
+    last_over = over;
     if (std::abs(slope) <= -kEnoughSlope * step.slope || (first && slope <= 0)) return;
     part = before + (beyond - before) * slope_before / (slope_before - slope_beyond);
   }
@@ -92,7 +92,8 @@ SeriesSolution solve_series(const Segments& segments, const Plane<double>& total
   double strength = 0;
   for (const auto& segment : segments) strength = std::max(strength, segment.strength);
   SeriesSolution solution;
-  Answers found = answers(segments, u);
+  Answers& found = solution.answers;
+  found = answers(segments, u);
   // The first step makes displacements add up, so it is taken whole.
   NewtonStep step = newton_step(found, total - (u[0] + u[1] + u[2]));
   u = moved(u, step, 1);
