@@ -194,7 +194,8 @@ std::vector<OpenseesRow> sliding_rows() {
           eradiquake(),
           heated_pendulum("FPBearingPTV", 1e10),
           soft_heated_pendulum(),
-          triple_pendulum("TripleFrictionPendulum", 0.3)};
+          triple_pendulum("TripleFrictionPendulum", 0.3),
+          triple_pendulum("TripleFrictionPendulumAtStops", 0.58)};
 }
 
 }  // namespace rths::sim::test
