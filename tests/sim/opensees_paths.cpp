@@ -97,8 +97,9 @@ Path recorded(double amplitude, double time_step) {
   motion.time_step = h1.time_step;
   for (const double a : h1.values) motion.long_acceleration.push_back(a * kStandardGravity);
   for (const double a : h2.values) motion.lat_acceleration.push_back(a * kStandardGravity);
-  const auto response = numerical_response(assemble(example_plant()), motion, rths::test::plain_lead_rubber(),
-                                           time_step, kRecordDuration);
+  const auto response =
+      numerical_response(assemble(example_plant()), motion, rths::test::plain_lead_rubber(),
+                         time_step, kRecordDuration);
   double peak = 0;
   for (std::size_t i = 0; i < response.displacement_long.size(); ++i)
     peak = std::max(peak, std::hypot(response.displacement_long[i], response.displacement_lat[i]));

@@ -104,18 +104,14 @@ OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
   constexpr double kCapacities[] = {0.05, 0.25, 0.25};  // [m]
   constexpr double kFrictions[] = {0.02, 0.06, 0.1};    // [-]
   constexpr double kTension = 1e8, kLeastLoad = 1e3, kTolerance = 1e-5;
-  double part_of_yield = 0;
-  for (const double friction : kFrictions) part_of_yield += kFrictions[0] / friction;
   OpenseesRow row;
   row.name = name;
   row.amplitude = amplitude;
-  row.bound = 0.012;
-  row.deviation = "what is elastic before sliding is shared out in another way";
   row.bearing.axial_load = kAxialLoad;
   row.bearing.vertical_stiffness = kVerticalStiffness;
   row.bearing.materials = json::array({{"ENT", 1, kVerticalStiffness}, {"Elastic", 2, 1e6}});
   row.bearing.element = {"TripleFrictionPendulum", 1, 2, 3, 1, 2, 2, 2};
-  TermSettings term{"triple_pendulum", "", {{"yield_displacement", kYield / part_of_yield}}};
+  TermSettings term{"triple_pendulum", "", {}};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto number = static_cast<int>(i + 1);
     const std::string suffix = "_" + std::to_string(number);
@@ -123,6 +119,9 @@ OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
     term.parameters.emplace_back("radius" + suffix, kLengths[i]);
     term.parameters.emplace_back("capacity" + suffix, kCapacities[i]);
     term.parameters.emplace_back("friction" + suffix, kFrictions[i]);
+    // Theirs is 3 mu_1/u_y stiff before any of the three slides.
+    term.parameters.emplace_back("yield_displacement" + suffix,
+                                 kYield * kFrictions[i] / (3 * kFrictions[0]));
   }
   append(row.bearing.element, kLengths);
   append(row.bearing.element, kCapacities);

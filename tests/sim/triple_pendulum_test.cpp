@@ -34,7 +34,9 @@ std::vector<std::pair<std::string, double>> parameters_of(const Dimensions& d) {
           {"friction_1", d.inner_friction},
           {"friction_2", d.friction[0]},
           {"friction_3", d.friction[1]},
-          {"yield_displacement", 1e-5},
+          {"yield_displacement_1", 1e-5},
+          {"yield_displacement_2", 1e-5},
+          {"yield_displacement_3", 1e-5},
           {"rim_stiffness", 1e5}};
 }
 

@@ -31,7 +31,7 @@ struct TriplePendulum {
     kReduction = 9,
     kArea = 12,
     kYieldDisplacement = 15,
-    kRim,
+    kRim = 18,
     kRate,
     kShare
   };
@@ -51,7 +51,9 @@ struct TriplePendulum {
                                               {"contact_area_1", "m2", 1e-4, 100, 0.25, 0.25},
                                               {"contact_area_2", "m2", 1e-4, 100, 0.3, 0.3},
                                               {"contact_area_3", "m2", 1e-4, 100, 0.3, 0.3},
-                                              {"yield_displacement", "m", 1e-5, 0.1, 1e-3, 1e-3},
+                                              {"yield_displacement_1", "m", 1e-5, 0.1, 1e-3, 1e-3},
+                                              {"yield_displacement_2", "m", 1e-5, 0.1, 1e-3, 1e-3},
+                                              {"yield_displacement_3", "m", 1e-5, 0.1, 1e-3, 1e-3},
                                               {"rim_stiffness", "1/m", 0, 1e7, 100, 100},
                                               {"rate", "s/m", 0, 1e4, 100, 20},
                                               {"heat_share", "-", 0, 1, 0, 0.9}};
@@ -95,7 +97,7 @@ struct TriplePendulum {
     for (std::size_t i = 0; i < kSegments; ++i) {
       Segment<Real>& segment = segments[i];
       segment.curvature *= q.stiffness;
-      segment.elastic = p[kFriction + i] / p[kYieldDisplacement];
+      segment.elastic = p[kFriction + i] / p[kYieldDisplacement + i];
       segment.strength = p[kFriction + i] * q.strength;
       segment.reduction = p[kReduction + i];
       segment.rim = p[kRim];
