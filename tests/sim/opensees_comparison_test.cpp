@@ -62,9 +62,9 @@ TEST_P(OpenseesBearing, AnswersAsOursDoes) {
 // between them is the error of theirs, which is of the order of the step.
 TEST_F(Opensees, ComesNearerToOursAsItsStepGetsShorter) {
   for (const auto& row : test::elastomeric_rows()) {
-    if (row.name != "LeadRubberX" && row.name != "elastomericBearingBoucWen") continue;
+    if (row.name != "LeadRubberX") continue;
     std::vector<double> differences;
-    for (const double step : {2e-3, 1e-3, 5e-4, 2.5e-4}) {
+    for (const double step : {2e-3, 1e-3, 5e-4}) {
       const auto path = test::recorded(row.amplitude, step);
       const auto found = test::nrmse(test::our_forces(row.bearing, path),
                                      test::opensees_forces(row.bearing, path));

@@ -37,7 +37,7 @@ struct Path {
 /// Two cloverleaves with a rest between them that is as long as eight.
 [[nodiscard]] Path two_bursts(double amplitude, double time_step);
 
-/// The first four of these.
+/// The first four of these in a long run (RTHS_LONG), cloverleaf and record in a short one.
 [[nodiscard]] std::vector<Path> all_paths(double amplitude, double time_step);
 
 }  // namespace rths::sim::test
