@@ -3,7 +3,8 @@
 
 usage: collect.py FOLDER COMMIT [RESULTS]
 
-Leaves loop.json, what a step costs, and ring.json, how fast the ring is, in the folder RESULTS.
+Leaves loop.json, what a step costs, ring.json, how fast the ring is, and bearings.json, what a step
+of a bearing takes beside OpenSees, in the folder RESULTS.
 """
 import datetime
 import json
@@ -30,6 +31,16 @@ def write(path, result):
     print(f"wrote {path}")
 
 
+def print_bearings(result):
+    for row in result["bearings"]:
+        times, theirs = row["earthquake"], row["opensees"]
+        beside = (f"OpenSees {theirs['further_ns']:.0f} ns" if "further_ns" in theirs
+                  else f"OpenSees not measured: {theirs['not_measured']}")
+        print(f"  bearing {row['name']:<22} {times['p50_ns']:>10.1f} ns  p99 {times['p99_ns']:.0f} ns, "
+              f"adversity {row['adversarial']['worst_code_ns']:.0f} ns, {row['verdict']}; {beside}")
+    print(f"  bearings: {result['result']}", *result["troubles"], sep="\n    ")
+
+
 def main():
     folder, commit = pathlib.Path(sys.argv[1]), sys.argv[2]
     stamp = {
@@ -48,10 +59,13 @@ def main():
         part = row["median_ns"] / 1e6 * 100
         print(f"  {name:<30} {row['median_ns']:>10.1f} ns  {part:8.4f} % of a control period")
     print(f"  a run in virtual time          {result['virtual_run']['times_real_time']} times real time")
+    bearings = json.load(open(folder / "bearings" / "result.json"))
+    print_bearings(bearings)
     if len(sys.argv) > 3:
         results = pathlib.Path(sys.argv[3])
         write(results / "loop.json", result)
         write(results / "ring.json", stamp | json.load(open(folder / "ring" / "result.json")))
+        write(results / "bearings.json", stamp | bearings)
 
 
 main()

@@ -90,6 +90,15 @@ struct TermsArguments {
 /// The catalogue of terms.
 [[nodiscard]] int terms(const TermsArguments& arguments);
 
+struct BearingBenchArguments {
+  int passes = 9;
+  int steps = 30'000;    ///< of each pass
+  std::string opensees;  ///< Python that has OpenSees; empty: the one of the tests, if there is one
+  bool json = false;
+};
+/// 0 if every goal is met, 1 if this machine cannot tell, 2 if a goal is missed.
+[[nodiscard]] int bench_bearings(const BearingBenchArguments& arguments);
+
 [[nodiscard]] int map_check(const std::string& file);
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);
 [[nodiscard]] int report(const std::string& folder);

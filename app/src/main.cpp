@@ -35,6 +35,7 @@ struct Arguments {
   BenchArguments bench;
   LoopArguments loop;
   TermsArguments terms;
+  BearingBenchArguments bearings;
   std::string clock = "wall", file, language = "cpp", folder;
   std::vector<std::string> sets;
 };
@@ -118,6 +119,21 @@ void add_send(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return send(a.send); }; });
 }
 
+void add_bench_bearings(CLI::App& bench, Arguments& a, Chosen& chosen) {
+  auto* command = bench.add_subcommand(
+      "bearings", "What a step of a bearing takes, at worst as well, and beside OpenSees");
+  command->add_flag("--json", a.bearings.json, "One JSON document instead of tables");
+  command->add_option("--passes", a.bearings.passes, "How often to go through the motion")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--steps", a.bearings.steps, "Of each pass, at 1 kHz")
+      ->check(CLI::Range(100, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--opensees", a.bearings.opensees,
+                      "Python that has OpenSees [RTHS_OPENSEES_PYTHON, or that of ./lab]");
+  command->callback([&] { chosen = [&a] { return bench_bearings(a.bearings); }; });
+}
+
 void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("bench", "Measure on this machine");
   command->require_subcommand(1);
@@ -139,6 +155,7 @@ void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   ring->add_option("--keep", a.bench.keep,
                    "Folder of finished cycles; those in it are not repeated");
   ring->callback([&] { chosen = [&a] { return bench_ring(a.bench); }; });
+  add_bench_bearings(*command, a, chosen);
 }
 
 void add_loop(CLI::App& app, Arguments& a, Chosen& chosen) {

@@ -75,8 +75,8 @@ TermCase adiabatic() {
 TermCase heating() {
   TermCase c;
   c.kind = "lead_heating";
-  c.fixed = {"lead_radius", "lead_height", "shim_thickness", "lead_heat_capacity",
-             "steel_diffusivity"};
+  c.fixed = {"lead_radius",        "lead_height",       "shim_thickness",
+             "lead_heat_capacity", "steel_diffusivity", "elastic_share"};
   c.company = {bearing()};
   c.motion.time_step = 0.04;
   c.motion.steps = 1000;

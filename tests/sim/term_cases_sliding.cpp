@@ -2,7 +2,74 @@
 #include "term_cases.hpp"
 
 namespace rths::sim::test {
+namespace {
 
-std::vector<TermCase> sliding_cases() { return {}; }
+TermSettings slider() {
+  return {"flat_slider", "", {{"friction_coefficient", 0.1}, {"initial_stiffness", 4e8}}};
+}
+
+// Modifiers of friction show on a slider. Dimensions are known from drawings.
+TermCase modifier(const std::string& kind, std::vector<std::string> fixed) {
+  TermCase c;
+  c.kind = kind;
+  c.company = {slider()};
+  c.fixed = std::move(fixed);
+  return c;
+}
+
+TermCase vertical(const std::string& kind, std::vector<TermSettings> company) {
+  TermCase c;
+  c.kind = kind;
+  c.company = std::move(company);
+  c.motion.axial_load = 0;
+  return c;
+}
+
+// Hot enough to show: the contact covers the middle of the surface for most of the time.
+TermCase heating() {
+  // A slider sees the share times the steel's properties over the temperature's scale, as one
+  // number. Steel and the law of the temperature are from tables.
+  TermCase c = modifier("friction_heating",
+                        {"contact_area", "conductivity", "diffusivity", "temperature_scale"});
+  c.motion.amplitude = 0.12;
+  return c;
+}
+
+// Compressed through both corners, and pulled.
+TermCase multilinear() {
+  TermCase c = vertical("multilinear_axial", {});
+  c.motion.vertical_offset = -1.6e-3;
+  c.motion.vertical_amplitude = 2.2e-3;
+  c.noise = 0.003;
+  return c;
+}
+
+TermCase lift() {
+  return vertical("pendulum_lift", {{"multilinear_axial", "", {{"stiffness_1", 3e9}}}});
+}
+
+// Through all regimes into the stops of both outer surfaces. Dimensions are known from drawings.
+TermCase triple_pendulum() {
+  TermCase c;
+  c.kind = "triple_pendulum";
+  c.term.parameters = {{"capacity_1", 0.03}, {"capacity_2", 0.12}, {"capacity_3", 0.13}};
+  c.fixed = {"radius_1",   "radius_2",       "radius_3",       "capacity_1",    "capacity_2",
+             "capacity_3", "contact_area_1", "contact_area_2", "contact_area_3"};
+  c.motion.amplitude = 0.25;
+  c.noise = 0.003;
+  return c;
+}
+
+}  // namespace
+
+std::vector<TermCase> sliding_cases() {
+  return {modifier("velocity_dep_sliding", {}),
+          modifier("pressure_dep_sliding", {"contact_area"}),
+          modifier("pressure_tanh_sliding", {"contact_area"}),
+          heating(),
+          multilinear(),
+          lift(),
+          triple_pendulum()};
+}
 
 }  // namespace rths::sim::test

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <rths/bench/program.hpp>
 #include <rths/core/error.hpp>
 
-#include "program.hpp"
 #include "ring_rows.hpp"
 
 namespace rths::bench {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "program.hpp"
+#include <rths/bench/program.hpp>
 
 #include <fcntl.h>
 #include <poll.h>

@@ -71,6 +71,8 @@ json document(const RowResult& result) {
 
 }  // namespace
 
+std::string to_json(const Machine& machine) { return document(machine).dump(); }
+
 std::string to_json(const Report& report) {
   json out = {{"format", kFormat},
               {"result", to_text(report.result)},

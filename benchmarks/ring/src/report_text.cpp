@@ -6,17 +6,6 @@
 namespace rths::bench {
 namespace {
 
-std::string describe(const Machine& machine) {
-  const std::string used =
-      machine.chosen
-          ? fmt::format("{} and {}{}", machine.chosen->cpus.near, machine.chosen->cpus.far,
-                        machine.chosen->siblings ? ", siblings of one core" : "")
-          : "none";
-  return fmt::format("{}, {} processors, used: {}; kernel {}{}\nhuge pages: {}\n", machine.cpu,
-                     machine.processors, used, machine.kernel,
-                     machine.hypervisor ? ", a guest" : "", machine.huge_pages);
-}
-
 std::string nanoseconds(double value) {
   return value < 10 ? fmt::format("{:.2f}", value) : fmt::format("{:.0f}", value);
 }
@@ -56,8 +45,19 @@ std::string upper(std::string text) {
 
 }  // namespace
 
+std::string to_text(const Machine& machine) {
+  const std::string used =
+      machine.chosen
+          ? fmt::format("{} and {}{}", machine.chosen->cpus.near, machine.chosen->cpus.far,
+                        machine.chosen->siblings ? ", siblings of one core" : "")
+          : "none";
+  return fmt::format("{}, {} processors, used: {}; kernel {}{}\nhuge pages: {}\n", machine.cpu,
+                     machine.processors, used, machine.kernel,
+                     machine.hypervisor ? ", a guest" : "", machine.huge_pages);
+}
+
 std::string to_text(const Report& report) {
-  std::string out = describe(report.machine);
+  std::string out = to_text(report.machine);
   out += fmt::format(
       "{} cycles of {} round trips; raw {:.0f} ns, quartiles {:.0f} and {:.0f}; "
       "seed {}\n\n",

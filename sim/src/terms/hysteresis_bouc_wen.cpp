@@ -39,9 +39,8 @@ void runge_kutta_part(const TermView<Real>& term, Plane<Real>& z, const Plane<Re
 // A term with the parameters of `bouc_wen` first and a rate of its own.
 template <class Rule, class Real>
 void step_bouc_wen(const TermView<Real>& term, Quantities<Real>& q) {
-  const Plane<Real> u = displacement_of(q);
   Plane<Real> z{term.state[2], term.state[3]};
-  const Plane<Real> increment = u - Plane<Real>{term.state[0], term.state[1]};
+  const Plane<Real> increment = way_of(q, term.state);
   const double part =
       kPartOfYieldDisplacement * value_of(term.parameters[Rule::kYieldDisplacement]);
   const double wanted = std::ceil(value_of(length(increment)) / part);
@@ -51,7 +50,6 @@ void step_bouc_wen(const TermView<Real>& term, Quantities<Real>& q) {
     runge_kutta_part<Rule>(term, z, du);
     Rule::confine(term, z);
   }
-  term.state[0] = u.x, term.state[1] = u.y;
   term.state[2] = z.x, term.state[3] = z.y;
   resist(q, z * (term.parameters[Rule::kStrength] * q.strength),
          term.parameters[Rule::kStiffness] * q.stiffness);

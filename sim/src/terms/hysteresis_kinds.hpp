@@ -24,6 +24,18 @@ void resist(Quantities<Real>& q, const Plane<Real>& plug, const Real& stiffness)
   }
 }
 
+/// The way since the last step, as long as it seems to a specimen whose strength is a factor off:
+/// stiffness before yield is that of the material and stays, so what is weaker yields earlier.
+/// @param before  displacement of the last step; this one's afterwards
+template <class Real>
+Plane<Real> way_of(const Quantities<Real>& q, Real* before) {
+  constexpr double kWeakest = 1e-3;  // less has no force to speak of
+  const Real strength = q.strength > kWeakest ? q.strength : Real{kWeakest};
+  const Plane<Real> du{q.displacement[0] - before[0], q.displacement[1] - before[1]};
+  before[0] = q.displacement[0], before[1] = q.displacement[1];
+  return du * (1 / strength);
+}
+
 template <class Real>
 Plane<Real> displacement_of(const Quantities<Real>& q) {
   return {q.displacement[0], q.displacement[1]};

@@ -22,13 +22,11 @@ struct Bilinear {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Plane<Real> u = displacement_of(q);
-    const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
+    const Plane<Real> way = way_of(q, term.state);
     Plane<Real> z =
-        Plane<Real>{term.state[2], term.state[3]} + du * (1 / term.parameters[kYieldDisplacement]);
+        Plane<Real>{term.state[2], term.state[3]} + way * (1 / term.parameters[kYieldDisplacement]);
     const Real radius = length(z);
     if (radius > 1) z = z * (1 / radius);
-    term.state[0] = u.x, term.state[1] = u.y;
     term.state[2] = z.x, term.state[3] = z.y;
     resist(q, z * (term.parameters[kStrength] * q.strength),
            term.parameters[kStiffness] * q.stiffness);

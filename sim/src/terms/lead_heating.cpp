@@ -7,6 +7,7 @@
 #include "elastomeric.hpp"
 #include "fading_memory.hpp"
 #include "kinds.hpp"
+#include "plane.hpp"
 
 namespace rths::sim {
 namespace {
@@ -16,15 +17,19 @@ namespace {
 // is known: over a history, that is the trapezoid's sum.
 constexpr std::size_t kWorkStates = 4;  // displacements one and two steps before
 
+// A `share` of it is taken for force times way, whatever the angle between the two.
 template <class Real>
-Real work_taken(Real* before, const Quantities<Real>& q) {
-  Real work{0};
+Real work_taken(Real* before, const Quantities<Real>& q, const Real& share) {
+  const Plane<Real> force{q.last_hysteretic_force[0], q.last_hysteretic_force[1]};
+  const Plane<Real> way{(q.displacement[0] - before[2]) * Real{0.5},
+                        (q.displacement[1] - before[3]) * Real{0.5}};
   for (std::size_t i = 0; i < kHorizontalAxes; ++i) {
-    work += q.last_hysteretic_force[i] * (q.displacement[i] - before[2 + i]) * Real{0.5};
     before[2 + i] = before[i];
     before[i] = q.displacement[i];
   }
-  return work;
+  const Real work = dot(force, way);
+  if (is_just(share, 0)) return work;
+  return work + share * (length(force) * length(way) - work);
 }
 
 struct AdiabaticHeating {
@@ -44,8 +49,8 @@ struct AdiabaticHeating {
     using std::exp;
     Real& kept = term.state[kWorkStates];
     // Implicit: it fades whatever the step.
-    kept =
-        (kept + work_taken(term.state, q)) / (1 + term.time_step / term.parameters[kCoolingTime]);
+    kept = (kept + work_taken(term.state, q, Real{0})) /
+           (1 + term.time_step / term.parameters[kCoolingTime]);
     q.strength *= exp(-term.parameters[kSoftening] * kept);
   }
 };
@@ -97,7 +102,16 @@ struct LeadHeating {
       "Kalpakidis & Constantinou 2009; Duhamel's integral for any history";
   static constexpr Stage kStage = Stage::Modifier;
   static constexpr unsigned kTraits = kFrameIndifferent;
-  enum { kSoftening, kRadius, kHeight, kShims, kCapacity, kConductivity, kDiffusivity };
+  enum {
+    kSoftening,
+    kRadius,
+    kHeight,
+    kShims,
+    kCapacity,
+    kConductivity,
+    kDiffusivity,
+    kElasticShare
+  };
   // Radius and diffusivity shape the constants, so they cannot be fitted.
   static constexpr Parameter kParameters[] = {
       {"softening", "1/K", 0, 1, 0, 0.0069},
@@ -106,7 +120,8 @@ struct LeadHeating {
       {"shim_thickness", "m", 0, 10, 0.12, 0.12},  // of all shims together
       {"lead_heat_capacity", "J/m3/K", 1, 1e8, 1.456e6, 1.456e6},
       {"steel_conductivity", "W/m/K", 0, 1e4, 50, 50},  // 0: nothing is lost
-      {"steel_diffusivity", "m2/s", 1e-8, 1e-2, 1.41e-5, 1.41e-5}};
+      {"steel_diffusivity", "m2/s", 1e-8, 1e-2, 1.41e-5, 1.41e-5},
+      {"elastic_share", "-", 0, 1, 0, 0}};  // 1: Q|v||z| heats, also while nothing yields
   static constexpr std::size_t kTemperature = kWorkStates, kEnds = kTemperature + 1,
                                kShimFaces = kEnds + kFadingStates;
 
@@ -151,8 +166,8 @@ struct LeadHeating {
     const Real at_shims = remembered(term.state + kShimFaces);
     const Real by_ends = loss * Real{1 / ends[0]};
     const Real by_shims = loss * p[kShims] / p[kRadius] * Real{1 / shims[0]};
-    temperature = (temperature + work_taken(term.state, q) / (area * heat) + by_ends * at_ends +
-                   by_shims * at_shims) /
+    temperature = (temperature + work_taken(term.state, q, p[kElasticShare]) / (area * heat) +
+                   by_ends * at_ends + by_shims * at_shims) /
                   (1 + by_ends + by_shims);
     take_in<Real>(ends, term.state + kEnds, (temperature - at_ends) * Real{1 / ends[0]});
     take_in<Real>(shims, term.state + kShimFaces, (temperature - at_shims) * Real{1 / shims[0]});

@@ -31,7 +31,8 @@ struct Quantities {
   Real temperature{};  ///< of the surroundings above that of reference [°C]
 
   // What modifiers have made of the specimen.
-  Real strength{1};            ///< factor on characteristic strength or friction [-]
+  /// Factor on characteristic strength or friction; stiffness before yield stays [-].
+  Real strength{1};
   Real stiffness{1};           ///< factor on the stiffness after yield [-]
   Real vertical_stiffness{1};  ///< factor [-]
   Real buckling_load{};        ///< critical axial load, > 0 [N]; 0: none

@@ -47,4 +47,8 @@ struct Machine {
 /// This machine, and which two of the processors that we may use were chosen.   @setup
 [[nodiscard]] Machine describe_machine();
 
+/// As one JSON object, or as two lines for people.
+[[nodiscard]] std::string to_json(const Machine& machine);
+[[nodiscard]] std::string to_text(const Machine& machine);
+
 }  // namespace rths::bench

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include <rths/bench/bearing_bench.hpp>
+
+#include "commands.hpp"
+
+namespace rths::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+void show(const std::string& what) { fmt::print(stderr, "\r{:<60}", what); }
+
+// The Python that is asked for, that of the environment, or the one beside a build of the tree.
+std::string find_opensees(const std::string& asked, const fs::path& programs) {
+  if (!asked.empty()) return asked;
+  if (const char* named = std::getenv("RTHS_OPENSEES_PYTHON")) return named;
+  const fs::path made = programs / "../../opensees/bin/python";
+  return fs::exists(made) ? made.lexically_normal().string() : "";
+}
+
+}  // namespace
+
+int bench_bearings(const BearingBenchArguments& arguments) {
+  const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
+  const fs::path shared = programs / "../share/rths";
+  bench::BearingOptions options;
+  options.passes = arguments.passes;
+  options.steps = arguments.steps;
+  options.opensees_steps = std::min(options.opensees_steps, arguments.steps);
+  options.bearings = shared / "bearings";
+  options.script = shared / "opensees/bearing.py";
+  options.python = find_opensees(arguments.opensees, programs);
+  const bool on_terminal = isatty(STDERR_FILENO) == 1;
+  if (on_terminal) options.progress = show;
+  const bench::BearingReport report = bench::run_bearing_bench(options);
+  if (on_terminal) fmt::print(stderr, "\r{: <60}\r", "");
+  fmt::print("{}", arguments.json ? bench::to_json(report) : bench::to_text(report));
+  if (report.result == bench::Verdict::Pass) return kOk;
+  return report.result == bench::Verdict::Fail ? kFailure : kConditionNotMet;
+}
+
+}  // namespace rths::app

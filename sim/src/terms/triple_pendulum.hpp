@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+
+#include "plane.hpp"
+
+namespace rths::sim {
+
+// Three segments in series, each a spring, a slider and a stop side by side. Forces are per axial
+// load, so that all of it is independent of the load. Equations: docs/theory/triple_pendulum.md.
+
+inline constexpr std::size_t kSegments = 3;
+
+/// Symmetric 2×2 matrix.
+struct Symmetric {
+  double xx = 0, xy = 0, yy = 0;
+
+  [[nodiscard]] Symmetric inverse() const {
+    const double scale = 1 / (xx * yy - xy * xy);
+    return {yy * scale, -xy * scale, xx * scale};
+  }
+  template <class Real>
+  [[nodiscard]] Plane<Real> operator*(const Plane<Real>& a) const {
+    return {a.x * xx + a.y * xy, a.x * xy + a.y * yy};
+  }
+  Symmetric& operator+=(const Symmetric& other) {
+    xx += other.xx, xy += other.xy, yy += other.yy;
+    return *this;
+  }
+  /// Adds `along` n·nᵀ + `across` (I − n·nᵀ).
+  void add(const Plane<double>& n, double along, double across) {
+    xx += across + (along - across) * n.x * n.x;
+    xy += (along - across) * n.x * n.y;
+    yy += across + (along - across) * n.y * n.y;
+  }
+};
+
+template <class Real>
+struct Segment {
+  Real curvature;         ///< of the spring [1/m], > 0
+  Real elastic;           ///< stiffness of the slider before it slides [1/m]
+  Real strength;          ///< friction at high velocity [-]
+  Real reduction;         ///< of friction at no velocity, part of strength [-]
+  Real rate;              ///< at which the reduction goes with the slip in a step [1/m]
+  Real clearance;         ///< of the stop [m]
+  Real rim;               ///< its stiffness [1/m]
+  Plane<Real> slipped{};  ///< by the slider before this step [m]
+};
+
+/// What a segment answers to a displacement.
+template <class Real>
+struct Answer {
+  Plane<Real> force, friction, slip;  ///< all of it, the slider's part, its slip [-, -, m]
+  Symmetric tangent{};                ///< [1/m]
+};
+
+/// Slip in this step of a slider, and the friction that it is short of its strength.
+struct Slip {
+  double slip = 0, lost = 0;
+};
+
+/// Slip of a slider drawn by `trial` beyond its strength at no velocity: the root of
+///     trial − elastic s − strength (1 − reduction e^(−rate s)) = 0
+/// which is convex and falls, so that Newton from the left stays there.
+[[nodiscard]] inline Slip slip_of(const Segment<double>& segment, double trial) noexcept {
+  constexpr int kMostIterations = 12;
+  constexpr double kTolerance = 1e-13;  // per trial force
+  Slip result{std::max(0.0, (trial - segment.strength) / segment.elastic), 0};
+  if (segment.reduction == 0) return result;
+  for (int i = 0; i < kMostIterations; ++i) {
+    result.lost = segment.strength * segment.reduction * std::exp(-segment.rate * result.slip);
+    const double excess = trial - segment.elastic * result.slip - segment.strength + result.lost;
+    const double step = excess / (segment.elastic + segment.rate * result.lost);
+    result.slip += step;
+    // What is left after a step is half the curvature of `lost` times its square.
+    const double bend = segment.rate * step;
+    if (0.5 * result.lost * bend * bend <= kTolerance * trial) {
+      result.lost *= 1 - bend;
+      break;
+    }
+  }
+  return result;
+}
+
+/// Values without their derivatives.
+template <class Real>
+[[nodiscard]] Segment<double> plain(const Segment<Real>& s) noexcept {
+  return {value_of(s.curvature), value_of(s.elastic),
+          value_of(s.strength),  value_of(s.reduction),
+          value_of(s.rate),      value_of(s.clearance),
+          value_of(s.rim),       {value_of(s.slipped.x), value_of(s.slipped.y)}};
+}
+
+/// One Newton step from the root changes no value; it carries the derivatives.
+template <class Real>
+[[nodiscard]] Real carried(const Segment<Real>& segment, const Real& trial, const Slip& root,
+                           double slope) noexcept {
+  using std::exp;
+  if constexpr (std::is_same_v<Real, double>) return root.slip;
+  const Real lost = segment.strength * segment.reduction * exp(-(segment.rate * root.slip));
+  return root.slip + (trial - segment.elastic * root.slip - segment.strength + lost) * (1 / slope);
+}
+
+template <class Real>
+[[nodiscard]] Answer<Real> answer(const Segment<Real>& segment, const Plane<Real>& u) noexcept {
+  const auto values = [](const Plane<Real>& a) {
+    return Plane<double>{value_of(a.x), value_of(a.y)};
+  };
+  Answer<Real> result;
+  result.force = u * segment.curvature;
+  result.tangent.xx = result.tangent.yy = value_of(segment.curvature);
+
+  const Plane<Real> stretch = u - segment.slipped;
+  const Real size = length(stretch);
+  const Real trial = segment.elastic * size;
+  const double elastic = value_of(segment.elastic);
+  if (trial > segment.strength * (1 - segment.reduction)) {
+    const Slip root = slip_of(plain(segment), value_of(trial));
+    const double slope = elastic + value_of(segment.rate) * root.lost;
+    const Real slip = carried(segment, trial, root, slope);
+    const Plane<Real> direction = stretch * (1 / size);
+    result.slip = direction * slip;
+    result.friction = direction * (trial - segment.elastic * slip);
+    result.tangent.add(values(direction), elastic * (1 - elastic / slope),
+                       elastic * (1 - value_of(slip) / value_of(size)));
+  } else {
+    result.friction = stretch * segment.elastic;
+    result.tangent.xx += elastic, result.tangent.yy += elastic;
+  }
+  result.force = result.force + result.friction;
+
+  const Real radius = length(u);
+  if (radius > segment.clearance) {
+    const Real push = segment.rim * (radius - segment.clearance) / radius;
+    result.force = result.force + u * push;
+    result.tangent.add(values(u * (1 / radius)), value_of(segment.rim), value_of(push));
+  }
+  return result;
+}
+
+using SeriesDisplacements = std::array<Plane<double>, kSegments>;
+
+struct SeriesSolution {
+  int evaluations = 0;   ///< of all three segments, ≤ kMostEvaluations
+  double imbalance = 0;  ///< largest difference between a segment's force and that of all [-]
+  std::array<Answer<double>, kSegments> answers{};
+};
+
+inline constexpr int kMostEvaluations = 30;
+
+/// Displacements of the segments that add up to `total` under one force: the minimum of a convex
+/// energy, by Newton's method with a search along its direction. Whatever happens, they add up.
+/// @param u  in: where to begin; out: the solution   @realtime
+SeriesSolution solve_series(const std::array<Segment<double>, kSegments>& segments,
+                            const Plane<double>& total, SeriesDisplacements& u) noexcept;
+
+}  // namespace rths::sim

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "triple_pendulum.hpp"
+
+namespace rths::sim {
+namespace {
+
+// The imbalance that is no longer worth a step, per friction and force.
+constexpr double kTolerance = 1e-11;
+// A search ends where the energy's slope has lost nine tenths of what it had.
+constexpr double kEnoughSlope = 0.1;
+
+using Segments = std::array<Segment<double>, kSegments>;
+using Answers = std::array<Answer<double>, kSegments>;
+
+Answers answers(const Segments& segments, const SeriesDisplacements& u) {
+  return {answer(segments[0], u[0]), answer(segments[1], u[1]), answer(segments[2], u[2])};
+}
+
+// The common force and the way to it, where every segment is replaced by its tangent.
+struct NewtonStep {
+  Plane<double> force;
+  SeriesDisplacements direction;
+  double imbalance = 0, scale = 0;
+  double slope = 0;  // of the energy along the direction, ≤ 0 once displacements add up
+};
+
+NewtonStep newton_step(const Answers& found, const Plane<double>& missing) {
+  std::array<Symmetric, kSegments> compliance;
+  Symmetric all;
+  Plane<double> sum = missing;
+  for (std::size_t i = 0; i < kSegments; ++i) {
+    compliance[i] = found[i].tangent.inverse();
+    all += compliance[i];
+    sum = sum + compliance[i] * found[i].force;
+  }
+  NewtonStep step;
+  step.force = all.inverse() * sum;
+  for (std::size_t i = 0; i < kSegments; ++i) {
+    const Plane<double> gap = step.force - found[i].force;
+    step.direction[i] = compliance[i] * gap;
+    step.slope -= dot(gap, step.direction[i]);
+    step.imbalance = std::max(step.imbalance, length(gap));
+    step.scale = std::max(step.scale, length(found[i].force));
+  }
+  return step;
+}
+
+SeriesDisplacements moved(const SeriesDisplacements& u, const NewtonStep& step, double part) {
+  SeriesDisplacements to = u;
+  for (std::size_t i = 0; i < kSegments; ++i) to[i] = u[i] + step.direction[i] * part;
+  return to;
+}
+
+// Directions add up to nothing but round-off, which the common force would make large.
+double slope_at(const Answers& found, const NewtonStep& step) {
+  double slope = 0;
+  for (std::size_t i = 0; i < kSegments; ++i)
+    slope += dot(found[i].force - step.force, step.direction[i]);
+  return slope;
+}
+
+// Along the direction of a step, which adds up to nothing. The energy's slope grows along it; its
+// zero is enclosed, so that the point found sees the tangent beyond a corner if there is one.
+void search(const Segments& segments, const NewtonStep& step, SeriesDisplacements& u,
+            Answers& found, SeriesSolution& solution) {
+  const SeriesDisplacements from = u;
+  double part = 1, before = 0, slope_before = step.slope, beyond = 0, slope_beyond = 0;
+  bool last_over = true;
+  while (solution.evaluations < kMostEvaluations) {
+    u = moved(from, step, part);
+    found = answers(segments, u);
+    ++solution.evaluations;
+    const double slope = slope_at(found, step);
+    const bool first = beyond == 0;
+    const bool over = slope > 0;
+    // Illinois: no end of the interval stays for ever.
+    if (!first && over == last_over) (over ? slope_before : slope_beyond) *= 0.5;
+    (over ? beyond : before) = part;
+    (over ? slope_beyond : slope_before) = slope;
+    last_over = over;
+    if (std::abs(slope) <= -kEnoughSlope * step.slope || (first && slope <= 0)) return;
+    part = before + (beyond - before) * slope_before / (slope_before - slope_beyond);
+  }
+}
+
+}  // namespace
+
+SeriesSolution solve_series(const Segments& segments, const Plane<double>& total,
+                            SeriesDisplacements& u) noexcept {
+  double strength = 0;
+  for (const auto& segment : segments) strength = std::max(strength, segment.strength);
+  SeriesSolution solution;
+  Answers& found = solution.answers;
+  found = answers(segments, u);
+  // The first step makes displacements add up, so it is taken whole.
+  NewtonStep step = newton_step(found, total - (u[0] + u[1] + u[2]));
+  u = moved(u, step, 1);
+  found = answers(segments, u);
+  solution.evaluations = 2;
+  while (true) {
+    step = newton_step(found, total - (u[0] + u[1] + u[2]));
+    solution.imbalance = step.imbalance;
+    if (step.imbalance <= kTolerance * (strength + step.scale)) break;
+    search(segments, step, u, found, solution);
+    if (solution.evaluations >= kMostEvaluations) break;
+  }
+  return solution;
+}
+
+}  // namespace rths::sim

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The command as scripts meet it. Nothing here is judged by time: the machine may be busy.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/process.hpp"
+
+namespace rths {
+namespace {
+
+using nlohmann::json;
+using test::run_rths;
+
+std::vector<std::string> shortly(const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"bench", "bearings", "--passes", "1", "--steps", "300"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+void expect_ordered_times(const json& times) {
+  EXPECT_GT(times["p50_ns"], 0);
+  EXPECT_LE(times["p50_ns"], times["p99_ns"]);
+  EXPECT_LE(times["p99_ns"], times["p999_ns"]);
+  EXPECT_LE(times["p999_ns"], times["worst_ns"]);
+  EXPECT_LE(times["worst_code_ns"], times["worst_ns"]);
+}
+
+TEST(BenchBearings, SaysEverythingInOneJsonDocument) {
+  const auto run = run_rths(shortly({"--json", "--opensees", "/no/such/python"}));
+
+  ASSERT_GE(run.exit_code, 0) << run.err;
+  ASSERT_LE(run.exit_code, 2) << run.err;
+  const json said = json::parse(run.out);
+  EXPECT_EQ(said["format"], 1);
+  EXPECT_EQ(said["steps"], 300);
+  EXPECT_TRUE(said["machine"].contains("cpu"));
+  ASSERT_EQ(said["bearings"].size(), 3U);
+  for (const json& row : said["bearings"]) {
+    expect_ordered_times(row["earthquake"]);
+    expect_ordered_times(row["adversarial"]);
+    EXPECT_FALSE(row["terms"].empty());
+    EXPECT_GT(row["dual_ratio"], 0);
+    EXPECT_GT(row["one_of_486_ns"], 0);
+  }
+}
+
+TEST(BenchBearings, SaysWhyOpenseesIsNotMeasured) {
+  const auto run = run_rths(shortly({"--opensees", "/no/such/python"}));
+
+  EXPECT_NE(run.out.find("not measured: /no/such/python"), std::string::npos) << run.out;
+  EXPECT_EQ(run.err, "");
+}
+
+TEST(BenchBearings, EndsAsItsVerdictSays) {
+  const auto run = run_rths(shortly({"--json", "--opensees", "/no/such/python"}));
+
+  const std::string result = json::parse(run.out)["result"];
+  EXPECT_EQ(run.exit_code, result == "pass" ? 0 : result == "inconclusive" ? 1 : 2);
+}
+
+TEST(BenchBearings, ExitsWithThreeWhenItIsUsedWrongly) {
+  EXPECT_EQ(run_rths({"bench", "bearings", "--passes", "0"}).exit_code, 3);
+  EXPECT_EQ(run_rths({"bench", "bearings", "--no-such"}).exit_code, 3);
+}
+
+}  // namespace
+}  // namespace rths

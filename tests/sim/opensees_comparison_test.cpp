@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The same bearing here and in OpenSees, along the same paths. Where both state the same law their
+// forces agree; where they are meant to differ, it is measured how much.
+#include <cstdio>
+#include <ostream>
+
+#include <gtest/gtest.h>
+
+#include "opensees_rows.hpp"
+
+namespace rths::sim {
+namespace test {
+
+// What a failed test calls its row.
+void PrintTo(const OpenseesRow& row, std::ostream* out) { *out << row.name; }
+
+}  // namespace test
+namespace {
+
+using test::OpenseesRow;
+
+std::vector<OpenseesRow> all_rows() {
+  auto rows = test::elastomeric_rows();
+  for (auto& row : test::sliding_rows()) rows.push_back(std::move(row));
+  return rows;
+}
+
+void print_line(const std::string& name, const std::string& path, double time_step,
+                const test::Nrmse& found) {
+  std::printf("  %-34s %-11s dt %.2g ms  shear %7.4f %%  axial %7.4f %%\n", name.c_str(),
+              path.c_str(), 1e3 * time_step, 100 * found.shear, 100 * found.axial);
+}
+
+class Opensees : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!test::opensees_python())
+      GTEST_SKIP() << "SKIPPED: no OpenSees here; ./lab test installs it where there is a network";
+  }
+};
+
+class OpenseesBearing : public Opensees, public testing::WithParamInterface<OpenseesRow> {};
+
+TEST_P(OpenseesBearing, AnswersAsOursDoes) {
+  const OpenseesRow& row = GetParam();
+  auto paths = test::all_paths(row.amplitude, row.time_step);
+  if (row.swing > 0) paths.push_back(test::pulled(row.amplitude, row.time_step, row.swing));
+  for (const auto& path : paths) {
+    const auto theirs = test::opensees_forces(row.bearing, path);
+    const auto ours = test::our_forces(row.bearing, path);
+
+    const auto found = test::nrmse(ours, theirs);
+
+    print_line(row.name, path.name, path.time_step, found);
+    EXPECT_LE(found.shear, row.bound) << path.name;
+    EXPECT_LE(found.axial, row.bound) << path.name;
+  }
+  if (!row.deviation.empty()) std::printf("  intended: %s\n", row.deviation.c_str());
+}
+
+// Theirs takes the whole step at once (backward Euler), ours in parts by Runge-Kutta: what is left
+// between them is the error of theirs, which is of the order of the step.
+TEST_F(Opensees, ComesNearerToOursAsItsStepGetsShorter) {
+  for (const auto& row : test::elastomeric_rows()) {
+    if (row.name != "LeadRubberX") continue;
+    std::vector<double> differences;
+    for (const double step : {2e-3, 1e-3, 5e-4}) {
+      const auto path = test::recorded(row.amplitude, step);
+      const auto found = test::nrmse(test::our_forces(row.bearing, path),
+                                     test::opensees_forces(row.bearing, path));
+      print_line(row.name, path.name, step, found);
+      differences.push_back(found.shear);
+    }
+    for (std::size_t i = 1; i < differences.size(); ++i)
+      EXPECT_NEAR(differences[i] / differences[i - 1], 0.5, 0.1) << row.name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, OpenseesBearing, testing::ValuesIn(all_rows()),
+                         [](const auto& instance) { return instance.param.name; });
+
+}  // namespace
+}  // namespace rths::sim
