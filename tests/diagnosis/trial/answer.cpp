@@ -32,14 +32,18 @@ void add_truth(Json& json, const EffectTruth& truth) {
   bool is_distinguishable = true;
   for (const Separation& separation : truth.separations) {
     json.add(separation.rival, separation.nats);
-    is_distinguishable = is_distinguishable && separation.nats >= kDistinguishable;
+    is_distinguishable =
+        is_distinguishable && (separation.contains_it || separation.nats >= kDistinguishable);
   }
   json.close();
   json.add("distinguishable", is_distinguishable);
-  json.open_list("tie");
-  for (const Separation& separation : truth.separations)
-    if (separation.nats < kDistinguishable) json.add("", separation.rival);
-  json.close();
+  for (const bool contains_it : {false, true}) {
+    json.open_list(contains_it ? "special_case_of" : "tie");
+    for (const Separation& separation : truth.separations)
+      if (separation.contains_it == contains_it && separation.nats < kDistinguishable)
+        json.add("", separation.rival);
+    json.close();
+  }
   add_place(json, "place", truth.of_effect);
   add_place(json, "place_after_nuisances", truth.of_rest);
   json.close();

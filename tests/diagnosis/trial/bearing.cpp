@@ -14,11 +14,13 @@ constexpr double kContactStiffness = 2e10;  ///< of a seat that has closed [N/m]
 Plane loop_rate(const Physics& p, double yield, const Plane& z, const Plane& du) {
   const double coupling = p[kCoupling];
   Plane rate{};
+  double sharp = 0;
   for (std::size_t i = 0; i < 2; ++i) {
     const std::size_t j = 1 - i;
     const double square = z[i] * z[i] + coupling * z[j] * z[j];
     const double work = z[i] * du[i] + coupling * z[j] * du[j];
-    const double sharp = square > 0 ? std::pow(square, 0.5 * p[kExponent] - 1) : 0;
+    // With full coupling it is that of the other axis too.
+    if (i == 0 || coupling != 1) sharp = square > 0 ? std::pow(square, 0.5 * p[kExponent] - 1) : 0;
     const double sign = work > 0 ? 1 : -1;
     rate[i] = (du[i] - z[i] * sharp * work * (1 - p[kBeta] + p[kBeta] * sign)) / yield;
   }
@@ -80,12 +82,13 @@ void Bearing::remember(const Plane& increment, const Plane& turned) {
   const double length = std::hypot(increment[0], increment[1]);
   double plastic = 0;
   for (std::size_t i = 0; i < 2; ++i) plastic += loop_[i] * (increment[i] - yield * turned[i]);
-  const double faded = std::exp(-physics_[kHeating] * plastic_path_);
-  plastic_path_ += std::abs(plastic) * faded - step_ * physics_[kCooling] * plastic_path_;
-
-  for (std::size_t i = 0; i < 2; ++i) {
+  if (physics_[kHeating] > 0)
+    plastic_path_ += std::abs(plastic) * std::exp(-physics_[kHeating] * plastic_path_) -
+                     step_ * physics_[kCooling] * plastic_path_;
+  if (physics_[kMaxwell] > 0) {
     const double decay = std::exp(-step_ * physics_[kMaxwellRate]);
-    branch_[i] = decay * branch_[i] + physics_[kMaxwell] * std::sqrt(decay) * increment[i];
+    for (std::size_t i = 0; i < 2; ++i)
+      branch_[i] = decay * branch_[i] + physics_[kMaxwell] * std::sqrt(decay) * increment[i];
   }
   for (std::size_t k = 0; k < shape_.size(); ++k) {
     if (physics_[kShape1 + k] == 0) continue;
@@ -99,9 +102,9 @@ void Bearing::remember(const Plane& increment, const Plane& turned) {
 
 double Bearing::strength(const Boundary& platen, double speed) const {
   const Physics& p = physics_;
-  double factor = std::exp(-p[kHeating] * plastic_path_);
+  double factor = p[kHeating] > 0 ? std::exp(-p[kHeating] * plastic_path_) : 1;
   factor *= 1 + p[kAxialStrength] * (platen.axial_load / kReferenceLoad - 1);
-  factor *= 1 + p[kRate] * std::log1p(speed / p[kRateVelocity]);
+  if (p[kRate] > 0) factor *= 1 + p[kRate] * std::log1p(speed / p[kRateVelocity]);
   if (platen.time >= p[kDamageTime]) factor *= 1 - p[kDamage];
   return p[kStrength] * factor;
 }
@@ -109,7 +112,7 @@ double Bearing::strength(const Boundary& platen, double speed) const {
 double Bearing::stiffness(double load_ratio) const {
   const Physics& p = physics_;
   double factor = 1 - p[kAxialStiffness] * (load_ratio * load_ratio - 1);
-  factor *= 1 + p[kScragging] * std::exp(-largest_ / p[kScraggingLength]);
+  if (p[kScragging] > 0) factor *= 1 + p[kScragging] * std::exp(-largest_ / p[kScraggingLength]);
   return p[kStiffness] * factor;
 }
 

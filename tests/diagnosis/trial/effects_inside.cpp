@@ -22,7 +22,7 @@ std::vector<Effect> bearing_effects() {
   return {
       bearing("lead_heating", {{kHeating, 0.03, 0.15, kSize}, {kCooling, 0.002, 0.03}}),
       bearing("axial_load_strength", {{kAxialStrength, 0.05, 0.2, kSize}}),
-      bearing("axial_load_stiffness", {{kAxialStiffness, 0.01, 0.05, kSize}}),
+      bearing("axial_load_stiffness", {{kAxialStiffness, 0.02, 0.08, kSize}}),
       bearing("p_delta", {{kPDelta, -0.06, -0.01, kSize}}),
       bearing("bidirectional_coupling", {{kCoupling, 0.4, 0.85, kSize}}),
       bearing("large_strain_stiffening",
@@ -30,7 +30,7 @@ std::vector<Effect> bearing_effects() {
       bearing("cubic_stiffness", {{kCubic, 4e6, 1.5e7, kSize}}),
       bearing("scragging", {{kScragging, 0.1, 0.3, kSize}, {kScraggingLength, 0.03, 0.08}}),
       bearing("rate_dep_strength", {{kRate, 0.015, 0.06, kSize}, {kRateVelocity, 0.005, 0.05}}),
-      bearing("viscoelastic_relax", {{kMaxwell, 1e5, 4e5, kSize}, {kMaxwellRate, 0.3, 3}}),
+      bearing("viscoelastic_relax", {{kMaxwell, 3e5, 9e5, kSize}, {kMaxwellRate, 0.3, 3}}),
       bearing("asymmetric_stiffness", {{kQuadraticX, 4e5, 1.5e6, kSize, kEitherSign},
                                        {kQuadraticY, 4e5, 1.5e6, kSize, kEitherSign}}),
       bearing("hysteresis_shape", {{kShape1, 4e3, 15e3, kSize, kEitherSign},

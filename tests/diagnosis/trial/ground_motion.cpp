@@ -51,15 +51,16 @@ std::vector<GroundMotion> read_folder(const fs::path& folder) {
   return motions;
 }
 
-// Noise between about 0.3 and 5 Hz that grows and fades like `like`.
+// Noise between about 0.3 and 2 Hz that grows and fades like `like`.
 std::vector<double> modulated_noise(const std::vector<double>& like, double step, Random& random) {
-  const double fast = std::exp(-2 * std::numbers::pi * 5 * step);
+  const double fast = std::exp(-2 * std::numbers::pi * 2 * step);
   const double slow = std::exp(-2 * std::numbers::pi * 0.3 * step);
   const double envelope_keeps = std::exp(-step / 2.0);
-  double quick = 0, trend = 0, envelope = 0;
+  double rough = 0, quick = 0, trend = 0, envelope = 0;
   std::vector<double> noise;
   for (const double value : like) {
-    quick = fast * quick + (1 - fast) * random.gaussian();
+    rough = fast * rough + (1 - fast) * random.gaussian();
+    quick = fast * quick + (1 - fast) * rough;
     trend = slow * trend + (1 - slow) * quick;
     envelope = envelope_keeps * envelope + (1 - envelope_keeps) * value * value;
     noise.push_back((quick - trend) * std::sqrt(envelope));

@@ -42,7 +42,7 @@ class Laboratory {
         axial_load_(noise.axial_load, kSampleTime, random_),
         actuator_(physics, kStep),
         bearing_(physics, kStep),
-        platen_(physics, kStep),
+        platen_(physics),
         load_cell_(physics, kStep) {}
 
   Record run(const Excitation& excitation);

@@ -63,6 +63,31 @@ Physics moved(const Physics& from, const std::vector<Parameter>& parameters,
   return to;
 }
 
+// The normal equations, A x = b.
+struct Normal {
+  Matrix A;
+  std::vector<double> b;
+};
+
+Normal normal_of(const std::vector<Signal>& J, const Signal& residual) {
+  const std::size_t n = J.size();
+  Normal normal{Matrix(n, std::vector<double>(n)), std::vector<double>(n)};
+  for (std::size_t r = 0; r < n; ++r) {
+    normal.b[r] = dot(J[r], residual);
+    for (std::size_t c = 0; c < n; ++c) normal.A[r][c] = c < r ? normal.A[c][r] : dot(J[r], J[c]);
+  }
+  return normal;
+}
+
+std::vector<double> step_of(const Normal& normal, double damping) {
+  Matrix damped = normal.A;
+  for (std::size_t k = 0; k < damped.size(); ++k) damped[k][k] *= 1 + damping;
+  return solved(std::move(damped), normal.b);
+}
+
+constexpr int kTries = 5;
+constexpr double kRelax = 5, kTighten = 8;  // of the damping after success and failure
+
 }  // namespace
 
 double dot(const Signal& one, const Signal& other) {
@@ -98,35 +123,23 @@ void Subspace::add(const Signal& signal) {
 
 Fit fit(const std::function<Signal(const Physics&)>& residual,
         const std::vector<Parameter>& parameters, const Physics& start, int iterations) {
-  constexpr int kTries = 5;
   constexpr double kDone = 1e-5;
   Fit best{.physics = start};
   Signal here = residual(start);
   best.cost = dot(here, here);
   double damping = 1e-3;
   for (int i = 0; i < iterations; ++i) {
-    const std::vector<Signal> J = quotients(residual, parameters, best.physics, here);
-    const std::size_t n = J.size();
-    Matrix normal(n, std::vector<double>(n));
-    std::vector<double> gradient(n);
-    for (std::size_t r = 0; r < n; ++r) {
-      gradient[r] = dot(J[r], here);
-      for (std::size_t c = 0; c < n; ++c) normal[r][c] = c < r ? normal[c][r] : dot(J[r], J[c]);
-    }
+    const Normal normal = normal_of(quotients(residual, parameters, best.physics, here), here);
     const double before = best.cost;
     for (int attempt = 0; attempt < kTries; ++attempt) {
-      Matrix damped = normal;
-      for (std::size_t k = 0; k < n; ++k) damped[k][k] *= 1 + damping;
-      const Physics there = moved(best.physics, parameters, solved(damped, gradient));
+      const Physics there = moved(best.physics, parameters, step_of(normal, damping));
       Signal residual_there = residual(there);
       const double cost = dot(residual_there, residual_there);
-      if (cost < best.cost) {
-        best = {there, cost};
-        here = std::move(residual_there);
-        damping /= 5;
-        break;
-      }
-      damping *= 8;
+      damping *= cost < best.cost ? 1.0 / kRelax : kTighten;
+      if (cost >= best.cost) continue;
+      best = {there, cost};
+      here = std::move(residual_there);
+      break;
     }
     if (before - best.cost <= kDone * before) break;
   }

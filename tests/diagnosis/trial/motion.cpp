@@ -121,7 +121,7 @@ Motion sum(const Motion& motion, const Motion& error) {
 
 std::vector<Plane> force_at(const Physics& physics, const Motion& motion) {
   Bearing bearing{physics, kModelStep};
-  Platen platen{physics, kModelStep};
+  Platen platen{physics};
   LoadCell load_cell{physics, kModelStep};
   std::vector<Plane> force;
   force.reserve(motion.size());

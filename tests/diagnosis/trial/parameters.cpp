@@ -105,6 +105,10 @@ constexpr ParameterInfo kTable[] = {
     {kRatchet, "ratchet_force", "N", 0, 2e3, -kAny, kAny},
     {kRatchetVelocity, "ratchet_velocity", "m/s", 0.1, 0.02, 5e-3, 1},
     {kGyroscopic, "gyroscopic_damping", "N*s/m", 0, 2e3, -kAny, kAny},
+    {kWear, "friction_per_path", "N/m", 0, 200, 0, kAny},
+    {kCorner, "corner_stiffness", "N/m", 0, 1e5, 0, kAny},
+    {kCornerPlace, "corner_place", "m", 0.01, 2e-3, 0, 0.2},
+    {kCornerSide, "corner_side", "-", 1, 1, -1, 1},
     {kDropout, "held_time", "s", 0, 0.01, 0, 1},
 };
 

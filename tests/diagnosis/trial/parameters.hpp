@@ -113,6 +113,10 @@ enum Parameter : std::size_t {
   kRatchet,
   kRatchetVelocity,
   kGyroscopic,
+  kWear,
+  kCorner,
+  kCornerPlace,
+  kCornerSide,
   kDropout,
   kParameterCount
 };

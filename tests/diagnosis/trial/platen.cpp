@@ -43,7 +43,16 @@ double Platen::friction(std::size_t axis, const Boundary& platen) const {
   if (p[kRub] > 0) force += p[kRub] * std::exp(-rub * rub);
   if (p[kBreakaway] > 0) force += p[kBreakaway] * std::exp(-stribeck * stribeck);
   if (p[kPatch] > 0) force += p[kPatch] * bump((u - p[kPatchPlace]) / p[kPatchWidth]);
-  return force * slip_[axis];
+  return (force + p[kWear] * path_[axis]) * slip_[axis];
+}
+
+// A stop that stands beyond a corner: it is met only by going both ways at once.
+double Platen::corner(std::size_t axis, const Boundary& platen) const {
+  const Plane towards{physics_[kCornerSide] * platen.displacement[0], platen.displacement[1]};
+  const double depth = std::min(towards[0], towards[1]) - physics_[kCornerPlace];
+  const bool faces_it = towards[axis] <= towards[1 - axis];
+  if (depth <= 0 || !faces_it) return 0;
+  return physics_[kCorner] * depth * (axis == 0 ? physics_[kCornerSide] : 1);
 }
 
 double Platen::outside(std::size_t axis, const Boundary& platen) const {
@@ -60,6 +69,7 @@ double Platen::outside(std::size_t axis, const Boundary& platen) const {
                                    static_cast<double>(axis));
   if (p[kRatchet] != 0)
     force += p[kRatchet] * std::tanh(v * other / (p[kRatchetVelocity] * p[kRatchetVelocity]));
+  if (p[kCorner] > 0) force += corner(axis, platen);
   return force + p[kGyroscopic] * (axis == 0 ? other : -other);
 }
 
@@ -69,6 +79,7 @@ Plane Platen::advance(const Boundary& platen) {
   for (std::size_t i = 0; i < 2; ++i) {
     const double u = platen.displacement[i], v = platen.velocity[i];
     slip_[i] = dahl(slip_[i], u - displacement_[i], p[kPresliding]);
+    path_[i] += std::abs(u - displacement_[i]);
     displacement_[i] = u;
     force[i] = kPlatenMass[i] * (1 + p[kMassErrorX + i]) * platen.acceleration[i];
     force[i] += (p[kViscousX + i] + p[kDrag] * std::abs(v)) * v;

@@ -44,17 +44,17 @@ class Bearing {
 /// What lies between the bearing and the load cell beside it.
 class Platen {
  public:
-  Platen(const Physics& physics, double step) : physics_(physics), step_(step) {}
+  explicit Platen(const Physics& physics) : physics_(physics) {}
 
   Plane advance(const Boundary& platen);  ///< @returns its force [N]
 
  private:
   [[nodiscard]] double friction(std::size_t axis, const Boundary& platen) const;
   [[nodiscard]] double outside(std::size_t axis, const Boundary& platen) const;
+  [[nodiscard]] double corner(std::size_t axis, const Boundary& platen) const;
 
   Physics physics_;
-  double step_;
-  Plane displacement_{}, slip_{};
+  Plane displacement_{}, slip_{}, path_{};
 };
 
 }  // namespace trial

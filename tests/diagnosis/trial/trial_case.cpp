@@ -36,28 +36,30 @@ void vary_specimen(Tier tier, Random& random, Physics& p) {
   }
 }
 
-// A limit is cut from the peak of the fit record, but so that one other record reaches it too.
-double limit_of(double share, const std::vector<double>& peaks) {
-  constexpr double kStillReached = 0.97;
-  std::vector<double> sorted = peaks;
-  std::sort(sorted.begin(), sorted.end());
-  return std::min((1 - share) * peaks[0], kStillReached * sorted[1]);
+double peak_of(const Record& record, const Physics& physics) {
+  return physics[kClipShare] > 0 ? record.peak_force() : record.peak_speed();
 }
 
-// Limits are set where this very test would go beyond them.
-void set_limits(TrialCase& trial) {
+// A limit is cut from the peak of this very test. The record that goes second farthest becomes the
+// one to fit and the farthest the second: both reach it, and neither lies mostly beyond.
+void set_limit(TrialCase& trial) {
   Physics& p = trial.physics;
   if (p[kClipShare] == 0 && p[kSpeedShare] == 0) return;
   Random still{0, 0};
   const ChannelNoise silence = draw_noise(0, still);
-  std::vector<double> force, speed;
-  for (const Excitation& excitation : trial.excitations) {
-    const Record record = run_test(excitation, p, silence, Random{0, 0});
-    force.push_back(record.peak_force());
-    speed.push_back(record.peak_speed());
+  std::vector<std::pair<double, Excitation>> reached;
+  for (Excitation& excitation : trial.excitations) {
+    const double peak = peak_of(run_test(excitation, p, silence, Random{0, 0}), p);
+    reached.emplace_back(peak, std::move(excitation));
   }
-  if (p[kClipShare] > 0) p[kClipLimit] = limit_of(p[kClipShare], force);
-  if (p[kSpeedShare] > 0) p[kSpeedLimit] = limit_of(p[kSpeedShare], speed);
+  std::sort(reached.begin(), reached.end(),
+            [](const auto& one, const auto& other) { return one.first > other.first; });
+  std::swap(reached[0], reached[1]);
+  for (std::size_t i = 0; i < reached.size(); ++i)
+    trial.excitations[i] = std::move(reached[i].second);
+  const double peak = reached[0].first;
+  if (p[kClipShare] > 0) p[kClipLimit] = (1 - p[kClipShare]) * peak;
+  if (p[kSpeedShare] > 0) p[kSpeedLimit] = (1 - p[kSpeedShare]) * peak;
 }
 
 void choose_excitations(const std::vector<GroundMotion>& motions, Random& random,
@@ -142,7 +144,7 @@ TrialCase make_case(const CaseId& id, const std::vector<GroundMotion>& motions) 
   choose_excitations(motions, random, trial);
   for (std::size_t i = 0; i < trial.hidden.size(); ++i)
     add(*trial.hidden[i], (i == 0 ? 1 : kSecondShare) * size_of(id.tier), random, trial.physics);
-  set_limits(trial);
+  set_limit(trial);
   constexpr double kOffset = 3e3;  // [N]
   for (std::size_t i = 0; i < kRecords; ++i) {
     trial.offsets.push_back({kOffset * random.gaussian(), kOffset * random.gaussian()});

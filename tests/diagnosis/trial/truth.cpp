@@ -113,12 +113,23 @@ double Rivalry::separation_from(const Effect& rival) const {
     if (cost < least) least = cost, best = start;
   }
   // Whoever is far off by free sizes is not worth a fit.
-  constexpr double kFarOff = 0.7;
+  constexpr double kFarOff = 0.3;
   const double enough = 20 * kDistinguishable;
   if (least > kFarOff * all && 0.5 * least > enough) return 0.5 * least;
   const Fit fitted = fit([&](const Physics& physics) { return left(physics); },
                          fitted_parameters(rival), best, kIterations);
   return 0.5 * std::min(fitted.cost, all);
+}
+
+// Every size of the effect is one of the rival's too: the rival is the effect and something more.
+bool is_nested(const Effect& effect, const Effect& rival) {
+  const auto has = [&](const Draw& wanted) {
+    return std::any_of(rival.draws.begin(), rival.draws.end(), [&](const Draw& draw) {
+      return draw.is_size && draw.parameter == wanted.parameter;
+    });
+  };
+  return std::all_of(effect.draws.begin(), effect.draws.end(),
+                     [&](const Draw& draw) { return !draw.is_size || has(draw); });
 }
 
 }  // namespace
@@ -144,7 +155,9 @@ EffectTruth truth_of(const TrialCase& trial, const Effect& effect, bool with_riv
   for (const Effect& rival : effects()) {
     const bool can_be = rival.home == Home::Library && rival.relation == effect.relation &&
                         rival.name != effect.name && rival.name != "quantisation";
-    if (can_be) truth.separations.push_back({rival.name, rivalry.separation_from(rival)});
+    if (can_be)
+      truth.separations.push_back(
+          {rival.name, rivalry.separation_from(rival), is_nested(effect, rival)});
   }
   std::sort(truth.separations.begin(), truth.separations.end(),
             [](const Separation& a, const Separation& b) { return a.nats < b.nats; });

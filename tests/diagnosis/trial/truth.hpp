@@ -12,9 +12,12 @@ namespace trial {
 inline constexpr double kDetectable = 25;       ///< information from which an effect can be seen
 inline constexpr double kDistinguishable = 12;  ///< separation from which a rival is not it
 
+/// How far the nearest that a rival can come stays away from an effect. Of a rival that is far off
+/// it is an upper bound: only its sizes were free.
 struct Separation {
   std::string_view rival;
   double nats = 0;
+  bool contains_it = false;  ///< the effect is a special case: the fewer parameters win
 };
 
 /// What there is to be found of one effect, on the fit record.
