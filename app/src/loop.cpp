@@ -11,17 +11,13 @@
 #include <rths/sim/loop_test.hpp>
 
 #include "commands.hpp"
+#include "scaled.hpp"
 #include "write_file.hpp"
 
 namespace rths::app {
 namespace {
 
 using sim::LoopHistory;
-
-std::vector<double> scaled(std::vector<double> values, double factor) {
-  for (double& value : values) value *= factor;
-  return values;
-}
 
 report::Panel loop_panel(const std::string& title, const LoopHistory& history, bool both_axes) {
   report::Panel panel{title, "displacement [mm]", "force [kN]", {}};
@@ -61,11 +57,11 @@ int loop(const LoopArguments& arguments) {
   const double load = arguments.axial_load > 0 ? arguments.axial_load
                                                : sim::weight_per_bearing(sim::example_plant());
   const sim::Bearing bearing = sim::read_bearing(table, load);
-  table.reject_unknown_keys();
 
   sim::LoopTest test;
   test.amplitude_long = arguments.amplitude;
   test.frequency = arguments.frequency;
+  test.time_step = sim::time_step_of(test.frequency);
   test.cycles = arguments.cycles + 1;
   const LoopHistory line = sim::run_loop_test(bearing, test);
   sim::LoopTest eight = test;
