@@ -42,7 +42,7 @@ std::string csv_of(const LoopHistory& h) {
   std::string csv =
       "time_s,displacement_long_m,displacement_lat_m,force_long_N,force_lat_N,axial_load_N\n";
   for (std::size_t i = 0; i < h.time.size(); ++i)
-    csv += fmt::format("{:.6g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", h.time[i],
+    csv += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", h.time[i],
                        h.displacement_long[i], h.displacement_lat[i], h.force_long[i],
                        h.force_lat[i], h.axial_load[i]);
   return csv;
