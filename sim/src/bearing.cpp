@@ -114,6 +114,9 @@ double initial_stiffness(const Bearing& bearing) {
 }
 
 Bearing read_bearing(const Config& table, double axial_load) {
+  if (const auto format = table.integer("bearing", kBearingFormat); format != kBearingFormat)
+    table.fail("bearing", fmt::format("format of the bearing is {}, this program reads {}", format,
+                                      kBearingFormat));
   Bearing bearing{table.text("title", ""), read_terms(table, Host::Specimen), axial_load,
                   table.number_in("temperature_above_reference_K", -kWarmest, kWarmest, 0.0)};
   table.reject_unknown_keys();

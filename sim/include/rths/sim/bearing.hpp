@@ -11,6 +11,10 @@
 
 namespace rths::sim {
 
+/// Version of the format of a bearing's file, its key `bearing`. Bumped when a file that was right
+/// before would mean something else, or no longer load.
+inline constexpr int kBearingFormat = 1;
+
 /// A bearing: its physics, and the weight it carries.
 struct Bearing {
   std::string title;
