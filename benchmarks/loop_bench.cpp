@@ -57,12 +57,16 @@ void force_observer_step(benchmark::State& state) {
 BENCHMARK(force_observer_step);
 
 void test_machine_step_1ms(benchmark::State& state) {
-  sim::TestMachineRun machine{sim::srmd_machine(), 0.001};
+  constexpr double kAxialLoad = 9.7e6;  // [N]
+  sim::TestMachine with_specimen = sim::srmd_machine();
+  with_specimen.specimen =
+      sim::read_bearing(Config::load(launch::find_bearing("lprb")), kAxialLoad);
+  sim::TestMachineRun machine{with_specimen, 0.001};
   sim::MachineFeedback feedback;
   double t = 0;
   for (auto _ : state) {
     t += 0.001;
-    benchmark::DoNotOptimize(machine.step({0.1 * std::sin(3 * t), 0}, feedback));
+    benchmark::DoNotOptimize(machine.step({0.1 * std::sin(3 * t), 0}, kAxialLoad, feedback));
   }
 }
 BENCHMARK(test_machine_step_1ms);

@@ -10,7 +10,9 @@
 #include <rths/core/error.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/sim/bearing.hpp>
 #include <rths/sim/ground_motion.hpp>
+#include <rths/sim/isolated_plant.hpp>
 
 #include "commands.hpp"
 
@@ -44,14 +46,24 @@ int check_diagram(const std::string& file) {
   return kOk;
 }
 
+int check_bearing(const std::string& file, const Config& config) {
+  const double load = sim::weight_per_bearing(sim::example_plant());
+  const auto bearing = sim::read_bearing(config, load);
+  fmt::print("{}: bearing '{}', {} terms, {:.4g} MN/m at first under {:.2f} MN\n", file,
+             bearing.title, bearing.terms.size(), sim::initial_stiffness(bearing) / 1e6,
+             load / 1e6);
+  return kOk;
+}
+
 int check_toml(const std::string& file) {
   const auto config = Config::load(file);
   if (config.has("ringmap")) return map_check(file);
   if (config.has("diagram")) return check_diagram(file);
+  if (config.has("bearing")) return check_bearing(file, config);
   if (config.has("format")) return check_experiment(file);
   throw Error{file +
-              ": is TOML, but starts with none of ringmap (a map), diagram (a block diagram) and "
-              "format (an experiment)"};
+              ": is TOML, but starts with none of ringmap (a map), diagram (a block diagram), "
+              "bearing and format (an experiment)"};
 }
 
 int check_motion(const std::string& file, const sim::RecordComponent& record, const char* kind) {

@@ -11,17 +11,13 @@
 #include <rths/sim/loop_test.hpp>
 
 #include "commands.hpp"
+#include "scaled.hpp"
 #include "write_file.hpp"
 
 namespace rths::app {
 namespace {
 
 using sim::LoopHistory;
-
-std::vector<double> scaled(std::vector<double> values, double factor) {
-  for (double& value : values) value *= factor;
-  return values;
-}
 
 report::Panel loop_panel(const std::string& title, const LoopHistory& history, bool both_axes) {
   report::Panel panel{title, "displacement [mm]", "force [kN]", {}};
@@ -46,7 +42,7 @@ std::string csv_of(const LoopHistory& h) {
   std::string csv =
       "time_s,displacement_long_m,displacement_lat_m,force_long_N,force_lat_N,axial_load_N\n";
   for (std::size_t i = 0; i < h.time.size(); ++i)
-    csv += fmt::format("{:.6g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", h.time[i],
+    csv += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", h.time[i],
                        h.displacement_long[i], h.displacement_lat[i], h.force_long[i],
                        h.force_lat[i], h.axial_load[i]);
   return csv;
@@ -61,11 +57,11 @@ int loop(const LoopArguments& arguments) {
   const double load = arguments.axial_load > 0 ? arguments.axial_load
                                                : sim::weight_per_bearing(sim::example_plant());
   const sim::Bearing bearing = sim::read_bearing(table, load);
-  table.reject_unknown_keys();
 
   sim::LoopTest test;
   test.amplitude_long = arguments.amplitude;
   test.frequency = arguments.frequency;
+  test.time_step = sim::time_step_of(test.frequency);
   test.cycles = arguments.cycles + 1;
   const LoopHistory line = sim::run_loop_test(bearing, test);
   sim::LoopTest eight = test;

@@ -74,7 +74,8 @@ void add_node(CLI::App& app, Arguments& a, Chosen& chosen) {
 
 void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand(
-      "check", "Check a map, diagram, experiment, ground motion or recording; its content decides");
+      "check",
+      "Check a map, diagram, bearing, experiment, motion or recording; its content decides");
   command->add_option("file", a.file)->required();
   command->callback([&] { chosen = [&a] { return check(a.file); }; });
 }

@@ -10,6 +10,7 @@
 #include <rths/sim/loop_test.hpp>
 
 #include "commands.hpp"
+#include "scaled.hpp"
 #include "write_file.hpp"
 
 namespace rths::app {
@@ -18,9 +19,6 @@ namespace {
 using sim::LoopHistory;
 using sim::TermKind;
 using Values = std::vector<double> LoopHistory::*;
-
-constexpr const char* kStages[] = {"actuator",  "motion",  "vertical", "modifier",
-                                   "restoring", "machine", "sensor"};
 
 // What a picture may show: an output over the quantity that it belongs to.
 struct View {
@@ -57,11 +55,6 @@ const View& best_view(const TermKind& kind, const sim::Demonstration& shown) {
                            [&](const View& a, const View& b) { return changed(a) < changed(b); });
 }
 
-std::vector<double> scaled(std::vector<double> values, double factor) {
-  for (double& value : values) value *= factor;
-  return values;
-}
-
 // What the term does, and by itself what it adds, which beside the rest may be too small to see.
 std::string picture_of(const TermKind& kind) {
   const sim::Demonstration shown = sim::demonstrate(kind);
@@ -94,7 +87,7 @@ std::string parameter_rows(const TermKind& kind, const char* row) {
 
 std::string text_of(const TermKind& kind) {
   return fmt::format("{} ({}): {}\n    {}\n    source: {}\n{}", kind.name,
-                     kStages[static_cast<int>(kind.stage)], kind.title, kind.equation, kind.source,
+                     sim::stage_name(kind.stage), kind.title, kind.equation, kind.source,
                      parameter_rows(kind, "    {:<36} {:g} to {:g}, default {:g}, typical {:g}\n"));
 }
 
@@ -103,7 +96,7 @@ std::string markdown_of(const TermKind& kind) {
       "### {0}\n\n{1}. Stage: {2}. Source: {3}.\n\n    {4}\n\n"
       "| key | from | to | default | typical |\n|---|---|---|---|---|\n{5}\n"
       "![{1}](images/terms/{0}.svg)\n\n",
-      kind.name, kind.title, kStages[static_cast<int>(kind.stage)], kind.source, kind.equation,
+      kind.name, kind.title, sim::stage_name(kind.stage), kind.source, kind.equation,
       parameter_rows(kind, "| `{}` | {:g} | {:g} | {:g} | {:g} |\n"));
 }
 

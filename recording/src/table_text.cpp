@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <rths/core/error.hpp>
 
@@ -17,11 +18,11 @@
 namespace rths::recording {
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\r'; }
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
 std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (is_blank(text.front()) || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (is_blank(text.back()) || text.back() == '\t')) text.remove_suffix(1);
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
 }
 
@@ -64,6 +65,31 @@ std::optional<double> number(std::string_view cell) {
   return value;
 }
 
+constexpr std::string_view kDigits = "0123456789";
+
+bool is_whole(std::string_view cell) {
+  return !cell.empty() && cell.find_first_not_of(kDigits) == std::string_view::npos;
+}
+
+// "1,5": of no meaning here, where a comma parts columns.
+bool has_decimal_comma(std::string_view cell) {
+  return cell.find_first_of(kDigits) != std::string_view::npos &&
+         cell.find(',') != std::string_view::npos &&
+         cell.find_first_not_of("0123456789+-eE.,; \t") == std::string_view::npos;
+}
+
+// "0,005,1,5" parted at its commas: pairs of whole numbers, one of which begins as no number does.
+bool are_halves(const std::vector<std::string_view>& row) {
+  bool fraction = false;
+  if (row.size() % 2 != 0) return false;
+  for (std::size_t i = 0; i < row.size(); i += 2) {
+    const bool has_sign = !row[i].empty() && (row[i].front() == '-' || row[i].front() == '+');
+    if (!is_whole(row[i].substr(has_sign ? 1 : 0)) || !is_whole(row[i + 1])) return false;
+    fraction = fraction || (row[i + 1].size() > 1 && row[i + 1].front() == '0');
+  }
+  return fraction;
+}
+
 class TextReader {
  public:
   explicit TextReader(const std::filesystem::path& file) : file_{file.string()} {}
@@ -87,17 +113,34 @@ class TextReader {
     const auto first = cells(line, separator_);
     const bool is_data =
         std::all_of(first.begin(), first.end(), [](auto cell) { return number(cell).has_value(); });
+    if (!is_data && has_decimal_comma(line)) fail_on_commas(line);
     for (std::size_t i = 0; i < first.size(); ++i)
       columns.push_back({is_data ? std::to_string(i + 1) : std::string{first[i]}, {}});
+    reject_same_names();
     if (is_data) add_row(first);
   }
 
+  void reject_same_names() const {
+    for (auto column = columns.begin(); column != columns.end(); ++column)
+      if (std::any_of(columns.begin(), column,
+                      [&](const auto& other) { return other.name == column->name; }))
+        throw Error{fmt::format("{}:{}: two columns are called '{}'", file_, line_, column->name)};
+  }
+
+  [[noreturn]] void fail_on_commas(std::string_view what) const {
+    throw Error{fmt::format("{}:{}: '{}' looks like numbers with decimal commas, expected points",
+                            file_, line_, what)};
+  }
+
   void add_row(const std::vector<std::string_view>& row) {
+    if (separator_ == ',' && are_halves(row))
+      fail_on_commas(fmt::format("{}", fmt::join(row, ",")));
     if (row.size() != columns.size())
       throw Error{fmt::format("{}:{}: {} columns, expected {} as in the first row", file_, line_,
                               row.size(), columns.size())};
     for (std::size_t i = 0; i < row.size(); ++i) {
       const auto value = number(row[i]);
+      if (!value && has_decimal_comma(row[i])) fail_on_commas(row[i]);
       if (!value || !std::isfinite(*value))
         throw Error{fmt::format("{}:{}: '{}' in column '{}' is no finite number", file_, line_,
                                 row[i], columns[i].name)};
@@ -119,11 +162,13 @@ Columns read_text_columns(const std::filesystem::path& file) {
   TextReader reader{file};
   std::string_view rest{text};
   while (!rest.empty()) {
-    const auto end = rest.find('\n');
+    const auto end = rest.find_first_of("\r\n");
     reader.take(rest.substr(0, end));
     if (end == std::string_view::npos) break;
-    rest.remove_prefix(end + 1);
+    rest.remove_prefix(end + (rest.substr(end, 2) == "\r\n" ? 2 : 1));
   }
+  if (!reader.columns.empty() && reader.columns[0].values.empty())
+    throw Error{fmt::format("{}: holds names of columns, but no rows", file.string())};
   return std::move(reader.columns);
 }
 

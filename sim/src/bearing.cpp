@@ -2,18 +2,67 @@
 #include <rths/sim/bearing.hpp>
 
 #include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
 
 namespace rths::sim {
 namespace {
 
-// Far below every yield displacement, far above round-off.
-constexpr double kFirstMove = 1e-7;  // [m]
-constexpr double kFirstStep = 1e-4;  // [s]
+constexpr double kFirstMove = 1e-9;  // [m]
+constexpr double kMove = 5e-5;       // [m]
+constexpr double kAmplitude = 0.3;   // [m]
+constexpr double kProbeStep = 1e-4;  // [s]
+constexpr double kWarmest = 200;     // above the reference [°C]
+
+const Bearing& checked(const Bearing& bearing) {
+  for (const auto& term : bearing.terms) check_host(term, Host::Specimen);
+  require_given_load(bearing);
+  return bearing;
+}
+
+// Pushes one axis along at no velocity and keeps the largest ΔF/Δu.
+class Probe {
+ public:
+  Probe(const Bearing& bearing, int axis)
+      : run_{bearing, kProbeStep}, axis_{axis}, load_{bearing.axial_load} {
+    force_ = force_at(0);
+  }
+
+  void go(double to, double move) {
+    const auto moves = std::lround(std::abs(to - at_) / move);
+    const double from = at_;
+    for (long i = 1; i <= moves; ++i) {
+      const double u = from + (to - from) * static_cast<double>(i) / static_cast<double>(moves);
+      const double force = force_at(u);
+      largest = std::max(largest, (force - force_) / (u - at_));
+      force_ = force;
+      at_ = u;
+    }
+  }
+
+  double largest = 0;
+
+ private:
+  double force_at(double u) {
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();
+    place[axis_] = u;
+    return run_.advance(place, Eigen::Vector2d::Zero(), load_)[axis_];
+  }
+
+  BearingRun run_;
+  int axis_;
+  double load_, at_ = 0, force_ = 0;
+};
 
 }  // namespace
 
 BearingRun::BearingRun(const Bearing& bearing, double time_step)
-    : composition_{bearing.terms, time_step}, state_(composition_.states()) {}
+    : composition_{checked(bearing).terms, time_step},
+      state_(composition_.states()),
+      temperature_{bearing.temperature} {}
 
 Eigen::Vector2d BearingRun::advance(const Eigen::Vector2d& displacement,
                                     const Eigen::Vector2d& velocity, double axial_load) noexcept {
@@ -23,25 +72,57 @@ Eigen::Vector2d BearingRun::advance(const Eigen::Vector2d& displacement,
   q.displacement = {displacement[0], displacement[1]};
   q.velocity = {velocity[0], velocity[1]};
   q.axial_load = axial_load;
+  q.temperature = temperature_;
   composition_.advance(state_, q);
   return {q.force[0], q.force[1]};
 }
 
-double initial_stiffness(const Bearing& bearing) {
-  double stiffness = 0;
-  for (int axis = 0; axis < kHorizontalAxes; ++axis) {
-    BearingRun run{bearing, kFirstStep};
-    Eigen::Vector2d move = Eigen::Vector2d::Zero();
-    const double before = run.advance(move, move, bearing.axial_load)[axis];
-    move[axis] = kFirstMove;
-    const double after = run.advance(move, Eigen::Vector2d::Zero(), bearing.axial_load)[axis];
-    stiffness = std::max(stiffness, (after - before) / kFirstMove);
+void require_given_load(const Bearing& bearing) {
+  for (const auto& term : bearing.terms) {
+    const TermKind& kind = term_kind(term.kind);
+    // Of the vertical terms, this one alone looks at the horizontal displacement and the load.
+    if (kind.stage == Stage::Vertical && kind.name != "buckling_load_variation")
+      throw Error{
+          fmt::format("term '{}' needs a vertical displacement, and here the axial load is "
+                      "given: leave it out (enabled = false)",
+                      term.name.empty() ? term.kind : term.name)};
   }
+}
+
+double largest_stiffness(const Bearing& bearing) {
+  Bearing resisting = bearing;
+  std::erase_if(resisting.terms, [](const auto& term) {
+    const Stage stage = term_kind(term.kind).stage;
+    return stage < Stage::Vertical || stage > Stage::Machine;
+  });
+  double largest = 0;
+  for (int axis = 0; axis < kHorizontalAxes; ++axis) {
+    Probe probe{resisting, axis};
+    probe.go(kFirstMove, kFirstMove);
+    for (const double to : {kAmplitude, -kAmplitude, 0.0}) probe.go(to, kMove);
+    largest = std::max(largest, probe.largest);
+  }
+  return largest;
+}
+
+double initial_stiffness(const Bearing& bearing) {
+  const double stiffness = largest_stiffness(bearing);
+  if (!(stiffness > 0) || !std::isfinite(stiffness))
+    throw Error{fmt::format("bearing '{}': its stiffness is {} N/m, expected a positive number",
+                            bearing.title, stiffness)};
   return stiffness;
 }
 
 Bearing read_bearing(const Config& table, double axial_load) {
-  return {table.text("title", ""), read_terms(table), axial_load};
+  if (const auto format = table.integer("bearing", kBearingFormat); format != kBearingFormat)
+    table.fail("bearing", fmt::format("format of the bearing is {}, this program reads {}", format,
+                                      kBearingFormat));
+  Bearing bearing{table.text("title", ""), read_terms(table, Host::Specimen), axial_load,
+                  table.number_in("temperature_above_reference_K", -kWarmest, kWarmest, 0.0)};
+  table.reject_unknown_keys();
+  if (bearing.terms.empty())
+    throw Error{fmt::format("{}: a bearing without a term, expected at least one", table.where())};
+  return bearing;
 }
 
 }  // namespace rths::sim

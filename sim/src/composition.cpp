@@ -49,6 +49,10 @@ void check(const TermKind& kind, const TermSettings& settings) {
                             name_of(settings))};
   if (settings.channel != Channel::Force && (kind.traits & kPerChannel) == 0)
     throw Error{fmt::format("term '{}' is no sensor term; it has no channel", name_of(settings))};
+  if (settings.channel == Channel::AxialLoad &&
+      (settings.axes != kBothAxes || (kind.traits & kPerAxis) == 0))
+    throw Error{
+        fmt::format("term '{}' acts on axes, but there is one axial load", name_of(settings))};
 }
 
 template <class Real>
@@ -132,6 +136,11 @@ std::size_t Composition::parameter_index(const std::string& term,
     if (candidate.name == term)
       return candidate.first_parameter + parameter_of(*candidate.kind, parameter);
   throw Error{fmt::format("there is no term '{}' in this composition", term)};
+}
+
+void Composition::set_specimen_force(std::span<double> state,
+                                     const Horizontal<double>& force) const noexcept {
+  for (std::size_t i = 0; i < kHorizontalAxes; ++i) state[kHorizontalAxes + i] = force[i];
 }
 
 void Composition::advance(std::span<const double> parameters, std::span<double> state,

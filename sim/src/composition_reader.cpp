@@ -19,8 +19,11 @@ constexpr ChannelName kChannels[] = {{Channel::Force, "force", "N"},
                                      {Channel::Acceleration, "acceleration", "m/s2"},
                                      {Channel::AxialLoad, "axial_load", "N"}};
 
-unsigned read_axes(const Config& table) {
+unsigned read_axes(const Config& table, const TermKind& kind) {
   if (!table.has("axes")) return kBothAxes;
+  if ((kind.traits & kPerAxis) == 0)
+    table.fail("axes", fmt::format("'{}' acts on both axes at once; it cannot be limited to one",
+                                   kind.name));
   unsigned axes = 0;
   for (const auto& axis : table.texts("axes")) {
     const auto found = std::find(std::begin(kAxisNames), std::end(kAxisNames), axis);
@@ -28,23 +31,43 @@ unsigned read_axes(const Config& table) {
       table.fail("axes", fmt::format("axis '{}' is not known, expected long or lat", axis));
     axes |= 1U << static_cast<unsigned>(found - std::begin(kAxisNames));
   }
+  if (axes == 0) table.fail("axes", "axes is empty, expected long, lat or both");
   return axes;
 }
 
-Channel read_channel(const Config& table) {
-  const std::string name = table.text("channel", "force");
-  for (const auto& known : kChannels)
-    if (known.name == name) return known.channel;
+Channel read_channel(const Config& table, const TermKind& kind) {
+  if (!table.has("channel")) return Channel::Force;
+  if ((kind.traits & kPerChannel) == 0)
+    table.fail("channel", fmt::format("'{}' acts on no channel of its choice", kind.name));
+  const std::string name = table.text("channel");
+  for (const auto& known : kChannels) {
+    if (known.name != name) continue;
+    if (known.channel == Channel::AxialLoad && (kind.traits & kPerAxis) == 0)
+      table.fail("channel", fmt::format("'{}' acts between the horizontal axes; there is but one "
+                                        "axial load",
+                                        kind.name));
+    if (known.channel == Channel::AxialLoad && table.has("axes"))
+      table.fail("axes", "there is but one axial load, and it has no axes");
+    return known.channel;
+  }
   table.fail("channel", fmt::format("channel is '{}', expected force, displacement, acceleration "
                                     "or axial_load",
                                     name));
 }
 
 // The values of a key: none, one for both axes, or one for each.
-std::vector<double> read_values(const Config& table, const std::string& key, const TermKind& kind) {
+std::vector<double> read_values(const Config& table, const std::string& key, const TermKind& kind,
+                                Channel channel) {
   if (!table.has(key)) return {};
   if (!table.is_array(key)) return {table.number(key)};
   auto values = table.numbers(key);
+  if (channel == Channel::AxialLoad)
+    table.fail(key, fmt::format("{} is an array, but there is but one axial load", key));
+  if (table.has("axes"))
+    table.fail(key,
+               fmt::format("{} is an array [long, lat], and axes says which axis: expected one "
+                           "of the two",
+                           key));
   if ((kind.traits & kPerAxis) == 0)
     table.fail(key,
                fmt::format("{} is an array, but '{}' acts on both axes at once", key, kind.name));
@@ -68,12 +91,12 @@ std::vector<TermSettings> read_term(const std::string& name, const Config& table
   const TermKind& kind =
       table.placed("kind", [&]() -> const TermKind& { return term_kind(settings.kind); });
   const bool enabled = table.flag("enabled", true);
-  settings.axes = read_axes(table);
-  settings.channel = read_channel(table);
+  settings.axes = read_axes(table, kind);
+  settings.channel = read_channel(table, kind);
   std::vector<TermSettings> axes;
   for (const auto& parameter : kind.parameters) {
     const std::string key = parameter_key(parameter, settings.channel);
-    const auto values = read_values(table, key, kind);
+    const auto values = read_values(table, key, kind, settings.channel);
     for (const double value : values) check_bounds(table, key, parameter, value);
     if (values.size() == kHorizontalAxes && axes.empty()) {
       axes.assign(kHorizontalAxes, settings);
@@ -90,6 +113,15 @@ std::vector<TermSettings> read_term(const std::string& name, const Config& table
   table.reject_unknown_keys();
   if (!enabled) return {};
   return axes.empty() ? std::vector{settings} : axes;
+}
+
+void check_host_at(const Config& table, const std::string& key, const TermSettings& term,
+                   Host host) {
+  try {
+    check_host(term, host);
+  } catch (const Error& error) {
+    table.fail(key, error.what());
+  }
 }
 
 }  // namespace
@@ -110,11 +142,12 @@ std::string parameter_key(const Parameter& parameter, Channel channel) {
   return key;
 }
 
-std::vector<TermSettings> read_terms(const Config& table) {
+std::vector<TermSettings> read_terms(const Config& table, Host host) {
   std::vector<TermSettings> terms;
   for (const auto& key : table.keys()) {
     if (!table.is_table(key)) continue;
     const auto read = read_term(key, table.table(key));
+    for (const auto& term : read) check_host_at(table, key, term, host);
     terms.insert(terms.end(), read.begin(), read.end());
   }
   return terms;

@@ -43,6 +43,7 @@ Quantities<double> given(const Bearing& bearing, const LoopTest& test, double t)
   q.axial_load = bearing.axial_load * (1 + test.axial_load_variation * up.value);
   q.vertical_displacement = test.vertical_offset + test.vertical_amplitude * up.value;
   q.vertical_velocity = test.vertical_amplitude * up.rate;
+  q.temperature = bearing.temperature;
   return q;
 }
 
@@ -50,18 +51,28 @@ int steps_per_cycle(const LoopTest& test) {
   return static_cast<int>(std::lround(1 / (test.frequency * test.time_step)));
 }
 
+constexpr double kUsualStep = 1e-3;  // [s]
+constexpr double kFewestSteps = 1'000, kMostSteps = 20'000;
+
 }  // namespace
+
+double time_step_of(double frequency) {
+  return 1 / (frequency * std::clamp(1 / (frequency * kUsualStep), kFewestSteps, kMostSteps));
+}
 
 LoopHistory run_loop_test(const Bearing& bearing, const LoopTest& test) {
   if (test.cycles < 1 || !(test.frequency > 0) || !(test.time_step > 0) ||
       steps_per_cycle(test) < 20)
     throw Error{"loop test: expected at least one cycle of at least 20 steps"};
-  const Composition composition{bearing.terms, test.time_step};
+  if (test.vertical_offset == 0 && test.vertical_amplitude == 0) require_given_load(bearing);
+  // A cycle is a whole number of steps: none drifts from what `cycle_numbers` takes for it.
+  const double step = 1 / (test.frequency * steps_per_cycle(test));
+  const Composition composition{bearing.terms, step};
   std::vector<double> state(composition.states());
   LoopHistory history;
   const int steps = test.cycles * steps_per_cycle(test);
   for (int i = 0; i <= steps; ++i) {
-    Quantities<double> q = given(bearing, test, i * test.time_step);
+    Quantities<double> q = given(bearing, test, i * step);
     history.command_long.push_back(q.displacement[0]);
     composition.advance(state, q);
     history.time.push_back(q.time);

@@ -4,44 +4,24 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <rths/core/error.hpp>
+
+#include "test_machine_check.hpp"
 
 namespace rths::sim {
 namespace {
 
-constexpr double kLongestDelay = 1;    // [s]
 constexpr double kLongestPart = 1e-4;  // [s]; oil columns and spools are slower than 20 Hz
 
 double sign(double x) { return x > 0 ? 1.0 : (x < 0 ? -1.0 : 0.0); }
 
-void require_positive(double value, const char* name) {
-  if (!(value > 0) || !std::isfinite(value))
-    throw Error{std::string{"test machine: "} + name + " is " + std::to_string(value) +
-                ", expected a positive number"};
-}
-
-void check(const ServoAxis& axis) {
-  require_positive(axis.limits.stroke, "stroke");
-  require_positive(axis.limits.velocity, "velocity limit");
-  require_positive(axis.limits.force, "force limit");
-  require_positive(axis.piston_area, "piston area");
-  require_positive(axis.oil_volume, "oil volume");
-  require_positive(axis.bulk_modulus, "bulk modulus");
-  require_positive(axis.supply_pressure, "supply pressure");
-  require_positive(axis.rated_flow, "rated flow");
-  require_positive(axis.valve_frequency, "valve frequency");
-  require_positive(axis.position_gain, "position gain");
-  require_positive(axis.effective_mass, "effective mass");
-  if (!(axis.transport_delay >= 0 && axis.transport_delay <= kLongestDelay))
-    throw Error{"test machine: transport delay is " + std::to_string(axis.transport_delay) +
-                " s, expected 0 to 1 s"};
-}
-
 int parts_of(double period) {
-  require_positive(period, "period");
+  if (!(period > 0) || !std::isfinite(period))
+    throw Error{fmt::format("test machine: period is {} s, expected a positive number", period)};
   return std::max(1, static_cast<int>(std::ceil(period / kLongestPart - 1e-9)));
 }
 
@@ -54,32 +34,42 @@ presliding_m = 1e-5
 coefficient_N_s_per_m = [716, 870]
 )";
 
+// What moves with the platen is no force that could be computed after its acceleration.
+TestMachine with_inertia(TestMachine machine) {
+  for (const auto& term : machine.terms)
+    if (term.kind == kPlatenInertia)
+      for (std::size_t i = 0; i < machine.axes.size(); ++i)
+        for (const auto& [name, mass] : term.parameters)
+          if (name == "mass" && (term.axes >> i & 1U) != 0) machine.axes[i].effective_mass += mass;
+  return machine;
+}
+
 }  // namespace
 
 TestMachineRun::TestMachineRun(const TestMachine& machine, double period)
-    : machine_{machine},
+    : machine_{with_inertia(machine)},
       parts_{parts_of(period)},
       part_{period / parts_},
-      actuator_{terms_between(machine, Stage::Actuator, Stage::Actuator, period)},
-      platen_{terms_between(machine, Stage::Motion, Stage::Machine, part_)},
-      sensors_{terms_between(machine, Stage::Sensor, Stage::Sensor, period)},
-      specimen_{machine.specimen, part_},
+      actuator_{terms_of(machine, Stage::Actuator, period)},
+      platen_{terms_of(machine, Stage::Machine, part_)},
+      sensors_{terms_of(machine, Stage::Sensor, period)},
+      specimen_{mounted_specimen(machine), part_},
       random_{machine.seed} {
+  check(machine_, part_);
   for (int i = 0; i < kHorizontalAxes; ++i) {
-    check(machine_.axes[i]);
     const auto delay = std::lround(machine_.axes[i].transport_delay / part_);
     axes_[i].delay_line.assign(static_cast<std::size_t>(std::max(1L, delay)), 0.0);
   }
 }
 
-double TestMachineRun::platen_acceleration(int axis, const AxisState& s) const noexcept {
+double TestMachineRun::platen_acceleration(int axis, const AxisState& s,
+                                           double resistance) const noexcept {
   const ServoAxis& p = machine_.axes[axis];
-  return (p.piston_area * s.pressure - machine_force_[axis] - specimen_force_[axis]) /
-         p.effective_mass;
+  return (p.piston_area * s.pressure - resistance) / p.effective_mass;
 }
 
-TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s,
-                                                double reference) const noexcept {
+TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s, double reference,
+                                                double resistance) const noexcept {
   const ServoAxis& p = machine_.axes[axis];
   const double demand =
       std::clamp(p.position_gain * (reference - s.x) * p.piston_area / p.rated_flow -
@@ -90,7 +80,7 @@ TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s,
   const double drop = std::max(0.0, 1 - sign(opening) * s.pressure / p.supply_pressure);
   const double flow = p.rated_flow * opening * std::sqrt(drop);
   const double omega = 2 * std::numbers::pi * p.valve_frequency;
-  return {s.v, platen_acceleration(axis, s),
+  return {s.v, platen_acceleration(axis, s, resistance),
           4 * p.bulk_modulus / p.oil_volume * (flow - p.piston_area * s.v - p.leakage * s.pressure),
           s.spool_rate,
           omega * omega * (demand - s.spool) - 2 * p.valve_damping * omega * s.spool_rate};
@@ -106,11 +96,15 @@ void TestMachineRun::integrate_part(int i, double reference) noexcept {
     return AxisState{s.x + h * d.x, s.v + h * d.v, s.pressure + h * d.pressure,
                      s.spool + h * d.spool, s.spool_rate + h * d.spool_rate};
   };
+  // The resistance at the end of this part is not known yet. Held, it would be half a part late, as
+  // if a dashpot drove the platen; extrapolated, what is left of that is of third order.
+  const double change = resistance_[i] - last_resistance_[i];
+  const double middle = resistance_[i] + change / 2;
   AxisState& s = axis.state;
-  const AxisState k1 = rates(i, s, delayed);
-  const AxisState k2 = rates(i, moved(s, k1, part_ / 2), delayed);
-  const AxisState k3 = rates(i, moved(s, k2, part_ / 2), delayed);
-  const AxisState k4 = rates(i, moved(s, k3, part_), delayed);
+  const AxisState k1 = rates(i, s, delayed, resistance_[i]);
+  const AxisState k2 = rates(i, moved(s, k1, part_ / 2), delayed, middle);
+  const AxisState k3 = rates(i, moved(s, k2, part_ / 2), delayed, middle);
+  const AxisState k4 = rates(i, moved(s, k3, part_), delayed, resistance_[i] + change);
   s = moved(moved(moved(moved(s, k1, part_ / 6), k2, part_ / 3), k3, part_ / 3), k4, part_ / 6);
   s.spool = std::clamp(s.spool, -1.0, 1.0);
   s.pressure =
@@ -146,12 +140,11 @@ Status TestMachineRun::step(const Eigen::Vector2d& reference, double axial_load,
   return status;
 }
 
-TestMachineRun::Terms TestMachineRun::terms_between(const TestMachine& machine, Stage first,
-                                                    Stage last, double time_step) {
+TestMachineRun::Terms TestMachineRun::terms_of(const TestMachine& machine, Stage stage,
+                                               double time_step) {
   std::vector<TermSettings> wanted;
   for (const auto& term : machine.terms)
-    if (const Stage stage = term_kind(term.kind).stage; stage >= first && stage <= last)
-      wanted.push_back(term);
+    if (term_kind(term.kind).stage == stage && term.kind != kPlatenInertia) wanted.push_back(term);
   Composition composition{wanted, time_step};
   std::vector<double> state(composition.states());
   return {std::move(composition), std::move(state)};
@@ -161,6 +154,8 @@ Eigen::Vector2d TestMachineRun::through_actuator_terms(const Eigen::Vector2d& re
   Quantities<double> q;
   q.time = time_;
   q.displacement = {reference[0], reference[1]};
+  actuator_.composition.set_specimen_force(actuator_.state,
+                                           {specimen_force_[0], specimen_force_[1]});
   actuator_.run(q);
   return {q.displacement[0], q.displacement[1]};
 }
@@ -171,22 +166,22 @@ Quantities<double> TestMachineRun::motion() const noexcept {
   for (int i = 0; i < kHorizontalAxes; ++i) {
     q.displacement[i] = axes_[i].state.x;
     q.velocity[i] = axes_[i].state.v;
-    q.acceleration[i] = platen_acceleration(i, axes_[i].state);
+    q.acceleration[i] = platen_acceleration(i, axes_[i].state, resistance_[i]);
   }
   return q;
 }
 
-// Specimen and friction follow the platen one part behind: 0.1 ms against its 0.1 s.
 void TestMachineRun::integrate_part(const Eigen::Vector2d& reference, double axial_load) noexcept {
   for (int i = 0; i < kHorizontalAxes; ++i) integrate_part(i, reference[i]);
   time_ += part_;
   Quantities<double> q = motion();
   q.axial_load = axial_load;
   platen_.run(q);
-  machine_force_ = {q.force[0], q.force[1]};
   if (machine_.has_specimen)
     specimen_force_ =
         specimen_.advance(true_displacement(), {axes_[0].state.v, axes_[1].state.v}, axial_load);
+  last_resistance_ = resistance_;
+  resistance_ = specimen_force_ + Eigen::Vector2d{q.force[0], q.force[1]};
 }
 
 void TestMachineRun::measure(double axial_load, MachineFeedback& feedback) noexcept {

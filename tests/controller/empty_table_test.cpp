@@ -56,11 +56,12 @@ sim::TestMachine machine_of(const Case& c) {
   auto& axis = machine.axes[static_cast<std::size_t>(c.axis)];
   axis.effective_mass = c.truth.effective_mass;
   const unsigned this_axis = 1U << static_cast<unsigned>(c.axis);
-  machine.terms = {{"coulomb_friction",
-                    "",
-                    {{"friction_force", c.truth.coulomb_friction}, {"presliding", 1e-5}},
-                    this_axis},
-                   {"viscous_friction", "", {{"coefficient", c.truth.viscous_friction}}, this_axis}};
+  machine.terms = {
+      {"coulomb_friction",
+       "",
+       {{"friction_force", c.truth.coulomb_friction}, {"presliding", 1e-5}},
+       this_axis},
+      {"viscous_friction", "", {{"coefficient", c.truth.viscous_friction}}, this_axis}};
   axis.force_offset = c.truth.offset;
   return machine;
 }

@@ -41,6 +41,25 @@ TEST(LoopCommand, ChangesATermForOneRun) {
   EXPECT_NE(whole.out, without.out);
 }
 
+TEST(LoopCommand, TakesNoMoreStepsForASlowTest) {
+  const test::TemporaryFolder folder;
+  const auto csv = (folder.path() / "loop.csv").string();
+
+  const auto run =
+      run_rths({"loop", "lprb", "--frequency-Hz", "1e-4", "--cycles", "1", "--csv", csv});
+
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const std::string rows = test::content_of(csv);
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 2 + 2 * 20'000);
+}
+
+TEST(LoopCommand, RefusesTermsThatComputeTheLoadThatIsGiven) {
+  const auto run = run_rths({"loop", "lprb", "--set", "elastomeric_axial.enabled=true"});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("'elastomeric_axial' needs a vertical displacement"), std::string::npos);
+}
+
 TEST(LoopCommand, SaysWhereABearingIsWrong) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("b.toml", "[bouc_wen]\nstrength_N = 1\n");

@@ -69,6 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
         Checked{"map", in_tree("memmap/maps/srmd.ringmap.toml"), ": map 'srmd'"},
         Checked{"diagram", in_tree("adapters/simulink_like/diagrams/hybrid_controller.toml"),
                 ": block diagram, "},
+        Checked{"bearing", in_tree("sim/bearings/tpfb.toml"), ": bearing 'TPFB', 2 terms, "},
         Checked{"experiment", in_tree("examples/srmd_lprb_2d.toml"), ": experiment 'srmd_lprb_2d'"},
         Checked{"columns", in_tree("examples/records/petrolia_1992_riodell_freefield.csv"),
                 "3000 samples, 0.02 s apart, peak 0.385"}),

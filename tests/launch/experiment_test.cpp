@@ -94,6 +94,20 @@ TEST_F(ExperimentTest, ChangesABearingTermByTerm) {
             std::string::npos);
 }
 
+TEST_F(ExperimentTest, SaysWhereATermMeansNothing) {
+  const auto error = [&](const std::string& key) {
+    return test::error_of([&] { static_cast<void>(load_experiment(write(), {{key, "1.1"}})); });
+  };
+  EXPECT_EQ(error("machine.adiabatic_heating.cooling_time_s"),
+            "--set machine.adiabatic_heating.cooling_time_s: term 'adiabatic_heating' is of the "
+            "specimen (stage modifier), expected one of the stages actuator, motion, machine or "
+            "sensor");
+  EXPECT_EQ(
+      error("specimen.gain.factor"),
+      "--set specimen.gain.factor: term 'gain' is of the machine (stage sensor); a specimen has "
+      "none of it");
+}
+
 TEST_F(ExperimentTest, StartsListenersBeforeSpeakers) {
   const Experiment e = load_experiment(write());
 

@@ -28,9 +28,10 @@ class TableTest : public ::testing::Test {
 };
 
 TEST_F(TableTest, ReadsColumnsHoweverTheyAreSeparated) {
-  for (const char* text : {"t,u\n0,1.5\n0.1,+2e-3\n", "t;u\r\n0;1.5\r\n0.1;2e-3\r\n",
-                           "t\tu\n0\t1.5\n0.1\t2e-3", "  t u\n  0   1.5\n 0.1 2e-3 \n\n",
-                           "# a comment\n\"t\",\"u\"\n% another\n0,1.5\n0.1,0.002\n"}) {
+  for (const char* text :
+       {"t,u\n0,1.5\n0.1,+2e-3\n", "t;u\r\n0;1.5\r\n0.1;2e-3\r\n", "t\tu\n0\t1.5\n0.1\t2e-3",
+        "  t u\n  0   1.5\n 0.1 2e-3 \n\n", "t,u\r0,1.5\r0.1,2e-3\r",
+        "# a comment\n\"t\",\"u\"\n% another\n0,1.5\n0.1,0.002\n"}) {
     const Table table = load(text);
     EXPECT_EQ(table.column("t"), (Values{0, 0.1})) << text;
     EXPECT_EQ(table.column("u"), (Values{1.5, 2e-3})) << text;
@@ -49,6 +50,21 @@ TEST_F(TableTest, SaysInWhichLineSomethingIsWrong) {
   EXPECT_EQ(error("t,u\n0,one\n"), "log.csv:2: 'one' in column 'u' is no finite number");
   EXPECT_EQ(error("t,u\n0,nan\n"), "log.csv:2: 'nan' in column 'u' is no finite number");
   EXPECT_EQ(error("# nothing\n"), "log.csv: holds no columns of numbers");
+  EXPECT_EQ(error("t,u\n"), "log.csv: holds names of columns, but no rows");
+  EXPECT_EQ(error("t,u,t\n0,1,2\n"), "log.csv:1: two columns are called 't'");
+}
+
+TEST_F(TableTest, SaysThatCommasAreNoDecimalPoints) {
+  const auto expect = [&](const std::string& text, int line, const std::string& what) {
+    EXPECT_EQ(error(text), "log.csv:" + std::to_string(line) + ": '" + what +
+                               "' looks like numbers with decimal commas, expected points");
+  };
+  expect("t;u\n0,0;1,5\n", 2, "0,0");
+  expect("t\tu\n0,0\t1,5\n", 2, "0,0");
+  expect("0,0;1,5\n0,1;2,5\n", 1, "0,0;1,5");
+  expect("0,0 1,5\n", 1, "0,0 1,5");
+  expect("t,u\n0,005,1,5\n", 2, "0,005,1,5");
+  EXPECT_EQ(load("0,5,1,500\n").columns().size(), 4U);
 }
 
 TEST_F(TableTest, NamesTheNearestColumn) {

@@ -46,7 +46,8 @@ TEST(Composition, RefusesWhatItDoesNotKnow) {
             "there is no term 'bouc_wenn' (did you mean 'bouc_wen'?)");
   EXPECT_EQ(build({"bouc_wen", "", {{"strength", 1}}}),
             "term 'bouc_wen' has no parameter 'strength'");
-  EXPECT_EQ(build({"bouc_wen", "", {{"beta", 2}}}), "term 'bouc_wen': beta is 2, expected 0 to 1");
+  EXPECT_EQ(build({"bouc_wen", "", {{"beta", 2}}}),
+            "term 'bouc_wen': beta is 2, expected 0.5 to 1");
   EXPECT_EQ(build({"bouc_wen", "", {}, 1}),
             "term 'bouc_wen' acts on both axes at once; it cannot be limited to one");
   EXPECT_EQ(error_of([] {
@@ -58,7 +59,7 @@ TEST(Composition, RefusesWhatItDoesNotKnow) {
 }
 
 TEST(TermReader, ReadsTermsWithUnitsInTheirKeys) {
-  const auto terms = read("[bouc_wen]\ncharacteristic_strength_N = 1e6\nbeta = 0.1\n");
+  const auto terms = read("[bouc_wen]\ncharacteristic_strength_N = 1e6\nbeta = 0.9\n");
 
   ASSERT_EQ(terms.size(), 1U);
   EXPECT_EQ(terms[0].kind, "bouc_wen");
@@ -83,13 +84,46 @@ TEST(TermReader, LeavesOutWhatIsNotEnabled) {
 
 TEST(TermReader, SaysWhereSomethingIsWrong) {
   EXPECT_EQ(error_of([] { read("[bouc_wen]\nbeta = 1.5\n"); }),
-            "b.toml:2:8: beta is 1.5, expected 0 to 1");
+            "b.toml:2:8: beta is 1.5, expected 0.5 to 1");
   EXPECT_EQ(error_of([] { read("[bouc_wen]\nbetta = 0.5\n"); }),
             "b.toml:2:9: unknown key 'betta' (did you mean 'beta'?)");
   EXPECT_EQ(error_of([] { read("[x]\nkind = \"bouc_wem\"\n"); }),
             "b.toml:2:8: there is no term 'bouc_wem' (did you mean 'bouc_wen'?)");
   EXPECT_EQ(error_of([] { read("[bouc_wen]\nbeta = [0.5, 0.5]\n"); }),
             "b.toml:2:8: beta is an array, but 'bouc_wen' acts on both axes at once");
+}
+
+TEST(TermReader, SaysWhereAxesAndChannelsAreWrong) {
+  const auto error = [](const std::string& text) { return error_of([&] { read(text); }); };
+  EXPECT_EQ(error("[coulomb_friction]\naxes = []\n"),
+            "b.toml:2:8: axes is empty, expected long, lat or both");
+  EXPECT_EQ(error("[bouc_wen]\naxes = [\"long\"]\n"),
+            "b.toml:2:8: 'bouc_wen' acts on both axes at once; it cannot be limited to one");
+  EXPECT_EQ(error("[bouc_wen]\nchannel = \"force\"\n"),
+            "b.toml:2:11: 'bouc_wen' acts on no channel of its choice");
+  EXPECT_EQ(error("[coulomb_friction]\naxes = [\"long\"]\nfriction_force_N = [1, 2]\n"),
+            "b.toml:3:20: friction_force_N is an array [long, lat], and axes says which axis: "
+            "expected one of the two");
+  EXPECT_EQ(error("[gain]\nchannel = \"axial_load\"\nfactor = [2, 3]\n"),
+            "b.toml:3:10: factor is an array, but there is but one axial load");
+  EXPECT_EQ(error("[gain]\nchannel = \"axial_load\"\naxes = [\"lat\"]\n"),
+            "b.toml:3:8: there is but one axial load, and it has no axes");
+  EXPECT_EQ(
+      error("[crosstalk_horizontal]\nchannel = \"axial_load\"\n"),
+      "b.toml:2:11: 'crosstalk_horizontal' acts between the horizontal axes; there is but one "
+      "axial load");
+}
+
+TEST(TermReader, SaysWhereATermMeansNothing) {
+  const auto error = [](const std::string& text, Host host) {
+    return error_of([&] { static_cast<void>(read_terms(Config::parse(text, "b.toml"), host)); });
+  };
+  EXPECT_EQ(error("[x]\nkind = \"bouc_wen\"\n", Host::Machine),
+            "b.toml:1:1: term 'x' is of the specimen (stage restoring), expected one of the stages "
+            "actuator, motion, machine or sensor");
+  EXPECT_EQ(error("[gain]\n", Host::Specimen),
+            "b.toml:1:1: term 'gain' is of the machine (stage sensor); a specimen has none of it");
+  EXPECT_EQ(error("[coulomb_friction]\n", Host::Specimen), "");
 }
 
 }  // namespace

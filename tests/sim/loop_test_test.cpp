@@ -50,6 +50,28 @@ TEST(LoopTest, BeginsAtRestAndHasTheVelocityOfItsMotion) {
   }
 }
 
+// 0.3 Hz is not a whole number of steps of 1 ms, of 7 ms still less: each cycle ends where it
+// began.
+TEST(LoopTest, HasAWholeNumberOfStepsPerCycle) {
+  LoopTest test;
+  test.time_step = 7e-3;
+  test.cycles = 40;
+
+  const auto h = run_loop_test(rths::test::plain_lead_rubber(), test);
+
+  EXPECT_NEAR(h.time.back(), test.cycles / test.frequency, 1e-9);
+  EXPECT_NEAR(h.displacement_long.back(), 0, 1e-9);
+}
+
+TEST(LoopTest, DrawsALoopOfAnyFrequencyWithAFewThousandSteps) {
+  for (const double frequency : {1e-6, 0.1, 0.5, 100.0}) {
+    const double steps = 1 / (frequency * time_step_of(frequency));
+    EXPECT_GE(steps, 1000 * (1 - 1e-12)) << frequency;
+    EXPECT_LE(steps, 20'000 * (1 + 1e-12)) << frequency;
+  }
+  EXPECT_DOUBLE_EQ(time_step_of(0.5), 1e-3);
+}
+
 TEST(LoopTest, RefusesATestWithoutSteps) {
   LoopTest test;
   test.time_step = 1;

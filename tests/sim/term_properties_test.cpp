@@ -97,6 +97,8 @@ TEST_P(EveryTerm, IsPassiveIfItDissipates) {
   if ((GetParam().traits & kDissipative) == 0) return;
   auto c = test::case_of(GetParam());
   c.company.clear();
+  // A pendulum's spring N u/R is conservative only while N stays.
+  const bool load_varies = GetParam().name.find("pendulum") == std::string_view::npos;
   const double dt = 1e-3;
   c.motion.time_step = dt;
   for (unsigned seed = 1; seed <= 10; ++seed) {
@@ -111,6 +113,7 @@ TEST_P(EveryTerm, IsPassiveIfItDissipates) {
       q = Quantities<double>{};
       q.time = i * dt;
       q.axial_load = c.motion.axial_load;
+      if (load_varies) q.axial_load *= 1 + 0.5 * std::sin(40 * q.time);
       q.vertical_displacement = c.motion.vertical_offset;
       for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
         // Velocity with a memory of 0.2 s, drawn back to the middle with a period of 3 s.

@@ -112,8 +112,8 @@ TEST(TestMachine, RefusesADelayThatNoMachineHas) {
   TestMachine machine = quiet_machine();
   machine.axes[1].transport_delay = 1e9;
 
-  EXPECT_NE(test::error_of([&] { TestMachineRun(machine, kPeriod); }).find("expected 0 to 1 s"),
-            std::string::npos);
+  EXPECT_EQ(test::error_of([&] { TestMachineRun(machine, kPeriod); }),
+            "test machine: transport_delay is 1000000000, expected 0 to 1");
 }
 
 TEST(TestMachine, CannotGoFasterThanItsValvesAllow) {
@@ -180,29 +180,12 @@ TEST(TestMachine, HasSensorNoiseOfTheSizeItWasGiven) {
               0.04 * machine.noise.displacement);
 }
 
-// A term of the machine is felt by the load cell, a term of a sensor only seen by it.
-TEST(TestMachine, IsComposedOfTerms) {
-  TestMachine machine = quiet_machine();
-  machine.terms.clear();
-  TestMachineRun bare{machine, kPeriod};
-  machine.terms = {{"coulomb_friction", "", {{"friction_force", 50e3}, {"presliding", 1e-4}}}};
-  TestMachineRun rough{machine, kPeriod};
-  MachineFeedback without, with;
-  for (int i = 0; i < 2000; ++i) {
-    static_cast<void>(bare.step({0.05e-3 * i, 0}, kAxialLoad, without));
-    static_cast<void>(rough.step({0.05e-3 * i, 0}, kAxialLoad, with));
-  }
-
-  // Creeping along at 50 mm/s; the two are a little apart on the way, 4.2 kN for each millimetre.
-  EXPECT_NEAR(with.force[0] - without.force[0], 50e3, 4e3);
-}
-
 TEST(TestMachine, RefusesUnphysicalParameters) {
   TestMachine machine = srmd_machine();
   machine.axes[1].oil_volume = 0;
 
   EXPECT_EQ(test::error_of([&] { TestMachineRun(machine, kPeriod); }),
-            "test machine: oil volume is 0.000000, expected a positive number");
+            "test machine: oil_volume is 0, expected a positive number");
 }
 
 TEST(TestMachine, StepsInRealTime) {

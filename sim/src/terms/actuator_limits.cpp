@@ -133,7 +133,8 @@ struct LoadCompliance {
   enum { kCompliance, kStiffness };
   static constexpr Parameter kParameters[] = {{"compliance", "m/N", 0, 1e-3, 0, 2e-9},
                                               kStiffnessEstimate};
-  // Of the compliance; how much it yields, and how fast.
+  // Of the compliance; how much it yields, and how fast. Accelerometers see that; the velocity of
+  // the command stays, for the specimen's sake (compliance.hpp).
   static constexpr std::size_t kAxisStates = Compliance<double>::kStates + 2;
   static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
 
@@ -148,7 +149,6 @@ struct LoadCompliance {
       const Real yield = q.displacement[axis] - x;
       const Real rate = (yield - state[2]) * (1 / term.time_step);
       q.acceleration[axis] -= (rate - state[3]) * (1 / term.time_step);
-      q.velocity[axis] -= rate;
       q.displacement[axis] -= yield;
       state[2] = yield;
       state[3] = rate;

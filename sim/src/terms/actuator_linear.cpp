@@ -65,17 +65,10 @@ struct ActuatorLag {
   }
 };
 
-struct ActuatorBandwidth {
-  static constexpr std::string_view kName = "actuator_bandwidth";
-  static constexpr std::string_view kTitle = "second-order lag of the actuator";
-  static constexpr std::string_view kEquation =
-      "T^2 u'' + 2 zeta T u' + u = command,  T = 1/(2 pi f)";
-  static constexpr std::string_view kSource = "textbook, exact for a command linear in each step";
+struct SecondOrderActuator {
   static constexpr Stage kStage = Stage::Actuator;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kTimeConstant, kDamping };
-  static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 1, 0, 13e-3},
-                                              {"damping", "-", 0.01, 10, 0.8, 0.8}};
   static constexpr std::size_t kStates = kSignals * SecondOrderLag<double>::kStates;
 
   template <class Real>
@@ -86,25 +79,24 @@ struct ActuatorBandwidth {
   }
 };
 
-struct OilColumnResonance {
+struct ActuatorBandwidth : SecondOrderActuator {
+  static constexpr std::string_view kName = "actuator_bandwidth";
+  static constexpr std::string_view kTitle = "second-order lag of the actuator";
+  static constexpr std::string_view kEquation =
+      "T^2 u'' + 2 zeta T u' + u = command,  T = 1/(2 pi f)";
+  static constexpr std::string_view kSource = "textbook, exact for a command linear in each step";
+  static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 1, 0, 13e-3},
+                                              {"damping", "-", 0.01, 10, 0.8, 0.8}};
+};
+
+struct OilColumnResonance : SecondOrderActuator {
   static constexpr std::string_view kName = "oil_column_resonance";
   static constexpr std::string_view kTitle = "platen on the oil column";
   static constexpr std::string_view kEquation =
       "T^2 u'' + 2 zeta T u' + u = command,  T^2 = m V / (4 B A^2)";
   static constexpr std::string_view kSource = "Merritt 1967, chapter 6";
-  static constexpr Stage kStage = Stage::Actuator;
-  static constexpr unsigned kTraits = kPerAxis;
-  enum { kTimeConstant, kDamping };
   static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 1, 0, 13e-3},
                                               {"damping", "-", 0.001, 10, 0.1, 0.1}};
-  static constexpr std::size_t kStates = kSignals * SecondOrderLag<double>::kStates;
-
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    lag_motion(term, q,
-               SecondOrderLag<Real>{term.parameters[kTimeConstant], term.parameters[kDamping],
-                                    term.time_step});
-  }
 };
 
 constexpr TermKind kKinds[] = {kind_of<ActuatorDelay>(), kind_of<ActuatorLag>(),

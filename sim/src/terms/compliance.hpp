@@ -12,7 +12,11 @@ namespace rths::sim {
 /// before:
 ///     x = (u − χ R*) / (1 + χ K),   R* = 2 R₋₁ − R₋₂
 /// An error decays by g = χ (K − K_t)/(1 + χ K) per step (as g^½ where g > 0), K_t the tangent
-/// stiffness: stable for 0 ≤ K_t < 4/3 K + 1/(3 χ). It is of second order in the time step.
+/// stiffness: stable for 0 ≤ K_t < 4/3 K + 1/(3 χ), whatever the time step, and of second order in
+/// it.
+///
+/// The specimen is given the velocity of u, not that of x: the difference would feed c/Δt back for
+/// every damping c of the specimen, more than any K can answer for as Δt falls.
 template <class Real>
 class Compliance {
  public:

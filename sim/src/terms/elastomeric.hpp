@@ -17,11 +17,6 @@ std::span<const TermKind> elastomeric_modifier_kinds();
 std::span<const TermKind> lead_heating_kinds();
 std::span<const TermKind> elastomeric_restoring_kinds();
 
-template <class Real>
-Plane<Real> displacement_of(const Quantities<Real>& q) {
-  return {q.displacement[0], q.displacement[1]};
-}
-
 /// A factor that would be negative is 0: strength and stiffness may be lost, not turned round.
 template <class Real>
 void scale(Real& quantity, const Real& factor) {

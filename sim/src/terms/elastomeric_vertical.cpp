@@ -120,7 +120,8 @@ struct ElastomericAxial {
     const Real reached = largest > onset ? largest : onset;
     if (elongation >= reached) {
       largest = elongation;
-      damage = p[kDamage] * (1 - exp(-p[kDamageRate] * (elongation - onset) / onset));
+      const Real done = p[kDamage] * (1 - exp(-p[kDamageRate] * (elongation - onset) / onset));
+      if (done > damage) damage = done;  // an onset that moves heals nothing
       return envelope(elongation);
     }
     const Real damaged = p[kCavitation] * (1 - damage);

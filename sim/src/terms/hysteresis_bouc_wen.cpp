@@ -7,11 +7,15 @@
 namespace rths::sim {
 namespace {
 
-// z is integrated along the step in parts of a quarter of the yield displacement: Runge-Kutta's
-// error is then below 1e-4 of the strength. Beyond kMaxParts parts the bearing has yielded along
-// this very direction long since: only the last parts of the way are walked.
-constexpr double kPartOfYieldDisplacement = 0.25;
-constexpr int kMaxParts = 40;
+// z is integrated along the step in parts of a quarter of the yield displacement, shorter where the
+// knee is sharp: Runge-Kutta is stable up to 2.8/eta of it.
+double part_of_yield_displacement(double eta) { return eta > 4 ? 1 / eta : 0.25; }
+
+// After so many yield displacements along a line, nothing is left of what was before.
+constexpr double kForgotten = 10;
+double most_parts(double part) { return std::ceil(kForgotten / part); }
+// Less coupled axes take longer where one moves far less than the other.
+constexpr double kMostPartsUncoupled = 400;
 
 template <class Real>
 Real sign_of(const Real& x) {
@@ -28,31 +32,55 @@ Real sharpness(const Real& square, const Real& eta) {
 }
 
 template <class Rule, class Real>
-void runge_kutta_part(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& du) {
-  const Plane<Real> k1 = Rule::rate(term, z, du);
+void runge_kutta(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& du,
+                 const Plane<Real>& k1) {
   const Plane<Real> k2 = Rule::rate(term, z + k1 * Real{0.5}, du);
   const Plane<Real> k3 = Rule::rate(term, z + k2 * Real{0.5}, du);
   const Plane<Real> k4 = Rule::rate(term, z + k3, du);
   z = z + (k1 + k4 + (k2 + k3) * Real{2}) * Real{1.0 / 6};
 }
 
-// A term with the parameters of `bouc_wen` first and a rate of its own.
+// One part. Where unloading turns into loading, the rate has a kink that Runge-Kutta would cut.
+template <class Rule, class Real>
+void walk(const TermView<Real>& term, Plane<Real>& z, Plane<Real> du) {
+  Plane<Real> k1 = Rule::rate(term, z, du);
+  const double work = value_of(dot(z, du)), change = value_of(dot(k1, du));
+  if (work < 0 && work + change > 0) {
+    const double kink = -work / change;
+    runge_kutta<Rule>(term, z, du * Real{kink}, k1 * Real{kink});
+    du = du * Real{1 - kink};
+    k1 = Rule::rate(term, z, du);
+  }
+  runge_kutta<Rule>(term, z, du, k1);
+  Rule::confine(term, z);
+}
+
+// How many parts a way of so many yield displacements takes. Any number (NaN) goes through as one.
+double parts_of(double ways, double part) {
+  const double parts = std::ceil(ways / part);
+  return parts > 1 ? parts : 1;
+}
+
+// A term with the parameters of `bouc_wen` first and a rate of its own. If the way is longer than
+// what is forgotten, its last parts are walked.
 template <class Rule, class Real>
 void step_bouc_wen(const TermView<Real>& term, Quantities<Real>& q) {
   Plane<Real> z{term.state[2], term.state[3]};
   const Plane<Real> increment = way_of(q, term.state);
-  const double part =
-      kPartOfYieldDisplacement * value_of(term.parameters[Rule::kYieldDisplacement]);
-  const double wanted = std::ceil(value_of(length(increment)) / part);
-  const int parts = static_cast<int>(std::min(std::max(wanted, 1.0), double{kMaxParts}));
-  const Plane<Real> du = increment * Real{1 / std::max(wanted, 1.0)};
-  for (int i = 0; i < parts; ++i) {
-    runge_kutta_part<Rule>(term, z, du);
-    Rule::confine(term, z);
-  }
+  Rule::walk_all(term, z, increment);
   term.state[2] = z.x, term.state[3] = z.y;
   resist(q, z * (term.parameters[Rule::kStrength] * q.strength),
          term.parameters[Rule::kStiffness] * q.stiffness);
+}
+
+template <class Rule, class Real>
+void walk_evenly(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& way, double part,
+                 double most) {
+  const double ways = value_of(length(way)) / value_of(term.parameters[Rule::kYieldDisplacement]);
+  const double wanted = parts_of(ways, part);
+  const int parts = static_cast<int>(std::min(wanted, most));
+  const Plane<Real> du = way * Real{1 / wanted};
+  for (int i = 0; i < parts; ++i) walk<Rule>(term, z, du);
 }
 
 // |z| <= 1 holds exactly for the laws; the integration may leave it by its error.
@@ -60,6 +88,14 @@ template <class Real>
 void into_unit_circle(Plane<Real>& z) {
   const Real radius = length(z);
   if (radius > 1) z = z * (1 / radius);
+}
+
+template <class Real>
+void into_unit_square(Plane<Real>& z) {
+  for (Real* component : {&z.x, &z.y}) {
+    if (*component > 1) *component = Real{1};
+    if (*component < -1) *component = Real{-1};
+  }
 }
 
 struct BoucWen {
@@ -77,7 +113,7 @@ struct BoucWen {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},
       {"post_yield_stiffness", "N/m", 0, 1e12, 0, 4e6},
       {"yield_displacement", "m", 1e-7, 1, 2.855e-3, 2.855e-3},
-      {"beta", "-", 0, 1, 0.5, 0.5},
+      {"beta", "-", 0.5, 1, 0.5, 0.5},
       {"eta", "-", 1, 20, 2, 2},
       {"coupling", "-", 0, 1, 1, 1}};
   static constexpr std::size_t kStates = 4;  // displacement before, z
@@ -100,10 +136,20 @@ struct BoucWen {
            per_yield;
   }
 
-  // With less coupling the law itself leaves the circle: on the way to the square of coupling 0.
+  // With less coupling the law itself leaves the circle, on the way to the square of coupling 0.
   template <class Real>
   static void confine(const TermView<Real>& term, Plane<Real>& z) {
-    if (is_just(term.parameters[kCoupling], 1)) into_unit_circle(z);
+    if (is_just(term.parameters[kCoupling], 1))
+      into_unit_circle(z);
+    else
+      into_unit_square(z);
+  }
+
+  template <class Real>
+  static void walk_all(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& way) {
+    const double part = part_of_yield_displacement(value_of(term.parameters[kEta]));
+    walk_evenly<BoucWen>(term, z, way, part,
+                         term.parameters[kCoupling] < 1 ? kMostPartsUncoupled : most_parts(part));
   }
 
   template <class Real>
@@ -143,6 +189,12 @@ struct BoucWenNagarajaiah {
   static void confine(const TermView<Real>&, Plane<Real>&) {}
 
   template <class Real>
+  static void walk_all(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& way) {
+    const double part = part_of_yield_displacement(2);
+    walk_evenly<BoucWenNagarajaiah>(term, z, way, part, most_parts(part));
+  }
+
+  template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     step_bouc_wen<BoucWenNagarajaiah>(term, q);
   }
@@ -162,25 +214,31 @@ struct BoucWenSlip {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},
       {"post_yield_stiffness", "N/m", 0, 1e12, 0, 4e6},
       {"yield_displacement", "m", 1e-7, 1, 2.855e-3, 2.855e-3},
-      {"beta", "-", 0, 1, 0.5, 0.5},
+      {"beta", "-", 0.5, 1, 0.5, 0.5},
       {"eta", "-", 1, 20, 2, 2},
       {"slip_length", "m", 0, 1, 0, 1e-2},
       {"slip_width", "-", 0.05, 1, 0.2, 0.2}};
   static constexpr std::size_t kStates = 4;
 
+  // a f(|z|)
+  template <class Real>
+  static Real slip_length(const TermView<Real>& term, const Real& square) {
+    using std::exp;
+    constexpr double kTwoOverPi = 0.6366197723675814;
+    const Real& sigma = term.parameters[kSigma];
+    return term.parameters[kSlip] * std::sqrt(kTwoOverPi) / sigma *
+           exp(-0.5 * square / (sigma * sigma));
+  }
+
   // Across z the law is dz (u_y + a f) = du; along z, where the bracket of bouc_wen is m,
   // dz (u_y + a f m) = m du.
   template <class Real>
   static Plane<Real> rate(const TermView<Real>& term, const Plane<Real>& z, const Plane<Real>& du) {
-    using std::exp;
-    constexpr double kTwoOverPi = 0.6366197723675814;
     const Real square = dot(z, z), work = dot(z, du);
     const Real& beta = term.parameters[kBeta];
-    const Real& sigma = term.parameters[kSigma];
     const Real bend = sharpness(square, term.parameters[kEta]) * (1 - beta + beta * sign_of(work));
     const Real m = 1 - square * bend;
-    const Real slip = term.parameters[kSlip] * std::sqrt(kTwoOverPi) / sigma *
-                      exp(-0.5 * square / (sigma * sigma));
+    const Real slip = slip_length(term, square);
     const Real across = 1 / (term.parameters[kYieldDisplacement] + slip);
     // (along - across) / |z|², where m has been put in so that nothing is divided by 0.
     const Real difference = -bend * term.parameters[kYieldDisplacement] * across /
@@ -192,6 +250,36 @@ struct BoucWenSlip {
   static void confine(const TermView<Real>&, Plane<Real>& z) {
     into_unit_circle(z);
   }
+
+  // Parts are short in z, not in u: slip makes a long way of it. z takes 2 over that from one side
+  // to the other, and as much as without slip to settle.
+  template <class Real>
+  static void walk_all(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& way) {
+    const double all = value_of(length(way));
+    const double sharp = part_of_yield_displacement(value_of(term.parameters[kEta]));
+    if (!(term.parameters[kSlip] > 0))
+      return walk_evenly<BoucWenSlip>(term, z, way, sharp, most_parts(sharp));
+    const double part = std::min(sharp, kPartOfWidth * value_of(term.parameters[kSigma]));
+    const int most = static_cast<int>(std::ceil(2 / part) + most_parts(part));
+    double done = 0;
+    for (int i = 0; i < most && !(done >= all); ++i) {
+      const double du = std::min(part * scale(term, z, way), all - done);
+      walk<BoucWenSlip>(term, z, way * Real{du / all});
+      done += du;
+    }
+  }
+  // Way over which z changes by about 1 [m]: where it yields, slip no longer helps.
+  template <class Real>
+  static double scale(const TermView<Real>& term, const Plane<Real>& z, const Plane<Real>& way) {
+    const Real square = dot(z, z);
+    const double beta = value_of(term.parameters[kBeta]);
+    const double sign = value_of(dot(z, way)) < 0 ? -1 : 1;
+    const double m = 1 - value_of(square) * value_of(sharpness(square, term.parameters[kEta])) *
+                             (1 - beta + beta * sign);
+    const double slip = value_of(slip_length(term, square)) * std::max(m, 0.0);
+    return value_of(term.parameters[kYieldDisplacement]) + slip;
+  }
+  static constexpr double kPartOfWidth = 0.5;  // f falls by an eighth within
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {

@@ -36,9 +36,4 @@ Plane<Real> way_of(const Quantities<Real>& q, Real* before) {
   return du * (1 / strength);
 }
 
-template <class Real>
-Plane<Real> displacement_of(const Quantities<Real>& q) {
-  return {q.displacement[0], q.displacement[1]};
-}
-
 }  // namespace rths::sim

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hysteresis_kinds.hpp"
 #include "kinds.hpp"
+#include "work_taken.hpp"
 
 namespace rths::sim {
 namespace {
@@ -57,15 +58,12 @@ struct Degradation {
   enum { kStrengthLoss, kStiffnessLoss };
   static constexpr Parameter kParameters[] = {{"strength_loss", "1/J", 0, 1, 0, 1e-7},
                                               {"stiffness_loss", "1/J", 0, 1, 0, 1e-7}};
-  static constexpr std::size_t kStates = 3;  // displacement before, W
+  static constexpr std::size_t kStates = kWorkStates + 1;  // W
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    Real& work = term.state[2];
-    for (std::size_t i = 0; i < kHorizontalAxes; ++i) {
-      work += q.last_hysteretic_force[i] * (q.displacement[i] - term.state[i]);
-      term.state[i] = q.displacement[i];
-    }
+    Real& work = term.state[kWorkStates];
+    work += work_taken(term.state, q, Real{0});
     // The force is one step old: a first reversal may lead a little below 0.
     if (work < 0) work = Real{0};
     q.strength *= 1 / (1 + term.parameters[kStrengthLoss] * work);

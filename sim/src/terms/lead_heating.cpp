@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lead heated by the work done on it: docs/theory/lead_rubber.md, "Heating".
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -8,29 +9,10 @@
 #include "fading_memory.hpp"
 #include "kinds.hpp"
 #include "plane.hpp"
+#include "work_taken.hpp"
 
 namespace rths::sim {
 namespace {
-
-// Work that the hysteretic force has taken. The force of this step is not known yet, so the work
-// is counted from the middle of the step before to the middle of this one, about the force that
-// is known: over a history, that is the trapezoid's sum.
-constexpr std::size_t kWorkStates = 4;  // displacements one and two steps before
-
-// A `share` of it is taken for force times way, whatever the angle between the two.
-template <class Real>
-Real work_taken(Real* before, const Quantities<Real>& q, const Real& share) {
-  const Plane<Real> force{q.last_hysteretic_force[0], q.last_hysteretic_force[1]};
-  const Plane<Real> way{(q.displacement[0] - before[2]) * Real{0.5},
-                        (q.displacement[1] - before[3]) * Real{0.5}};
-  for (std::size_t i = 0; i < kHorizontalAxes; ++i) {
-    before[2 + i] = before[i];
-    before[i] = q.displacement[i];
-  }
-  const Real work = dot(force, way);
-  if (is_just(share, 0)) return work;
-  return work + share * (length(force) * length(way) - work);
-}
 
 struct AdiabaticHeating {
   static constexpr std::string_view kName = "adiabatic_heating";
@@ -134,8 +116,9 @@ struct LeadHeating {
     const double rate = setup.parameters[kDiffusivity] / (radius * radius);  // tau = rate t
     const auto ends = constants.first(kFadingConstants);
     prepare_scaled(0.5, setup.time_step, std::sqrt(rate / std::numbers::pi), ends);
-    // F(tau) = 2 sqrt(tau/pi) - 2 tau/pi + …
-    ends[0] -= 2 / std::numbers::pi * rate * setup.time_step;
+    // F(tau) = 2 sqrt(tau/pi) - 2 tau/pi + … Where a step is longer than the series holds, half is
+    // left: what small radii remember is in the exponentials.
+    ends[0] = std::max(ends[0] - 2 / std::numbers::pi * rate * setup.time_step, 0.5 * ends[0]);
     for (std::size_t i = 1; i <= kFadingExponentials; ++i)
       ends[kFadingExponentials + i] *= part_of_disc(-std::log(ends[i]) / (setup.time_step * rate));
     // Step response of the shims: tau^(1/3)/1.274.

@@ -77,7 +77,8 @@ struct LoadDependentFriction {
   static constexpr std::string_view kEquation = "F = mu max(N, 0) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = kDahl;
   static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  static constexpr unsigned kTraits =
+      kPerAxis;  // presliding wound up under little load gives back more
   enum { kCoefficient, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_coefficient", "-", 0, 1, 0, 2e-3},
                                               kPreslidingLength};

@@ -10,16 +10,6 @@ namespace {
 
 constexpr std::string_view kMount = "textbook; how it is solved: docs/theory/machine_terms.md";
 
-// Gives the specimen the displacement x, and the velocity that goes with it.
-template <class Real>
-void yield_to(const TermView<Real>& term, Quantities<Real>& q, std::size_t axis, const Real& x,
-              Real& last_yield) {
-  const Real yield = q.displacement[axis] - x;
-  q.velocity[axis] -= (yield - last_yield) * (1 / term.time_step);
-  q.displacement[axis] -= yield;
-  last_yield = yield;
-}
-
 struct SupportFlexibility {
   static constexpr std::string_view kName = "support_flexibility";
   static constexpr std::string_view kTitle = "support that yields under the specimen's force";
@@ -30,18 +20,16 @@ struct SupportFlexibility {
   enum { kFlexibility, kStiffness };
   static constexpr Parameter kParameters[] = {{"flexibility", "m/N", 0, 1e-3, 0, 2e-9},
                                               kStiffnessEstimate};
-  static constexpr std::size_t kAxisStates = Compliance<double>::kStates + 1;
-  static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
+  static constexpr std::size_t kStates = kHorizontalAxes * Compliance<double>::kStates;
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
       if (!term.acts_on(axis)) continue;
-      Real* state = term.state + axis * kAxisStates;
+      Real* state = term.state + axis * Compliance<double>::kStates;
       Compliance<Real> support{state, term.parameters[kFlexibility], term.parameters[kStiffness]};
-      const Real x = support.yield(q.displacement[axis], q.last_specimen_force[axis],
-                                   Real{std::numeric_limits<double>::max()});
-      yield_to(term, q, axis, x, state[kAxisStates - 1]);
+      q.displacement[axis] = support.yield(q.displacement[axis], q.last_specimen_force[axis],
+                                           Real{std::numeric_limits<double>::max()});
     }
   }
 };
@@ -57,18 +45,16 @@ struct MountSlack {
   static constexpr Parameter kParameters[] = {{"slack", "m", 0, 0.1, 0, 2e-3},
                                               {"seating_force", "N", 1, 1e9, 1e5, 1e5},
                                               kStiffnessEstimate};
-  static constexpr std::size_t kAxisStates = Compliance<double>::kStates + 1;
-  static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
+  static constexpr std::size_t kStates = kHorizontalAxes * Compliance<double>::kStates;
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real half = 0.5 * term.parameters[kSlack];
     for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
       if (!term.acts_on(axis)) continue;
-      Real* state = term.state + axis * kAxisStates;
+      Real* state = term.state + axis * Compliance<double>::kStates;
       Compliance<Real> mount{state, half / term.parameters[kSeat], term.parameters[kStiffness]};
-      const Real x = mount.yield(q.displacement[axis], q.last_specimen_force[axis], half);
-      yield_to(term, q, axis, x, state[kAxisStates - 1]);
+      q.displacement[axis] = mount.yield(q.displacement[axis], q.last_specimen_force[axis], half);
     }
   }
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rths/sim/dual.hpp>
+#include <rths/sim/term.hpp>
 
 namespace rths::sim {
 
@@ -24,6 +25,11 @@ template <class Real>
 Real length(const Plane<Real>& a) {
   using std::sqrt;
   return sqrt(dot(a, a));
+}
+
+template <class Real>
+Plane<Real> displacement_of(const Quantities<Real>& q) {
+  return {q.displacement[0], q.displacement[1]};
 }
 
 }  // namespace rths::sim

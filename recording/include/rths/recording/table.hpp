@@ -17,7 +17,8 @@ class Table {
 
   /// Reads a file by its content:
   /// - text: columns separated by commas, semicolons, tabs or blanks, with a row of names or
-  ///   without (columns are then called 1, 2, …); lines that begin with # or % are comments;
+  ///   without (columns are then called 1, 2, …), decimal points, lines ended by LF, CR LF or CR;
+  ///   lines that begin with # or % are comments;
   /// - HDF5: every numeric dataset of one or two dimensions, named by its path; columns of a
   ///   recording of our own by the names of its signals, and "time";
   /// - MAT, versions 4 to 7.3: every numeric array, fields of structures by name.field; an array

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -64,6 +65,10 @@ class Composition {
   void advance(std::span<double> state, Quantities<double>& q) const RTHS_REALTIME {
     advance(parameters_, state, q);
   }
+  /// Tells terms that yield under the specimen's force what it is, where the specimen is not among
+  /// them: `last_specimen_force` of the next step [N].   @realtime
+  void set_specimen_force(std::span<double> state,
+                          const Horizontal<double>& force) const RTHS_REALTIME;
 
  private:
   double time_step_ = 0;
@@ -72,6 +77,16 @@ class Composition {
   std::size_t states_ = 0;
 };
 
+/// "actuator", "motion", …
+[[nodiscard]] std::string_view stage_name(Stage stage);
+
+/// What terms are put into. A specimen has no actuators and no sensors, and knows no acceleration;
+/// a machine has no physics of a specimen.
+enum class Host { Any, Specimen, Machine };
+
+/// @throws Error if the term would mean nothing there   @setup
+void check_host(const TermSettings& term, Host host);
+
 /// Reads the terms of a table: each of its tables is a term, its key the kind, or any name if the
 /// table says `kind = "…"`. A parameter may be an array [long, lat] where a term acts on each axis.
 /// `enabled = false` leaves a term out.
@@ -79,8 +94,9 @@ class Composition {
 ///     [specimen.bouc_wen]
 ///     characteristic_strength_N = 1_010_000
 ///
-/// @throws Error with the place of the first wrong key or value   @setup
-[[nodiscard]] std::vector<TermSettings> read_terms(const Config& table);
+/// @throws Error with the place of the first wrong key or value, or of a term that means nothing in
+///         its host   @setup
+[[nodiscard]] std::vector<TermSettings> read_terms(const Config& table, Host host = Host::Any);
 
 /// Key of a parameter in a configuration: "stiffness" in "N/m" is "stiffness_N_per_m".   @setup
 [[nodiscard]] std::string parameter_key(const Parameter& parameter, Channel channel);

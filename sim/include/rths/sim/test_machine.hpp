@@ -62,8 +62,8 @@ struct SensorNoise {
 /// A bearing test machine with two horizontal axes and a specimen.
 struct TestMachine {
   std::array<ServoAxis, kHorizontalAxes> axes;
-  /// What the equations above leave out: actuator terms act on the reference, machine terms on the
-  /// platen, sensor terms on what is measured.
+  /// What the equations above leave out: actuator terms act on the reference, motion terms between
+  /// platen and specimen, machine terms on the platen, sensor terms on what is measured.
   std::vector<TermSettings> terms;
   SensorNoise noise;
   bool has_specimen = true;  ///< false: an empty table
@@ -83,7 +83,8 @@ struct MachineFeedback {
 class TestMachineRun {
  public:
   /// @param period  of `step` [s]; integrated in parts of at most 0.1 ms
-  /// @throws Error if a parameter is outside its physical range   @setup
+  /// @throws Error if a parameter is outside its physical range, a term means nothing where it
+  ///         stands, or something is too stiff or too fast for these parts   @setup
   TestMachineRun(const TestMachine& machine, double period);
 
   /// One period with the references held.
@@ -115,15 +116,16 @@ class TestMachineRun {
     void run(Quantities<double>& q) noexcept { composition.advance(state, q); }
   };
 
-  [[nodiscard]] static Terms terms_between(const TestMachine& machine, Stage first, Stage last,
-                                           double time_step);
+  [[nodiscard]] static Terms terms_of(const TestMachine& machine, Stage stage, double time_step);
   [[nodiscard]] Quantities<double> motion() const noexcept;
   [[nodiscard]] Eigen::Vector2d through_actuator_terms(const Eigen::Vector2d& reference) noexcept;
   void integrate_part(const Eigen::Vector2d& reference, double axial_load) noexcept;
   void measure(double axial_load, MachineFeedback& feedback) noexcept;
   void integrate_part(int axis, double reference) noexcept;
-  [[nodiscard]] AxisState rates(int axis, const AxisState& s, double reference) const noexcept;
-  [[nodiscard]] double platen_acceleration(int axis, const AxisState& s) const noexcept;
+  [[nodiscard]] AxisState rates(int axis, const AxisState& s, double reference,
+                                double resistance) const noexcept;
+  [[nodiscard]] double platen_acceleration(int axis, const AxisState& s,
+                                           double resistance) const noexcept;
   [[nodiscard]] bool at_limit(int axis) const noexcept;
   [[nodiscard]] double draw(double standard_deviation) noexcept;
 
@@ -133,9 +135,11 @@ class TestMachineRun {
   double time_ = 0;
   std::array<Axis, kHorizontalAxes> axes_;
   Terms actuator_, platen_, sensors_;
-  BearingRun specimen_;
+  BearingRun specimen_;  ///< and what stands between it and the platen
   Eigen::Vector2d specimen_force_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d machine_force_ = Eigen::Vector2d::Zero();
+  /// Of specimen and machine together, now and one part before [N].
+  Eigen::Vector2d resistance_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d last_resistance_ = Eigen::Vector2d::Zero();
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
 };

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/sim/composition.hpp>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::sim {
+namespace {
+
+constexpr std::string_view kStages[] = {"actuator",  "motion",  "vertical", "modifier",
+                                        "restoring", "machine", "sensor"};
+
+bool is_of_a_specimen(Stage stage) {
+  return stage == Stage::Vertical || stage == Stage::Modifier || stage == Stage::Restoring;
+}
+
+}  // namespace
+
+std::string_view stage_name(Stage stage) { return kStages[static_cast<std::size_t>(stage)]; }
+
+void check_host(const TermSettings& term, Host host) {
+  const TermKind& kind = term_kind(term.kind);
+  const std::string name = term.name.empty() ? term.kind : term.name;
+  if (host == Host::Machine && is_of_a_specimen(kind.stage))
+    throw Error{
+        fmt::format("term '{}' is of the specimen (stage {}), expected one of the stages "
+                    "actuator, motion, machine or sensor",
+                    name, stage_name(kind.stage))};
+  if (host != Host::Specimen) return;
+  if (kind.stage == Stage::Actuator || kind.stage == Stage::Sensor)
+    throw Error{fmt::format("term '{}' is of the machine (stage {}); a specimen has none of it",
+                            name, stage_name(kind.stage))};
+  // Nobody knows a specimen's acceleration before its force.
+  if (kind.name == "platen_inertia")
+    throw Error{
+        fmt::format("term '{}' needs the acceleration, which a specimen is not given; it is "
+                    "of the machine",
+                    name)};
+}
+
+}  // namespace rths::sim

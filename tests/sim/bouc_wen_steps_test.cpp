@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Bouc-Wen's rules owe to their integration, against the same way in many small steps.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "sim/stepper.hpp"
+
+namespace rths::sim {
+namespace {
+
+constexpr double kYield = 1e-3;
+
+TermSettings rule(const std::string& kind, test::Values values) {
+  values.emplace_back("characteristic_strength", 1);
+  values.emplace_back("yield_displacement", kYield);
+  return {kind, "", values};
+}
+
+// The largest difference over random ways in the plane, `ways` yield displacements at a time.
+double error_of(const TermSettings& term, double ways) {
+  test::Stepper coarse{{term}, 1e-3}, fine{{term}, 1e-3};
+  std::mt19937 random{1};
+  std::normal_distribution<double> normal;
+  double x = 0, y = 0, worst = 0;
+  constexpr int kParts = 100;
+  for (int i = 0; i < 200; ++i) {
+    const double dx = ways * kYield * normal(random), dy = ways * kYield * normal(random);
+    Quantities<double> exact;
+    for (int j = 1; j <= kParts; ++j) exact = fine.to(x + dx * j / kParts, y + dy * j / kParts);
+    x += dx, y += dy;
+    const auto seen = coarse.to(x, y);
+    worst =
+        std::max(worst, std::hypot(seen.force[0] - exact.force[0], seen.force[1] - exact.force[1]));
+  }
+  return worst;
+}
+
+TEST(BoucWenSteps, AreAsExactAsDocumentedInThePlane) {
+  for (const double ways : {0.2, 1.0, 5.0, 30.0}) {
+    EXPECT_LT(error_of(rule("bouc_wen", {}), ways), 2e-4) << ways;
+    for (const double eta : {1.0, 5.0, 10.0, 20.0})
+      EXPECT_LT(error_of(rule("bouc_wen", {{"eta", eta}, {"beta", 0.9}}), ways), 1e-3) << eta;
+    EXPECT_LT(error_of(rule("bouc_wen", {{"coupling", 0}}), ways), 1e-3) << ways;
+    EXPECT_LT(error_of(rule("bouc_wen_slip", {{"slip_length", 4 * kYield}}), ways), 3e-3) << ways;
+  }
+}
+
+TEST(BoucWenSteps, MakeNoNumberOfADisplacementThatIsNone) {
+  for (const auto* kind : {"bouc_wen", "bouc_wen_nagarajaiah", "bouc_wen_slip"}) {
+    test::Stepper bearing{{rule(kind, {})}, 1e-3};
+    bearing.to(0.01);
+    EXPECT_TRUE(std::isnan(bearing.to(std::numeric_limits<double>::quiet_NaN()).force[0])) << kind;
+  }
+}
+
+}  // namespace
+}  // namespace rths::sim
