@@ -115,15 +115,6 @@ std::vector<TermSettings> read_term(const std::string& name, const Config& table
   return axes.empty() ? std::vector{settings} : axes;
 }
 
-void check_host_at(const Config& table, const std::string& key, const TermSettings& term,
-                   Host host) {
-  try {
-    check_host(term, host);
-  } catch (const Error& error) {
-    table.fail(key, error.what());
-  }
-}
-
 }  // namespace
 
 std::string parameter_key(const Parameter& parameter, Channel channel) {
@@ -147,7 +138,7 @@ std::vector<TermSettings> read_terms(const Config& table, Host host) {
   for (const auto& key : table.keys()) {
     if (!table.is_table(key)) continue;
     const auto read = read_term(key, table.table(key));
-    for (const auto& term : read) check_host_at(table, key, term, host);
+    for (const auto& term : read) table.placed(key, [&] { check_host(term, host); });
     terms.insert(terms.end(), read.begin(), read.end());
   }
   return terms;

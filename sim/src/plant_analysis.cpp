@@ -57,7 +57,8 @@ Eigen::Vector2d PlantAnalysis::floor_acceleration(std::size_t i) const {
 
 ResponseHistory numerical_response(const PlantMatrices& plant, const GroundMotion& motion,
                                    const Bearing& bearing, double time_step, double duration) {
-  PlantAnalysis analysis{plant, motion, initial_stiffness(bearing), time_step, kReferenceAlpha};
+  const double stiffness = plant.bearings > 0 ? initial_stiffness(bearing) : 0;
+  PlantAnalysis analysis{plant, motion, stiffness, time_step, kReferenceAlpha};
   BearingRun run{bearing, time_step};
   ResponseHistory history;
   history.time_step = time_step;

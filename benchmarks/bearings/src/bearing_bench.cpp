@@ -2,7 +2,6 @@
 #include <rths/bench/bearing_bench.hpp>
 
 #include <algorithm>
-#include <fstream>
 
 #include <fmt/format.h>
 
@@ -20,12 +19,11 @@ constexpr int kBearingsOfPlant = 486;
 
 // The terms of a file; with those of the vertical, which a test of two axes leaves out, if asked.
 sim::Composition read_bearing(const std::filesystem::path& file, bool vertical) {
-  std::ifstream stream{file};
-  if (!stream) throw Error{fmt::format("{} cannot be read", file.string())};
-  std::string text;
-  for (std::string line; std::getline(stream, line);)
-    text += (vertical && line.rfind("enabled = false", 0) == 0 ? "" : line) + "\n";
-  return {sim::read_terms(Config::parse(text, file.string())), kTimeStep};
+  Config bearing = Config::load(file);
+  if (vertical)
+    for (const auto& term : bearing.keys())
+      if (bearing.is_table(term)) bearing.set(term + ".enabled", "true");
+  return {sim::read_terms(bearing), kTimeStep};
 }
 
 BearingResult measure(const Specimen& specimen, const BearingOptions& options, double tick) {
