@@ -159,6 +159,19 @@ std::vector<std::string> Config::texts(const std::string& key) const {
   return result;
 }
 
+std::vector<std::vector<double>> Config::rows(const std::string& key) const {
+  std::vector<std::vector<double>> result;
+  for (const auto& row : as<ConfigValue::Array>(key, require(key), "an array of rows")) {
+    result.emplace_back();
+    for (const auto& item : as<ConfigValue::Array>(key, row, "a row of numbers"))
+      result.back().push_back(as_number(key, item));
+    if (result.back().size() != result.front().size())
+      throw Error{fmt::format("{}: {} has a row of {} numbers, the first has {}", row.where, key,
+                              result.back().size(), result.front().size())};
+  }
+  return result;
+}
+
 Config Config::table(const std::string& key) const {
   const ConfigValue& found = require(key);
   return Config{as<ConfigValue::Table>(key, found, "a table"), found.where, directory_};
@@ -249,6 +262,15 @@ Config Config::overlaid(const Config& changes) const {
   return result;
 }
 
+std::string Config::to_toml() const { return write_toml(table_); }
+
+Config Config::without(const std::string& key) const {
+  Config result = *this;
+  result.asked_.clear();
+  result.table_.erase(key);
+  return result;
+}
+
 void Config::set(const std::string& dotted_key, const std::string& value) {
   const std::string where = fmt::format("--set {}", dotted_key);
   ConfigValue parsed = std::move(parse_toml("value = " + value, where).at("value"));
@@ -265,6 +287,10 @@ void Config::set(const std::string& dotted_key, const std::string& value) {
   }
   parsed.where = where;
   (*table)[dotted_key.substr(start)] = std::move(parsed);
+}
+
+void Config::set(const std::string& key, const Config& table) {
+  table_[key] = {table.table_, table.where_};
 }
 
 }  // namespace rths

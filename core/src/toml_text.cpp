@@ -5,6 +5,9 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <sstream>
+#include <type_traits>
+#include <variant>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -41,7 +44,50 @@ ConfigValue convert(const toml::node& node, const std::string& name) {
   throw Error{where + ": dates and times are not used here"};
 }
 
+toml::table written_table(const ConfigValue::Table& table);
+
+toml::array written_array(const ConfigValue::Array& items) {
+  toml::array result;
+  for (const auto& item : items)
+    std::visit(
+        [&](const auto& value) {
+          using T = std::decay_t<decltype(value)>;
+          if constexpr (std::is_same_v<T, ConfigValue::Array>)
+            result.push_back(written_array(value));
+          else if constexpr (std::is_same_v<T, ConfigValue::Table>)
+            result.push_back(written_table(value));
+          else
+            result.push_back(value);
+        },
+        item.value);
+  return result;
+}
+
+toml::table written_table(const ConfigValue::Table& table) {
+  toml::table result;
+  for (const auto& [name, entry] : table)
+    std::visit(
+        [&, &key = name](const auto& value) {
+          using T = std::decay_t<decltype(value)>;
+          if constexpr (std::is_same_v<T, ConfigValue::Array>)
+            result.insert(key, written_array(value));
+          else if constexpr (std::is_same_v<T, ConfigValue::Table>)
+            result.insert(key, written_table(value));
+          else
+            result.insert(key, value);
+        },
+        entry.value);
+  return result;
+}
+
 }  // namespace
+
+std::string write_toml(const ConfigValue::Table& table) {
+  std::ostringstream stream;
+  stream << toml::toml_formatter{
+      written_table(table), toml::toml_formatter::default_flags & ~toml::format_flags::indentation};
+  return stream.str() + "\n";
+}
 
 std::string read_text_file(const std::filesystem::path& file) {
   std::ifstream stream{file, std::ios::binary};

@@ -12,4 +12,7 @@ namespace rths {
 /// @throws Error "name:line:column: …"
 [[nodiscard]] ConfigValue::Table parse_toml(std::string_view text, const std::string& name);
 
+/// The inverse: text that `parse_toml` reads back.
+[[nodiscard]] std::string write_toml(const ConfigValue::Table& table);
+
 }  // namespace rths

@@ -13,9 +13,10 @@ namespace rths::memmap {
 namespace {
 
 // The quantities a hybrid test deals in.
-constexpr const char* kSiUnits[] = {"m",  "m/s", "m/s2",  "N",      "N.m", "Pa", "s",
-                                    "s2", "kg",  "N/m",   "N.s/m",  "K",   "W",  "V",
-                                    "A",  "rad", "rad/s", "rad/s2", "Hz",  "1"};
+constexpr const char* kSiUnits[] = {"m",     "m/s",    "m/s2",  "N",   "N.m", "Pa", "s",    "s2",
+                                    "kg",    "N/m",    "N.s/m", "K",   "W",   "V",  "A",    "rad",
+                                    "rad/s", "rad/s2", "Hz",    "1",   "m2",  "m3", "m3/s", "kg/m3",
+                                    "m/s3",  "N/s",    "Pa/s",  "V/s", "A/s", "T"};
 
 // UDUNITS has radians as pure numbers, so only the spelling tells an angle from a count.
 bool is_angle(const std::string& unit) {

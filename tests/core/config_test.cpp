@@ -28,6 +28,17 @@ TEST(Config, RefusesNumbersThatAreNone) {
             "lab.toml:1:12: gain is -inf, expected a finite number");
 }
 
+TEST(Config, ReadsRowsThatAreEquallyLong) {
+  const auto rows = parse("mass = [[1, 2.5], [3, 4]]").rows("mass");
+
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0][1], 2.5);
+  EXPECT_EQ(test::error_of([] { static_cast<void>(parse("mass = [[1], [3, 4]]").rows("mass")); }),
+            "lab.toml:1:14: mass has a row of 2 numbers, the first has 1");
+  EXPECT_EQ(test::error_of([] { static_cast<void>(parse("mass = [1, 2]").rows("mass")); }),
+            "lab.toml:1:9: mass is an integer, expected a row of numbers");
+}
+
 TEST(Config, NamesTheKeyThatIsMissing) {
   const Config config = parse("gain = 1");
 
@@ -146,6 +157,25 @@ TEST(Config, LaysChangesOverATableKeyByKey) {
   EXPECT_EQ(both.table("spring").number("stiffness"), 3);
   EXPECT_EQ(both.table("stop").number("gap"), 4);
   EXPECT_FALSE(base.has("stop"));
+}
+
+TEST(Config, WritesTomlThatReadsBackTheSame) {
+  Config config = parse(
+      "title = \"a \\\"b\\\"\"\ncount = 3\nwhole = 2.0\nsmall = 1e-7\non = true\n"
+      "pair = [5100, 8600.5]\n[a.\"b c\"]\nx = 1\n[[row]]\ny = 2\n[[row]]\ny = 3");
+  config.set("slider", parse("friction = 0.1"));
+
+  const Config again = Config::parse(config.to_toml(), "again.toml");
+
+  EXPECT_EQ(again.text("title"), "a \"b\"");
+  EXPECT_EQ(again.integer("count"), 3);
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(again.integer("whole")); }).empty(), false);
+  EXPECT_EQ(again.number("small"), 1e-7);
+  EXPECT_TRUE(again.flag("on", false));
+  EXPECT_EQ(again.numbers("pair"), (std::vector<double>{5100, 8600.5}));
+  EXPECT_EQ(again.table("a").table("b c").number("x"), 1);
+  EXPECT_EQ(again.tables("row")[1].number("y"), 3);
+  EXPECT_EQ(again.table("slider").number("friction"), 0.1);
 }
 
 }  // namespace

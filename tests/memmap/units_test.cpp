@@ -40,7 +40,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Known{"kip.inch", "N.m", 112.98482902762}, Known{"psi", "Pa", 6894.757293168},
                       Known{"ms", "s", 1e-3}, Known{"percent", "1", 0.01}, Known{"V", "V", 1},
                       Known{"1", "1", 1}, Known{"Hz", "Hz", 1}, Known{"s2", "s2", 1},
-                      Known{"kN/mm", "N/m", 1e6}));
+                      Known{"kN/mm", "N/m", 1e6}, Known{"litre/s", "m3/s", 1e-3},
+                      Known{"kN/s", "N/s", 1e3}, Known{"bar", "Pa", 1e5}));
 
 TEST(Unit, ShiftsCelsius) {
   const Unit unit = parse_unit("degC");

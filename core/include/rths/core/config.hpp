@@ -49,6 +49,8 @@ class Config {
   [[nodiscard]] std::string text(const std::string& key) const;
   [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> texts(const std::string& key) const;
+  /// Rows of numbers, equally long: [[1, 2], [3, 4]].
+  [[nodiscard]] std::vector<std::vector<double>> rows(const std::string& key) const;
   [[nodiscard]] Config table(const std::string& key) const;
 
   /// Values with a default.
@@ -92,9 +94,16 @@ class Config {
 
   /// This table with what `changes` has in it: tables key by key, anything else replaced.
   [[nodiscard]] Config overlaid(const Config& changes) const;
+  /// This table without one of its keys.
+  [[nodiscard]] Config without(const std::string& key) const;
+
+  /// This table as TOML that reads back the same: values first, then tables, keys in order.
+  [[nodiscard]] std::string to_toml() const;
 
   /// Puts `value` (as TOML text) at a dotted path, as the command line does.
   void set(const std::string& dotted_key, const std::string& value);
+  /// Puts a table at a key, in place of what was there.
+  void set(const std::string& key, const Config& table);
 
  private:
   explicit Config(ConfigValue::Table table, std::string where, std::filesystem::path directory);
