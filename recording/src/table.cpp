@@ -26,15 +26,21 @@ Table Table::load(const std::filesystem::path& file) {
 }
 
 const std::vector<double>& Table::column(const std::string& name) const {
+  const Column& column = found(name);
+  if (!column.trouble.empty()) throw Error{column.trouble};
+  return column.values;
+}
+
+const Table::Column& Table::found(const std::string& name) const {
   if (name.size() > 1 && name[0] == '#') {
     const auto place = std::strtoul(name.c_str() + 1, nullptr, 10);
-    if (place >= 1 && place <= columns_.size()) return columns_[place - 1].values;
+    if (place >= 1 && place <= columns_.size()) return columns_[place - 1];
     throw Error{
         fmt::format("{}: there is no column {}, expected #1 to #{}", file_, name, columns_.size())};
   }
   std::vector<std::string> known;
   for (const auto& column : columns_) {
-    if (column.name == name) return column.values;
+    if (column.name == name) return column;
     known.push_back(column.name);
   }
   const auto meant = nearest(name, known);

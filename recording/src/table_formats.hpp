@@ -20,7 +20,8 @@ inline void add_array(Columns& columns, const std::string& name, std::size_t row
   for (std::size_t c = 0; c < count; ++c) {
     const auto begin = values.begin() + static_cast<std::ptrdiff_t>(c * rows);
     columns.push_back({count == 1 ? name : name + "(" + std::to_string(c + 1) + ")",
-                       {begin, begin + static_cast<std::ptrdiff_t>(rows)}});
+                       {begin, begin + static_cast<std::ptrdiff_t>(rows)},
+                       ""});
   }
 }
 

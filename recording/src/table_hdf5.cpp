@@ -10,8 +10,8 @@ namespace {
 constexpr int kMostDimensions = 2;
 
 Columns own_recording(const Reader& reader) {
-  Columns columns{{"time", reader.time()}};
-  for (const auto& name : reader.names()) columns.push_back({name, reader.signal(name)});
+  Columns columns{{"time", reader.time(), ""}};
+  for (const auto& name : reader.names()) columns.push_back({name, reader.signal(name), ""});
   return columns;
 }
 

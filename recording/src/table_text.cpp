@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -90,6 +91,33 @@ bool are_halves(const std::vector<std::string_view>& row) {
   return fraction;
 }
 
+std::vector<std::string_view> apart_from_commas(std::string_view line) {
+  for (const char separator : {';', '\t'})
+    if (line.find(separator) != std::string_view::npos) return cells(line, separator);
+  return cells(line, ' ');
+}
+
+// "0,5;1,5": commas that part no columns.
+bool separates_halves(std::string_view line) {
+  const auto parted = cells(line, ',');
+  return has_decimal_comma(line) && !std::all_of(parted.begin(), parted.end(), [](auto cell) {
+           return number(cell).has_value();
+         });
+}
+
+struct Line {
+  std::size_t number = 0;
+  std::string_view content;
+};
+
+// Numbers in at least half of its cells: what stands above the first such line are names, units and
+// what else a logger has to say.
+bool is_row(const std::vector<std::string_view>& row) {
+  const auto numbers =
+      std::count_if(row.begin(), row.end(), [](auto cell) { return number(cell).has_value(); });
+  return numbers > 0 && 2 * numbers >= static_cast<std::ptrdiff_t>(row.size());
+}
+
 class TextReader {
  public:
   explicit TextReader(const std::filesystem::path& file) : file_{file.string()} {}
@@ -104,6 +132,7 @@ class TextReader {
     else
       add_row(cells(content, separator_));
   }
+  [[nodiscard]] bool has_names_only() const { return columns.empty() && !above_.empty(); }
 
   Columns columns;
 
@@ -111,20 +140,35 @@ class TextReader {
   void begin(std::string_view line) {
     separator_ = separator_of(line);
     const auto first = cells(line, separator_);
-    const bool is_data =
-        std::all_of(first.begin(), first.end(), [](auto cell) { return number(cell).has_value(); });
-    if (!is_data && has_decimal_comma(line)) fail_on_commas(line);
-    for (std::size_t i = 0; i < first.size(); ++i)
-      columns.push_back({is_data ? std::to_string(i + 1) : std::string{first[i]}, {}});
-    reject_same_names();
-    if (is_data) add_row(first);
+    if (separates_halves(line)) fail_on_commas(above_.empty() ? line : apart_from_commas(line)[0]);
+    if (!is_row(first)) {
+      above_.push_back({line_, line});
+      return;
+    }
+    name_columns(first.size());
+    add_row(first);
   }
 
-  void reject_same_names() const {
+  // The first of the lines right above that have as many cells: units may stand below names.
+  void name_columns(std::size_t count) {
+    std::vector<std::string_view> names;
+    std::size_t line = line_;
+    for (auto above = above_.rbegin(); above != above_.rend(); ++above) {
+      const auto row = cells(above->content, separator_);
+      if (row.size() != count) break;
+      names = row;
+      line = above->number;
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      columns.push_back({names.empty() ? std::to_string(i + 1) : std::string{names[i]}, {}, ""});
+    reject_same_names(line);
+  }
+
+  void reject_same_names(std::size_t line) const {
     for (auto column = columns.begin(); column != columns.end(); ++column)
       if (std::any_of(columns.begin(), column,
                       [&](const auto& other) { return other.name == column->name; }))
-        throw Error{fmt::format("{}:{}: two columns are called '{}'", file_, line_, column->name)};
+        throw Error{fmt::format("{}:{}: two columns are called '{}'", file_, line, column->name)};
   }
 
   [[noreturn]] void fail_on_commas(std::string_view what) const {
@@ -141,14 +185,16 @@ class TextReader {
     for (std::size_t i = 0; i < row.size(); ++i) {
       const auto value = number(row[i]);
       if (!value && has_decimal_comma(row[i])) fail_on_commas(row[i]);
-      if (!value || !std::isfinite(*value))
-        throw Error{fmt::format("{}:{}: '{}' in column '{}' is no finite number", file_, line_,
-                                row[i], columns[i].name)};
-      columns[i].values.push_back(*value);
+      const bool is_good = value && std::isfinite(*value);
+      if (!is_good && columns[i].trouble.empty())
+        columns[i].trouble = fmt::format("{}:{}: '{}' in column '{}' is no finite number", file_,
+                                         line_, row[i], columns[i].name);
+      columns[i].values.push_back(is_good ? *value : std::numeric_limits<double>::quiet_NaN());
     }
   }
 
   std::string file_;
+  std::vector<Line> above_;
   std::size_t line_ = 0;
   char separator_ = ',';
 };
@@ -167,7 +213,7 @@ Columns read_text_columns(const std::filesystem::path& file) {
     if (end == std::string_view::npos) break;
     rest.remove_prefix(end + (rest.substr(end, 2) == "\r\n" ? 2 : 1));
   }
-  if (!reader.columns.empty() && reader.columns[0].values.empty())
+  if (reader.has_names_only())
     throw Error{fmt::format("{}: holds names of columns, but no rows", file.string())};
   return std::move(reader.columns);
 }

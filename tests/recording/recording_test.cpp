@@ -291,5 +291,19 @@ TEST(Recording, IsNotRepairedWhileItIsWritten) {
   expect_rows(Reader{file}, 1000);
 }
 
+TEST(AtEachCount, TakesTheFirstValueOfEachCount) {
+  EXPECT_EQ(at_each_count({0, 1, 1, 2, 3}, {9, 10, 11, 20, 30}), (std::vector<double>{10, 20, 30}));
+}
+
+TEST(AtEachCount, FillsCountsThatNoRowHasInBetween) {
+  EXPECT_EQ(at_each_count({1, 4}, {10, 40}), (std::vector<double>{10, 20, 30, 40}));
+}
+
+TEST(AtEachCount, BeginsWithTheFirstCountThereIs) {
+  EXPECT_EQ(at_each_count({3, 4}, {30, 40}), (std::vector<double>{30, 30, 30, 40}));
+}
+
+TEST(AtEachCount, IsEmptyWithoutCounts) { EXPECT_TRUE(at_each_count({0, 0}, {1, 2}).empty()); }
+
 }  // namespace
 }  // namespace rths::recording

@@ -4,6 +4,8 @@
 #include <hdf5.h>
 #include <matio.h>
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include <rths/recording/recording.hpp>
@@ -47,11 +49,29 @@ TEST_F(TableTest, NumbersColumnsWithoutNames) {
 
 TEST_F(TableTest, SaysInWhichLineSomethingIsWrong) {
   EXPECT_EQ(error("t,u\n0,1\n0.1\n"), "log.csv:3: 1 columns, expected 2 as in the first row");
-  EXPECT_EQ(error("t,u\n0,one\n"), "log.csv:2: 'one' in column 'u' is no finite number");
-  EXPECT_EQ(error("t,u\n0,nan\n"), "log.csv:2: 'nan' in column 'u' is no finite number");
   EXPECT_EQ(error("# nothing\n"), "log.csv: holds no columns of numbers");
   EXPECT_EQ(error("t,u\n"), "log.csv: holds names of columns, but no rows");
   EXPECT_EQ(error("t,u,t\n0,1,2\n"), "log.csv:1: two columns are called 't'");
+}
+
+TEST_F(TableTest, SaysWhereANumberIsMissingInAColumnThatIsAskedFor) {
+  for (const std::string cell : {"one", "nan", ""}) {
+    const Table table = load("t,u,day\n0,1,Mon\n0.1," + cell + ",Mon\n");
+
+    EXPECT_EQ(table.column("t"), (Values{0, 0.1}));
+    const auto message = test::error_of([&] { static_cast<void>(table.column("u")); });
+    EXPECT_EQ(message.substr(message.find("log.csv")),
+              "log.csv:3: '" + cell + "' in column 'u' is no finite number");
+    EXPECT_EQ(table.column_with_gaps("u")[0], 1);
+    EXPECT_TRUE(std::isnan(table.column_with_gaps("u")[1]));
+  }
+}
+
+TEST_F(TableTest, SkipsWhatStandsAboveAndBelowTheNames) {
+  const Table table = load("MTS793|BTW|ENU|1|2\nDate: Monday\n\nt\tu\ns\tmm\n0\t1\n0.1\t2\n");
+
+  EXPECT_EQ(table.column("t"), (Values{0, 0.1}));
+  EXPECT_EQ(table.column("u"), (Values{1, 2}));
 }
 
 TEST_F(TableTest, SaysThatCommasAreNoDecimalPoints) {

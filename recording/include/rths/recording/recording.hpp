@@ -31,6 +31,9 @@ using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 
 /// Text of /config that holds what the command line changed, one key=value a line.
 inline constexpr const char* kOverridesText = "overrides";
+/// Text of /config that holds what the simulation takes specimen and machine for: [model] of a
+/// case of the diagnosis, as TOML.
+inline constexpr const char* kModelText = "model";
 
 struct RecordingInfo {
   NamedTexts config;                            ///< file name, content
@@ -106,6 +109,11 @@ class Reader {
   struct File;
   std::unique_ptr<File> file_;
 };
+
+/// Values of a signal at each count of a counter: value n−1 belongs to count n. Counts that no row
+/// has are filled in between their neighbours.
+[[nodiscard]] std::vector<double> at_each_count(const std::vector<double>& counter,
+                                                const std::vector<double>& signal);
 
 /// True if the file begins as an HDF5 file does.
 [[nodiscard]] bool is_hdf5(const std::filesystem::path& file);
