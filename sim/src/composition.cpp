@@ -143,6 +143,11 @@ void Composition::set_specimen_force(std::span<double> state,
   for (std::size_t i = 0; i < kHorizontalAxes; ++i) state[kHorizontalAxes + i] = force[i];
 }
 
+void Composition::set_specimen_force(std::span<Dual> state,
+                                     const Horizontal<double>& force) const noexcept {
+  for (std::size_t i = 0; i < kHorizontalAxes; ++i) state[kHorizontalAxes + i] = force[i];
+}
+
 void Composition::advance(std::span<const double> parameters, std::span<double> state,
                           Quantities<double>& q) const noexcept {
   run(*this, constants_, parameters.data(), state, q);

@@ -38,6 +38,7 @@ Demonstration demonstrate(const TermKind& kind) {
   test.axial_load_variation = 0.4;
   test.vertical_offset = -2e-3;
   test.vertical_amplitude = 4e-3;
+  test.auxiliary = 0.5;
   test.time_step = 2e-3;
   Bearing bearing{std::string{kind.title}, company_of(kind), 9.7e6};
   Demonstration demonstration;

@@ -82,14 +82,24 @@ void check_spacing(const std::vector<double>& times, const std::vector<std::size
 
 }  // namespace
 
+namespace {
+
+double between(const std::vector<double>& values, double position) noexcept {
+  if (!(position >= 0) || position > static_cast<double>(values.size()) - 1) return 0;
+  const auto i = std::min(static_cast<std::size_t>(position), values.size() - 2);
+  const double part = position - static_cast<double>(i);
+  return (1 - part) * values[i] + part * values[i + 1];
+}
+
+}  // namespace
+
 Eigen::Vector2d GroundMotion::at(double time) const noexcept {
   const double position = time / time_step;
-  if (!(position >= 0) || position > static_cast<double>(long_acceleration.size() - 1))
-    return Eigen::Vector2d::Zero();
-  const auto i = std::min(static_cast<std::size_t>(position), long_acceleration.size() - 2);
-  const double part = position - static_cast<double>(i);
-  return {(1 - part) * long_acceleration[i] + part * long_acceleration[i + 1],
-          (1 - part) * lat_acceleration[i] + part * lat_acceleration[i + 1]};
+  return {between(long_acceleration, position), between(lat_acceleration, position)};
+}
+
+double GroundMotion::vertical_at(double time) const noexcept {
+  return vert_acceleration.empty() ? 0 : between(vert_acceleration, time / time_step);
 }
 
 RecordComponent read_at2(const std::filesystem::path& file) {

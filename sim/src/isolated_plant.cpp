@@ -81,6 +81,9 @@ void check(const IsolatedPlant& plant) {
   if (plant.bearings < 1) throw Error{"plant: expected at least one bearing"};
   if (!(plant.damping_ratio >= 0 && plant.damping_ratio < 1))
     throw Error{"plant: damping ratio must lie in 0 to 1"};
+  if (!(plant.vertical_frequency > 0)) throw Error{"plant: vertical frequency must be positive"};
+  if (!(plant.vertical_damping >= 0 && plant.vertical_damping < 1))
+    throw Error{"plant: vertical damping must lie in 0 to 1"};
   for (const auto& stick : plant.sticks) check(stick);
 }
 
@@ -113,6 +116,9 @@ PlantMatrices assemble(const IsolatedPlant& plant) {
   matrices.K = MatrixXd::Zero(dofs, dofs);
   matrices.iota = MatrixXd::Zero(dofs, kDirections);
   matrices.bearings = plant.bearings;
+  matrices.mass_per_bearing = weight_per_bearing(plant) / kStandardGravity;
+  matrices.vertical_frequency = plant.vertical_frequency;
+  matrices.vertical_damping = plant.vertical_damping;
   matrices.M(0, 0) = matrices.M(1, 1) = plant.basemat_mass;
   for (int i = 0; i < dofs; ++i) matrices.iota(i, i % kDirections) = 1;
 

@@ -44,6 +44,7 @@ Quantities<double> given(const Bearing& bearing, const LoopTest& test, double t)
   q.vertical_displacement = test.vertical_offset + test.vertical_amplitude * up.value;
   q.vertical_velocity = test.vertical_amplitude * up.rate;
   q.temperature = bearing.temperature;
+  q.auxiliary = test.auxiliary;
   return q;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/sim/plant_analysis.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace rths::sim {
@@ -15,7 +17,15 @@ Eigen::MatrixXd implicit_stiffness(const PlantMatrices& plant, double bearing_st
   return K;
 }
 
-constexpr double kReferenceAlpha = 0;  // no numerical damping in the purely numerical result
+// On a fixed base nothing carries anything.
+OscillatorStep vertical_step(const PlantMatrices& plant, double time_step) {
+  if (plant.bearings == 0) return {};
+  return oscillator_step(2 * std::numbers::pi * plant.vertical_frequency, plant.vertical_damping,
+                         time_step);
+}
+
+constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
+constexpr double kReferenceAlpha = 0;         // no numerical damping in the purely numerical result
 
 }  // namespace
 
@@ -28,10 +38,16 @@ PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
       load_{Eigen::VectorXd::Zero(plant_.dofs())},
       restoring_force_{Eigen::VectorXd::Zero(plant_.dofs())},
       integrator_{plant_.M, plant_.C, implicit_stiffness(plant_, bearing_initial_stiffness),
-                  time_step, alpha} {}
+                  time_step, alpha},
+      vertical_step_{vertical_step(plant_, time_step)} {}
 
 Eigen::Vector2d PlantAnalysis::predict() noexcept {
+  const double before = motion_.vertical_at(time_);
   time_ = static_cast<double>(++steps_) * time_step_;
+  if (plant_.bearings > 0) {
+    const double upwards = vertical_.advance(vertical_step_, before, motion_.vertical_at(time_));
+    vertical_force_ = plant_.mass_per_bearing * std::max(upwards, -kStandardGravity);
+  }
   restoring_force_.noalias() = plant_.K * integrator_.predict();
   return {integrator_.predicted_displacement()[0], integrator_.predicted_displacement()[1]};
 }
@@ -66,10 +82,10 @@ ResponseHistory numerical_response(const PlantMatrices& plant, const GroundMotio
   const auto steps = std::lround(duration / time_step);
   for (long step = 0; step < steps; ++step) {
     const Eigen::Vector2d displacement = analysis.predict();
-    const Eigen::Vector2d force =
-        plant.bearings > 0
-            ? run.advance(displacement, analysis.predicted_velocity(), bearing.axial_load)
-            : Eigen::Vector2d::Zero();
+    const Eigen::Vector2d force = plant.bearings > 0
+                                      ? run.advance(displacement, analysis.predicted_velocity(),
+                                                    bearing.axial_load + analysis.vertical_force())
+                                      : Eigen::Vector2d::Zero();
     analysis.correct(force);
     history.displacement_long.push_back(displacement[0]);
     history.displacement_lat.push_back(displacement[1]);

@@ -22,6 +22,11 @@ std::string_view stage_name(Stage stage) { return kStages[static_cast<std::size_
 void check_host(const TermSettings& term, Host host) {
   const TermKind& kind = term_kind(term.kind);
   const std::string name = term.name.empty() ? term.kind : term.name;
+  if (host != Host::Any && (kind.traits & kControlled) != 0)
+    throw Error{
+        fmt::format("term '{}' needs the current that controls it, which neither a "
+                    "specimen nor a machine is given",
+                    name)};
   if (host == Host::Machine && is_of_a_specimen(kind.stage))
     throw Error{
         fmt::format("term '{}' is of the specimen (stage {}), expected one of the stages "

@@ -124,6 +124,10 @@ TEST(TermReader, SaysWhereATermMeansNothing) {
   EXPECT_EQ(error("[gain]\n", Host::Specimen),
             "b.toml:1:1: term 'gain' is of the machine (stage sensor); a specimen has none of it");
   EXPECT_EQ(error("[coulomb_friction]\n", Host::Specimen), "");
+  for (const Host host : {Host::Specimen, Host::Machine})
+    EXPECT_EQ(error("[current_dependent_damping]\n", host),
+              "b.toml:1:1: term 'current_dependent_damping' needs the current that controls it, "
+              "which neither a specimen nor a machine is given");
 }
 
 }  // namespace

@@ -128,6 +128,51 @@ TEST(PlantAnalysis, AgreesWithTheFrequencyResponseOfTheLinearPlant) {
   EXPECT_NEAR(largest, std::abs(response[0]), 0.005 * largest);
 }
 
+/// A sine upwards at the plant's vertical frequency.
+GroundMotion resonant_motion(const PlantMatrices& plant, double amplitude) {
+  GroundMotion motion;
+  motion.time_step = 5e-4;
+  for (int i = 0; i < 16'000; ++i)
+    motion.vert_acceleration.push_back(
+        amplitude * std::sin(2 * std::numbers::pi * plant.vertical_frequency * 5e-4 * i));
+  motion.long_acceleration.assign(motion.vert_acceleration.size(), 0);
+  motion.lat_acceleration = motion.long_acceleration;
+  return motion;
+}
+
+TEST(PlantAnalysis, CarriesAtItsVerticalResonanceWhatTransmissibilitySays) {
+  const PlantMatrices plant = assemble(example_plant());
+  PlantAnalysis analysis{plant, resonant_motion(plant, 0.1), 4e6, 1e-3, 0};
+
+  double largest = 0;
+  for (int step = 0; step < 7500; ++step) {
+    analysis.predict();
+    analysis.correct(Eigen::Vector2d::Zero());
+    largest = std::max(largest, analysis.vertical_force());
+  }
+
+  // sqrt(1 + 4 zeta^2)/(2 zeta); 71 periods leave exp(-22) of what it takes to build up. 1 ms
+  // misses the peak of a period of 105 ms by 1 - cos(pi/105) at most.
+  const double zeta = plant.vertical_damping;
+  const double expected =
+      plant.mass_per_bearing * 0.1 * std::sqrt(1 + 4 * zeta * zeta) / (2 * zeta);
+  EXPECT_NEAR(largest, expected, 1e-3 * expected);
+  EXPECT_EQ(analysis.base_displacement().norm(), 0);
+}
+
+TEST(PlantAnalysis, LiftsOffAndDoesNotPull) {
+  const PlantMatrices plant = assemble(example_plant());
+  PlantAnalysis analysis{plant, resonant_motion(plant, 5), 4e6, 1e-3, 0};
+
+  double least = 0;
+  for (int step = 0; step < 1000; ++step) {
+    analysis.predict();
+    least = std::min(least, analysis.vertical_force());
+  }
+
+  EXPECT_NEAR(least, -weight_per_bearing(example_plant()), 1);
+}
+
 TEST(PlantAnalysis, MovesOnlyAlongTheAxisThatIsShaken) {
   PlantAnalysis analysis{assemble(example_plant()), sine_motion(), 4e6, 0.01, -0.05};
   for (int i = 0; i < 500; ++i) {

@@ -51,6 +51,7 @@ Quantities<double> motion_at(const Motion& motion, int i) {
   q.vertical_displacement = motion.vertical_offset + motion.vertical_amplitude * up.value;
   q.vertical_velocity = motion.vertical_amplitude * up.rate;
   q.temperature = wave(motion.temperature, 0.3 * motion.frequency, 2.3, q.time).value;
+  q.auxiliary = motion.auxiliary * (1 + wave(1, 0.7 * motion.frequency, 2.6, q.time).value);
   return q;
 }
 
@@ -95,6 +96,7 @@ std::vector<Real> outputs_of(const Composition& composition, std::span<const Rea
     q.vertical_displacement = given.vertical_displacement;
     q.vertical_velocity = given.vertical_velocity;
     q.temperature = given.temperature;
+    q.auxiliary = given.auxiliary;
     composition.advance(parameters, state, q);
     for (const auto& pair : {q.displacement, q.acceleration, q.force})
       outputs.insert(outputs.end(), pair.begin(), pair.end());

@@ -20,6 +20,7 @@ struct Motion {
   double vertical_offset = -2e-3;     ///< [m]
   double vertical_amplitude = 1e-3;   ///< [m]
   double temperature = 0;             ///< of the surroundings, amplitude [°C]
+  double auxiliary = 0.5;             ///< mean of what controls a device; varies by all of it [A]
   double time_step = 5e-3;            ///< [s]
   int steps = 800;
 };

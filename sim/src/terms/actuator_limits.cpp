@@ -125,27 +125,32 @@ struct ValveDeadband {
 struct LoadCompliance {
   static constexpr std::string_view kName = "load_compliance";
   static constexpr std::string_view kTitle = "actuator that yields under load";
-  static constexpr std::string_view kEquation = "u = command - chi F";
+  static constexpr std::string_view kEquation =
+      "u = command - chi F,  F through T^2 F'' + 2 T F' + F";
   static constexpr std::string_view kSource =
       "textbook; how it is solved: docs/theory/machine_terms.md";
   static constexpr Stage kStage = Stage::Actuator;
   static constexpr unsigned kTraits = kPerAxis;
-  enum { kCompliance, kStiffness };
+  enum { kCompliance, kStiffness, kTimeConstant };
   static constexpr Parameter kParameters[] = {{"compliance", "m/N", 0, 1e-3, 0, 2e-9},
-                                              kStiffnessEstimate};
-  // Of the compliance; how much it yields, and how fast. Accelerometers see that; the velocity of
-  // the command stays, for the specimen's sake (compliance.hpp).
-  static constexpr std::size_t kAxisStates = Compliance<double>::kStates + 2;
+                                              kStiffnessEstimate,
+                                              {"time_constant", "s", 0, 1, 0, 3e-3}};
+  // Of the lag; of the compliance; how much it yields, and how fast. Accelerometers see that; the
+  // velocity of the command stays, for the specimen's sake (compliance.hpp).
+  static constexpr std::size_t kLagStates = SecondOrderLag<double>::kStates;
+  static constexpr std::size_t kAxisStates = kLagStates + Compliance<double>::kStates + 2;
   static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const SecondOrderLag<Real> lag{term.parameters[kTimeConstant], Real{1}, term.time_step};
     for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
       if (!term.acts_on(axis)) continue;
-      Real* state = term.state + axis * kAxisStates;
+      Real* state = term.state + axis * kAxisStates + kLagStates;
       Compliance<Real> oil{state, term.parameters[kCompliance], term.parameters[kStiffness]};
-      const Real x = oil.yield(q.displacement[axis], q.last_specimen_force[axis],
-                               Real{std::numeric_limits<double>::max()});
+      const Real force = lag(state - kLagStates, q.last_specimen_force[axis]);
+      const Real x =
+          oil.yield(q.displacement[axis], force, Real{std::numeric_limits<double>::max()});
       const Real yield = q.displacement[axis] - x;
       const Real rate = (yield - state[2]) * (1 / term.time_step);
       q.acceleration[axis] -= (rate - state[3]) * (1 / term.time_step);

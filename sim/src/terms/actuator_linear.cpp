@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include "actuator_kinds.hpp"
+
 #include "delay_line.hpp"
 #include "kinds.hpp"
 #include "lag.hpp"
@@ -79,14 +82,74 @@ struct SecondOrderActuator {
   }
 };
 
-struct ActuatorBandwidth : SecondOrderActuator {
+// A valve that does not open for a small error, and a piston that can go no faster.
+struct ActuatorBandwidth {
   static constexpr std::string_view kName = "actuator_bandwidth";
   static constexpr std::string_view kTitle = "second-order lag of the actuator";
   static constexpr std::string_view kEquation =
-      "T^2 u'' + 2 zeta T u' + u = command,  T = 1/(2 pi f)";
-  static constexpr std::string_view kSource = "textbook, exact for a command linear in each step";
-  static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 1, 0, 13e-3},
-                                              {"damping", "-", 0.01, 10, 0.8, 0.8}};
+      "T^2 u'' + 2 zeta T u' = e - clip(e, d),  e = command - u,  |u'| <= v,  T = 1/(2 pi f)";
+  static constexpr std::string_view kSource =
+      "Merritt 1967; exact for a command linear in each step within the limits";
+  static constexpr Stage kStage = Stage::Actuator;
+  static constexpr unsigned kTraits = kPerAxis;
+  enum { kTimeConstant, kDamping, kDeadBand, kVelocityLimit };
+  static constexpr double kUnlimited = 1e6;  // [m/s]
+  static constexpr Parameter kParameters[] = {
+      {"time_constant", "s", 0, 1, 0, 13e-3},
+      {"damping", "-", 0.01, 10, 0.8, 0.8},
+      {"dead_band", "m", 0, 0.1, 0, 1e-3},
+      {"velocity_limit", "m/s", 1e-6, kUnlimited, kUnlimited, 1}};
+  static constexpr std::size_t kStates = kSignals * SecondOrderLag<double>::kStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const SecondOrderLag<Real> lag{term.parameters[kTimeConstant], term.parameters[kDamping],
+                                   term.time_step};
+    const bool is_linear = is_just(term.parameters[kDeadBand], 0) &&
+                           is_just(term.parameters[kVelocityLimit], kUnlimited);
+    if (is_linear || !(term.parameters[kTimeConstant] > kShortestLag * term.time_step))
+      return lag_motion(term, q, lag);
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+      if (term.acts_on(axis))
+        servo(term, lag, q, axis,
+              term.state + axis * kMotionSignals * SecondOrderLag<double>::kStates);
+  }
+
+ private:
+  // The dead band takes from the command what it keeps from the valve; how much that is at the end
+  // of the step depends on u there, which is found in two rounds.
+  template <class Real>
+  static void servo(const TermView<Real>& term, const SecondOrderLag<Real>& lag,
+                    Quantities<Real>& q, std::size_t axis, Real* state) {
+    const Real& band = term.parameters[kDeadBand];
+    const auto seen = [&](const Real& command, const Real& u) {
+      const Real e = command - u;
+      if (e > band) return Real{command - band};
+      if (e < -band) return Real{command + band};
+      return u;
+    };
+    constexpr std::size_t kLagStates = SecondOrderLag<double>::kStates;
+    const Real command = q.displacement[axis];
+    if (state[0] == 0) lag(state, command);
+    std::array<Real, kLagStates> start, end;
+    std::copy_n(state, kLagStates, start.begin());
+    Real u = start[2] + start[3];
+    constexpr int kRounds = 2;
+    for (int round = 0; round < kRounds; ++round) {
+      end = start;
+      u = lag(end.data(), seen(command, u));
+    }
+    const Real most = term.parameters[kVelocityLimit] * term.time_step;  // in a step
+    if (end[3] > most || end[3] < -most) {
+      end[3] = end[3] > 0 ? most : -most;
+      u = end[2] = start[2] + 0.5 * (start[3] + end[3]);
+    }
+    end[1] = seen(command, u);
+    std::copy_n(end.begin(), kLagStates, state);
+    q.displacement[axis] = u;
+    q.velocity[axis] = end[3] * (1 / term.time_step);
+    q.acceleration[axis] = (end[3] - start[3]) * (1 / (term.time_step * term.time_step));
+  }
 };
 
 struct OilColumnResonance : SecondOrderActuator {

@@ -23,4 +23,15 @@ void scale(Real& quantity, const Real& factor) {
   quantity *= factor > 0 ? factor : Real{0};
 }
 
+/// How much of what a modifier does to the strength it does to the stiffness before yield, as a
+/// power of it: 0 leaves the stiffness, 1 leaves the yield displacement.
+inline constexpr Parameter kElasticShareParameter = {"elastic_share", "-", 0, 1, 0, 0.5};
+
+template <class Real>
+void weaken(Quantities<Real>& q, const Real& factor, const Real& elastic_share) {
+  using std::pow;
+  q.strength *= factor;
+  if (!is_just(elastic_share, 0) && factor > 0) q.elastic_stiffness *= pow(factor, elastic_share);
+}
+
 }  // namespace rths::sim

@@ -30,18 +30,22 @@ struct HorizontalStiffnessVariation {
 struct AxialLoadStrength {
   static constexpr std::string_view kName = "axial_load_strength";
   static constexpr std::string_view kTitle = "strength that depends on the axial load";
-  static constexpr std::string_view kEquation = "Q = Q_0 max(0, 1 + k_Q (N - N_0)/N_0)";
+  static constexpr std::string_view kEquation =
+      "Q = Q_0 f,  k = k_0 f^s,  f = max(0, 1 + k_Q (N - N_0)/N_0)";
   static constexpr std::string_view kSource = "first-order; confinement of the lead plug";
   static constexpr Stage kStage = Stage::Modifier;
   static constexpr unsigned kTraits = kFrameIndifferent;
-  enum { kCoefficient, kReference };
+  enum { kCoefficient, kReference, kElasticShare };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, 0.2},
-                                              {"reference_load", "N", 1, 1e10, 9.7e6, 9.7e6}};
+                                              {"reference_load", "N", 1, 1e10, 9.7e6, 9.7e6},
+                                              kElasticShareParameter};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real* p = term.parameters;
-    scale<Real>(q.strength, 1 + p[kCoefficient] * (q.axial_load / p[kReference] - 1));
+    Real factor{1};
+    scale<Real>(factor, 1 + p[kCoefficient] * (q.axial_load / p[kReference] - 1));
+    weaken(q, factor, p[kElasticShare]);
   }
 };
 
@@ -90,20 +94,22 @@ struct Scragging {
 struct RateDependentStrength {
   static constexpr std::string_view kName = "rate_dep_strength";
   static constexpr std::string_view kTitle = "strength that grows with velocity";
-  static constexpr std::string_view kEquation = "Q = Q_0 (1 + r ln(1 + |v|/v_0))";
+  static constexpr std::string_view kEquation =
+      "Q = Q_0 f,  k = k_0 f^s,  f = 1 + r ln(1 + |v|/v_0)";
   static constexpr std::string_view kSource = "logarithmic rate law; Robinson 1982 for lead";
   static constexpr Stage kStage = Stage::Modifier;
   static constexpr unsigned kTraits = kFrameIndifferent;
-  enum { kCoefficient, kVelocity };
+  enum { kCoefficient, kVelocity, kElasticShare };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", 0, 10, 0, 0.05},
-                                              {"reference_velocity", "m/s", 1e-5, 10, 0.05, 0.05}};
+                                              {"reference_velocity", "m/s", 1e-5, 10, 0.05, 0.05},
+                                              kElasticShareParameter};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::log1p;
     const Real* p = term.parameters;
     const Real speed = length(Plane<Real>{q.velocity[0], q.velocity[1]});
-    q.strength *= 1 + p[kCoefficient] * log1p(speed / p[kVelocity]);
+    weaken<Real>(q, 1 + p[kCoefficient] * log1p(speed / p[kVelocity]), p[kElasticShare]);
   }
 };
 

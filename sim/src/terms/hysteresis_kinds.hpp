@@ -13,6 +13,8 @@ std::span<const TermKind> bouc_wen_kinds();
 std::span<const TermKind> plastic_kinds();
 std::span<const TermKind> iwan_kinds();
 std::span<const TermKind> model_form_kinds();
+std::span<const TermKind> asymmetric_kinds();
+std::span<const TermKind> controlled_kinds();
 
 /// Adds what a specimen resists with to its force: what dissipates, and a spring beside it.
 template <class Real>
@@ -25,7 +27,7 @@ void resist(Quantities<Real>& q, const Plane<Real>& plug, const Real& stiffness)
 }
 
 /// The way since the last step, as long as it seems to a specimen whose strength is a factor off:
-/// stiffness before yield is that of the material and stays, so what is weaker yields earlier.
+/// stiffness before yield stays unless a modifier says otherwise, so what is weaker yields earlier.
 /// @param before  displacement of the last step; this one's afterwards
 template <class Real>
 Plane<Real> way_of(const Quantities<Real>& q, Real* before) {
@@ -33,7 +35,7 @@ Plane<Real> way_of(const Quantities<Real>& q, Real* before) {
   const Real strength = q.strength > kWeakest ? q.strength : Real{kWeakest};
   const Plane<Real> du{q.displacement[0] - before[0], q.displacement[1] - before[1]};
   before[0] = q.displacement[0], before[1] = q.displacement[1];
-  return du * (1 / strength);
+  return du * (q.elastic_stiffness / strength);
 }
 
 }  // namespace rths::sim

@@ -17,13 +17,15 @@ namespace {
 struct AdiabaticHeating {
   static constexpr std::string_view kName = "adiabatic_heating";
   static constexpr std::string_view kTitle = "strength that falls with the work dissipated";
-  static constexpr std::string_view kEquation = "Q = Q_0 exp(-b W),  dW/dt = F_h.v - W/t_c";
+  static constexpr std::string_view kEquation =
+      "Q = Q_0 exp(-b W),  k = k_0 exp(-s b W),  dW/dt = F_h.v - W/t_c";
   static constexpr std::string_view kSource = "Kalpakidis & Constantinou 2009, without conduction";
   static constexpr Stage kStage = Stage::Modifier;
   static constexpr unsigned kTraits = kFrameIndifferent;
-  enum { kSoftening, kCoolingTime };
+  enum { kSoftening, kCoolingTime, kElasticShare };
   static constexpr Parameter kParameters[] = {{"softening", "1/J", 0, 1, 0, 1.2e-7},
-                                              {"cooling_time", "s", 1e-2, 1e12, 1e12, 100}};
+                                              {"cooling_time", "s", 1e-2, 1e12, 1e12, 100},
+                                              kElasticShareParameter};
   static constexpr std::size_t kStates = kWorkStates + 1;  // W
 
   template <class Real>
@@ -33,7 +35,9 @@ struct AdiabaticHeating {
     // Implicit: it fades whatever the step.
     kept = (kept + work_taken(term.state, q, Real{0})) /
            (1 + term.time_step / term.parameters[kCoolingTime]);
-    q.strength *= exp(-term.parameters[kSoftening] * kept);
+    const Real weaker = term.parameters[kSoftening] * kept;
+    q.strength *= exp(-weaker);
+    q.elastic_stiffness *= exp(-term.parameters[kElasticShare] * weaker);
   }
 };
 

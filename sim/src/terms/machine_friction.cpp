@@ -1,30 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kinds.hpp"
 #include "machine_kinds.hpp"
+#include "presliding.hpp"
 
 namespace rths::sim {
 namespace {
-
-constexpr std::size_t kDahlStates = 2 * kHorizontalAxes;  // displacement before, s
-
-// Part s of full friction of an axis, -1 … 1, after this step: Dahl's law with exponent 1, solved
-// exactly along a step that does not turn.
-template <class Real>
-const Real& presliding(const TermView<Real>& term, const Quantities<Real>& q, std::size_t axis,
-                       const Real& length) {
-  using std::abs;
-  using std::exp;
-  Real& before = term.state[2 * axis];
-  Real& s = term.state[2 * axis + 1];
-  const Real du = q.displacement[axis] - before;
-  const Real sign = du > 0 ? Real{1} : Real{-1};
-  s = sign + (s - sign) * exp(-abs(du) / length);
-  before = q.displacement[axis];
-  return s;
-}
-
-constexpr std::string_view kDahl = "Dahl 1968, exponent 1";
-constexpr Parameter kPreslidingLength = {"presliding", "m", 1e-7, 0.1, 1e-4, 1e-4};
 
 struct CoulombFriction {
   static constexpr std::string_view kName = "coulomb_friction";

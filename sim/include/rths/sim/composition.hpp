@@ -69,6 +69,8 @@ class Composition {
   /// them: `last_specimen_force` of the next step [N].   @realtime
   void set_specimen_force(std::span<double> state,
                           const Horizontal<double>& force) const RTHS_REALTIME;
+  void set_specimen_force(std::span<Dual> state,
+                          const Horizontal<double>& force) const RTHS_REALTIME;
 
  private:
   double time_step_ = 0;
@@ -81,7 +83,7 @@ class Composition {
 [[nodiscard]] std::string_view stage_name(Stage stage);
 
 /// What terms are put into. A specimen has no actuators and no sensors, and knows no acceleration;
-/// a machine has no physics of a specimen.
+/// a machine has no physics of a specimen; neither has a control input.
 enum class Host { Any, Specimen, Machine };
 
 /// @throws Error if the term would mean nothing there   @setup

@@ -8,17 +8,20 @@
 
 namespace rths::sim {
 
-/// Recorded ground acceleration in two horizontal directions, equally spaced in time.
+/// Recorded ground acceleration, equally spaced in time.
 struct GroundMotion {
   double time_step = 0;                   ///< [s]
   std::vector<double> long_acceleration;  ///< [m/s²]
   std::vector<double> lat_acceleration;   ///< [m/s²], as long as the other
+  /// Upwards [m/s²], as long; empty: none. g++ wants the initializer, clang-tidy does not.
+  std::vector<double> vert_acceleration = {};  // NOLINT(readability-redundant-member-init)
 
   [[nodiscard]] double duration() const {
     return time_step * static_cast<double>(long_acceleration.size());
   }
-  /// Linear between samples, zero outside the record [m/s²].   @realtime
+  /// Linear between samples, zero outside the record: long, lat [m/s²].   @realtime
   [[nodiscard]] Eigen::Vector2d at(double time) const noexcept;
+  [[nodiscard]] double vertical_at(double time) const noexcept;  ///< likewise [m/s²]
 };
 
 /// One component of a record.

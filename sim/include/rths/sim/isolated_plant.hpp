@@ -27,6 +27,8 @@ struct IsolatedPlant {
   double damping_ratio = 0.04;       ///< of every mode of the sticks on a fixed base [-]
   int bearings = 486;                ///< the bearing's force is multiplied by this
   double spectrum_elevation = 47.5;  ///< where floor spectra are taken [m]
+  double vertical_frequency = 9.5;   ///< of all of it on its bearings, up and down [Hz]
+  double vertical_damping = 0.05;    ///< of that [-]
 };
 
 /// What one bearing carries when nothing moves [N].
@@ -37,11 +39,14 @@ struct IsolatedPlant {
 ///
 /// Degrees of freedom come in pairs (long, lat): the basemat first, then the masses of each stick.
 struct PlantMatrices {
-  Eigen::MatrixXd M;     ///< [kg]
-  Eigen::MatrixXd C;     ///< [N·s/m]
-  Eigen::MatrixXd K;     ///< without the bearings [N/m]
-  Eigen::MatrixXd iota;  ///< dof × 2: 1 where a degree of freedom moves with the ground [-]
-  int bearings = 0;      ///< L = bearings on the basemat's two degrees of freedom
+  Eigen::MatrixXd M;            ///< [kg]
+  Eigen::MatrixXd C;            ///< [N·s/m]
+  Eigen::MatrixXd K;            ///< without the bearings [N/m]
+  Eigen::MatrixXd iota;         ///< dof × 2: 1 where a degree of freedom moves with the ground [-]
+  int bearings = 0;             ///< L = bearings on the basemat's two degrees of freedom
+  double mass_per_bearing = 0;  ///< [kg]
+  double vertical_frequency = 0;         ///< [Hz]
+  double vertical_damping = 0;           ///< [-]
   std::vector<std::string> floor_names;  ///< one per stick
   std::vector<int> floors;               ///< its long degree of freedom at the spectrum elevation
 

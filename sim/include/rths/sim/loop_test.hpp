@@ -17,6 +17,7 @@ struct LoopTest {
   double axial_load_variation = 0;  ///< amplitude over mean [-]
   double vertical_offset = 0;       ///< [m]
   double vertical_amplitude = 0;    ///< [m]
+  double auxiliary = 0;             ///< what controls a device, constant: a current [A]
   double time_step = 1e-3;          ///< rounded to a whole number of steps per cycle [s]
 };
 

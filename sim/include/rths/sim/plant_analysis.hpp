@@ -12,11 +12,15 @@
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/oscillator.hpp>
 
 namespace rths::sim {
 
 /// The numerical substructure: a plant shaken by a ground motion, one time step at a time, that
 /// asks somebody else what its bearing answers.
+///
+/// Up and down it is one mass on springs, on which the horizontal motion has no effect: what the
+/// bearing carries is a result that goes to the specimen, and no answer to it is asked for.
 class PlantAnalysis {
  public:
   /// @param bearing_initial_stiffness  of one bearing [N/m]; unused when the plant has no bearings
@@ -31,6 +35,9 @@ class PlantAnalysis {
   void correct(const Eigen::Vector2d& bearing_force) RTHS_REALTIME;
 
   [[nodiscard]] double time() const { return time_; }  ///< end of the step [s]
+  /// Compression that the vertical motion adds to one bearing at the end of the step begun [N]; not
+  /// below what would lift it off.
+  [[nodiscard]] double vertical_force() const { return vertical_force_; }
   [[nodiscard]] Eigen::Vector2d ground_acceleration() const { return ground_; }  ///< [m/s²]
   [[nodiscard]] Eigen::Vector2d predicted_velocity() const;  ///< of the bearing [m/s]
   [[nodiscard]] Eigen::Vector2d base_displacement() const;   ///< corrected [m]
@@ -48,6 +55,9 @@ class PlantAnalysis {
   Eigen::MatrixXd inertia_;  ///< −M ι, dof × 2
   Eigen::VectorXd load_, restoring_force_;
   AlphaOs integrator_;
+  OscillatorStep vertical_step_;
+  Oscillator vertical_;
+  double vertical_force_ = 0;  ///< [N]
 };
 
 /// What a plant did, sampled every step.
@@ -63,7 +73,7 @@ struct ResponseHistory {
 };
 
 /// The whole analysis with a bearing model in place of a specimen: the purely numerical result.
-/// @param bearing  carries its mean load throughout
+/// @param bearing  carries its mean load, and what the vertical motion adds
 /// @param duration  [s]   @setup
 [[nodiscard]] ResponseHistory numerical_response(const PlantMatrices& plant,
                                                  const GroundMotion& motion, const Bearing& bearing,

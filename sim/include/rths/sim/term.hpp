@@ -29,11 +29,13 @@ struct Quantities {
   Real vertical_displacement{}, vertical_velocity{};  ///< > 0 lengthens the specimen [m], [m/s]
   Real axial_load{};   ///< > 0 compresses [N]; given, or computed by a vertical term
   Real temperature{};  ///< of the surroundings above that of reference [°C]
+  Real auxiliary{};    ///< what controls a device: the current of a damper [A]
 
   // What modifiers have made of the specimen.
-  /// Factor on characteristic strength or friction; stiffness before yield stays [-].
+  /// Factor on characteristic strength or friction; stiffness before yield has its own [-].
   Real strength{1};
   Real stiffness{1};           ///< factor on the stiffness after yield [-]
+  Real elastic_stiffness{1};   ///< factor on the stiffness before yield [-]
   Real vertical_stiffness{1};  ///< factor [-]
   Real buckling_load{};        ///< critical axial load, > 0 [N]; 0: none
 
@@ -75,6 +77,7 @@ enum Trait : unsigned {
   kFrameIndifferent = 2,  ///< turning the motion turns its force
   kPerAxis = 4,           ///< the axes know nothing of each other; may act on one of them alone
   kPerChannel = 8,        ///< a sensor term that acts on one channel
+  kControlled = 16,       ///< reads `auxiliary`
 };
 
 /// Numbers of one term of a composition, where it finds them.

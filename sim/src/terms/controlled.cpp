@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Devices whose resistance somebody sets while they move: dampers with a magnetorheological fluid.
+#include "hysteresis_kinds.hpp"
+#include "kinds.hpp"
+#include "presliding.hpp"
+
+namespace rths::sim {
+namespace {
+
+// c_0 + c_1 I + c_2 I², at least 0. At 0 itself it can rise: the derivatives are wanted there.
+template <class Real>
+Real level_of(const Real* coefficients, const Real& current) {
+  const Real level = coefficients[0] + current * (coefficients[1] + current * coefficients[2]);
+  return level < 0 ? Real{0} : level;
+}
+
+struct CurrentDependentFriction {
+  static constexpr std::string_view kName = "current_dependent_friction";
+  static constexpr std::string_view kTitle = "friction that the current of a damper sets";
+  static constexpr std::string_view kEquation =
+      "F = max(0, F_0 + F_1 I + F_2 I^2) s |v|/(|v| + v_c),  ds = (du - s |du|) / z_s";
+  static constexpr std::string_view kSource =
+      "Dahl 1968, exponent 1; polynomial and creep are ours";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kPerAxis | kControlled;
+  enum { kForce, kPerCurrent, kPerSquare, kPresliding, kCreep };
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
+                                              {"force_per_current", "N/A", -1e7, 1e7, 0, 2e4},
+                                              {"force_per_current2", "N/A2", -1e7, 1e7, 0, 5e3},
+                                              kPreslidingLength,
+                                              {"creep_velocity", "m/s", 1e-6, 1, 1e-6, 5e-3}};
+  static constexpr std::size_t kStates = kDahlStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::abs;
+    const Real level = level_of(term.parameters + kForce, q.auxiliary) * q.strength;
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      const Real speed = abs(q.velocity[axis]);
+      const Real force = level * presliding(term, q, axis, term.parameters[kPresliding]) *
+                         (speed / (speed + term.parameters[kCreep]));
+      q.hysteretic_force[axis] += force;
+      q.force[axis] += force;
+    }
+  }
+};
+
+struct CurrentDependentDamping {
+  static constexpr std::string_view kName = "current_dependent_damping";
+  static constexpr std::string_view kTitle = "viscosity that the current of a damper sets";
+  static constexpr std::string_view kEquation = "F = max(0, c_0 + c_1 I + c_2 I^2) v";
+  static constexpr std::string_view kSource = "textbook; the polynomial is ours";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent | kPerAxis | kControlled;
+  enum { kCoefficient, kPerCurrent, kPerSquare };
+  static constexpr Parameter kParameters[] = {
+      {"coefficient", "N*s/m", 0, 1e9, 0, 2e4},
+      {"coefficient_per_current", "N*s/m/A", -1e9, 1e9, 0, 4e4},
+      {"coefficient_per_current2", "N*s/m/A2", -1e9, 1e9, 0, 1e4}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real level = level_of(term.parameters + kCoefficient, q.auxiliary);
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+      if (term.acts_on(axis)) q.force[axis] += level * q.velocity[axis];
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<CurrentDependentFriction>(),
+                               kind_of<CurrentDependentDamping>()};
+
+}  // namespace
+
+std::span<const TermKind> controlled_kinds() { return kKinds; }
+
+}  // namespace rths::sim

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hysteresis_kinds.hpp"
+#include "kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+// The device holds on to a place p that it slips along with; the way y = u - p from there is bound:
+// first the play, then the elastic length. Force is a function of y, so all of it is solved
+// exactly.
+struct AsymmetricHysteresis {
+  static constexpr std::string_view kName = "asymmetric_hysteresis";
+  static constexpr std::string_view kTitle = "friction of a device behind play";
+  static constexpr std::string_view kEquation =
+      "F = F_+ (y - g/2)/L_+ for y > g/2, F_- (y + g/2)/L_- for y < -g/2, else 0,  "
+      "dy = du within -L_- - g/2 ... L_+ + g/2";
+  static constexpr std::string_view kSource =
+      "stop operator, Visintin 1994; the play before it is ours";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  enum { kForward, kBackward, kForwardLength, kBackwardLength, kPlay };
+  static constexpr Parameter kParameters[] = {{"forward_force", "N", 0, 1e9, 0, 1e5},
+                                              {"backward_force", "N", 0, 1e9, 0, 1.5e5},
+                                              {"forward_length", "m", 1e-7, 1, 3e-3, 3e-3},
+                                              {"backward_length", "m", 1e-7, 1, 3e-3, 4e-3},
+                                              {"play", "m", 0, 1, 0, 5e-3}};
+  static constexpr std::size_t kStates = 2 * kHorizontalAxes;  // displacement before, y
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real* p = term.parameters;
+    const Real half = 0.5 * p[kPlay];
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
+      if (!term.acts_on(axis)) continue;
+      Real& before = term.state[2 * axis];
+      Real& y = term.state[2 * axis + 1];
+      y += q.displacement[axis] - before;
+      before = q.displacement[axis];
+      // What is weaker slips earlier; its stiffness stays.
+      const Real most = half + p[kForwardLength] * q.strength;
+      const Real least = -half - p[kBackwardLength] * q.strength;
+      if (y > most) y = most;
+      if (y < least) y = least;
+      if (!(y > half || y < -half)) continue;
+      const Real force = y > half ? Real{p[kForward] / p[kForwardLength] * (y - half)}
+                                  : Real{p[kBackward] / p[kBackwardLength] * (y + half)};
+      q.hysteretic_force[axis] += force;
+      q.force[axis] += force;
+    }
+  }
+};
+
+constexpr TermKind kKinds[] = {kind_of<AsymmetricHysteresis>()};
+
+}  // namespace
+
+std::span<const TermKind> asymmetric_kinds() { return kKinds; }
+
+}  // namespace rths::sim

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include <rths/sim/dual.hpp>
+#include <rths/sim/term.hpp>
+
+namespace rths::sim {
+
+inline constexpr std::size_t kDahlStates = 2 * kHorizontalAxes;  ///< displacement before, s
+inline constexpr std::string_view kDahl = "Dahl 1968, exponent 1";
+inline constexpr Parameter kPreslidingLength = {"presliding", "m", 1e-7, 0.1, 1e-4, 1e-4};
+
+/// Part s of full friction of an axis, -1 … 1, after this step: Dahl's law with exponent 1, solved
+/// exactly along a step that does not turn. The term's first states are `kDahlStates`.   @realtime
+template <class Real>
+const Real& presliding(const TermView<Real>& term, const Quantities<Real>& q, std::size_t axis,
+                       const Real& length) {
+  using std::abs;
+  using std::exp;
+  Real& before = term.state[2 * axis];
+  Real& s = term.state[2 * axis + 1];
+  const Real du = q.displacement[axis] - before;
+  const Real sign = du > 0 ? Real{1} : Real{-1};
+  s = sign + (s - sign) * exp(-abs(du) / length);
+  before = q.displacement[axis];
+  return s;
+}
+
+}  // namespace rths::sim

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Devices: friction behind play, and dampers that a current controls, against their closed forms.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sim/stepper.hpp"
+
+namespace rths::sim {
+namespace {
+
+using test::Stepper;
+using test::Values;
+
+constexpr double kForward = 10e3, kBackward = 17e3, kForwardLength = 5e-3, kBackwardLength = 4e-3,
+                 kPlay = 6e-3;
+
+Stepper device() {
+  return Stepper{{{"asymmetric_hysteresis",
+                   "",
+                   {{"forward_force", kForward},
+                    {"backward_force", kBackward},
+                    {"forward_length", kForwardLength},
+                    {"backward_length", kBackwardLength},
+                    {"play", kPlay}}}},
+                 1e-3};
+}
+
+TEST(AsymmetricHysteresis, PlaysThenStretchesThenSlips) {
+  auto friction = device();
+
+  EXPECT_EQ(friction.walk(0, 0.5 * kPlay, 10).force[0], 0);
+  const double stretched = 0.5 * kPlay + 0.4 * kForwardLength;
+  EXPECT_NEAR(friction.walk(0.5 * kPlay, stretched, 10).force[0], 0.4 * kForward, 1e-9 * kForward);
+  EXPECT_NEAR(friction.walk(stretched, 0.05, 10).force[0], kForward, 1e-9 * kForward);
+  // Back through the elastic length and the play, and half of the elastic length of the other side.
+  const double back = 0.05 - kForwardLength - kPlay;
+  EXPECT_NEAR(friction.walk(0.05, back, 10).force[0], 0, 1e-9 * kForward);
+  EXPECT_NEAR(friction.to(back - 0.5 * kBackwardLength).force[0], -0.5 * kBackward,
+              1e-9 * kBackward);
+}
+
+// Each way slips over what is left of 2A after the lengths and the play.
+TEST(AsymmetricHysteresis, DissipatesTheAreaOfItsLoop) {
+  auto friction = device();
+  const double a = 0.04;
+  const int parts = 2000;
+  double work = 0, last = friction.walk(0, a, parts).force[0];
+
+  for (const double end : {-a, a}) {
+    for (int i = 1; i <= parts; ++i) {
+      const double force = friction.to(-end + 2 * end * i / parts).force[0];
+      work += 0.5 * (force + last) * 2 * end / parts;
+      last = force;
+    }
+  }
+
+  const double slip = 2 * a - kForwardLength - kBackwardLength - kPlay;
+  EXPECT_NEAR(work, (kForward + kBackward) * slip, 1e-4 * work);
+}
+
+// Steady sliding at a speed, long enough for the presliding to be over.
+double sliding_force(const TermSettings& term, double current, double speed) {
+  Stepper stepper{{term}, 1e-2};
+  Quantities<double> q;
+  for (int i = 1; i <= 100; ++i) {
+    Quantities<double> given;
+    given.displacement[0] = speed * 1e-2 * i;
+    given.velocity[0] = speed;
+    given.auxiliary = current;
+    q = stepper.step(given);
+  }
+  return q.force[0];
+}
+
+TEST(CurrentDependentFriction, FollowsTheCurrentAndCreepsWhereItIsSlow) {
+  const TermSettings term{"current_dependent_friction",
+                          "",
+                          {{"friction_force", 100},
+                           {"force_per_current", 1200},
+                           {"force_per_current2", -200},
+                           {"presliding", 2e-4},
+                           {"creep_velocity", 5e-3}}};
+
+  EXPECT_NEAR(sliding_force(term, 0, 0.095), 100 * 0.95, 1e-6);
+  EXPECT_NEAR(sliding_force(term, 1, 0.095), 1100 * 0.95, 1e-6);
+  EXPECT_NEAR(sliding_force(term, 1, -5e-3), -1100 * 0.5, 1e-6);
+  EXPECT_EQ(sliding_force(term, -1, 0.1), 0) << "no current makes friction drive";
+}
+
+TEST(CurrentDependentDamping, FollowsTheCurrent) {
+  const TermSettings term{"current_dependent_damping",
+                          "",
+                          {{"coefficient", 1000},
+                           {"coefficient_per_current", 9000},
+                           {"coefficient_per_current2", -1000}}};
+
+  EXPECT_NEAR(sliding_force(term, 0.5, 0.2), 0.2 * 5250, 1e-9);
+  EXPECT_EQ(sliding_force(term, -1, 0.2), 0);
+}
+
+}  // namespace
+}  // namespace rths::sim
