@@ -33,10 +33,11 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodeP
   settings.axes = e.axes;
   settings.plant = e.plant;
   settings.motion = e.motion;
-  settings.bearing_initial_stiffness = sim::initial_stiffness(e.specimen);
+  settings.bearing_initial_stiffness = sim::initial_stiffness(e.model);
   settings.integration_step = e.integration_step;
   settings.alpha = e.alpha;
   settings.duration = e.duration;
+  settings.rest = e.rest;
   // A step may lawfully take as long as it is stretched.
   settings.wait_deadline = e.wait_deadline * e.rate;
   if (clock == ClockKind::Virtual || e.model_computing_time)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a hybrid test is compared with: its own displacement history without compensation, and the
-// same plant without a specimen.
+// What a hybrid test is compared with: its own displacement history without compensation, the same
+// test under another earthquake, and the same plant without a specimen.
 #include <rths/launch/run.hpp>
 
 #include <algorithm>
@@ -16,6 +16,8 @@ namespace rths::launch {
 namespace {
 
 constexpr double kReferenceStep = 0.001;  // [s] of the purely numerical result
+
+constexpr std::uint64_t kSeedsApart = 1'000'003;  // of noise: seeds of experiments are near 1
 
 constexpr const char* kDirections[] = {"long", "lat"};
 
@@ -106,6 +108,16 @@ sim::GroundMotion along_tested_axes(const Experiment& experiment) {
   return motion;
 }
 
+void run_beside(const Experiment& experiment, const std::filesystem::path& recording,
+                const std::string& version, const char* what) {
+  RunOptions options;
+  options.clock = ClockKind::Virtual;
+  options.recording = recording;
+  options.version = version;
+  const RunOutcome outcome = run(experiment, options);
+  if (!outcome.completed) throw Error{fmt::format("{} failed: {}", what, outcome.trouble)};
+}
+
 }  // namespace
 
 bool run_uncompensated(const Experiment& experiment, const std::filesystem::path& history,
@@ -118,22 +130,27 @@ bool run_uncompensated(const Experiment& experiment, const std::filesystem::path
   }
   if (!switched_off) return false;
   bare.history = recorded_targets(experiment, history);
-  RunOptions options;
-  options.clock = ClockKind::Virtual;
-  options.recording = recording;
-  options.version = version;
-  const RunOutcome outcome = run(bare, options);
-  if (!outcome.completed)
-    throw Error{fmt::format("the run without compensation failed: {}", outcome.trouble)};
+  run_beside(bare, recording, version, "the run without compensation");
+  return true;
+}
+
+bool run_held_out(const Experiment& experiment, const std::filesystem::path& recording,
+                  const std::string& version) {
+  if (!experiment.held_out) return false;
+  Experiment second = experiment;
+  second.motion = *experiment.held_out;
+  second.machine.seed += kSeedsApart;
+  second.computing_time.seed += kSeedsApart;
+  run_beside(second, recording, version, "the run under the second earthquake");
   return true;
 }
 
 void run_numerical(const Experiment& experiment, const std::filesystem::path& recording) {
   const sim::PlantMatrices plant = sim::assemble(experiment.plant);
   const sim::GroundMotion motion = along_tested_axes(experiment);
-  const auto isolated = sim::numerical_response(plant, motion, experiment.specimen, kReferenceStep,
-                                                experiment.duration);
-  const auto fixed = sim::numerical_response(plant.fixed_base(), motion, experiment.specimen,
+  const auto isolated =
+      sim::numerical_response(plant, motion, experiment.model, kReferenceStep, experiment.duration);
+  const auto fixed = sim::numerical_response(plant.fixed_base(), motion, experiment.model,
                                              kReferenceStep, experiment.duration);
   std::vector<double> ground_long;
   std::vector<double> ground_lat;

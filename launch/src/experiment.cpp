@@ -11,6 +11,8 @@
 #include <rths/core/error.hpp>
 #include <rths/launch/installed_files.hpp>
 
+#include "assumed_model.hpp"
+
 namespace rths::launch {
 namespace {
 
@@ -97,17 +99,25 @@ void read_steps(const Config& file, Experiment& experiment) {
   experiment.integration_step = file.number_in("integration_step_s", 1e-3, 0.1, 0.01);
   experiment.rate = file.number_in("rate", 1, 1000, 1.0);
   experiment.duration = file.number_in("duration_s", kShortestTest, 1e5);
+  experiment.rest = file.number_in("rest_s", 0, 60, 0.0);
   experiment.seed = static_cast<std::uint64_t>(file.integer_in("seed", 0, 1LL << 53, 1));
 }
 
-// A bearing by name, with the changes that the experiment makes to it.
-sim::Bearing read_specimen(const Config& table, Experiment& experiment) {
-  const auto path = find_file(table, "model", "bearings", kUsualSpecimen);
-  const Config bearing = Config::load(path).overlaid(table);
-  static_cast<void>(bearing.text("model", ""));
-  auto specimen = sim::read_bearing(bearing, sim::weight_per_bearing(experiment.plant));
+// A bearing by name, with the changes that the experiment makes to it; the machine; and what the
+// simulation takes both for.
+void read_laboratory(const Config& file, Experiment& experiment) {
+  const Config changes = file.table_or_empty("specimen");
+  const auto path = find_file(changes, "model", "bearings", kUsualSpecimen);
+  const Config specimen = Config::load(path).overlaid(changes);
+  static_cast<void>(specimen.text("model", ""));
+  const double weight = sim::weight_per_bearing(experiment.plant);
+  experiment.specimen = sim::read_bearing(specimen, weight);
   experiment.config.emplace_back(path.filename().string(), file_content(path));
-  return specimen;
+  const Config machine = file.table_or_empty("machine");
+  experiment.machine = adapters::read_machine(machine);
+  const auto assumed = read_assumed_model(file.table_or_empty("model"), specimen, machine, weight);
+  experiment.model = assumed.bearing;
+  experiment.config.emplace_back(recording::kModelText, assumed.text);
 }
 
 void read_solver(const Config& table, Experiment& experiment) {
@@ -166,9 +176,9 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   const Config motion = file.table("motion");
   experiment.motion_name = motion.text("name", motion.text("file", ""));
   experiment.motion = adapters::read_motion(motion);
+  if (file.has("held_out")) experiment.held_out = adapters::read_motion(file.table("held_out"));
   experiment.plant = adapters::read_plant(file.table_or_empty("plant"));
-  experiment.specimen = read_specimen(file.table_or_empty("specimen"), experiment);
-  experiment.machine = adapters::read_machine(file.table_or_empty("machine"));
+  read_laboratory(file, experiment);
   read_solver(file.table_or_empty("solver"), experiment);
   read_stop(file.table_or_empty("stop"), experiment);
   experiment.nodes = read_nodes(file.table("node"));

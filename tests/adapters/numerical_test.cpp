@@ -103,6 +103,22 @@ TEST(Numerical, GetsTheSameResultAsTheAnalysisAlone) {
   }
 }
 
+TEST(Numerical, LeavesTheLoopOpenWhileTheMachineRests) {
+  NumericalSettings s = settings();
+  s.rest = 0.3;
+  const auto solver = make_numerical(s);
+  test::Bench bench{*solver};
+  bench.in("daq.atTarget") = 1;
+
+  for (double time = 0; time < 0.3; time += 0.001) {
+    ASSERT_EQ(bench.step(time), Status::Ok);
+    ASSERT_EQ(bench.out("opf.newTarget"), 0) << time;
+  }
+  ASSERT_EQ(bench.step(0.301), Status::Ok);
+  EXPECT_EQ(bench.out("opf.newTarget"), 1);
+  EXPECT_EQ(bench.out("opf.1.time.target"), 0.01);
+}
+
 TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
   NumericalSettings s = settings();
   s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
@@ -212,6 +228,22 @@ TEST(Numerical, PlaysADisplacementHistory) {
   const std::vector<double> expected = {0.1, 0.2, 0.3, 0.4, 0.35};
   ASSERT_EQ(targets.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(targets[i], expected[i], 1e-12);
+}
+
+TEST(Numerical, TellsTheSpecimenWhatTheVerticalMotionAdds) {
+  NumericalSettings s = settings();
+  s.motion.vert_acceleration = s.motion.long_acceleration;
+  const auto solver = make_numerical(s);
+  Partner partner{*solver, {"long", "lat"}};
+  sim::PlantAnalysis analysis{sim::assemble(s.plant), s.motion, s.bearing_initial_stiffness,
+                              s.integration_step, s.alpha};
+
+  for (int target = 1; target <= 20; ++target) {
+    while (partner.targets < target) ASSERT_EQ(partner.tick(), Status::Ok);
+    analysis.predict();
+    EXPECT_NE(analysis.vertical_force(), 0);
+    EXPECT_EQ(partner.bench.out("opf.vert.force.target"), analysis.vertical_force()) << target;
+  }
 }
 
 TEST(Numerical, TestsOneAxisAlone) {

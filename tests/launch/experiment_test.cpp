@@ -17,6 +17,7 @@ class ExperimentTest : public ::testing::Test {
     std::filesystem::copy_file(
         test::source_tree() / "adapters/simulink_like/diagrams/hybrid_controller.toml",
         folder.path() / "controller.toml");
+    folder.write("other.toml", "title = \"other\"\n[polynomial_stiffness]\nlinear_N_per_m = 1e6\n");
     std::filesystem::copy_file(test::source_tree() / "memmap/maps/srmd.ringmap.toml",
                                folder.path() / "lab.ringmap.toml");
   }
@@ -37,6 +38,12 @@ class ExperimentTest : public ::testing::Test {
     for (auto at = error.find(prefix); at != std::string::npos; at = error.find(prefix))
       error.erase(at, prefix.size());
     return error;
+  }
+
+  [[nodiscard]] static std::string text_named(const Experiment& e, const std::string& name) {
+    for (const auto& [file, text] : e.config)
+      if (file == name) return text;
+    return "";
   }
 
   test::TemporaryFolder folder;
@@ -73,8 +80,50 @@ TEST_F(ExperimentTest, IsReadWithItsDefaults) {
   EXPECT_EQ(e.machine.seed, 7U);
   EXPECT_NEAR(e.motion.long_acceleration[1], 0.3 * 2 * 9.80665, 1e-12);
   EXPECT_NEAR(e.motion.lat_acceleration[1], -0.1 * 2 * 9.80665, 1e-12);
-  EXPECT_EQ(e.config.size(), 3U);  // with the bearing and the diagram
+  EXPECT_EQ(e.config.size(), 4U);  // with the bearing, the model and the diagram
   EXPECT_NEAR(e.specimen.axial_load, 480e6 * 9.80665 / 486, 1);
+}
+
+TEST_F(ExperimentTest, IsShakenUpwardsOnlyIfItSaysSo) {
+  EXPECT_TRUE(load_experiment(write()).motion.vert_acceleration.empty());
+  const Experiment e = load_experiment(write(), {{"motion.column_vert", "1"}});
+
+  EXPECT_EQ(e.motion.vert_acceleration, e.motion.long_acceleration);
+  EXPECT_NE(error_with("scale = 2.0", "column_vert = 3").find("record.csv:1: 3 columns found"),
+            std::string::npos);
+}
+
+TEST_F(ExperimentTest, ImprovesItsModelByWhatADiagnosisFound) {
+  const auto found = folder.write("found.toml",
+                                  "[specimen.adiabatic_heating]\nkind = \"adiabatic_heating\"\n"
+                                  "softening_1_per_J = 1e-7\n"
+                                  "[specimen.bouc_wen]\ncharacteristic_strength_N = 9e5\n"
+                                  "[machine.rub]\nkind = \"load_dependent_friction\"\n"
+                                  "friction_coefficient = 0.002\n"
+                                  "[machine.platen_inertia]\nmass_kg = 1.2e5\n"
+                                  "[machine.machine_coulomb_friction]\n"
+                                  "friction_force_N = [6000, 7000]\n");
+  const Overrides changes{{"model.improvement", "[\"found.toml\"]"},
+                          {"model.specimen.lead_heating.enabled", "false"},
+                          {"model.machine.rub.enabled", "false"},
+                          {"specimen.coulomb_friction.friction_force_N", "100"}};
+
+  const Experiment e = load_experiment(write(), changes);
+
+  const Config model = Config::parse(text_named(e, recording::kModelText), "model");
+  EXPECT_FALSE(model.has("lead_heating"));
+  EXPECT_EQ(model.table("adiabatic_heating").number("softening_1_per_J"), 1e-7);
+  EXPECT_EQ(model.table("bouc_wen").number("characteristic_strength_N"), 9e5);
+  EXPECT_EQ(model.table("rub").number("friction_coefficient"), 0.002);
+  EXPECT_EQ(model.table("platen_inertia").numbers("mass_kg"), (std::vector<double>{1.2e5, 1.2e5}));
+  EXPECT_FALSE(model.has("machine_platen_inertia"));
+  EXPECT_EQ(model.table("coulomb_friction").number("friction_force_N"), 100);
+  EXPECT_EQ(model.table("machine_coulomb_friction").numbers("friction_force_N"),
+            (std::vector<double>{6000, 7000}));
+  // The laboratory is what it was.
+  EXPECT_EQ(e.machine.axes[0].effective_mass, 113'371);
+  EXPECT_EQ(e.specimen.terms.size(), load_experiment(write()).specimen.terms.size() + 1);
+  EXPECT_EQ(e.machine.terms.size(), load_experiment(write()).machine.terms.size());
 }
 
 TEST_F(ExperimentTest, ChangesABearingTermByTerm) {
@@ -92,6 +141,66 @@ TEST_F(ExperimentTest, ChangesABearingTermByTerm) {
               static_cast<void>(load_experiment(write(), {{"specimen.modl", "\"lprb\""}}));
             }).find("unknown key 'modl' (did you mean 'model'?)"),
             std::string::npos);
+}
+
+TEST_F(ExperimentTest, AssumesTheLaboratoryAsItIsUnlessItIsTold) {
+  const Experiment e =
+      load_experiment(write(), {{"machine.load_dependent_friction.friction_coefficient", "0.002"}});
+
+  EXPECT_EQ(e.model.terms.size(), e.specimen.terms.size());
+  const Config model = Config::parse(text_named(e, recording::kModelText), "model");
+  EXPECT_EQ(model.text("kind"), "platen");
+  EXPECT_EQ(model.table("lead_heating").number("lead_radius_m"), 0.1793);
+  EXPECT_EQ(model.table("load_dependent_friction").number("friction_coefficient"), 0.002);
+  EXPECT_EQ(model.table("coulomb_friction").numbers("friction_force_N"),
+            (std::vector<double>{5100, 8600}));
+  EXPECT_EQ(model.table("platen_inertia").numbers("mass_kg"),
+            (std::vector<double>{113'371, 116'836}));
+  EXPECT_EQ(model.table("force_offset").numbers("offset_N"), (std::vector<double>{2000, -1500}));
+  EXPECT_FALSE(model.has("elastomeric_axial"));  // which the bearing's file leaves out
+}
+
+TEST_F(ExperimentTest, ConcealsFromTheModelWhatTheSimulationDoesNotKnow) {
+  const Experiment e = load_experiment(
+      write(), {{"specimen.coulomb_friction.friction_force_N", "1e4"},
+                {"machine.load_dependent_friction.friction_coefficient", "0.002"},
+                {"model.specimen.lead_heating.enabled", "false"},
+                {"model.specimen.bouc_wen.eta", "1.5"},
+                {"model.machine.load_dependent_friction.enabled", "false"},
+                {"model.machine.effective_mass_kg", "[1e5, 1e5]"},
+                {"model.fitted", "[\"bouc_wen.eta\", \"machine_coulomb_friction.presliding\"]"}});
+
+  const std::string text = text_named(e, recording::kModelText);
+  EXPECT_EQ(text.find("lead_heating"), std::string::npos);
+  EXPECT_EQ(text.find("load_dependent"), std::string::npos);
+  EXPECT_EQ(e.model.terms.size() + 1, e.specimen.terms.size());
+  const Config model = Config::parse(text, "model");
+  EXPECT_EQ(model.table("bouc_wen").number("eta"), 1.5);
+  EXPECT_EQ(model.table("coulomb_friction").number("friction_force_N"), 1e4);
+  EXPECT_EQ(model.table("machine_coulomb_friction").text("kind"), "coulomb_friction");
+  EXPECT_EQ(model.table("platen_inertia").numbers("mass_kg"), (std::vector<double>{1e5, 1e5}));
+  EXPECT_EQ(sim::read_terms(model.without("fitted")).size(), 10U);  // those with a pair count twice
+}
+
+TEST_F(ExperimentTest, MayAssumeAnotherBearing) {
+  const Experiment e = load_experiment(write(), {{"model.specimen.model", "\"other.toml\""}});
+
+  EXPECT_EQ(e.model.title, "other");
+  EXPECT_EQ(e.specimen.title, "LPRB");
+}
+
+TEST_F(ExperimentTest, SaysWhereTheModelIsWrong) {
+  const auto error = [&](const std::string& lines) {
+    return error_with("[node.recorder]", lines + "\n[node.recorder]");
+  };
+  EXPECT_EQ(error("[model]\nspecimn.lead_heating.enabled = false"),
+            "lab.toml:10:1: unknown key 'specimn' (did you mean 'specimen'?)");
+  EXPECT_EQ(error("[model.specimen.lead_heeting]\nenabled = false").find("lab.toml:9:1: "), 0U);
+  EXPECT_EQ(error("[model.machine.bouc_wen]\neta = 2").find("lab.toml:9:1: term 'bouc_wen' is of"),
+            0U);
+  EXPECT_EQ(error("[model]\nfitted = [\"bouc_wen.eta_\"]"),
+            "lab.toml:10:10: the model has no parameter 'bouc_wen.eta_' (did you mean "
+            "'bouc_wen.eta'?)");
 }
 
 TEST_F(ExperimentTest, SaysWhereATermMeansNothing) {

@@ -19,9 +19,10 @@ using Json = nlohmann::json;
 
 std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
 
-/// Runs the example in virtual time. @returns its numbers
+/// Runs the example in virtual time, without its diagnosis. @returns its numbers
 Json numbers_of(const std::filesystem::path& out, const std::vector<std::string>& changes = {}) {
-  std::vector<std::string> arguments{"run", example(), "--clock", "virtual", "--out", out.string()};
+  std::vector<std::string> arguments{"run",   example(),   "--clock", "virtual", "--no-diagnosis",
+                                     "--out", out.string()};
   for (const auto& change : changes) {
     arguments.emplace_back("--set");
     arguments.push_back(change);
@@ -33,7 +34,8 @@ Json numbers_of(const std::filesystem::path& out, const std::vector<std::string>
 
 TEST(VirtualRun, HasThePapersTwoDimensionalFigures) {
   const test::TemporaryFolder folder;
-  const Json numbers = numbers_of(folder.path());
+  const Json numbers = numbers_of(folder.path(), {"model.specimen.lead_heating.enabled=true",
+                                                  "machine.load_dependent_friction.enabled=false"});
 
   EXPECT_EQ(numbers["clock"], "virtual");
   EXPECT_EQ(numbers["slow_downs"], 0);
@@ -48,9 +50,13 @@ TEST(VirtualRun, HasThePapersTwoDimensionalFigures) {
     EXPECT_LE(a["delay_raw_min_rms_ms"], 65) << axis;
     EXPECT_LE(std::abs(a["delay_compensated_ms"].get<double>()), 6.5) << axis;
     EXPECT_LT(a["nrms_percent"], 1) << axis;
-    // The specimen is the model itself, so the machine's errors are all that sets the two apart.
+    // With nothing concealed the specimen is the model itself, so the machine's errors are all that
+    // sets the two apart.
     EXPECT_NEAR(a["peak_shear_kN"], a["numerical_peak_shear_kN"].get<double>(),
                 0.05 * a["numerical_peak_shear_kN"].get<double>())
+        << axis;
+    EXPECT_NEAR(a["peak_displacement_mm"], a["numerical_peak_displacement_mm"].get<double>(),
+                0.2 * a["numerical_peak_displacement_mm"].get<double>())
         << axis;
   }
   for (const auto& [node, drops] : numbers["drops"].items()) EXPECT_EQ(drops, 0) << node;
@@ -79,7 +85,7 @@ TEST_P(EveryBearing, IsTestedAsItIsComputed) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Examples, EveryBearing, ::testing::Values("lprb", "eqsb", "tpfb"),
+INSTANTIATE_TEST_SUITE_P(Examples, EveryBearing, ::testing::Values("eqsb", "tpfb"),
                          [](const auto& instance) { return std::string{instance.param}; });
 
 TEST(VirtualRun, GivesTheSameBitsEveryTime) {
@@ -149,8 +155,8 @@ TEST(VirtualRun, IsRefusedWhereNothingWouldEndIt) {
   const test::TemporaryFolder folder;
   std::string text = test::content_of(example());
   text.erase(text.find("[node.opf]"), std::string{"[node.opf]\nadapter = \"numerical\"\n"}.size());
-  text.replace(text.find("\"records/"), 9,
-               '"' + (test::source_tree() / "examples/records/").string());
+  for (auto at = text.find("\"records/"); at != std::string::npos; at = text.find("\"records/"))
+    text.replace(at, 9, '"' + (test::source_tree() / "examples/records/").string());
   const auto file = folder.write("no_solver.toml", text);
 
   const auto run = test::run_rths(

@@ -33,8 +33,8 @@ class WallRun {
   explicit WallRun(const std::string& name, const std::string& duration)
       : ring{test::unique_ring(name)},
         removal_{ring},
-        running{{test::rths_command(), "run", example(), "--out", folder.path().string(), "--ring",
-                 ring, "--set", "duration_s=" + duration}} {}
+        running{{test::rths_command(), "run", example(), "--no-diagnosis", "--out",
+                 folder.path().string(), "--ring", ring, "--set", "duration_s=" + duration}} {}
 
   /// Waits until every node has taken steps. @returns process id of each, launcher included
   std::map<std::string, int> wait_until_moving() {
@@ -264,8 +264,9 @@ TEST(WallRun, TakesAsLongToRestAsItIsTold) {
   const std::string ring = test::unique_ring("slow_rest");
   const test::RingRemoval removal{ring};
 
-  const auto run = test::run_rths({"run", example(), "--out", folder.path().string(), "--ring",
-                                   ring, "--set", "duration_s=1", "--set", "stop.ramp_s=5"});
+  const auto run =
+      test::run_rths({"run", example(), "--no-diagnosis", "--out", folder.path().string(), "--ring",
+                      ring, "--set", "duration_s=1", "--set", "stop.ramp_s=5"});
 
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
@@ -292,8 +293,8 @@ TEST(WallRun, RefusesARingThatIsInUse) {
   ASSERT_EQ(pids.size(), 5U);
   const test::TemporaryFolder folder;
 
-  const test::Finished second =
-      test::run_rths({"run", example(), "--out", folder.path().string(), "--ring", run.ring});
+  const test::Finished second = test::run_rths(
+      {"run", example(), "--no-diagnosis", "--out", folder.path().string(), "--ring", run.ring});
 
   EXPECT_EQ(second.exit_code, 2);
   EXPECT_NE(second.err.find("ring '" + run.ring + "' is in use by"), std::string::npos);

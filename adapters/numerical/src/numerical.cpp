@@ -33,6 +33,12 @@ class Numerical final : public Adapter {
   // Positions among the inputs; the flags come before what they guard.
   enum In : std::size_t { kAtTarget, kSwitchPc, kFeedback };
 
+  // Positions among the outputs: displacement and velocity of each axis, the vertical force if
+  // there is one, time; newTarget comes last, after what it guards.
+  [[nodiscard]] std::size_t vertical_at() const noexcept { return 2 * axes_; }
+  [[nodiscard]] std::size_t time_at() const noexcept { return 2 * axes_ + (is_vertical_ ? 1 : 0); }
+  [[nodiscard]] std::size_t new_target_at() const noexcept { return time_at() + 1; }
+
   void enter(Phase phase, const Step& step, double new_target) noexcept;
   [[nodiscard]] Status wait_for(bool flag, Step& step, const char* otherwise) noexcept;
   [[nodiscard]] Status at_target(Step& step) noexcept;
@@ -43,6 +49,7 @@ class Numerical final : public Adapter {
 
   NumericalSettings settings_;
   std::size_t axes_;
+  bool is_vertical_;                      ///< the motion is
   std::vector<Eigen::Index> directions_;  ///< of each tested axis: 0 long, 1 lat
   Solution solution_;
   Exchange exchange_;
@@ -56,6 +63,7 @@ class Numerical final : public Adapter {
 Numerical::Numerical(const NumericalSettings& settings)
     : settings_{settings},
       axes_{settings.axes.size()},
+      is_vertical_{!settings.history && !settings.motion.vert_acceleration.empty()},
       solution_{make_solution(settings)},
       random_{settings.computing_time ? settings.computing_time->seed : 0} {
   for (const auto& axis : settings.axes) {
@@ -77,6 +85,7 @@ std::vector<Port> Numerical::ports() const {
     add("opf." + axis + ".displ.target", Direction::Output, "m");
     add("opf." + axis + ".veloc.target", Direction::Output, "m/s");
   }
+  if (is_vertical_) add("opf.vert.force.target", Direction::Output, "N");
   add("opf.1.time.target", Direction::Output, "s");
   add("opf.newTarget", Direction::Output, "1");
   add("step", Direction::Monitor, "1");
@@ -92,7 +101,7 @@ std::vector<Port> Numerical::ports() const {
 void Numerical::enter(Phase phase, const Step& step, double new_target) noexcept {
   phase_ = phase;
   entered_ = step.time;
-  step.outputs[2 * axes_ + 1] = new_target;
+  step.outputs[new_target_at()] = new_target;
 }
 
 Status Numerical::wait_for(bool flag, Step& step, const char* otherwise) noexcept {
@@ -130,12 +139,13 @@ void Numerical::post(const Step& step) noexcept {
     step.outputs[2 * i] = exchange_.displacement[directions_[i]];
     step.outputs[2 * i + 1] = exchange_.velocity[directions_[i]];
   }
-  step.outputs[2 * axes_] = std::visit([](const auto& s) { return s.time(); }, solution_);
+  if (is_vertical_) step.outputs[vertical_at()] = exchange_.vertical_force;
+  step.outputs[time_at()] = std::visit([](const auto& s) { return s.time(); }, solution_);
   enter(Phase::WaitForSwitch, step, kNew);
 }
 
 void Numerical::write_monitors(const Step& step) const noexcept {
-  const auto monitors = step.outputs.subspan(2 * axes_ + 2);
+  const auto monitors = step.outputs.subspan(new_target_at() + 1);
   monitors[0] = static_cast<double>(steps_);
   monitors[1] = computing_time_;
   std::visit([&](const auto& solution) { solution.monitor(monitors.subspan(2)); }, solution_);
@@ -157,6 +167,10 @@ Status Numerical::at_target(Step& step) noexcept {
 
 Status Numerical::step(Step& step) noexcept {
   if (step.stopping && phase_ != Phase::Leave) enter(Phase::Leave, step, kStop);
+  if (steps_ == 0 && !step.stopping && step.time < settings_.rest) {
+    entered_ = step.time;
+    return Status::Ok;
+  }
   const bool switch_pc = step.inputs[kSwitchPc] > 0;
   switch (phase_) {
     case Phase::WaitForTarget:

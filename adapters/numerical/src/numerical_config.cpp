@@ -19,15 +19,21 @@ sim::Stick read_stick(const Config& table) {
   return stick;
 }
 
-sim::RecordComponent read_component(const Config& table, const std::string& key) {
+sim::RecordComponent read_component(const Config& table, const std::string& key, int column) {
   const auto file = table.resolve(table.text("file_" + key, table.text("file", "")));
   if (!table.has("file") && !table.has("file_" + key))
     table.fail("file", "[motion] needs 'file', or 'file_long' and 'file_lat'");
   const std::string extension = file.extension().string();
   if (extension == ".AT2" || extension == ".at2") return sim::read_at2(file);
-  const int fallback = key == "long" ? 1 : 2;
   return sim::read_column(file,
-                          static_cast<int>(table.integer_in("column_" + key, 1, 100, fallback)));
+                          static_cast<int>(table.integer_in("column_" + key, 1, 100, column)));
+}
+
+// Components of one earthquake, recorded together.
+void check_alike(const Config& table, const sim::RecordComponent& one,
+                 const sim::RecordComponent& other) {
+  if (one.values.size() != other.values.size() || std::abs(one.time_step - other.time_step) > 1e-9)
+    table.fail("file", "the components differ in length or time step");
 }
 
 }  // namespace
@@ -36,6 +42,10 @@ sim::IsolatedPlant read_plant(const Config& table) {
   sim::IsolatedPlant plant = sim::example_plant();
   plant.basemat_mass = table.number_in("basemat_mass_kg", 1, 1e12, plant.basemat_mass);
   plant.damping_ratio = table.number_in("damping_ratio", 0, 0.99, plant.damping_ratio);
+  plant.vertical_frequency =
+      table.number_in("vertical_frequency_Hz", 0.1, 100, plant.vertical_frequency);
+  plant.vertical_damping =
+      table.number_in("vertical_damping_ratio", 0, 0.99, plant.vertical_damping);
   plant.bearings = static_cast<int>(table.integer_in("bearings", 1, 100'000, plant.bearings));
   plant.spectrum_elevation =
       table.number_in("spectrum_elevation_m", 0, 1000, plant.spectrum_elevation);
@@ -48,17 +58,20 @@ sim::IsolatedPlant read_plant(const Config& table) {
 }
 
 sim::GroundMotion read_motion(const Config& table) {
-  const auto along = read_component(table, "long");
-  const auto across = read_component(table, "lat");
-  if (along.values.size() != across.values.size() ||
-      std::abs(along.time_step - across.time_step) > 1e-9)
-    table.fail("file", "the two components differ in length or time step");
+  const auto along = read_component(table, "long", 1);
+  const auto across = read_component(table, "lat", 2);
+  check_alike(table, along, across);
   const double scale = table.number_in("scale", 0, 100, 1.0) * kStandardGravity;
   static_cast<void>(table.text("name", ""));
   sim::GroundMotion motion;
   motion.time_step = along.time_step;
   for (const double value : along.values) motion.long_acceleration.push_back(scale * value);
   for (const double value : across.values) motion.lat_acceleration.push_back(scale * value);
+  if (table.has("column_vert") || table.has("file_vert")) {
+    const auto upwards = read_component(table, "vert", 3);
+    check_alike(table, along, upwards);
+    for (const double value : upwards.values) motion.vert_acceleration.push_back(scale * value);
+  }
   table.reject_unknown_keys();
   return motion;
 }

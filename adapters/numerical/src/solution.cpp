@@ -31,6 +31,7 @@ AnalysedTargets::AnalysedTargets(const NumericalSettings& settings)
 void AnalysedTargets::begin(Exchange& exchange) noexcept {
   exchange.displacement = analysis_.predict();
   exchange.velocity = analysis_.predicted_velocity();
+  exchange.vertical_force = analysis_.vertical_force();
 }
 
 MonitorNames AnalysedTargets::monitors() const {

@@ -15,10 +15,11 @@
 namespace rths::adapters {
 
 /// What goes to the specimen and what comes back from it: long, lat. Axes that are not tested
-/// neither move nor answer.
+/// neither move nor answer. The vertical one is told what to carry, and not asked.
 struct Exchange {
   Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< target [m]
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();      ///< of the target [m/s]
+  double vertical_force = 0;                               ///< on top of the weight [N]
   Eigen::Vector2d force = Eigen::Vector2d::Zero();         ///< measured [N]
 };
 

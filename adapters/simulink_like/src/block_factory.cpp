@@ -99,14 +99,15 @@ Block make_gain(const Config& table, const BlockContext&) {
 Block make_sum(const Config& table, const BlockContext&) {
   const std::string text = table.text("signs", "++");
   Sum sum;
+  sum.is_single = table.flag("single", false);
   Block block;
   for (const char sign : text) {
     if (sign != '+' && sign != '-')
       table.fail("signs", fmt::format("signs is '{}', expected '+' and '-' only", text));
     sum.signs.push_back(sign == '+' ? 1 : -1);
-    block.inputs.push_back({fmt::format("in{}", sum.signs.size())});
+    block.inputs.push_back({fmt::format("in{}", sum.signs.size()), !sum.is_single});
   }
-  block.outputs = {{"out"}};
+  block.outputs = {{"out", !sum.is_single}};
   block.kind = std::move(sum);
   return block;
 }

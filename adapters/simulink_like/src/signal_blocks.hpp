@@ -61,8 +61,10 @@ struct Gain {
 /// out = ± in1 ± in2 …, by the signs given
 struct Sum {
   std::vector<double> signs;
+  bool is_single = false;  ///< of single values, else of one per axis
   void step(const Wires& w) RTHS_REALTIME {
-    for (std::size_t i = 0; i < w.axes; ++i) {
+    const std::size_t count = is_single ? 1 : w.axes;
+    for (std::size_t i = 0; i < count; ++i) {
       double sum = 0;
       for (std::size_t k = 0; k < signs.size(); ++k) sum += signs[k] * w.in[k][i];
       w.out[0][i] = sum;

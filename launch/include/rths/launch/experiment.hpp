@@ -45,11 +45,14 @@ struct Experiment {
   double integration_step = 0.01;  ///< Δt_int: model time per target [s]
   double rate = 1;                 ///< Δt_sim/Δt_int: 1 is real time
   double duration = 0;             ///< model time [s]
+  double rest = 0;                 ///< of the machine before the loop is closed [s]
   std::uint64_t seed = 1;
   std::string motion_name;
   sim::GroundMotion motion;
+  std::optional<sim::GroundMotion> held_out;  ///< a second earthquake, to prove things on
   sim::IsolatedPlant plant;
-  sim::Bearing specimen;
+  sim::Bearing specimen;  ///< what stands on the platen
+  sim::Bearing model;     ///< what the simulation takes it for
   sim::TestMachine machine;
   double alpha = -0.05;      ///< of α-OS
   double wait_deadline = 1;  ///< [s]

@@ -47,6 +47,12 @@ void check_assembly(const Experiment& experiment);
 bool run_uncompensated(const Experiment& experiment, const std::filesystem::path& history,
                        const std::filesystem::path& recording, const std::string& version);
 
+/// The same test again under the second earthquake, in virtual time and with noise of its own: what
+/// the diagnosis proves its answer on. Returns false if the experiment names none.
+/// @throws Error   @setup
+bool run_held_out(const Experiment& experiment, const std::filesystem::path& recording,
+                  const std::string& version);
+
 /// The purely numerical result, with a model in the specimen's place, and the plant on a fixed
 /// base; written as a recording.   @throws Error   @setup
 void run_numerical(const Experiment& experiment, const std::filesystem::path& recording);

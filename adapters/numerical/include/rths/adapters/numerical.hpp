@@ -38,6 +38,7 @@ struct NumericalSettings {
   double integration_step = 0.01;               ///< Δt_int, model time [s]
   double alpha = -0.05;                         ///< of α-OS [-]
   double duration = 40;                         ///< model time [s]
+  double rest = 0;                              ///< before the first step [s]
   double wait_deadline = 1;                     ///< for each flag of the handshake [s]
   std::optional<ComputingTime> computing_time;  ///< none: it takes the time it takes
   std::optional<DisplacementHistory> history;   ///< instead of the analysis

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "assumed_model.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include <rths/adapters/srmd.hpp>
+#include <rths/core/error.hpp>
+#include <rths/launch/installed_files.hpp>
+#include <rths/sim/composition.hpp>
+
+namespace rths::launch {
+namespace {
+
+bool is_enabled(const Config& term) { return term.flag("enabled", true); }
+
+constexpr std::string_view kOfMachine = "machine_";
+
+// A specimen and a machine may have a term of the same name; a model has them side by side.
+std::string free_name(const Config& model, const std::string& name) {
+  return model.has(name) ? std::string{kOfMachine} + name : name;
+}
+
+void add_terms(Config& model, const Config& terms) {
+  for (const auto& key : terms.keys()) {
+    if (!terms.is_table(key)) continue;
+    Config term = terms.table(key);
+    if (!is_enabled(term)) continue;
+    const std::string name = free_name(model, key);
+    if (!term.has("kind") && name != key) term.set("kind", fmt::format("\"{}\"", key));
+    model.set(name, term);
+  }
+}
+
+// The machine's own equations have an inertia and an offset; in a model these are terms.
+void add_axes(Config& model, const sim::TestMachine& machine) {
+  const auto add = [&](const std::string& wanted, const std::string& head, const char* key,
+                       double sim::ServoAxis::*member) {
+    model.set(free_name(model, wanted),
+              Config::parse(fmt::format("{}\n{} = [{}, {}]", head, key, machine.axes[0].*member,
+                                        machine.axes[1].*member),
+                            "[machine]"));
+  };
+  add("platen_inertia", "kind = \"platen_inertia\"", "mass_kg", &sim::ServoAxis::effective_mass);
+  add("force_offset", "kind = \"offset\"\nchannel = \"force\"", "offset_N",
+      &sim::ServoAxis::force_offset);
+}
+
+// "term.parameter": both must be there, or a fit would be silently without them.
+void check_fitted(const Config& table, const Config& model) {
+  std::vector<std::string> known;
+  for (const auto& key : model.keys()) {
+    if (!model.is_table(key)) continue;
+    for (const auto& parameter : sim::term_kind(model.table(key).text("kind", key)).parameters)
+      known.push_back(fmt::format("{}.{}", key, parameter.name));
+  }
+  for (const auto& name : table.texts("fitted", {})) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const auto meant = nearest(name, known);
+    table.fail("fitted", fmt::format("the model has no parameter '{}'{}", name,
+                                     meant ? fmt::format(" (did you mean '{}'?)", *meant)
+                                           : ", expected \"term.parameter\""));
+  }
+}
+
+std::string quoted(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += fmt::format("{}\"{}\"", text.empty() ? "" : ", ", name);
+  return "[" + text + "]";
+}
+
+// What a diagnosis found in `part`. A term that it adds is there, whatever hid it.
+Config found_in(const Config& improvement, const char* part) {
+  Config terms = improvement.table_or_empty(part);
+  for (const auto& name : terms.keys()) {
+    if (!terms.is_table(name)) continue;
+    Config term = terms.table(name);
+    if (term.has("kind") && !term.has("enabled")) term.set("enabled", "true");
+    terms.set(name, term);
+  }
+  return terms;
+}
+
+// What was fitted again of the machine has the names of the model. There its inertia is a term, and
+// terms whose names the specimen had taken have longer ones.
+Config as_machine(const Config& found) {
+  constexpr const char* kInertia = "platen_inertia";
+  Config machine = found;
+  for (const auto& name : found.keys()) {
+    if (!found.is_table(name) || found.table(name).has("kind")) continue;
+    const Config term = found.table(name);
+    const bool is_renamed = name.starts_with(kOfMachine);
+    if (name != kInertia && !is_renamed) continue;
+    machine = machine.without(name);
+    if (is_renamed)
+      machine.set(name.substr(kOfMachine.size()), term);
+    else
+      machine.set("effective_mass_kg", fmt::format("[{0}, {0}]", term.number("mass_kg")));
+  }
+  return machine;
+}
+
+// Each file of `improvement` is the improved.toml of a diagnosis; the last one's word counts.
+Config read_improvement(const Config& table) {
+  Config improvement;
+  for (const auto& file : table.texts("improvement", {})) {
+    const Config found = Config::load(table.resolve(file));
+    const Config terms = Config{}
+                             .overlaid(found.table_or_empty("specimen"))
+                             .overlaid(found.table_or_empty("machine"));
+    if (terms.keys().empty())
+      throw Error{fmt::format("{}: has no term of a [specimen] or a [machine]", file)};
+    found.reject_unknown_keys();
+    improvement = improvement.overlaid(found);
+  }
+  return improvement;
+}
+
+// Another bearing altogether, or the specimen's with changes.
+Config bearing_of(const Config& changes, const Config& specimen) {
+  if (!changes.has("model")) return specimen.overlaid(changes);
+  const Config other = Config::load(find_file(changes, "model", "bearings"));
+  return other.overlaid(changes);
+}
+
+}  // namespace
+
+AssumedModel read_assumed_model(const Config& table, const Config& specimen, const Config& machine,
+                                double axial_load) {
+  const Config improvement = read_improvement(table);
+  const Config bearing = bearing_of(
+      table.table_or_empty("specimen").overlaid(found_in(improvement, "specimen")), specimen);
+  static_cast<void>(bearing.text("model", ""));
+  AssumedModel assumed{sim::read_bearing(bearing, axial_load), ""};
+
+  const Config changed = machine.overlaid(table.table_or_empty("machine"))
+                             .overlaid(as_machine(found_in(improvement, "machine")));
+  const sim::TestMachine assumed_machine = adapters::read_machine(changed);
+  Config model;
+  model.set("kind", "\"platen\"");
+  if (bearing.has("temperature_above_reference_K"))
+    model.set("temperature_above_reference_K", fmt::format("{}", assumed.bearing.temperature));
+  if (assumed_machine.has_specimen) add_terms(model, bearing);
+  add_terms(model, sim::srmd_terms().overlaid(changed));
+  add_axes(model, assumed_machine);
+  check_fitted(table, model);
+  model.set("fitted", quoted(table.texts("fitted", {})));
+  if (table.has("bounds")) model.set("bounds", table.table("bounds"));
+  table.reject_unknown_keys();
+  assumed.text = model.to_toml();
+  return assumed;
+}
+
+}  // namespace rths::launch

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A recording of the whole laboratory, as the diagnosis sees it.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <rths/diagnosis/case.hpp>
+#include <rths/diagnosis/signal.hpp>
+#include <rths/sim/composition.hpp>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr const char* kAxes[] = {"long", "lat"};
+constexpr double kFusedBelow = 8;     // [Hz], by the noise of both sensors
+constexpr double kComparedUpTo = 10;  // [Hz]
+
+/// The example for twelve seconds, in virtual time.
+Case case_with(const std::filesystem::path& folder, const std::vector<std::string>& changes) {
+  const auto example = (test::source_tree() / "examples/srmd_lprb_2d.toml").string();
+  std::vector<std::string> arguments{"run",           example,          "--clock",
+                                     "virtual",       "--no-diagnosis", "--out",
+                                     folder.string(), "--set",          "duration_s=12"};
+  for (const auto& change : changes) arguments.insert(arguments.end(), {"--set", change});
+  const test::Finished run = test::run_rths(arguments, 120);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return load_case(folder / "run.h5");
+}
+
+Eigen::VectorXd channel(const Record& record, const std::string& role) {
+  const auto& values = record.find(role)->values;
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+struct Fused {
+  Eigen::VectorXd displacement, velocity, acceleration;
+};
+
+/// What the model makes of the measured motion, and what was measured: rms of the difference below
+/// 10 Hz, on each axis [N].
+Eigen::Vector2d unexplained(const Case& c) {
+  const Record& record = c.records[0];
+  const double step = record.time_step;
+  std::vector<Fused> motion;
+  for (const char* axis : kAxes) {
+    const auto a = channel(record, std::string{"acceleration."} + axis);
+    const auto u =
+        fused(channel(record, std::string{"displacement."} + axis), a, kFusedBelow, step);
+    motion.push_back({u, rate_of(u, step), a});
+  }
+  const sim::Composition composition{sim::read_terms(c.model.table), step};
+  std::vector<double> state(composition.states());
+  const auto load = channel(record, "vertical_force");
+  Eigen::MatrixXd error{load.size(), 2};
+  for (Eigen::Index k = 0; k < load.size(); ++k) {
+    sim::Quantities<double> q;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Fused& m = motion[i];
+      q.displacement[i] = m.displacement[k];
+      q.velocity[i] = m.velocity[k];
+      q.acceleration[i] = m.acceleration[k];
+    }
+    q.axial_load = load[k];
+    composition.advance(state, q);
+    for (std::size_t i = 0; i < 2; ++i)
+      error(k, static_cast<Eigen::Index>(i)) =
+          channel(record, std::string{"force."} + kAxes[i])[k] - q.force[i];
+  }
+  Eigen::Vector2d result;
+  for (int i = 0; i < 2; ++i) {
+    const auto slow = low_passed(error.col(i), 4, kComparedUpTo, step);
+    result[i] = std::sqrt(slow.segment(2000, slow.size() - 4000).squaredNorm() /
+                          static_cast<double>(slow.size() - 4000));
+  }
+  return result;
+}
+
+TEST(CaseOfARun, HoldsWhatTheMachineMeasuredUnderBothEarthquakes) {
+  const test::TemporaryFolder folder;
+  const Case c = case_with(folder.path(), {});
+
+  EXPECT_EQ(c.name, "srmd_lprb_2d");
+  EXPECT_EQ(c.model.kind, "platen");
+  EXPECT_EQ(c.model.fitted.size(), 4U);
+  EXPECT_FALSE(c.model.table.has("lead_heating"));
+  ASSERT_EQ(c.records.size(), 2U);
+  EXPECT_EQ(c.records[0].use, Use::Fit);
+  EXPECT_EQ(c.records[1].use, Use::HeldOut);
+  EXPECT_EQ(c.records[1].name, "held_out.h5");
+  for (const auto& record : c.records) {
+    EXPECT_NEAR(record.time_step, 1e-3, 1e-9);
+    EXPECT_NEAR(static_cast<double>(record.samples()), 14e3, 50);
+    ASSERT_TRUE(record.quiet);
+    EXPECT_NEAR(static_cast<double>(record.quiet->second), 2000, 30);
+    ASSERT_EQ(record.channels.size(), 9U);
+    // The weight, and what of the vertical motion the machine's slow vertical axis follows.
+    const auto load = channel(record, "vertical_force");
+    EXPECT_NEAR(load.mean(), 9.6856e6, 1e4);
+    EXPECT_GT((load.array() - load.mean()).abs().maxCoeff(), 0.05 * load.mean());
+    for (const char* axis : kAxes) {
+      // Compensated, the machine is a few milliseconds behind what it is told.
+      const auto command = channel(record, std::string{"command."} + axis);
+      const auto measured = channel(record, std::string{"displacement."} + axis);
+      EXPECT_LT((measured - command).norm(), 0.1 * command.norm()) << axis;
+      EXPECT_GT((measured - command).norm(), 0) << axis;
+    }
+  }
+  EXPECT_GT((channel(c.records[0], "force.long") - channel(c.records[1], "force.long")).norm(),
+            channel(c.records[0], "force.long").norm() / 2);
+}
+
+TEST(CaseOfARun, IsExplainedByItsModelUnlessSomethingIsConcealed) {
+  const test::TemporaryFolder honest;
+  const test::TemporaryFolder concealing;
+  const Case whole =
+      case_with(honest.path(), {"model.specimen.lead_heating.enabled=true",
+                                "model.machine.load_dependent_friction.enabled=true"});
+  const Case lacking = case_with(concealing.path(), {});
+
+  // 50 µm of noise on a bearing of 358 MN/m, mostly fused away.
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_LT(unexplained(whole)[i], 6e3) << kAxes[i];
+    EXPECT_GT(unexplained(lacking)[i], 5 * unexplained(whole)[i]) << kAxes[i];
+  }
+}
+
+TEST(CaseOfARun, IsNoneIfTheRecordingDoesNotSayWhatWasAssumed) {
+  const test::TemporaryFolder folder;
+  const auto text = folder.write("run.h5", "no recording");
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(load_case(text)); }).find(text.string()), 0U);
+  static_cast<void>(case_with(folder.path(), {"duration_s=3"}));
+  const auto numerical = folder.path() / "numerical.h5";
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(load_case(numerical)); }),
+            numerical.string() +
+                ": it does not say what the simulation assumed (/config/model): run the experiment "
+                "again");
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// `rths diagnose` and what it refuses.
+#include <gtest/gtest.h>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace rths {
+namespace {
+
+using test::run_rths;
+
+TEST(DiagnoseCommand, NeedsACase) {
+  const auto run = run_rths({"diagnose"});
+
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("case is required"), std::string::npos) << run.err;
+}
+
+TEST(DiagnoseCommand, SaysWhatItMissesInAFolder) {
+  const test::TemporaryFolder folder;
+
+  const auto run = run_rths({"diagnose", folder.path().string()});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("case.toml"), std::string::npos) << run.err;
+}
+
+TEST(DiagnoseCommand, SaysWhereACaseIsWrong) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("case.toml", "format = 1\nnam = \"x\"\n");
+
+  const auto run = run_rths({"diagnose", folder.path().string()});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err.rfind("rths: " + file.string() + ":", 0), 0U) << run.err;
+  EXPECT_EQ(run.err.find('\n'), run.err.size() - 1) << "one line: " << run.err;
+}
+
+TEST(DiagnoseCommand, WritesNothingIfTheCaseIsWrong) {
+  const test::TemporaryFolder folder;
+  const auto out = folder.path() / "out";
+
+  const auto run = run_rths({"diagnose", (folder.path() / "none").string(), "--out", out.string()});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(DiagnoseCommand, SaysWhatASimulationLacks) {
+  const test::TemporaryFolder folder;
+  folder.write("case.toml",
+               "format = 1\n[[record]]\nfile = \"a.csv\"\nuse = \"fit\"\n[channels]\n"
+               "time = \"t [s]\"\nforce.long = \"F [kN]\"\n[model]\nkind = \"data\"\n");
+  folder.write("a.csv", "t,F\n0,1\n0.1,2\n0.2,3\n");
+  const auto sim = folder.write("sim.csv", "time,moment\n0,1\n1,2\n").string();
+
+  const auto run = run_rths({"diagnose", folder.path().string(), "--against", sim});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err, "rths: " + sim +
+                         ": predicts nothing that was measured, expected columns named as "
+                         "force.long\n");
+}
+
+}  // namespace
+}  // namespace rths

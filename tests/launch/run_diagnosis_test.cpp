@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The main job from end to end: a hybrid test whose specimen and machine hold physics that the
+// simulation lacks, and the diagnosis that the run ends with.
+#include <algorithm>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/recording/recording.hpp>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace rths::launch {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
+
+Json json_of(const std::filesystem::path& file) { return Json::parse(test::content_of(file)); }
+
+test::Finished run_example(const std::filesystem::path& out,
+                           const std::vector<std::string>& options = {}) {
+  std::vector<std::string> arguments{"run", example(), "--clock", "virtual", "--out", out.string()};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  return test::run_rths(arguments, 120);
+}
+
+/// The example as it stands, run once for all tests.
+class DiagnosedRun : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = new test::TemporaryFolder;
+    finished = run_example(out());
+    ASSERT_EQ(finished.exit_code, 0) << finished.err;
+    verdict = json_of(out() / "verdict.json");
+  }
+  static void TearDownTestSuite() {
+    delete folder;
+    folder = nullptr;
+  }
+  static std::filesystem::path out() { return folder->path() / "demo"; }
+
+  static test::TemporaryFolder* folder;
+  static test::Finished finished;
+  static Json verdict;
+};
+test::TemporaryFolder* DiagnosedRun::folder = nullptr;
+test::Finished DiagnosedRun::finished;
+Json DiagnosedRun::verdict;
+
+TEST_F(DiagnosedRun, NamesWhatTheExampleConcealsAndNothingElse) {
+  EXPECT_EQ(verdict["verdict"], "missing");
+  std::vector<std::string> names;
+  for (const auto& cause : verdict["causes"]) names.push_back(cause["name"]);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"adiabatic_heating", "load_dependent_friction"}))
+      << verdict["sentence"];
+  for (const auto& cause : verdict["causes"])
+    if (cause["name"] == "load_dependent_friction") {
+      EXPECT_EQ(cause["part"], "machine");
+      // The example's 0.002, of which the identified Coulomb friction takes nothing away.
+      EXPECT_NEAR(cause["parameters"]["load_dependent_friction.friction_coefficient"]["value"],
+                  0.002, 0.0002);
+    }
+}
+
+TEST_F(DiagnosedRun, ProvesItOnTheSecondEarthquake) {
+  EXPECT_EQ(verdict["proof_record"], "held_out.h5");
+  const Json& proof = verdict["fit"]["held_out.h5"];
+
+  EXPECT_EQ(proof["use"], "held_out");
+  EXPECT_LT(proof["nrmse_after"], 0.3 * proof["nrmse_before"].get<double>());
+  EXPECT_LT(proof["nrmse_after"], 2 * proof["noise_floor"].get<double>());
+}
+
+TEST_F(DiagnosedRun, OpensItsReportWithTheSentence) {
+  const Json numbers = json_of(out() / "report.json");
+  const std::string page = test::content_of(out() / "report.html");
+
+  EXPECT_EQ(numbers["diagnosis"], verdict);
+  EXPECT_NE(finished.out.find(verdict["sentence"].get<std::string>()), std::string::npos);
+  EXPECT_LT(page.find("id=\"found-sentence\""), page.find("id=\"title\""));
+  EXPECT_NE(page.find(verdict["sentence"].get<std::string>()), std::string::npos);
+  EXPECT_TRUE(verdict["synthetic"]);
+  EXPECT_TRUE(std::filesystem::exists(out() / "diagnosis.html"));
+}
+
+TEST_F(DiagnosedRun, ImprovesTheSimulationByOneCommandMore) {
+  const test::TemporaryFolder again;
+  const auto improved = out() / "improved.toml";
+
+  const auto run = run_example(again.path(), {"--improve", improved.string(), "--no-diagnosis"});
+
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const recording::Reader recording{again.path() / "run.h5"};
+  const std::string model = recording.config(recording::kModelText);
+  for (const char* term : {"[adiabatic_heating]", "[load_dependent_friction]"})
+    EXPECT_NE(model.find(term), std::string::npos) << term << " in\n" << model;
+  const Json before = json_of(out() / "report.json")["axes"];
+  const Json after = json_of(again.path() / "report.json")["axes"];
+  for (const char* axis : {"long", "lat"}) {
+    // The machine's lateness is in the test and in no simulation: the rest of the difference is it.
+    EXPECT_LT(after[axis]["numerical_difference_percent"],
+              0.97 * before[axis]["numerical_difference_percent"].get<double>())
+        << axis;
+    // The specimen has not changed, and the solver rests on nearly the same stiffness.
+    EXPECT_NEAR(after[axis]["peak_displacement_mm"], before[axis]["peak_displacement_mm"],
+                0.05 * before[axis]["peak_displacement_mm"].get<double>())
+        << axis;
+    EXPECT_EQ(json_of(out() / "report.json")["axes"][axis]["improved_peak_shear_kN"],
+              after[axis]["numerical_peak_shear_kN"])
+        << axis;
+  }
+}
+
+TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
+  const test::TemporaryFolder again;
+
+  const auto run = test::run_rths(
+      {"diagnose", (out() / "run.h5").string(), "--out", again.path().string()}, 120);
+
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  Json repeated = json_of(again.path() / "verdict.json");
+  repeated["seconds"] = nullptr;  // which a run in virtual time does not tell
+  EXPECT_EQ(repeated, verdict);
+  EXPECT_EQ(test::content_of(again.path() / "improved.toml"),
+            test::content_of(out() / "improved.toml"));
+}
+
+TEST_F(DiagnosedRun, GivesTheSameBytesEveryTime) {
+  const test::TemporaryFolder again;
+
+  ASSERT_EQ(run_example(again.path()).exit_code, 0);
+
+  for (const char* file : {"verdict.json", "improved.toml", "diagnosis.html"})
+    EXPECT_EQ(test::content_of(again.path() / file), test::content_of(out() / file)) << file;
+  for (const char* file : {"run.h5", "held_out.h5", "improved.h5"}) {
+    const std::string command = "h5diff --exclude-path=/meta " + (again.path() / file).string() +
+                                " " + (out() / file).string();
+    EXPECT_EQ(std::system(command.c_str()), 0) << file;
+    EXPECT_EQ(recording::Reader{again.path() / file}.rows(),
+              recording::Reader{out() / file}.rows());
+  }
+}
+
+TEST_F(DiagnosedRun, RefusesToReplaceTheModelItWasGiven) {
+  const auto run = run_example(out(), {"--improve", (out() / "improved.toml").string()});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("improved.toml: this run replaces it"), std::string::npos) << run.err;
+  EXPECT_TRUE(std::filesystem::exists(out() / "improved.toml"));
+}
+
+TEST(RunDiagnosis, IsLeftOutIfNobodyWantsIt) {
+  const test::TemporaryFolder folder;
+  folder.write("verdict.json", "of an earlier run");
+
+  const auto run = run_example(folder.path(), {"--no-diagnosis", "--set", "duration_s=1"});
+
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* file : {"verdict.json", "improved.h5", "diagnosis.html"})
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / file)) << file;
+  EXPECT_TRUE(json_of(folder.path() / "report.json")["diagnosis"].is_null());
+}
+
+TEST(RunDiagnosis, SaysWhereAnImprovementIsWrong) {
+  const test::TemporaryFolder folder;
+  const auto out = (folder.path() / "out").string();
+  const auto error_with = [&](const std::string& text) {
+    const auto file = folder.write("improved.toml", text).string();
+    const auto run = test::run_rths({"run", example(), "--out", out, "--improve", file});
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_EQ(run.err.find('\n'), run.err.size() - 1) << "one line: " << run.err;
+    return run.err;
+  };
+
+  EXPECT_NE(error_with("").find("improved.toml: has no term of a [specimen] or a [machine]"),
+            std::string::npos);
+  EXPECT_NE(error_with("[specimn.p_delta]\ncoefficient = 1\n").find("improved.toml"),
+            std::string::npos);
+  EXPECT_NE(
+      error_with("[specimen.warmth]\nkind = \"adiabatic_haeting\"\n").find("improved.toml:2:8: "),
+      std::string::npos);
+}
+
+}  // namespace
+}  // namespace rths::launch
