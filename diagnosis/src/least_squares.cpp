@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
-#include <ceres/ceres.h>
 #include <Eigen/Cholesky>
 
 #include <rths/core/error.hpp>
@@ -16,35 +16,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// One block of residuals in parameters over their scale.
-class Cost final : public ceres::CostFunction {
- public:
-  explicit Cost(const FitProblem& problem) : problem_{problem} {
-    set_num_residuals(static_cast<int>(problem.rows));
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.start.size()));
-  }
-
-  bool Evaluate(double const* const* scaled, double* residuals, double** jacobians) const override {
-    const Index n = problem_.start.size();
-    const VectorXd parameters =
-        Eigen::Map<const VectorXd>(scaled[0], n).cwiseProduct(problem_.scale);
-    const bool wants_jacobian = jacobians != nullptr && jacobians[0] != nullptr;
-    VectorXd residual;
-    MatrixXd jacobian;
-    if (!problem_.residuals(parameters, residual, wants_jacobian ? &jacobian : nullptr))
-      return false;
-    Eigen::Map<VectorXd>(residuals, problem_.rows) = residual;
-    if (wants_jacobian)
-      Eigen::Map<RowMajor>(jacobians[0], problem_.rows, n) = jacobian * problem_.scale.asDiagonal();
-    return true;
-  }
-
- private:
-  const FitProblem& problem_;
-};
-
 void check(const FitProblem& p) {
   const Index n = p.start.size();
   if (n == 0 || p.low.size() != n || p.high.size() != n || p.scale.size() != n || p.rows < n)
@@ -54,36 +25,125 @@ void check(const FitProblem& p) {
     throw Error{"least squares: the start lies outside the bounds"};
 }
 
-void set_bounds(const FitProblem& p, ceres::Problem& problem, double* scaled) {
-  for (int i = 0; i < static_cast<int>(p.start.size()); ++i) {
-    if (std::isfinite(p.low[i])) problem.SetParameterLowerBound(scaled, i, p.low[i] / p.scale[i]);
-    if (std::isfinite(p.high[i])) problem.SetParameterUpperBound(scaled, i, p.high[i] / p.scale[i]);
+// A point of the fit, in parameters over their scale.
+struct Point {
+  VectorXd x, residual;
+  MatrixXd jacobian;
+  double cost = 0;  // half the sum of squares
+};
+
+class Minimiser {
+ public:
+  explicit Minimiser(const FitProblem& problem)
+      : problem_{problem},
+        low_{problem.low.cwiseQuotient(problem.scale)},
+        high_{problem.high.cwiseQuotient(problem.scale)} {
+    at_.x = problem.start.cwiseQuotient(problem.scale);
+    if (!evaluate(at_, true)) throw Error{"least squares: no residual at the start"};
   }
-}
+
+  // @returns false if there is nowhere to go
+  bool step() {
+    const VectorXd gradient = at_.jacobian.transpose() * at_.residual;
+    const MatrixXd H = at_.jacobian.transpose() * at_.jacobian;
+    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+      Point next;
+      next.x = at_.x + best_step(gradient, H);
+      const VectorXd way = next.x - at_.x;
+      const double promised = -(gradient.dot(way) + 0.5 * way.dot(H * way));
+      if (!(promised > problem_.tolerance * kLeastPromise * at_.cost)) return false;
+      if (evaluate(next, false) && next.cost < at_.cost) {
+        const double kept = (at_.cost - next.cost) / promised;
+        damping_ = std::clamp(kept > 0.75   ? damping_ / 10
+                              : kept < 0.25 ? damping_ * 4
+                                            : damping_,
+                              kLeastDamping, kMostDamping);
+        gain_ = at_.cost - next.cost;
+        at_ = std::move(next);
+        return evaluate(at_, true);
+      }
+      damping_ = std::min(damping_ * 10, kMostDamping);
+    }
+    return false;
+  }
+  [[nodiscard]] bool has_arrived() const { return gain_ <= problem_.tolerance * at_.cost; }
+
+  [[nodiscard]] Fit result(bool converged) const {
+    return {parameters(at_), 2 * at_.cost,
+            at_.jacobian * problem_.scale.cwiseInverse().asDiagonal(), at_.residual, converged};
+  }
+
+ private:
+  static constexpr int kMostAttempts = 10;
+  static constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e6;
+  static constexpr double kLeastPromise = 1e-2;  // of the tolerance: not worth a step
+
+  [[nodiscard]] VectorXd parameters(const Point& point) const {
+    return point.x.cwiseProduct(problem_.scale).cwiseMax(problem_.low).cwiseMin(problem_.high);
+  }
+
+  bool evaluate(Point& point, bool wants_jacobian) const {
+    if (!problem_.residuals(parameters(point), point.residual,
+                            wants_jacobian ? &point.jacobian : nullptr))
+      return false;
+    if (wants_jacobian) point.jacobian *= problem_.scale.asDiagonal();
+    point.cost = point.residual.squaredNorm() / 2;
+    return std::isfinite(point.cost) && (!wants_jacobian || point.jacobian.allFinite());
+  }
+
+  // Least of the damped quadratic model within the bounds: what would leave them is put on them,
+  // one by one, and the rest solved for again.
+  [[nodiscard]] VectorXd best_step(const VectorXd& gradient, const MatrixXd& H) const {
+    const Index n = gradient.size();
+    const double largest = std::max(H.diagonal().maxCoeff(), 1e-300);
+    MatrixXd damped = H;
+    damped.diagonal() += damping_ * H.diagonal().cwiseMax(1e-12 * largest);
+    VectorXd way = VectorXd::Zero(n);
+    std::vector<Index> free;
+    for (Index i = 0; i < n; ++i) {
+      const bool is_held =
+          (at_.x[i] <= low_[i] && gradient[i] > 0) || (at_.x[i] >= high_[i] && gradient[i] < 0);
+      if (!is_held) free.push_back(i);
+    }
+    while (!free.empty()) {
+      // `way` of those that are put on their bounds is known.
+      const VectorXd pull = gradient + damped * fixed_part(way, free);
+      const VectorXd solution = damped(free, free).ldlt().solve(-pull(free));
+      way(free) = solution;
+      Index worst = -1;
+      double excess = 0;
+      for (std::size_t k = 0; k < free.size(); ++k) {
+        const Index i = free[k];
+        const double beyond = std::max(low_[i] - at_.x[i] - way[i], at_.x[i] + way[i] - high_[i]);
+        if (beyond > excess) excess = beyond, worst = static_cast<Index>(k);
+      }
+      if (worst < 0) break;
+      const Index i = free[static_cast<std::size_t>(worst)];
+      way[i] = (at_.x[i] + way[i] < low_[i] ? low_[i] : high_[i]) - at_.x[i];
+      free.erase(free.begin() + worst);
+    }
+    return way;
+  }
+  static VectorXd fixed_part(const VectorXd& way, const std::vector<Index>& free) {
+    VectorXd fixed = way;
+    for (const Index i : free) fixed[i] = 0;
+    return fixed;
+  }
+
+  const FitProblem& problem_;
+  VectorXd low_, high_;
+  Point at_;
+  double damping_ = kFirstDamping, gain_ = 0;
+};
 
 }  // namespace
 
 Fit least_squares(const FitProblem& p) {
   check(p);
-  VectorXd scaled = p.start.cwiseQuotient(p.scale);
-  ceres::Problem problem;
-  problem.AddResidualBlock(new Cost{p}, nullptr, scaled.data());  // NOLINT: Ceres takes it
-  set_bounds(p, problem, scaled.data());
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = p.most_iterations;
-  options.function_tolerance = p.tolerance;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  if (summary.termination_type == ceres::FAILURE) throw Error{"least squares: " + summary.message};
-  Fit fit;
-  fit.parameters = scaled.cwiseProduct(p.scale).cwiseMax(p.low).cwiseMin(p.high);
-  if (!p.residuals(fit.parameters, fit.residual, &fit.jacobian))
-    throw Error{"least squares: no residual at the result"};
-  fit.sum_of_squares = fit.residual.squaredNorm();
-  fit.converged = summary.termination_type == ceres::CONVERGENCE;
-  return fit;
+  Minimiser minimiser{p};
+  for (int i = 0; i < p.most_iterations; ++i)
+    if (!minimiser.step() || minimiser.has_arrived()) return minimiser.result(true);
+  return minimiser.result(false);
 }
 
 MatrixXd covariance(const Fit& fit, Index block) {

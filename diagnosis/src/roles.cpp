@@ -56,8 +56,13 @@ std::optional<std::string> trouble_with(const std::string& full_role, const std:
   return fmt::format("{} is in {}, expected {}", full_role, si_unit, family->units[0]);
 }
 
-bool is_model_kind(const std::string& kind) {
-  return std::find(std::begin(kModelKinds), std::end(kModelKinds), kind) != std::end(kModelKinds);
+std::optional<std::string> model_kind(std::string spelling) {
+  std::replace(spelling.begin(), spelling.end(), '-', '_');
+  std::replace(spelling.begin(), spelling.end(), ' ', '_');
+  if (spelling == "servo_hydraulic_axis") spelling = "servo_axis";
+  if (std::find(std::begin(kModelKinds), std::end(kModelKinds), spelling) == std::end(kModelKinds))
+    return std::nullopt;
+  return spelling;
 }
 
 std::string model_kinds() { return fmt::format("{}", fmt::join(kModelKinds, ", ")); }

@@ -10,7 +10,8 @@ namespace rths::diagnosis {
 [[nodiscard]] std::optional<std::string> trouble_with(const std::string& role,
                                                       const std::string& si_unit);
 
-[[nodiscard]] bool is_model_kind(const std::string& kind);
+/// The kind of model that is meant: hyphens and blanks stand for underscores. Nothing: none is.
+[[nodiscard]] std::optional<std::string> model_kind(std::string spelling);
 /// For messages: "bearing, platen, …".
 [[nodiscard]] std::string model_kinds();
 

@@ -11,6 +11,8 @@
 #include <rths/controller/filters.hpp>
 #include <rths/core/error.hpp>
 
+#include "fast_length.hpp"
+
 namespace rths::diagnosis {
 namespace {
 
@@ -56,13 +58,30 @@ VectorXd thinned(const VectorXd& signal, int factor) {
   return signal(Eigen::seqN(0, (signal.size() + factor - 1) / factor, factor));
 }
 
-VectorXd rate_of(const VectorXd& signal, double time_step) {
-  const Index n = signal.size();
+VectorXd rate_of(const VectorXd& x, double time_step) {
+  const Index n = x.size();
   VectorXd rate = VectorXd::Zero(n);
   if (n < 2) return rate;
-  rate[0] = (signal[1] - signal[0]) / time_step;
-  rate[n - 1] = (signal[n - 1] - signal[n - 2]) / time_step;
-  if (n > 2) rate.segment(1, n - 2) = (signal.tail(n - 2) - signal.head(n - 2)) / (2 * time_step);
+  rate[0] = (x[1] - x[0]) / time_step;
+  rate[n - 1] = (x[n - 1] - x[n - 2]) / time_step;
+  if (n > 2) rate.segment(1, n - 2) = (x.tail(n - 2) - x.head(n - 2)) / (2 * time_step);
+  if (n > 4)
+    rate.segment(2, n - 4) =
+        (8 * (x.segment(3, n - 4) - x.segment(1, n - 4)) - (x.tail(n - 4) - x.head(n - 4))) /
+        (12 * time_step);
+  return rate;
+}
+
+VectorXd second_rate_of(const VectorXd& x, double time_step) {
+  const Index n = x.size();
+  VectorXd rate = VectorXd::Zero(n);
+  const double square = time_step * time_step;
+  if (n > 2)
+    rate.segment(1, n - 2) = (x.tail(n - 2) - 2 * x.segment(1, n - 2) + x.head(n - 2)) / square;
+  if (n > 4)
+    rate.segment(2, n - 4) = (16 * (x.segment(3, n - 4) + x.segment(1, n - 4)) -
+                              30 * x.segment(2, n - 4) - x.tail(n - 4) - x.head(n - 4)) /
+                             (12 * square);
   return rate;
 }
 
@@ -71,7 +90,7 @@ VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, doubl
   const Index n = displacement.size();
   if (acceleration.size() != n) throw Error{"fusing motion: the channels differ in length"};
   // A transform goes round in a circle: a quarter more leads the end back to the beginning.
-  const Index margin = n / 4 + 1;
+  const Index margin = fast_length(n + n / 4 + 1) - n;
   VectorXd u = VectorXd::Zero(n + margin), a = VectorXd::Zero(n + margin);
   u.head(n) = displacement;
   a.head(n) = acceleration;
@@ -120,28 +139,43 @@ VectorXd AutoRegression::coloured(const VectorXd& innovations) const {
 }
 
 AutoRegression auto_regression(const std::vector<VectorXd>& stretches, int order, double ridge) {
-  VectorXd covariance = VectorXd::Zero(order + 1);
+  std::vector<VectorXd> forward, backward;
+  double variance = 0;
   Index samples = 0;
   for (const auto& stretch : stretches) {
     const VectorXd x = stretch.array() - stretch.mean();
-    for (int lag = 0; lag <= std::min<Index>(order, x.size() - 1); ++lag)
-      covariance[lag] += x.head(x.size() - lag).dot(x.tail(x.size() - lag));
+    forward.push_back(x);
+    backward.push_back(x);
+    variance += x.squaredNorm();
     samples += x.size();
   }
   if (samples < 2 * order) throw Error{"noise model: too few samples at rest"};
-  covariance /= static_cast<double>(samples);
-  covariance[0] *= 1 + ridge;
-  // Levinson's recursion.
+  variance /= static_cast<double>(samples);
+  const double least = ridge * variance;
+  variance += least;
   AutoRegression model{VectorXd::Zero(order), 0};
-  double variance = covariance[0];
   for (int k = 0; k < order && variance > 0; ++k) {
-    double reflection = covariance[k + 1];
-    for (int i = 0; i < k; ++i) reflection -= model.coefficients[i] * covariance[k - i];
-    reflection /= variance;
+    double product = 0, square = 0;
+    for (std::size_t i = 0; i < forward.size(); ++i) {
+      const Index n = forward[i].size() - k - 1;
+      if (n <= 0) continue;
+      const auto f = forward[i].tail(n);
+      const auto b = backward[i].segment(k, n);
+      product += 2 * f.dot(b);
+      square += f.squaredNorm() + b.squaredNorm() + 2 * least * static_cast<double>(n);
+    }
+    const double reflection = square > 0 ? product / square : 0;
     const VectorXd before = model.coefficients;
     model.coefficients[k] = reflection;
     for (int i = 0; i < k; ++i) model.coefficients[i] -= reflection * before[k - 1 - i];
     variance *= 1 - reflection * reflection;
+    for (std::size_t i = 0; i < forward.size(); ++i) {
+      const Index n = forward[i].size() - k - 1;
+      if (n <= 0) continue;
+      const VectorXd f = forward[i].tail(n), b = backward[i].segment(k, n);
+      forward[i].tail(n) = f - reflection * b;
+      backward[i].segment(k + 1, n) = b - reflection * f;
+    }
   }
   model.deviation = std::sqrt(std::max(variance, 0.0));
   return model;

@@ -68,6 +68,50 @@ TEST(LeastSquares, StaysInsideItsBounds) {
   EXPECT_LT(fit.parameters[0], 3e6);
 }
 
+// y = (c + f) v forwards, (c + b) v backwards: only two of the three are determined, and those that
+// must not be negative decide which. No more steps than a linear problem needs.
+TEST(LeastSquares, FindsALeastThatLiesOnABoundWhereParametersAreNotDetermined) {
+  const VectorXd v = VectorXd::LinSpaced(kRows, -1, 1);
+  FitProblem p;
+  p.residuals = [&v](const VectorXd& x, VectorXd& residual, MatrixXd* jacobian) {
+    const Eigen::ArrayXd forward = v.array().max(0), backward = v.array().min(0);
+    residual = (170 - x[0] - x[1]) * forward + (245 - x[0] - x[2]) * backward;
+    if (jacobian != nullptr) {
+      jacobian->resize(kRows, 3);
+      jacobian->col(0) = -v;
+      jacobian->col(1) = -forward;
+      jacobian->col(2) = -backward;
+    }
+    return true;
+  };
+  p.rows = kRows;
+  p.start = VectorXd{{208, 5, 2}};
+  p.low = VectorXd::Zero(3);
+  p.high = VectorXd::Constant(3, kNone);
+  p.scale = VectorXd{{20, 5, 2}};
+  p.most_iterations = 6;
+
+  const Fit fit = least_squares(p);
+
+  EXPECT_TRUE(fit.converged);
+  EXPECT_NEAR(fit.parameters[0] + fit.parameters[1], 170, 1e-2);
+  EXPECT_NEAR(fit.parameters[0] + fit.parameters[2], 245, 1e-2);
+}
+
+TEST(LeastSquares, GoesNoFurtherThanThereIsAResidual) {
+  const Decay decay{1, 0};
+  FitProblem p = decay.problem();
+  const Residuals everywhere = p.residuals;
+  p.residuals = [&](const VectorXd& x, VectorXd& residual, MatrixXd* jacobian) {
+    return x[1] < 1.6 && everywhere(x, residual, jacobian);
+  };
+
+  EXPECT_NEAR(least_squares(p).parameters[1], 1.5, 1e-4);
+  p.start[1] = 2;
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(least_squares(p)); }),
+            "least squares: no residual at the start");
+}
+
 TEST(LeastSquares, RefusesWhatCannotBe) {
   const Decay decay{1};
   FitProblem p = decay.problem();

@@ -98,5 +98,47 @@ TEST(RateOf, IsExactForAParabola) {
   EXPECT_NEAR(rate_of(x, kStep)[50], 2 * 50 * kStep, 1e-12);
 }
 
+TEST(SecondRate, IsExactForACubic) {
+  VectorXd x(50), expected(50);
+  for (int i = 0; i < 50; ++i) {
+    const double t = i * kStep;
+    x[i] = 2 * t * t * t - 3 * t * t + 1;
+    expected[i] = 12 * t - 6;
+  }
+
+  const VectorXd found = second_rate_of(x, kStep);
+
+  EXPECT_LT((found - expected).segment(1, 48).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(NoiseSpectrum, KnowsWhiteNoise) {
+  const NoiseSpectrum spectrum{{noise(4000, 1), noise(4000, 2)}, kStep};
+
+  // One-sided, of variance 1: 2 Δt. Three deviations: a third octave at 40 Hz has 50 free numbers.
+  for (const double f : {5.0, 40.0, 300.0})
+    EXPECT_NEAR(spectrum.density(f) / (2 * kStep), 1, f < 100 ? 0.4 : 0.16) << f;
+}
+
+TEST(NoiseSpectrum, DrawsWhatItHasSeen) {
+  // x(t) = 0.95 x(t-1) + e(t): density 2 Δt / |1 - 0.95 exp(-i 2 π f Δt)|².
+  const auto red = [](int samples, unsigned seed) -> VectorXd {
+    VectorXd x = noise(samples, seed);
+    for (int i = 1; i < samples; ++i) x[i] += 0.95 * x[i - 1];
+    return x;
+  };
+  const NoiseSpectrum spectrum{{red(4000, 1), red(4000, 2), red(4000, 3)}, kStep};
+  std::mt19937 random{7};
+  std::normal_distribution<double> normal;
+
+  const VectorXd drawn = spectrum.draw(100'000, kStep, [&] { return normal(random); });
+
+  const Spectrum found = power_spectrum(drawn, 1024, kStep);
+  for (const int bin : {5, 20, 80, 300}) {
+    const double w = 2 * std::numbers::pi * found.frequency[bin] * kStep;
+    const double truth = 2 * kStep / (1 + 0.95 * 0.95 - 2 * 0.95 * std::cos(w));
+    EXPECT_NEAR(found.density.segment(bin - 2, 5).mean() / truth, 1, 0.35) << bin;
+  }
+}
+
 }  // namespace
 }  // namespace rths::diagnosis

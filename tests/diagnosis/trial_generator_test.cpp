@@ -102,6 +102,21 @@ TEST(TrialGenerator, CaseFolderSaysNothingOfTheAnswer) {
   EXPECT_NE(answer(trial, TruthDepth::None).find("p_delta"), std::string::npos);
 }
 
+TEST(TrialGenerator, CaseAsksForTheMapThatTheAnswerHas) {
+  const rths::test::TemporaryFolder folder;
+
+  write_case_folder(trial_with("none"), folder.path());
+
+  const std::string toml = rths::test::content_of(folder.path() / "case.toml");
+  const std::size_t map = toml.find("\n[map]\n");
+  ASSERT_NE(map, std::string::npos);
+  const auto number_of = [&](const std::string& key) {
+    return std::stod(toml.substr(toml.find(key + " = ", map) + key.size() + 3));
+  };
+  EXPECT_EQ(number_of("displacement_m"), kStateDisplacement);
+  EXPECT_EQ(number_of("velocity_m_per_s"), kStateVelocity);
+}
+
 TEST(TrialGenerator, EveryEffectTakesItsTurnInABlock) {
   std::vector<std::string_view> seen;
   for (std::uint64_t k = 0; k < block_of(Tier::Standard).size(); ++k)

@@ -3,8 +3,11 @@
 
 #include <charconv>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include "place.hpp"
 
 namespace trial {
 namespace {
@@ -107,7 +110,10 @@ std::string toml(const CaseId& id) {
   for (std::size_t i = 0; i < kFiles.size(); ++i)
     text += std::string("\n[[record]]\nfile = \"") + kFiles[i] + "\"\nuse = \"" +
             (i == 0 ? "fit" : "held_out") + "\"\nquiet_s = [0, 1.9]\n";
-  return text + kModel;
+  std::ostringstream map;
+  map << "\n[map]\ndisplacement_m = " << kStateDisplacement
+      << "\nvelocity_m_per_s = " << kStateVelocity << '\n';
+  return text + kModel + map.str();
 }
 
 }  // namespace

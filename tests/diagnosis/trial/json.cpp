@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 
 namespace trial {
 
@@ -42,8 +43,13 @@ void Json::number(double value) {
     return;
   }
   std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                                 std::chars_format::general, kDigits);
+  // Whole numbers keep all of their digits.
+  constexpr double kLargestWhole = 1e15;
+  const bool is_whole = value == std::trunc(value) && std::abs(value) < kLargestWhole;
+  const auto end = is_whole ? std::to_chars(buffer.data(), buffer.data() + buffer.size(),
+                                            static_cast<std::int64_t>(value))
+                            : std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                            std::chars_format::general, kDigits);
   text_.append(buffer.data(), end.ptr);
 }
 

@@ -8,7 +8,7 @@
 namespace trial {
 namespace {
 
-constexpr std::size_t kDraws = 5;
+constexpr std::size_t kDraws = 40;
 constexpr double kVarianceWindow = 0.25;  ///< on each side [s]
 constexpr std::uint64_t kStream = 0x6e6f697365;
 

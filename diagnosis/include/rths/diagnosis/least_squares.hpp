@@ -33,7 +33,8 @@ struct Fit {
   bool converged = false;
 };
 
-/// Least squares with bounds, by Levenberg-Marquardt (Ceres).
+/// Least squares with bounds, by Levenberg-Marquardt: each step is the least of the quadratic model
+/// within the bounds, so that parameters which only together are determined may lie on one.
 /// @throws Error if the sizes do not agree, or there is no residual at the start   @setup
 [[nodiscard]] Fit least_squares(const FitProblem& problem);
 

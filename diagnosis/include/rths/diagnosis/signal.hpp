@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -20,8 +21,12 @@ namespace rths::diagnosis {
 /// Every `factor`-th sample, from the first on. No filter: low-pass before.   @setup
 [[nodiscard]] Eigen::VectorXd thinned(const Eigen::VectorXd& signal, int factor);
 
-/// Rate of change by central differences, one-sided at the ends.   @setup
+/// Rate of change by differences of fourth order; of second order and first next to the ends.
+/// @setup
 [[nodiscard]] Eigen::VectorXd rate_of(const Eigen::VectorXd& signal, double time_step);
+
+/// Rate of change of the rate of change, likewise; zero at the ends.   @setup
+[[nodiscard]] Eigen::VectorXd second_rate_of(const Eigen::VectorXd& signal, double time_step);
 
 /// Displacement that takes its slow part from a displacement and its fast part from an
 /// acceleration, without phase:
@@ -46,7 +51,8 @@ struct AutoRegression {
   [[nodiscard]] Eigen::VectorXd coloured(const Eigen::VectorXd& innovations) const;
 };
 
-/// Yule-Walker, with the means taken out. Several stretches of one process may be given.
+/// Burg's method (1975), which holds where the spectrum spans many decades, with the means taken
+/// out. Several stretches of one process may be given.
 /// @param ridge  added to the variance, as a part of it: keeps a short stretch from over-fitting
 /// @throws Error if there are fewer samples than twice the order   @setup
 [[nodiscard]] AutoRegression auto_regression(const std::vector<Eigen::VectorXd>& stretches,
@@ -59,5 +65,27 @@ struct Spectrum {
 };
 /// @param window  samples, a power of two   @throws Error if the signal is shorter   @setup
 [[nodiscard]] Spectrum power_spectrum(const Eigen::VectorXd& signal, int window, double time_step);
+
+/// Spectral density of short stretches of one process, in bands that widen with frequency: fine
+/// enough for drift, smooth enough for hiss. Below the first band it rises on as 1/f, up to
+/// threefold.
+class NoiseSpectrum {
+ public:
+  NoiseSpectrum() = default;
+  /// White noise of that standard deviation.
+  NoiseSpectrum(double deviation, double time_step);
+  /// Hann windows, means taken out. @throws Error if the stretches are shorter than 16 samples
+  NoiseSpectrum(const std::vector<Eigen::VectorXd>& stretches, double time_step);
+
+  [[nodiscard]] double density(double frequency) const;  ///< one-sided [unit²/Hz]
+  /// A signal of Gaussian noise. @param random  gives standard normal numbers
+  [[nodiscard]] Eigen::VectorXd draw(Eigen::Index samples, double time_step,
+                                     const std::function<double()>& random) const;
+  [[nodiscard]] bool is_nothing() const;
+  [[nodiscard]] NoiseSpectrum scaled(double factor) const;  ///< of the signal times a factor
+
+ private:
+  std::vector<double> frequency_, density_;  ///< of bands [Hz], [unit²/Hz]
+};
 
 }  // namespace rths::diagnosis

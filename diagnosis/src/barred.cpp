@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "barred.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/core/config.hpp>
+#include <rths/core/error.hpp>
+#include <rths/sim/term.hpp>
+
+#include "dynamic_relation.hpp"
+#include "library.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::vector<std::string> names_of_library() {
+  std::vector<std::string> names;
+  for (const auto& kind : sim::catalogue()) {
+    names.emplace_back(kind.name);
+    if ((kind.traits & sim::kPerChannel) == 0) continue;
+    for (const char* channel : {"force", "displacement", "acceleration"})
+      names.push_back(fmt::format("{}_{}", channel, kind.name));
+  }
+  for (const auto& entry : library())
+    if (!entry.name.empty()) names.emplace_back(entry.name);
+  return names;
+}
+
+// What may be wrong with the numbers of a model of the user's own.
+void add_names_of_model(const Case& c, std::vector<std::string>& names) {
+  for (const char* kind : {"bearing", "platen", "servo_axis"})
+    if (c.model.kind == kind) return;
+  for (const auto& candidate : dynamic_relation(c)->candidates()) names.push_back(candidate.name);
+}
+
+}  // namespace
+
+void reject_unknown_terms(const std::vector<std::string>& without, const Case& c) {
+  if (without.empty()) return;
+  std::vector<std::string> known = names_of_library();
+  add_names_of_model(c, known);
+  for (const auto& name : without) {
+    if (holds(known, name)) continue;
+    const auto meant = nearest(name, known);
+    throw Error{fmt::format("without: there is no term '{}'{}", name,
+                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+  }
+}
+
+bool is_barred(const std::vector<std::string>& without, const std::string& name,
+               const std::string& kind) {
+  return holds(without, name) || holds(without, kind);
+}
+
+}  // namespace rths::diagnosis

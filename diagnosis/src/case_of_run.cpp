@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "case_of_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/recording/recording.hpp>
+
+namespace rths::diagnosis {
+namespace {
+
+using recording::at_each_count;
+using recording::Reader;
+
+constexpr const char* kAxes[] = {"long", "lat"};
+// A lead-rubber bearing at 1 m/s is through its yield displacement of 3 mm in 3 ms: coarser steps
+// than that leave a trace in the force that is no physics. Slow tests need no fine ones.
+constexpr double kFineRate = 500, kUsualRate = 250;  // [Hz]
+constexpr double kFurthest = 2e-3;                   // that a bearing moves in a step [m]
+
+/// Values of each tick of a node, up to the end of the test, whenever the recorder looked.
+class Ticks {
+ public:
+  Ticks(const Reader& run, const std::string& node)
+      : run_{run}, counter_{run.signal("monitor." + node + ".host.step")} {
+    const auto stop = at_each_count(counter_, run.signal("opf.newTarget"));
+    const auto end = std::find_if(stop.begin(), stop.end(), [](double word) { return word < 0; });
+    count_ = static_cast<std::size_t>(end - stop.begin());
+    if (count_ < 2) throw Error{fmt::format("the recording holds no steps of node '{}'", node)};
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] const std::vector<double>& counter() const { return counter_; }
+  [[nodiscard]] std::vector<double> values(const std::string& signal) const {
+    auto values = at_each_count(counter_, run_.signal(signal));
+    values.resize(count_);
+    return values;
+  }
+  /// Mean time from tick to tick [s].
+  [[nodiscard]] double interval() const {
+    const auto time = at_each_count(counter_, run_.time());
+    return (time[count_ - 1] - time[0]) / static_cast<double>(count_ - 1);
+  }
+
+ private:
+  const Reader& run_;
+  std::vector<double> counter_;
+  std::size_t count_ = 0;
+};
+
+// How many ticks one node has counted more than another when both are at the same instant: nodes
+// start one after the other, and a row may catch one of them between two ticks.
+std::ptrdiff_t lead(const Ticks& node, const Ticks& other) {
+  std::vector<double> differences;
+  for (std::size_t row = 0; row < node.counter().size(); ++row)
+    if (node.counter()[row] >= 1 && other.counter()[row] >= 1)
+      differences.push_back(node.counter()[row] - other.counter()[row]);
+  if (differences.empty()) return 0;
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  return std::lround(*middle);
+}
+
+// Shifted in time by whole samples; its ends stay.
+std::vector<double> shifted(const std::vector<double>& values, std::ptrdiff_t by,
+                            std::size_t count) {
+  std::vector<double> result(count);
+  const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;
+  for (std::size_t i = 0; i < count; ++i)
+    result[i] = values[static_cast<std::size_t>(
+        std::clamp(static_cast<std::ptrdiff_t>(i) + by, std::ptrdiff_t{0}, last))];
+  return result;
+}
+
+// Until the first target comes, the loop is open and the machine stands still.
+std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const Ticks& machine) {
+  constexpr std::size_t kFewest = 500;  // samples
+  const auto word = machine.values("opf.newTarget");
+  const auto first =
+      std::find_if(word.begin(), word.end(), [](double value) { return value != 0; });
+  const auto end = static_cast<std::size_t>(first - word.begin());
+  if (end < kFewest || end == word.size()) return std::nullopt;
+  return std::pair{std::size_t{0}, end};
+}
+
+void add_axis(Record& record, const Reader& run, const Ticks& machine, const Ticks& controller,
+              const std::string& axis) {
+  const std::string command = "monitor.xpc.pc.command." + axis;
+  if (!run.has(command)) return;
+  const auto measured = [&](const char* role, const char* unit, const char* word) {
+    record.channels.push_back({fmt::format("{}.{}", role, axis), unit,
+                               machine.values(fmt::format("srmd.{}.{}.fbk", axis, word))});
+  };
+  record.channels.push_back(
+      {"command." + axis, "m",
+       shifted(controller.values(command), lead(controller, machine), machine.count())});
+  measured("displacement", "m", "displ");
+  measured("acceleration", "m/s2", "accel");
+  measured("force", "N", "force");
+}
+
+Record record_of(const Reader& run, const std::string& name, Use use) {
+  const Ticks machine{run, "srmd"};
+  const Ticks controller{run, "xpc"};
+  Record record;
+  record.name = name;
+  record.use = use;
+  record.time_step = machine.interval();
+  for (const char* axis : kAxes) add_axis(record, run, machine, controller, axis);
+  if (record.channels.empty()) throw Error{"no axis has a command, 'monitor.xpc.pc.command.*'"};
+  record.channels.push_back({"vertical_force", "N", machine.values("srmd.vert.force.fbk")});
+  record.quiet = quiet_stretch(machine);
+  return record;
+}
+
+// Largest velocity in the mean of a few samples, which the noise has little part in [m/s].
+double fastest(const Case& c) {
+  constexpr std::size_t kSpan = 10;
+  double largest = 0;
+  for (const auto& record : c.records)
+    for (const auto& channel : record.channels) {
+      if (!channel.role.starts_with("displacement.")) continue;
+      for (std::size_t i = kSpan; i < channel.values.size(); ++i)
+        largest = std::max(largest, std::abs(channel.values[i] - channel.values[i - kSpan]) /
+                                        (kSpan * record.time_step));
+    }
+  return largest;
+}
+
+Model model_of(const Reader& run) {
+  const std::string text = run.config(recording::kModelText);
+  if (text.empty())
+    throw Error{
+        fmt::format("it does not say what the simulation assumed (/config/{}): run the "
+                    "experiment again",
+                    recording::kModelText)};
+  return read_model(Config::parse(text, recording::kModelText));
+}
+
+std::string name_of(const Reader& run, const std::filesystem::path& file) {
+  const auto meta = run.meta();
+  const auto experiment = meta.find("experiment");
+  if (experiment == meta.end()) return file.stem().string();
+  const auto config = Config::parse(run.config(experiment->second), experiment->second);
+  return config.text("name", file.stem().string());
+}
+
+// Errors of a recording name its file.
+template <class Read>
+auto of_file(const std::filesystem::path& file, Read read) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    if (message.find(file.string()) != std::string::npos) throw;
+    throw Error{file.string() + ": " + message};
+  }
+}
+
+}  // namespace
+
+Case case_of_run(const std::filesystem::path& file) {
+  Case result;
+  result.folder = file.parent_path();
+  of_file(file, [&] {
+    const Reader run{file};
+    result.name = name_of(run, file);
+    result.model = model_of(run);
+    result.records.push_back(record_of(run, file.filename().string(), Use::Fit));
+  });
+  struct Companion {
+    const char* file;
+    Use use;
+  };
+  for (const auto& [name, use] : {Companion{kHeldOutFile, Use::HeldOut}}) {
+    const auto companion = file.parent_path() / name;
+    if (companion == file || !std::filesystem::exists(companion)) continue;
+    of_file(companion, [&, use = use, name = name] {
+      result.records.push_back(record_of(Reader{companion}, name, use));
+    });
+  }
+  if (fastest(result) / kUsualRate > kFurthest) result.comparison.model_rate = kFineRate;
+  return result;
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "case_raw.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+#include "roles.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+void read_time(const Config& channels, Files& files, Raw& raw) {
+  if (!channels.has("time")) return;
+  const Source source = source_of(channels, "time");
+  if (source.unit.si != "s")
+    channels.fail("time", fmt::format("time is in {}, expected a unit of time", source.unit.si));
+  if (source.number) channels.fail("time", "time is a number, expected a column or rate_Hz");
+  raw.time = files.column(channels, source, raw.file);
+}
+
+// Tables in tables: displacement.long, predicted.force.long.
+void read_channels(const Config& table, const std::string& prefix, Files& files, Raw& raw) {
+  for (const auto& key : table.keys()) {
+    const std::string role = prefix + key;
+    if (table.is_table(key)) {
+      read_channels(table.table(key), role + ".", files, raw);
+      continue;
+    }
+    if (role == "time" || role == "rate_Hz" || role == "held") continue;
+    const Source source = source_of(table, key);
+    if (const auto trouble = trouble_with(role, source.unit.si)) table.fail(key, *trouble);
+    Channel channel{role, source.unit.si, {}};
+    if (source.number)
+      raw.constants.emplace_back(raw.channels.size(), *source.number);
+    else
+      channel.values = files.column(table, source, raw.file);
+    raw.channels.push_back(std::move(channel));
+  }
+}
+
+// Constants are as long as what was recorded; all of that must be equally long.
+void complete(Raw& raw, const Config& channels) {
+  if (raw.channels.empty()) channels.fail("time", "[channels] names no channel");
+  std::size_t rows = raw.time.size();
+  for (const auto& channel : raw.channels)
+    if (rows == 0) rows = channel.values.size();
+  if (rows == 0) channels.fail("time", "[channels] names no column, only numbers");
+  for (const auto& [index, value] : raw.constants) raw.channels[index].values.assign(rows, value);
+  for (const auto& channel : raw.channels)
+    if (channel.values.size() != rows)
+      throw Error{fmt::format("{}: {} has {} samples, others have {}", raw.file, channel.role,
+                              channel.values.size(), rows)};
+}
+
+// What a controller puts out stays until its next sample: in the middle of two samples it is the
+// first of them, at a sample the mean of what it was and what it becomes.
+void hold(Raw& raw, const Config& channels) {
+  for (const auto& role : channels.texts("held", {})) {
+    const auto held = std::find_if(raw.channels.begin(), raw.channels.end(),
+                                   [&](const Channel& channel) { return channel.role == role; });
+    if (held == raw.channels.end())
+      channels.fail("held", fmt::format("there is no channel '{}'", role));
+    double before = held->values[0];
+    for (double& value : held->values) {
+      const double now = value;
+      value = 0.5 * (before + now);
+      before = now;
+    }
+  }
+}
+
+template <class T>
+void keep(std::vector<T>& values, std::ptrdiff_t from, std::ptrdiff_t to) {
+  values = {values.begin() + from, values.begin() + to};
+}
+
+}  // namespace
+
+Raw read_raw(const Config& channels, Files& files, const std::string& file) {
+  Raw raw;
+  raw.file = file;
+  read_time(channels, files, raw);
+  read_channels(channels, "", files, raw);
+  complete(raw, channels);
+  hold(raw, channels);
+  if (!raw.time.empty()) return raw;
+  const double rate = channels.number_in("rate_Hz", kLowestRate, kHighestRate);
+  for (std::size_t i = 0; i < raw.channels[0].values.size(); ++i)
+    raw.time.push_back(static_cast<double>(i) / rate);
+  return raw;
+}
+
+void cut_out(Raw& raw, double from, double to) {
+  const auto inside = [&](double time) {
+    return time >= from - kPrintedTime && time <= to + kPrintedTime;
+  };
+  const auto first = std::find_if(raw.time.begin(), raw.time.end(), inside);
+  const auto last = std::find_if(raw.time.rbegin(), raw.time.rend(), inside).base();
+  if (last - first < 2)
+    throw Error{fmt::format("fewer than two samples lie in it; the recording goes from {} to {} s",
+                            raw.time.front(), raw.time.back())};
+  const auto begin = first - raw.time.begin(), end = last - raw.time.begin();
+  for (auto& channel : raw.channels) keep(channel.values, begin, end);
+  keep(raw.time, begin, end);
+}
+
+void resample(Raw& raw, double rate) {
+  const auto old = raw.time;
+  for (std::size_t i = 1; i < old.size(); ++i)
+    if (!(old[i] > old[i - 1]))
+      throw Error{fmt::format("{}: row {} is at {} s, after {} s: time must increase", raw.file,
+                              i + 1, old[i], old[i - 1])};
+  const auto count = static_cast<std::size_t>((old.back() - old.front()) * rate + 1e-9) + 1;
+  raw.time.resize(count);
+  std::vector<std::pair<std::size_t, double>> places(count);  // sample before, share of the next
+  for (std::size_t k = 0, i = 0; k < count; ++k) {
+    const double t = old.front() + static_cast<double>(k) / rate;
+    while (i + 2 < old.size() && old[i + 1] <= t) ++i;
+    raw.time[k] = t;
+    places[k] = {i, (t - old[i]) / (old[i + 1] - old[i])};
+  }
+  for (auto& channel : raw.channels) {
+    std::vector<double> values;
+    values.reserve(count);
+    for (const auto& [i, share] : places)
+      values.push_back((1 - share) * channel.values[i] + share * channel.values[i + 1]);
+    channel.values = std::move(values);
+  }
+}
+
+}  // namespace rths::diagnosis

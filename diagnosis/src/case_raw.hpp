@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rths/diagnosis/case.hpp>
+
+#include "case_source.hpp"
+
+namespace rths::diagnosis {
+
+inline constexpr double kPrintedTime = 1e-6;  ///< decimals that time stamps are printed with [s]
+inline constexpr double kLowestRate = 1e-6, kHighestRate = 1e9;  ///< of sampling [Hz]
+
+/// What a record's file holds, before it is cut out and spaced equally.
+struct Raw {
+  std::string file;
+  std::vector<double> time;  ///< [s]
+  std::vector<Channel> channels;
+  std::vector<std::pair<std::size_t, double>> constants;  ///< channel, its value [SI]
+};
+
+/// Reads the channels that a record names.
+/// @throws Error with the place of a channel that cannot be read   @setup
+[[nodiscard]] Raw read_raw(const Config& channels, Files& files, const std::string& file);
+
+/// Keeps what lies from `from` to `to` [s], both included.
+/// @throws Error, without a place, if that is nothing   @setup
+void cut_out(Raw& raw, double from, double to);
+
+/// Straight lines between samples that are not equally spaced.
+/// @param rate  [Hz]   @throws Error if time does not increase   @setup
+void resample(Raw& raw, double rate);
+
+}  // namespace rths::diagnosis

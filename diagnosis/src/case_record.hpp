@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/diagnosis/case.hpp>
+
+#include "case_source.hpp"
+
+namespace rths::diagnosis {
+
+/// Reads one [[record]].
+/// @param channels  [channels] of the case, which the record's own may change
+/// @throws Error with the place in case.toml or in the recording   @setup
+[[nodiscard]] Record read_record(const Config& table, const Config& channels, Files& files);
+
+}  // namespace rths::diagnosis

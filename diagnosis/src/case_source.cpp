@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "case_source.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace rths::diagnosis {
+namespace {
+
+using recording::Table;
+
+constexpr std::string_view kExpected = "expected \"column [unit]\"";
+
+std::string trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return std::string{text};
+}
+
+// " in load.csv" behind the unit.
+std::string read_file(const Config& table, const std::string& key, const std::string& rest) {
+  constexpr std::string_view kIn = "in ";
+  if (rest.empty()) return "";
+  if (!rest.starts_with(kIn) || rest.size() == kIn.size())
+    table.fail(key,
+               fmt::format("'{}' stands behind the unit, expected nothing or \"in file\"", rest));
+  return trimmed(std::string_view{rest}.substr(kIn.size()));
+}
+
+// "before [unit] behind"
+struct Parts {
+  std::string before, whole, behind;
+  memmap::Unit unit{"1", 1, 0};
+};
+
+Parts parts_of(const Config& table, const std::string& key) {
+  const std::string text = table.text(key);
+  const auto close = text.rfind(']');
+  const auto open = close == std::string::npos ? close : text.rfind('[', close);
+  if (open == std::string::npos)
+    table.fail(key, fmt::format("'{}' names no unit, {}", text, kExpected));
+  const std::string unit = text.substr(open + 1, close - open - 1);
+  return {trimmed(text.substr(0, open)), trimmed(text.substr(0, close + 1)),
+          trimmed(text.substr(close + 1)),
+          table.placed(key, [&] { return memmap::parse_unit(unit); })};
+}
+
+double number_of(const Config& table, const std::string& key, const std::string& text) {
+  double value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc{} || end != text.data() + text.size())
+    table.fail(key, fmt::format("'{}' is no number", text));
+  return value;
+}
+
+bool has(const Table& table, const std::string& name) {
+  const auto& columns = table.columns();
+  return std::any_of(columns.begin(), columns.end(),
+                     [&](const auto& column) { return column.name == name; });
+}
+
+}  // namespace
+
+Source source_of(const Config& table, const std::string& key) {
+  const Parts parts = parts_of(table, key);
+  Source source{key,          parts.before, parts.whole,
+                std::nullopt, parts.unit,   read_file(table, key, parts.behind)};
+  if (parts.before.empty())
+    table.fail(key, fmt::format("'{}' names no column, {}", table.text(key), kExpected));
+  if (parts.before.front() != '=') return source;
+  const double number = number_of(table, key, trimmed(parts.before.substr(1)));
+  source.number = parts.unit.scale * number + parts.unit.offset;
+  return source;
+}
+
+std::pair<double, std::string> deviation_of(const Config& table, const std::string& key) {
+  const Parts parts = parts_of(table, key);
+  return {number_of(table, key, parts.before) * parts.unit.scale, parts.unit.si};
+}
+
+const Table& Files::at(const std::filesystem::path& file) {
+  const auto known = tables_.find(file);
+  if (known != tables_.end()) return known->second;
+  return tables_.emplace(file, Table::load(file)).first->second;
+}
+
+std::vector<double> Files::column(const Config& table, const Source& source,
+                                  const std::filesystem::path& file) {
+  return table.placed(source.key, [&] {
+    const Table& columns = at(source.file.empty() ? file : table.resolve(source.file));
+    const bool turned =
+        source.column.front() == '-' && !has(columns, source.column) && !has(columns, source.whole);
+    const std::size_t sign = turned ? 1 : 0;
+    const std::string whole = source.whole.substr(sign);
+    const auto& raw =
+        columns.column_with_gaps(has(columns, whole) ? whole : trimmed(source.column.substr(sign)));
+    std::vector<double> values;
+    values.reserve(raw.size());
+    for (const double value : raw) {
+      const double si = source.unit.scale * value + source.unit.offset;
+      values.push_back(turned ? -si : si);
+    }
+    return values;
+  });
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rths/core/config.hpp>
+#include <rths/memmap/units.hpp>
+#include <rths/recording/table.hpp>
+
+namespace rths::diagnosis {
+
+/// Where the numbers of a channel come from, as case.toml says it:
+///     "F [kN]"                a column of the record's file and its unit
+///     "-F [kN]"               the same with its sign turned
+///     "F [35.15065 N]"        a unit may have a factor
+///     "= 0.25 [A]"            nothing that was recorded, but known: the same number throughout
+///     "F [kN] in load.csv"    a column of another file
+struct Source {
+  std::string key;  ///< in case.toml, for messages
+  std::string column;
+  std::string whole;             ///< column and unit as they are written: some files name them so
+  std::optional<double> number;  ///< instead of a column [SI]
+  memmap::Unit unit{"1", 1, 0};
+  std::string file;  ///< empty: that of the record
+};
+
+/// @throws Error with the place of `key`   @setup
+[[nodiscard]] Source source_of(const Config& table, const std::string& key);
+/// "2.5 [kN]": a standard deviation [SI] and its SI unit.
+/// @throws Error with the place of `key`   @setup
+[[nodiscard]] std::pair<double, std::string> deviation_of(const Config& table,
+                                                          const std::string& key);
+
+/// Files that have been read: several records may be slices of one.
+class Files {
+ public:
+  [[nodiscard]] const recording::Table& at(const std::filesystem::path& file);
+  /// A column in SI units. @throws Error with the place of the source's key   @setup
+  [[nodiscard]] std::vector<double> column(const Config& table, const Source& source,
+                                           const std::filesystem::path& file);
+
+ private:
+  std::map<std::filesystem::path, recording::Table> tables_;
+};
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "composition_simulator.hpp"
+
+#include <algorithm>
+
+#include "library.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+double at(const VectorXd& signal, Index step) { return signal.size() > 0 ? signal[step] : 0; }
+
+void load(const MotionDrive& drive, Index step, sim::Quantities<double>& q) {
+  q.time = drive.start + static_cast<double>(step) * drive.model_step;
+  for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+    q.displacement[axis] = at(drive.motion[axis], step);
+    q.velocity[axis] = at(drive.rate[axis], step);
+    q.acceleration[axis] = at(drive.second_rate[axis], step);
+  }
+  q.axial_load = at(drive.axial_load, step);
+  q.temperature = at(drive.temperature, step);
+  q.auxiliary = at(drive.auxiliary, step);
+}
+
+// Between two steps: the cubic that has their displacements and velocities.
+void load_between(const MotionDrive& drive, Index step, double share, sim::Quantities<double>& q) {
+  load(drive, step, q);
+  if (step == 0 || share >= 1) return;
+  const double h = drive.model_step, s = share;
+  q.time -= (1 - s) * h;
+  for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+    if (drive.motion[axis].size() == 0) continue;
+    const double from = drive.motion[axis][step - 1], to = drive.motion[axis][step];
+    const double v0 = h * drive.rate[axis][step - 1], v1 = h * drive.rate[axis][step];
+    const double rise = to - from;
+    const double c2 = 3 * rise - 2 * v0 - v1, c3 = v0 + v1 - 2 * rise;
+    q.displacement[axis] = from + s * (v0 + s * (c2 + s * c3));
+    q.velocity[axis] = (v0 + s * (2 * c2 + s * 3 * c3)) / h;
+    const double before = at(drive.second_rate[axis], step - 1);
+    q.acceleration[axis] = before + s * (q.acceleration[axis] - before);
+  }
+}
+
+// A specimen behind a spring is solved for step by step, with what it was the step before.
+bool is_mount(const PlacedTerm& term) {
+  return term.settings.kind == "support_flexibility" || term.settings.kind == "mount_slack";
+}
+
+bool is_vertical(const PlacedTerm& term) {
+  return sim::term_kind(term.settings.kind).stage == sim::Stage::Vertical;
+}
+
+bool is_after_specimen(const PlacedTerm& term) {
+  return sim::term_kind(term.settings.kind).stage > sim::Stage::Restoring;
+}
+
+}  // namespace
+
+CompositionSimulator::CompositionSimulator(const Hypothesis& hypothesis, const MotionDrive& drive,
+                                           Predicted predicted,
+                                           const std::vector<std::size_t>& axes)
+    : drive_{drive}, predicted_{predicted}, axes_{axes}, free_{hypothesis.free} {
+  // A bearing's force costs far more than what the machine and the load cell make of it.
+  const bool splits = predicted == Predicted::Force &&
+                      std::none_of(hypothesis.terms.begin(), hypothesis.terms.end(), is_vertical);
+  std::array<std::vector<sim::TermSettings>, 2> terms;
+  for (const auto& term : hypothesis.terms)
+    terms[splits && is_after_specimen(term) ? 1 : 0].push_back(term.settings);
+  for (const auto& term : terms[0]) specimen_signature_ += term.kind + "/" + term.name + " ";
+  constexpr int kPartsOfMounted = 2;
+  if (std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), is_mount))
+    parts_ = kPartsOfMounted;
+  compositions_[0] = sim::Composition{terms[0], drive.model_step / parts_};
+  compositions_[1] = sim::Composition{terms[1], drive.model_step};
+  for (const auto& free : hypothesis.free) {
+    const auto [meant, parameter] = meant_by(free.name, hypothesis.terms);
+    places_.emplace_back();
+    for (const std::size_t i : meant) {
+      const auto& term = hypothesis.terms[i];
+      const std::size_t half = splits && is_after_specimen(term) ? 1 : 0;
+      places_.back().push_back(
+          {half, compositions_[half].parameter_index(term.settings.name, parameter)});
+    }
+  }
+}
+
+void CompositionSimulator::run_first(const std::vector<double>& parameters, Axes& output) const {
+  const Index steps = drive_.motion[axes_[0]].size();
+  for (auto& axis : output) axis.resize(steps);
+  std::vector<double> state(compositions_[0].states());
+  for (Index step = 0; step < steps; ++step) {
+    sim::Quantities<double> q;
+    for (int part = 1; part <= parts_; ++part) {
+      q = {};
+      load_between(drive_, step, static_cast<double>(part) / parts_, q);
+      if (predicted_ == Predicted::Displacement) {
+        const Index before = std::max<Index>(0, step - 1);
+        compositions_[0].set_specimen_force(
+            state, {at(drive_.specimen_force[0], before), at(drive_.specimen_force[1], before)});
+      }
+      compositions_[0].advance(parameters, state, q);
+    }
+    const auto& result = predicted_ == Predicted::Force          ? q.force
+                         : predicted_ == Predicted::Displacement ? q.displacement
+                                                                 : q.acceleration;
+    for (std::size_t axis = 0; axis < result.size(); ++axis) output[axis][step] = result[axis];
+  }
+}
+
+const Axes& CompositionSimulator::specimen(const std::vector<double>& parameters) const {
+  auto& known = drive_.known;
+  if (!known || known->signature != specimen_signature_ || known->parameters != parameters) {
+    known = {specimen_signature_, parameters, {}};
+    run_first(parameters, known->output);
+  }
+  return known->output;
+}
+
+void CompositionSimulator::run_second(const std::vector<double>& parameters, Axes& force) const {
+  std::vector<double> state(compositions_[1].states());
+  for (Index step = 0; step < force[0].size(); ++step) {
+    sim::Quantities<double> q;
+    load(drive_, step, q);
+    q.force = {force[0][step], force[1][step]};
+    compositions_[1].advance(parameters, state, q);
+    for (std::size_t axis = 0; axis < force.size(); ++axis) force[axis][step] = q.force[axis];
+  }
+}
+
+bool CompositionSimulator::predict(const VectorXd& values, MatrixXd& prediction) const {
+  std::array<std::vector<double>, 2> parameters;
+  for (std::size_t half = 0; half < 2; ++half)
+    parameters[half].assign(compositions_[half].parameters().begin(),
+                            compositions_[half].parameters().end());
+  for (std::size_t i = 0; i < places_.size(); ++i)
+    for (const auto& [half, place] : places_[i])
+      parameters[half][place] = values[static_cast<Index>(i)];
+  Axes output = specimen(parameters[0]);
+  if (!compositions_[1].terms().empty()) run_second(parameters[1], output);
+  prediction.resize(drive_.rows(), static_cast<Index>(axes_.size()));
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (!output[axes_[i]].allFinite()) return false;
+    prediction.col(static_cast<Index>(i)) = drive_.compared(output[axes_[i]]);
+  }
+  return true;
+}
+
+// Differences cost a fifth of exact derivatives here: a step is mostly one rate equation, and what
+// their error of 1e-4 does to a fit is far below the noise.
+bool CompositionSimulator::run(const VectorXd& values, const std::vector<Index>& wanted,
+                               MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const {
+  derivatives.clear();
+  if (!predict(values, prediction)) return false;
+  MatrixXd beside;
+  for (const Index i : wanted) {
+    constexpr double kStep = 1e-4;  // of what is a change that matters
+    const FreeParameter& free = free_[static_cast<std::size_t>(i)];
+    VectorXd moved = values;
+    const double step = (values[i] + kStep * free.scale > free.high ? -kStep : kStep) * free.scale;
+    moved[i] += step;
+    if (!predict(moved, beside)) return false;
+    derivatives.push_back((beside - prediction) / step);
+  }
+  return true;
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "motion_drive.hpp"
+
+namespace rths::diagnosis {
+
+/// Which of the quantities of a composition is compared.
+enum class Predicted { Force, Displacement, Acceleration };
+
+/// Runs a composition along a drive; derivatives by differences.
+class CompositionSimulator final : public Simulator {
+ public:
+  CompositionSimulator(const Hypothesis& hypothesis, const MotionDrive& drive, Predicted predicted,
+                       const std::vector<std::size_t>& axes);
+
+  [[nodiscard]] bool run(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& wanted,
+                         Eigen::MatrixXd& prediction,
+                         std::vector<Eigen::MatrixXd>& derivatives) const override;
+
+ private:
+  [[nodiscard]] bool predict(const Eigen::VectorXd& values, Eigen::MatrixXd& prediction) const;
+  void run_first(const std::vector<double>& parameters, Axes& output) const;
+  void run_second(const std::vector<double>& parameters, Axes& force) const;
+  /// The first half's output, which is run only if its parameters are not those of the last time.
+  [[nodiscard]] const Axes& specimen(const std::vector<double>& parameters) const;
+
+  struct Spot {
+    std::size_t half, parameter;
+  };
+
+  std::array<sim::Composition, 2> compositions_;  ///< the specimen; the machine and sensors
+  int parts_ = 1;                                 ///< of a step of the model, for the specimen
+  std::string specimen_signature_;                ///< kinds and names of the first half
+  const MotionDrive& drive_;
+  Predicted predicted_;
+  std::vector<std::size_t> axes_;
+  std::vector<FreeParameter> free_;
+  std::vector<std::vector<Spot>> places_;  ///< of each free parameter
+};
+
+}  // namespace rths::diagnosis

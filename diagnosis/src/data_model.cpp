@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+#include "dynamic_reading.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::string_view kPredicted = "predicted.";
+
+std::string member_of(const std::string& role) {
+  const auto dot = role.find('.');
+  return dot == std::string::npos ? "" : role.substr(dot);
+}
+
+// What may move a term that is missing beside the prediction of this output: the motion along it
+// if that was measured, else everything that goes in, else the prediction itself.
+std::vector<std::string> drivers_of(const std::string& output, const Record& record) {
+  const std::string along = "displacement" + member_of(output);
+  if (output != along && record.find(along) != nullptr) return {along};
+  std::vector<std::string> drivers;
+  for (const auto& channel : record.channels)
+    for (const std::string_view family : {"input.", "command.", "displacement."})
+      if (channel.role.starts_with(family) && channel.role != output)
+        drivers.push_back(channel.role);
+  if (drivers.empty()) drivers.push_back(std::string{kPredicted} + output);
+  return drivers;
+}
+
+// A term beside a prediction.
+struct Beside {
+  Index output;
+  Index displacement, velocity, acceleration;  // among the linear part's inputs
+};
+
+class DataReader {
+ public:
+  explicit DataReader(const Record& record) : record_{record} {
+    for (const auto& channel : record.channels)
+      if (channel.role.starts_with(kPredicted)) add(channel.role.substr(kPredicted.size()));
+  }
+
+  DynamicModel model;
+  std::vector<Beside> beside;
+
+ private:
+  void add(const std::string& output) {
+    if (record_.find(output) == nullptr)
+      throw Error{fmt::format("{}: {} is predicted, but was not recorded", record_.name, output)};
+    model.outputs.push_back(output);
+    const std::size_t place = model.outputs.size() - 1;
+    // The prediction itself is the input of that number.
+    model.inputs.insert(model.inputs.begin() + static_cast<std::ptrdiff_t>(place),
+                        std::string{kPredicted} + output);
+  }
+
+  Index plant_input(const std::string& role, int order) {
+    auto found = std::find(model.inputs.begin(), model.inputs.end(), role);
+    if (found == model.inputs.end()) found = model.inputs.insert(model.inputs.end(), role);
+    model.plant_inputs.push_back({static_cast<std::size_t>(found - model.inputs.begin()), order});
+    return static_cast<Index>(model.plant_inputs.size()) - 1;
+  }
+
+  // A rate that was measured, or that of the displacement.
+  Index rate(const std::string& driver, const char* family, int order) {
+    const std::string measured = family + member_of(driver);
+    const bool is_there = driver.starts_with("displacement.") && record_.find(measured) != nullptr;
+    return is_there ? plant_input(measured, 0) : plant_input(driver, order);
+  }
+
+ public:
+  void add_drivers() {
+    for (std::size_t i = 0; i < model.outputs.size(); ++i) model.plant_inputs.push_back({i, 0});
+    for (std::size_t i = 0; i < model.outputs.size(); ++i) {
+      const auto drivers = drivers_of(model.outputs[i], record_);
+      for (const auto& driver : drivers) {
+        beside.push_back({static_cast<Index>(i), plant_input(driver, 0),
+                          rate(driver, "velocity", 1), rate(driver, "acceleration", 2)});
+        const std::string place = fmt::format("added.{}", beside.size());
+        model.connections.push_back({place,
+                                     fmt::format("in {}, moved by {}", model.outputs[i], driver),
+                                     drivers.size() == 1 ? model.outputs[i] : place,
+                                     {},
+                                     i});
+      }
+    }
+  }
+
+ private:
+  const Record& record_;
+};
+
+}  // namespace
+
+DynamicModel read_data(const Config& table, const Record& record) {
+  DataReader reader{record};
+  if (reader.model.outputs.empty())
+    throw Error{
+        fmt::format("{}: a model of kind 'data' needs its prediction as a channel, as in "
+                    "predicted.force.long",
+                    record.name)};
+  reader.add_drivers();
+  DynamicModel model = std::move(reader.model);
+  model.name = "prediction to measurement";
+  model.has_terms_on_inputs = false;
+  const auto outputs = static_cast<Index>(model.outputs.size());
+  const auto inputs = static_cast<Index>(model.plant_inputs.size());
+  model.linear = [beside = reader.beside, outputs, inputs](const Eigen::VectorXd&) {
+    LinearSystem system =
+        LinearSystem::zeros(0, inputs, outputs, static_cast<Index>(beside.size()));
+    system.d.leftCols(outputs).setIdentity();
+    for (Index i = 0; i < static_cast<Index>(beside.size()); ++i) {
+      const Beside& term = beside[static_cast<std::size_t>(i)];
+      system.q(i, term.displacement) = 1;
+      system.s(i, term.velocity) = 1;
+      system.t(i, term.acceleration) = 1;
+      system.h(term.output, i) = 1;
+    }
+    return system;
+  };
+  read_common(table, model);
+  return model;
+}
+
+}  // namespace rths::diagnosis

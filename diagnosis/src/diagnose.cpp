@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/diagnosis/diagnose.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/sim/composition.hpp>
+
+#include "barred.hpp"
+#include "dynamic_relation.hpp"
+#include "investigation.hpp"
+#include "lattice.hpp"
+#include "next_test.hpp"
+#include "relations.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Investigations = std::vector<std::unique_ptr<Investigation>>;
+
+bool is_composition(const std::string& kind) {
+  return kind == "bearing" || kind == "platen" || kind == "servo_axis";
+}
+
+bool is_acceleration(const Investigation& found) {
+  return found.relation->outputs()[0].first.starts_with("acceleration");
+}
+
+// Takes the faults that an accelerometer was found to have out of its channel, so that what
+// follows does not see them: a = T⁻¹(y) by iteration, the faults being small.
+void correct(const Investigation& found, Case& c) {
+  const Hypothesis& named = found.selection.named;
+  std::vector<sim::TermSettings> terms;
+  for (const auto& term : named.terms) terms.push_back(term.settings);
+  for (auto& record : c.records) {
+    Channel* measured[sim::kHorizontalAxes]{};
+    const Channel* displacement[sim::kHorizontalAxes]{};
+    for (auto& channel : record.channels)
+      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+        const char* name = axis == 0 ? "long" : "lat";
+        if (channel.role == fmt::format("acceleration.{}", name)) measured[axis] = &channel;
+        if (channel.role == fmt::format("displacement.{}", name)) displacement[axis] = &channel;
+      }
+    const sim::Composition composition{terms, record.time_step};
+    std::vector<double> parameters(composition.parameters().begin(),
+                                   composition.parameters().end());
+    for (std::size_t i = 0; i < named.free.size(); ++i) {
+      const auto dot = named.free[i].name.rfind('.');
+      for (const auto& term : composition.terms()) {
+        const std::string prefix = named.free[i].name.substr(0, dot);
+        if (term.name != prefix && !term.name.starts_with(prefix + ".")) continue;
+        parameters[composition.parameter_index(term.name, named.free[i].name.substr(dot + 1))] =
+            named.values[static_cast<Eigen::Index>(i)];
+      }
+    }
+    constexpr int kRounds = 3;
+    std::vector<std::array<double, sim::kHorizontalAxes>> a(record.samples());
+    for (std::size_t k = 0; k < a.size(); ++k)
+      for (std::size_t axis = 0; axis < a[k].size(); ++axis)
+        a[k][axis] = measured[axis] != nullptr ? measured[axis]->values[k] : 0;
+    const auto y = a;
+    for (int round = 0; round < kRounds; ++round) {
+      std::vector<double> state(composition.states());
+      for (std::size_t k = 0; k < a.size(); ++k) {
+        sim::Quantities<double> q;
+        q.time = record.start + static_cast<double>(k) * record.time_step;
+        for (std::size_t axis = 0; axis < a[k].size(); ++axis) {
+          q.acceleration[axis] = a[k][axis];
+          if (displacement[axis] != nullptr) q.displacement[axis] = displacement[axis]->values[k];
+        }
+        composition.advance(parameters, state, q);
+        for (std::size_t axis = 0; axis < a[k].size(); ++axis)
+          a[k][axis] += y[k][axis] - q.acceleration[axis];
+      }
+    }
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+      if (measured[axis] != nullptr)
+        for (std::size_t k = 0; k < a.size(); ++k) measured[axis]->values[k] = a[k][axis];
+  }
+}
+
+// Rounding is seen in the samples themselves; what it adds to the noise is no physics.
+std::vector<std::pair<std::string, double>> rounding_of(const std::vector<Lattice>& lattices) {
+  std::vector<std::pair<std::string, double>> added;
+  for (const auto& lattice : lattices)
+    added.emplace_back(lattice.role, lattice.step / std::sqrt(12.0));
+  return added;
+}
+
+std::string quantisation_of(const Lattice& lattice) {
+  return lattice.role.substr(0, lattice.role.find('.')) + "_quantisation";
+}
+
+void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
+  for (const auto& lattice : lattices) {
+    const std::string family = lattice.role.substr(0, lattice.role.find('.'));
+    const std::string name = quantisation_of(lattice);
+    const auto known = std::find_if(verdict.causes.begin(), verdict.causes.end(),
+                                    [&](const Cause& cause) { return cause.name == name; });
+    const Estimate step{lattice.role + ".step", lattice.unit, lattice.step, lattice.step,
+                        lattice.step};
+    if (known != verdict.causes.end()) {
+      known->parameters.push_back(step);
+      continue;
+    }
+    Cause cause;
+    cause.name = name;
+    cause.title = "coarse steps of the " + family + " sensor";
+    cause.equation = sim::term_kind("quantisation").equation;
+    cause.part = Part::Sensor;
+    cause.channel = family;
+    cause.confidence = lattice.on_steps;
+    cause.explained = 1;
+    cause.parameters = {step};
+    verdict.causes.push_back(std::move(cause));
+  }
+}
+
+// How many causes they make: one for each family of channels.
+std::size_t lattices_named(const std::vector<Lattice>& lattices) {
+  std::set<std::string> families;
+  for (const auto& lattice : lattices)
+    families.insert(lattice.role.substr(0, lattice.role.find('.')));
+  return families.size();
+}
+
+void add_limits(const Case& c, const SensorNoise& noise, const Investigations& all,
+                Verdict& verdict) {
+  verdict.noise_model = noise.source();
+  verdict.limits.push_back("The noise is taken from " + noise.source() + ".");
+  const Record& record = *moving_records(c)[0];
+  const auto lacks = [&](const char* family) {
+    return std::none_of(record.channels.begin(), record.channels.end(),
+                        [&](const auto& channel) { return channel.role.starts_with(family); });
+  };
+  if (is_composition(c.model.kind)) {
+    if (lacks("acceleration."))
+      verdict.limits.emplace_back(
+          "No acceleration was recorded: inertia and the accelerometer's own "
+          "faults rest on displacement alone.");
+    if (lacks("vertical_force") && c.model.kind != "servo_axis")
+      verdict.limits.emplace_back(
+          "No vertical force was recorded: what depends on it cannot be told "
+          "from what does not.");
+    if (lacks("temperature") && c.model.kind == "bearing")
+      verdict.limits.emplace_back("No temperature was recorded.");
+    if (lacks("command."))
+      verdict.limits.emplace_back("No command was recorded: actuators were not looked at.");
+  }
+  if (verdict.proof_record.empty())
+    verdict.limits.emplace_back("No record was left to prove anything on.");
+  for (const auto& found : all) {
+    double u = 0, v = 0;
+    const Drive& drive = found->problem->drive(0);
+    if (drive.displacement.size() == 0) continue;
+    u = drive.displacement.cwiseAbs().maxCoeff();
+    v = drive.velocity.cwiseAbs().maxCoeff();
+    verdict.limits.push_back(
+        fmt::format("{}: states beyond {:.3g} m and {:.3g} m/s were never visited.",
+                    found->relation->name(), u, v));
+  }
+}
+
+// Missing before unknown before none; a relation that is further up the chain is reported first.
+void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
+  bool is_unknown = false;
+  const Investigation* shown = all.back().get();
+  for (auto found = all.rbegin(); found != all.rend(); ++found)
+    if ((*found)->is_unknown()) is_unknown = true, shown = found->get();
+  for (auto found = all.rbegin(); found != all.rend(); ++found)
+    if ((*found)->is_named() && !(*found)->is_unknown()) shown = found->get();
+  for (const auto& found : all)
+    if (found.get() != shown && (found->is_named() || found->is_unknown()))
+      report(*found, c, verdict);
+  report(*shown, c, verdict);
+  // The relation that is shown comes first.
+  std::stable_partition(verdict.causes.begin(), verdict.causes.end(), [&](const Cause& cause) {
+    return std::any_of(shown->selection.steps.begin(), shown->selection.steps.end(),
+                       [&](const Step& step) {
+                         return step.chosen.candidate.name == cause.name &&
+                                step.chosen.candidate.channel == cause.channel;
+                       });
+  });
+  for (const auto& found : all) verdict.fragment += fragment_of(*found);
+  verdict.outcome = Outcome::None;
+  if (is_unknown) verdict.outcome = Outcome::Unknown;
+  for (const auto& found : all)
+    if (found->is_named() && !found->is_unknown()) verdict.outcome = Outcome::Missing;
+  verdict.has_remainder =
+      verdict.outcome == Outcome::Missing && (is_unknown || shown->selection.has_remainder());
+}
+
+}  // namespace
+
+Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Case c = given;
+  reject_unknown_terms(options.without, c);
+  std::vector<const Record*> noisy;
+  for (const auto& record : c.records) noisy.push_back(&record);
+  auto lattices = coarse_lattices(moving_records(c));
+  const SensorNoise noise{noisy, c.noise, rounding_of(lattices)};
+  std::erase_if(lattices, [&](const Lattice& lattice) {
+    return is_barred(options.without, quantisation_of(lattice), "quantisation");
+  });
+  Verdict verdict;
+  verdict.case_name = c.name;
+  Investigations all;
+  const auto look_at = [&](std::unique_ptr<Relation> relation) {
+    if (relation) all.push_back(investigate(std::move(relation), c, noise, options.seed));
+  };
+  if (is_composition(c.model.kind)) {
+    look_at(accelerometer_relation(c, options));
+    if (!all.empty() && all[0]->is_named() && is_acceleration(*all[0])) correct(*all[0], c);
+    look_at(actuator_relation(c, options));
+    look_at(force_relation(c, options));
+  } else {
+    look_at(dynamic_relation(c, options));
+  }
+  if (all.empty())
+    throw Error{fmt::format("{}: a model of kind '{}' relates none of the channels to another",
+                            c.name, c.model.kind)};
+  conclude(all, c, verdict);
+  propose_next_test(all, c, verdict);
+  if (!lattices.empty()) {
+    add_lattices(lattices, verdict);
+    const bool is_named_alone = verdict.causes.size() == lattices_named(lattices);
+    if (verdict.outcome == Outcome::None || is_named_alone) {
+      verdict.has_remainder = verdict.outcome == Outcome::Unknown;
+      verdict.outcome = Outcome::Missing;
+      verdict.where.part = Part::Sensor;
+      verdict.where.channel = lattices[0].role.substr(0, lattices[0].role.find('.'));
+    }
+  }
+  double confidence = 1;
+  for (const auto& cause : verdict.causes) confidence = std::min(confidence, cause.confidence);
+  verdict.confidence = confidence;
+  add_limits(c, noise, all, verdict);
+  verdict.sentence = sentence_of(verdict);
+  verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return verdict;
+}
+
+}  // namespace rths::diagnosis

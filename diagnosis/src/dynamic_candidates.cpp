@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dynamic_candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "dynamic_kinds.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+struct TermSite {
+  std::string name, title, channel;
+  Part part;
+  UnitScales scales;
+  Natural natural;
+  bool is_only_one;  // of its sort: a term needs no place in its name
+};
+
+// All starts: those of one choice with those of the others.
+std::vector<VectorXd> start_grid(const std::vector<const ParameterChoice*>& free,
+                                 const std::vector<FreeParameter>& parameters,
+                                 const Natural& natural) {
+  std::vector<VectorXd> starts{VectorXd(static_cast<Index>(free.size()))};
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    std::vector<VectorXd> more;
+    for (const VectorXd& start : starts)
+      for (const double part : free[i]->starts) {
+        more.push_back(start);
+        more.back()[static_cast<Index>(i)] = std::clamp(part * size_of(free[i]->unit, natural),
+                                                        parameters[i].low, parameters[i].high);
+      }
+    starts = std::move(more);
+  }
+  return starts;
+}
+
+// A shape far from where its effect is felt is no shape, and costs time.
+void confine(const ParameterChoice& choice, double size, FreeParameter& parameter) {
+  constexpr double kWithin = 10;
+  const auto [least, most] = std::minmax_element(choice.starts.begin(), choice.starts.end());
+  parameter.low = std::max(parameter.low, *least * size / kWithin);
+  parameter.high = std::min(parameter.high, *most * size * kWithin);
+}
+
+Candidate candidate_of(const KindChoice& kind, const TermSite& place) {
+  const sim::TermKind& term = sim::term_kind(kind.kind);
+  Candidate candidate;
+  candidate.name = candidate.kind = kind.kind;
+  candidate.title = fmt::format("{} {}", term.title, place.title);
+  candidate.equation = term.equation;
+  candidate.part = place.part;
+  candidate.channel = place.channel;
+  PlacedTerm placed{{kind.kind, "", {}}, place.name};
+  placed.settings.name = place.is_only_one ? kind.kind : place.name + "." + kind.kind;
+  std::vector<const ParameterChoice*> free;
+  for (const auto& choice : kind.choices) {
+    const sim::Parameter& parameter = parameter_of(term, choice.name);
+    const double size = size_of(choice.unit, place.natural);
+    const double unit = place.scales.of(parameter.unit);
+    placed.settings.parameters.emplace_back(
+        choice.name,
+        std::clamp(choice.starts[0] * size, parameter.low * unit, parameter.high * unit));
+    if (choice.role == ParameterChoice::Stated) continue;
+    candidate.frees.push_back(free_parameter(placed.settings.name + "." + choice.name, parameter,
+                                             place.scales,
+                                             0.1 * std::abs(choice.starts[0]) * size));
+    if (choice.role == ParameterChoice::Shape) confine(choice, size, candidate.frees.back());
+    free.push_back(&choice);
+  }
+  candidate.starts = start_grid(free, candidate.frees, place.natural);
+  candidate.price = static_cast<int>(free.size());
+  candidate.after = candidate.contains = kind.after;
+  candidate.adds.push_back(std::move(placed));
+  return candidate;
+}
+
+bool stands_already(const Hypothesis& base, const std::string& kind, const std::string& place) {
+  return std::any_of(base.terms.begin(), base.terms.end(), [&](const PlacedTerm& placed) {
+    return placed.settings.kind == kind && placed.place == place;
+  });
+}
+
+bool is_free(const Hypothesis& base, const std::string& name) {
+  return std::any_of(base.free.begin(), base.free.end(),
+                     [&](const FreeParameter& free) { return free.name == name; });
+}
+
+// Where the model has no such thing, a term that needs it means nothing.
+bool is_possible(const std::string& kind, const ConnectionSize& size) {
+  if (kind == "platen_inertia") return size.acceleration > 0;
+  return size.has_spring || sim::term_kind(kind).stage != sim::Stage::Motion;
+}
+
+std::vector<KindChoice> possible_kinds(const ConnectionSize& size) {
+  std::vector<KindChoice> kinds = connection_kinds();
+  std::erase_if(kinds, [&](const KindChoice& kind) { return !is_possible(kind.kind, size); });
+  return kinds;
+}
+
+void add_place(const std::vector<KindChoice>& kinds, const TermSite& place, const Hypothesis& base,
+               std::vector<Candidate>& candidates) {
+  for (const auto& kind : kinds) {
+    if (stands_already(base, kind.kind, place.name)) continue;
+    // A linear damper that may be fitted needs no other beside it.
+    if (std::string_view{kind.kind} == "viscous_friction" && is_free(base, place.name + ".damping"))
+      continue;
+    candidates.push_back(candidate_of(kind, place));
+  }
+}
+
+Natural natural_of_signal(const SignalSize& size, double time_step) {
+  return {size.peak, size.rate, 0, size.peak, size.peak, size.rms, time_step, 0};
+}
+
+Natural natural_of_connection(const ConnectionSize& size, double time_step) {
+  const double period = 2 * 3.141592653589793 * size.displacement / size.velocity;
+  return {size.displacement, size.velocity, size.acceleration, size.force, 0, 0, time_step, period};
+}
+
+// A number of the linear part that is not what the simulation took it for.
+Candidate wrong_number(const ModelParameter& parameter, const DynamicSizes& sizes) {
+  Candidate candidate;
+  candidate.name = parameter.error;
+  candidate.title = fmt::format("{} is wrong", parameter.name);
+  candidate.equation =
+      fmt::format("{} is not {} {}", parameter.name, parameter.value, parameter.unit);
+  candidate.part = Part::Structure;
+  candidate.channel = parameter.name;
+  double size = std::abs(parameter.value);
+  if (parameter.joins) {
+    const auto& [input, output] = *parameter.joins;
+    size = sizes.outputs[output].peak / sizes.inputs[input].peak;
+    candidate.title = "direct feed-through";
+    candidate.equation = "y = C x + d u";
+    candidate.frees.push_back({parameter.name, parameter.unit, -10 * size, 10 * size, 0.02 * size});
+    candidate.starts.push_back(VectorXd::Constant(1, 0.02 * size));
+  } else {
+    candidate.frees.push_back({parameter.name, parameter.unit, 0.1 * size, 10 * size, 0.02 * size});
+    if (parameter.value < 0) std::swap(candidate.frees[0].low *= -1, candidate.frees[0].high *= -1);
+    candidate.starts.push_back(VectorXd::Constant(1, parameter.value * 1.02));
+  }
+  candidate.price = 1;
+  return candidate;
+}
+
+}  // namespace
+
+FreeParameter free_parameter(const std::string& name, const sim::Parameter& parameter,
+                             const UnitScales& scales, double size) {
+  const double unit = scales.of(parameter.unit);
+  return {name, std::string{parameter.unit}, parameter.low * unit, parameter.high * unit,
+          size > 0 ? size : 0.1 * std::abs(parameter.typical) * unit};
+}
+
+std::vector<Candidate> dynamic_candidates(const DynamicModel& model, const DynamicSizes& sizes,
+                                          const Hypothesis& base) {
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < model.connections.size(); ++i) {
+    const ConnectionSize& size = sizes.connections[i];
+    if (!(size.displacement > 0 && size.velocity > 0 && size.force > 0)) continue;
+    add_place(possible_kinds(size),
+              {model.connections[i].place, model.connections[i].title, model.connections[i].seen,
+               Part::Structure, sizes.of_connection(size),
+               natural_of_connection(size, sizes.time_step), model.connections.size() == 1},
+              base, candidates);
+  }
+  const auto add_signals = [&](const std::vector<std::string>& roles,
+                               const std::vector<SignalSize>& signal_sizes,
+                               const std::vector<KindChoice>& kinds, Part part) {
+    for (std::size_t i = 0; i < roles.size(); ++i)
+      if (signal_sizes[i].peak > 0)
+        add_place(kinds,
+                  {roles[i], "at " + roles[i], roles[i], part, sizes.of_signal(signal_sizes[i]),
+                   natural_of_signal(signal_sizes[i], sizes.time_step), false},
+                  base, candidates);
+  };
+  if (model.has_terms_on_inputs)
+    add_signals(model.inputs, sizes.inputs, input_kinds(), Part::Actuator);
+  add_signals(model.outputs, sizes.outputs, output_kinds(), Part::Sensor);
+  for (const auto& parameter : model.parameters)
+    if (!parameter.error.empty() && (parameter.value != 0 || parameter.joins) &&
+        !is_free(base, parameter.name))
+      candidates.push_back(wrong_number(parameter, sizes));
+  return candidates;
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a dynamic model predicts, and how that changes with its free parameters.
+#include <algorithm>
+#include <cmath>
+
+#include "dynamic_simulator.hpp"
+
+namespace rths::diagnosis {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using sim::Dual;
+
+namespace {
+
+constexpr double kDifference = 1e-5;  // of a parameter of the linear part, to differentiate by
+
+}  // namespace
+
+std::vector<double> plain(const VectorXd& values) { return {values.begin(), values.end()}; }
+
+MatrixXd as_columns(const std::vector<std::vector<double>>& outputs) {
+  MatrixXd matrix(outputs[0].size(), outputs.size());
+  for (Index i = 0; i < matrix.cols(); ++i)
+    matrix.col(i) = VectorXd::Map(outputs[static_cast<std::size_t>(i)].data(), matrix.rows());
+  return matrix;
+}
+
+bool DynamicSimulator::run(const VectorXd& values, const std::vector<Index>& wanted,
+                           MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const {
+  const Steps<double> plain_steps = steps(plant_values(values));
+  derivatives.assign(wanted.size(), {});
+  if (wanted.empty()) {
+    const auto outputs = run_freely(setup_, signals_, plain_steps, plain(values));
+    if (outputs.empty()) return false;
+    prediction = as_columns(outputs);
+    return prediction.allFinite();
+  }
+  for (std::size_t first = 0; first < wanted.size(); first += Dual::kLanes) {
+    const std::size_t end = std::min(first + Dual::kLanes, wanted.size());
+    std::vector<MatrixXd> some(end - first);
+    if (!run_lanes(values,
+                   {wanted.begin() + static_cast<std::ptrdiff_t>(first),
+                    wanted.begin() + static_cast<std::ptrdiff_t>(end)},
+                   plain_steps, prediction, some))
+      return false;
+    std::move(some.begin(), some.end(), derivatives.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  return true;
+}
+
+// Whether these parameters are of terms behind the plant.
+bool DynamicSimulator::only_at_outputs(const std::vector<Index>& lanes) const {
+  const auto follows_any = [&](const TermPlace& place) {
+    return std::any_of(place.free().begin(), place.free().end(), [&](const auto& bound) {
+      return std::find(lanes.begin(), lanes.end(), bound.free) != lanes.end();
+    });
+  };
+  return std::none_of(setup_.inputs.begin(), setup_.inputs.end(),
+                      [&](const auto& chain) { return chain && follows_any(*chain); }) &&
+         std::none_of(setup_.connections.begin(), setup_.connections.end(),
+                      [&](const auto& connection) { return follows_any(connection.terms); });
+}
+
+bool DynamicSimulator::run_lanes(const VectorXd& values, const std::vector<Index>& lanes,
+                                 const Steps<double>& plain_steps, MatrixXd& prediction,
+                                 std::vector<MatrixXd>& derivatives) const {
+  std::vector<Dual> duals(values.begin(), values.end());
+  std::vector<StepLane> differences;
+  for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
+    duals[static_cast<std::size_t>(lanes[lane])].derivative[lane] = 1;
+    for (const auto& [free, parameter, scale] : bound_) {
+      if (free != lanes[lane]) continue;
+      VectorXd above = plant_values(values), below = above;
+      const double distance = kDifference * std::max(std::abs(above[parameter]), scale);
+      above[parameter] += distance;
+      below[parameter] -= distance;
+      differences.push_back({lane, steps(above), steps(below), 2 * distance});
+    }
+  }
+  const auto outputs =
+      differences.empty()
+          ? only_at_outputs(lanes) ? through_outputs(setup_, signals_, plain_steps, duals)
+                                   : run_freely(setup_, signals_, plain_steps, duals)
+          : run_freely(setup_, signals_, with_lanes(plain_steps, differences), duals);
+  if (outputs.empty()) return false;
+  prediction.resize(static_cast<Index>(outputs[0].size()), static_cast<Index>(outputs.size()));
+  for (auto& derivative : derivatives) derivative.resize(prediction.rows(), prediction.cols());
+  bool finite = true;
+  for (Index j = 0; j < prediction.cols(); ++j)
+    for (Index i = 0; i < prediction.rows(); ++i) {
+      const Dual& y = outputs[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
+      prediction(i, j) = y.value;
+      finite &= std::isfinite(y.value);
+      for (std::size_t lane = 0; lane < derivatives.size(); ++lane) {
+        derivatives[lane](i, j) = y.derivative[lane];
+        finite &= std::isfinite(y.derivative[lane]);
+      }
+    }
+  return finite;
+}
+
+}  // namespace rths::diagnosis

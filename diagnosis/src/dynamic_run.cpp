@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dynamic_run.hpp"
+
+#include <cmath>
+
+#include "connection_force.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using sim::value_of;
+
+template <class Real>
+std::vector<Real> rate_of_samples(const std::vector<Real>& signal, double time_step) {
+  const std::size_t n = signal.size();
+  std::vector<Real> rate(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t from = i > 0 ? i - 1 : 0, to = std::min(i + 1, n - 1);
+    if (to > from)
+      rate[i] = (signal[to] - signal[from]) * (1 / (static_cast<double>(to - from) * time_step));
+  }
+  return rate;
+}
+
+template <class Real>
+void pass_if(const std::optional<TermPlace>& chain, const std::vector<Real>& values, double start,
+             std::vector<Real>& signal) {
+  if (chain) pass(*chain, values, start, signal);
+}
+
+// What the linear part takes in, by sample.
+template <class Real>
+std::vector<std::vector<Real>> plant_inputs(const DynamicSetup& setup,
+                                            const DynamicSignals& signals,
+                                            const std::vector<Real>& values) {
+  std::vector<std::vector<Real>> channels;
+  for (std::size_t i = 0; i < signals.inputs.size(); ++i) {
+    channels.emplace_back(signals.inputs[i].begin(), signals.inputs[i].end());
+    pass_if(setup.inputs[i], values, signals.start, channels.back());
+  }
+  std::vector<std::vector<Real>> result;
+  for (const auto& [channel, order] : setup.plant_inputs) {
+    result.push_back(channels[channel]);
+    for (int i = 0; i < order; ++i) result.back() = rate_of_samples(result.back(), setup.time_step);
+  }
+  return result;
+}
+
+template <class Real, class Entry>
+class FreeRun {
+ public:
+  FreeRun(const DynamicSetup& setup, const DynamicSignals& signals, const Steps<Entry>& steps,
+          const std::vector<Real>& values)
+      : setup_{setup},
+        steps_{steps},
+        inputs_{plant_inputs(setup, signals, values)},
+        forces_{forces_of(setup, steps, values)},
+        state_(size(steps.phi.rows)),
+        next_(state_.size()),
+        u0_(inputs_.size()),
+        u1_(inputs_.size()),
+        free_displacement_(forces_.size()),
+        free_velocity_(forces_.size()),
+        displacement_(forces_.size()),
+        velocity_(forces_.size()),
+        acceleration_(forces_.size()) {
+    for (std::size_t i = 0; i < state_.size() && signals.start_state.size() > 0; ++i)
+      state_[i] = signals.start_state[static_cast<Index>(i)];
+    for (std::size_t i = 0; i < forces_.size(); ++i)
+      yield_.push_back(value_of(steps.yield(index(i), index(i))));
+    for (std::size_t i = 0; i < inputs_.size(); ++i) u1_[i] = inputs_[i].front();
+    set_motion(state_, u1_);
+    forces_.start(free_displacement_, free_velocity_, acceleration_, signals.start);
+    displacement_ = free_displacement_;
+    velocity_ = free_velocity_;
+  }
+
+  void outputs_at(Index sample, std::vector<std::vector<Real>>& outputs) {
+    y_.assign(outputs.size(), Real{});
+    for (std::size_t i = 0; i < inputs_.size(); ++i) u0_[i] = inputs_[i][size(sample)];
+    add_product(steps_.c, state_.data(), y_.data());
+    add_product(steps_.d, u0_.data(), y_.data());
+    add_product(steps_.h, forces_.force.data(), y_.data());
+    for (std::size_t i = 0; i < outputs.size(); ++i) outputs[i][size(sample)] = y_[i];
+  }
+
+  // From one sample to the next.
+  void advance(Index sample, double time) {
+    for (int part = 0; part < setup_.parts; ++part) {
+      for (std::size_t i = 0; i < inputs_.size(); ++i) {
+        u0_[i] = between(inputs_[i], sample, setup_.between.before,
+                         setup_.between.start[static_cast<std::size_t>(part)]);
+        u1_[i] = between(inputs_[i], sample, setup_.between.before,
+                         setup_.between.end[static_cast<std::size_t>(part)]);
+      }
+      step(time + setup_.time_step * (part + 1) / setup_.parts);
+    }
+  }
+
+  [[nodiscard]] const std::vector<Real>& displacement() const { return displacement_; }
+  [[nodiscard]] const std::vector<Real>& velocity() const { return velocity_; }
+  [[nodiscard]] const std::vector<Real>& acceleration() const { return acceleration_; }
+
+ private:
+  static std::size_t size(Index i) { return static_cast<std::size_t>(i); }
+  static Index index(std::size_t i) { return static_cast<Index>(i); }
+
+  static ConnectionForces<Real> forces_of(const DynamicSetup& setup, const Steps<Entry>& steps,
+                                          const std::vector<Real>& values) {
+    std::vector<ConnectionForce<Real>> forces;
+    for (std::size_t i = 0; i < setup.connections.size(); ++i)
+      forces.emplace_back(setup.connections[i], values, Real{steps.stiffness(index(i), 0)},
+                          Real{steps.damping(index(i), 0)});
+    return ConnectionForces<Real>{std::move(forces)};
+  }
+
+  // Motion of the connections without the forces of this step's end.
+  void set_motion(const std::vector<Real>& state, const std::vector<Real>& u) {
+    std::fill(free_displacement_.begin(), free_displacement_.end(), Real{});
+    std::fill(free_velocity_.begin(), free_velocity_.end(), Real{});
+    add_product(steps_.p, state.data(), free_displacement_.data());
+    add_product(steps_.q, u.data(), free_displacement_.data());
+    add_product(steps_.r, state.data(), free_velocity_.data());
+    add_product(steps_.s, u.data(), free_velocity_.data());
+    std::fill(acceleration_.begin(), acceleration_.end(), Real{});
+    add_product(steps_.t, u.data(), acceleration_.data());
+  }
+
+  void step(double time) {
+    std::fill(next_.begin(), next_.end(), Real{});
+    add_product(steps_.phi, state_.data(), next_.data());
+    add_product(steps_.b0, u0_.data(), next_.data());
+    add_product(steps_.b1, u1_.data(), next_.data());
+    if (forces_.size() > 0) {
+      add_product(steps_.e_before, forces_.before().data(), next_.data());
+      add_product(steps_.e0, forces_.force.data(), next_.data());
+      set_motion(next_, u1_);
+      const auto move = [&](const Real* force, std::vector<Real>& d, std::vector<Real>& v) {
+        d = free_displacement_;
+        v = free_velocity_;
+        add_product(steps_.yield, force, d.data());
+        add_product(steps_.yield_rate, force, v.data());
+      };
+      forces_.solve(move, yield_, displacement_, velocity_, acceleration_, time);
+      add_product(steps_.e1, forces_.force.data(), next_.data());
+    }
+    state_.swap(next_);
+  }
+
+  const DynamicSetup& setup_;
+  const Steps<Entry>& steps_;
+  std::vector<std::vector<Real>> inputs_;
+  ConnectionForces<Real> forces_;
+  std::vector<Real> state_, next_, u0_, u1_, y_;
+  std::vector<Real> free_displacement_, free_velocity_, displacement_, velocity_, acceleration_;
+  std::vector<double> yield_;
+};
+
+template <class Real, class Entry>
+std::vector<std::vector<Real>> plant_outputs(const DynamicSetup& setup,
+                                             const DynamicSignals& signals,
+                                             const Steps<Entry>& steps,
+                                             const std::vector<Real>& values,
+                                             std::vector<std::vector<double>>* motion) {
+  const std::size_t samples = signals.inputs.empty() ? 0 : signals.inputs[0].size();
+  std::vector<std::vector<Real>> outputs(setup.outputs.size(), std::vector<Real>(samples));
+  if (samples == 0) return outputs;
+  const std::size_t connections = setup.connections.size();
+  if (motion != nullptr) motion->assign(3 * connections, std::vector<double>(samples));
+  FreeRun<Real, Entry> run{setup, signals, steps, values};
+  for (std::size_t i = 0; i < samples; ++i) {
+    const auto sample = static_cast<Index>(i);
+    if (i > 0)
+      run.advance(sample - 1, signals.start + static_cast<double>(i - 1) * setup.time_step);
+    run.outputs_at(sample, outputs);
+    for (const auto& output : outputs)
+      if (!(std::abs(value_of(output[i])) <= signals.limit)) return {};
+    for (std::size_t c = 0; motion != nullptr && c < connections; ++c) {
+      (*motion)[c][i] = value_of(run.displacement()[c]);
+      (*motion)[connections + c][i] = value_of(run.velocity()[c]);
+      (*motion)[2 * connections + c][i] = value_of(run.acceleration()[c]);
+    }
+  }
+  return outputs;
+}
+
+template <class Real>
+void pass_outputs(const DynamicSetup& setup, const DynamicSignals& signals,
+                  const std::vector<Real>& values, std::vector<std::vector<Real>>& outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    pass_if(setup.outputs[i], values, signals.start, outputs[i]);
+}
+
+}  // namespace
+
+template <class Real, class Entry>
+std::vector<std::vector<Real>> run_freely(const DynamicSetup& setup, const DynamicSignals& signals,
+                                          const Steps<Entry>& steps,
+                                          const std::vector<Real>& values,
+                                          std::vector<std::vector<double>>* motion) {
+  auto outputs = plant_outputs(setup, signals, steps, values, motion);
+  pass_outputs(setup, signals, values, outputs);
+  return outputs;
+}
+
+std::vector<std::vector<sim::Dual>> through_outputs(const DynamicSetup& setup,
+                                                    const DynamicSignals& signals,
+                                                    const Steps<double>& steps,
+                                                    const std::vector<sim::Dual>& values) {
+  std::vector<double> plain;
+  for (const auto& value : values) plain.push_back(value.value);
+  std::vector<std::vector<sim::Dual>> outputs;
+  for (const auto& output : plant_outputs(setup, signals, steps, plain, nullptr))
+    outputs.emplace_back(output.begin(), output.end());
+  pass_outputs(setup, signals, values, outputs);
+  return outputs;
+}
+
+template std::vector<std::vector<double>> run_freely<double, double>(
+    const DynamicSetup&, const DynamicSignals&, const Steps<double>&, const std::vector<double>&,
+    std::vector<std::vector<double>>*);
+template std::vector<std::vector<sim::Dual>> run_freely<sim::Dual, double>(
+    const DynamicSetup&, const DynamicSignals&, const Steps<double>&, const std::vector<sim::Dual>&,
+    std::vector<std::vector<double>>*);
+template std::vector<std::vector<sim::Dual>> run_freely<sim::Dual, sim::Dual>(
+    const DynamicSetup&, const DynamicSignals&, const Steps<sim::Dual>&,
+    const std::vector<sim::Dual>&, std::vector<std::vector<double>>*);
+
+}  // namespace rths::diagnosis

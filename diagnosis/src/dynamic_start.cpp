@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dynamic_start.hpp"
+
+#include <Eigen/QR>
+
+namespace rths::diagnosis {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+VectorXd fitted_start(const Steps<double>& steps, int parts, const MatrixXd& measured, Index rows,
+                      const std::function<MatrixXd(const VectorXd&)>& predicted) {
+  constexpr int kTurns = 3;
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto as_matrix = [](const SmallMatrix<double>& small) {
+    return MatrixXd{Eigen::Map<const RowMajor>(small.entries.data(), small.rows, small.columns)};
+  };
+  const Index n = steps.phi.rows, outputs = measured.cols();
+  VectorXd start = VectorXd::Zero(n);
+  if (n == 0) return start;
+  // What a start makes of the outputs: C Φᵏ.
+  MatrixXd response(rows * outputs, n), seen = as_matrix(steps.c);
+  const MatrixXd phi = as_matrix(steps.phi);
+  for (Index row = 0; row < rows; ++row) {
+    response.middleRows(row * outputs, outputs) = seen;
+    for (int part = 0; part < parts; ++part) seen = seen * phi;
+  }
+  // Directions that the outputs hardly show are left at rest.
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver;
+  solver.setThreshold(1e-6);
+  VectorXd scale = response.colwise().norm().transpose().cwiseMax(1e-300);
+  solver.compute(response * scale.cwiseInverse().asDiagonal());
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const MatrixXd now = predicted(start);
+    if (now.rows() < rows) break;
+    VectorXd off(rows * outputs);
+    for (Index row = 0; row < rows; ++row)
+      off.segment(row * outputs, outputs) = (measured.row(row) - now.row(row)).transpose();
+    start += scale.cwiseInverse().asDiagonal() * solver.solve(off);
+  }
+  return start;
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <rths/sim/dual.hpp>
+
+#include "dynamic_model.hpp"
+
+namespace rths::diagnosis {
+
+/// A small dense matrix whose entries may carry derivatives.
+template <class Real>
+struct SmallMatrix {
+  struct Place {
+    Eigen::Index row, column;
+  };
+  Eigen::Index rows = 0, columns = 0;
+  std::vector<Real> entries;  ///< row by row
+  std::vector<Place> filled;  ///< those that are not zero, nor have a derivative
+
+  SmallMatrix() = default;
+  explicit SmallMatrix(const Eigen::MatrixXd& values);
+  /// Call after the entries have been changed.
+  void find_filled();
+  [[nodiscard]] Real& operator()(Eigen::Index row, Eigen::Index column) {
+    return entries[static_cast<std::size_t>(row * columns + column)];
+  }
+  [[nodiscard]] const Real& operator()(Eigen::Index row, Eigen::Index column) const {
+    return entries[static_cast<std::size_t>(row * columns + column)];
+  }
+};
+
+/// sum += a x
+inline void add_product(double& sum, double a, double x) { sum += a * x; }
+inline void add_product(sim::Dual& sum, double a, const sim::Dual& x) {
+  sum.value += a * x.value;
+  for (std::size_t i = 0; i < sim::Dual::kLanes; ++i) sum.derivative[i] += a * x.derivative[i];
+}
+inline void add_product(sim::Dual& sum, const sim::Dual& a, const sim::Dual& x) {
+  sum.value += a.value * x.value;
+  for (std::size_t i = 0; i < sim::Dual::kLanes; ++i)
+    sum.derivative[i] += a.value * x.derivative[i] + a.derivative[i] * x.value;
+}
+
+/// y += A x
+template <class Entry, class Real>
+void add_product(const SmallMatrix<Entry>& a, const Real* x, Real* y) {
+  for (const auto& [row, column] : a.filled) add_product(y[row], a(row, column), x[column]);
+}
+
+/// A linear system over one step, exact for inputs on a line from its start (0) to its end (1), and
+/// for forces on a parabola through those of the step before (−), its start and its end:
+///     x₁ = Φ x₀ + B₀ u₀ + B₁ u₁ + E₋ f₋ + E₀ f₀ + E₁ f₁
+template <class Entry>
+struct Steps {
+  SmallMatrix<Entry> phi, b0, b1, e_before, e0, e1;
+  SmallMatrix<Entry> c, d, h, p, q, r, s, t;  ///< as of LinearSystem
+  SmallMatrix<Entry> stiffness, damping;      ///< of the connections, columns
+  SmallMatrix<Entry> yield, yield_rate;  ///< ∂d₁/∂f₁ = P E₁, ∂d'₁/∂f₁ = R E₁
+};
+
+/// @param length  of a step [s]; of a sampled system it must be its own
+[[nodiscard]] Steps<double> steps_of(const LinearSystem& system, double length, bool sampled);
+
+/// With derivatives: of each lane, the steps a little above and below a parameter's value, and
+/// their distance. No lane: no derivative.
+struct StepLane {
+  std::size_t lane;
+  Steps<double> above, below;
+  double distance;
+};
+[[nodiscard]] Steps<sim::Dual> with_lanes(const Steps<double>& steps,
+                                          const std::vector<StepLane>& lanes);
+
+/// How a signal between samples is made of samples: weights of those around, by part of a step.
+struct Interpolation {
+  Eigen::Index before = 0;  ///< samples that the first weight is ahead of this one
+  std::vector<std::vector<double>> start, end;  ///< of the signal, at the ends of each part
+};
+[[nodiscard]] Interpolation interpolation(Hold hold, int parts);
+
+/// The signal at the start or the end of a part. Beyond its ends it rests.
+template <class Real>
+[[nodiscard]] Real between(const std::vector<Real>& signal, Eigen::Index sample,
+                           Eigen::Index before, const std::vector<double>& weights) {
+  const auto last = static_cast<Eigen::Index>(signal.size()) - 1;
+  Real sum{};
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const Eigen::Index at = sample - before + static_cast<Eigen::Index>(i);
+    add_product(sum, weights[i],
+                signal[static_cast<std::size_t>(std::min(std::max<Eigen::Index>(at, 0), last))]);
+  }
+  return sum;
+}
+
+}  // namespace rths::diagnosis

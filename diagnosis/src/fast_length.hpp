@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+namespace rths::diagnosis {
+
+/// The next length that has no prime factors but 2, 3 and 5: transforms of others are slow.
+inline Eigen::Index fast_length(Eigen::Index length) {
+  for (;; ++length) {
+    Eigen::Index rest = length;
+    for (const Eigen::Index factor : {2, 3, 5})
+      while (rest % factor == 0) rest /= factor;
+    if (rest == 1) return length;
+  }
+}
+
+}  // namespace rths::diagnosis

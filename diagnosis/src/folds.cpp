@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "folds.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr std::size_t kManyRecords = 4;  // from which on they score each other
+constexpr double kPieces = 10;           // of a record that scores itself
+constexpr double kLongestPiece = 4;      // [s]
+
+// Every other piece of a record.
+Eigen::ArrayXd every_other_piece(const Drive& drive, bool odd) {
+  const double length = static_cast<double>(drive.rows()) * drive.time_step;
+  const double piece = std::min(kLongestPiece, length / kPieces);
+  Eigen::ArrayXd weight(drive.rows());
+  for (Eigen::Index row = 0; row < drive.rows(); ++row) {
+    const auto number =
+        static_cast<std::int64_t>(static_cast<double>(row) * drive.time_step / piece);
+    weight[row] = (number % 2 == 1) == odd ? 1 : 0;
+  }
+  return weight;
+}
+
+}  // namespace
+
+Split split_of(const Case& c) {
+  Split split;
+  std::vector<const Record*> held;
+  for (const auto& record : c.records) {
+    if (record.use == Use::Fit) split.records.push_back(&record);
+    if (record.use == Use::HeldOut) held.push_back(&record);
+  }
+  split.by_record = held.size() == 2 && split.records.size() < kManyRecords;
+  if (split.by_record) {
+    split.records.push_back(held[0]);
+    held.erase(held.begin());
+  }
+  split.held = held;
+  return split;
+}
+
+Folds folds_of(const Split& split, const Problem& problem) {
+  Folds folds;
+  const std::size_t count = problem.records();
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool is_second = problem.record(i).use == Use::HeldOut;
+    if (split.by_record) {
+      (is_second ? folds.second : folds.first).shares.push_back({i, {}});
+    } else if (count >= kManyRecords) {
+      (i % 2 == 1 ? folds.second : folds.first).shares.push_back({i, {}});
+    } else {
+      folds.first.shares.push_back({i, every_other_piece(problem.drive(i), false)});
+      folds.second.shares.push_back({i, every_other_piece(problem.drive(i), true)});
+    }
+    folds.both.shares.push_back({i, {}});
+  }
+  return folds;
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include <rths/diagnosis/diagnose.hpp>
+
+#include "folds.hpp"
+
+namespace rths::diagnosis {
+
+/// One relation of a case, with what was found about it.
+struct Investigation {
+  std::unique_ptr<Relation> relation;
+  Split split;
+  std::unique_ptr<Problem> problem;  ///< of the records that find
+  std::unique_ptr<Problem> proof;    ///< of those that were held out; null if none was
+  Folds folds;
+  Selection selection;
+  std::vector<Description> descriptions;  ///< of what remains, if something does
+
+  [[nodiscard]] bool is_named() const { return !selection.steps.empty(); }
+  /// Something systematic is left that the named terms do not explain.
+  [[nodiscard]] bool is_unknown() const;
+};
+
+[[nodiscard]] std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation,
+                                                         const Case& c, const SensorNoise& noise,
+                                                         std::uint64_t seed);
+
+/// Errors of a hypothesis on a record: root mean square over the standard deviation of what was
+/// measured, offset removed.
+[[nodiscard]] double nrmse(const Problem& problem, std::size_t record,
+                           const Hypothesis& hypothesis);
+[[nodiscard]] RecordScore score_of(const Investigation& found, const Problem& problem,
+                                   std::size_t record);
+/// Parameters of a step's term with their intervals, which include what the noise of the measured
+/// motion does to them.
+[[nodiscard]] std::vector<Estimate> estimates_of(const Investigation& found, const Step& step);
+
+/// Adds what an investigation found to a verdict: causes, scores, evidence, proof, traces.
+void report(const Investigation& found, const Case& c, Verdict& verdict);
+
+/// TOML of the terms that were named, and of what was fitted with them, for [specimen] and
+/// [machine] of an experiment; empty if nothing was named.
+[[nodiscard]] std::string fragment_of(const Investigation& found);
+
+/// The verdict in one sentence.
+[[nodiscard]] std::string sentence_of(const Verdict& verdict);
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <rths/diagnosis/case.hpp>
+
+namespace rths::diagnosis {
+
+/// A channel that was counted in steps coarse enough to matter.
+struct Lattice {
+  std::string role, unit;
+  double step = 0;      ///< [unit]
+  double on_steps = 0;  ///< share of the changes that are whole numbers of steps [-]
+};
+
+/// Channels whose samples repeat or jump by whole steps, where the step is more than a thousandth
+/// of what they vary by.
+[[nodiscard]] std::vector<Lattice> coarse_lattices(const std::vector<const Record*>& records);
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "linear_parts.hpp"
+
+#include <fmt/format.h>
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::RowVectorXd;
+using Eigen::VectorXd;
+
+// Terms may stand between an output and an input, as a spring stands between a mass and the
+// ground: they see the output and its rate, and take their force from the input. An output that
+// depends on an input at once leaves no such place.
+struct Feedback {
+  Index output, input;
+};
+
+void connect(const std::vector<Feedback>& feedbacks, double sampled_every, LinearSystem& system) {
+  for (Index i = 0; i < static_cast<Index>(feedbacks.size()); ++i) {
+    const auto& [output, input] = feedbacks[static_cast<std::size_t>(i)];
+    const RowVectorXd c = system.c.row(output);
+    system.p.row(i) = c;
+    system.r.row(i) = c * system.a;
+    system.s.row(i) = c * system.b;
+    if (sampled_every > 0) {
+      system.r.row(i) = (system.r.row(i) - c) / sampled_every;
+      system.s.row(i) /= sampled_every;
+    }
+    system.e.col(i) = -system.b.col(input);
+  }
+}
+
+std::vector<Feedback> feedbacks_of(DynamicModel& model, const LinearSystem& system) {
+  constexpr std::size_t kMost = 4;
+  std::vector<Feedback> feedbacks;
+  for (Index output = 0; output < system.c.rows(); ++output)
+    for (Index input = 0; input < system.b.cols(); ++input) {
+      const auto from = static_cast<std::size_t>(output), to = static_cast<std::size_t>(input);
+      if ((system.d.row(output).array() != 0).any() || system.a.rows() == 0 ||
+          feedbacks.size() == kMost)
+        continue;
+      feedbacks.push_back({output, input});
+      const std::string place = fmt::format("feedback.{}", feedbacks.size());
+      model.connections.push_back(
+          {place,
+           fmt::format("from {} back to {}", model.outputs[from], model.inputs[to]),
+           system.b.cols() == 1 ? model.outputs[from] : place,
+           to,
+           {}});
+    }
+  return feedbacks;
+}
+
+}  // namespace
+
+void finish_linear(const Config& table, BareSystem bare, DynamicModel& model) {
+  for (std::size_t i = 0; i < model.inputs.size(); ++i) model.plant_inputs.push_back({i, 0});
+  model.name = "input to output";
+  model.sampled_every = table.number_in("time_step_s", 0, 1e9, 0.0);
+  const auto feedbacks = feedbacks_of(model, bare(model.values(), 0));
+  model.linear = [bare, feedbacks, every = model.sampled_every](const VectorXd& values) {
+    LinearSystem system = bare(values, static_cast<Index>(feedbacks.size()));
+    connect(feedbacks, every, system);
+    return system;
+  };
+  read_common(table, model);
+}
+
+}  // namespace rths::diagnosis

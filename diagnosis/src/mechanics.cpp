@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mechanics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <Eigen/LU>
+
+#include <rths/core/error.hpp>
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::VectorXd;
+
+constexpr const char* kInputs = "force.<mass>, base_acceleration or base_displacement";
+constexpr const char* kOutputs =
+    "displacement.<mass>, velocity.<mass>, acceleration.<mass>, deformation.<spring> or "
+    "spring_force.<spring>";
+
+std::optional<Mechanics::Output> output_called(const std::string& name) {
+  using Output = Mechanics::Output;
+  constexpr std::pair<const char*, Output> kKnown[] = {{"displacement", Output::Displacement},
+                                                       {"velocity", Output::Velocity},
+                                                       {"acceleration", Output::Acceleration},
+                                                       {"deformation", Output::Deformation},
+                                                       {"spring_force", Output::SpringForce}};
+  for (const auto& [known, output] : kKnown)
+    if (name == known) return output;
+  return std::nullopt;
+}
+
+void read_inputs(const Config& table, Mechanics& mechanics, DynamicModel& model) {
+  for (const auto& [role, words] : read_assignments(table)) {
+    const std::size_t channel = model.inputs.size(), place = model.plant_inputs.size();
+    model.inputs.push_back(role);
+    model.plant_inputs.push_back({channel, 0});
+    if (words[0] == "force" && words.size() == 2) {
+      const Index mass =
+          read_place(table, role, words[1], static_cast<std::size_t>(mechanics.masses), "mass");
+      mechanics.drives.push_back({Mechanics::Input::Force, mass, place});
+    } else if (words[0] == "base_acceleration" && words.size() == 1) {
+      mechanics.drives.push_back({Mechanics::Input::BaseAcceleration, 0, place});
+    } else if (words[0] == "base_displacement" && words.size() == 1) {
+      mechanics.drives.push_back({Mechanics::Input::BaseDisplacement, 0, place});
+      model.plant_inputs.push_back({channel, 1});
+    } else {
+      table.fail(role, fmt::format("'{}' is no input, expected {}", table.text(role), kInputs));
+    }
+  }
+}
+
+void read_outputs(const Config& table, Mechanics& mechanics, DynamicModel& model) {
+  for (const auto& [role, words] : read_assignments(table)) {
+    const auto kind = output_called(words[0]);
+    if (!kind || words.size() != 2)
+      table.fail(role, fmt::format("'{}' is no output, expected {}", table.text(role), kOutputs));
+    const bool of_spring =
+        *kind == Mechanics::Output::Deformation || *kind == Mechanics::Output::SpringForce;
+    const std::size_t most =
+        of_spring ? mechanics.springs.size() : static_cast<std::size_t>(mechanics.masses);
+    mechanics.readings.push_back(
+        {*kind, read_place(table, role, words[1], most, of_spring ? "spring" : "mass")});
+    model.outputs.push_back(role);
+  }
+}
+
+// Of the ground's displacement.
+double ground_part(const Spring& spring) {
+  return (spring.to == 0 ? 1.0 : 0.0) - (spring.from == 0 ? 1.0 : 0.0);
+}
+
+}  // namespace
+
+void Mechanics::read(const Config& table, DynamicModel& model) {
+  const Config inputs = table.table("inputs"), outputs = table.table("outputs");
+  read_inputs(inputs, *this, model);
+  read_outputs(outputs, *this, model);
+  const auto uses = [&](Input kind) {
+    return std::any_of(drives.begin(), drives.end(),
+                       [&](const Drive& drive) { return drive.kind == kind; });
+  };
+  if (uses(Input::BaseAcceleration) && uses(Input::BaseDisplacement))
+    throw Error{
+        fmt::format("{}: the base is given by its acceleration and by its displacement, "
+                    "expected one of them",
+                    inputs.where())};
+  model.name = uses(Input::Force) ? "force to motion" : "base to structure";
+}
+
+RowVectorXd Mechanics::stretch(const Spring& spring) const {
+  RowVectorXd row = RowVectorXd::Zero(masses);
+  if (spring.to > 0) row[spring.to - 1] += 1;
+  if (spring.from > 0) row[spring.from - 1] -= 1;
+  return row;
+}
+
+void Mechanics::add_spring(const Spring& spring, DynamicModel& model) {
+  springs.push_back(spring);
+  const std::string title =
+      spring.from == 0 || spring.to == 0
+          ? fmt::format("between mass {} and the ground", spring.from + spring.to)
+          : fmt::format("between masses {} and {}", spring.from, spring.to);
+  const std::string place = fmt::format("spring.{}", springs.size());
+  model.connections.push_back({place, title, place, {}, {}});
+}
+
+Spring Mechanics::read_spring(const Config& table) const {
+  const auto ends = table.numbers("between");
+  const auto is_end = [&](double end) {
+    return end >= 0 && end <= static_cast<double>(masses) && end == std::floor(end);
+  };
+  if (ends.size() != 2 || !is_end(ends[0]) || !is_end(ends[1]) || ends[0] == ends[1])
+    table.fail("between", fmt::format("between must be two different numbers from 0, the ground, "
+                                      "to {}, the last mass",
+                                      masses));
+  return {static_cast<Index>(ends[0]), static_cast<Index>(ends[1])};
+}
+
+// States: displacements x, then velocities v.
+LinearSystem Mechanics::system(const Matrices& matrices, std::size_t plant_inputs) const {
+  const Index n = masses, forces = static_cast<Index>(springs.size());
+  LinearSystem system = LinearSystem::zeros(2 * n, static_cast<Index>(plant_inputs),
+                                            static_cast<Index>(readings.size()), forces);
+  const MatrixXd inverse = matrices.mass.inverse();
+  system.a.topRightCorner(n, n).setIdentity();
+  system.a.bottomLeftCorner(n, n) = -inverse * matrices.stiffness;
+  system.a.bottomRightCorner(n, n) = -inverse * matrices.damping;
+  system.stiffness = matrices.spring_stiffness;
+  system.damping = matrices.spring_damping;
+  for (Index i = 0; i < forces; ++i) {
+    const RowVectorXd row = stretch(springs[static_cast<std::size_t>(i)]);
+    system.p.row(i).head(n) = row;
+    system.r.row(i).tail(n) = row;
+    system.e.col(i).tail(n) = -inverse * row.transpose();
+  }
+  VectorXd base = VectorXd::Zero(system.b.cols());  // acceleration of the coordinates' origin
+  for (const auto& [kind, mass, plant_input] : drives) {
+    const auto input = static_cast<Index>(plant_input);
+    if (kind == Input::Force) {
+      system.b.col(input).tail(n) += inverse.col(mass);
+    } else if (kind == Input::BaseAcceleration) {
+      system.b.col(input).tail(n) -= influence;
+      base[input] = 1;
+    } else {
+      for (Index i = 0; i < forces; ++i) {
+        const double part = ground_part(springs[static_cast<std::size_t>(i)]);
+        system.q(i, input) = part;
+        system.s(i, input + 1) = part;
+        system.b.col(input).tail(n) += system.e.col(i).tail(n) * (part * system.stiffness[i]);
+        system.b.col(input + 1).tail(n) += system.e.col(i).tail(n) * (part * system.damping[i]);
+      }
+    }
+  }
+  for (Index i = 0; i < system.c.rows(); ++i) {
+    const auto& [kind, place] = readings[static_cast<std::size_t>(i)];
+    switch (kind) {
+      case Output::Displacement:
+        system.c(i, place) = 1;
+        break;
+      case Output::Velocity:
+        system.c(i, n + place) = 1;
+        break;
+      case Output::Acceleration:
+        system.c.row(i) = system.a.row(n + place);
+        system.d.row(i) = system.b.row(n + place) + influence[place] * base.transpose();
+        system.h.row(i) = system.e.row(n + place);
+        break;
+      case Output::Deformation:
+        system.c.row(i) = system.p.row(place);
+        system.d.row(i) = system.q.row(place);
+        break;
+      case Output::SpringForce:
+        system.c.row(i) = system.stiffness[place] * system.p.row(place) +
+                          system.damping[place] * system.r.row(place);
+        system.d.row(i) = system.stiffness[place] * system.q.row(place) +
+                          system.damping[place] * system.s.row(place);
+        system.h(i, place) = 1;
+        break;
+    }
+  }
+  return system;
+}
+
+}  // namespace rths::diagnosis

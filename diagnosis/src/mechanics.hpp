@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dynamic_model.hpp"
+#include "dynamic_reading.hpp"
+
+namespace rths::diagnosis {
+
+/// What stands between two masses, 0: the ground.
+struct Spring {
+  Eigen::Index from = 0, to = 0;
+};
+
+/// Masses, and where the outside takes hold of them: M x'' + C x' + K x = what inputs do.
+struct Mechanics {
+  enum class Input { Force, BaseAcceleration, BaseDisplacement };
+  enum class Output { Displacement, Velocity, Acceleration, Deformation, SpringForce };
+
+  struct Drive {
+    Input kind;
+    Eigen::Index mass;        ///< of a force
+    std::size_t plant_input;  ///< of the base's displacement, the next is its rate
+  };
+  struct Reading {
+    Output kind;
+    Eigen::Index place;  ///< of the mass, or of the spring
+  };
+  Eigen::Index masses = 0;
+  std::vector<Spring> springs;
+  std::vector<Drive> drives;
+  std::vector<Reading> readings;
+  Eigen::VectorXd influence;  ///< how much each mass feels of the base's acceleration
+  /// If the base is displaced, motion is absolute; else relative to the base.
+
+  /// Reads [model.inputs] and [model.outputs] into this and the model.
+  void read(const Config& table, DynamicModel& model);
+
+  struct Matrices {
+    Eigen::MatrixXd mass, damping, stiffness;
+    Eigen::VectorXd spring_stiffness, spring_damping;  ///< of what is between two masses
+  };
+  /// Displacement between the ends of a spring, by mass.
+  [[nodiscard]] Eigen::RowVectorXd stretch(const Spring& spring) const;
+  /// Adds a place for terms between two masses, called by their numbers.
+  void add_spring(const Spring& spring, DynamicModel& model);
+  /// [[spring]] between = [0, 1]
+  [[nodiscard]] Spring read_spring(const Config& table) const;
+  [[nodiscard]] LinearSystem system(const Matrices& matrices, std::size_t plant_inputs) const;
+};
+
+}  // namespace rths::diagnosis

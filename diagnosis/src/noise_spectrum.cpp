@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include <Eigen/QR>
+#include <unsupported/Eigen/FFT>
+
+#include <rths/core/error.hpp>
+#include <rths/diagnosis/signal.hpp>
+
+#include "fast_length.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double kBandsPerOctave = 3;
+constexpr double kMostRise = 3;  // of the density towards low frequencies, over the first band's
+
+// Adds the periodogram of one stretch to sums over bands.
+void add_periodogram(const VectorXd& stretch, double time_step, std::vector<double>& sums,
+                     std::vector<double>& frequencies, std::vector<double>& counts, double lowest) {
+  const Index n = stretch.size();
+  VectorXd weight(n);
+  for (Index i = 0; i < n; ++i)
+    weight[i] = 0.5 * (1 - std::cos(2 * std::numbers::pi * (static_cast<double>(i) + 0.5) /
+                                    static_cast<double>(n)));
+  const VectorXd x = (stretch.array() - stretch.mean()) * weight.array();
+  const Index length = fast_length(n);
+  VectorXd padded = VectorXd::Zero(length);
+  padded.head(n) = x;
+  Eigen::FFT<double> transform;
+  Eigen::VectorXcd bins;
+  transform.fwd(bins, padded);
+  const double scale = 2 * time_step / weight.squaredNorm();
+  for (Index k = 1; k <= length / 2; ++k) {
+    const double f = static_cast<double>(k) / (static_cast<double>(length) * time_step);
+    if (f < lowest) continue;
+    const auto band = static_cast<std::size_t>(kBandsPerOctave * std::log2(f / lowest));
+    if (band >= sums.size()) continue;
+    sums[band] += scale * std::norm(bins[k]);
+    frequencies[band] += std::log(f);
+    counts[band] += 1;
+  }
+}
+
+// Bands of few numbers scatter; there a cubic of log density over log frequency, through all bands,
+// says more.
+void smooth_few(const std::vector<double>& counts, const std::vector<double>& frequency,
+                std::vector<double>& density) {
+  constexpr double kFew = 40;
+  const auto n = static_cast<Index>(counts.size());
+  if (n < 8 || std::any_of(density.begin(), density.end(), [](double d) { return !(d > 0); }))
+    return;
+  Eigen::MatrixXd design(n, 4);
+  VectorXd log_density(n);
+  for (Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    // Beyond some tens, a band's scatter is less than what a cubic misses of it.
+    const double weight = std::sqrt(std::min(counts[k], kFew));
+    const double x = std::log(frequency[k] / frequency[counts.size() / 2]);
+    design.row(i) << weight, weight * x, weight * x * x, weight * x * x * x;
+    log_density[i] = weight * std::log(density[k]);
+  }
+  const VectorXd cubic = design.colPivHouseholderQr().solve(log_density);
+  for (Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (counts[k] >= kFew) continue;
+    const double weight = std::sqrt(std::min(counts[k], kFew));
+    density[k] = std::exp(design.row(i).dot(cubic) / weight);
+  }
+}
+
+}  // namespace
+
+NoiseSpectrum::NoiseSpectrum(double deviation, double time_step)
+    : frequency_{1}, density_{2 * deviation * deviation * time_step} {}
+
+NoiseSpectrum::NoiseSpectrum(const std::vector<VectorXd>& stretches, double time_step) {
+  Index longest = 0;
+  for (const auto& stretch : stretches) longest = std::max(longest, stretch.size());
+  if (longest < 16) throw Error{"noise model: too few samples at rest"};
+  // A window's main lobe reaches over two bins: below, the mean that was taken out is missed.
+  const double lowest = 1.5 / (static_cast<double>(longest) * time_step);
+  const auto bands =
+      static_cast<std::size_t>(kBandsPerOctave * std::log2(0.5 / time_step / lowest)) + 1;
+  std::vector<double> sums(bands), frequencies(bands), counts(bands);
+  for (const auto& stretch : stretches)
+    if (stretch.size() >= longest / 2)
+      add_periodogram(stretch, time_step, sums, frequencies, counts, lowest);
+  std::vector<double> kept;
+  for (std::size_t i = 0; i < bands; ++i) {
+    if (counts[i] == 0) continue;
+    frequency_.push_back(std::exp(frequencies[i] / counts[i]));
+    density_.push_back(sums[i] / counts[i]);
+    kept.push_back(counts[i]);
+  }
+  smooth_few(kept, frequency_, density_);
+}
+
+NoiseSpectrum NoiseSpectrum::scaled(double factor) const {
+  NoiseSpectrum result = *this;
+  for (double& density : result.density_) density *= factor * factor;
+  return result;
+}
+
+double NoiseSpectrum::density(double frequency) const {
+  if (frequency_.empty()) return 0;
+  const auto above = std::upper_bound(frequency_.begin(), frequency_.end(), frequency);
+  if (above == frequency_.begin()) {
+    // Drift goes on below what a short stretch can show.
+    const bool is_white = frequency_.size() == 1;
+    return density_.front() *
+           (is_white ? 1 : std::min(frequency_.front() / std::max(frequency, 1e-9), kMostRise));
+  }
+  if (above == frequency_.end()) return density_.back();
+  const auto i = static_cast<std::size_t>(above - frequency_.begin());
+  const double share =
+      std::log(frequency / frequency_[i - 1]) / std::log(frequency_[i] / frequency_[i - 1]);
+  // Between bands along a straight line of log density over log frequency.
+  if (!(density_[i - 1] > 0) || !(density_[i] > 0)) return density_[i];
+  return density_[i - 1] * std::pow(density_[i] / density_[i - 1], share);
+}
+
+bool NoiseSpectrum::is_nothing() const {
+  return std::none_of(density_.begin(), density_.end(), [](double d) { return d > 0; });
+}
+
+VectorXd NoiseSpectrum::draw(Index samples, double time_step,
+                             const std::function<double()>& random) const {
+  if (is_nothing()) return VectorXd::Zero(samples);
+  const Index length = fast_length(samples + samples % 2);
+  Eigen::VectorXcd bins(length);
+  bins.setZero();
+  for (Index k = 1; k <= length / 2; ++k) {
+    const double f = static_cast<double>(k) / (static_cast<double>(length) * time_step);
+    const double size = std::sqrt(density(f) * static_cast<double>(length) / (4 * time_step));
+    const std::complex<double> bin{size * random(), size * random()};
+    bins[k] = bin;
+    bins[(length - k) % length] = std::conj(bin);
+  }
+  Eigen::FFT<double> transform;
+  VectorXd signal;
+  transform.inv(signal, bins);
+  return signal.head(samples);
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "separation.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <Eigen/Cholesky>
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kFarthest = 100;  // scales that a refit may move a parameter by
+
+// What is left of a difference of predictions after a fit of parameters to it.
+struct Normal {
+  MatrixXd curvature;
+  VectorXd slope;
+  double square = 0;
+
+  void add(const MatrixXd& jacobian, const VectorXd& difference) {
+    if (curvature.size() == 0) {
+      curvature = MatrixXd::Identity(jacobian.cols(), jacobian.cols()) / (kFarthest * kFarthest);
+      slope = VectorXd::Zero(jacobian.cols());
+    }
+    curvature += jacobian.transpose() * jacobian;
+    slope += jacobian.transpose() * difference;
+    square += difference.squaredNorm();
+  }
+  [[nodiscard]] double left() const {  // [nat]
+    const double fitted = slope.size() > 0 ? slope.dot(curvature.ldlt().solve(slope)) : 0;
+    return std::max(0.0, (square - fitted) / 2);
+  }
+};
+
+std::vector<Index> all(const Hypothesis& hypothesis) {
+  std::vector<Index> indices(hypothesis.free.size());
+  std::iota(indices.begin(), indices.end(), Index{0});
+  return indices;
+}
+VectorXd scales(const Hypothesis& hypothesis) {
+  VectorXd scale(hypothesis.values.size());
+  for (Index i = 0; i < scale.size(); ++i)
+    scale[i] = hypothesis.free[static_cast<std::size_t>(i)].scale;
+  return scale;
+}
+
+// One step of Gauss and Newton: a rival was fitted to one fold only.
+Hypothesis settled(const Investigation& found, Hypothesis hypothesis, Rows& rows) {
+  const Fold& both = found.folds.both;
+  Supposition supposition{*found.problem, std::move(hypothesis)};
+  Hypothesis result = supposition.hypothesis();
+  if (!supposition.evaluate(both, result.values, all(result), rows.residual, rows.jacobian))
+    return result;
+  const VectorXd scale = scales(result);
+  rows.jacobian *= scale.asDiagonal();
+  MatrixXd curvature = rows.jacobian.transpose() * rows.jacobian;
+  curvature.diagonal().array() += 1 / (kFarthest * kFarthest);
+  VectorXd values =
+      result.values -
+      scale.cwiseProduct(curvature.ldlt().solve(rows.jacobian.transpose() * rows.residual));
+  for (Index i = 0; i < values.size(); ++i) {
+    const auto& free = result.free[static_cast<std::size_t>(i)];
+    values[i] = std::clamp(values[i], free.low, free.high);
+  }
+  VectorXd residual;
+  MatrixXd none;
+  if (supposition.evaluate(both, values, {}, residual, none) &&
+      residual.squaredNorm() < rows.residual.squaredNorm()) {
+    rows.residual = residual;
+    result.values = values;
+  }
+  return result;
+}
+
+// What of a hypothesis is left if the specimen is taken out.
+Hypothesis machine_of(const Hypothesis& hypothesis) {
+  Hypothesis rest;
+  for (const auto& term : hypothesis.terms)
+    if (sim::term_kind(term.settings.kind).stage > sim::Stage::Restoring)
+      rest.terms.push_back(term);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
+    const std::string& name = hypothesis.free[i].name;
+    const std::string term = name.substr(0, name.rfind('.'));
+    if (std::none_of(rest.terms.begin(), rest.terms.end(), [&](const PlacedTerm& placed) {
+          return placed.settings.name == term || placed.settings.name.starts_with(term + ".");
+        }))
+      continue;
+    rest.free.push_back(hypothesis.free[i]);
+    values.push_back(hypothesis.values[static_cast<Index>(i)]);
+  }
+  rest.values = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
+  return rest;
+}
+
+// Where its parameters stand among those of the hypothesis.
+std::vector<Index> positions(const Hypothesis& part, const Hypothesis& of) {
+  std::vector<Index> found;
+  for (const auto& free : part.free)
+    for (std::size_t i = 0; i < of.free.size(); ++i)
+      if (of.free[i].name == free.name) found.push_back(static_cast<Index>(i));
+  return found;
+}
+
+bool has_empty(const Tests& tests) {
+  return std::any_of(tests.designs.begin(), tests.designs.end(),
+                     [](const Design& design) { return design.is_empty; });
+}
+
+std::vector<const Record*> records_of(const std::vector<Design>& designs) {
+  std::vector<const Record*> records;
+  for (const auto& design : designs) records.push_back(&design.record);
+  return records;
+}
+
+}  // namespace
+
+Tests::Tests(const Problem& like, bool is_removable)
+    : designs{designs_for(like, is_removable)}, problem{like, records_of(designs)} {}
+
+Side::Side(const Investigation& found, const Tests& tests, Hypothesis hypothesis)
+    : hypothesis_{settled(found, std::move(hypothesis), records_)},
+      tests_{&tests},
+      whole_{tests.problem, hypothesis_},
+      empty_{tests.problem, has_empty(tests) ? machine_of(hypothesis_) : hypothesis_} {}
+
+const Supposition& Side::on(std::size_t test) const {
+  return tests_->designs[test].is_empty ? empty_ : whole_;
+}
+
+const VectorXd& Side::residual(std::size_t test) {
+  const auto known = residuals_.find(test);
+  if (known != residuals_.end()) return known->second;
+  VectorXd& residual = residuals_[test];
+  MatrixXd none;
+  if (!on(test).evaluate(whole({test}), on(test).hypothesis().values, {}, residual, none))
+    residual.resize(0);
+  return residual;
+}
+
+const MatrixXd& Side::jacobian(std::size_t test) {
+  const auto known = jacobians_.find(test);
+  if (known != jacobians_.end()) return known->second;
+  const Hypothesis& there = on(test).hypothesis();
+  MatrixXd& jacobian = jacobians_[test];
+  jacobian = MatrixXd::Zero(residual(test).size(), hypothesis_.values.size());
+  VectorXd residual;
+  MatrixXd columns;
+  if (on(test).evaluate(whole({test}), there.values, all(there), residual, columns))
+    jacobian(Eigen::all, positions(there, hypothesis_)) = columns * scales(there).asDiagonal();
+  return jacobian;
+}
+
+double distance(Side& one, Side& other, std::size_t test) {
+  const VectorXd &a = one.residual(test), &b = other.residual(test);
+  return a.size() > 0 && a.size() == b.size() ? (a - b).norm() : 0;
+}
+
+double told(Side& one, Side& other, std::size_t test) {
+  if (!(distance(one, other, test) > 0)) return 0;
+  if (one.records().residual.size() != other.records().residual.size()) return 0;
+  const VectorXd before = one.records().residual - other.records().residual;
+  const VectorXd after = one.residual(test) - other.residual(test);
+  double sum = 0;
+  for (Side* loser : {&one, &other}) {
+    Normal normal;
+    normal.add(loser->records().jacobian, before);
+    const double known = normal.left();
+    normal.add(loser->jacobian(test), after);
+    sum += std::max(0.0, normal.left() - known);
+  }
+  return sum / 2;
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+#include <rths/sim/composition.hpp>
+
+namespace rths::diagnosis {
+
+/// Units in which a place of a model computes, as multiples of m, N and s. The catalogue's bounds
+/// are those of a laboratory's machines; a circuit of millivolts or a tank of hours keeps within
+/// them if it counts in units of its own.
+struct UnitScales {
+  double length = 1, force = 1, time = 1;
+
+  /// Of a parameter's unit, "N*s/m3": SI value over this is the value that terms compute with.
+  /// @throws Error if the unit has a symbol that is not known   @setup
+  [[nodiscard]] double of(std::string_view unit) const;
+};
+
+/// A power of ten that brings `size` near `typical`, or 1 if it lies within [low, high] as it is.
+[[nodiscard]] double scale_for(double size, double low, double high, double typical);
+
+/// The same term as it computes in these units, with every parameter stated.
+/// @throws Error for an unknown kind or parameter   @setup
+[[nodiscard]] sim::TermSettings in_units(const sim::TermSettings& term, const UnitScales& scales);
+
+/// Position of a parameter in its kind's table. @throws Error if it has none of that name   @setup
+[[nodiscard]] const sim::Parameter& parameter_of(const sim::TermKind& kind, std::string_view name);
+
+}  // namespace rths::diagnosis

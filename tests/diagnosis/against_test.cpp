@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/diagnosis/against.hpp>
+
+#include <gtest/gtest.h>
+
+#include "support/files.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+/// Eleven samples from 0 to 1 s, and a second motion.
+Case measured() {
+  Record record;
+  record.name = "run.csv";
+  record.time_step = 0.1;
+  record.channels = {{"command.long", "m", std::vector<double>(11, 0.5)},
+                     {"displacement.long", "m", std::vector<double>(11, 1)},
+                     {"force.long", "N", std::vector<double>(11, 2)}};
+  record.quiet = {0, 4};
+  Record other = record;
+  other.use = Use::HeldOut;
+  Record rest = record;
+  rest.use = Use::Reference;
+  Case c;
+  c.name = "table";
+  c.records = {record, other, rest};
+  c.model.kind = "bearing";
+  return c;
+}
+
+class AgainstTest : public ::testing::Test {
+ protected:
+  std::filesystem::path simulation(const std::string& csv) { return folder_.write("sim.csv", csv); }
+  std::string error_with(const std::string& csv) {
+    const auto file = simulation(csv);
+    const auto message =
+        test::error_of([&] { static_cast<void>(with_prediction(measured(), file)); });
+    const std::string place = file.string() + ": ";
+    return message.rfind(place, 0) == 0 ? message.substr(place.size()) : "no place: " + message;
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(AgainstTest, PredictsAtTheTimesOfTheRecord) {
+  const Case c =
+      with_prediction(measured(), simulation("time,force.long\n0,0\n0.25,25\n0.5,50\n1,60\n"));
+
+  const auto* force = c.records[0].find("predicted.force.long");
+  ASSERT_NE(force, nullptr);
+  EXPECT_EQ(force->unit, "N");
+  ASSERT_EQ(force->values.size(), 11U);
+  for (std::size_t i = 0; i <= 10; ++i)
+    EXPECT_NEAR(force->values[i], i <= 5 ? 10.0 * double(i) : 40 + 2.0 * double(i), 1e-9) << i;
+  EXPECT_EQ(c.records[0].find("predicted.displacement.long"), nullptr);
+  EXPECT_EQ(c.model.kind, "data");
+}
+
+TEST_F(AgainstTest, LeavesOutMotionsThatItSaysNothingAbout) {
+  const Case c = with_prediction(measured(), simulation("time,force.long\n0,0\n1,1\n"));
+
+  ASSERT_EQ(c.records.size(), 2U);
+  EXPECT_EQ(c.records[0].use, Use::Fit);
+  EXPECT_EQ(c.records[1].use, Use::Reference);
+}
+
+TEST_F(AgainstTest, KnowsTheNamesThatRunsRecord) {
+  const Case c = with_prediction(measured(),
+                                 simulation("time,displ.long,srmd.long.force.fbk\n0,3,5\n1,3,5\n"));
+
+  EXPECT_EQ(c.records[0].find("predicted.displacement.long")->values[3], 3);
+  EXPECT_EQ(c.records[0].find("predicted.force.long")->values[3], 5);
+}
+
+TEST_F(AgainstTest, CutsOffWhatIsNotPredicted) {
+  const Case c = with_prediction(measured(), simulation("time,force.long\n0.2,2\n0.7,7\n"));
+
+  const Record& record = c.records[0];
+  EXPECT_EQ(record.samples(), 6U);
+  EXPECT_NEAR(record.start, 0.2, 1e-12);
+  EXPECT_EQ(record.quiet, (std::pair<std::size_t, std::size_t>{0, 2}));
+  EXPECT_NEAR(record.find("predicted.force.long")->values.back(), 7, 1e-9);
+}
+
+TEST_F(AgainstTest, SaysWhatASimulationLacks) {
+  EXPECT_EQ(error_with("t,force.long\n0,0\n1,1\n"),
+            "has no column 'time', expected the seconds of each row");
+  EXPECT_EQ(error_with("time,force.long\n0,0\n0,1\n"), "'time' does not grow from row to row");
+  EXPECT_EQ(error_with("time,F\n0,0\n1,1\n"),
+            "predicts nothing that was measured, expected columns named as command.long, "
+            "displacement.long, force.long");
+  EXPECT_EQ(error_with("time,force.long\n5,0\n6,1\n"),
+            "lasts from 5 to 6 s, expected a part of 0 to 1 s");
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any recording is readable: what the keys of a [[record]] and of [channels] do.
+#include <rths/diagnosis/case.hpp>
+
+#include <hdf5.h>
+#include <matio.h>
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "support/files.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Values = std::vector<double>;
+
+class RecordTest : public ::testing::Test {
+ protected:
+  RecordTest() {
+    folder_.write("log.csv", "t,u,F\n0,0,10\n0.01,1,20\n0.02,2,30\n0.03,3,40\n0.04,4,50\n");
+  }
+  // One [[record]] to fit, whose keys stand in `record`.
+  Case load(const std::string& record, const std::string& channels = kChannels) {
+    folder_.write("case.toml", "format = 1\n[channels]\n" + channels + "\n" + record);
+    return load_case(folder_.path());
+  }
+  std::string error(const std::string& record, const std::string& channels = kChannels) {
+    const auto message = test::error_of([&] { static_cast<void>(load(record, channels)); });
+    const auto at = message.find(folder_.path().string() + "/");
+    return at == 0 ? message.substr(folder_.path().string().size() + 1) : message;
+  }
+
+  static constexpr const char* kChannels =
+      "time = \"t [s]\"\ndisplacement.long = \"u [mm]\"\nforce.long = \"F [kN]\"\n";
+  static constexpr const char* kFit = "[[record]]\nfile = \"log.csv\"\nuse = \"fit\"\n";
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
+  const Case c = load(std::string{kFit} + "span_s = [0, 0.02]\n" +
+                      "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nspan_s = [0.02, 1]\n" +
+                      "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nname = \"all of it\"\n");
+
+  ASSERT_EQ(c.records.size(), 3U);
+  EXPECT_EQ(c.records[0].name, "log.csv");
+  EXPECT_EQ(c.records[0].samples(), 3U);
+  EXPECT_EQ(c.records[1].name, "log.csv (2)");
+  EXPECT_EQ(c.records[1].find("force.long")->values, (Values{30e3, 40e3, 50e3}));
+  EXPECT_EQ(c.records[1].start, 0.02);
+  EXPECT_EQ(c.records[2].name, "all of it");
+  EXPECT_EQ(c.records[2].samples(), 5U);
+}
+
+TEST_F(RecordTest, RefusesASpanThatHoldsNothing) {
+  EXPECT_EQ(error(std::string{kFit} + "span_s = [7, 8]\n"),
+            "case.toml:10:10: fewer than two samples lie in it; the recording goes from 0 to "
+            "0.04 s");
+  EXPECT_EQ(error(std::string{kFit} + "span_s = [2, 1]\n"),
+            "case.toml:10:10: span_s must be [from, to]");
+}
+
+TEST_F(RecordTest, RefusesOneNameForTwoRecords) {
+  const std::string named = std::string{kFit} + "name = \"a\"\n";
+
+  EXPECT_EQ(error(named + named), "case.toml:14:8: two records are called 'a'");
+}
+
+TEST_F(RecordTest, TakesWhatWasNotRecordedFromTheCase) {
+  const Case c = load(std::string{kFit} + "[record.channels]\n" +
+                      "auxiliary.current = \"= 250 [mA]\"\ntemperature = \"= 20 [degC]\"\n");
+
+  EXPECT_EQ(c.records[0].find("auxiliary.current")->values, (Values(5, 0.25)));
+  EXPECT_EQ(c.records[0].find("auxiliary.current")->unit, "A");
+  EXPECT_NEAR(c.records[0].find("temperature")->values[4], 293.15, 1e-9);
+  EXPECT_EQ(error(std::string{kFit} + "[record.channels]\nauxiliary.current = \"= x [A]\"\n"),
+            "case.toml:11:21: 'x' is no number");
+}
+
+TEST_F(RecordTest, TurnsSignsAndKnowsFactorsInUnits) {
+  const Case c = load(kFit,
+                      "time = \"t [s]\"\nforce.long = \"-F [kN]\"\n"
+                      "force.lat = \"F [35.15065 N]\"\ninput.torque = \"F [-2 N.m]\"\n");
+
+  EXPECT_EQ(c.records[0].find("force.long")->values[1], -20e3);
+  EXPECT_NEAR(c.records[0].find("force.lat")->values[1], 703.013, 1e-9);
+  EXPECT_EQ(c.records[0].find("input.torque")->values[1], -40);
+}
+
+TEST_F(RecordTest, FindsColumnsThatAreNamedWithTheirUnits) {
+  folder_.write("log.csv", "t [s],-F [kN]\n0,1\n0.01,2\n");
+
+  const Case c = load(kFit, "time = \"t [s]\"\nforce.long = \"-F [kN]\"\n");
+
+  EXPECT_EQ(c.records[0].find("force.long")->values, (Values{1e3, 2e3}));
+}
+
+TEST_F(RecordTest, TakesChannelsFromSeveralFiles) {
+  folder_.write("load.txt", "11\n21\n31\n41\n51\n");
+
+  const Case c = load(kFit,
+                      "rate_Hz = 100\ndisplacement.long = \"u [mm]\"\n"
+                      "force.long = \"1 [kN] in load.txt\"\n");
+
+  EXPECT_EQ(c.records[0].find("force.long")->values[2], 31e3);
+  folder_.write("load.txt", "11\n21\n");
+  EXPECT_NE(error(kFit, "time = \"t [s]\"\nforce.long = \"1 [kN] in load.txt\"\n")
+                .find("log.csv: force.long has 2 samples, others have 5"),
+            std::string::npos);
+  EXPECT_EQ(error(kFit, "time = \"t [s]\"\nforce.long = \"1 [kN] load.txt\"\n"),
+            "case.toml:4:14: 'load.txt' stands behind the unit, expected nothing or \"in file\"");
+}
+
+TEST_F(RecordTest, KnowsThatAControllerHoldsItsOutput) {
+  const std::string channels =
+      "time = \"t [s]\"\nforce.long = \"F [kN]\"\nheld = [\"force.long\"]\n";
+
+  EXPECT_EQ(load(kFit, channels).records[0].find("force.long")->values,
+            (Values{10e3, 15e3, 25e3, 35e3, 45e3}));
+  EXPECT_EQ(error(kFit, "rate_Hz = 1\nforce.long = \"F [kN]\"\nheld = [\"force.lat\"]\n"),
+            "case.toml:5:8: there is no channel 'force.lat'");
+}
+
+TEST_F(RecordTest, MayBeSampledAtItsOwnRate) {
+  folder_.write("fast.csv", "u,F\n0,1\n1,2\n2,3\n");
+
+  const Case c = load(std::string{kFit} +
+                          "[[record]]\nfile = \"fast.csv\"\nuse = \"held_out\"\n"
+                          "[record.channels]\nrate_Hz = 1000\n" +
+                          "[[record]]\nfile = \"fast.csv\"\nuse = \"held_out\"\n"
+                          "[record.channels]\nrate_Hz = 100\n",
+                      "displacement.long = \"u [mm]\"\nrate_Hz = 500\n");
+
+  EXPECT_EQ(c.records[0].time_step, 2e-3);
+  EXPECT_EQ(c.records[1].time_step, 1e-3);
+  EXPECT_EQ(c.records[2].time_step, 1e-2);
+}
+
+TEST_F(RecordTest, ResamplesWhatIsNotEquallySpaced) {
+  folder_.write("log.csv", "t,u,F\n0,0,0\n0.01,1,1\n0.025,2.5,2.5\n0.03,3,3\n0.04,5,4\n");
+
+  const Record record = load(std::string{kFit} + "resample_Hz = 200\n").records[0];
+
+  EXPECT_EQ(record.time_step, 5e-3);
+  ASSERT_EQ(record.samples(), 9U);
+  EXPECT_NEAR(record.find("force.long")->values[3], 1500, 1e-9);
+  EXPECT_NEAR(record.find("displacement.long")->values[7], 4e-3, 1e-12);
+  EXPECT_NE(error(kFit).find("row 3 is at 0.025 s, expected 0.02 s: samples are not equally "
+                             "spaced; give rate_Hz instead"),
+            std::string::npos);
+  folder_.write("log.csv", "t,u,F\n0,0,0\n0.01,1,1\n0.01,2,2\n");
+  EXPECT_NE(error(std::string{kFit} + "resample_Hz = 200\n").find("time must increase"),
+            std::string::npos);
+}
+
+TEST_F(RecordTest, KnowsHowLongItTakesToSettle) {
+  EXPECT_EQ(load(kFit).records[0].settle, 0);
+  EXPECT_EQ(load(std::string{kFit} + "settle_s = 0.02\n").records[0].settle, 0.02);
+  EXPECT_EQ(error(std::string{kFit} + "settle_s = 3\n").find("case.toml:10:12: settle_s is 3"), 0U);
+}
+
+TEST_F(RecordTest, KnowsTheReachOfTheMap) {
+  const std::string map = "[map]\ndisplacement_m = 0.5\n";
+
+  const MapRange range = load(kFit + map).map;
+
+  EXPECT_EQ(range.displacement, 0.5);
+  EXPECT_FALSE(range.velocity.has_value());
+  EXPECT_EQ(error(kFit + map + "velocity_m_per_s = 0\n").find("case.toml:12:20: "), 0U);
+}
+
+TEST_F(RecordTest, KnowsHowFastTheModelIsToRun) {
+  const Comparison comparison =
+      load(std::string{kFit} + "[compare]\nmodel_rate_Hz = 1000\n").comparison;
+
+  EXPECT_EQ(comparison.model_rate, 1000);
+  EXPECT_FALSE(comparison.cutoff.has_value());
+}
+
+TEST_F(RecordTest, SpellsModelsWithHyphens) {
+  for (const char* spelling : {"mass-spring-damper", "mass_spring_damper", "mass spring damper"})
+    EXPECT_EQ(load(std::string{kFit} + "[model]\nkind = \"" + spelling + "\"\n").model.kind,
+              "mass_spring_damper");
+  EXPECT_EQ(load(std::string{kFit} + "[model]\nkind = \"servo-hydraulic axis\"\n").model.kind,
+            "servo_axis");
+}
+
+class BinaryRecordTest : public RecordTest {
+ protected:
+  static constexpr double kTime[] = {0, 0.5, 1};
+  static constexpr double kBoth[] = {1, 2, 3, 10, 20, 30};  // column by column
+  static constexpr double kRowByRow[] = {1, 10, 2, 20, 3, 30};
+
+  void write_mat(const double* both) {
+    mat_t* file = Mat_CreateVer((folder_.path() / "log.mat").c_str(), nullptr, MAT_FT_MAT5);
+    const auto add = [&](const char* name, const double* values, std::size_t rows,
+                         std::size_t columns) {
+      std::size_t size[] = {rows, columns};
+      matvar_t* variable = Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size,
+                                         const_cast<double*>(values), MAT_F_DONT_COPY_DATA);
+      Mat_VarWrite(file, variable, MAT_COMPRESSION_NONE);
+      Mat_VarFree(variable);
+    };
+    add("t", kTime, 1, 3);
+    add("X", both, 3, 2);
+    Mat_Close(file);
+  }
+  void write_hdf5() {
+    const hid_t file =
+        H5Fcreate((folder_.path() / "log.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const auto add = [&](const char* name, const double* values, int rank, const hsize_t* size) {
+      const hid_t space = H5Screate_simple(rank, size, nullptr);
+      const hid_t set =
+          H5Dcreate2(file, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+      H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+      H5Dclose(set);
+      H5Sclose(space);
+    };
+    const hsize_t flat[] = {3}, plane[] = {3, 2};
+    add("t", kTime, 1, flat);
+    add("X", kRowByRow, 2, plane);
+    H5Fclose(file);
+  }
+  static constexpr const char* kColumns =
+      "time = \"t [s]\"\ndisplacement.long = \"X(1) [mm]\"\nforce.long = \"X(2) [kN]\"\n";
+};
+
+TEST_F(BinaryRecordTest, ReadsMatFiles) {
+  write_mat(kBoth);
+
+  const Record record =
+      load("[[record]]\nfile = \"log.mat\"\nuse = \"fit\"\n", kColumns).records[0];
+
+  EXPECT_EQ(record.time_step, 0.5);
+  EXPECT_EQ(record.find("displacement.long")->values, (Values{1e-3, 2e-3, 3e-3}));
+  EXPECT_EQ(record.find("force.long")->values, (Values{10e3, 20e3, 30e3}));
+}
+
+TEST_F(BinaryRecordTest, ReadsHdf5Files) {
+  write_hdf5();
+
+  const Record record = load("[[record]]\nfile = \"log.h5\"\nuse = \"fit\"\n", kColumns).records[0];
+
+  EXPECT_EQ(record.time_step, 0.5);
+  EXPECT_EQ(record.find("displacement.long")->values, (Values{1e-3, 2e-3, 3e-3}));
+  EXPECT_EQ(record.find("force.long")->values, (Values{10e3, 20e3, 30e3}));
+}
+
+TEST_F(BinaryRecordTest, SaysWhichSampleIsMissing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double both[] = {1, 2, 3, 10, nan, nan};
+  write_mat(both);
+  const std::string record = "[[record]]\nfile = \"log.mat\"\nuse = \"fit\"\n";
+
+  EXPECT_EQ(error(record, kColumns),
+            "log.mat: force.long has no number in sample 2 and 1 others: fill what is missing, or "
+            "leave it out by span_s");
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/diagnosis/diagnose.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace rths::diagnosis {
+namespace {
+
+// A guide with a spring and a damper on one axis, measured at 250 Hz. What is hidden in it is added
+// to the force by formulas of this file alone.
+struct Hidden {
+  double friction = 0;      // [N]
+  double ripple = 0;        // of a force from outside, at 7.3 Hz [N]
+  double force_step = 0;    // of the load cell's counts [N]
+  double saturation = 1e9;  // of the load cell [N]
+};
+
+constexpr double kStep = 0.004, kLength = 40, kQuiet = 2;
+constexpr double kStiffness = 2e5, kDamping = 3e3;  // [N/m], [N·s/m]
+constexpr double kForceNoise = 20;                  // [N], of some 20,000
+
+Record record_of(const std::string& name, Use use, unsigned seed, const Hidden& hidden) {
+  std::mt19937 random{seed};
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  double phase[4], frequency[4];
+  for (int i = 0; i < 4; ++i) {
+    phase[i] = 2 * std::numbers::pi * uniform(random);
+    frequency[i] = 0.25 * (i + 1) + 0.1 * uniform(random);
+  }
+  Record record;
+  record.name = name;
+  record.use = use;
+  record.time_step = kStep;
+  Channel u{"displacement.long", "m", {}}, f{"force.long", "N", {}};
+  double side = 0, before = 0;
+  const int samples = static_cast<int>(kLength / kStep);
+  for (int k = 0; k < samples; ++k) {
+    const double t = k * kStep;
+    const double rise = t < kQuiet ? 0 : 1 - std::exp(-std::pow((t - kQuiet) / 2, 2));
+    const double slope =
+        t < kQuiet ? 0 : (t - kQuiet) / 2 * std::exp(-std::pow((t - kQuiet) / 2, 2));
+    double x = 0, v = 0;
+    for (int i = 0; i < 4; ++i) {
+      const double w = 2 * std::numbers::pi * frequency[i];
+      x += 0.03 * rise * std::sin(w * t + phase[i]);
+      v += 0.03 * (rise * w * std::cos(w * t + phase[i]) + slope * std::sin(w * t + phase[i]));
+    }
+    // Coulomb friction that gives 0.1 mm before it slides, by Dahl's exact solution of each step.
+    const double way = x - before, direction = way > 0 ? 1 : -1;
+    side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
+    before = x;
+    double force = kStiffness * x + kDamping * v + hidden.friction * side;
+    force += hidden.ripple * (t < kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
+    force = std::clamp(force, -hidden.saturation, hidden.saturation);
+    force += kForceNoise * normal(random) + 50;
+    if (hidden.force_step > 0) force = hidden.force_step * std::round(force / hidden.force_step);
+    u.values.push_back(x + 2e-7 * normal(random));
+    f.values.push_back(force);
+  }
+  record.channels = {u, f};
+  record.quiet = {0, static_cast<std::size_t>(kQuiet / kStep)};
+  return record;
+}
+
+Case case_of(const Hidden& hidden) {
+  Case c;
+  c.name = "guide";
+  c.records = {record_of("fit", Use::Fit, 1, hidden), record_of("second", Use::HeldOut, 2, hidden),
+               record_of("unseen", Use::HeldOut, 3, hidden)};
+  c.model.kind = "platen";
+  c.model.table = Config::parse(
+      "[polynomial_stiffness]\naxes = [\"long\"]\nlinear_N_per_m = 210_000\n"
+      "[viscous_friction]\naxes = [\"long\"]\ncoefficient_N_s_per_m = 2_500\n"
+      "[force_offset]\nkind = \"offset\"\nchannel = \"force\"\noffset_N = 0\n",
+      "model");
+  for (const char* name :
+       {"polynomial_stiffness.linear", "viscous_friction.coefficient", "force_offset.offset"})
+    c.model.fitted.push_back({name, std::nullopt});
+  return c;
+}
+
+TEST(Diagnosis, SaysThatNothingIsMissing) {
+  const Verdict verdict = diagnose(case_of({}));
+
+  EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
+  EXPECT_TRUE(verdict.causes.empty());
+  ASSERT_EQ(verdict.fit.size(), 3U);
+  // Two seconds at rest in each record tell low third octaves to some 30 %.
+  EXPECT_NEAR(verdict.fit[2].variance_after, 1, 0.3);
+}
+
+TEST(Diagnosis, NamesFrictionAndProvesItOnTheUnseenRecord) {
+  const Verdict verdict = diagnose(case_of({.friction = 300}));
+
+  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
+  ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
+  EXPECT_EQ(verdict.causes[0].name, "coulomb_friction");
+  EXPECT_EQ(verdict.where.part, Part::Machine);
+  const Estimate& force = verdict.causes[0].parameters[0];
+  EXPECT_NEAR(force.value, 300, 10);
+  EXPECT_LT(force.low, 300);
+  EXPECT_GT(force.high, 300);
+  EXPECT_EQ(verdict.proof_record, "unseen");
+  const RecordScore& proof = verdict.fit.back();
+  EXPECT_LT(proof.nrmse_after, 0.3 * proof.nrmse_before);
+  EXPECT_LT(proof.nrmse_after, 1.2 * proof.noise_floor);
+  EXPECT_NE(verdict.fragment.find("friction_force_N = "), std::string::npos);
+}
+
+TEST(Diagnosis, DescribesWhatItHasNoNameFor) {
+  const Verdict verdict = diagnose(case_of({.ripple = 200}));
+
+  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  ASSERT_FALSE(verdict.descriptions.empty());
+  EXPECT_EQ(verdict.descriptions[0].form.rfind("external periodic force at 7.3", 0), 0U)
+      << verdict.descriptions[0].form;
+  // What needs no motion shows without it.
+  EXPECT_EQ(verdict.next_test.rfind("nothing moving", 0), 0U) << verdict.next_test;
+  ASSERT_EQ(verdict.next_motion.channels.size(), 1U);
+  const auto& still = verdict.next_motion.channels[0].second;
+  EXPECT_TRUE(std::all_of(still.begin(), still.end(), [](double u) { return u == 0; }));
+}
+
+TEST(Diagnosis, SaysUnknownWhenTheNameIsTakenAway) {
+  const Verdict verdict =
+      diagnose(case_of({.friction = 300}),
+               {.without = {"coulomb_friction", "asymmetric_friction", "stribeck_friction",
+                            "position_dependent_friction", "bouc_wen", "asymmetric_hysteresis"}});
+
+  EXPECT_TRUE(verdict.outcome == Outcome::Unknown || verdict.has_remainder) << verdict.sentence;
+  EXPECT_NE(verdict.next_test.find("visits velocity"), std::string::npos) << verdict.next_test;
+}
+
+TEST(Diagnosis, SeesCoarseStepsInTheSamples) {
+  const Verdict verdict = diagnose(case_of({.force_step = 400}));
+
+  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
+  EXPECT_EQ(verdict.causes[0].name, "force_quantisation");
+  EXPECT_NEAR(verdict.causes[0].parameters[0].value, 400, 1e-6);
+  EXPECT_EQ(verdict.where.part, Part::Sensor);
+}
+
+TEST(Diagnosis, BlamesTheLoadCellForItsRange) {
+  const Verdict verdict = diagnose(case_of({.saturation = 14'000}));
+
+  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
+  EXPECT_EQ(verdict.causes[0].name, "force_saturation");
+  EXPECT_EQ(verdict.where.part, Part::Sensor);
+  // The comparison's filter rounds the corners of what is cut off.
+  EXPECT_NEAR(verdict.causes[0].parameters[0].value, 14'000, 200);
+}
+
+TEST(Diagnosis, RejectsTermsThatItDoesNotKnow) {
+  try {
+    static_cast<void>(
+        diagnose(case_of({}), {.without = {"gain", "force_gain", "columb_friction"}}));
+    FAIL() << "a name that is none went through";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "without: there is no term 'columb_friction' (did you mean 'coulomb_friction'?)");
+  }
+}
+
+TEST(Diagnosis, MapsEveryStateThatWasVisited) {
+  const Verdict verdict = diagnose(case_of({.friction = 300}));
+
+  const Where& where = verdict.where;
+  ASSERT_GT(where.state_map.size(), where.states.size());
+  double all = 0, place = 0;
+  for (const auto& cell : where.state_map) all += std::max(0.0, cell.share);
+  for (const auto& cell : where.states) place += cell.share;
+  EXPECT_GE(place, 0.8);
+  EXPECT_GE(all, place);
+  // 20 lags of white noise of some 2,400 rows.
+  EXPECT_NEAR(verdict.correlation_bound, 1.96 / std::sqrt(2400), 2e-3);
+}
+
+TEST(Diagnosis, MapsTheExcessOverAccelerationAndDissipatedEnergy) {
+  const Verdict verdict = diagnose(case_of({.friction = 300}));
+
+  const auto profile = [&](const std::string& name) {
+    const auto& all = verdict.where.profiles;
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const Profile& one) { return one.name == name; });
+    return found == all.end() ? Profile{} : *found;
+  };
+  const Profile acceleration = profile("acceleration.long"), energy = profile("dissipated energy");
+  ASSERT_FALSE(acceleration.share.empty());
+  ASSERT_EQ(energy.unit, "J");
+  // By damper and friction: the integral of c v² + F |v| over the record's own motion, which its
+  // force and displacement give as well; the work of a spring comes back.
+  const Record record = record_of("fit", Use::Fit, 1, {.friction = 300});
+  const auto &u = record.channels[0].values, &f = record.channels[1].values;
+  double work = 0;
+  for (std::size_t k = 1; k < u.size(); ++k) work += (f[k] + f[k - 1]) / 2 * (u[k] - u[k - 1]);
+  EXPECT_NEAR(energy.edges.front(), 0, 1e-3 * work);
+  // What the spring holds at the end, and what the last second does, which filters spoil.
+  EXPECT_NEAR(energy.edges.back(), work, 0.1 * work);
+}
+
+TEST(Diagnosis, GivesTheSameVerdictForTheSameSeed) {
+  const Case c = case_of({.friction = 300});
+
+  const Verdict one = diagnose(c), other = diagnose(c);
+
+  EXPECT_EQ(one.sentence, other.sentence);
+  EXPECT_EQ(one.causes[0].parameters[0].value, other.causes[0].parameters[0].value);
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

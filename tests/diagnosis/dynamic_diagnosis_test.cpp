@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// Systems of a user's own, described in case.toml alone, with something in them that was left out.
+// Recordings come from an integrator that shares no code with the library.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <rths/diagnosis/diagnose.hpp>
+
+#include "dynamic_truth.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using test::Truth;
+
+constexpr double kStep = 0.005;
+constexpr std::size_t kSamples = 2400, kRest = 400;
+constexpr double kPush = 20;      // root mean square [N]
+constexpr double kNoise = 0.003;  // of what is measured
+constexpr const char* kFiles[] = {"fit.csv", "second.csv", "third.csv"};
+
+double clipped(double x, double limit) { return std::clamp(x, -limit, limit); }
+
+// What was left out, and what may be said of it: "name at channel", the first or any other.
+struct LeftOut {
+  std::string what;
+  std::vector<std::string> names;
+  std::function<void(Truth&)> in_system;
+  std::function<void(Eigen::Ref<VectorXd>, double rms)> in_first_output = {};
+};
+
+void PrintTo(const LeftOut& left_out, std::ostream* out) { *out << left_out.what; }
+std::string name_of(const ::testing::TestParamInfo<LeftOut>& info) { return info.param.what; }
+
+// Behind a lag of first order, the signal being a line between samples.
+void lagging(Eigen::Ref<VectorXd> y, double) {
+  constexpr double kTimeConstant = 0.015;
+  constexpr int kParts = 50;
+  double behind = 0, before = 0;
+  for (double& value : y) {
+    for (int i = 1; i <= kParts; ++i)
+      behind += (before + (value - before) * i / kParts - behind) *
+                -std::expm1(-kStep / kParts / kTimeConstant);
+    before = value;
+    value = behind;
+  }
+}
+
+void saturate(Truth& truth) {
+  truth.input = [](const auto& u, double t) { return clipped(u(t), 1.6 * kPush); };
+}
+void leave_dead_zone(Truth& truth) {
+  truth.input = [](const auto& u, double t) { return u(t) - clipped(u(t), 0.2 * kPush); };
+}
+void lose_signs(Truth& truth) {
+  truth.input = [](const auto& u, double t) { return 0.7 * u(t) + 0.3 * std::abs(u(t)); };
+}
+void delay(Truth& truth) {
+  truth.input = [](const auto& u, double t) { return u(t - 0.012); };
+}
+void soften(Truth& truth) {
+  truth.spring = [](Index i, double d, double) { return i == 0 ? -5e5 * d * d * d : 0; };
+}
+void rub(Truth& truth) {
+  truth.gain = 3;
+  truth.memory_rate = [](double s, double v) { return (v - s * std::abs(v)) / 2e-4; };
+}
+
+void saturated(Eigen::Ref<VectorXd> y, double rms) {
+  y = y.cwiseMin(1.3 * rms).cwiseMax(-1.3 * rms);
+}
+void wrap(Eigen::Ref<VectorXd> y, double limit) {
+  for (double& value : y) value -= 2 * limit * std::round(value / (2 * limit));
+}
+void overflown(Eigen::Ref<VectorXd> y, double rms) { wrap(y, 1.8 * rms); }
+// A fit of springs as well finds its way past few jumps only.
+void seldom_overflown(Eigen::Ref<VectorXd> y, double rms) { wrap(y, 3 * rms); }
+void without_sign(Eigen::Ref<VectorXd> y, double) { y = y.cwiseAbs(); }
+void late(Eigen::Ref<VectorXd> y, double) {
+  const VectorXd before = y.head(y.size() - 3);
+  y.tail(before.size()) = before;
+}
+void loose(Eigen::Ref<VectorXd> y, double rms) {
+  double held = 0;
+  for (double& value : y) value = held = std::clamp(held, value - 0.3 * rms, value + 0.3 * rms);
+}
+
+class SystemOfOnesOwn : public ::testing::TestWithParam<LeftOut> {
+ protected:
+  // Recordings of a chain of masses: input u, displacements y1 …, and what the simulation without
+  // the effect makes of the first.
+  void record(const Truth& chain) {
+    std::vector<double> deviations;
+    double rms = 0;  // of the first output in the first record: what is left out is in all alike
+    for (unsigned k = 0; k < std::size(kFiles); ++k) {
+      auto u = test::random_signal(10 + k, kSamples, kStep, 0.5, 12, kPush);
+      std::fill_n(u.begin(), kRest, 0.0);
+      Truth truth = chain;
+      if (GetParam().in_system) GetParam().in_system(truth);
+      MatrixXd y = test::motion_of(truth, u, kStep);
+      const MatrixXd simulated = test::motion_of(chain, u, kStep);
+      if (k == 0) rms = std::sqrt(y.col(0).squaredNorm() / kSamples);
+      if (GetParam().in_first_output) GetParam().in_first_output(y.col(0), rms);
+      test::Columns columns{{"u", u},
+                            {"simulated", {simulated.col(0).begin(), simulated.col(0).end()}}};
+      for (Index i = 0; i < y.cols(); ++i) {
+        if (k == 0) deviations.push_back(kNoise * std::sqrt(y.col(i).squaredNorm() / kSamples));
+        auto values = test::noise(100 * k + static_cast<unsigned>(i), kSamples,
+                                  deviations[static_cast<std::size_t>(i)]);
+        for (std::size_t j = 0; j < kSamples; ++j) values[j] += y(static_cast<Index>(j), i);
+        columns[fmt::format("y{}", i + 1)] = values;
+      }
+      folder_.write(kFiles[k], columns);
+    }
+  }
+  Verdict diagnosed(const std::string& channels_and_model) const {
+    std::string toml = "format = 1\n";
+    for (const char* file : kFiles)
+      toml += fmt::format("[[record]]\nfile = \"{}\"\nuse = \"{}\"\nquiet_s = [0, {}]\n", file,
+                          file == kFiles[0] ? "fit" : "held_out", (kRest - 5) * kStep);
+    return diagnose(folder_.load(toml + "[channels]\nrate_Hz = 200\n" + channels_and_model));
+  }
+  static void check(const Verdict& verdict) {
+    const auto& names = GetParam().names;
+    RecordProperty("sentence", verdict.sentence);
+    if (names.empty()) {
+      EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
+      return;
+    }
+    ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
+    ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
+    const Cause& cause = verdict.causes[0];
+    EXPECT_NE(std::find(names.begin(), names.end(), cause.name + " at " + cause.channel),
+              names.end())
+        << cause.name << " at " << cause.channel << ": " << verdict.sentence;
+    EXPECT_GT(cause.explained, 0.95) << verdict.sentence;
+    const RecordScore& proof = verdict.fit.back();
+    EXPECT_LT(proof.nrmse_after, 1.2 * proof.noise_floor) << verdict.sentence;
+    EXPECT_GT(proof.nrmse_before, 2 * proof.nrmse_after) << verdict.sentence;
+  }
+
+  test::CaseFolder folder_;
+};
+
+using MassesOnSprings = SystemOfOnesOwn;
+TEST_P(MassesOnSprings, TellWhatWasLeftOut) {
+  Truth chain;
+  chain.masses = VectorXd{{2, 1.5, 1}};
+  chain.stiffness = VectorXd{{4000, 3000, 2500}};
+  chain.damping = VectorXd{{6, 4, 3}};
+  record(chain);
+
+  check(diagnosed(R"(input.u = "u [N]"
+output.a = "y1 [m]"
+output.c = "y3 [m]"
+[model]
+kind = "mass_spring_damper"
+masses_kg = [2.0, 1.5, 1.0]
+fitted = ["spring.1.stiffness", "spring.2.stiffness", "spring.3.stiffness",
+          "spring.1.damping", "spring.2.damping", "spring.3.damping"]
+[[model.spring]]
+between = [0, 1]
+stiffness_N_per_m = 4100
+damping_N_s_per_m = 5
+[[model.spring]]
+between = [1, 2]
+stiffness_N_per_m = 2900
+damping_N_s_per_m = 5
+[[model.spring]]
+between = [2, 3]
+stiffness_N_per_m = 2600
+damping_N_s_per_m = 4
+[model.inputs]
+"input.u" = "force.1"
+[model.outputs]
+"output.a" = "displacement.1"
+"output.c" = "displacement.3"
+)"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, MassesOnSprings,
+    ::testing::Values(LeftOut{"nothing", {}, {}},
+                      LeftOut{"saturation", {"saturation at input.u"}, saturate},
+                      LeftOut{"delay", {"actuator_delay at input.u"}, delay},
+                      LeftOut{"softening", {"cubic_stiffness at spring.1"}, soften},
+                      LeftOut{"friction", {"coulomb_friction at spring.1"}, rub},
+                      LeftOut{"play",
+                              {"transducer_backlash at spring.3"},
+                              [](Truth& truth) { truth.hysteretic = 2, truth.gap = 1e-3; }},
+                      LeftOut{"overflow", {"overflow at output.a"}, {}, seldom_overflown}),
+    name_of);
+
+using LinearSystems = SystemOfOnesOwn;
+TEST_P(LinearSystems, TellWhatWasLeftOut) {
+  Truth chain;
+  chain.masses = VectorXd{{2}};
+  chain.stiffness = VectorXd{{4000}};
+  chain.damping = VectorXd{{16}};
+  record(chain);
+
+  check(diagnosed(R"(input.u = "u [V]"
+output.y = "y1 [V]"
+[model]
+kind = "linear"
+input = "input.u"
+output = "output.y"
+numerator = [1]
+denominator = [2.1, 15, 4100]
+fitted = ["denominator.1", "denominator.2", "denominator.3"]
+)"));
+}
+
+// A lag or a delay before a linear system is the same as one behind it.
+INSTANTIATE_TEST_SUITE_P(
+    Of, LinearSystems,
+    ::testing::Values(LeftOut{"nothing", {}, {}},
+                      LeftOut{"dead_zone", {"input_dead_zone at input.u"}, leave_dead_zone},
+                      LeftOut{"lost_signs", {"absolute_value_sensor at input.u"}, lose_signs},
+                      LeftOut{"lag",
+                              {"first_order_lag at input.u", "filter_lag at output.y"},
+                              [](Truth& truth) { truth.input_lag = 0.015; }},
+                      LeftOut{"softening", {"cubic_stiffness at output.y"}, soften},
+                      LeftOut{"friction", {"coulomb_friction at output.y"}, rub},
+                      LeftOut{"saturation", {"saturation at output.y"}, {}, saturated}),
+    name_of);
+
+using Predictions = SystemOfOnesOwn;
+TEST_P(Predictions, TellWhatWasLeftOut) {
+  Truth chain;
+  chain.masses = VectorXd{{2}};
+  chain.stiffness = VectorXd{{4000}};
+  chain.damping = VectorXd{{16}};
+  record(chain);
+
+  check(diagnosed(R"(input.u = "u [V]"
+output.y = "y1 [V]"
+predicted.output.y = "simulated [V]"
+[model]
+kind = "data"
+)"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, Predictions,
+    ::testing::Values(LeftOut{"nothing", {}, {}},
+                      LeftOut{
+                          "lost_signs", {"absolute_value_sensor at output.y"}, {}, without_sign},
+                      LeftOut{"lag", {"filter_lag at output.y"}, {}, lagging},
+                      LeftOut{"delay", {"time_skew at output.y"}, {}, late},
+                      LeftOut{"play", {"transducer_backlash at output.y"}, {}, loose},
+                      LeftOut{"overflow", {"overflow at output.y"}, {}, overflown}),
+    name_of);
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+// The same system described in several ways answers alike, and as closed forms do.
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/src/dynamic_relation.hpp"
+#include "dynamic_case.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kStep = 0.01;
+
+std::string records(const std::string& channels) {
+  return R"(format = 1
+[[record]]
+file = "fit.csv"
+use = "fit"
+[channels]
+rate_Hz = 100
+)" + channels;
+}
+
+const std::string kForced = records("input.u = \"u [N]\"\noutput.y = \"y [m]\"\n");
+
+constexpr const char* kOscillator = R"(
+[model]
+kind = "mass_spring_damper"
+masses_kg = [2.0]
+[[model.spring]]
+between = [0, 1]
+stiffness_N_per_m = 800
+damping_N_s_per_m = 8
+[model.inputs]
+"input.u" = "force.1"
+[model.outputs]
+"output.y" = "displacement.1"
+)";
+
+class Kinds : public ::testing::Test {
+ protected:
+  Kinds() : u_(test::random_signal(4, 1500, kStep, 0.3, 8, 30)) {
+    folder_.write("fit.csv", {{"u", u_}, {"y", u_}});
+  }
+  MatrixXd answer(const std::string& toml) {
+    case_ = folder_.load(toml);
+    relation_ = dynamic_relation(case_);
+    return test::prediction(*relation_, relation_->base(), case_.records[0]);
+  }
+  std::string error(const std::string& toml) {
+    const auto message = rths::test::error_of([&] { static_cast<void>(answer(toml)); });
+    const auto at = message.find("case.toml");
+    return at == std::string::npos ? message : message.substr(at);
+  }
+
+  test::CaseFolder folder_;
+  std::vector<double> u_;
+  Case case_;
+  std::unique_ptr<Relation> relation_;
+};
+
+TEST_F(Kinds, ATransferFunctionAnswersAsItsOscillator) {
+  const MatrixXd oscillator = answer(kForced + kOscillator);
+
+  const MatrixXd transfer = answer(kForced + R"(
+[model]
+kind = "linear"
+input = "input.u"
+output = "output.y"
+numerator = [1.0]
+denominator = [2.0, 8.0, 800.0]
+)");
+
+  EXPECT_LT(test::relative_error(transfer, oscillator), 1e-9);
+}
+
+TEST_F(Kinds, AStateSpaceAnswersAsItsOscillator) {
+  const MatrixXd oscillator = answer(kForced + kOscillator);
+
+  const MatrixXd space = answer(kForced + R"(
+[model]
+kind = "linear"
+inputs = ["input.u"]
+outputs = ["output.y"]
+A = [[0, 1], [-400, -4]]
+B = [[0], [0.5]]
+C = [[1, 0]]
+)");
+
+  EXPECT_LT(test::relative_error(space, oscillator), 1e-9);
+}
+
+TEST_F(Kinds, AStructureAnswersAsItsMassesAndSprings) {
+  const std::string channels = records(
+      "acceleration.long = \"u [m/s2]\"\noutput.floor = \"y [m]\"\noutput.roof = \"y [m/s2]\"\n");
+  const std::string ends = R"(
+[model.inputs]
+"acceleration.long" = "base_acceleration"
+[model.outputs]
+"output.floor" = "displacement.1"
+"output.roof" = "acceleration.2"
+)";
+  const MatrixXd masses = answer(channels + R"(
+[model]
+kind = "mass_spring_damper"
+masses_kg = [2.0, 1.0]
+[[model.spring]]
+between = [0, 1]
+stiffness_N_per_m = 900
+damping_N_s_per_m = 8
+[[model.spring]]
+between = [1, 2]
+stiffness_N_per_m = 500
+damping_N_s_per_m = 2
+)" + ends);
+  const MatrixXd structure = answer(channels + R"(
+[model]
+kind = "structure"
+mass = [[2.0, 0], [0, 1.0]]
+stiffness = [[1400, -500], [-500, 500]]
+damping = [[10, -2], [-2, 2]]
+)" + ends);
+
+  EXPECT_LT(test::relative_error(structure, masses), 1e-9);
+  // Its springs were found in the matrix.
+  EXPECT_EQ(relation_->candidates().front().adds[0].place, "spring.1");
+}
+
+// Displacing the base and accelerating it are the same, seen from outside and from the base.
+TEST_F(Kinds, ABaseThatIsDisplacedShakesAsOneThatIsAccelerated) {
+  std::vector<double> ground, acceleration;
+  for (std::size_t i = 0; i < 1500; ++i) {
+    const double t = static_cast<double>(i) * kStep, w = 2 * std::numbers::pi * 1.3;
+    const double swell = 1 - std::exp(-t * t), rate = 2 * t * std::exp(-t * t);
+    const double bend = (2 - 4 * t * t) * std::exp(-t * t);
+    ground.push_back(swell * std::sin(w * t));
+    acceleration.push_back(bend * std::sin(w * t) + 2 * rate * w * std::cos(w * t) -
+                           swell * w * w * std::sin(w * t));
+  }
+  folder_.write("fit.csv", {{"g", ground}, {"a", acceleration}, {"y", ground}});
+  const std::string model = R"(
+[model]
+kind = "mass_spring_damper"
+masses_kg = [2.0]
+[[model.spring]]
+between = [0, 1]
+stiffness_N_per_m = 800
+damping_N_s_per_m = 8
+[model.outputs]
+"output.y" = "deformation.1"
+[model.inputs]
+)";
+
+  const MatrixXd displaced =
+      answer(records("displacement.long = \"g [m]\"\noutput.y = \"y [m]\"\n") + model +
+             "\"displacement.long\" = \"base_displacement\"\n");
+  const MatrixXd accelerated =
+      answer(records("acceleration.long = \"a [m/s2]\"\noutput.y = \"y [m]\"\n") + model +
+             "\"acceleration.long\" = \"base_acceleration\"\n");
+
+  // Lines between samples: (ω Δt)²/12 = 6e-4 of the force.
+  EXPECT_LT(test::relative_error(displaced, accelerated), 3e-3);
+}
+
+TEST_F(Kinds, ASystemInDiscreteTimeIsItsRecursion) {
+  const MatrixXd predicted = answer(kForced + R"(
+[model]
+kind = "linear"
+input = "input.u"
+output = "output.y"
+time_step_s = 0.01
+numerator = [0.2, 0.1]
+denominator = [1.0, -1.6, 0.8]
+)");
+
+  VectorXd expected = VectorXd::Zero(predicted.rows());
+  for (Index i = 1; i < expected.size(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    expected[i] = 1.6 * expected[i - 1] + 0.2 * u_[at - 1];
+    if (i > 1) expected[i] += -0.8 * expected[i - 2] + 0.1 * u_[at - 2];
+  }
+  EXPECT_LT(test::relative_error(predicted, expected), 1e-9);
+}
+
+// In the steady state a sine comes out with the gain and phase of the transfer function.
+TEST_F(Kinds, ATransferFunctionHasItsFrequencyResponse) {
+  constexpr double kFrequency = 2.5;
+  const double w = 2 * std::numbers::pi * kFrequency;
+  std::vector<double> u;
+  for (std::size_t i = 0; i < 4000; ++i) u.push_back(std::sin(w * kStep * static_cast<double>(i)));
+  folder_.write("fit.csv", {{"u", u}, {"y", u}});
+
+  const MatrixXd predicted = answer(kForced + R"(
+[model]
+kind = "linear"
+input = "input.u"
+output = "output.y"
+hold = "smooth"
+numerator = [0.3, 7.0]
+denominator = [2.0, 8.0, 800.0]
+)");
+
+  const std::complex<double> s{0, w};
+  const auto gain = (0.3 * s + 7.0) / (2.0 * s * s + 8.0 * s + 800.0);
+  VectorXd expected(1000);
+  for (Index i = 0; i < expected.size(); ++i)
+    expected[i] = std::imag(gain * std::exp(s * kStep * static_cast<double>(i + 2500)));
+  // Parts of a step are lines: (ω Δt/4)²/12 = 1.3e-4.
+  EXPECT_LT(test::relative_error(predicted.middleRows(2500, 1000), expected), 3e-4);
+}
+
+TEST_F(Kinds, AStartThatIsNotKnownIsFound) {
+  const MatrixXd whole = answer(kForced + kOscillator);
+  const std::vector<double> late(u_.begin() + 700, u_.end());
+  const std::vector<double> measured(whole.data() + 700, whole.data() + whole.rows());
+  folder_.write("fit.csv", {{"u", late}, {"y", measured}});
+
+  const MatrixXd at_rest = answer(kForced + kOscillator);
+  std::string free = kOscillator;
+  free.insert(free.find("masses_kg"), "initial = \"free\"\n");
+  const MatrixXd found = answer(kForced + free);
+
+  const MatrixXd expected = whole.bottomRows(whole.rows() - 700);
+  EXPECT_GT(test::relative_error(at_rest, expected), 0.01);
+  EXPECT_LT(test::relative_error(found, expected), 1e-6);
+}
+
+TEST_F(Kinds, DataWithATermBesideItIsTheirSum) {
+  std::vector<double> predicted, displacement;
+  for (std::size_t i = 0; i < 400; ++i) {
+    displacement.push_back(0.05 * std::sin(0.07 * static_cast<double>(i)));
+    predicted.push_back(3000 * displacement.back());
+  }
+  folder_.write("fit.csv", {{"u", displacement}, {"p", predicted}, {"y", predicted}});
+  const std::string data = records(
+                               "displacement.long = \"u [m]\"\nforce.long = \"y [N]\"\n"
+                               "predicted.force.long = \"p [N]\"\n") +
+                           "[model]\nkind = \"data\"\n";
+  EXPECT_LT(test::relative_error(answer(data), VectorXd::Map(predicted.data(), 400)), 1e-12);
+
+  const MatrixXd with_term =
+      answer(data + "[model.terms.\"added.1\".cubic_stiffness]\nstiffness_N_per_m3 = 1e6\n");
+
+  VectorXd expected(400);
+  for (Index i = 0; i < 400; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    expected[i] = predicted[at] + 1e6 * std::pow(displacement[at], 3);
+  }
+  EXPECT_LT(test::relative_error(with_term, expected), 1e-12);
+}
+
+TEST_F(Kinds, SayWhatIsWrongInTheirTables) {
+  const std::string linear = kForced + R"([model]
+kind = "linear"
+input = "input.u"
+output = "output.y"
+)";
+  EXPECT_EQ(error(linear + "numerator = [1, 2, 3]\ndenominator = [1, 2]\n"),
+            "case.toml:13:13: numerator is of order 2, denominator of order 1: expected no more "
+            "than that");
+  EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [0, 2]\n"),
+            "case.toml:14:15: denominator must begin with a number that is not 0: that of the "
+            "highest power");
+  EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\ntime_step_s = 0.02\n"),
+            "fit.csv: sampled every 0.01 s, but the model steps every 0.02 s");
+  EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\nhold = \"long\"\n"),
+            "case.toml:15:8: hold is 'long', expected linear, zero or smooth");
+  EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\n"
+                           "[model.terms.\"input.w\".saturation]\nlimit_N = 2\n"),
+            "case.toml:15:1: there is no place 'input.w' for terms, expected one of \"input.u\", "
+            "\"output.y\", \"feedback.1\"");
+  const std::string structure = kForced + "[model]\nkind = \"structure\"\n";
+  EXPECT_EQ(error(structure + "mass = [[1, 2], [0, 1]]\nstiffness = [[1, 0], [0, 1]]\n"),
+            "case.toml:11:8: mass is not symmetric");
+  EXPECT_EQ(error(structure + "mass = [[1, 0], [0]]\nstiffness = [[1, 0], [0, 1]]\n"),
+            "case.toml:11:17: mass has a row of 1 numbers, the first has 2");
+  EXPECT_EQ(error(kForced + "[model]\nkind = \"data\"\n"),
+            "fit.csv: a model of kind 'data' needs its prediction as a channel, as in "
+            "predicted.force.long");
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a diagnosis proposes to run next is run on a specimen, and decides. The specimens are
+// integrated by formulas of this file alone.
+#include <rths/diagnosis/diagnose.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kStep = 0.004, kLength = 40, kQuiet = 2;  // [s]
+constexpr double kTurn = 2 * std::numbers::pi;
+
+using Motion = std::function<double(double t)>;
+/// What a laboratory measures of a motion, sample by sample and without noise.
+using Specimen = std::function<std::vector<double>(const Motion&, double length)>;
+
+struct Channels {
+  std::string motion, measured, unit;
+  double motion_noise, noise;
+};
+
+// One frequency, as so many laboratories test.
+Motion sine(double amplitude, double frequency) {
+  return [=](double t) {
+    if (t < kQuiet) return 0.0;
+    const double rise = 1 - std::exp(-std::pow((t - kQuiet) / 3, 2));
+    return amplitude * rise * std::sin(kTurn * frequency * (t - kQuiet));
+  };
+}
+
+Record recorded(const std::string& name, Use use, const Specimen& specimen, const Motion& motion,
+                double length, const Channels& channels, unsigned seed) {
+  std::mt19937 random{seed};
+  std::normal_distribution<double> normal;
+  Record record;
+  record.name = name;
+  record.use = use;
+  record.time_step = kStep;
+  Channel moved{channels.motion, "m", {}};
+  Channel measured{channels.measured, channels.unit, specimen(motion, length)};
+  for (std::size_t k = 0; k < measured.values.size(); ++k) {
+    moved.values.push_back(motion(static_cast<double>(k) * kStep) +
+                           channels.motion_noise * normal(random));
+    measured.values[k] += channels.noise * normal(random);
+  }
+  record.channels = {moved, measured};
+  record.quiet = {0, static_cast<std::size_t>(kQuiet / kStep)};
+  return record;
+}
+
+// The motion that a verdict proposes, between its samples as well.
+Motion proposed(const Verdict& verdict) {
+  const auto values = verdict.next_motion.channels.at(0).second;
+  const double step = verdict.next_motion.time_step;
+  return [=](double t) {
+    const double place = std::clamp(t / step, 0.0, static_cast<double>(values.size() - 1) - 1e-9);
+    const auto k = static_cast<std::size_t>(place);
+    return values[k] + (place - static_cast<double>(k)) * (values[k + 1] - values[k]);
+  };
+}
+
+double length_of(const Verdict& verdict) {
+  return static_cast<double>(verdict.next_motion.channels.at(0).second.size()) *
+         verdict.next_motion.time_step;
+}
+
+bool is_tied(const Verdict& verdict, const std::string& name) {
+  if (verdict.causes.empty()) return false;
+  const auto& others = verdict.causes[0].alternatives;
+  return verdict.causes[0].name == name ||
+         std::any_of(others.begin(), others.end(),
+                     [&](const Alternative& other) { return other.name == name; });
+}
+
+// A spring, and beside it a spring behind a dashpot (Maxwell): f' = k u' − f/τ.
+Specimen rubber(double relaxation_time) {
+  return [=](const Motion& motion, double length) {
+    constexpr double kStiffness = 2e5, kBranch = 2e4;  // [N/m]
+    constexpr int kParts = 20;
+    constexpr double dt = kStep / kParts;
+    std::vector<double> force;
+    double branch = 0, before = motion(0);
+    for (double t = 0; force.size() < static_cast<std::size_t>(length / kStep); t += kStep) {
+      for (int i = 0; i < kParts && t > 0; ++i) {
+        const double u = motion(t - kStep + (i + 1) * dt);
+        const double decay = std::exp(-dt / relaxation_time);
+        // Exact for a motion at constant velocity.
+        branch = branch * decay + kBranch * relaxation_time * (1 - decay) * (u - before) / dt;
+        before = u;
+      }
+      force.push_back(kStiffness * motion(t) + branch);
+    }
+    return force;
+  };
+}
+
+Case rubber_case(double relaxation_time) {
+  const Channels channels{"displacement.long", "force.long", "N", 2e-7, 20};
+  const Specimen specimen = rubber(relaxation_time);
+  Case c;
+  c.name = "rubber";
+  c.records = {recorded("fit", Use::Fit, specimen, sine(0.03, 0.5), kLength, channels, 1),
+               recorded("second", Use::HeldOut, specimen, sine(0.025, 0.5), kLength, channels, 2),
+               recorded("unseen", Use::HeldOut, specimen, sine(0.02, 0.5), kLength, channels, 3)};
+  c.model.kind = "platen";
+  c.model.table = Config::parse(
+      "[polynomial_stiffness]\naxes = [\"long\"]\nlinear_N_per_m = 210_000\n", "model");
+  c.model.fitted = {{"polynomial_stiffness.linear", std::nullopt}};
+  return c;
+}
+
+TEST(NextTest, TellsRelaxationFromDampingOfWhichOneFrequencyIsNoProof) {
+  constexpr double kRelaxationTime = 0.2;
+  Case c = rubber_case(kRelaxationTime);
+  const Verdict tied = diagnose(c);
+  ASSERT_EQ(tied.outcome, Outcome::Missing) << tied.sentence;
+  ASSERT_TRUE(is_tied(tied, "viscous_friction")) << tied.sentence;
+  ASSERT_TRUE(is_tied(tied, "viscoelastic_relaxation")) << tied.sentence;
+  ASSERT_FALSE(tied.next_test.empty()) << tied.sentence;
+
+  c.records.push_back(recorded("next", Use::Fit, rubber(kRelaxationTime), proposed(tied),
+                               length_of(tied), {"displacement.long", "force.long", "N", 2e-7, 20},
+                               4));
+  const Verdict told = diagnose(c);
+
+  ASSERT_EQ(told.causes.size(), 1U) << tied.sentence << "\n" << told.sentence;
+  EXPECT_EQ(told.causes[0].name, "viscoelastic_relaxation") << told.sentence;
+  EXPECT_TRUE(told.causes[0].alternatives.empty()) << told.sentence;
+}
+
+// An actuator that comes late: by a pure delay, or as a lag of first order, u' = (command − u)/τ.
+enum class Lateness { Delay, Lag };
+
+Specimen actuator(Lateness lateness, double time) {
+  return [=](const Motion& motion, double length) {
+    constexpr int kParts = 20;
+    constexpr double dt = kStep / kParts;
+    std::vector<double> displacement;
+    double u = 0;
+    for (double t = 0; displacement.size() < static_cast<std::size_t>(length / kStep); t += kStep) {
+      // Exact for a command that is constant within a part.
+      for (int i = 0; i < kParts && t > 0; ++i)
+        u += (motion(t - kStep + (i + 0.5) * dt) - u) * (1 - std::exp(-dt / time));
+      displacement.push_back(lateness == Lateness::Delay ? motion(std::max(0.0, t - time)) : u);
+    }
+    return displacement;
+  };
+}
+
+struct Late {
+  Lateness lateness;
+  std::string name, rival;
+};
+
+class LateActuator : public testing::TestWithParam<Late> {};
+
+TEST_P(LateActuator, IsToldByTheTestThatIsProposed) {
+  constexpr double kTime = 0.03;  // [s]
+  const auto [lateness, name, rival] = GetParam();
+  const Channels channels{"command.long", "displacement.long", "m", 0, 3e-5};
+  const Specimen specimen = actuator(lateness, kTime);
+  Case c;
+  c.name = "axis";
+  c.records = {recorded("fit", Use::Fit, specimen, sine(0.03, 0.5), kLength, channels, 1),
+               recorded("second", Use::HeldOut, specimen, sine(0.025, 0.5), kLength, channels, 2),
+               recorded("unseen", Use::HeldOut, specimen, sine(0.02, 0.5), kLength, channels, 3)};
+  c.model.kind = "servo_axis";
+  const Verdict tied = diagnose(c);
+  ASSERT_EQ(tied.outcome, Outcome::Missing) << tied.sentence;
+  ASSERT_TRUE(is_tied(tied, "actuator_delay")) << tied.sentence;
+  ASSERT_TRUE(is_tied(tied, "first_order_lag")) << tied.sentence;
+  ASSERT_FALSE(tied.next_test.empty()) << tied.sentence;
+
+  c.records.push_back(
+      recorded("next", Use::Fit, specimen, proposed(tied), length_of(tied), channels, 4));
+  const Verdict told = diagnose(c);
+
+  ASSERT_EQ(told.causes.size(), 1U) << tied.sentence << "\n" << told.sentence;
+  EXPECT_EQ(told.causes[0].name, name) << told.sentence;
+  // What holds a lag as a special case, as a second order does, is never excluded by one.
+  EXPECT_FALSE(is_tied(told, rival)) << told.sentence;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LateActuator,
+                         testing::Values(Late{Lateness::Delay, "actuator_delay", "first_order_lag"},
+                                         Late{Lateness::Lag, "first_order_lag", "actuator_delay"}));
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings of laboratories, each with a simple model: what is missing is named unaided, its size
+// is that of the literature, and it is proven on a record that it was not fitted to. Without the
+// term in the catalogue the answer is that something unknown is missing, and of what it depends on.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include <rths/diagnosis/case.hpp>
+#include <rths/diagnosis/diagnose.hpp>
+
+#include "support/files.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::vector<std::string>;
+
+class RealData : public testing::Test {
+ protected:
+  // Reads the case of tests/diagnosis/real/<name>; skips if its recordings are not there.
+  void open(const std::string& name) {
+    if (!fs::exists(test::source_tree() / "../shared/data"))
+      GTEST_SKIP() << "there is no ../shared/data with the recordings of " << name;
+    case_ = load_case(test::source_tree() / "tests/diagnosis/real" / name);
+  }
+  [[nodiscard]] Verdict diagnosed(const Names& without = {}) const {
+    DiagnosisOptions options;
+    options.without = without;
+    const Verdict verdict = diagnose(case_, options);
+    std::printf("  %s\n  %.1f s\n", verdict.sentence.c_str(), verdict.seconds);
+    return verdict;
+  }
+  // Over all held-out records together: each counts with the energy of what it measured.
+  [[nodiscard]] double held_out(const Verdict& verdict, double RecordScore::*error) const {
+    double errors = 0, all = 0;
+    for (const auto& score : verdict.fit) {
+      if (score.use != "held_out") continue;
+      const auto record = std::find_if(case_.records.begin(), case_.records.end(),
+                                       [&](const Record& r) { return r.name == score.record; });
+      const double energy = energy_of(*record);
+      errors += std::pow(score.*error, 2) * energy;
+      all += energy;
+    }
+    return std::sqrt(errors / all);
+  }
+  void print_concealment(const Verdict& verdict) const {
+    std::printf("  stated %.3f, fitted without %.3f, with %.4f\n",
+                held_out(verdict, &RecordScore::nrmse_stated),
+                held_out(verdict, &RecordScore::nrmse_before),
+                held_out(verdict, &RecordScore::nrmse_after));
+    for (const auto& p : verdict.refitted)
+      std::printf("  %-40s %.6g without, %.6g with %s\n", p.name.c_str(), p.before, p.after,
+                  p.unit.c_str());
+  }
+
+  Case case_;
+
+ private:
+  // Of the channel that is predicted, its mean taken out.
+  static double energy_of(const Record& record) {
+    const Channel* channel = nullptr;
+    for (const char* role : {"force.long", "displacement.long", "output.y"})
+      if (channel == nullptr) channel = record.find(role);
+    double sum = 0, squares = 0;
+    for (const double value : channel->values) sum += value, squares += value * value;
+    return squares - sum * sum / static_cast<double>(channel->values.size());
+  }
+};
+
+Names names_of(const Verdict& verdict) {
+  Names names;
+  for (const auto& cause : verdict.causes) names.push_back(cause.name);
+  return names;
+}
+
+double value_of(const Verdict& verdict, const std::string& name) {
+  for (const auto& cause : verdict.causes)
+    for (const auto& parameter : cause.parameters)
+      if (parameter.name == name) return parameter.value;
+  for (const auto& parameter : verdict.refitted)
+    if (parameter.name == name) return parameter.after;
+  ADD_FAILURE() << "the verdict has no " << name;
+  return 0;
+}
+
+const Names kFriction{"coulomb_friction",  "asymmetric_friction",
+                      "stribeck_friction", "position_dependent_friction",
+                      "bouc_wen",          "asymmetric_hysteresis"};
+
+// Janot, Gautier & Brunot 2019, identified by least squares of the inverse model (IDIM-LS).
+TEST_F(RealData, EmpsHasCoulombFrictionAndAnOffsetAsPublished) {
+  open("emps");
+  if (IsSkipped()) return;
+
+  const Verdict verdict = diagnosed({"asymmetric_viscous", "asymmetric_friction"});
+
+  EXPECT_EQ(verdict.outcome, Outcome::Missing);
+  EXPECT_EQ(names_of(verdict), (Names{"coulomb_friction", "force_offset"}));
+  const std::pair<const char*, double> kPublished[] = {{"platen_inertia.mass", 95.1089},
+                                                       {"viscous_friction.coefficient", 203.5034},
+                                                       {"coulomb_friction.friction_force", 20.3935},
+                                                       {"force_offset.offset", -3.1648}};
+  for (const auto& [name, published] : kPublished)
+    EXPECT_NEAR(value_of(verdict, name), published, 0.02 * std::abs(published)) << name;
+  EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.046);
+}
+
+TEST_F(RealData, EmpsRubsMoreBackwardsThanForwards) {
+  open("emps");
+  if (IsSkipped()) return;
+
+  const Verdict verdict = diagnosed();
+
+  EXPECT_EQ(verdict.outcome, Outcome::Missing);
+  ASSERT_FALSE(verdict.causes.empty());
+  EXPECT_EQ(verdict.causes[0].name, "coulomb_friction");
+  EXPECT_EQ(verdict.causes.back().name, "asymmetric_viscous");
+  EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.036);
+  print_concealment(verdict);
+  // What is missing hides: without dry friction, the viscous one seems twice what it is.
+  ASSERT_EQ(verdict.refitted.size(), 2U);
+  EXPECT_GT(verdict.refitted[1].before, 1.9 * 203.5034);
+}
+
+TEST_F(RealData, EmpsWithoutFrictionInTheCatalogueIsUnknownAndDependsOnVelocity) {
+  open("emps");
+  if (IsSkipped()) return;
+
+  const Verdict verdict = diagnosed(kFriction);
+
+  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  ASSERT_FALSE(verdict.descriptions.empty());
+  EXPECT_EQ(verdict.descriptions[0].form, "f(v)");
+}
+
+TEST_F(RealData, SilverboxHasACubicSpring) {
+  open("silverbox");
+  if (IsSkipped()) return;
+
+  const Verdict verdict = diagnosed();
+
+  EXPECT_EQ(verdict.outcome, Outcome::Missing);
+  ASSERT_FALSE(verdict.causes.empty());
+  EXPECT_EQ(verdict.causes[0].name, "cubic_stiffness");
+  EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.0102);
+  print_concealment(verdict);
+}
+
+TEST_F(RealData, SilverboxWithoutItInTheCatalogueIsUnknownAndDependsOnDisplacement) {
+  open("silverbox");
+  if (IsSkipped()) return;
+
+  const Verdict verdict = diagnosed({"cubic_stiffness", "polynomial_stiffness", "gap_contact",
+                                     "piecewise_stiffness", "large_strain_stiffening"});
+
+  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  ASSERT_FALSE(verdict.descriptions.empty());
+  EXPECT_EQ(verdict.descriptions[0].form, "f(u)");
+}
+
+// The recordings of the example come with the sources.
+class ActuatorExample : public RealData {
+ protected:
+  ActuatorExample() { case_ = load_case(test::source_tree() / "examples/diagnosis/actuator"); }
+};
+
+TEST_F(ActuatorExample, LagsAndIsNotJustLate) {
+  const Verdict verdict = diagnosed();
+
+  EXPECT_EQ(verdict.outcome, Outcome::Missing);
+  ASSERT_FALSE(verdict.causes.empty());
+  EXPECT_NE(verdict.causes[0].name, "actuator_delay");
+  EXPECT_TRUE(verdict.causes[0].name.find("lag") != std::string::npos ||
+              verdict.causes[0].name == "actuator_bandwidth")
+      << verdict.causes[0].name;
+  EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.054);
+  print_concealment(verdict);
+}
+
+TEST_F(ActuatorExample, WithoutLagsInTheCatalogueIsUnknownAndDependsOnVelocity) {
+  const Verdict verdict = diagnosed(
+      {"first_order_lag", "actuator_bandwidth", "oil_column_resonance", "valve_deadband"});
+
+  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  ASSERT_FALSE(verdict.descriptions.empty());
+  EXPECT_NE(verdict.descriptions[0].form.find('v'), std::string::npos)
+      << verdict.descriptions[0].form;
+}
+
+TEST_F(RealData, MrDamperHasFrictionThatItsCurrentSets) {
+  open("mr_damper");
+  if (IsSkipped()) return;
+
+  const Verdict verdict = diagnosed();
+
+  EXPECT_EQ(verdict.outcome, Outcome::Missing);
+  ASSERT_FALSE(verdict.causes.empty());
+  EXPECT_EQ(verdict.causes[0].name, "current_dependent_friction");
+  EXPECT_GT(value_of(verdict, "current_dependent_friction.force_per_current"), 800);
+  EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.156);
+  print_concealment(verdict);
+}
+
+TEST_F(RealData, MrDamperWithoutItInTheCatalogueIsUnknownAndDependsOnVelocityAndCurrent) {
+  open("mr_damper");
+  if (IsSkipped()) return;
+
+  Names without = kFriction;
+  without.emplace_back("current_dependent_friction");
+  const Verdict verdict = diagnosed(without);
+
+  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  ASSERT_FALSE(verdict.descriptions.empty());
+  EXPECT_EQ(verdict.descriptions[0].form, "sgn(v) g(I)");
+}
+
+TEST_F(RealData, FrictionDeviceRubsBehindPlay) {
+  open("brfd");
+  if (IsSkipped()) return;
+
+  const Verdict verdict = diagnosed();
+
+  EXPECT_EQ(verdict.outcome, Outcome::Missing);
+  ASSERT_FALSE(verdict.causes.empty());
+  EXPECT_EQ(verdict.causes[0].name, "asymmetric_hysteresis");
+  const double play = value_of(verdict, "asymmetric_hysteresis.play");
+  EXPECT_GT(play, 2e-3);
+  EXPECT_LT(play, 7e-3);
+  EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.185);
+  print_concealment(verdict);
+}
+
+TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownAndDependsOnVelocity) {
+  open("brfd");
+  if (IsSkipped()) return;
+
+  Names without = kFriction;
+  without.insert(without.end(), {"mount_slack", "transducer_backlash"});
+  const Verdict verdict = diagnosed(without);
+
+  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  ASSERT_FALSE(verdict.descriptions.empty());
+  EXPECT_EQ(verdict.descriptions[0].form, "f(v)");
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

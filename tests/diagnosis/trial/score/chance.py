@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a count of few cases tells of the share behind it."""
+import math
+
+Z95 = 1.959963984540054  # two-sided 95 % of a normal distribution
+
+
+def wilson(right, of):
+    """95 % interval of a share (Wilson 1927)."""
+    if of == 0:
+        return 0.0, 1.0
+    share, square = right / of, Z95 * Z95
+    middle = (share + square / (2 * of)) / (1 + square / of)
+    half = Z95 / (1 + square / of) * math.sqrt(share * (1 - share) / of + square / (4 * of * of))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def fewest(of, share, chance=0.01):
+    """The fewest hits of so many that a true share of that much falls below with that chance only."""
+    below = 0.0
+    for hits in range(of + 1):
+        below += math.comb(of, hits) * share**hits * (1 - share)**(of - hits)
+        if below > chance:
+            return hits
+    return of
+
+
+def quantile(values, share):
+    """Linear between order statistics."""
+    ordered = sorted(values)
+    place = share * (len(ordered) - 1)
+    low = int(place)
+    high = min(low + 1, len(ordered) - 1)
+    return ordered[low] + (place - low) * (ordered[high] - ordered[low])
+
+
+def median(values):
+    return quantile(values, 0.5)

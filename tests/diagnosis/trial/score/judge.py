@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Holds one verdict against one answer, by the definitions in docs/diagnosis_trials.md.
+
+Names are compared as the generator says them. Only the outcome "missing" names anything: an answer
+"unknown" may list causes, but they count as names that were said, never as the right one.
+"""
+import places
+import sizes
+from names import canonical, is_form
+
+NO_VERDICT = {"verdict": "failed", "where": {}, "causes": [], "fit": {}}
+FIT_RECORD = "fit"  # that the generator's places are of
+UNSEEN_RECORD = "unseen"  # that its floors are of
+
+
+def record_of(fit, name):
+    """Scores of a record, whether or not its file's ending is said."""
+    return next((row for record, row in fit.items() if record.split(".")[0] == name), None)
+
+
+def has_remainder(verdict):
+    return bool(verdict.get("remainder"))
+
+
+def first_cause(verdict):
+    return verdict["causes"][0] if verdict["causes"] else None
+
+
+def names_of_tie(cause):
+    """The name and what the tool says it cannot tell from it, the generator's names."""
+    return [canonical(cause["name"])] + [canonical(row["name"]) for row in cause["alternatives"]]
+
+
+def _right_names(effects):
+    """What counts as naming an effect: the effect, or a term that describes it."""
+    names = {effect["name"] for effect in effects}
+    return names | {effect["term_that_describes_it"] for effect in effects
+                    if "term_that_describes_it" in effect}
+
+
+def spurious_names(verdict, effects):
+    """Names of nothing that is there. In a case that cannot be decided, a tie with the effect is none."""
+    right = _right_names(effects)
+    may_tie = any(not effect["truth"]["distinguishable"] for effect in effects)
+    return [cause["name"] for cause in verdict["causes"]
+            if canonical(cause["name"]) not in right
+            and not (may_tie and right & set(names_of_tie(cause)))]
+
+
+def is_right_first(verdict, effects):
+    cause = first_cause(verdict)
+    return (verdict["verdict"] == "missing" and cause is not None
+            and canonical(cause["name"]) in _right_names(effects))
+
+
+def is_right_in_tie(verdict, effects):
+    """Named, alone or in a tie, if it can be told from all rivals; else in a tie that is said to be one."""
+    cause = first_cause(verdict)
+    if verdict["verdict"] != "missing" or cause is None:
+        return False
+    tie = names_of_tie(cause)
+    says_so = len(tie) > 1 or all(effect["truth"]["distinguishable"] for effect in effects)
+    return says_so and bool(_right_names(effects) & set(tie))
+
+
+def are_all_named(verdict, effects):
+    said = {canonical(cause["name"]) for cause in verdict["causes"]}
+    return verdict["verdict"] == "missing" and all(_right_names([e]) & said for e in effects)
+
+
+def is_abstention(verdict, effects):
+    """Of an effect that the library did not know: unknown, a remainder, or a term that describes it."""
+    if verdict["verdict"] == "unknown" or (verdict["verdict"] == "missing" and has_remainder(verdict)):
+        return True
+    return is_right_first(verdict, effects)
+
+
+def has_right_form(verdict, effect):
+    if is_right_first(verdict, [effect]):
+        return True
+    forms = verdict.get("descriptions", [])
+    return bool(forms) and is_form(forms[0]["form"], effect["form"])
+
+
+def _channel(role):
+    return (role or "").split(".")[0]
+
+
+def _place_rows(verdict, answer, effect):
+    """Where, beside the effect as the nuisances leave it and as it is."""
+    where = dict(verdict["where"])
+    if where.get("record", FIT_RECORD).split(".")[0] != FIT_RECORD:
+        where["intervals_s"] = []  # of another record, whose time is not this one's
+    truth = effect["truth"]
+    return {"iou": places.compare(where, truth["place_after_nuisances"], answer["cells"]),
+            "iou_effect": places.compare(where, truth["place"], answer["cells"])}
+
+
+def _record_rows(verdict, answer):
+    unseen = record_of(verdict["fit"], UNSEEN_RECORD) or {}
+    floors = answer.get("nrmse_on_unseen", {})
+    row = {"nrmse_before": unseen.get("nrmse_before"), "nrmse_after": unseen.get("nrmse_after"),
+           "noise_floor": unseen.get("noise_floor"), "oracle": floors.get("oracle"),
+           "variance_after": unseen.get("variance_after"),
+           "white": verdict.get("residual_white")}
+    if row["nrmse_after"] is not None and row["oracle"]:
+        row["after_to_oracle"] = row["nrmse_after"] / row["oracle"]
+    return row
+
+
+def _effect_row(verdict, answer, effect):
+    """What is asked of a case with one effect only."""
+    where = verdict["where"]
+    row = {"part_right": where.get("part") == effect["part"],
+           "channel_right": _channel(where.get("channel")) == effect["channel"],
+           "part_truth": effect["part"], "channel_truth": effect["channel"],
+           "sizes": []}
+    row.update(_place_rows(verdict, answer, effect))
+    cause = first_cause(verdict)
+    if cause is not None and canonical(cause["name"]) == effect["name"]:
+        row["sizes"] = sizes.compare(effect, answer, cause["parameters"])
+    return row
+
+
+def judge(verdict, answer):
+    """All that is asked of one case.
+
+    @param verdict  what the tool wrote, or None if it wrote nothing
+    @param answer   what the generator conceals, with its truth
+    """
+    verdict = verdict or NO_VERDICT
+    effects, cause = answer["effects"], first_cause(verdict)
+    row = {
+        "case": answer["case"], "kind": answer["kind"], "truth": [e["name"] for e in effects],
+        "outcome": verdict["verdict"], "names": [c["name"] for c in verdict["causes"]],
+        "alternatives": [a["name"] for a in cause["alternatives"]] if cause else [],
+        "remainder": has_remainder(verdict),
+        "part": verdict["where"].get("part"), "channel": verdict["where"].get("channel"),
+        "forms": [d["form"] for d in verdict.get("descriptions", [])],
+        "spurious": spurious_names(verdict, effects),
+        "tool_s": verdict.get("seconds"),
+    }
+    if effects:
+        truths = [effect["truth"] for effect in effects]
+        row.update({
+            "information": min(t["information_nat"] for t in truths),
+            "detectable": all(t["detectable"] for t in truths),
+            "distinguishable": all(t["distinguishable"] for t in truths),
+            "tie_truth": sorted({name for t in truths for name in t["tie"]}),
+            "right_first": is_right_first(verdict, effects),
+            "right_in_tie": is_right_in_tie(verdict, effects),
+            "all_named": are_all_named(verdict, effects),
+        })
+        row.update(_record_rows(verdict, answer))
+    if len(effects) == 1:
+        row.update(_effect_row(verdict, answer, effects[0]))
+    if answer["kind"] == "outside":
+        row["abstained"] = is_abstention(verdict, effects)
+        row["form_right"] = has_right_form(verdict, effects[0])
+    return row

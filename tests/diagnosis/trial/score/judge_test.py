@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is right, by definition: names, ties, abstentions."""
+import unittest
+
+import table
+from by_hand import answer, cause, effect, verdict
+from judge import judge
+
+
+class Names(unittest.TestCase):
+    def test_names_of_the_catalogue_are_those_of_the_generator(self):
+        for ours, theirs in [("load_dep_friction", "load_dependent_friction"),
+                             ("stribeck_breakaway", "stribeck_friction"),
+                             ("viscoelastic_relax", "viscoelastic_relaxation"), ("loadcell_gain", "force_gain"),
+                             ("accelerometer_drift", "acceleration_drift"),
+                             ("quantisation", "force_quantisation"),
+                             ("crosstalk_horizontal", "force_crosstalk_horizontal"), ("clock_drift", "clock_drift"),
+                             ("coulomb_friction", "coulomb_friction")]:
+            row = judge(verdict("missing", cause(theirs)), answer(effect(ours)))
+            self.assertTrue(row["right_first"], theirs)
+            self.assertEqual(row["spurious"], [], theirs)
+
+    def test_another_channel_is_another_name(self):
+        row = judge(verdict("missing", cause("displacement_quantisation")), answer(effect("quantisation")))
+        self.assertFalse(row["right_first"])
+        self.assertEqual(row["spurious"], ["displacement_quantisation"])
+
+    def test_only_what_is_first_is_named_first(self):
+        said = verdict("missing", cause("viscous_friction"), cause("coulomb_friction"))
+        row = judge(said, answer(effect("coulomb_friction")))
+        self.assertFalse(row["right_first"])
+        self.assertEqual(row["spurious"], ["viscous_friction"])
+
+    def test_an_unknown_names_nothing(self):
+        row = judge(verdict("unknown", cause("coulomb_friction")), answer(effect("coulomb_friction")))
+        self.assertFalse(row["right_first"])
+        self.assertFalse(row["right_in_tie"])
+
+    def test_a_case_without_verdict_is_wrong(self):
+        row = judge(None, answer(effect("coulomb_friction")))
+        self.assertEqual(row["outcome"], "failed")
+        self.assertFalse(row["right_first"] or row["right_in_tie"] or row["part_right"])
+
+
+class Ties(unittest.TestCase):
+    TIED = {"distinguishable": False, "tie": ["axial_load_stiffness"]}
+
+    def test_what_cannot_be_told_apart_must_be_said_to_be_a_tie(self):
+        alone = judge(verdict("missing", cause("p_delta")), answer(effect("p_delta", **self.TIED)))
+        tied = judge(verdict("missing", cause("p_delta", "axial_load_stiffness")),
+                     answer(effect("p_delta", **self.TIED)))
+        self.assertFalse(alone["right_in_tie"])
+        self.assertTrue(tied["right_in_tie"])
+
+    def test_the_tie_holds_the_effect(self):
+        behind = judge(verdict("missing", cause("axial_load_stiffness", "p_delta")),
+                       answer(effect("p_delta", **self.TIED)))
+        without = judge(verdict("missing", cause("axial_load_stiffness", "cubic_stiffness")),
+                        answer(effect("p_delta", **self.TIED)))
+        self.assertTrue(behind["right_in_tie"])
+        self.assertEqual(behind["spurious"], [])
+        self.assertFalse(without["right_in_tie"])
+        self.assertEqual(without["spurious"], ["axial_load_stiffness"])
+
+    def test_where_it_can_be_told_the_wrong_first_name_is_spurious(self):
+        row = judge(verdict("missing", cause("axial_load_stiffness", "p_delta")), answer(effect("p_delta")))
+        self.assertTrue(row["right_in_tie"])
+        self.assertFalse(row["right_first"])
+        self.assertEqual(row["spurious"], ["axial_load_stiffness"])
+
+    def test_ties_of_later_causes_do_not_help(self):
+        said = verdict("missing", cause("coulomb_friction"), cause("scragging", "p_delta"))
+        self.assertFalse(judge(said, answer(effect("p_delta")))["right_in_tie"])
+
+
+class Abstention(unittest.TestCase):
+    RUB = effect("local_rub") | {"form": "sgn(v) g(u)",
+                                 "term_that_describes_it": "position_dependent_friction"}
+    DAMAGE = effect("damage_step", part="bearing") | {"form": "change of strength at a time"}
+
+    def judged(self, said, hidden):
+        return judge(said, answer(hidden, kind="outside"))
+
+    def test_unknown_and_remainder_are_abstentions(self):
+        unknown = verdict("unknown", descriptions=[{"form": "f(v)"}])
+        remainder = verdict("missing", cause("scragging"), remainder=True)
+        named = verdict("missing", cause("scragging"), remainder=False)
+        self.assertTrue(self.judged(unknown, self.DAMAGE)["abstained"])
+        self.assertTrue(self.judged(remainder, self.DAMAGE)["abstained"])
+        self.assertEqual(self.judged(remainder, self.DAMAGE)["spurious"], ["scragging"])
+        self.assertFalse(self.judged(named, self.DAMAGE)["abstained"])
+        self.assertFalse(self.judged(verdict("none"), self.DAMAGE)["abstained"])
+        self.assertFalse(self.judged(verdict("none", remainder=True), self.DAMAGE)["abstained"])
+
+    def test_a_term_that_describes_it_is_right(self):
+        row = self.judged(verdict("missing", cause("position_dependent_friction")), self.RUB)
+        self.assertTrue(row["abstained"] and row["form_right"])
+        self.assertEqual(row["spurious"], [])
+
+    def test_the_first_form_counts(self):
+        right = verdict("unknown", descriptions=[{"form": "sgn(v)g(u)"}, {"form": "f(v)"}])
+        second = verdict("unknown", descriptions=[{"form": "f(v)"}, {"form": "sgn(v) g(u)"}])
+        self.assertTrue(self.judged(right, self.RUB)["form_right"])
+        self.assertFalse(self.judged(second, self.RUB)["form_right"])
+
+    def test_anything_said_where_nothing_is_missing_is_a_false_alarm(self):
+        rows = [judge(said, answer(kind="none")) for said in
+                (verdict("none"), verdict("unknown"), verdict("missing", cause("p_delta")), None)]
+        silent = next(row for row in table.score(rows) if row.key == "silent")
+        self.assertEqual((silent.hits, silent.of), (1, 4))
+        self.assertFalse(silent.is_met())
+
+class Pairs(unittest.TestCase):
+    def test_a_pair_is_named_if_both_are(self):
+        both = answer(effect("p_delta"), effect("scragging"), kind="pair")
+        one = judge(verdict("missing", cause("p_delta"), cause("cubic_stiffness")), both)
+        other = judge(verdict("missing", cause("scragging")), both)
+        two = judge(verdict("missing", cause("scragging"), cause("p_delta")), both)
+        self.assertEqual([row["all_named"] for row in (one, other, two)], [False, False, True])
+        self.assertEqual(one["spurious"], ["cubic_stiffness"])
+
+
+if __name__ == "__main__":
+    unittest.main()

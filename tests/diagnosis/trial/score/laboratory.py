@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Makes trials and runs the tool on them. What was done before is not done again."""
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import queue
+import shutil
+import subprocess
+import tempfile
+import time
+
+LIMIT_S = 600  # a case that takes longer has failed
+
+
+def digest(*files):
+    whole = hashlib.sha256()
+    for file in files:
+        whole.update(pathlib.Path(file).read_bytes())
+    return whole.hexdigest()
+
+
+def cores():
+    return sorted(os.sched_getaffinity(0))
+
+
+def _lines(command):
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
+
+
+def planned(generator, seed, tier, wanted):
+    """Numbers of the first so many cases of each kind, in the seed's own order.
+
+    @param wanted  {"library": n, "none": n, "outside": n}
+    """
+    home = dict(line.split("\t")[::3] for line in _lines([generator, "--effects"]))
+    many = 100 + 60 * sum(wanted.values())  # kinds are rare: one case in 14 has nothing missing
+    left, chosen = dict(wanted), []
+    for line in _lines([generator, "--seed", str(seed), "--tier", tier, "--cases", str(many), "--list"]):
+        if not line.startswith("case_"):
+            continue
+        case, truth = line.split("\t")
+        kind = "none" if truth == "none" else "library" if " + " in truth else home[truth]
+        if left.get(kind, 0) > 0:
+            left[kind] -= 1
+            chosen.append(int(case.removeprefix("case_")))
+    return chosen
+
+
+def make_cases(generator, seed, tier, numbers, folder, jobs):
+    """Cases go to folder/cases, answers to folder/answers."""
+    cases, answers = folder / "cases", folder / "answers"
+    for target in (cases, answers):
+        target.mkdir(parents=True, exist_ok=True)
+
+    def make(number):
+        name = f"case_{number}"
+        if (answers / f"{name}.json").exists() and (cases / name).exists():
+            return
+        with tempfile.TemporaryDirectory(dir=folder) as made:
+            subprocess.run([generator, "--seed", str(seed), "--tier", tier, "--only", str(number),
+                            "--truth", "--out", made], check=True, capture_output=True)
+            shutil.rmtree(cases / name, ignore_errors=True)
+            os.replace(f"{made}/{name}", cases / name)
+            os.replace(f"{made}/answers/{name}.json", answers / f"{name}.json")
+
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        list(pool.map(make, numbers))
+    return cases, answers
+
+
+def _timed(command, log, core):
+    """Runs on one core. @returns exit status, processor seconds, clock seconds"""
+    begun = time.monotonic()
+    with open(log, "wb") as out:
+        child = subprocess.Popen(["taskset", "-c", str(core), *command], stdout=out,
+                                 stderr=subprocess.STDOUT)
+        while True:
+            pid, status, usage = os.wait4(child.pid, os.WNOHANG)
+            taken = time.monotonic() - begun
+            if pid:
+                child.returncode = os.waitstatus_to_exitcode(status)
+                return child.returncode, usage.ru_utime + usage.ru_stime, taken
+            if taken > LIMIT_S:
+                child.kill()
+            time.sleep(0.01)
+
+
+def diagnose(tool, case, out, core):
+    """Runs the tool on a copy of the case that lies alone, so that nothing else can be read beside it.
+
+    @returns {"verdict", "cpu_s", "wall_s", "status"}; the verdict is None if there is none
+    """
+    stamp = {"tool": digest(tool), "case": digest(*sorted(case.iterdir()))}
+    run, told = out / "run.json", out / "verdict.json"
+    if run.exists():
+        known = json.loads(run.read_text())
+        if known["stamp"] == stamp:
+            return known | {"verdict": json.loads(told.read_text()) if told.exists() else None}
+    shutil.rmtree(out, ignore_errors=True)
+    with tempfile.TemporaryDirectory() as alone:
+        shutil.copytree(case, f"{alone}/{case.name}")
+        shown = pathlib.Path(alone, "verdict")
+        shown.mkdir()
+        command = [str(tool), "diagnose", f"{alone}/{case.name}", "--out", str(shown)]
+        status, cpu, wall = _timed(command, f"{alone}/log.txt", core)
+        shutil.copytree(shown, out)
+        shutil.copy(f"{alone}/log.txt", out / "log.txt")
+    known = {"stamp": stamp, "status": status, "cpu_s": cpu, "wall_s": wall}
+    run.write_text(json.dumps(known))
+    return known | {"verdict": json.loads(told.read_text()) if told.exists() else None}
+
+
+def diagnose_all(tool, cases, out, jobs, then):
+    """Runs the tool on every case, each on a core of its own; `then` gets folder and result."""
+    free = queue.Queue()
+    for core in (cores() * jobs)[:jobs]:
+        free.put(core)
+
+    def one(case):
+        core = free.get()
+        try:
+            return case, diagnose(tool, case, out / case.name, core)
+        finally:
+            free.put(core)
+
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        for case, result in pool.map(one, cases):
+            then(case, result)
