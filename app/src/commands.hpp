@@ -20,6 +20,8 @@ struct RunArguments {
   std::string out;   ///< folder; empty: out/<name of the experiment>
   std::string ring;  ///< empty: the experiment's name
   Changes changes;
+  std::vector<std::string> improvements;  ///< files that a diagnosis wrote, for the model
+  bool diagnoses = true;                  ///< if there is a second earthquake to prove it on
 };
 [[nodiscard]] int run(const RunArguments& arguments);
 
@@ -98,6 +100,16 @@ struct BearingBenchArguments {
 };
 /// 0 if every goal is met, 1 if this machine cannot tell, 2 if a goal is missed.
 [[nodiscard]] int bench_bearings(const BearingBenchArguments& arguments);
+
+struct DiagnoseArguments {
+  std::string source;                ///< folder of a case, or a recording
+  std::string out;                   ///< folder; empty: out/diagnosis/<name of the case>
+  std::string against;               ///< what another simulation predicted; empty: the model does
+  std::vector<std::string> without;  ///< terms that may not be named
+  std::uint64_t seed = 1;            ///< of draws of noise and of resampling
+};
+/// Finds the physics that a simulation left out; 0 whatever the verdict is.
+[[nodiscard]] int diagnose(const DiagnoseArguments& arguments);
 
 [[nodiscard]] int map_check(const std::string& file);
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);

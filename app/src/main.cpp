@@ -36,6 +36,7 @@ struct Arguments {
   LoopArguments loop;
   TermsArguments terms;
   BearingBenchArguments bearings;
+  DiagnoseArguments diagnose;
   std::string clock = "wall", file, language = "cpp", folder;
   std::vector<std::string> sets;
 };
@@ -51,6 +52,13 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->add_option("--set", a.sets, "Change a key of the experiment: key=value")
       ->take_all()
       ->allow_extra_args(false);
+  command
+      ->add_option("--improve", a.run.improvements,
+                   "improved.toml of a diagnosis: what the simulation assumes from now on")
+      ->check(CLI::ExistingFile)
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_flag("!--no-diagnosis", a.run.diagnoses, "Leave the diagnosis to `rths diagnose`");
   command->callback([&] {
     a.run.virtual_time = a.clock == "virtual";
     a.run.changes = split_changes(a.sets);
@@ -193,6 +201,22 @@ void add_terms(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return terms(a.terms); }; });
 }
 
+void add_diagnose(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "diagnose", "Find the physics that a simulation left out, or say that there is none");
+  command->add_option("case", a.diagnose.source, "Folder with a case.toml, or a recording of a run")
+      ->required();
+  command->add_option("--out", a.diagnose.out, "Folder for the results [out/diagnosis/<name>]");
+  command->add_option("--against", a.diagnose.against,
+                      "What another simulation predicted, instead of the model");
+  command->add_option("--without", a.diagnose.without, "Terms that may not be named, with commas")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_option("--seed", a.diagnose.seed, "Of draws of noise and of resampling")
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return diagnose(a.diagnose); }; });
+}
+
 void add_map(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("map", "Memory maps");
   command->require_subcommand(1);
@@ -224,7 +248,7 @@ int parse_and_run(int argc, char** argv) {
   Arguments arguments;
   Chosen chosen;
   for (const auto add : {add_run, add_node, add_check, add_dump, add_who, add_watch, add_send,
-                         add_bench, add_loop, add_terms, add_map, add_rest})
+                         add_bench, add_loop, add_terms, add_diagnose, add_map, add_rest})
     add(app, arguments, chosen);
   try {
     app.parse(argc, argv);

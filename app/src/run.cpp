@@ -2,10 +2,16 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 
+#include <rths/core/error.hpp>
+#include <rths/diagnosis/case.hpp>
+#include <rths/diagnosis/diagnose.hpp>
 #include <rths/launch/run.hpp>
+#include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 
 #include "commands.hpp"
@@ -25,11 +31,79 @@ void show_progress(const launch::Progress& progress) {
 
 void clear_progress() { fmt::print(stderr, "\r{: <70}\r", ""); }
 
+// The path as a TOML list of one text, wherever the experiment's file lies.
+std::string listed(const std::vector<std::string>& files) {
+  std::string list;
+  for (const auto& file : files) {
+    std::string text;
+    for (const char c : std::filesystem::absolute(file).string())
+      text += c == '\\' || c == '"' ? std::string{'\\', c} : std::string{c};
+    list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", text);
+  }
+  return "[" + list + "]";
+}
+
+Changes changes_of(const RunArguments& arguments, const std::vector<std::string>& improvements) {
+  Changes changes = arguments.changes;
+  if (!improvements.empty()) changes.emplace_back("model.improvement", listed(improvements));
+  return changes;
+}
+
+// What an earlier run left must not be taken for this one's.
+void remove_results(const std::filesystem::path& folder,
+                    const std::vector<std::string>& improvements) {
+  for (const auto& file : improvements)
+    if (std::filesystem::weakly_canonical(file) ==
+        std::filesystem::weakly_canonical(folder / report::kFragmentFile))
+      throw Error{file + ": this run replaces it, expected another folder for its results (--out)"};
+  for (const char* file :
+       {report::kRunFile, report::kUncompensatedFile, report::kNumericalFile, report::kImprovedFile,
+        diagnosis::kHeldOutFile, report::kVerdictFile, report::kDiagnosisPage,
+        report::kFragmentFile, "report.html", "report.json"})
+    std::filesystem::remove(folder / file);
+}
+
+// What the simulation left out of this test, as files; and what the simulation is with it in.
+diagnosis::Verdict diagnose_run(const RunArguments& arguments,
+                                const std::filesystem::path& folder) {
+  diagnosis::Verdict verdict = diagnosis::diagnose(diagnosis::load_case(folder / report::kRunFile));
+  verdict.synthetic = true;  // specimen and machine are models in this version
+  // In virtual time the same experiment gives the same bytes.
+  if (arguments.virtual_time) verdict.seconds = std::numeric_limits<double>::quiet_NaN();
+  const auto written = report::write_diagnosis(verdict, folder);
+  if (!written.fragment) return verdict;
+  auto improvements = arguments.improvements;
+  improvements.push_back(written.fragment->string());
+  launch::run_numerical(
+      launch::load_experiment(arguments.experiment, changes_of(arguments, improvements)),
+      folder / report::kImprovedFile);
+  return verdict;
+}
+
+// The test is over and its recordings are whole: whatever keeps the diagnosis from an answer is
+// said, and the report is written without it.
+void find_what_is_missing(const RunArguments& arguments, const std::filesystem::path& folder) {
+  try {
+    const auto verdict = diagnose_run(arguments, folder);
+    fmt::print("diagnosis {}\n{}\n", (folder / report::kDiagnosisPage).string(), verdict.sentence);
+    if (!verdict.fragment.empty())
+      fmt::print("improved  {}\n", (folder / report::kFragmentFile).string());
+  } catch (const Error& error) {
+    fmt::print(stderr, "rths: no diagnosis: {}\n", error.what());
+  }
+}
+
+int print(const report::ReportOutcome& written) {
+  fmt::print("report    {}\nnumbers   {}\n{}", written.page.string(), written.numbers.string(),
+             written.summary);
+  return kOk;
+}
+
 }  // namespace
 
 int run(const RunArguments& arguments) {
-  const launch::Experiment experiment =
-      launch::load_experiment(arguments.experiment, arguments.changes);
+  const Changes changes = changes_of(arguments, arguments.improvements);
+  const launch::Experiment experiment = launch::load_experiment(arguments.experiment, changes);
   const std::filesystem::path folder =
       arguments.out.empty() ? "out/" + experiment.name : arguments.out;
   const bool on_terminal = isatty(STDERR_FILENO) == 1;
@@ -37,9 +111,10 @@ int run(const RunArguments& arguments) {
   options.clock = arguments.virtual_time ? launch::ClockKind::Virtual : launch::ClockKind::Wall;
   options.recording = folder / report::kRunFile;
   options.ring = arguments.ring.empty() ? experiment.name : arguments.ring;
-  options.overrides = arguments.changes;
+  options.overrides = changes;
   options.version = version();
   if (on_terminal) options.progress = show_progress;
+  remove_results(folder, arguments.improvements);
   const launch::RunOutcome outcome = launch::run(experiment, options);
   if (on_terminal) clear_progress();
   const bool recorded = std::filesystem::exists(options.recording);
@@ -54,10 +129,10 @@ int run(const RunArguments& arguments) {
   launch::run_uncompensated(experiment, options.recording, folder / report::kUncompensatedFile,
                             version());
   launch::run_numerical(experiment, folder / report::kNumericalFile);
-  const auto written = report::make_report(folder);
-  fmt::print("report    {}\nnumbers   {}\n{}", written.page.string(), written.numbers.string(),
-             written.summary);
-  return kOk;
+  const bool is_provable =
+      launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
+  if (is_provable && arguments.diagnoses) find_what_is_missing(arguments, folder);
+  return print(report::make_report(folder));
 }
 
 int node(const NodeArguments& arguments) {
@@ -67,12 +142,7 @@ int node(const NodeArguments& arguments) {
                           version());
 }
 
-int report(const std::string& folder) {
-  const auto written = report::make_report(folder);
-  fmt::print("report    {}\nnumbers   {}\n{}", written.page.string(), written.numbers.string(),
-             written.summary);
-  return kOk;
-}
+int report(const std::string& folder) { return print(report::make_report(folder)); }
 
 std::string version() { return RTHS_VERSION; }
 

@@ -17,6 +17,7 @@
 namespace rths::report {
 namespace {
 
+using recording::at_each_count;
 using recording::Reader;
 
 constexpr double kDelaySearch = 0.2;       // [s]
@@ -181,8 +182,25 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
   return nodes;
 }
 
-void add_numerical(Analysis& analysis, const Reader& numerical) {
-  analysis.numerical_interval = numerical.time()[1] - numerical.time()[0];
+// Where the test's solver sent the specimen, against where a model in its place went.
+double difference(const Reader& run, const NumericalAxis& model, double interval) {
+  const auto steps = run.signal("monitor.opf.step");
+  const auto time = at_each_count(steps, run.signal("opf.1.time.target"));
+  const auto target = at_each_count(steps, run.signal("opf." + model.name + ".displ.target"));
+  double apart = 0, all = 0;
+  for (std::size_t i = 0; i < target.size(); ++i) {
+    const auto row = std::lround(time[i] / interval) - 1;
+    if (row < 0 || row >= static_cast<long>(model.displacement.size())) continue;
+    const double error = model.displacement[static_cast<std::size_t>(row)] - target[i];
+    apart += error * error;
+    all += target[i] * target[i];
+  }
+  return all > 0 ? std::sqrt(apart / all) : 0;
+}
+
+std::vector<NumericalAxis> numerical_axes(const Analysis& analysis, const Reader& run,
+                                          const Reader& numerical) {
+  std::vector<NumericalAxis> axes;
   for (const auto& axis : analysis.axes) {
     NumericalAxis result;
     result.name = axis.name;
@@ -190,8 +208,18 @@ void add_numerical(Analysis& analysis, const Reader& numerical) {
     result.force = numerical.signal("result.force." + axis.name);
     result.peak_displacement = largest_magnitude(result.displacement);
     result.peak_shear = largest_magnitude(result.force);
-    analysis.numerical.push_back(std::move(result));
+    result.difference = difference(run, result, analysis.numerical_interval);
+    axes.push_back(std::move(result));
   }
+  return axes;
+}
+
+void add_companions(Analysis& analysis, const Reader& run, const Reader* numerical,
+                    const Reader* improved) {
+  if (numerical == nullptr) return;
+  analysis.numerical_interval = numerical->time()[1] - numerical->time()[0];
+  analysis.numerical = numerical_axes(analysis, run, *numerical);
+  if (improved != nullptr) analysis.improved = numerical_axes(analysis, run, *improved);
 }
 
 // The experiment's own words: its name, its motion, its integration step.
@@ -224,31 +252,12 @@ double percentile(std::vector<double> values, double part) {
   return values[static_cast<std::size_t>(at)];
 }
 
-std::vector<double> at_each_count(const std::vector<double>& counter,
-                                  const std::vector<double>& signal) {
-  const std::size_t rows = std::min(counter.size(), signal.size());
-  std::vector<double> values;
-  double last_value = 0;
-  for (std::size_t row = 0; row < rows; ++row) {
-    if (!(counter[row] >= 1)) continue;
-    const auto count = static_cast<std::size_t>(std::lround(counter[row]));
-    if (count <= values.size()) continue;
-    const std::size_t missing = count - 1 - values.size();
-    const double before = values.empty() ? signal[row] : last_value;
-    for (std::size_t i = 1; i <= missing; ++i)
-      values.push_back(before + (signal[row] - before) * static_cast<double>(i) /
-                                    static_cast<double>(missing + 1));
-    values.push_back(signal[row]);
-    last_value = signal[row];
-  }
-  return values;
-}
-
 Analysis analyse(const std::filesystem::path& folder) {
   const Reader run{folder / kRunFile};
   if (run.rows() < 2) throw Error{(folder / kRunFile).string() + ": holds no motion"};
   const auto uncompensated = open_if_there(folder / kUncompensatedFile);
   const auto numerical = open_if_there(folder / kNumericalFile);
+  const auto improved = open_if_there(folder / kImprovedFile);
   Analysis analysis;
   analysis.meta = run.meta();
   analysis.clock = analysis.meta["clock"];
@@ -269,8 +278,9 @@ Analysis analyse(const std::filesystem::path& folder) {
   analysis.duration = run.signal("opf.1.time.target").back();
   analysis.nodes = analyse_nodes(run);
   analysis.drops = run.drops();
-  if (numerical) add_numerical(analysis, *numerical);
-  add_spectra(analysis, run, numerical ? &*numerical : nullptr);
+  const auto given = [](const auto& reader) { return reader ? &*reader : nullptr; };
+  add_companions(analysis, run, given(numerical), given(improved));
+  add_spectra(analysis, run, given(numerical), given(improved));
   return analysis;
 }
 

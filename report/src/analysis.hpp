@@ -61,7 +61,7 @@ struct NodeAnalysis {
 
 /// A floor spectrum and where it was taken.
 struct Spectrum {
-  std::string of;              ///< hybrid, numerical, fixed base, input
+  std::string of;              ///< hybrid, numerical, improved, fixed base, input
   std::vector<double> values;  ///< [m/s²]
 };
 struct FloorSpectra {
@@ -74,6 +74,7 @@ struct NumericalAxis {
   std::string name;
   std::vector<double> displacement, force;  ///< [m], [N]
   double peak_displacement = 0, peak_shear = 0;
+  double difference = 0;  ///< of its displacement from the test's, rms over rms of the test's [-]
 };
 
 struct Analysis {
@@ -89,24 +90,20 @@ struct Analysis {
   std::vector<std::pair<std::string, std::int64_t>> drops;
   Series host_late;  ///< largest of each interval [s]; empty in virtual time
   std::vector<NumericalAxis> numerical;
-  double numerical_interval = 0;    ///< [s]
-  std::vector<double> frequencies;  ///< of the spectra [Hz]
+  std::vector<NumericalAxis> improved;  ///< with what a diagnosis found in the model
+  double numerical_interval = 0;        ///< [s]
+  std::vector<double> frequencies;      ///< of the spectra [Hz]
   std::vector<FloorSpectra> floors;
 };
 
 /// @throws Error if the run cannot be read or holds no motion
 [[nodiscard]] Analysis analyse(const std::filesystem::path& folder);
 
-/// Floor spectra of the run and its companions.
+/// Floor spectra of the run and its companions, null if there are none.
 void add_spectra(Analysis& analysis, const recording::Reader& run,
-                 const recording::Reader* numerical);
+                 const recording::Reader* numerical, const recording::Reader* improved);
 
 /// The lines of a text that each end with a line feed.
 [[nodiscard]] std::vector<std::string> lines(const std::string& text);
-
-/// Values of a signal at each count of a counter: value n−1 belongs to count n. Counts that no row
-/// has are filled in between their neighbours.
-[[nodiscard]] std::vector<double> at_each_count(const std::vector<double>& counter,
-                                                const std::vector<double>& signal);
 
 }  // namespace rths::report

@@ -3,13 +3,13 @@
 
 #include <string_view>
 
-namespace rths::report {
-
 /// Files of report/web and the plotting library, as they were when the command was built.
-[[nodiscard]] std::string_view page_template();
-[[nodiscard]] std::string_view page_style();
-[[nodiscard]] std::string_view page_script();
-[[nodiscard]] std::string_view plot_library_script();
-[[nodiscard]] std::string_view plot_library_style();
+namespace rths::report::web {
 
-}  // namespace rths::report
+extern const std::string_view report_html, report_css, report_js, plots_js;
+extern const std::string_view verdict_css, sentence_js;
+extern const std::string_view diagnosis_html, diagnosis_css, diagnosis_js;
+extern const std::string_view quantities_js, charts_js, curtain_js, verdict_js, where_js, proof_js;
+extern const std::string_view uplot_js, uplot_css;
+
+}  // namespace rths::report::web

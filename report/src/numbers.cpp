@@ -15,6 +15,14 @@ constexpr double kMilli = 1e3;         // s to ms, m to mm
 constexpr double kPercent = 100;
 constexpr double kPerKilo = 1e-3;  // N to kN
 
+// Bands that spectra are compared in [Hz]: isolation and the buildings' first modes, the band that
+// the machine's errors and the vertical motion show in, and what is above.
+struct Band {
+  const char* name;
+  double from, to;
+};
+constexpr Band kBands[] = {{"below_6_Hz", 0, 6}, {"6_to_11_Hz", 6, 11}, {"above_11_Hz", 11, 1e3}};
+
 double mean(const std::vector<double>& values) {
   return values.empty() ? 0
                         : std::accumulate(values.begin(), values.end(), 0.0) /
@@ -45,7 +53,40 @@ Json optional_ms(const std::optional<double>& seconds) {
   return seconds ? Json(rounded(*seconds * kMilli, 2)) : Json(nullptr);
 }
 
-Json axis_numbers(const AxisAnalysis& axis, const std::vector<NumericalAxis>& numerical) {
+// How many times as high the test's spectrum is as another, in the mean of its logarithm.
+Json spectrum_ratios(const FloorSpectra& floor, const std::string& of,
+                     const std::vector<double>& frequencies) {
+  const auto found = std::find_if(floor.spectra.begin(), floor.spectra.end(),
+                                  [&](const Spectrum& spectrum) { return spectrum.of == of; });
+  if (found == floor.spectra.end()) return nullptr;
+  Json ratios;
+  for (const auto& band : kBands) {
+    std::vector<double> logarithms;
+    for (std::size_t i = 0; i < frequencies.size(); ++i)
+      if (frequencies[i] >= band.from && frequencies[i] < band.to)
+        logarithms.push_back(std::log(floor.spectra[0].values[i] / found->values[i]));
+    ratios[band.name] = rounded(std::exp(mean(logarithms)), 4);
+  }
+  return ratios;
+}
+
+Json floor_numbers(const FloorSpectra& floor, const std::vector<double>& frequencies) {
+  return {{"hybrid_over_numerical", spectrum_ratios(floor, "numerical", frequencies)},
+          {"hybrid_over_improved", spectrum_ratios(floor, "improved", frequencies)}};
+}
+
+void add_numerical(Json& json, const std::string& axis, const char* prefix,
+                   const std::vector<NumericalAxis>& numerical) {
+  const auto key = [&](const char* name) { return fmt::format("{}_{}", prefix, name); };
+  for (const auto& model : numerical) {
+    if (model.name != axis) continue;
+    json[key("peak_displacement_mm")] = rounded(model.peak_displacement * kMilli, 2);
+    json[key("peak_shear_kN")] = rounded(model.peak_shear * kPerKilo, 1);
+    json[key("difference_percent")] = rounded(model.difference * kPercent, 2);
+  }
+}
+
+Json axis_numbers(const AxisAnalysis& axis, const Analysis& analysis) {
   Json json;
   json["delay_raw_ms"] = optional_ms(axis.raw_delay);
   json["delay_raw_min_rms_ms"] = optional_ms(axis.raw_delay_min_rms);
@@ -62,11 +103,8 @@ Json axis_numbers(const AxisAnalysis& axis, const std::vector<NumericalAxis>& nu
   json["peak_displacement_mm"] = rounded(axis.peak_displacement * kMilli, 2);
   json["peak_shear_kN"] = rounded(axis.peak_shear * kPerKilo, 1);
   json["ats_ticks_at_a_limit"] = axis.ats_limited;
-  for (const auto& model : numerical) {
-    if (model.name != axis.name) continue;
-    json["numerical_peak_displacement_mm"] = rounded(model.peak_displacement * kMilli, 2);
-    json["numerical_peak_shear_kN"] = rounded(model.peak_shear * kPerKilo, 1);
-  }
+  add_numerical(json, axis.name, "numerical", analysis.numerical);
+  add_numerical(json, axis.name, "improved", analysis.improved);
   return json;
 }
 
@@ -115,8 +153,10 @@ Json numbers_of(const Analysis& analysis) {
   json["correct_ms_mean"] = rounded(mean(steps.correct) * kMilli, 4);
   json["slow_down_ms_mean"] = rounded(mean(steps.slow) * kMilli, 4);
   json["axes"] = Json::object();
-  for (const auto& axis : analysis.axes)
-    json["axes"][axis.name] = axis_numbers(axis, analysis.numerical);
+  for (const auto& axis : analysis.axes) json["axes"][axis.name] = axis_numbers(axis, analysis);
+  json["floors"] = Json::object();
+  for (const auto& floor : analysis.floors)
+    json["floors"][floor.floor] = floor_numbers(floor, analysis.frequencies);
   json["nodes"] = Json::object();
   for (const auto& node : analysis.nodes) json["nodes"][node.name] = node_numbers(node);
   json["drops"] = Json::object();

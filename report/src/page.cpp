@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "page.hpp"
 
-#include <cmath>
-#include <cstdint>
-#include <cstring>
+#include <algorithm>
+#include <utility>
 
+#include "assemble.hpp"
 #include "embedded.hpp"
 
 namespace rths::report {
@@ -13,32 +13,6 @@ namespace {
 constexpr std::size_t kMostPoints = 4000;  // of a curve: more than a screen can show
 constexpr double kMilli = 1e3;
 constexpr double kPerKilo = 1e-3;
-
-std::string base64(const unsigned char* bytes, std::size_t count) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((count + 2) / 3 * 4);
-  for (std::size_t i = 0; i < count; i += 3) {
-    std::uint32_t group = std::uint32_t{bytes[i]} << 16;
-    if (i + 1 < count) group |= std::uint32_t{bytes[i + 1]} << 8;
-    if (i + 2 < count) group |= bytes[i + 2];
-    text += kDigits[group >> 18 & 63];
-    text += kDigits[group >> 12 & 63];
-    text += i + 1 < count ? kDigits[group >> 6 & 63] : '=';
-    text += i + 2 < count ? kDigits[group & 63] : '=';
-  }
-  return text;
-}
-
-// Numbers travel as 32-bit floats in base64: exact enough for a picture, and small.
-Json packed(const std::vector<double>& values, double scale = 1) {
-  std::vector<float> floats;
-  floats.reserve(values.size());
-  for (const double value : values) floats.push_back(static_cast<float>(value * scale));
-  std::vector<unsigned char> bytes(floats.size() * sizeof(float));
-  std::memcpy(bytes.data(), floats.data(), bytes.size());
-  return base64(bytes.data(), bytes.size());
-}
 
 std::size_t stride_of(std::size_t count) { return (count + kMostPoints - 1) / kMostPoints; }
 
@@ -101,9 +75,12 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
   Json data;
   data["numbers"] = numbers;
   for (const auto& axis : analysis.axes) data["axes"].push_back(axis_data(axis));
-  data["numerical"] = Json::array();
-  for (const auto& axis : analysis.numerical)
-    data["numerical"].push_back(numerical_data(axis, analysis.numerical_interval));
+  for (const auto& [name, axes] :
+       {std::pair{"numerical", &analysis.numerical}, std::pair{"improved", &analysis.improved}}) {
+    data[name] = Json::array();
+    for (const auto& axis : *axes)
+      data[name].push_back(numerical_data(axis, analysis.numerical_interval));
+  }
   data["steps"] = steps_data(analysis.steps);
   data["host_late_ms"] = series(analysis.host_late, kMilli, true);
   data["frequencies_Hz"] = packed(analysis.frequencies);
@@ -117,25 +94,13 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
   return data;
 }
 
-void fill_in(std::string& page, const std::string& mark, std::string_view text) {
-  const auto place = page.find(mark);
-  if (place != std::string::npos) page.replace(place, mark.size(), text);
-}
-
 }  // namespace
 
 std::string page_of(const Analysis& analysis, const Json& numbers) {
-  std::string data = page_data(analysis, numbers).dump();
-  // A "</script>" inside the data would end it.
-  for (auto at = data.find("</"); at != std::string::npos; at = data.find("</", at + 3))
-    data.replace(at, 2, "<\\/");
-  std::string page{page_template()};
-  fill_in(page, "/*plot-style*/", plot_library_style());
-  fill_in(page, "/*style*/", page_style());
-  fill_in(page, "/*plot-script*/", plot_library_script());
-  fill_in(page, "/*data*/", data);
-  fill_in(page, "/*script*/", page_script());
-  return page;
+  return assemble({web::report_html,
+                   {web::report_css, web::verdict_css},
+                   {web::plots_js, web::quantities_js, web::sentence_js, web::report_js}},
+                  page_data(analysis, numbers));
 }
 
 }  // namespace rths::report

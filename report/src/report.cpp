@@ -3,29 +3,38 @@
 
 #include <fstream>
 
-#include <rths/core/error.hpp>
+#include <fmt/format.h>
+
+#include <rths/report/diagnosis.hpp>
 
 #include "page.hpp"
+#include "write_file.hpp"
 
 namespace rths::report {
 namespace {
 
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream{file, std::ios::binary};
-  stream << text;
-  stream.close();
-  if (!stream) throw Error{file.string() + ": cannot be written"};
+// What a diagnosis of the run left in its folder; null if there was none.
+Json verdict_in(const std::filesystem::path& folder) {
+  const auto file = folder / kVerdictFile;
+  if (!std::filesystem::exists(file)) return nullptr;
+  std::ifstream stream{file};
+  const Json verdict = Json::parse(stream, nullptr, false);
+  if (!verdict.is_object() || verdict.value("format", 0) != kVerdictFormat)
+    throw Error{fmt::format("{}: is no verdict of format {}, remove it or diagnose the run again",
+                            file.string(), kVerdictFormat)};
+  return verdict;
 }
 
 }  // namespace
 
 ReportOutcome make_report(const std::filesystem::path& folder) {
   const Analysis analysis = analyse(folder);
-  const Json numbers = numbers_of(analysis);
+  Json numbers = numbers_of(analysis);
+  numbers["diagnosis"] = verdict_in(folder);
   const ReportOutcome outcome{folder / "report.html", folder / "report.json", summary_of(analysis),
                               is_conclusive(analysis)};
-  write(outcome.page, page_of(analysis, numbers));
-  write(outcome.numbers, numbers.dump(2) + "\n");
+  write_file(outcome.page, page_of(analysis, numbers));
+  write_file(outcome.numbers, numbers.dump(2) + "\n");
   return outcome;
 }
 

@@ -25,23 +25,23 @@ std::vector<std::string> lines(const std::string& text) {
 }
 
 void add_spectra(Analysis& analysis, const recording::Reader& run,
-                 const recording::Reader* numerical) {
+                 const recording::Reader* numerical, const recording::Reader* improved) {
   analysis.frequencies = sim::spectrum_frequencies(kLowest, kHighest, kFrequencies);
   const auto spectrum = [&](const std::vector<double>& along, const std::vector<double>& across,
                             double interval) {
     return sim::floor_spectrum(along, across, interval, analysis.frequencies, kDampingRatio);
   };
-  const auto reference = [&](const std::string& name) {
-    return spectrum(numerical->signal("result." + name + "long"),
-                    numerical->signal("result." + name + "lat"), analysis.numerical_interval);
+  const auto reference = [&](const recording::Reader& result, const std::string& name) {
+    return spectrum(result.signal("result." + name + "long"),
+                    result.signal("result." + name + "lat"), analysis.numerical_interval);
   };
   std::vector<std::string> names;
   if (numerical != nullptr) names = lines(numerical->config("floors"));
   const auto steps = run.signal("monitor.opf.step");
   for (int floor = 1; run.has(fmt::format("monitor.opf.floor.{}.accel.long", floor)); ++floor) {
     const auto hybrid = [&](const char* axis) {
-      return at_each_count(steps,
-                           run.signal(fmt::format("monitor.opf.floor.{}.accel.{}", floor, axis)));
+      return recording::at_each_count(
+          steps, run.signal(fmt::format("monitor.opf.floor.{}.accel.{}", floor, axis)));
     };
     const auto index = static_cast<std::size_t>(floor - 1);
     FloorSpectra spectra;
@@ -49,11 +49,13 @@ void add_spectra(Analysis& analysis, const recording::Reader& run,
     spectra.spectra.push_back(
         {"hybrid", spectrum(hybrid("long"), hybrid("lat"), analysis.integration_step)});
     if (numerical != nullptr) {
-      spectra.spectra.push_back(
-          {"numerical", reference(fmt::format("isolated.floor.{}.accel.", floor))});
-      spectra.spectra.push_back(
-          {"fixed base", reference(fmt::format("fixed.floor.{}.accel.", floor))});
-      spectra.spectra.push_back({"input", reference("ground.accel.")});
+      const auto isolated = fmt::format("isolated.floor.{}.accel.", floor);
+      const auto fixed = fmt::format("fixed.floor.{}.accel.", floor);
+      spectra.spectra.push_back({"numerical", reference(*numerical, isolated)});
+      if (improved != nullptr)
+        spectra.spectra.push_back({"improved", reference(*improved, isolated)});
+      spectra.spectra.push_back({"fixed base", reference(*numerical, fixed)});
+      spectra.spectra.push_back({"input", reference(*numerical, "ground.accel.")});
     }
     analysis.floors.push_back(std::move(spectra));
   }

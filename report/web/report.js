@@ -1,165 +1,42 @@
 "use strict";
-// Draws the report from the data in the page. Everything stays in this file's one function; what a
-// test wants to know stands on the body: data-figures (how many were drawn) and data-error.
+// Draws the report from the data in the page.
 (() => {
-  window.addEventListener("error", e => { document.body.dataset.error = e.message; });
-
-  const data = JSON.parse(document.getElementById("data").textContent);
+  const { data, unpack, times, gaps, el, byId, loops, lines, table } = plots;
   const n = data.numbers;
+  plots.marks.synthetic = n.synthetic;
   const COLOR = {
-    hybrid: "#c0392b", numerical: "#1f6fb2", "fixed base": "#7f8c8d", input: "#2c3e50",
+    hybrid: "#c0392b", numerical: "#1f6fb2", improved: "#1a7f4b", "fixed base": "#7f8c8d", input: "#2c3e50",
     long: "#0b6e99", lat: "#d9730d", predict: "#f0b429", correct: "#2a9d8f", slow: "#b3261e",
     host: "#5b6875", limit: "#b3261e",
   };
   const AXIS_NAME = { long: "longitudinal", lat: "lateral" };
-  let figures = 0;
 
-  // --- data --------------------------------------------------------------------------------------
-  const unpack = text => {
-    const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
-    return new Float32Array(bytes.buffer);
-  };
-  const times = s => Float64Array.from({ length: unpack(s.values).length }, (_, i) => s.start + i * s.interval);
-  // uPlot has a gap where a value is null; in our data it is no number.
-  const gaps = values => Array.from(values, v => (Number.isNaN(v) ? null : v));
   const axisNamed = name => data.axes.find(a => a.name === name);
-  const modelNamed = name => data.numerical.find(a => a.name === name);
-
-  // --- page parts --------------------------------------------------------------------------------
-  const el = (tag, attributes = {}, ...children) => {
-    const node = Object.assign(document.createElement(tag), attributes);
-    node.append(...children);
-    return node;
-  };
-  const byId = id => document.getElementById(id);
-
-  const figure = (place, caption, key) => {
-    const legend = el("div", { className: "key" });
-    for (const k of key) {
-      const line = el("i", { className: k.dashed ? "dashed" : "" });
-      line.style.borderTopColor = k.color;
-      legend.append(el("span", {}, line, k.label));
-    }
-    const box = el("figure", {}, el("figcaption", { textContent: caption }), legend);
-    byId(place).append(box);
-    figures += 1;
-    return box;
-  };
-
-  // Synthetic data says so on the picture itself.
-  const watermark = u => {
-    const { ctx, bbox } = u;
-    ctx.save();
-    ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
-    ctx.fillStyle = "rgba(91,104,117,.75)";
-    ctx.textAlign = "right";
-    ctx.fillText("synthetic", bbox.left + bbox.width - 6 * devicePixelRatio, bbox.top + 14 * devicePixelRatio);
-    ctx.restore();
-  };
-  const axisStyle = (label, extra = {}) => ({
-    label, labelSize: 18, labelGap: 0, size: 32, labelFont: "12px system-ui", font: "11px system-ui", stroke: "#5b6875",
-    grid: { stroke: "#edf0f2", width: 1 }, ticks: { stroke: "#d5dadf", width: 1, size: 5 }, ...extra,
-  });
-  // Redraws at the width the page gives; a figure knows its height from its width.
-  const fit = (box, plot, height) => {
-    let drawn = 0;
-    new ResizeObserver(() => requestAnimationFrame(() => {
-      const width = Math.floor(box.clientWidth);
-      if (width > 0 && width !== drawn) plot.setSize({ width: drawn = width, height: height(width) });
-    })).observe(box);
-  };
-
-  const padded = (low, high) => {
-    const margin = 0.06 * (high - low || 1);
-    return [low - margin, high + margin];
-  };
-  const extent = arrays => {
-    let low = Infinity, high = -Infinity;
-    for (const values of arrays) for (const v of values) { if (v < low) low = v; if (v > high) high = v; }
-    return [low, high];
-  };
-
-  // Curves whose x goes back and forth: loops and orbits.
-  const drawCurve = (u, index) => {
-    const [xs, ys] = u.data[index];
-    const { ctx } = u;
-    const s = u.series[index];
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
-    ctx.clip();
-    ctx.beginPath();
-    for (let i = 0; i < xs.length; i++) {
-      const x = u.valToPos(xs[i], "x", true), y = u.valToPos(ys[i], "y", true);
-      i ? ctx.lineTo(x, y) : ctx.moveTo(x, y);
-    }
-    ctx.lineWidth = s.lineWidth * devicePixelRatio;
-    ctx.strokeStyle = s.color;
-    ctx.lineJoin = "round";
-    ctx.stroke();
-    ctx.restore();
-    return null;
-  };
-  const loops = (place, caption, xLabel, yLabel, curves, equal = false) => {
-    const box = figure(place, caption, curves.map(c => ({ label: c.label, color: c.color })));
-    let x = padded(...extent(curves.map(c => c.x))), y = padded(...extent(curves.map(c => c.y)));
-    if (equal) {
-      const half = Math.max(x[1] - x[0], y[1] - y[0]) / 2;
-      const around = r => { const m = (r[0] + r[1]) / 2; return [m - half, m + half]; };
-      [x, y] = [around(x), around(y)];
-    }
-    const height = width => Math.round(Math.min(width * 0.78, 430));
-    const plot = new uPlot({
-      mode: 2, width: 400, height: 320, legend: { show: false }, cursor: { show: false },
-      scales: { x: { time: false, range: () => x }, y: { range: () => y } },
-      axes: [axisStyle(xLabel), axisStyle(yLabel, { size: 52 })],
-      series: [null, ...curves.map(c => ({ color: c.color, lineWidth: c.width || 1.3, paths: drawCurve,
-        facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }] }))],
-      hooks: { draw: [watermark] },
-    }, [null, ...curves.map(c => [c.x, c.y])], box);
-    fit(box, plot, height);
-  };
-
-  // On a logarithmic axis: 1, 2 and 5 of each decade carry a number.
-  const logTicks = {
-    filter: (u, splits) => splits.map(v => ("125".includes(v.toExponential()[0]) && v.toExponential().length < 6 ? v : null)),
-    values: (u, splits) => splits.map(v => (v == null ? "" : String(+v.toPrecision(2)))),
-  };
-
-  // Curves over time or frequency.
-  const cursorGroup = uPlot.sync("time");
-  const lines = (place, caption, x, xLabel, yLabel, curves, options = {}) => {
-    const box = figure(place, caption, curves);
-    const height = width => Math.round(options.height || Math.min(Math.max(width * 0.62, 220), 280));
-    const plot = new uPlot({
-      width: 400, height: 240, legend: { show: false },
-      cursor: options.logX ? { y: false } : { y: false, sync: { key: cursorGroup.key, setSeries: false } },
-      scales: {
-        x: { time: false, distr: options.logX ? 3 : 1 },
-        y: { distr: options.logY ? 3 : 1, range: options.range ? () => options.range : undefined },
-      },
-      axes: [axisStyle(xLabel, options.logX ? logTicks : {}),
-             axisStyle(yLabel, { size: 46, ...(options.logY ? logTicks : {}) })],
-      series: [{}, ...curves.map(c => ({
-        stroke: c.color, width: c.width || 1.4, dash: c.dashed ? [5, 4] : undefined,
-        fill: c.fill, points: { show: false }, spanGaps: false,
-      }))],
-      bands: options.bands,
-      hooks: { draw: options.measured ? [] : [watermark] },
-    }, [x, ...curves.map(c => c.y)], box);
-    fit(box, plot, height);
-  };
-
-  const table = (place, head, rows) => {
-    const body = el("tbody");
-    for (const row of rows) body.append(el("tr", {}, ...row.map(cell => el("td", { textContent: cell }))));
-    byId(place).append(el("table", {},
-      el("thead", {}, el("tr", {}, ...head.map(h => el("th", { textContent: h })))), body));
-  };
+  const MODELS = ["numerical", "improved"];
 
   // --- header ------------------------------------------------------------------------------------
   const fixed = (value, digits) => (value == null ? "–" : value.toFixed(digits));
   const axes = Object.entries(n.axes);
+
+  // What the diagnosis of this test found comes before the test itself.
+  const found = () => {
+    const v = n.diagnosis;
+    if (!v) return;
+    byId("found").hidden = false;
+    byId("found-chip").append(sentence.chip(v), "What the simulation left out");
+    if (v.synthetic) byId("found-chip").append(el("span", { className: "badge", textContent: "synthetic recordings" }));
+    sentence.write(v, byId("found-sentence"), byId("found-rest"));
+    sentence.proofCards(v, byId("found-cards"));
+    const differences = key => axes.map(([, a]) => fixed(a[key], 1)).join(" / ");
+    if (data.improved.length)
+      sentence.card(byId("found-cards"), "simulation against test",
+        `${differences("numerical_difference_percent")} → ${differences("improved_difference_percent")}\u2009%`,
+        `of its displacement, rms, ${axes.map(([name]) => AXIS_NAME[name]).join(" / ")}`);
+    const file = (name, text) => [el("a", { href: name, textContent: text }), " · "];
+    byId("found-files").append(...file("diagnosis.html", "how it was found and proved"),
+      ...(v.improved_model ? file("improved.toml", "the improved model") : []),
+      el("a", { href: "verdict.json", textContent: "its numbers" }));
+  };
 
   const header = () => {
     document.title = `${n.name} · rths report`;
@@ -197,28 +74,27 @@
   // --- figures -----------------------------------------------------------------------------------
   const response = () => {
     const measured = a => ({ u: unpack(a.step_displacement_mm), f: unpack(a.step_force_kN) });
-    const model = name => {
-      const m = modelNamed(name);
-      return m && { u: unpack(m.loop_displacement_mm), f: unpack(m.loop_force_kN) };
-    };
-    const pair = (pick, other) => {
-      const curves = [];
-      if (other) curves.push({ label: "numerical", color: COLOR.numerical, x: other[0], y: other[1], width: 1.2 });
-      curves.push({ label: "hybrid", color: COLOR.hybrid, x: pick[0], y: pick[1], width: 1.2 });
-      return curves;
-    };
+    const models = MODELS.map(label => {
+      const axes = {};
+      for (const m of data[label]) axes[m.name] = { u: unpack(m.loop_displacement_mm), f: unpack(m.loop_force_kN) };
+      return { label, axes };
+    }).filter(m => Object.keys(m.axes).length);
+    // The test in front of what a model does in the specimen's place.
+    const beside = (pick, of) => [
+      ...models.map(m => ({ label: m.label, color: COLOR[m.label], x: of(m.axes)[0], y: of(m.axes)[1], width: 1.2 })),
+      { label: "hybrid", color: COLOR.hybrid, x: pick[0], y: pick[1], width: 1.2 },
+    ];
     for (const a of data.axes) {
-      const h = measured(a), m = model(a.name);
+      const h = measured(a);
       loops("response", `Hysteresis, ${AXIS_NAME[a.name]}`, "displacement [mm]", "shear force [kN]",
-        pair([h.u, h.f], m && [m.u, m.f]));
+        beside([h.u, h.f], m => [m[a.name].u, m[a.name].f]));
     }
     if (data.axes.length < 2) return;
     const [x, y] = [measured(axisNamed("long")), measured(axisNamed("lat"))];
-    const [mx, my] = [model("long"), model("lat")];
     loops("response", "Displacement orbit", "longitudinal [mm]", "lateral [mm]",
-      pair([x.u, y.u], mx && [mx.u, my.u]), true);
+      beside([x.u, y.u], m => [m.long.u, m.lat.u]), true);
     loops("response", "Shear-force interaction", "longitudinal [kN]", "lateral [kN]",
-      pair([x.f, y.f], mx && [mx.f, my.f]), true);
+      beside([x.f, y.f], m => [m.long.f, m.lat.f]), true);
   };
 
   const tracking = () => {
@@ -298,7 +174,8 @@
       ["compensated delay in windows of 2 s, largest [ms]", "delay_in_windows_max_ms", 2],
       ["NRMS [%]", "nrms_percent", 2], ["NRMS in windows of 2 s, largest [%]", "nrms_in_windows_max_percent", 2],
       ["largest error / largest command [%]", "peak_error_percent", 2], ["peak displacement [mm]", "peak_displacement_mm", 1],
-      ["peak displacement, numerical [mm]", "numerical_peak_displacement_mm", 1], ["peak shear [kN]", "peak_shear_kN", 0],
+      ["peak displacement, numerical [mm]", "numerical_peak_displacement_mm", 1],
+      ["displacement, numerical against hybrid, rms [%]", "numerical_difference_percent", 1], ["peak shear [kN]", "peak_shear_kN", 0],
       ["peak shear, numerical [kN]", "numerical_peak_shear_kN", 0], ["ATS ticks at a limit", "ats_ticks_at_a_limit", 0],
     ];
     table("numbers", ["", ...axes.map(([name]) => AXIS_NAME[name])],
@@ -308,6 +185,6 @@
       el("code", { textContent: "./lab demo" }), ".");
   };
 
-  for (const draw of [header, response, tracking, ats, steps, floors, host, numbers]) draw();
-  document.body.dataset.figures = figures;
+  for (const draw of [found, header, response, tracking, ats, steps, floors, host, numbers]) draw();
+  plots.done();
 })();

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "browser.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
 
@@ -25,18 +26,6 @@ class Page : public ::testing::Test {
   static void TearDownTestSuite() {
     delete folder;
     folder = nullptr;
-  }
-
-  // The document after its scripts have run.
-  static std::string rendered() {
-    const std::string profile = (folder->path() / "profile").string();
-    return test::Running{{"/usr/bin/chromium", "--headless", "--no-sandbox", "--disable-gpu",
-                          "--disable-quic", "--no-first-run", "--disable-background-networking",
-                          "--disable-component-update", "--disable-sync",
-                          "--user-data-dir=" + profile, "--virtual-time-budget=8000", "--dump-dom",
-                          "file://" + (folder->path() / "report.html").string()}}
-        .wait(60)
-        .out;
   }
 
   static test::TemporaryFolder* folder;
@@ -61,15 +50,15 @@ TEST_F(Page, SaysThatItsDataIsSynthetic) {
 }
 
 TEST_F(Page, DrawsEveryFigureInChromiumWithoutAnError) {
-  if (!std::filesystem::exists("/usr/bin/chromium"))
+  if (!std::filesystem::exists(test_support::kBrowser))
     GTEST_SKIP() << "SKIPPED: no Chromium here; './lab test' installs it";
 
-  const std::string page = rendered();
+  const std::string page =
+      test_support::rendered(folder->path() / "report.html", folder->path() / "profile");
 
   // Two loops, orbit, interaction; two displacements, delay, error; three coefficients; states;
   // three spectra. Lateness is drawn for runs in real time only.
-  const std::string body = page.substr(page.find("<body"), 200);
-  EXPECT_EQ(body.rfind("<body data-figures=\"15\">", 0), 0U) << body;
+  EXPECT_EQ(test_support::body_of(page), "<body data-figures=\"15\">");
   EXPECT_NE(page.find("<h1 id=\"title\">srmd lprb 2d</h1>"), std::string::npos);
   EXPECT_NE(page.find("no slow-downs"), std::string::npos);
 }

@@ -11,20 +11,6 @@
 namespace rths::report {
 namespace {
 
-TEST(AtEachCount, TakesTheFirstValueOfEachCount) {
-  EXPECT_EQ(at_each_count({0, 1, 1, 2, 3}, {9, 10, 11, 20, 30}), (std::vector<double>{10, 20, 30}));
-}
-
-TEST(AtEachCount, FillsCountsThatNoRowHasInBetween) {
-  EXPECT_EQ(at_each_count({1, 4}, {10, 40}), (std::vector<double>{10, 20, 30, 40}));
-}
-
-TEST(AtEachCount, BeginsWithTheFirstCountThereIs) {
-  EXPECT_EQ(at_each_count({3, 4}, {30, 40}), (std::vector<double>{30, 30, 30, 40}));
-}
-
-TEST(AtEachCount, IsEmptyWithoutCounts) { EXPECT_TRUE(at_each_count({0, 0}, {1, 2}).empty()); }
-
 /// A run of a thousand steps, of which some were excused and some slowed down.
 Analysis run_with(int excused) {
   Analysis analysis;

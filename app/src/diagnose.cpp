@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <rths/diagnosis/against.hpp>
+#include <rths/diagnosis/diagnose.hpp>
+#include <rths/report/diagnosis.hpp>
+
+#include "commands.hpp"
+
+namespace rths::app {
+namespace {
+
+// Of a case's name, which may be any text, or of its folder if it has none.
+std::string folder_name(const diagnosis::Case& c, const std::string& source) {
+  std::string name = c.name;
+  std::replace(name.begin(), name.end(), '/', '_');
+  const bool is_name = !name.empty() && name != "." && name != "..";
+  return is_name ? name : std::filesystem::canonical(source).filename().string();
+}
+
+diagnosis::Case load(const DiagnoseArguments& arguments) {
+  diagnosis::Case c = diagnosis::load_case(arguments.source);
+  return arguments.against.empty() ? c
+                                   : diagnosis::with_prediction(std::move(c), arguments.against);
+}
+
+}  // namespace
+
+int diagnose(const DiagnoseArguments& arguments) {
+  const diagnosis::Case c = load(arguments);
+  diagnosis::Verdict verdict = diagnosis::diagnose(c, {arguments.without, arguments.seed});
+  // Specimen and machine of runs are models in this version.
+  verdict.synthetic = verdict.synthetic || std::filesystem::is_regular_file(arguments.source);
+  std::filesystem::path folder = arguments.out;
+  if (folder.empty())
+    folder = std::filesystem::path{"out/diagnosis"} / folder_name(c, arguments.source);
+  const auto written = report::write_diagnosis(verdict, folder);
+  fmt::print("{}\nreport    {}\nnumbers   {}\n", report::verdict_summary(verdict),
+             written.page.string(), written.numbers.string());
+  if (written.fragment) fmt::print("improved  {}\n", written.fragment->string());
+  if (written.motion) fmt::print("motion    {}\n", written.motion->string());
+  return kOk;
+}
+
+}  // namespace rths::app

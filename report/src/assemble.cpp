@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "assemble.hpp"
+
+#include <cstdint>
+#include <cstring>
+
+#include "embedded.hpp"
+
+namespace rths::report {
+namespace {
+
+std::string base64(const unsigned char* bytes, std::size_t count) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((count + 2) / 3 * 4);
+  for (std::size_t i = 0; i < count; i += 3) {
+    std::uint32_t group = std::uint32_t{bytes[i]} << 16;
+    if (i + 1 < count) group |= std::uint32_t{bytes[i + 1]} << 8;
+    if (i + 2 < count) group |= bytes[i + 2];
+    text += kDigits[group >> 18 & 63];
+    text += kDigits[group >> 12 & 63];
+    text += i + 1 < count ? kDigits[group >> 6 & 63] : '=';
+    text += i + 2 < count ? kDigits[group & 63] : '=';
+  }
+  return text;
+}
+
+// The data as JavaScript's JSON reads it, and without what would end or change the element that it
+// stands in: "</script>" and "<!--".
+std::string escaped(const Json& data) {
+  std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
+  for (auto at = text.find('<'); at != std::string::npos; at = text.find('<', at))
+    text.replace(at, 1, "\\u003c");
+  return text;
+}
+
+std::string joined(const std::vector<std::string_view>& files) {
+  std::string text;
+  for (const auto file : files) text += file;
+  return text;
+}
+
+void fill_in(std::string& page, const std::string& mark, std::string_view text) {
+  const auto place = page.find(mark);
+  if (place != std::string::npos) page.replace(place, mark.size(), text);
+}
+
+}  // namespace
+
+Json packed(const std::vector<double>& values, double scale) {
+  std::vector<float> floats;
+  floats.reserve(values.size());
+  for (const double value : values) floats.push_back(static_cast<float>(value * scale));
+  std::vector<unsigned char> bytes(floats.size() * sizeof(float));
+  std::memcpy(bytes.data(), floats.data(), bytes.size());
+  return base64(bytes.data(), bytes.size());
+}
+
+std::string assemble(const PageParts& parts, const Json& data) {
+  std::string page{parts.html};
+  fill_in(page, "/*plot-style*/", web::uplot_css);
+  fill_in(page, "/*style*/", joined(parts.styles));
+  fill_in(page, "/*plot-script*/", web::uplot_js);
+  fill_in(page, "/*script*/", joined(parts.scripts));
+  fill_in(page, "/*data*/", escaped(data));  // last: it may hold anything, marks as well
+  return page;
+}
+
+}  // namespace rths::report

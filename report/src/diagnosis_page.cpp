@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include <rths/report/diagnosis.hpp>
+
+#include "assemble.hpp"
+#include "embedded.hpp"
+#include "verdict_json.hpp"
+
+namespace rths::report {
+namespace {
+
+// Of a curve: more than a screen can show. Many curves share what a page may hold.
+constexpr std::size_t kMostPoints = 6000, kMostPointsOfAll = 40'000;
+
+// Every so many values of a curve that is longer than anyone can see.
+Json curve(const std::vector<double>& values, std::size_t most) {
+  const std::size_t stride = std::max<std::size_t>(1, (values.size() + most - 1) / most);
+  std::vector<double> seen;
+  for (std::size_t i = 0; i < values.size(); i += stride) seen.push_back(values[i]);
+  return packed(seen);
+}
+
+Json trace_data(const diagnosis::Trace& trace, std::size_t most) {
+  return {{"record", trace.record},
+          {"channel", trace.channel},
+          {"unit", trace.unit},
+          {"abscissa_label", trace.abscissa_label},
+          {"time", curve(trace.time, most)},
+          {"abscissa", curve(trace.abscissa, most)},
+          {"measured", curve(trace.measured, most)},
+          {"before", curve(trace.before, most)},
+          {"after", curve(trace.after, most)},
+          {"excess", curve(trace.excess, most)}};
+}
+
+}  // namespace
+
+std::string verdict_page(const diagnosis::Verdict& verdict) {
+  Json data;
+  data["verdict"] = verdict_numbers(verdict);
+  data["traces"] = Json::array();
+  const std::size_t most =
+      std::min(kMostPoints, kMostPointsOfAll / std::max<std::size_t>(1, verdict.traces.size()));
+  for (const auto& trace : verdict.traces) data["traces"].push_back(trace_data(trace, most));
+  return assemble(
+      {web::diagnosis_html,
+       {web::report_css, web::verdict_css, web::diagnosis_css},
+       {web::plots_js, web::quantities_js, web::sentence_js, web::charts_js, web::curtain_js,
+        web::verdict_js, web::where_js, web::proof_js, web::diagnosis_js}},
+      data);
+}
+
+}  // namespace rths::report

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verdict_json.hpp"
+
+#include <cmath>
+#include <string>
+
+#include <rths/report/diagnosis.hpp>
+
+namespace rths::report {
+namespace {
+
+using diagnosis::Verdict;
+
+constexpr int kDigits = 8;  // significant; the rest is noise
+
+// JSON has no word for what is not finite.
+Json number(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == 0) return 0.0;
+  const int decimals = kDigits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
+  // Powers of ten are exact up to here; beyond, rounding would do harm instead of good.
+  constexpr int kExact = 22;
+  if (std::abs(decimals) > kExact) return value;
+  const double scale = std::pow(10.0, std::abs(decimals));
+  return decimals >= 0 ? std::round(value * scale) / scale : std::round(value / scale) * scale;
+}
+
+Json numbers(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number(value));
+  return list;
+}
+
+Json interval(const std::pair<double, double>& pair) {
+  return Json::array({number(pair.first), number(pair.second)});
+}
+
+// A list made of a list, item by item.
+template <class Items, class Make>
+Json each(const Items& items, Make make) {
+  Json list = Json::array();
+  for (const auto& item : items) list.push_back(make(item));
+  return list;
+}
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json state_json(const diagnosis::StateCell& cell) {
+  return {{"displacement_m", interval(cell.displacement)},
+          {"velocity_m_per_s", interval(cell.velocity)},
+          {"share", number(cell.share)}};
+}
+
+Json profile_json(const diagnosis::Profile& profile) {
+  return {{"name", profile.name},
+          {"unit", profile.unit},
+          {"edges", numbers(profile.edges)},
+          {"share", numbers(profile.share)}};
+}
+
+Json where_json(const diagnosis::Where& where) {
+  return {{"part", name_of(where.part)},
+          {"channel", where.channel},
+          {"record", where.record},
+          {"intervals_s", each(where.intervals, interval)},
+          {"band_Hz", each(where.bands, interval)},
+          {"state", each(where.states, state_json)},
+          {"state_map", each(where.state_map, state_json)},
+          {"profiles", each(where.profiles, profile_json)}};
+}
+
+Json alternative_json(const diagnosis::Alternative& alternative) {
+  return {{"name", alternative.name},
+          {"title", alternative.title},
+          {"share", number(alternative.share)},
+          {"test", text_or_null(alternative.test)},
+          {"sigma", number(alternative.sigma)}};
+}
+
+Json cause_json(const diagnosis::Cause& cause) {
+  Json parameters = Json::object();
+  for (const auto& p : cause.parameters)
+    parameters[p.name] = {
+        {"value", number(p.value)}, {"ci95", interval({p.low, p.high})}, {"unit", p.unit}};
+  return {{"name", cause.name},
+          {"title", cause.title},
+          {"equation", cause.equation},
+          {"part", name_of(cause.part)},
+          {"channel", cause.channel},
+          {"confidence", number(cause.confidence)},
+          {"explained_fraction", number(cause.explained)},
+          {"parameters", parameters},
+          {"alternatives", each(cause.alternatives, alternative_json)}};
+}
+
+Json score_json(const diagnosis::RecordScore& score) {
+  return {{"use", score.use},
+          {"nrmse_before", number(score.nrmse_before)},
+          {"nrmse_after", number(score.nrmse_after)},
+          {"nrmse_stated", number(score.nrmse_stated)},
+          {"noise_floor", number(score.noise_floor)},
+          {"variance_before", number(score.variance_before)},
+          {"variance_after", number(score.variance_after)}};
+}
+
+Json refitted_json(const diagnosis::Refitted& parameter) {
+  return {{"unit", parameter.unit},
+          {"stated", number(parameter.stated)},
+          {"before", number(parameter.before)},
+          {"after", number(parameter.after)}};
+}
+
+Json ablation_json(const diagnosis::Ablation& ablation) {
+  return {{"what", ablation.what}, {"nrmse", number(ablation.nrmse)}};
+}
+
+Json description_json(const diagnosis::Description& description) {
+  return {{"form", description.form},       {"share", number(description.share)},
+          {"x_label", description.x_label}, {"x", numbers(description.x)},
+          {"y", numbers(description.y)},    {"band", numbers(description.band)}};
+}
+
+Json evidence_json(const diagnosis::Evidence& evidence) {
+  return {{"name", evidence.name},
+          {"title", evidence.title},
+          {"gain_nat", number(evidence.gain)},
+          {"ci90", interval({evidence.low, evidence.high})}};
+}
+
+}  // namespace
+
+Json verdict_numbers(const Verdict& verdict) {
+  Json json;
+  json["format"] = kVerdictFormat;
+  json["case"] = verdict.case_name;
+  json["synthetic"] = verdict.synthetic;
+  json["verdict"] = name_of(verdict.outcome);
+  json["sentence"] = verdict.sentence;
+  json["confidence"] = number(verdict.confidence);
+  json["remainder"] = verdict.has_remainder;
+  json["where"] = where_json(verdict.where);
+  json["causes"] = each(verdict.causes, cause_json);
+  json["fit"] = Json::object();
+  for (const auto& score : verdict.fit) json["fit"][score.record] = score_json(score);
+  json["refitted"] = Json::object();
+  for (const auto& parameter : verdict.refitted)
+    json["refitted"][parameter.name] = refitted_json(parameter);
+  json["proof_record"] = text_or_null(verdict.proof_record);
+  json["ablation"] = each(verdict.ablation, ablation_json);
+  json["residual_white"] = verdict.residual_white;
+  json["residual_correlation"] = numbers(verdict.residual_correlation);
+  json["correlation_bound"] =
+      verdict.correlation_bound > 0 ? number(verdict.correlation_bound) : Json(nullptr);
+  json["descriptions"] = each(verdict.descriptions, description_json);
+  json["evidence"] = each(verdict.evidence, evidence_json);
+  json["limits"] = verdict.limits;
+  json["next_test"] = text_or_null(verdict.next_test);
+  json["noise_model"] = verdict.noise_model;
+  json["improved_model"] = text_or_null(verdict.fragment);
+  json["seconds"] = number(verdict.seconds);
+  return json;
+}
+
+std::string verdict_json(const Verdict& verdict) {
+  // Names of files may be no UTF-8.
+  return verdict_numbers(verdict).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace rths::report

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A verdict in the few lines that fit a terminal.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <rths/report/diagnosis.hpp>
+
+namespace rths::report {
+namespace {
+
+using diagnosis::Verdict;
+
+constexpr double kPercent = 100;
+constexpr std::size_t kMostIntervals = 4;  // shown of each kind; verdict.json has all
+
+std::string intervals_text(const std::vector<std::pair<double, double>>& intervals,
+                           const char* unit) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(intervals.size(), kMostIntervals); ++i)
+    text +=
+        fmt::format("{}{:.4g} to {:.4g}", i ? ", " : "", intervals[i].first, intervals[i].second);
+  if (text.empty()) return text;
+  if (intervals.size() > kMostIntervals)
+    text += fmt::format(" and {} more", intervals.size() - kMostIntervals);
+  return "; " + text + " " + unit;
+}
+
+std::string where_text(const Verdict& verdict) {
+  if (verdict.where.channel.empty()) return "";
+  return fmt::format("where     {}, {}{}{}\n", name_of(verdict.where.part), verdict.where.channel,
+                     intervals_text(verdict.where.intervals, "s"),
+                     intervals_text(verdict.where.bands, "Hz"));
+}
+
+std::string cause_text(const diagnosis::Cause& cause) {
+  std::string text =
+      fmt::format("cause     {}: {}\n          confidence {:.2f}, explains {:.0f} %\n", cause.name,
+                  cause.equation, cause.confidence, cause.explained * kPercent);
+  for (const auto& p : cause.parameters)
+    text += fmt::format("          {:<44} {:.4g} [{:.4g}, {:.4g}] {}\n", p.name, p.value, p.low,
+                        p.high, p.unit);
+  for (const auto& other : cause.alternatives)
+    text += fmt::format(
+        "or        {} ({:.0f} % of the gain); {}\n", other.name, other.share * kPercent,
+        other.test.empty() ? "no known test tells them apart"
+                           : fmt::format("{} tells ({:.0f} sigma)", other.test, other.sigma));
+  return text;
+}
+
+std::string description_text(const Verdict& verdict) {
+  if (verdict.descriptions.empty()) return "";
+  const auto& best = verdict.descriptions.front();
+  return fmt::format("form      {}, {:.0f} % of what is unexplained\n", best.form,
+                     best.share * kPercent);
+}
+
+// What a fit without the missing physics hid in the parameters.
+std::string refitted_text(const Verdict& verdict) {
+  std::string text;
+  for (const auto& p : verdict.refitted)
+    text += fmt::format("fitted    {:<44} {:.4g} without, {:.4g} with what is named {}\n", p.name,
+                        p.before, p.after, p.unit);
+  return text;
+}
+
+std::string percent(double value) {
+  return std::isfinite(value) ? fmt::format("{:.3g} %", value * kPercent) : "-";
+}
+
+std::string scores_text(const Verdict& verdict) {
+  if (verdict.fit.empty()) return "";
+  std::size_t width = 8;
+  for (const auto& score : verdict.fit) width = std::max(width, score.record.size());
+  std::string text = fmt::format("\n{:<{}}  {:<9} {:>10} {:>10} {:>10}\n", "error on", width, "",
+                                 "before", "after", "noise");
+  for (const auto& score : verdict.fit)
+    text += fmt::format("{:<{}}  {:<9} {:>10} {:>10} {:>10}\n", score.record, width,
+                        score.record == verdict.proof_record ? "proof" : score.use,
+                        percent(score.nrmse_before), percent(score.nrmse_after),
+                        percent(score.noise_floor));
+  return text + fmt::format("what remains is {}\n", verdict.residual_white ? "white" : "not white");
+}
+
+}  // namespace
+
+std::string verdict_summary(const Verdict& verdict) {
+  std::string text = verdict.sentence + "\n\n" + where_text(verdict);
+  for (const auto& cause : verdict.causes) text += cause_text(cause);
+  text += refitted_text(verdict);
+  text += description_text(verdict);
+  if (!verdict.next_test.empty()) text += "next      " + verdict.next_test + "\n";
+  for (const auto& limit : verdict.limits) text += "limit     " + limit + "\n";
+  return text + scores_text(verdict);
+}
+
+}  // namespace rths::report

@@ -1,0 +1,236 @@
+
+// Figures in SVG, drawn again at the width that the page gives: histograms, maps, curves with bands.
+const charts = (() => {
+  const { el, figure } = plots;
+  const { ticks, tick, percent } = quantities;
+  const COLOR = { hot: "#b3261e", rest: "#bcc5ce", measured: "#8795a3", ink: "#1c2530", line: "#0b5c8a" };
+  const HEAT = ["#e3e8ec", "#f8d58c", "#ec8a33", "#b3261e"];  // from noise to far beyond it
+
+  const svg = (tag, attributes = {}, ...children) => {
+    const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+    node.append(...children);
+    return node;
+  };
+  const text = (x, y, content, attributes = {}) => svg("text", { x, y, ...attributes }, content);
+
+  const responsive = (box, height, draw) => {
+    let drawn = 0;
+    const place = el("div");
+    box.append(place);
+    new ResizeObserver(() => requestAnimationFrame(() => {
+      const width = Math.floor(place.clientWidth);
+      if (width < 60 || width === drawn) return;
+      drawn = width;
+      const picture = svg("svg", { viewBox: `0 0 ${width} ${height}`, height });
+      draw(picture, width, height);
+      if (plots.marks.synthetic)
+        picture.append(text(width - 10, 13, "synthetic", { "text-anchor": "end", class: "stamp" }));
+      place.replaceChildren(picture);
+    })).observe(place);
+  };
+
+  // From a value to a place: linear, or logarithmic.
+  const scale = (domain, range, log = false) => {
+    const f = log ? Math.log : v => v;
+    const [a, b] = domain.map(f);
+    return v => range[0] + (f(v) - a) / (b - a || 1) * (range[1] - range[0]);
+  };
+  const logTicks = (low, high) => {
+    const list = [];
+    for (let p = Math.floor(Math.log10(low)); p <= Math.ceil(Math.log10(high)); p++)
+      for (const m of [1, 2, 5]) {
+        const v = m * 10 ** p;
+        if (v >= low * 0.999 && v <= high * 1.001) list.push(v);
+      }
+    return list;
+  };
+
+  const xAxis = (picture, x, domain, y, label, log) => {
+    const list = log ? logTicks(...domain) : ticks(...domain, 8);
+    for (const v of list) {
+      picture.append(svg("line", { x1: x(v), x2: x(v), y1: y, y2: y + 4, class: "axis-line" }),
+        text(x(v), y + 16, log ? String(+v.toPrecision(2)) : tick(v, list), { "text-anchor": "middle" }));
+    }
+    picture.append(svg("line", { x1: x(domain[0]), x2: x(domain[1]), y1: y, y2: y, class: "axis-line" }),
+      text((x(domain[0]) + x(domain[1])) / 2, y + 33, label, { "text-anchor": "middle", class: "label" }));
+  };
+  const yAxis = (picture, y, domain, left, right, label) => {
+    const list = ticks(...domain, Math.max(3, Math.round(Math.abs(y(domain[0]) - y(domain[1])) / 42)));
+    for (const v of list)
+      picture.append(svg("line", { x1: left, x2: right, y1: y(v), y2: y(v), class: "grid-line" }),
+        text(left - 7, y(v) + 4, tick(v, list), { "text-anchor": "end" }));
+    const middle = (y(domain[0]) + y(domain[1])) / 2;
+    picture.append(text(12, middle, label, { "text-anchor": "middle", class: "label", transform: `rotate(-90 12 ${middle})` }));
+  };
+  const path = (xs, ys, x, y) => {
+    let d = "";
+    for (let i = 0; i < xs.length; i++)
+      if (Number.isFinite(ys[i])) d += `${d ? "L" : "M"}${x(xs[i]).toFixed(1)} ${y(ys[i]).toFixed(1)}`;
+    return d;
+  };
+
+  const inside = (intervals, from, to) => intervals.some(([a, b]) => (from + to) / 2 >= a && (from + to) / 2 <= b);
+  const bars = (picture, profile, x, y, intervals) => {
+    profile.share.forEach((share, i) => {
+      if (!(share > 0)) return;
+      const [from, to] = [profile.edges[i], profile.edges[i + 1]];
+      const left = x(from) + 0.5, width = Math.max(1, x(to) - x(from) - 1);
+      picture.append(svg("rect", { x: left, width, y: y(share * 100), height: Math.max(0, y(0) - y(share * 100)), rx: 1,
+        fill: inside(intervals, from, to) ? COLOR.hot : COLOR.rest }));
+    });
+  };
+
+  // Energy beyond the noise, cell by cell; the cells that hold 80 % of it stand out.
+  // Logarithms know no zero: a first cell that begins there is drawn as wide as the next.
+  const positive = edges => (edges[0] > 0 ? edges : [edges[1] ** 2 / edges[2], ...edges.slice(1)]);
+  const histogram = (place, caption, given, label, intervals, log = false) => {
+    const profile = log && given.edges.length > 2 ? { ...given, edges: positive(given.edges) } : given;
+    const box = figure(place, caption, []);
+    responsive(box, 230, (picture, width, height) => {
+      const domain = [profile.edges[0], profile.edges[profile.edges.length - 1]];
+      const top = Math.max(...profile.share) * 100 || 1;
+      const x = scale(domain, [46, width - 8], log), y = scale([0, top * 1.06], [height - 40, 18]);
+      yAxis(picture, y, [0, top], 46, width - 8, "[%]");
+      bars(picture, profile, x, y, intervals);
+      xAxis(picture, x, domain, height - 40, label, log);
+    });
+  };
+
+  // What was measured, and below it when the mismatch was.
+  const timeStrip = (place, caption, profile, intervals, curve, units) => {
+    const box = figure(place, caption, [{ label: units.name, color: COLOR.measured }]);
+    responsive(box, curve ? 250 : 170, (picture, width, height) => {
+      const domain = [profile.edges[0], profile.edges[profile.edges.length - 1]];
+      const x = scale(domain, [58, width - 8]);
+      const split = curve ? 120 : 8;
+      for (const [a, b] of intervals)
+        picture.append(svg("rect", { x: x(a), width: Math.max(1, x(b) - x(a)), y: 4, height: height - 44, fill: "#fbeceb" }));
+      if (curve) {
+        const most = quantities.largest(curve.y) * 1.05 || 1;
+        const y = scale([-most, most], [split - 8, 6]);
+        yAxis(picture, y, [-most, most], 58, width - 8, units.label);
+        picture.append(svg("path", { d: path(curve.x, curve.y, x, y), fill: "none", stroke: COLOR.measured, "stroke-width": 1.1 }));
+      }
+      const top = Math.max(...profile.share) * 100 || 1;
+      const y = scale([0, top * 1.06], [height - 40, split + 10]);
+      yAxis(picture, y, [0, top], 58, width - 8, "[%]");
+      bars(picture, profile, x, y, intervals);
+      xAxis(picture, x, domain, height - 40, "time [s]");
+    });
+  };
+
+  const mixed = (a, b, part) => {
+    const channel = (hex, i) => parseInt(hex.slice(1 + 2 * i, 3 + 2 * i), 16);
+    return `rgb(${[0, 1, 2].map(i => Math.round(channel(a, i) + (channel(b, i) - channel(a, i)) * part)).join(",")})`;
+  };
+  /// Colour of 0 (noise) to 1 (the most beyond it).
+  const heat = part => {
+    const at = Math.min(1, Math.max(0, part)) * (HEAT.length - 1), stop = Math.min(HEAT.length - 2, Math.floor(at));
+    return mixed(HEAT[stop], HEAT[stop + 1], at - stop);
+  };
+  const rampKey = (from, to) => el("span", { className: "ramp" }, from, el("b"), to);
+
+  // Displacement by velocity; the cells that hold 80 % are outlined.
+  const stateMap = (place, caption, cells, chosen) => {
+    const box = figure(place, caption, []);
+    box.querySelector(".key").append(rampKey("noise", "most of it"),
+      el("span", { textContent: "outlined: holds 80 %" }));
+    const ends = key => [Math.min(...cells.map(c => c[key][0])), Math.max(...cells.map(c => c[key][1]))];
+    const size = pair => Math.max(...pair.map(Math.abs));
+    const u = ends("displacement_m"), v = ends("velocity_m_per_s");
+    const du = quantities.axis("displacement [m]", size(u)), dv = quantities.axis("velocity [m/s]", size(v));
+    const most = Math.max(...cells.map(c => c.share)) || 1;
+    const same = (a, b) => a.displacement_m[0] === b.displacement_m[0] && a.velocity_m_per_s[0] === b.velocity_m_per_s[0];
+    responsive(box, 390, (picture, width, height) => {
+      const domain = { x: u.map(value => value * du.factor), y: v.map(value => value * dv.factor) };
+      const x = scale(domain.x, [58, width - 8]), y = scale(domain.y, [height - 40, 18]);
+      yAxis(picture, y, domain.y, 58, width - 8, dv.label);
+      const outlines = [];
+      for (const cell of cells) {
+        const [left, right] = cell.displacement_m.map(value => x(value * du.factor));
+        const [bottom, top] = cell.velocity_m_per_s.map(value => y(value * dv.factor));
+        const at = { x: left + 1, y: top + 1, width: Math.max(1, right - left - 2), height: Math.max(1, bottom - top - 2), rx: 2 };
+        const part = Math.max(0, cell.share) / most;
+        picture.append(svg("rect", { ...at, fill: part > 0 ? heat(Math.sqrt(part)) : "#f3f5f7" }));
+        if (chosen.some(c => same(c, cell)))
+          outlines.push(svg("rect", { ...at, fill: "none", stroke: COLOR.ink, "stroke-width": 1.6 }));
+        if (cell.share >= 0.015 && at.width > 26)
+          outlines.push(text((left + right) / 2, (top + bottom) / 2 + 4, (cell.share * 100).toFixed(0),
+            { "text-anchor": "middle", style: `fill:${part > 0.35 ? "#fff" : "#1c2530"}` }));
+      }
+      picture.append(...outlines);
+      xAxis(picture, x, domain.x, height - 40, du.label);
+    });
+  };
+
+  // A curve with the band of its standard deviation.
+  const bandCurve = (place, caption, x, y, band, xLabel, yLabel) => {
+    const box = figure(place, caption, [{ label: "mean of the residual", color: COLOR.line }]);
+    const low = y.map((value, i) => value - 2 * (band[i] || 0)), high = y.map((value, i) => value + 2 * (band[i] || 0));
+    responsive(box, 320, (picture, width, height) => {
+      const finite = [...low, ...high].filter(Number.isFinite);
+      const domain = { x: [Math.min(...x), Math.max(...x)], y: [Math.min(...finite), Math.max(...finite)] };
+      const sx = scale(domain.x, [62, width - 8]), sy = scale(domain.y, [height - 42, 18]);
+      yAxis(picture, sy, domain.y, 62, width - 8, yLabel);
+      const back = path([...x].reverse(), [...low].reverse(), sx, sy).replace(/^M/, "L");
+      picture.append(svg("path", { d: `${path(x, high, sx, sy)}${back}Z`, fill: "#d5e5ee" }),
+        svg("path", { d: path(x, y, sx, sy), fill: "none", stroke: COLOR.line, "stroke-width": 2 }));
+      xAxis(picture, sx, domain.x, height - 42, xLabel);
+    });
+  };
+
+  // Autocorrelation over the lags, and what noise would leave.
+  const correlogram = (place, caption, values, bound) => {
+    const box = figure(place, caption, bound ? [{ label: "95 % of the lags of noise", color: "#c3ccd4" }] : []);
+    responsive(box, 190, (picture, width, height) => {
+      const top = Math.max(0.2, bound || 0, ...values.map(value => Math.abs(value ?? 0))) * 1.1;
+      const domain = [0, values.length + 1];
+      const x = scale(domain, [46, width - 8]), y = scale([-top, top], [height - 40, 14]);
+      if (bound)
+        picture.append(svg("rect", { x: 46, width: width - 54, y: y(bound), height: y(-bound) - y(bound), fill: "#e9edf0" }));
+      yAxis(picture, y, [-top, top], 46, width - 8, "[–]");
+      values.forEach((value, i) => {
+        if (value == null) return;
+        const beyond = bound && Math.abs(value) > bound;
+        const line = { x1: x(i + 1), x2: x(i + 1), y1: y(0), y2: y(value), stroke: beyond ? COLOR.hot : COLOR.line };
+        picture.append(svg("line", { ...line, "stroke-width": 1.6 }),
+          svg("circle", { cx: x(i + 1), cy: y(value), r: 2.4, fill: line.stroke }));
+      });
+      picture.append(svg("line", { x1: 46, x2: width - 8, y1: y(0), y2: y(0), class: "axis-line" }));
+      xAxis(picture, x, domain, height - 40, "lag [samples]");
+    });
+  };
+
+  // Rows of name, bar and value. Each bar from 0; the scale holds all of them.
+  const rows = (place, items, options = {}) => {
+    const ends = items.flatMap(i => [0, i.value, i.low ?? 0, i.high ?? 0, options.floor ?? 0]).filter(Number.isFinite);
+    const at = scale([Math.min(...ends), Math.max(...ends)], [0, 100]);
+    const grid = el("div", { className: "rows" });
+    const mark = (className, from, to) => {
+      const node = el("span", { className });
+      node.style.left = `${at(Math.min(from, to))}%`;
+      if (to !== undefined) node.style.width = `${Math.abs(at(to) - at(from))}%`;
+      return node;
+    };
+    for (const item of items) {
+      const track = el("div", { className: "track" }, mark(`bar ${item.kind || ""}`, 0, item.value));
+      const zero = el("span", { className: "zero" });
+      zero.style.left = `${at(0)}%`;
+      track.append(zero);
+      if (item.low != null && item.high != null) track.append(mark("whisker", item.low, item.high));
+      if (options.floor != null) {
+        const floor = el("span", { className: "floor", title: options.floorTitle || "" });
+        floor.style.left = `${at(options.floor)}%`;
+        track.append(floor);
+      }
+      const name = el("div", { className: "name", textContent: item.title });
+      if (item.name && item.name !== item.title) name.append(el("code", { textContent: item.name }));
+      grid.append(name, track, el("div", { className: "value", textContent: item.shown }));
+    }
+    place.append(grid);
+    return grid;
+  };
+
+  return { histogram, timeStrip, stateMap, bandCurve, correlogram, rows, heat, rampKey, percent, scale };
+})();

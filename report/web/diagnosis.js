@@ -1,0 +1,111 @@
+
+// Draws the verdict of a diagnosis, section by section.
+(() => {
+  const { el, byId } = plots;
+  const { number, share, percent, estimate, axis, largest, scaled } = quantities;
+  const { v, isMissing, named, tied, PART, hide, traceOf, tableOf } = verdict;
+
+  // --- header ------------------------------------------------------------------------------------
+  const header = () => {
+    document.title = `${v.case} · rths diagnosis`;
+    byId("eyebrow").append(` · ${v.case}`);
+    byId("eyebrow").prepend(sentence.chip(v));
+    if (v.synthetic) byId("eyebrow").append(el("span", { className: "badge", textContent: "synthetic recordings" }));
+    sentence.write(v, byId("sentence"), byId("rest"));
+    const card = (...parts) => sentence.card(byId("cards"), ...parts);
+    const score = verdict.proof || Object.values(v.fit)[0];
+    sentence.proofCards(v, byId("cards"));
+    if (v.descriptions.length)
+      card("best form", v.descriptions[0].form, `${share(v.descriptions[0].share)} of what is unexplained`);
+    if (v.verdict !== "none" && v.where.channel) card("where", PART[v.where.part], v.where.channel);
+    card("confidence", number(v.confidence, 2), isMissing ? "in the name" : "in the verdict");
+    card("what remains", v.residual_white ? "noise" : v.remainder ? "has a pattern" : "not white",
+      score ? `variance: ${number(score.variance_after, 3)} × noise` : "");
+  };
+
+  // --- form, what, model -------------------------------------------------------------------------
+  const form = () => {
+    if (!v.descriptions.length) return hide("form");
+    charts.rows(byId("form-ranks"), v.descriptions.map((d, i) => ({
+      title: d.form, value: Math.max(0, d.share ?? 0), shown: share(d.share), kind: i ? "" : "named" })));
+    if (v.next_test)
+      byId("form-ranks").append(el("p", { className: "callout" }, el("b", { textContent: "Next test: " }), v.next_test));
+    const best = v.descriptions.find(d => d.x.length > 1);
+    if (!best) return;
+    const trace = traceOf(v.where.record, v.where.channel);
+    const x = axis(best.x_label, largest(best.x)), y = scaled(trace ? trace.unit : "", largest(best.y));
+    charts.bandCurve("form-curve", `${best.form} with its band of two standard deviations`, best.x.map(value => value * x.factor),
+      best.y.map(value => value * y.factor), best.band.map(value => value * y.factor), x.label, `residual [${y.unit || "–"}]`);
+  };
+
+  const kMostRows = 12;
+  const what = () => {
+    if (!v.evidence.length) return hide("what");
+    if (!isMissing) byId("what-title").textContent = "What was tried";
+    byId("what-text").textContent = "What each candidate of the catalogue gains by itself in log-likelihood per observation [nat], " +
+      "on blocks that it was not fitted to, with everything else that may be fitted, fitted again; 90 % intervals from resampling. " +
+      (isMissing ? "Dark: named. Light: cannot be told from it. Grey: the rest." : "None of them passes.");
+    const places = Math.max(1, Math.min(4, 1 - Math.floor(Math.log10(Math.max(...v.evidence.map(e => Math.abs(e.gain_nat ?? 0)), 1e-9)))));
+    const items = v.evidence.map(e => ({ title: e.title || e.name, name: e.name, value: e.gain_nat, low: e.ci90[0], high: e.ci90[1],
+      shown: e.gain_nat == null ? "–" : quantities.decimals(e.gain_nat, places), kind: named.has(e.name) ? "named" : tied.has(e.name) ? "tied" : "" }));
+    charts.rows(byId("evidence"), items.slice(0, kMostRows));
+    if (items.length <= kMostRows) return;
+    const more = el("details", {}, el("summary", { textContent: `${items.length - kMostRows} more candidates` }));
+    charts.rows(more, items.slice(kMostRows));
+    byId("evidence").append(more);
+  };
+
+  const parameterRow = (name, p) => {
+    const e = estimate(p.value, p.ci95, p.unit);
+    return [name, e.value, `${e.low} to ${e.high}`, e.unit || "–"];
+  };
+  const fragment = () => {
+    if (!v.improved_model) return;
+    const pre = el("pre");
+    for (const line of v.improved_model.trimEnd().split("\n")) {
+      const kind = /^\s*#/.test(line) ? "c" : /^\s*\[/.test(line) ? "k" : "";
+      pre.append(el("span", { className: kind, textContent: line }), "\n");
+    }
+    const button = el("button", { type: "button", textContent: "Copy" });
+    button.addEventListener("click", async () => {
+      try {
+        await navigator.clipboard.writeText(v.improved_model);
+      } catch {
+        getSelection().selectAllChildren(pre);
+        document.execCommand("copy");
+      }
+      button.textContent = "Copied";
+      setTimeout(() => { button.textContent = "Copy"; }, 1600);
+    });
+    byId("fragment").append(el("div", { className: "paste" },
+      el("h3", { textContent: "The improved model, to paste (improved.toml)" }), pre, button));
+  };
+
+  const model = () => {
+    if (!v.causes.length && !v.improved_model) return hide("model");
+    for (const c of v.causes) {
+      const card = el("div", { className: "cause" }, el("h3", { textContent: c.title || c.name }),
+        el("p", { className: "facts" }, el("code", { textContent: c.name }),
+          ` · ${PART[c.part]}, ${c.channel} · confidence ${number(c.confidence, 2)} · explains ${share(c.explained_fraction)}`));
+      if (c.equation) card.append(el("div", { className: "equation", textContent: c.equation }));
+      const rows = Object.entries(c.parameters).map(([name, p]) => parameterRow(name.replace(/^.*\./, "").replaceAll("_", " "), p));
+      if (rows.length) card.append(el("div", { className: "table" }, tableOf(["parameter", "value", "95 % interval", "unit"], rows, [0, 3])));
+      byId("causes").append(card);
+    }
+    fragment();
+  };
+
+  const limits = () => {
+    for (const limit of v.limits) byId("limit-list").append(el("li", { textContent: limit }));
+    if (!v.limits.length) byId("limit-list").remove();
+    if (v.next_test && !v.descriptions.length) {
+      byId("next").className = "callout";
+      byId("next").append(el("b", { textContent: "Next test: " }), v.next_test);
+    } else byId("next").remove();
+    byId("reproduce").append(v.noise_model ? `Noise: ${v.noise_model}. ` : "", "Every number is in ",
+      el("code", { textContent: "verdict.json" }), v.seconds != null ? `. The diagnosis took ${number(v.seconds, 2)} s.` : ".");
+  };
+
+  for (const draw of [header, where.draw, form, what, model, proof.draw, proof.rivals, limits]) draw();
+  plots.done();
+})();

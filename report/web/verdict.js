@@ -1,0 +1,38 @@
+
+// The verdict in the page, and what its sections share.
+const verdict = (() => {
+  const { data, unpack, el, byId } = plots;
+  const v = data.verdict;
+  plots.marks.synthetic = v.synthetic;
+  const isMissing = v.verdict === "missing";
+  const proof = v.fit[v.proof_record];
+  const named = new Set(v.causes.map(c => c.name));
+  const tied = new Set(v.causes.flatMap(c => c.alternatives.map(a => a.name)));
+  const PART = {
+    numerical: "numerical part", actuator: "actuator", machine: "test machine", bearing: "bearing",
+    structure: "structure", sensor: "sensor",
+  };
+  const hide = (...ids) => { for (const id of ids) byId(id).hidden = true; };
+  // Where nothing was fitted again, or nothing is named, the prediction stays what it was.
+  const unpacked = t => {
+    const values = Object.fromEntries(["time", "abscissa", "measured", "before", "after", "excess"].map(k => [k, Array.from(unpack(t[k]))]));
+    if (!values.before.length) values.before = values.after;
+    if (!values.after.length) values.after = values.before;
+    return { ...t, ...values };
+  };
+  const traces = data.traces.map(unpacked).filter(t => t.time.length > 1 && t.measured.length && t.before.length);
+  const traceOf = (record, channel) => traces.find(t => t.record === record && t.channel === channel) ||
+    traces.find(t => t.record === record);
+
+  const tableOf = (head, rows, textColumns) => {
+    const cells = (tag, row) => row.map((cell, i) => {
+      const node = el(tag, { className: textColumns.includes(i) ? "text" : "" });
+      node.append(cell);
+      return node;
+    });
+    return el("table", {}, el("thead", {}, el("tr", {}, ...cells("th", head))),
+      el("tbody", {}, ...rows.map(row => el("tr", {}, ...cells("td", row)))));
+  };
+
+  return { v, isMissing, proof, named, tied, PART, hide, traces, traceOf, tableOf };
+})();

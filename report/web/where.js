@@ -1,0 +1,85 @@
+
+// Where the mismatch is: part, time, state, frequency.
+const where = (() => {
+  const { el, byId, figure } = plots;
+  const { axis, largest, scaled } = quantities;
+  const { v, PART, hide, traceOf } = verdict;
+
+  // The measured loops, coloured by how far they are beyond the noise; the most on top.
+  const heatedLoops = trace => {
+    const box = figure("where-state", "Where on the loops", [{ label: "predicted", color: "#8795a3" }]);
+    box.querySelector(".key").append(charts.rampKey("noise", "far beyond it"));
+    const sorted = [...trace.excess].sort((a, b) => a - b);
+    const most = sorted[Math.floor(sorted.length * 0.98)] || 1;
+    const level = trace.excess.map(e => Math.min(11, Math.floor(Math.sqrt(Math.max(0, e) / most) * 12)));
+    const x = axis(trace.abscissa_label, largest(trace.abscissa)), y = scaled(trace.unit, largest(trace.measured));
+    const xs = trace.abscissa.map(value => value * x.factor);
+    const paint = u => {
+      const { ctx } = u;
+      const place = i => [u.valToPos(xs[i], "x", true), u.valToPos(trace.measured[i] * y.factor, "y", true)];
+      ctx.save();
+      ctx.lineWidth = 2 * devicePixelRatio;
+      ctx.lineCap = "round";
+      for (let shade = 0; shade < 12; shade++) {
+        ctx.beginPath();
+        ctx.strokeStyle = charts.heat(shade / 11);
+        for (let i = 1; i < xs.length; i++)
+          if (level[i] === shade) { ctx.moveTo(...place(i - 1)); ctx.lineTo(...place(i)); }
+        ctx.stroke();
+      }
+      ctx.restore();
+      return null;
+    };
+    const rangeX = plots.padded(...plots.extent([xs]));
+    const rangeY = plots.padded(...plots.extent([trace.measured, trace.before]).map(value => value * y.factor));
+    const plot = new uPlot({
+      mode: 2, width: 400, height: 320, legend: { show: false }, cursor: { show: false },
+      scales: { x: { time: false, range: () => rangeX }, y: { range: () => rangeY } },
+      axes: [curtain.quantityAxis(x.label), curtain.quantityAxis(`${trace.channel} [${y.unit}]`, { size: 54 })],
+      series: [null, { paths: paint, facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }] },
+        { color: "#8795a3", lineWidth: 0.9, paths: plots.drawCurve, facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }] }],
+      hooks: { draw: [plots.watermarkBelow] },
+    }, [null, [xs, trace.measured], [xs, trace.before.map(value => value * y.factor)]], box);
+    plots.fit(box, plot, () => 390);
+  };
+
+  const chain = () => {
+    for (const [part, title] of Object.entries(PART)) {
+      const node = el("div", { textContent: title[0].toUpperCase() + title.slice(1) });
+      if (part === v.where.part) {
+        node.className = "guilty";
+        node.append(el("small", { textContent: v.where.channel }));
+      }
+      byId("chain").append(node);
+    }
+  };
+
+  const draw = () => {
+    const w = v.where;
+    if (v.verdict === "none" || !w.channel) return hide("where");
+    byId("where-text").textContent = "Before any term is named: energy of the residual beyond what the noise makes" +
+      `${w.record ? `, on ${w.record}` : ""}. The smallest sets of cells that hold 80 % of it` +
+      `${w.intervals_s.length ? ` last from ${quantities.ranges(w.intervals_s, "s")}` : ""}` +
+      `${w.band_Hz.length ? ` and lie at ${quantities.ranges(w.band_Hz, "Hz")}` : ""}.`;
+    chain();
+    const trace = traceOf(w.record, w.channel);
+    const profile = name => w.profiles.find(p => p.name === name && p.edges.length > 1);
+    if (profile("time")) {
+      const unit = trace && scaled(trace.unit, largest(trace.measured));
+      charts.timeStrip("where-time", "When", profile("time"), w.intervals_s,
+        trace && { x: trace.time, y: trace.measured.map(value => value * unit.factor) },
+        trace ? { name: `${trace.channel}, measured; below it the share of the energy beyond the noise`, label: `[${unit.unit}]` } : { name: "share of the energy beyond the noise" });
+    }
+    if (trace && trace.abscissa.length && trace.excess.length) heatedLoops(trace);
+    const cells = w.state_map.length ? w.state_map : w.state;
+    if (cells.length) charts.stateMap("where-state", "In which state: share of the energy beyond the noise [%]", cells, w.state);
+    if (profile("frequency"))
+      charts.histogram("where-profiles", "At which frequencies, in third octaves", profile("frequency"), "frequency [Hz]", w.band_Hz, true);
+    for (const p of w.profiles.filter(other => !["time", "frequency"].includes(other.name) && other.edges.length > 1)) {
+      const x = axis(`${p.name} [${p.unit}]`, largest(p.edges));
+      charts.histogram("where-profiles", `Over ${p.name}`, { ...p, edges: p.edges.map(e => e * x.factor) }, x.label, []);
+    }
+  };
+
+  return { draw };
+})();

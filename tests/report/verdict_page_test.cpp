@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The page of a diagnosis, in a real browser where there is one.
+#include <gtest/gtest.h>
+
+#include <rths/report/diagnosis.hpp>
+
+#include "browser.hpp"
+#include "example_verdict.hpp"
+#include "support/files.hpp"
+
+namespace rths::report {
+namespace {
+
+using test_support::body_of;
+using test_support::missing_verdict;
+using test_support::none_verdict;
+using test_support::unknown_verdict;
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(VerdictPage, NeedsNothingFromTheNetwork) {
+  const std::string page = verdict_page(missing_verdict());
+
+  for (const char* reference : {"src=\"http", "href=\"http", "url(http", "@import", "fetch("})
+    EXPECT_FALSE(holds(page, reference)) << reference;
+  EXPECT_LT(page.size(), 1'000'000U);
+}
+
+TEST(VerdictPage, StaysSmallWithManyLongRecords) {
+  diagnosis::Verdict verdict = missing_verdict();
+  for (auto* values :
+       {&verdict.traces[0].time, &verdict.traces[0].abscissa, &verdict.traces[0].measured,
+        &verdict.traces[0].before, &verdict.traces[0].after, &verdict.traces[0].excess})
+    values->resize(100'000);
+  verdict.traces.resize(30, verdict.traces[0]);
+
+  EXPECT_LT(verdict_page(verdict).size(), 3'000'000U);
+}
+
+TEST(VerdictPage, LetsNothingOfACaseBecomeMarkup) {
+  diagnosis::Verdict verdict = none_verdict();
+  verdict.case_name = "</script><script>alert(1)</script><!--";
+  verdict.limits = {"/*script*/ \xff"};
+
+  const std::string page = verdict_page(verdict);
+
+  EXPECT_FALSE(holds(page, "alert(1)</script>"));
+  EXPECT_TRUE(holds(page, "\\u003c/script>\\u003cscript>alert(1)"));
+  EXPECT_TRUE(holds(page, "/*script*/ \uFFFD"));
+}
+
+/// What Chromium makes of the page of a verdict.
+class RenderedVerdict : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(test_support::kBrowser))
+      GTEST_SKIP() << "SKIPPED: no Chromium here; './lab test' installs it";
+  }
+  std::string rendered(const diagnosis::Verdict& verdict) {
+    const auto written = write_diagnosis(verdict, folder_.path());
+    const std::string page = test_support::rendered(written.page, folder_.path() / "profile");
+    return page.substr(0, page.find("<script>"));  // what is seen, not what draws it
+  }
+  static bool is_hidden(const std::string& page, const std::string& section) {
+    return holds(page, "<section id=\"" + section + "\" hidden=\"\">");
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(RenderedVerdict, ShowsPlaceNameModelAndProofOfWhatIsMissing) {
+  const std::string page = rendered(missing_verdict());
+
+  // Time, loops, states, two profiles; loops, history, residual, correlation.
+  EXPECT_EQ(body_of(page), "<body data-figures=\"9\">");
+  EXPECT_TRUE(holds(page, "<div class=\"guilty\">Test machine<small>force.long</small></div>"));
+  EXPECT_TRUE(holds(page, "F = Fc · tanh(v / vs)"));
+  EXPECT_TRUE(holds(page, ">41.20</td><td class=\"\">40.50 to 41.90</td><td class=\"text\">kN"));
+  EXPECT_TRUE(holds(page, "friction_force_N = 41_200"));
+  EXPECT_TRUE(holds(page, "type=\"range\""));
+  EXPECT_TRUE(holds(page, "9.10\u2009%"));
+  EXPECT_TRUE(holds(page, "218 σ"));
+  EXPECT_TRUE(holds(page, "No vertical force was recorded"));
+  EXPECT_TRUE(is_hidden(page, "form"));
+}
+
+TEST_F(RenderedVerdict, ShowsNoPlaceAndNoModelWhereNothingIsMissing) {
+  const std::string page = rendered(none_verdict());
+
+  EXPECT_EQ(body_of(page), "<body data-figures=\"4\">");
+  EXPECT_TRUE(holds(page, "<span class=\"chip none\">nothing missing</span>"));
+  for (const char* section : {"where", "form", "model", "rivals"})
+    EXPECT_TRUE(is_hidden(page, section)) << section;
+  EXPECT_FALSE(holds(page, "type=\"range\""));
+}
+
+TEST_F(RenderedVerdict, ShowsTheFormOfWhatIsUnknown) {
+  const std::string page = rendered(unknown_verdict());
+
+  EXPECT_EQ(body_of(page), "<body data-figures=\"10\">");
+  EXPECT_FALSE(is_hidden(page, "form"));
+  EXPECT_TRUE(is_hidden(page, "model"));
+  EXPECT_TRUE(holds(page, "f(u) with its band"));
+  EXPECT_TRUE(holds(page, "empty table, triangle of 20 mm/s"));
+}
+
+TEST_F(RenderedVerdict, SaysThatItsDataIsSyntheticOnlyIfItIs) {
+  diagnosis::Verdict verdict = none_verdict();
+  EXPECT_TRUE(holds(rendered(verdict), "synthetic recordings"));
+
+  verdict.synthetic = false;
+
+  EXPECT_FALSE(holds(rendered(verdict), "synthetic recordings"));
+}
+
+TEST_F(RenderedVerdict, DrawsWithWhateverIsThere) {
+  diagnosis::Verdict verdict = missing_verdict();
+  verdict.proof_record = "";
+  verdict.traces.resize(1);
+  verdict.traces[0].abscissa.clear();
+  verdict.traces[0].excess.clear();
+  verdict.where.profiles.clear();
+  verdict.where.state_map.clear();
+  verdict.correlation_bound = 0;
+  verdict.fragment.clear();
+
+  const std::string page = rendered(verdict);
+
+  // States; history, residual, correlation.
+  EXPECT_EQ(body_of(page), "<body data-figures=\"4\">");
+  EXPECT_TRUE(holds(page, "No record was held out: what follows is no proof."));
+}
+
+TEST_F(RenderedVerdict, DrawsAVerdictWithNothingInIt) {
+  EXPECT_EQ(body_of(rendered(diagnosis::Verdict{})), "<body data-figures=\"0\">");
+}
+
+}  // namespace
+}  // namespace rths::report

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/report/diagnosis.hpp>
+
+#include "example_verdict.hpp"
+#include "support/files.hpp"
+
+namespace rths::report {
+namespace {
+
+using test_support::missing_verdict;
+using test_support::none_verdict;
+using test_support::unknown_verdict;
+
+nlohmann::json parsed(const diagnosis::Verdict& verdict) {
+  return nlohmann::json::parse(verdict_json(verdict));
+}
+
+TEST(VerdictJson, SaysWhichOfTheThreeOutcomesItIs) {
+  EXPECT_EQ(parsed(missing_verdict())["verdict"], "missing");
+  EXPECT_EQ(parsed(none_verdict())["verdict"], "none");
+  EXPECT_EQ(parsed(unknown_verdict())["verdict"], "unknown");
+}
+
+TEST(VerdictJson, HasTheSameKeysWhateverTheOutcome) {
+  const auto missing = parsed(missing_verdict());
+  for (const auto& other : {parsed(none_verdict()), parsed(diagnosis::Verdict{})}) {
+    for (const auto& [key, value] : missing.items()) EXPECT_TRUE(other.contains(key)) << key;
+    for (const auto& [key, value] : missing["where"].items())
+      EXPECT_TRUE(other["where"].contains(key)) << key;
+  }
+}
+
+TEST(VerdictJson, HoldsPlaceCauseAndProof) {
+  const auto json = parsed(missing_verdict());
+
+  EXPECT_EQ(json["format"], 1);
+  EXPECT_EQ(json["where"]["part"], "machine");
+  const auto place = missing_verdict().where;
+  EXPECT_NEAR(json["where"]["intervals_s"][0][1], place.intervals[0].second, 1e-6);
+  EXPECT_NEAR(json["where"]["band_Hz"].back()[1], place.bands.back().second, 1e-6);
+  const auto& cause = json["causes"][0];
+  EXPECT_EQ(cause["name"], "coulomb_friction");
+  EXPECT_EQ(cause["explained_fraction"], 0.97);
+  const auto& parameter = cause["parameters"]["coulomb_friction.friction_force"];
+  EXPECT_EQ(parameter["value"], 41200);
+  EXPECT_EQ(parameter["ci95"], nlohmann::json::parse("[40500, 41900]"));
+  EXPECT_EQ(parameter["unit"], "N");
+  EXPECT_EQ(cause["alternatives"][0]["sigma"], 218);
+  EXPECT_EQ(json["fit"]["petrolia.csv"]["nrmse_before"], 0.091);
+  EXPECT_EQ(json["fit"]["petrolia.csv"]["noise_floor"], 0.0061);
+  EXPECT_EQ(json["refitted"]["bouc_wen.post_yield_stiffness"]["before"], 4.61e6);
+  EXPECT_EQ(json["proof_record"], "petrolia.csv");
+  EXPECT_EQ(json["residual_white"], true);
+  EXPECT_EQ(json["evidence"][5]["ci90"], nlohmann::json::parse("[-0.04, 0.06]"));
+}
+
+TEST(VerdictJson, DescribesWhatHasNoName) {
+  const auto form = parsed(unknown_verdict())["descriptions"][0];
+
+  EXPECT_EQ(form["form"], "f(u)");
+  EXPECT_EQ(form["x"].size(), form["y"].size());
+  EXPECT_EQ(form["x"].size(), form["band"].size());
+}
+
+TEST(VerdictJson, HasNullForWhatIsNoNumber) {
+  diagnosis::Verdict verdict = none_verdict();
+  verdict.fit[0].noise_floor = std::nan("");
+  verdict.fit[0].variance_after = std::numeric_limits<double>::infinity();
+
+  const auto score = parsed(verdict)["fit"]["petrolia.csv"];
+
+  EXPECT_TRUE(score["noise_floor"].is_null());
+  EXPECT_TRUE(score["variance_after"].is_null());
+  EXPECT_EQ(score["nrmse_after"], 0.0061);
+}
+
+TEST(VerdictJson, KeepsEightDigitsOfNumbersOfAnySize) {
+  diagnosis::Verdict verdict = none_verdict();
+  for (const double value : {1.2345678e-30, -6.2831853e-5, 0.1, 123456.78, 9.8765432e25}) {
+    verdict.seconds = value * (1 + 1e-10);
+    EXPECT_NEAR(parsed(verdict)["seconds"].get<double>() / value, 1, 1e-8) << value;
+  }
+  verdict.seconds = 0.1 + 0.2;  // 0.30000000000000004
+  EXPECT_NE(verdict_json(verdict).find("\"seconds\": 0.3\n"), std::string::npos);
+}
+
+TEST(VerdictSummary, BeginsWithTheSentence) {
+  for (const auto& verdict : {missing_verdict(), none_verdict(), unknown_verdict()})
+    EXPECT_EQ(verdict_summary(verdict).rfind(verdict.sentence + "\n", 0), 0U);
+}
+
+TEST(VerdictSummary, TellsErrorsBesideTheNoise) {
+  const std::string text = verdict_summary(missing_verdict());
+
+  EXPECT_NE(text.find("petrolia.csv    proof          9.1 %     0.63 %     0.61 %"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("or        load_dep_friction (97 % of the gain)"), std::string::npos);
+}
+
+TEST(WriteDiagnosis, LeavesNoModelOfAnEarlierDiagnosisBehind) {
+  const test::TemporaryFolder folder;
+  const auto out = folder.path() / "a/b";
+
+  const auto first = write_diagnosis(missing_verdict(), out);
+  ASSERT_TRUE(first.fragment);
+  EXPECT_EQ(test::content_of(*first.fragment), missing_verdict().fragment);
+  const auto second = write_diagnosis(none_verdict(), out);
+
+  EXPECT_FALSE(second.fragment);
+  EXPECT_FALSE(std::filesystem::exists(out / "improved.toml"));
+  EXPECT_EQ(test::content_of(second.numbers), verdict_json(none_verdict()));
+}
+
+TEST(WriteDiagnosis, WritesTheMotionOfTheNextTest) {
+  const test::TemporaryFolder folder;
+  auto verdict = missing_verdict();
+  verdict.next_motion = {0.5, {{"displacement.long", {0, 0.25}}, {"vertical_force", {8e6, 9e6}}}};
+
+  const auto first = write_diagnosis(verdict, folder.path());
+  ASSERT_TRUE(first.motion);
+  EXPECT_EQ(test::content_of(*first.motion),
+            "time,displacement.long,vertical_force\n0,0,8000000\n0.5,0.25,9000000\n");
+  const auto second = write_diagnosis(none_verdict(), folder.path());
+
+  EXPECT_FALSE(second.motion);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "next_test.csv"));
+}
+
+TEST(WriteDiagnosis, SaysWhereItCannotWrite) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("taken", "");
+
+  const auto message = test::error_of([&] { write_diagnosis(none_verdict(), file); });
+
+  EXPECT_EQ(message.rfind(file.string() + ": cannot be made a folder", 0), 0U) << message;
+}
+
+}  // namespace
+}  // namespace rths::report
