@@ -12,6 +12,8 @@
 
 #include <rths/diagnosis/signal.hpp>
 
+#include "scores.hpp"
+
 namespace rths::diagnosis {
 namespace {
 

@@ -3,215 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+
+#include "round.hpp"
+#include "scores.hpp"
 
 namespace rths::diagnosis {
 namespace {
 
 constexpr int kMostTerms = 4;
-constexpr int kLongFit = 12, kShortFit = 5, kHeat = 3;  // iterations
-constexpr std::size_t kEntered = 10, kKept = 5, kMostKept = 10;
-constexpr double kEnteredShare = 0.02;     // of the best screened gain
-constexpr double kKeptShare = 0.35;        // of what the best fit of the heats won
-constexpr double kTriedGain = 6;           // [nat]: below it no candidate is worth a fit
-constexpr double kFar = 10;                // mean w²: so far off, the base's fit is a compromise
-constexpr double kReversedShare = 0.5;     // of the best gain on the second fold
 constexpr double kAcceptedGain = 18;       // [nat] over both folds, and
 constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation, and
 constexpr double kAcceptedShare = 0.01;    // of the excess that the base had
 constexpr double kTieShare = 0.01;         // of the best gain: nobody prefers one for that
 constexpr double kMaterial = 2e-4;         // of the output's standard deviation: less is no physics
 constexpr double kWhite = 1.02;            // mean w² at which nothing is left to find
-
-std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b) {
-  std::vector<double> difference(std::min(a.size(), b.size()));
-  for (std::size_t i = 0; i < difference.size(); ++i) difference[i] = a[i] - b[i];
-  return difference;
-}
-
-double sum(const std::vector<double>& values) {
-  double total = 0;
-  for (const double value : values) total += value;
-  return total;
-}
-
-Hypothesis fitted(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold,
-                  int iterations) {
-  const Supposition supposition{problem, hypothesis};
-  Hypothesis result = supposition.hypothesis();
-  result.values = supposition.fit(fold, iterations).parameters;
-  return result;
-}
-
-std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold) {
-  return Supposition{problem, hypothesis}.blocks(fold);
-}
-
-// One step of the forward selection.
-class Round {
- public:
-  Round(Problem& problem, const Folds& folds, const Hypothesis& current,
-        const Eigen::VectorXd& stated, const std::vector<Candidate>& candidates, std::uint64_t seed)
-      : problem_{problem}, folds_{folds}, seed_{seed} {
-    base_ = fitted(problem, current, folds.first, kLongFit);
-    base_scores_ = scores(problem, base_, folds.second);
-    const double base = 2 * sum(scores(problem, base_, folds.first));
-    std::vector<Entrant> entrants;
-    enter(base_, candidates, base, entrants);
-    if (base > kFar * observations(problem, folds.first)) {
-      Hypothesis as_stated = current;
-      as_stated.values.head(stated.size()) = stated;
-      enter(as_stated, candidates, base, entrants);
-    }
-    keep_best(base, entrants);
-    for (auto& entrant : entrants) finish(entrant);
-    sort();
-    allow_for_noise(problem);
-    reverse();
-    rank();
-  }
-
-  [[nodiscard]] const Hypothesis& base() const { return base_; }
-  [[nodiscard]] std::vector<Contender>& contenders() { return contenders_; }
-
- private:
-  // A candidate after a short fit from its best start.
-  struct Entrant {
-    const Candidate* candidate;
-    Hypothesis hypothesis;
-    double least;  // sum of squares on the first fold
-  };
-
-  // Screening is linear; effects are not. A few steps of a fit tell who is worth the rest.
-  void enter(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
-             std::vector<Entrant>& entrants) const {
-    const auto screened = screen(Supposition{problem_, from}, folds_.first, candidates);
-    for (std::size_t i = 0; i < std::min(screened.size(), kEntered); ++i) {
-      if (screened[i].gain < std::max(kTriedGain, kEnteredShare * screened[0].gain)) break;
-      Entrant entrant{screened[i].candidate, {}, base};
-      const std::size_t tries = std::min<std::size_t>(screened[i].starts.size(), 2);
-      for (std::size_t k = 0; k < tries; ++k)
-        warm_up(extended(from, *entrant.candidate, screened[i].starts[k]), entrant);
-      if (!entrant.hypothesis.free.empty()) entrants.push_back(std::move(entrant));
-    }
-  }
-
-  void warm_up(Hypothesis hypothesis, Entrant& entrant) const {
-    try {
-      const Fit fit = Supposition{problem_, hypothesis}.fit(folds_.first, kHeat);
-      if (!(fit.sum_of_squares < entrant.least)) return;
-      entrant.least = fit.sum_of_squares;
-      hypothesis.values = fit.parameters;
-      entrant.hypothesis = std::move(hypothesis);
-    } catch (const std::exception&) {
-      // No prediction from this start.
-    }
-  }
-
-  static void keep_best(double base, std::vector<Entrant>& entrants) {
-    std::stable_sort(entrants.begin(), entrants.end(),
-                     [](const Entrant& a, const Entrant& b) { return a.least < b.least; });
-    const double most = entrants.empty() ? 0 : base - entrants[0].least;
-    std::vector<Entrant> kept;
-    for (auto& entrant : entrants) {
-      const bool is_there = std::any_of(kept.begin(), kept.end(), [&](const Entrant& other) {
-        return other.candidate == entrant.candidate;
-      });
-      const bool is_good = base - entrant.least > kKeptShare * most;
-      if (kept.size() >= (is_good ? kMostKept : kKept)) break;
-      if (!is_there) kept.push_back(std::move(entrant));
-    }
-    entrants = std::move(kept);
-  }
-
-  void finish(Entrant& entrant) {
-    Contender contender{*entrant.candidate, {}, 0, {}, 0, 0, 0};
-    contender.fitted =
-        fitted(problem_, std::move(entrant.hypothesis), folds_.first, kLongFit - kHeat);
-    contender.differences = minus(base_scores_, scores(problem_, contender.fitted, folds_.second));
-    contender.gain = sum(contender.differences);
-    contenders_.push_back(std::move(contender));
-  }
-
-  void sort() {
-    std::stable_sort(contenders_.begin(), contenders_.end(),
-                     [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
-  }
-
-  // What looks at one more channel has that channel's noise as well, and is compared with those
-  // that have not in the largest noise that one of the better ones has.
-  void allow_for_noise(Problem& problem) {
-    constexpr double kGoodShare = 0.2, kMuchMore = 0.3;
-    const double before = log_noise(problem);
-    double most = kMuchMore;
-    const Contender* noisiest = nullptr;
-    for (const auto& contender : contenders_) {
-      if (contender.gain < kGoodShare * contenders_[0].gain) break;
-      problem.renew_noise(contender.fitted);
-      const double more = log_noise(problem) - before;
-      if (more > most) most = more, noisiest = &contender;
-    }
-    problem.renew_noise(noisiest != nullptr ? noisiest->fitted : base_);
-    if (noisiest == nullptr) return;
-    base_ = fitted(problem, base_, folds_.first, kShortFit);
-    base_scores_ = scores(problem, base_, folds_.second);
-    for (auto& contender : contenders_) {
-      contender.fitted = fitted(problem, contender.fitted, folds_.first, kLongFit);
-      contender.differences = minus(base_scores_, scores(problem, contender.fitted, folds_.second));
-      contender.gain = sum(contender.differences);
-    }
-    sort();
-  }
-  static double log_noise(const Problem& problem) {
-    double sum = 0;
-    for (std::size_t i = 0; i < problem.records(); ++i) sum += problem.noise(i).log_size();
-    return sum / static_cast<double>(problem.records());
-  }
-
-  // Fitted on the second fold, scored on the first: for those that did well.
-  void reverse() {
-    if (contenders_.empty()) return;
-    const double best = contenders_[0].gain;
-    while (contenders_.size() > 1 && contenders_.back().gain < kReversedShare * best) {
-      beaten_.push_back(std::move(contenders_.back()));
-      contenders_.pop_back();
-    }
-    const auto base_reversed =
-        scores(problem_, fitted(problem_, base_, folds_.second, kShortFit), folds_.first);
-    for (auto& contender : contenders_) {
-      const auto back =
-          minus(base_reversed,
-                scores(problem_, fitted(problem_, contender.fitted, folds_.second, kShortFit),
-                       folds_.first));
-      contender.differences.insert(contender.differences.end(), back.begin(), back.end());
-      contender.gain += sum(back);
-    }
-    sort();
-  }
-
-  // How often each is the best, were the records others.
-  void rank() {
-    std::vector<std::vector<double>> sums;
-    for (auto& contender : contenders_) {
-      sums.push_back(resampled_sums(contender.differences, seed_));
-      contender.low = quantile(sums.back(), 0.05);
-      contender.high = quantile(sums.back(), 0.95);
-    }
-    for (std::size_t k = 0; !sums.empty() && k < sums[0].size(); ++k) {
-      std::size_t best = 0;
-      for (std::size_t i = 1; i < sums.size(); ++i)
-        if (sums[i][k] > sums[best][k]) best = i;
-      contenders_[best].confidence += 1 / static_cast<double>(sums[0].size());
-    }
-  }
-
-  const Problem& problem_;
-  const Folds& folds_;
-  std::uint64_t seed_;
-  Hypothesis base_;
-  std::vector<double> base_scores_;
-  std::vector<Contender> contenders_, beaten_;
-};
 
 bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed) {
   if (contender.gain <= accepted) return false;
@@ -331,33 +136,6 @@ double Selection::explained() const {
 bool Selection::has_remainder() const {
   const double rest = variance_named - 1;
   return rest > std::max(0.15, 0.005 * (variance_base - 1)) || (rest > 0.05 && explained() < 0.85);
-}
-
-std::vector<double> resampled_sums(const std::vector<double>& blocks, std::uint64_t seed) {
-  constexpr int kResamples = 400;
-  constexpr std::size_t kNeighbours = 3;
-  std::vector<double> sums;
-  if (blocks.size() < kNeighbours) return sums;
-  std::mt19937_64 random{seed};
-  for (int k = 0; k < kResamples; ++k) {
-    double total = 0;
-    std::size_t taken = 0;
-    while (taken < blocks.size()) {
-      const std::size_t first = random() % (blocks.size() - kNeighbours + 1);
-      for (std::size_t i = 0; i < kNeighbours && taken < blocks.size(); ++i, ++taken)
-        total += blocks[first + i];
-    }
-    sums.push_back(total);
-  }
-  return sums;
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto place = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(place),
-                   values.end());
-  return values[place];
 }
 
 Selection select(Problem& problem, const Folds& folds, std::uint64_t seed) {

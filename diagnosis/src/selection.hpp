@@ -51,9 +51,4 @@ struct Selection {
 /// result.
 [[nodiscard]] Selection select(Problem& problem, const Folds& folds, std::uint64_t seed);
 
-/// 1 % quantile, among others, of the sum of blocks resampled with their neighbours.
-[[nodiscard]] std::vector<double> resampled_sums(const std::vector<double>& blocks,
-                                                 std::uint64_t seed);
-[[nodiscard]] double quantile(std::vector<double> values, double share);
-
 }  // namespace rths::diagnosis

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A recording of the whole laboratory, as the diagnosis sees it.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -109,8 +110,11 @@ TEST(CaseOfARun, HoldsWhatTheMachineMeasuredUnderBothEarthquakes) {
       EXPECT_GT((measured - command).norm(), 0) << axis;
     }
   }
-  EXPECT_GT((channel(c.records[0], "force.long") - channel(c.records[1], "force.long")).norm(),
-            channel(c.records[0], "force.long").norm() / 2);
+  // Not the same earthquake twice.
+  const auto first = channel(c.records[0], "force.long");
+  const auto second = channel(c.records[1], "force.long");
+  const auto shared = std::min(first.size(), second.size());
+  EXPECT_GT((first.head(shared) - second.head(shared)).norm(), first.head(shared).norm() / 2);
 }
 
 TEST(CaseOfARun, IsExplainedByItsModelUnlessSomethingIsConcealed) {
