@@ -48,35 +48,54 @@ void widen(NaturalScale& scale, const MotionDrive& drive, const std::vector<std:
   scale.has_temperature = scale.has_temperature || drive.temperature.size() > 0;
 }
 
-// Adds a signal that is turned round in time, but for its end, which filters have spoilt.
-void add_turned(Eigen::Ref<VectorXd> to, const VectorXd& what, Eigen::Index valid,
-                Eigen::Index turn) {
-  if (to.size() == 0 || to.size() != what.size()) return;
-  valid = std::min(valid, what.size());
-  const Eigen::Index after = valid - turn;
-  to.head(after) += what.segment(turn, after);
-  to.segment(after, turn) += what.head(turn);
-  to.tail(to.size() - valid) += what.tail(to.size() - valid);
+// A signal turned round in time, but for its end, which filters have spoilt.
+VectorXd turned(const VectorXd& signal, Eigen::Index valid, Eigen::Index turn) {
+  VectorXd result = signal;
+  valid = std::min(valid, signal.size());
+  result.head(valid - turn) = signal.segment(turn, valid - turn);
+  result.segment(valid - turn, turn) = signal.head(turn);
+  return result;
 }
 
-std::unique_ptr<Drive> sum_of(const MotionDrive& drive, const MotionDrive& noise,
-                              Eigen::Index rows) {
-  auto sum = std::make_unique<MotionDrive>(drive);
-  sum->known.reset();
-  const auto add = [&](VectorXd& to, const VectorXd& what) {
-    add_turned(to, what, noise.all_rows * noise.thinning, rows * noise.thinning);
-  };
-  for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
-    add(sum->motion[axis], noise.motion[axis]);
-    add(sum->rate[axis], noise.rate[axis]);
-    add(sum->second_rate[axis], noise.second_rate[axis]);
-    add(sum->specimen_force[axis], noise.specimen_force[axis]);
+// The drive with noise in it, which is turned round by some rows so that one draw serves several
+// times. As in every drive, motions have no mean over what is at rest.
+class Disturbance {
+ public:
+  Disturbance(const Record& record, const MotionDrive& noise)
+      : noise_{noise}, valid_{noise.all_rows * noise.thinning} {
+    if (!record.quiet) return;
+    const double steps = record.time_step / noise.model_step;
+    from_ = static_cast<Eigen::Index>(static_cast<double>(record.quiet->first) * steps);
+    quiet_ = static_cast<Eigen::Index>(static_cast<double>(record.quiet->second) * steps) - from_;
   }
-  add(sum->axial_load, noise.axial_load);
-  for (Eigen::Index output = 0; output < sum->measured.cols(); ++output)
-    add_turned(sum->measured.col(output), noise.measured.col(output), noise.all_rows, rows);
-  return sum;
-}
+
+  [[nodiscard]] std::unique_ptr<Drive> of(const MotionDrive& drive, Eigen::Index rows) const {
+    auto sum = std::make_unique<MotionDrive>(drive);
+    sum->known.reset();
+    const Eigen::Index turn = rows * noise_.thinning;
+    const auto add = [&](VectorXd& to, const VectorXd& what, bool is_motion) {
+      if (to.size() == 0 || to.size() != what.size()) return;
+      VectorXd noise = turned(what, valid_, turn);
+      if (is_motion && quiet_ > 0) noise.array() -= noise.segment(from_, quiet_).mean();
+      to += noise;
+    };
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+      add(sum->motion[axis], noise_.motion[axis], true);
+      add(sum->rate[axis], noise_.rate[axis], false);
+      add(sum->second_rate[axis], noise_.second_rate[axis], true);
+      add(sum->specimen_force[axis], noise_.specimen_force[axis], false);
+    }
+    add(sum->axial_load, noise_.axial_load, false);
+    for (Eigen::Index output = 0; output < sum->measured.cols(); ++output)
+      sum->measured.col(output) += turned(noise_.measured.col(output), noise_.all_rows, rows);
+    return sum;
+  }
+
+ private:
+  const MotionDrive& noise_;
+  Eigen::Index valid_;
+  Eigen::Index from_ = 0, quiet_ = 0;  // steps at rest
+};
 
 }  // namespace
 
@@ -125,15 +144,19 @@ std::unique_ptr<Drive> CompositionRelation::prepare(const Record& record) const 
   return motion_drive(record, setup_.channels, setup_.axes, setup_.pace);
 }
 
+int CompositionRelation::turns() const {
+  // An acceleration is what differences leave of a displacement: its noise cannot be cut anywhere.
+  return predicted_by(setup_.channels) == Predicted::Acceleration ? 1 : 4;
+}
+
 std::vector<std::unique_ptr<Drive>> CompositionRelation::disturbed(const Drive& drive,
                                                                    const Record& noise) const {
-  constexpr Eigen::Index kTurns = 4;
   const auto more = motion_drive(noise, setup_.channels, setup_.axes, setup_.pace);
+  const Disturbance disturbance{noise, *more};
   std::vector<std::unique_ptr<Drive>> all;
-  for (Eigen::Index turn = 0; turn < kTurns; ++turn) {
-    const Eigen::Index rows = turn * more->all_rows / kTurns;
-    all.push_back(sum_of(dynamic_cast<const MotionDrive&>(drive), *more, rows));
-  }
+  for (int turn = 0; turn < turns(); ++turn)
+    all.push_back(
+        disturbance.of(dynamic_cast<const MotionDrive&>(drive), turn * more->all_rows / turns()));
   return all;
 }
 

@@ -45,6 +45,8 @@ class CompositionRelation final : public Relation {
                                                      const Drive& drive) const override;
 
  private:
+  [[nodiscard]] int turns() const;  ///< how often one draw of noise serves
+
   CompositionSetup setup_;
   std::vector<std::pair<std::string, std::string>> outputs_;
   NaturalScale scale_;

@@ -17,6 +17,7 @@
 #include "lattice.hpp"
 #include "next_test.hpp"
 #include "relations.hpp"
+#include "where.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -175,9 +176,10 @@ void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
   for (auto found = all.rbegin(); found != all.rend(); ++found)
     if ((*found)->is_named() && !(*found)->is_unknown()) shown = found->get();
   for (const auto& found : all)
-    if (found.get() != shown && (found->is_named() || found->is_unknown()))
-      report(*found, c, verdict);
-  report(*shown, c, verdict);
+    if (found.get() != shown && (found->is_named() || found->is_unknown())) report(*found, verdict);
+  report(*shown, verdict);
+  verdict.where = where_of(*shown, c.map);
+  if (shown->is_named()) verdict.where.part = shown->selection.steps[0].chosen.candidate.part;
   // The relation that is shown comes first.
   std::stable_partition(verdict.causes.begin(), verdict.causes.end(), [&](const Cause& cause) {
     return std::any_of(shown->selection.steps.begin(), shown->selection.steps.end(),

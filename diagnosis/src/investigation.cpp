@@ -28,6 +28,8 @@ std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation, c
                                            const SensorNoise& noise, std::uint64_t seed) {
   auto found = std::make_unique<Investigation>();
   found->relation = std::move(relation);
+  found->noise = &noise;
+  found->seed = seed;
   found->split = split_of(c);
   found->problem = std::make_unique<Problem>(*found->relation, found->split.records, noise, seed);
   found->folds = folds_of(found->split, *found->problem);

@@ -12,6 +12,8 @@ namespace rths::diagnosis {
 /// One relation of a case, with what was found about it.
 struct Investigation {
   std::unique_ptr<Relation> relation;
+  const SensorNoise* noise;
+  std::uint64_t seed;
   Split split;
   std::unique_ptr<Problem> problem;  ///< of the records that find
   std::unique_ptr<Problem> proof;    ///< of those that were held out; null if none was
@@ -24,6 +26,7 @@ struct Investigation {
   [[nodiscard]] bool is_unknown() const;
 };
 
+/// The noise must outlive what is found.
 [[nodiscard]] std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation,
                                                          const Case& c, const SensorNoise& noise,
                                                          std::uint64_t seed);
@@ -39,7 +42,7 @@ struct Investigation {
 [[nodiscard]] std::vector<Estimate> estimates_of(const Investigation& found, const Step& step);
 
 /// Adds what an investigation found to a verdict: causes, scores, evidence, proof, traces.
-void report(const Investigation& found, const Case& c, Verdict& verdict);
+void report(const Investigation& found, Verdict& verdict);
 
 /// TOML of the terms that were named, and of what was fitted with them, for [specimen] and
 /// [machine] of an experiment; empty if nothing was named.

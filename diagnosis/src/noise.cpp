@@ -166,31 +166,38 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
   }
 }
 
-Record SensorNoise::draw(const Record& like, std::mt19937_64& random) const {
-  Record noise = like;
-  noise.channels.clear();
-  std::normal_distribution<double> normal;
-  for (const auto& channel : like.channels) {
-    Channel drawn{channel.role, channel.unit, std::vector<double>(channel.values.size(), 0.0)};
+NoiseSource SensorNoise::source_like(const Record& record) const {
+  NoiseSource source;
+  source.empty_ = record;
+  for (auto& channel : source.empty_.channels) {
+    NoiseSource::Drawn drawn;
     const auto known = by_role_.find(channel.role);
-    if (known != by_role_.end()) {
-      const VectorXd values = known->second.draw(static_cast<Index>(channel.values.size()),
-                                                 like.time_step, [&] { return normal(random); });
-      std::copy(values.begin(), values.end(), drawn.values.begin());
-    }
+    if (known != by_role_.end())
+      drawn.source =
+          known->second.source(static_cast<Index>(channel.values.size()), record.time_step);
     for (const auto& [role, deviation] : added_)
-      if (role == channel.role)
-        for (double& value : drawn.values) value += deviation * normal(random);
-    noise.channels.push_back(std::move(drawn));
+      if (role == channel.role) drawn.white.push_back(deviation);
+    source.drawn_.push_back(std::move(drawn));
+    std::fill(channel.values.begin(), channel.values.end(), 0.0);
+  }
+  return source;
+}
+
+Record NoiseSource::draw(std::mt19937_64& random) const {
+  Record noise = empty_;
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < drawn_.size(); ++i) {
+    auto& values = noise.channels[i].values;
+    const VectorXd noisy = drawn_[i].source.draw([&] { return normal(random); });
+    std::copy(noisy.begin(), noisy.end(), values.begin());
+    for (const double deviation : drawn_[i].white)
+      for (double& value : values) value += deviation * normal(random);
   }
   return noise;
 }
 
 VaryingNoise::VaryingNoise(Index rows, double deviation)
-    : deviation_{VectorXd::Constant(rows, deviation)},
-      piece_{rows},
-      colours_{{VectorXd{}, 1}},
-      mean_colour_{VectorXd{}, 1} {}
+    : deviation_{VectorXd::Constant(rows, deviation)}, piece_{rows}, colours_{{VectorXd{}, 1}} {}
 
 VaryingNoise::VaryingNoise(const std::vector<VectorXd>& draws, Index half, Index piece,
                            double least)
@@ -204,7 +211,6 @@ VaryingNoise::VaryingNoise(const std::vector<VectorXd>& draws, Index half, Index
     for (const auto& draw : scaled) stretches.push_back(draw.segment(first, size));
     colours_.push_back(auto_regression(stretches, kResidualOrder, kResidualRidge));
   }
-  mean_colour_ = auto_regression(scaled, kResidualOrder, kResidualRidge);
 }
 
 Index VaryingNoise::order() const { return colours_.empty() ? 0 : colours_[0].coefficients.size(); }
@@ -243,10 +249,6 @@ VectorXd VaryingNoise::whitened(const VectorXd& noise) const {
                colour.deviation;
   }
   return white;
-}
-
-VectorXd VaryingNoise::whitened_alike(const VectorXd& noise) const {
-  return mean_colour_.whitened(noise.cwiseQuotient(deviation_));
 }
 
 ResidualNoise::ResidualNoise(const std::vector<MatrixXd>& draws, const Drive& drive,
@@ -293,15 +295,6 @@ MatrixXd ResidualNoise::whitened(const MatrixXd& residual) const {
   MatrixXd white(residual.rows(), residual.cols());
   for (Index output = 0; output < residual.cols(); ++output)
     white.col(output) = outputs_[static_cast<std::size_t>(output)].whitened(residual.col(output));
-  forget_unknown(white);
-  return white;
-}
-
-MatrixXd ResidualNoise::whitened_alike(const MatrixXd& residual) const {
-  MatrixXd white(residual.rows(), residual.cols());
-  for (Index output = 0; output < residual.cols(); ++output)
-    white.col(output) =
-        outputs_[static_cast<std::size_t>(output)].whitened_alike(residual.col(output));
   forget_unknown(white);
   return white;
 }

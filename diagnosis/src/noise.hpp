@@ -13,6 +13,21 @@
 
 namespace rths::diagnosis {
 
+/// Draws records of noise alone, of the length of another.
+class NoiseSource {
+ public:
+  [[nodiscard]] Record draw(std::mt19937_64& random) const;
+
+ private:
+  friend class SensorNoise;
+  struct Drawn {
+    NoiseSpectrum::Source source;
+    std::vector<double> white;  ///< deviations of what is added
+  };
+  Record empty_;
+  std::vector<Drawn> drawn_;  ///< of every channel
+};
+
 /// What the sensors add to what they measure, channel by channel.
 class SensorNoise {
  public:
@@ -23,8 +38,7 @@ class SensorNoise {
               const std::vector<std::pair<std::string, double>>& stated,
               const std::vector<std::pair<std::string, double>>& added = {});
 
-  /// A record of noise alone, of the length of another.
-  [[nodiscard]] Record draw(const Record& like, std::mt19937_64& random) const;
+  [[nodiscard]] NoiseSource source_like(const Record& record) const;
   /// Whether it was seen at rest: only then its colour is known.
   [[nodiscard]] bool was_seen_at_rest() const { return was_seen_at_rest_; }
   [[nodiscard]] const std::string& source() const { return source_; }  ///< for the limits
@@ -50,8 +64,6 @@ class VaryingNoise {
 
   /// Noise → white numbers of variance 1.
   [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& noise) const;
-  /// The same with one colour at all times, so that what is seen at one compares with another.
-  [[nodiscard]] Eigen::VectorXd whitened_alike(const Eigen::VectorXd& noise) const;
   /// As it is in the piece of median size, throughout.
   [[nodiscard]] VaryingNoise steady(Eigen::Index rows) const;
   void grow(double factor) { deviation_ *= factor; }
@@ -64,7 +76,6 @@ class VaryingNoise {
   Eigen::VectorXd deviation_;
   Eigen::Index piece_ = 1;
   std::vector<AutoRegression> colours_;  ///< of every piece
-  AutoRegression mean_colour_;
 };
 
 /// How the noise of the sensors shows in the residual of a relation on one record: its size varies
@@ -81,8 +92,6 @@ class ResidualNoise {
   /// Residual → numbers that are white, of variance 1, if it is noise. Rows before
   /// Drive::first_row are zero.
   [[nodiscard]] Eigen::MatrixXd whitened(const Eigen::MatrixXd& residual) const;
-  /// The same with one colour at all times: for maps.
-  [[nodiscard]] Eigen::MatrixXd whitened_alike(const Eigen::MatrixXd& residual) const;
   /// Rows × outputs.
   [[nodiscard]] Eigen::MatrixXd deviation() const;
   /// Mean of ln of what residuals are divided by: how much noise there is.

@@ -5,12 +5,11 @@
 #include <numbers>
 
 #include <Eigen/QR>
-#include <unsupported/Eigen/FFT>
 
 #include <rths/core/error.hpp>
 #include <rths/diagnosis/signal.hpp>
 
-#include "fast_length.hpp"
+#include "transform.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -33,9 +32,8 @@ void add_periodogram(const VectorXd& stretch, double time_step, std::vector<doub
   const Index length = fast_length(n);
   VectorXd padded = VectorXd::Zero(length);
   padded.head(n) = x;
-  Eigen::FFT<double> transform;
   Eigen::VectorXcd bins;
-  transform.fwd(bins, padded);
+  transformer().fwd(bins, padded);
   const double scale = 2 * time_step / weight.squaredNorm();
   for (Index k = 1; k <= length / 2; ++k) {
     const double f = static_cast<double>(k) / (static_cast<double>(length) * time_step);
@@ -130,23 +128,32 @@ bool NoiseSpectrum::is_nothing() const {
   return std::none_of(density_.begin(), density_.end(), [](double d) { return d > 0; });
 }
 
-VectorXd NoiseSpectrum::draw(Index samples, double time_step,
-                             const std::function<double()>& random) const {
-  if (is_nothing()) return VectorXd::Zero(samples);
-  const Index length = fast_length(samples + samples % 2);
-  Eigen::VectorXcd bins(length);
-  bins.setZero();
-  for (Index k = 1; k <= length / 2; ++k) {
-    const double f = static_cast<double>(k) / (static_cast<double>(length) * time_step);
-    const double size = std::sqrt(density(f) * static_cast<double>(length) / (4 * time_step));
-    const std::complex<double> bin{size * random(), size * random()};
-    bins[k] = bin;
-    bins[(length - k) % length] = std::conj(bin);
+NoiseSpectrum::Source NoiseSpectrum::source(Index samples, double time_step) const {
+  Source source;
+  source.samples_ = samples;
+  source.length_ = fast_length(samples + samples % 2);
+  if (is_nothing()) return source;
+  const auto length = static_cast<double>(source.length_);
+  source.size_.resize(source.length_ / 2);
+  for (Index k = 1; k <= source.length_ / 2; ++k) {
+    const double f = static_cast<double>(k) / (length * time_step);
+    source.size_[k - 1] = std::sqrt(density(f) * length / (4 * time_step));
   }
-  Eigen::FFT<double> transform;
+  return source;
+}
+
+VectorXd NoiseSpectrum::Source::draw(const std::function<double()>& random) const {
+  if (size_.size() == 0) return VectorXd::Zero(samples_);
+  Eigen::VectorXcd bins(length_);
+  bins.setZero();
+  for (Index k = 1; k <= length_ / 2; ++k) {
+    const std::complex<double> bin{size_[k - 1] * random(), size_[k - 1] * random()};
+    bins[k] = bin;
+    bins[(length_ - k) % length_] = std::conj(bin);
+  }
   VectorXd signal;
-  transform.inv(signal, bins);
-  return signal.head(samples);
+  transformer().inv(signal, bins);
+  return signal.head(samples_);
 }
 
 }  // namespace rths::diagnosis

@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kDraws = 2;
+constexpr std::size_t kFewDraws = 4;
 
 std::vector<Index> all_of(const Hypothesis& hypothesis) {
   std::vector<Index> all(hypothesis.free.size());
@@ -32,17 +32,20 @@ void take_out(const VectorXd& constant, Eigen::Ref<VectorXd> x) {
 }  // namespace
 
 Problem::Problem(const Relation& relation, const std::vector<const Record*>& records,
-                 const SensorNoise& noise, std::uint64_t seed)
+                 const SensorNoise& noise, std::uint64_t seed, std::size_t draws)
     : relation_{&relation}, has_colour_{noise.was_seen_at_rest()} {
   for (std::size_t i = 0; i < records.size(); ++i) {
     Part part{records[i], relation.prepare(*records[i]), {}, {}, nullptr};
     std::mt19937_64 random{seed * 1000 + i};
-    for (int k = 0; k < kDraws; ++k)
-      for (auto& drive : relation.disturbed(*part.drive, noise.draw(*records[i], random)))
+    const NoiseSource source = noise.source_like(*records[i]);
+    while (part.disturbed.size() < draws)
+      for (auto& drive : relation.disturbed(*part.drive, source.draw(random)))
         part.disturbed.push_back(std::move(drive));
+    // For a first fit these are enough.
+    part.draws = draws_of(part, relation.base(), kFewDraws);
+    part.noise = std::make_unique<ResidualNoise>(part.draws, *part.drive, has_colour_);
     parts_.push_back(std::move(part));
   }
-  renew_noise(relation.base());
 }
 
 Problem::Problem(const Problem& like, const std::vector<const Record*>& tests)
@@ -54,21 +57,36 @@ Problem::Problem(const Problem& like, const std::vector<const Record*>& tests)
   }
 }
 
-void Problem::renew_noise(const Hypothesis& hypothesis) {
+std::vector<MatrixXd> Problem::draws_of(const Part& part, const Hypothesis& hypothesis,
+                                        std::size_t most) const {
   std::vector<MatrixXd> none;
+  MatrixXd still, moved;
+  if (!relation_->simulator(hypothesis, *part.drive)->run(hypothesis.values, {}, still, none))
+    throw Error{fmt::format("{}: the model has no prediction ({}); it diverges", part.record->name,
+                            relation_->name())};
+  std::vector<MatrixXd> draws;
+  for (const auto& drive : part.disturbed) {
+    if (draws.size() == most) break;
+    if (!relation_->simulator(hypothesis, *drive)->run(hypothesis.values, {}, moved, none))
+      continue;
+    draws.push_back((drive->measured - moved) - (part.drive->measured - still));
+  }
+  return draws;
+}
+
+void Problem::renew_noise(const Hypothesis& hypothesis) {
   for (auto& part : parts_) {
-    MatrixXd still, moved;
-    if (!relation_->simulator(hypothesis, *part.drive)->run(hypothesis.values, {}, still, none))
-      throw Error{fmt::format("{}: the model has no prediction ({}); it diverges",
-                              part.record->name, relation_->name())};
-    part.draws.clear();
-    for (const auto& drive : part.disturbed) {
-      if (!relation_->simulator(hypothesis, *drive)->run(hypothesis.values, {}, moved, none))
-        continue;
-      part.draws.push_back((drive->measured - moved) - (part.drive->measured - still));
-    }
+    part.draws = draws_of(part, hypothesis, part.disturbed.size());
     part.noise = std::make_unique<ResidualNoise>(part.draws, *part.drive, has_colour_);
   }
+}
+
+double Problem::log_noise(const Hypothesis& hypothesis) const {
+  double sum = 0;
+  for (const auto& part : parts_)
+    sum +=
+        ResidualNoise{draws_of(part, hypothesis, kFewDraws), *part.drive, has_colour_}.log_size();
+  return sum / static_cast<double>(parts_.size());
 }
 
 Supposition::Supposition(const Problem& problem, Hypothesis hypothesis)

@@ -24,9 +24,10 @@ struct Fold {
 /// A relation, the records that it is checked on, and the noise in them.
 class Problem {
  public:
+  /// @param draws  of the noise, at least
   /// @throws Error if a record lacks a channel that the relation needs
   Problem(const Relation& relation, const std::vector<const Record*>& records,
-          const SensorNoise& noise, std::uint64_t seed);
+          const SensorNoise& noise, std::uint64_t seed, std::size_t draws = 8);
   /// Tests that were not run yet, with the noise of another problem's first record at its median
   /// size.
   Problem(const Problem& like, const std::vector<const Record*>& tests);
@@ -45,6 +46,8 @@ class Problem {
   /// Sends the sensors' noise through the model once more: at another hypothesis it shows
   /// differently.
   void renew_noise(const Hypothesis& hypothesis);
+  /// Mean of ln of what residuals would be divided by at a hypothesis, from a few of the draws.
+  [[nodiscard]] double log_noise(const Hypothesis& hypothesis) const;
 
  private:
   struct Part {
@@ -54,6 +57,10 @@ class Problem {
     std::vector<Eigen::MatrixXd> draws;
     std::unique_ptr<ResidualNoise> noise;
   };
+
+  [[nodiscard]] std::vector<Eigen::MatrixXd> draws_of(const Part& part,
+                                                      const Hypothesis& hypothesis,
+                                                      std::size_t most) const;
 
   const Relation* relation_;
   bool has_colour_;

@@ -163,17 +163,14 @@ void prove(const Investigation& found, Verdict& verdict) {
 
 }  // namespace
 
-void report(const Investigation& found, const Case& c, Verdict& verdict) {
+void report(const Investigation& found, Verdict& verdict) {
   const Selection& selection = found.selection;
-  verdict.where = where_of(Supposition{*found.problem, selection.base}, 0, c.map);
   double total = 0;
   for (const auto& step : selection.steps) total += std::max(0.0, step.chosen.gain);
   for (const auto& step : selection.steps)
     verdict.causes.push_back(cause_of(
         found, step,
         selection.explained() * std::max(0.0, step.chosen.gain) / std::max(total, 1e-300)));
-  if (found.is_named()) verdict.where.part = verdict.causes.back().part;
-  if (found.is_named()) verdict.where.part = selection.steps[0].chosen.candidate.part;
   add_evidence(found, verdict);
   for (const auto& description : found.descriptions) {
     constexpr double kLeastShare = 0.02;

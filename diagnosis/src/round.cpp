@@ -15,12 +15,6 @@ constexpr double kTriedGain = 6;        // [nat]: below it no candidate is worth
 constexpr double kFar = 10;             // mean w²: so far off, the base's fit is a compromise
 constexpr double kReversedShare = 0.5;  // of the best gain on the second fold
 
-double log_noise(const Problem& problem) {
-  double sum = 0;
-  for (std::size_t i = 0; i < problem.records(); ++i) sum += problem.noise(i).log_size();
-  return sum / static_cast<double>(problem.records());
-}
-
 }  // namespace
 
 Round::Round(Problem& problem, const Folds& folds, const Hypothesis& current,
@@ -108,17 +102,16 @@ void Round::sort() {
 // that have not in the largest noise that one of the better ones has.
 void Round::allow_for_noise() {
   constexpr double kGoodShare = 0.2, kMuchMore = 0.3;
-  const double before = log_noise(problem_);
+  const double before = problem_.log_noise(base_);
   double most = kMuchMore;
   const Contender* noisiest = nullptr;
   for (const auto& contender : contenders_) {
     if (contender.gain < kGoodShare * contenders_[0].gain) break;
-    problem_.renew_noise(contender.fitted);
-    const double more = log_noise(problem_) - before;
+    const double more = problem_.log_noise(contender.fitted) - before;
     if (more > most) most = more, noisiest = &contender;
   }
-  problem_.renew_noise(noisiest != nullptr ? noisiest->fitted : base_);
   if (noisiest == nullptr) return;
+  problem_.renew_noise(noisiest->fitted);
   base_ = fitted(problem_, base_, folds_.first, kShortFit);
   base_scores_ = scores(problem_, base_, folds_.second);
   for (auto& contender : contenders_) {

@@ -6,12 +6,10 @@
 #include <complex>
 #include <numbers>
 
-#include <unsupported/Eigen/FFT>
-
 #include <rths/controller/filters.hpp>
 #include <rths/core/error.hpp>
 
-#include "fast_length.hpp"
+#include "transform.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -98,10 +96,9 @@ VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, doubl
     u[n + i] =
         0.5 * displacement[n - 1] *
         (1 + std::cos(std::numbers::pi * static_cast<double>(i + 1) / static_cast<double>(margin)));
-  Eigen::FFT<double> transform;
   Eigen::VectorXcd U, A;
-  transform.fwd(U, u);
-  transform.fwd(A, a);
+  transformer().fwd(U, u);
+  transformer().fwd(A, a);
   const double period = time_step * static_cast<double>(n + margin);
   const double corner = std::pow(crossover, 4);
   for (Index k = 0; k < U.size(); ++k) {
@@ -113,7 +110,7 @@ VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, doubl
         U[k] * (corner / sum) - A[k] * (square / sum / (4 * std::numbers::pi * std::numbers::pi));
   }
   VectorXd result;
-  transform.inv(result, U);
+  transformer().inv(result, U);
   return result.head(n);
 }
 
@@ -189,12 +186,11 @@ Spectrum power_spectrum(const VectorXd& signal, int window, double time_step) {
   const int bins = window / 2 + 1;
   Spectrum spectrum{VectorXd::LinSpaced(bins, 0, 0.5 / time_step), VectorXd::Zero(bins)};
   const double mean = signal.mean();
-  Eigen::FFT<double> transform;
   int windows = 0;
   for (Index first = 0; first + window <= signal.size(); first += window / 2, ++windows) {
     const VectorXd part = (signal.segment(first, window).array() - mean) * weight.array();
     Eigen::VectorXcd bins_of_part;
-    transform.fwd(bins_of_part, part);
+    transformer().fwd(bins_of_part, part);
     spectrum.density += bins_of_part.head(bins).cwiseAbs2();
   }
   spectrum.density *= 2 * time_step / (weight.squaredNorm() * windows);

@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include <unsupported/Eigen/FFT>
-
-#include "fast_length.hpp"
+#include "excess.hpp"
+#include "scores.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -18,66 +16,8 @@ using Eigen::VectorXd;
 
 constexpr double kCellTime = 0.256;  // [s]
 constexpr int kStateCells = 9;       // along displacement and along velocity
-constexpr double kShare = 0.8;       // of the excess that a place must hold
-
-// A residual in units of its noise, and what of it the noise has.
-struct Seen {
-  MatrixXd white;
-  double variance = 1;  // of its noise
-  double fourth = 1;    // mean square of the noise's spectrum: how its sums scatter
-};
-
-// Energy and what noise has of it, cell by cell.
-struct Cells {
-  std::vector<double> energy, expected;
-  double scatter = 1;  // variance of the noise's sum over what it is of white noise, once expected
-
-  explicit Cells(std::size_t count) : energy(count, 0.0), expected(count, 0.0) {}
-  Cells(std::size_t count, const Seen& seen) : Cells{count} {
-    scatter = seen.fourth / seen.variance;
-  }
-  void add(std::size_t cell, double square, double noise = 1) {
-    energy[cell] += square;
-    expected[cell] += noise;
-  }
-  // What is beyond the noise, and beyond its scatter.
-  [[nodiscard]] std::vector<double> excess() const {
-    std::vector<double> result(energy.size(), 0.0);
-    for (std::size_t i = 0; i < energy.size(); ++i) {
-      const double beyond = energy[i] - expected[i];
-      if (beyond > 2 * std::sqrt(2 * scatter * expected[i])) result[i] = beyond;
-    }
-    return result;
-  }
-  [[nodiscard]] std::vector<double> shares() const {
-    double total = 0;
-    for (const double e : excess()) total += e;
-    std::vector<double> result;
-    for (std::size_t i = 0; i < energy.size(); ++i)
-      result.push_back((energy[i] - expected[i]) / std::max(total, 1e-300));
-    return result;
-  }
-  // The smallest set of cells that holds most of the excess. Where cells are many, small excesses
-  // are lost in the noise one by one, but not all of them together.
-  [[nodiscard]] std::vector<bool> place(bool has_many) const {
-    std::vector<double> beyond = excess();
-    if (has_many)
-      for (std::size_t i = 0; i < energy.size(); ++i) beyond[i] = energy[i] - expected[i];
-    const double total = std::accumulate(beyond.begin(), beyond.end(), 0.0);
-    std::vector<std::size_t> order(beyond.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return beyond[a] > beyond[b]; });
-    std::vector<bool> inside(beyond.size(), false);
-    double held = 0;
-    for (const std::size_t cell : order) {
-      if (held >= kShare * total || beyond[cell] <= 0) break;
-      held += beyond[cell];
-      inside[cell] = true;
-    }
-    return inside;
-  }
-};
+constexpr std::size_t kDraws = 32;   // of the noise
+constexpr int kFit = 12;             // iterations
 
 std::vector<std::pair<double, double>> joined(const std::vector<bool>& inside,
                                               const std::vector<double>& edges) {
@@ -112,80 +52,34 @@ Profile profile(const std::string& name, const std::string& unit, std::vector<do
 }
 
 void map_time(const Seen& seen, const Drive& drive, Where& where) {
-  const MatrixXd& white = seen.white;
   const auto size = std::max<Index>(1, static_cast<Index>(std::round(kCellTime / drive.time_step)));
-  const Index count = white.rows() / size;
-  Cells cells{static_cast<std::size_t>(count), seen};
-  for (Index row = drive.first_row; row < count * size; ++row)
-    for (Index output = 0; output < white.cols(); ++output)
-      cells.add(static_cast<std::size_t>(row / size), white(row, output) * white(row, output),
-                seen.variance);
+  const Index count = drive.rows() / size;
+  const Cells cells{seen, by_row(static_cast<std::size_t>(count), drive, [&](Index row, Index) {
+                      return static_cast<std::size_t>(row / size);
+                    })};
   std::vector<double> edges;
   for (Index i = 0; i <= count; ++i)
     edges.push_back(drive.start + static_cast<double>(i * size) * drive.time_step);
-  where.intervals = joined(cells.place(true), edges);
+  where.intervals = joined(cells.place(), edges);
   where.profiles.push_back(profile("time", "s", edges, cells));
 }
 
-// The residual, each third octave weighed by the part of it that is not noise (Wiener 1949): what
-// remains of the noise hides less of the rest.
-Seen weighed(const MatrixXd& white, const std::vector<double>& edges, const Cells& cells,
-             double time_step) {
-  Seen seen{MatrixXd(white.rows(), white.cols()), 0, 0};
-  Eigen::FFT<double> transform;
-  const Index length = fast_length(2 * white.rows());
-  for (Index output = 0; output < white.cols(); ++output) {
-    VectorXd x = VectorXd::Zero(length), y;
-    x.head(white.rows()) = white.col(output);
-    Eigen::VectorXcd bins;
-    transform.fwd(bins, x);
-    double square = 0, fourth = 0;
-    for (Index k = 0; k < length; ++k) {
-      const Index side = std::min(k, length - k);
-      const double f = static_cast<double>(side) / (static_cast<double>(length) * time_step);
-      const auto edge = std::upper_bound(edges.begin(), edges.end(), f);
-      double weight = 0;
-      if (edge != edges.end()) {
-        const auto cell = static_cast<std::size_t>(edge - edges.begin()) - 1;
-        if (cells.energy[cell] > 0)
-          weight = std::max(0.0, 1 - cells.expected[cell] / cells.energy[cell]);
-      }
-      bins[k] *= weight;
-      square += weight * weight / static_cast<double>(length);
-      fourth += weight * weight * weight * weight / static_cast<double>(length);
-    }
-    transform.inv(y, bins);
-    seen.white.col(output) = y.head(white.rows());
-    seen.variance = square;
-    seen.fourth = fourth;
-  }
-  // Nothing stands out: there is nothing to weigh.
-  return seen.variance > 0 ? seen : Seen{white};
-}
-
-Cells map_frequency(const MatrixXd& white, const Drive& drive, const std::vector<double>& edges,
-                    Where& where) {
-  Cells cells{edges.size() - 1};
-  Eigen::FFT<double> transform;
-  const Index length = fast_length(2 * white.rows());
-  for (Index output = 0; output < white.cols(); ++output) {
-    VectorXd x = VectorXd::Zero(length);
-    x.head(white.rows()) = white.col(output);
-    Eigen::VectorXcd bins;
-    transform.fwd(bins, x);
-    for (Index k = 0; k <= length / 2; ++k) {
-      const double f = static_cast<double>(k) / (static_cast<double>(length) * drive.time_step);
-      const auto edge = std::upper_bound(edges.begin(), edges.end(), f);
-      if (edge == edges.end()) continue;
-      const auto cell = static_cast<std::size_t>(edge - edges.begin()) - 1;
-      // Padding halves what each bin stands for.
-      cells.energy[cell] += std::norm(bins[k]) / static_cast<double>(white.rows()) / 2;
-      cells.expected[cell] += 0.5;
-    }
-  }
-  where.bands = joined(cells.place(false), edges);
+// Maps frequency, and weighs each third octave by the part of it that is not noise (Wiener 1949):
+// what remains of the noise hides less of the rest.
+Seen map_frequency(const Seen& seen, const Drive& drive, Where& where) {
+  const std::vector<double> edges = third_octaves(std::min(26.0, 0.45 / drive.time_step));
+  const Bands bands{edges, drive};
+  const Cells cells{seen, [&](const MatrixXd& signal) { return bands.energies(signal); }};
+  where.bands = joined(cells.place(), edges);
   where.profiles.push_back(profile("frequency", "Hz", edges, cells));
-  return cells;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < cells.size(); ++i) weights.push_back(cells.signal_share(i));
+  // Nothing stands out: there is nothing to weigh.
+  if (std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0; })) return seen;
+  Seen rest;
+  rest.residual = bands.weighed(seen.residual, weights);
+  for (const auto& noise : seen.noise) rest.noise.push_back(bands.weighed(noise, weights));
+  return rest;
 }
 
 double round_up(double value) {
@@ -196,21 +90,18 @@ double round_up(double value) {
 }
 
 void map_states(const Seen& seen, const Drive& drive, const MapRange& range, Where& where) {
-  const MatrixXd& white = seen.white;
   if (drive.displacement.size() == 0) return;
   const double u = range.displacement.value_or(round_up(drive.displacement.cwiseAbs().maxCoeff()));
   const double v = range.velocity.value_or(round_up(drive.velocity.cwiseAbs().maxCoeff()));
-  Cells cells{kStateCells * kStateCells, seen};
-  for (Index row = drive.first_row; row < white.rows(); ++row)
-    for (Index output = 0; output < white.cols(); ++output) {
-      const std::size_t cell = cell_of(drive.displacement(row, output), u) * kStateCells +
-                               cell_of(drive.velocity(row, output), v);
-      cells.add(cell, white(row, output) * white(row, output), seen.variance);
-    }
-  const auto inside = cells.place(true);
+  const auto cell = [&](Index row, Index output) {
+    return cell_of(drive.displacement(row, output), u) * kStateCells +
+           cell_of(drive.velocity(row, output), v);
+  };
+  const Cells cells{seen, by_row(kStateCells * kStateCells, drive, cell)};
+  const auto inside = cells.place();
   const auto shares = cells.shares();
   for (std::size_t i = 0; i < inside.size(); ++i) {
-    if (cells.expected[i] == 0) continue;
+    if (cells.is_empty(i)) continue;
     const auto edge = [](double reach, std::size_t k) {
       return reach * (2 * static_cast<double>(k) / kStateCells - 1);
     };
@@ -222,20 +113,19 @@ void map_states(const Seen& seen, const Drive& drive, const MapRange& range, Whe
 }
 
 void map_other_states(const Seen& seen, const Drive& drive, Where& where) {
-  const MatrixXd& white = seen.white;
-  for (const auto& [name, values] : drive.states) {
+  for (const auto& state : drive.states) {
+    const auto& [name, values] = state;
     const double low = values.minCoeff(), high = values.maxCoeff();
     if (!(high > low)) continue;
     constexpr std::size_t kCells = 9;
-    Cells cells{kCells, seen};
+    const auto cell = [low, high, at = &values](Index row, Index) {
+      return std::min(kCells - 1,
+                      static_cast<std::size_t>(((*at)[row] - low) / (high - low) * kCells));
+    };
+    const Cells cells{seen, by_row(kCells, drive, cell)};
     std::vector<double> edges;
     for (std::size_t i = 0; i <= kCells; ++i)
       edges.push_back(low + (high - low) * static_cast<double>(i) / kCells);
-    for (Index row = drive.first_row; row < white.rows(); ++row)
-      for (Index output = 0; output < white.cols(); ++output)
-        cells.add(std::min(kCells - 1,
-                           static_cast<std::size_t>((values[row] - low) / (high - low) * kCells)),
-                  white(row, output) * white(row, output), seen.variance);
     const auto bracket = name.find(" [");
     where.profiles.push_back(profile(name.substr(0, bracket),
                                      name.substr(bracket + 2, name.size() - bracket - 3), edges,
@@ -243,34 +133,42 @@ void map_other_states(const Seen& seen, const Drive& drive, Where& where) {
   }
 }
 
+// All of the outputs, unless one of them has nearly all of the excess.
+std::string channel_of(const Problem& problem, const Seen& seen) {
+  constexpr double kNearlyAll = 0.9;
+  const auto& outputs = problem.relation().outputs();
+  const auto by_output = [](const MatrixXd& signal) {
+    Energies energies;
+    for (Index output = 0; output < signal.cols(); ++output)
+      energies.push_back(signal.col(output).squaredNorm());
+    return energies;
+  };
+  const Cells cells{seen, by_output};
+  double all = 0;
+  for (std::size_t i = 0; i < outputs.size(); ++i) all += cells.beyond_noise(i);
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    if (outputs.size() == 1 || (all > 0 && cells.beyond_noise(i) > kNearlyAll * all))
+      return outputs[i].first;
+  return outputs[0].first.substr(0, outputs[0].first.find('.'));
+}
+
 }  // namespace
 
-Where where_of(const Supposition& supposition, std::size_t record, const MapRange& range) {
-  const Problem& problem = supposition.problem();
-  const Drive& drive = problem.drive(record);
-  const MatrixXd white = supposition.whitened(record);
+Where where_of(const Investigation& found, const MapRange& range) {
+  // As before any name was known: the model as it was stated, fitted to this record alone.
+  Problem problem{*found.relation, {found.split.records[0]}, *found.noise, found.seed, kDraws};
+  problem.renew_noise(found.selection.base);
+  const Hypothesis base = fitted(problem, found.selection.base, whole({0}), kFit);
+  const Drive& drive = problem.drive(0);
+  const Seen seen = seen_at(problem, base);
   Where where;
   where.part = problem.relation().part();
-  where.record = problem.record(record).name;
-  const auto& outputs = problem.relation().outputs();
-  // All of the outputs, unless one of them has nearly all of the excess.
-  where.channel = outputs[0].first.substr(0, outputs[0].first.find('.'));
-  for (Index output = 0; output < white.cols(); ++output) {
-    const double own = white.col(output).squaredNorm() - static_cast<double>(white.rows());
-    const double all = white.squaredNorm() - static_cast<double>(white.size());
-    constexpr double kNearlyAll = 0.9;
-    if (white.cols() == 1 || (all > 0 && own > kNearlyAll * all))
-      where.channel = outputs[static_cast<std::size_t>(output)].first;
-  }
-  const std::vector<double> edges = third_octaves(std::min(26.0, 0.45 / drive.time_step));
-  MatrixXd alike = drive.measured - supposition.prediction(record);
-  if (problem.relation().has_free_offsets()) alike.rowwise() -= alike.colwise().mean().eval();
-  alike = problem.noise(record).whitened_alike(alike);
-  const Cells bands = map_frequency(alike, drive, edges, where);
-  const Seen seen = weighed(alike, edges, bands, drive.time_step);
-  map_time(seen, drive, where);
-  map_states(seen, drive, range, where);
-  map_other_states(seen, drive, where);
+  where.record = problem.record(0).name;
+  where.channel = channel_of(problem, seen);
+  const Seen rest = map_frequency(seen, drive, where);
+  map_time(rest, drive, where);
+  map_states(rest, drive, range, where);
+  map_other_states(rest, drive, where);
   return where;
 }
 

@@ -78,9 +78,18 @@ class NoiseSpectrum {
   NoiseSpectrum(const std::vector<Eigen::VectorXd>& stretches, double time_step);
 
   [[nodiscard]] double density(double frequency) const;  ///< one-sided [unit²/Hz]
-  /// A signal of Gaussian noise. @param random  gives standard normal numbers
-  [[nodiscard]] Eigen::VectorXd draw(Eigen::Index samples, double time_step,
-                                     const std::function<double()>& random) const;
+  /// Draws signals of Gaussian noise, of one length: what they have in common is worked out once.
+  class Source {
+   public:
+    /// @param random  gives standard normal numbers
+    [[nodiscard]] Eigen::VectorXd draw(const std::function<double()>& random) const;
+
+   private:
+    friend class NoiseSpectrum;
+    Eigen::Index samples_ = 0, length_ = 0;
+    Eigen::VectorXd size_;  // of bins from the first on; empty: no noise
+  };
+  [[nodiscard]] Source source(Eigen::Index samples, double time_step) const;
   [[nodiscard]] bool is_nothing() const;
   [[nodiscard]] NoiseSpectrum scaled(double factor) const;  ///< of the signal times a factor
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <unsupported/Eigen/FFT>
 
 namespace rths::diagnosis {
 
@@ -13,6 +14,12 @@ inline Eigen::Index fast_length(Eigen::Index length) {
       while (rest % factor == 0) rest /= factor;
     if (rest == 1) return length;
   }
+}
+
+/// Keeps what it has worked out for the lengths that it has seen.
+inline Eigen::FFT<double>& transformer() {
+  static thread_local Eigen::FFT<double> kept;
+  return kept;
 }
 
 }  // namespace rths::diagnosis

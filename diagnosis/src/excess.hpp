@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "problem.hpp"
+
+namespace rths::diagnosis {
+
+/// A residual, and draws of what of it is noise: rows × outputs each.
+struct Seen {
+  Eigen::MatrixXd residual;
+  std::vector<Eigen::MatrixXd> noise;
+};
+
+/// What neither the hypothesis' free parameters nor free offsets can make of a problem's first
+/// record: divided by the size of the noise at each time, but by one colour at all times, so that
+/// what is seen at one compares with another.
+/// @throws Error if there is no prediction
+[[nodiscard]] Seen seen_at(const Problem& problem, const Hypothesis& hypothesis);
+
+using Energies = std::vector<double>;  ///< by cell
+
+/// Energy and what noise has of it, cell by cell.
+class Cells {
+ public:
+  /// @param energies  of a signal, in every cell
+  Cells(const Seen& seen, const std::function<Energies(const Eigen::MatrixXd&)>& energies);
+
+  [[nodiscard]] std::size_t size() const { return energy_.size(); }
+  [[nodiscard]] bool is_empty(std::size_t cell) const { return energy_[cell] == 0; }
+  [[nodiscard]] double beyond_noise(std::size_t cell) const {
+    return energy_[cell] - expected_[cell];
+  }
+  /// Part of a cell's energy that is not noise: 0 … 1.
+  [[nodiscard]] double signal_share(std::size_t cell) const;
+  /// Shares of all that is beyond the noise and beyond its scatter.
+  [[nodiscard]] std::vector<double> shares() const;
+  /// The smallest set of cells that holds most of the excess.
+  [[nodiscard]] std::vector<bool> place() const;
+
+ private:
+  Energies energy_, expected_, scatter_;
+};
+
+/// Energies in the cells that rows and outputs fall into. Cells beyond the last are left out.
+[[nodiscard]] std::function<Energies(const Eigen::MatrixXd&)> by_row(
+    std::size_t cells, const Drive& drive,
+    const std::function<std::size_t(Eigen::Index row, Eigen::Index output)>& cell_of);
+
+/// Energies in bands of frequency, of signals padded to twice their length.
+class Bands {
+ public:
+  /// @param edges  [Hz]
+  Bands(const std::vector<double>& edges, const Drive& drive);
+  [[nodiscard]] Energies energies(const Eigen::MatrixXd& signal) const;
+  /// Each band times a weight, and nothing beyond them.
+  [[nodiscard]] Eigen::MatrixXd weighed(const Eigen::MatrixXd& signal,
+                                        std::vector<double> weights) const;
+
+ private:
+  [[nodiscard]] std::size_t band(Eigen::Index bin) const {
+    return band_[static_cast<std::size_t>(bin)];
+  }
+  [[nodiscard]] Eigen::VectorXcd transformed(const Eigen::VectorXd& signal) const;
+
+  Eigen::Index rows_, length_;
+  std::size_t count_;
+  std::vector<std::size_t> band_;  // of every bin; count_: beyond all edges
+};
+
+}  // namespace rths::diagnosis
