@@ -219,8 +219,9 @@ std::vector<MatrixXd> white_noise(const Drive& drive, std::size_t draws) {
 
 Seen seen_at(const Problem& problem, const Hypothesis& hypothesis) {
   const Drive& drive = problem.drive(0);
-  std::vector<Index> all(hypothesis.free.size());
-  std::iota(all.begin(), all.end(), Index{0});
+  std::vector<Index> all;  // but what may move by a little only
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i)
+    if (!hypothesis.free[i].is_tolerance) all.push_back(static_cast<Index>(i));
   MatrixXd prediction;
   std::vector<MatrixXd> derivatives;
   if (!problem.relation()

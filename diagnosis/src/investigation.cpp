@@ -31,6 +31,7 @@ std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation, c
   found->noise = &noise;
   found->seed = seed;
   found->split = split_of(c);
+  found->first = *found->split.records[0];
   found->problem = std::make_unique<Problem>(*found->relation, found->split.records, noise, seed);
   found->folds = folds_of(found->split, *found->problem);
   found->selection = select(*found->problem, found->folds, seed);

@@ -15,6 +15,7 @@ struct Investigation {
   const SensorNoise* noise;
   std::uint64_t seed;
   Split split;
+  Record first;  ///< of the records, as it was: what is found of a sensor is corrected in them
   std::unique_ptr<Problem> problem;  ///< of the records that find
   std::unique_ptr<Problem> proof;    ///< of those that were held out; null if none was
   Folds folds;

@@ -16,8 +16,8 @@ using Eigen::VectorXd;
 
 constexpr double kCellTime = 0.256;  // [s]
 constexpr int kStateCells = 9;       // along displacement and along velocity
-constexpr std::size_t kDraws = 32;   // of the noise
-constexpr int kFit = 12;             // iterations
+constexpr std::size_t kDraws = 24;   // of the noise
+constexpr int kFit = 5;              // iterations
 
 std::vector<std::pair<double, double>> joined(const std::vector<bool>& inside,
                                               const std::vector<double>& edges) {
@@ -156,7 +156,7 @@ std::string channel_of(const Problem& problem, const Seen& seen) {
 
 Where where_of(const Investigation& found, const MapRange& range) {
   // As before any name was known: the model as it was stated, fitted to this record alone.
-  Problem problem{*found.relation, {found.split.records[0]}, *found.noise, found.seed, kDraws};
+  Problem problem{*found.relation, {&found.first}, *found.noise, found.seed, kDraws};
   problem.renew_noise(found.selection.base);
   const Hypothesis base = fitted(problem, found.selection.base, whole({0}), kFit);
   const Drive& drive = problem.drive(0);
