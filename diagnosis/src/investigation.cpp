@@ -18,8 +18,9 @@ bool Investigation::is_unknown() const {
   constexpr double kExplained = 0.85;
   if (!selection.has_remainder() || (is_named() && selection.explained() >= kExplained))
     return false;
-  // Noise that is a little larger than it was at rest is no physics: it must have a form.
-  constexpr double kPlain = 0.5, kFormShare = 0.3;
+  // Noise that is a little larger than it was at rest (by less than 0.2, where nothing is missing)
+  // is no physics: it must have a form.
+  constexpr double kPlain = 0.25, kFormShare = 0.3;
   const double rest = selection.variance_named - 1;
   return rest > kPlain || (!descriptions.empty() && descriptions[0].share > kFormShare);
 }
