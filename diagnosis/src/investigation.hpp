@@ -38,9 +38,9 @@ struct Investigation {
                            const Hypothesis& hypothesis);
 [[nodiscard]] RecordScore score_of(const Investigation& found, const Problem& problem,
                                    std::size_t record);
-/// Parameters of a step's term with their intervals, which include what the noise of the measured
-/// motion does to them.
-[[nodiscard]] std::vector<Estimate> estimates_of(const Investigation& found, const Step& step);
+/// Every parameter that was fitted with what was named, with its interval, which includes what the
+/// noise of the measured motion does to it.
+[[nodiscard]] std::vector<Estimate> estimates_of(const Investigation& found);
 
 /// Adds what an investigation found to a verdict: causes, scores, evidence, proof, traces.
 void report(const Investigation& found, Verdict& verdict);

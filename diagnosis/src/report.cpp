@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 constexpr std::size_t kMostEvidence = 10;
 constexpr Index kMostPoints = 4000;  // of a trace
 
-Cause cause_of(const Investigation& found, const Step& step, double explained) {
+Cause cause_of(const Step& step, const std::vector<Estimate>& estimates, double explained) {
   const Candidate& candidate = step.chosen.candidate;
   Cause cause;
   cause.name = candidate.name;
@@ -34,7 +34,9 @@ Cause cause_of(const Investigation& found, const Step& step, double explained) {
                                   tied.gain / std::max(step.chosen.gain, 1e-300), "", 0});
   if (step.tied.empty()) cause.confidence = std::max(cause.confidence, 0.99);
   cause.explained = explained;
-  cause.parameters = estimates_of(found, step);
+  for (const auto& wanted : candidate.frees)
+    for (const auto& estimate : estimates)
+      if (estimate.name == wanted.name) cause.parameters.push_back(estimate);
   return cause;
 }
 
@@ -167,9 +169,10 @@ void report(const Investigation& found, Verdict& verdict) {
   const Selection& selection = found.selection;
   double total = 0;
   for (const auto& step : selection.steps) total += std::max(0.0, step.chosen.gain);
+  const auto estimates = found.is_named() ? estimates_of(found) : std::vector<Estimate>{};
   for (const auto& step : selection.steps)
     verdict.causes.push_back(cause_of(
-        found, step,
+        step, estimates,
         selection.explained() * std::max(0.0, step.chosen.gain) / std::max(total, 1e-300)));
   add_evidence(found, verdict);
   for (const auto& description : found.descriptions) {

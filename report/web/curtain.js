@@ -1,7 +1,7 @@
 
 // Before on the left of a line, after on its right: one slider moves the line through every figure.
 const curtain = (() => {
-  const { el, axisStyle, figure, fit, padded, extent, watermark, watermarkBelow } = plots;
+  const { el, axisStyle, figure, fit, padded, extent, strokeCurve, watermark, watermarkBelow } = plots;
   const COLOR = { measured: "#aab6c1", before: "#c8501e", after: "#0b5c8a", noise: "#e4e9ed" };
   const followers = new Set();  // figures
   const sliders = [];
@@ -13,27 +13,13 @@ const curtain = (() => {
     for (const follow of [...followers, ...sliders]) follow();
   };
 
-  // A curve through its points, cut off where the curtain is.
-  const cutCurve = (u, index, xs, ys, style) => {
-    const { ctx, bbox } = u;
+  // A curve that is cut off where the curtain is.
+  const cutCurve = (u, xs, ys, style) => {
+    const { bbox } = u;
     const edge = bbox.width * position;
     const left = style.side === "after" ? bbox.left + edge : bbox.left;
     const width = style.side === "before" ? edge : style.side === "after" ? bbox.width - edge : bbox.width;
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(left, bbox.top, width, bbox.height);
-    ctx.clip();
-    ctx.beginPath();
-    for (let i = 0; i < xs.length; i++) {
-      const x = u.valToPos(xs[i], "x", true), y = u.valToPos(ys[i], "y", true);
-      i ? ctx.lineTo(x, y) : ctx.moveTo(x, y);
-    }
-    ctx.lineWidth = style.width * devicePixelRatio;
-    ctx.strokeStyle = style.color;
-    ctx.lineJoin = "round";
-    ctx.stroke();
-    ctx.restore();
-    return null;
+    return strokeCurve(u, xs, ys, style, left, width);
   };
 
   // The line that is dragged; it follows the slider and the other figures.
@@ -82,7 +68,7 @@ const curtain = (() => {
       mode: 2, width: 400, height: 320, legend: { show: false }, cursor: { show: false },
       scales: { x: { time: false, range: () => rangeX }, y: { range: () => rangeY } },
       axes: [quantityAxis(xLabel), quantityAxis(yLabel, { size: 54 })],
-      series: [null, ...curves.map(c => ({ paths: (u, i) => cutCurve(u, i, u.data[i][0], u.data[i][1], c),
+      series: [null, ...curves.map(c => ({ paths: (u, i) => cutCurve(u, ...u.data[i], c),
         facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }] }))],
       hooks: { draw: [watermarkBelow] },
     }, [null, ...curves.map(c => [x, c.y])], box);
@@ -98,7 +84,7 @@ const curtain = (() => {
       scales: { x: { time: false }, y: options.range ? { range: () => options.range } : {} },
       axes: [quantityAxis("time [s]"), quantityAxis(yLabel, { size: 54 })],
       series: [{}, ...curves.map(c => ({ points: { show: false },
-        paths: (u, i) => cutCurve(u, i, u.data[0], u.data[i], c) }))],
+        paths: (u, i) => cutCurve(u, u.data[0], u.data[i], c) }))],
       hooks: { drawAxes: options.noise ? [noiseBand(options.noise)] : [], draw: [watermark] },
     }, [time, ...curves.map(c => c.y)], box);
     if (parted) addHandle(plot);

@@ -74,26 +74,29 @@ const plots = (() => {
     return [low, high];
   };
 
-  // Curves whose x goes back and forth: loops and orbits.
-  const drawCurve = (u, index) => {
-    const [xs, ys] = u.data[index];
+  // A curve through its points, in a part of the picture: all of it if nothing else is said.
+  const strokeCurve = (u, xs, ys, style, left = u.bbox.left, width = u.bbox.width) => {
     const { ctx } = u;
-    const s = u.series[index];
     ctx.save();
     ctx.beginPath();
-    ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
+    ctx.rect(left, u.bbox.top, width, u.bbox.height);
     ctx.clip();
     ctx.beginPath();
     for (let i = 0; i < xs.length; i++) {
       const x = u.valToPos(xs[i], "x", true), y = u.valToPos(ys[i], "y", true);
       i ? ctx.lineTo(x, y) : ctx.moveTo(x, y);
     }
-    ctx.lineWidth = s.lineWidth * devicePixelRatio;
-    ctx.strokeStyle = s.color;
+    ctx.lineWidth = style.width * devicePixelRatio;
+    ctx.strokeStyle = style.color;
     ctx.lineJoin = "round";
     ctx.stroke();
     ctx.restore();
     return null;
+  };
+  // Curves whose x goes back and forth: loops and orbits.
+  const drawCurve = (u, index) => {
+    const { lineWidth, color } = u.series[index];
+    return strokeCurve(u, ...u.data[index], { width: lineWidth, color });
   };
   const loops = (place, caption, xLabel, yLabel, curves, equal = false) => {
     const box = figure(place, caption, curves.map(c => ({ label: c.label, color: c.color })));
@@ -155,5 +158,5 @@ const plots = (() => {
   const done = () => { document.body.dataset.figures = figures; };
 
   return { data, marks, unpack, times, gaps, el, byId, figure, watermark, watermarkBelow, axisStyle, fit, padded, extent,
-    drawCurve, loops, logTicks, lines, table, done };
+    strokeCurve, drawCurve, loops, logTicks, lines, table, done };
 })();

@@ -32,7 +32,7 @@ SIZES = [
     Size("axial_load_strength", "axial_strength", "coefficient"),
     Size("axial_load_stiffness", "axial_stiffness", "coefficient"),
     Size("p_delta", "p_delta", "coefficient", HEIGHT),
-    Size("bidirectional_coupling", "coupling", "coupling", 1, 1),
+    Size("bidirectional_coupling", "coupling", "coupling"),
     Size("large_strain_stiffening", "stiffening", "stiffness"),
     Size("cubic_stiffness", "cubic", "stiffness"),
     Size("scragging", "scragging", "virgin_excess"),
