@@ -90,14 +90,12 @@ const std::vector<KindChoice>& connection_kinds() {
   return kinds;
 }
 
-const std::vector<KindChoice>& input_kinds() {
-  static const std::vector<KindChoice> kinds = {
-      {"actuator_delay", {{"delay", NaturalUnit::TimeStep, {1.5, 8}}}},
-      {"first_order_lag", {{"time_constant", NaturalUnit::TimeStep, {1.5, 8}}}},
-      {"actuator_bandwidth",
-       {{"time_constant", NaturalUnit::TimeStep, {1.5, 6}},
-        {"damping", NaturalUnit::One, {0.8}, ParameterChoice::Shape}}},
-      {"rate_saturation", {{"velocity_limit", NaturalUnit::Rate, {0.3, 0.7}}}},
+namespace {
+
+// What may be wrong with any signal, with others before and behind.
+std::vector<KindChoice> with_those_of_signals(std::vector<KindChoice> before,
+                                              const std::vector<KindChoice>& behind) {
+  const std::vector<KindChoice> either = {
       {"transducer_backlash", {{"gap", NaturalUnit::Rms, {0.1, 0.6}}}},
       {"input_dead_zone", {{"half_width", NaturalUnit::Rms, {0.05, 0.3}}}},
       {"gain", {{"factor", NaturalUnit::One, {1.05}}}},
@@ -105,27 +103,34 @@ const std::vector<KindChoice>& input_kinds() {
        {{"share", NaturalUnit::One, {0.03}},
         {"range", NaturalUnit::Peak, {1}, ParameterChoice::Stated}}},
       {"absolute_value_sensor", {{"share", NaturalUnit::One, {0.2, 0.9}}}},
-      {"offset", {{"offset", NaturalUnit::Rms, {0.03}}}},
-      {"saturation", {{"limit", NaturalUnit::Peak, {0.8, 0.45}}}},
-      {"overflow", {{"limit", NaturalUnit::Peak, {0.85, 0.5}}}}};
+      {"offset", {{"offset", NaturalUnit::Rms, {0.03}}}}};
+  before.insert(before.end(), either.begin(), either.end());
+  before.insert(before.end(), behind.begin(), behind.end());
+  return before;
+}
+
+}  // namespace
+
+const std::vector<KindChoice>& input_kinds() {
+  static const auto kinds = with_those_of_signals(
+      {{"actuator_delay", {{"delay", NaturalUnit::TimeStep, {1.5, 8}}}},
+       {"first_order_lag", {{"time_constant", NaturalUnit::TimeStep, {1.5, 8}}}},
+       {"actuator_bandwidth",
+        {{"time_constant", NaturalUnit::TimeStep, {1.5, 6}},
+         {"damping", NaturalUnit::One, {0.8}, ParameterChoice::Shape}}},
+       {"rate_saturation", {{"velocity_limit", NaturalUnit::Rate, {0.3, 0.7}}}}},
+      {{"saturation", {{"limit", NaturalUnit::Peak, {0.8, 0.45}}}},
+       {"overflow", {{"limit", NaturalUnit::Peak, {0.85, 0.5}}}}});
   return kinds;
 }
 
 const std::vector<KindChoice>& output_kinds() {
-  static const std::vector<KindChoice> kinds = {
-      {"transducer_backlash", {{"gap", NaturalUnit::Rms, {0.1, 0.6}}}},
-      {"input_dead_zone", {{"half_width", NaturalUnit::Rms, {0.05, 0.3}}}},
-      {"gain", {{"factor", NaturalUnit::One, {1.05}}}},
-      {"cubic_distortion",
-       {{"share", NaturalUnit::One, {0.03}},
-        {"range", NaturalUnit::Peak, {1}, ParameterChoice::Stated}}},
-      {"absolute_value_sensor", {{"share", NaturalUnit::One, {0.2, 0.9}}}},
-      {"offset", {{"offset", NaturalUnit::Rms, {0.03}}}},
-      {"drift", {{"rate", NaturalUnit::Rate, {1e-3}}}},
-      {"time_skew", {{"skew", NaturalUnit::TimeStep, {1.5, 8}}}},
-      {"filter_lag", {{"time_constant", NaturalUnit::TimeStep, {1.5, 8}}}},
-      {"saturation", {{"limit", NaturalUnit::Peak, {0.97, 0.6}}}},
-      {"overflow", {{"limit", NaturalUnit::Peak, {1, 1.5}}}}};
+  static const auto kinds = with_those_of_signals(
+      {}, {{"drift", {{"rate", NaturalUnit::Rate, {1e-3}}}},
+           {"time_skew", {{"skew", NaturalUnit::TimeStep, {1.5, 8}}}},
+           {"filter_lag", {{"time_constant", NaturalUnit::TimeStep, {1.5, 8}}}},
+           {"saturation", {{"limit", NaturalUnit::Peak, {0.97, 0.6}}}},
+           {"overflow", {{"limit", NaturalUnit::Peak, {1, 1.5}}}}});
   return kinds;
 }
 

@@ -197,10 +197,8 @@ class Sight {
     }
     const MatrixXd design = form.design(signals);
     MatrixXd result(design.rows(), design.cols());
-    MatrixXd one = MatrixXd::Zero(drive.rows(), drive.measured.cols());
     for (Index i = 0; i < design.cols(); ++i) {
-      one.col(output) = design.col(i);
-      result.col(i) = problem.noise(share.record).whitened(one).col(output);
+      result.col(i) = problem.noise(share.record).whitened(design.col(i), output);
       if (share.weight.size() > 0) result.col(i).array() *= share.weight;
     }
     return result;

@@ -54,18 +54,6 @@ struct Minimum {
   }
 };
 
-// A sandwich over blocks of rows that remember each other (White 1980).
-VectorXd sandwich(const Minimum& minimum, Index block) {
-  MatrixXd meat = MatrixXd::Zero(minimum.inverse.rows(), minimum.inverse.cols());
-  for (Index first = 0; first < minimum.jacobian.rows(); first += block) {
-    const Index size = std::min(block, minimum.jacobian.rows() - first);
-    const VectorXd g = minimum.jacobian.middleRows(first, size).transpose() *
-                       minimum.residual.segment(first, size);
-    meat += g * g.transpose();
-  }
-  return (minimum.inverse * meat * minimum.inverse).diagonal();
-}
-
 // What draws of the noise, of the measured motion too, do to the parameters: mean squares.
 VectorXd scatter(const Investigation& found, const Minimum& minimum) {
   const Problem& problem = *found.problem;
@@ -99,7 +87,8 @@ std::vector<Estimate> estimates_of(const Investigation& found) {
     const double mean_square =
         std::max(1.0, minimum.residual.squaredNorm() /
                           std::max(1.0, observations(problem, found.folds.both)));
-    variance = sandwich(minimum, block)
+    variance = sandwich(minimum.jacobian, minimum.residual, minimum.inverse, block)
+                   .diagonal()
                    .cwiseMax(mean_square * minimum.inverse.diagonal())
                    .cwiseMax(scatter(found, minimum));
     variance = (minimum.alone.array() > 0).select(mean_square * minimum.alone, variance);

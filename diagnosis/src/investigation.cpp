@@ -44,9 +44,9 @@ std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation, c
   return found;
 }
 
-double nrmse(const Problem& problem, std::size_t record, const Hypothesis& hypothesis) {
-  const MatrixXd prediction = Supposition{problem, hypothesis}.prediction(record);
-  const Drive& drive = problem.drive(record);
+double nrmse(const Supposition& supposition, std::size_t record) {
+  const MatrixXd prediction = supposition.prediction(record);
+  const Drive& drive = supposition.problem().drive(record);
   if (prediction.size() == 0) return std::nan("");
   const Index rows = drive.rows() - drive.first_row;
   MatrixXd error = (drive.measured - prediction).bottomRows(rows);
@@ -62,9 +62,10 @@ RecordScore score_of(const Investigation& found, const Problem& problem, std::si
   RecordScore score;
   score.record = one.name;
   score.use = one.use == Use::Fit ? "fit" : "held_out";
-  score.nrmse_before = nrmse(problem, record, selection.base);
-  score.nrmse_after = nrmse(problem, record, selection.named);
-  score.nrmse_stated = nrmse(problem, record, found.relation->base());
+  const Supposition before{problem, selection.base}, after{problem, selection.named};
+  score.nrmse_before = nrmse(before, record);
+  score.nrmse_after = nrmse(after, record);
+  score.nrmse_stated = nrmse(Supposition{problem, found.relation->base()}, record);
   const Drive& drive = problem.drive(record);
   MatrixXd measured = drive.measured;
   measured.rowwise() -= measured.colwise().mean().eval();
@@ -74,8 +75,8 @@ RecordScore score_of(const Investigation& found, const Problem& problem, std::si
              static_cast<double>(problem.draws(record).size());
   score.noise_floor = std::sqrt(noise) / measured.norm();
   const Fold fold = whole({record});
-  score.variance_before = Supposition{problem, selection.base}.variance(fold);
-  score.variance_after = Supposition{problem, selection.named}.variance(fold);
+  score.variance_before = before.variance(fold);
+  score.variance_after = after.variance(fold);
   return score;
 }
 

@@ -34,8 +34,7 @@ struct Investigation {
 
 /// Errors of a hypothesis on a record: root mean square over the standard deviation of what was
 /// measured, offset removed.
-[[nodiscard]] double nrmse(const Problem& problem, std::size_t record,
-                           const Hypothesis& hypothesis);
+[[nodiscard]] double nrmse(const Supposition& supposition, std::size_t record);
 [[nodiscard]] RecordScore score_of(const Investigation& found, const Problem& problem,
                                    std::size_t record);
 /// Every parameter that was fitted with what was named, with its interval, which includes what the

@@ -146,6 +146,17 @@ Fit least_squares(const FitProblem& p) {
   return minimiser.result(false);
 }
 
+MatrixXd sandwich(const MatrixXd& jacobian, const VectorXd& residual, const MatrixXd& inverse,
+                  Index block) {
+  MatrixXd sum = MatrixXd::Zero(jacobian.cols(), jacobian.cols());
+  for (Index first = 0; first < jacobian.rows(); first += block) {
+    const Index size = std::min(block, jacobian.rows() - first);
+    const VectorXd g = jacobian.middleRows(first, size).transpose() * residual.segment(first, size);
+    sum += g * g.transpose();
+  }
+  return inverse * sum * inverse;
+}
+
 MatrixXd covariance(const Fit& fit, Index block) {
   const MatrixXd& J = fit.jacobian;
   const VectorXd scale = J.colwise().norm().cwiseMax(1e-300).cwiseInverse();
@@ -159,16 +170,10 @@ MatrixXd covariance(const Fit& fit, Index block) {
                            scale.asDiagonal();
   const double mean_square =
       fit.sum_of_squares / static_cast<double>(std::max<Index>(1, J.rows() - J.cols()));
-  MatrixXd meat = MatrixXd::Zero(J.cols(), J.cols());
-  for (Index first = 0; first < J.rows(); first += block) {
-    const Index size = std::min(block, J.rows() - first);
-    const VectorXd g = J.middleRows(first, size).transpose() * fit.residual.segment(first, size);
-    meat += g * g.transpose();
-  }
-  MatrixXd sandwich = inverse * meat * inverse;
+  const MatrixXd robust = sandwich(J, fit.residual, inverse, block);
   const VectorXd plain = std::max(1.0, mean_square) * inverse.diagonal();
-  const VectorXd growth = plain.cwiseQuotient(sandwich.diagonal()).cwiseMax(1).cwiseSqrt();
-  return growth.asDiagonal() * sandwich * growth.asDiagonal();
+  const VectorXd growth = plain.cwiseQuotient(robust.diagonal()).cwiseMax(1).cwiseSqrt();
+  return growth.asDiagonal() * robust * growth.asDiagonal();
 }
 
 }  // namespace rths::diagnosis

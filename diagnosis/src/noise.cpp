@@ -294,15 +294,15 @@ double ResidualNoise::log_size() const {
 MatrixXd ResidualNoise::whitened(const MatrixXd& residual) const {
   MatrixXd white(residual.rows(), residual.cols());
   for (Index output = 0; output < residual.cols(); ++output)
-    white.col(output) = outputs_[static_cast<std::size_t>(output)].whitened(residual.col(output));
-  forget_unknown(white);
+    white.col(output) = whitened(residual.col(output), output);
   return white;
 }
 
-// What came before the first row is not known.
-void ResidualNoise::forget_unknown(MatrixXd& white) const {
-  const Index unknown = outputs_.empty() ? 0 : outputs_[0].order();
-  white.topRows(std::min(first_row_ + unknown, white.rows())).setZero();
+VectorXd ResidualNoise::whitened(const VectorXd& residual, Index output) const {
+  VectorXd white = outputs_[static_cast<std::size_t>(output)].whitened(residual);
+  // What came before the first row is not known.
+  white.head(std::min(first_row_ + outputs_[0].order(), white.size())).setZero();
+  return white;
 }
 
 }  // namespace rths::diagnosis

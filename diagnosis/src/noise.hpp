@@ -92,14 +92,15 @@ class ResidualNoise {
   /// Residual → numbers that are white, of variance 1, if it is noise. Rows before
   /// Drive::first_row are zero.
   [[nodiscard]] Eigen::MatrixXd whitened(const Eigen::MatrixXd& residual) const;
+  /// Of one output.
+  [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& residual,
+                                         Eigen::Index output) const;
   /// Rows × outputs.
   [[nodiscard]] Eigen::MatrixXd deviation() const;
   /// Mean of ln of what residuals are divided by: how much noise there is.
   [[nodiscard]] double log_size() const;
 
  private:
-  void forget_unknown(Eigen::MatrixXd& white) const;
-
   std::vector<VaryingNoise> outputs_;
   Eigen::Index first_row_ = 0;
 };

@@ -114,6 +114,29 @@ void add_traces(const Investigation& found, const Problem& problem, std::size_t 
   }
 }
 
+// What the record of the proof says if the answer is changed and everything fitted again.
+void ablate(const Investigation& found, std::size_t record, Verdict& verdict) {
+  const auto error = [&](const Hypothesis& hypothesis) {
+    return nrmse(Supposition{*found.proof, hypothesis}, record);
+  };
+  const Step& step = found.selection.steps[0];
+  const Contender* rival = !step.tied.empty()     ? &step.tied[0]
+                           : !step.others.empty() ? &step.others[0]
+                                                  : nullptr;
+  if (rival != nullptr) {
+    Supposition other{*found.problem, rival->fitted};
+    try {
+      other.set_values(other.fit(found.folds.both, 6).parameters);
+      verdict.ablation.push_back(
+          {fmt::format("{} instead of {}", rival->candidate.name, step.chosen.candidate.name),
+           error(other.hypothesis())});
+    } catch (const std::exception&) {
+      // The rival has no prediction there.
+    }
+  }
+  verdict.ablation.push_back({"without what is named", error(found.selection.base)});
+}
+
 void prove(const Investigation& found, Verdict& verdict) {
   const Problem& problem = *found.proof;
   const std::size_t last = problem.records() - 1;
@@ -142,25 +165,7 @@ void prove(const Investigation& found, Verdict& verdict) {
   // of 20 degrees of freedom allows for.
   constexpr double kQuantile99 = 37.6, kAllowance = 3;
   verdict.residual_white = portmanteau < kAllowance * kQuantile99;
-  for (std::size_t i = 0; i < found.selection.steps.size(); ++i) {
-    const Step& step = found.selection.steps[i];
-    const Contender* rival = !step.tied.empty()     ? &step.tied[0]
-                             : !step.others.empty() ? &step.others[0]
-                                                    : nullptr;
-    if (i > 0 || rival == nullptr) continue;
-    Supposition other{*found.problem, rival->fitted};
-    try {
-      other.set_values(other.fit(found.folds.both, 6).parameters);
-      verdict.ablation.push_back(
-          {fmt::format("{} instead of {}", rival->candidate.name, step.chosen.candidate.name),
-           nrmse(problem, last, other.hypothesis())});
-    } catch (const std::exception&) {
-      continue;  // the rival has no prediction there
-    }
-  }
-  if (found.is_named())
-    verdict.ablation.push_back(
-        {"without what is named", nrmse(problem, last, found.selection.base)});
+  if (found.is_named()) ablate(found, last, verdict);
 }
 
 }  // namespace

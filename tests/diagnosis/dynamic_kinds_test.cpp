@@ -30,7 +30,7 @@ rate_Hz = 100
 
 const std::string kForced = records("input.u = \"u [N]\"\noutput.y = \"y [m]\"\n");
 
-constexpr const char* kOscillator = R"(
+const std::string kMassOnSpring = R"(
 [model]
 kind = "mass_spring_damper"
 masses_kg = [2.0]
@@ -38,7 +38,9 @@ masses_kg = [2.0]
 between = [0, 1]
 stiffness_N_per_m = 800
 damping_N_s_per_m = 8
-[model.inputs]
+)";
+
+const std::string kOscillator = kMassOnSpring + R"([model.inputs]
 "input.u" = "force.1"
 [model.outputs]
 "output.y" = "displacement.1"
@@ -145,15 +147,7 @@ TEST_F(Kinds, ABaseThatIsDisplacedShakesAsOneThatIsAccelerated) {
                            swell * w * w * std::sin(w * t));
   }
   folder_.write("fit.csv", {{"g", ground}, {"a", acceleration}, {"y", ground}});
-  const std::string model = R"(
-[model]
-kind = "mass_spring_damper"
-masses_kg = [2.0]
-[[model.spring]]
-between = [0, 1]
-stiffness_N_per_m = 800
-damping_N_s_per_m = 8
-[model.outputs]
+  const std::string model = kMassOnSpring + R"([model.outputs]
 "output.y" = "deformation.1"
 [model.inputs]
 )";

@@ -38,9 +38,15 @@ struct Fit {
 /// @throws Error if the sizes do not agree, or there is no residual at the start   @setup
 [[nodiscard]] Fit least_squares(const FitProblem& problem);
 
+/// The sandwich H⁻¹ G H⁻¹ (White 1980): G is Jᵀr rᵀJ, summed over blocks of rows that remember each
+/// other.
+/// @param inverse  H⁻¹ of JᵀJ   @param block  rows   @setup
+[[nodiscard]] Eigen::MatrixXd sandwich(const Eigen::MatrixXd& jacobian,
+                                       const Eigen::VectorXd& residual,
+                                       const Eigen::MatrixXd& inverse, Eigen::Index block);
+
 /// Covariance of fitted parameters whose residuals need be neither white nor of variance 1: the
-/// sandwich H⁻¹ G H⁻¹ with H = JᵀJ and G summed over blocks of rows that remember each other, or
-/// H⁻¹ times the mean square, whichever is larger in each parameter's variance.
+/// sandwich, or H⁻¹ times the mean square, whichever is larger in each parameter's variance.
 /// @param block  rows   @throws Error if the parameters cannot be told apart   @setup
 [[nodiscard]] Eigen::MatrixXd covariance(const Fit& fit, Eigen::Index block);
 
