@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include <fmt/format.h>
@@ -231,9 +232,12 @@ Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   propose_next_test(all, c, verdict);
   if (!lattices.empty()) {
     add_lattices(lattices, verdict);
-    const bool is_named_alone = verdict.causes.size() == lattices_named(lattices);
-    if (verdict.outcome == Outcome::None || is_named_alone) {
-      verdict.has_remainder = verdict.outcome == Outcome::Unknown;
+    const auto is_rule = [](const Cause& cause) { return cause.is_rule; };
+    const auto first_rule =
+        std::stable_partition(verdict.causes.begin(), verdict.causes.end(), std::not_fn(is_rule));
+    const auto named = static_cast<std::size_t>(first_rule - verdict.causes.begin());
+    if (verdict.outcome == Outcome::None || named == lattices_named(lattices)) {
+      verdict.has_remainder = verdict.has_remainder || verdict.outcome == Outcome::Unknown;
       verdict.outcome = Outcome::Missing;
       verdict.where.part = Part::Sensor;
       verdict.where.channel = lattices[0].role.substr(0, lattices[0].role.find('.'));

@@ -9,6 +9,9 @@ Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
                     const Eigen::VectorXd& start) {
   Hypothesis result = hypothesis;
   result.terms.insert(result.terms.end(), candidate.adds.begin(), candidate.adds.end());
+  for (const auto& [name, kind] : candidate.becomes)
+    for (auto& term : result.terms)
+      if (term.settings.name == name) term.settings.kind = kind;
   std::vector<double> values(hypothesis.values.begin(), hypothesis.values.end());
   for (std::size_t i = 0; i < candidate.frees.size(); ++i) {
     const auto& wanted = candidate.frees[i];
@@ -24,6 +27,21 @@ Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
   result.values =
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
   return result;
+}
+
+bool may_extend(const Hypothesis& hypothesis, const Candidate& candidate) {
+  const Hypothesis result = extended(hypothesis, candidate, candidate.starts[0]);
+  const auto is_known = [&](const FreeParameter& free) {
+    const auto dot = std::min(free.name.rfind('.'), free.name.size());
+    return std::all_of(result.terms.begin(), result.terms.end(), [&](const PlacedTerm& term) {
+      if (term.settings.name != free.name.substr(0, dot)) return true;
+      const auto& known = sim::term_kind(term.settings.kind).parameters;
+      return std::any_of(known.begin(), known.end(), [&](const auto& parameter) {
+        return parameter.name == free.name.substr(dot + 1);
+      });
+    });
+  };
+  return std::all_of(result.free.begin(), result.free.end(), is_known);
 }
 
 }  // namespace rths::diagnosis

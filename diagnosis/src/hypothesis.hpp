@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,10 +44,14 @@ struct Candidate {
   Part part = Part::Machine;
   std::string channel;  ///< role of what it shows in: "force", "displacement"
   std::vector<PlacedTerm> adds;
+  /// Terms of the model, by name, that become another kind with the same parameters and more.
+  std::vector<std::pair<std::string, std::string>> becomes;
   std::vector<FreeParameter> frees;     ///< of what it adds, or of what is there already
   std::vector<Eigen::VectorXd> starts;  ///< values of `frees` from which fits begin, at least one
   bool is_hidden = false;  ///< nearly all of it can be made by what is fitted anyway: only a fit of
                            ///< both together tells
+  bool is_rule = false;    ///< the rule of hysteresis itself is another: says nothing of what else
+                           ///< there is
   int price = 0;           ///< parameters that it may choose; the cheaper wins a tie
   std::vector<std::string> contains;  ///< what it is as a special case: no rivals of it
   std::vector<std::string> after;  ///< named only once none of these is worth naming: it would do
@@ -56,5 +61,9 @@ struct Candidate {
 /// The hypothesis with the candidate in it, its parameters at one of its starts.
 [[nodiscard]] Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
                                   const Eigen::VectorXd& start);
+
+/// Whether all that would be fitted are parameters of what the terms would then be: where one
+/// becomes another kind, that may lack what another candidate frees.
+[[nodiscard]] bool may_extend(const Hypothesis& hypothesis, const Candidate& candidate);
 
 }  // namespace rths::diagnosis

@@ -24,6 +24,8 @@ constexpr std::pair<std::string_view, std::string_view> kSpecialCases[] = {
     {"stribeck_friction", "coulomb_friction"},
     {"asymmetric_viscous", "viscous_friction"}};
 constexpr std::string_view kServoLoops[] = {"actuator_bandwidth"};
+constexpr std::string_view kRuled = "bouc_wen";
+constexpr int kPriceOfRule = 4;
 
 template <class Names>
 bool holds(const Hypothesis& base, const Names& kinds) {
@@ -90,12 +92,17 @@ class Builder {
     candidate_.channel = channel_name(entry_);
     const auto there = in_model();
     const bool must_be_there = (entry_.needs & Entry::kKindInModel) != 0;
-    if (!there.empty())
+    if ((entry_.needs & Entry::kInstead) != 0)
+      put_instead();
+    else if (!there.empty() && (entry_.needs & Entry::kBeside) == 0)
       free_what_is_there(there);
     else if (!must_be_there)
       add();
     if (candidate_.frees.empty()) return {};
     candidate_.price = static_cast<int>(candidate_.frees.size());
+    candidate_.is_rule = (entry_.needs & Entry::kRule) != 0;
+    // Nobody doubts the rule if something else explains as much.
+    if (candidate_.is_rule) candidate_.price += kPriceOfRule;
     candidate_.is_hidden = (entry_.needs & Entry::kHidden) != 0;
     for (const auto& [more, less] : kSpecialCases)
       if (candidate_.name == more) candidate_.contains.emplace_back(less);
@@ -182,6 +189,27 @@ class Builder {
         Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))};
   }
 
+  void put_instead() {
+    for (const auto& term : base_.terms) {
+      if (term.settings.kind != kRuled || !keeps_parameters(term.settings)) continue;
+      candidate_.becomes.emplace_back(term.settings.name, kind_.name);
+      std::vector<const Knob*> knobs;
+      for (const auto& knob : entry_.knobs) {
+        candidate_.frees.push_back(
+            free(fmt::format("{}.{}", term.settings.name, knob.parameter), knob));
+        knobs.push_back(&knob);
+      }
+      return choose_starts(knobs);
+    }
+  }
+  [[nodiscard]] bool keeps_parameters(const sim::TermSettings& settings) const {
+    return std::all_of(
+        settings.parameters.begin(), settings.parameters.end(), [&](const auto& given) {
+          return std::any_of(kind_.parameters.begin(), kind_.parameters.end(),
+                             [&](const auto& own) { return own.name == given.first; });
+        });
+  }
+
   void add() {
     const bool splits = axes_.size() > 1 && (kind_.traits & sim::kPerAxis) != 0 &&
                         std::any_of(entry_.knobs.begin(), entry_.knobs.end(),
@@ -265,6 +293,7 @@ bool are_met(const Entry& entry, const Hypothesis& base, const NaturalScale& sca
          !((needs & Entry::kHysteresis) != 0 && !hysteretic) &&
          !((needs & Entry::kNoHysteresis) != 0 && hysteretic) &&
          !((needs & Entry::kSlider) != 0 && !holds(base, kSliders)) &&
+         !((needs & Entry::kRule) != 0 && !holds(base, std::array{kRuled})) &&
          !((needs & Entry::kLoadCell) != 0 && scale.force == 0) &&
          !((needs & Entry::kNoServoLoop) != 0 && holds(base, kServoLoops));
 }

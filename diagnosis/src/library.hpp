@@ -58,7 +58,10 @@ struct Entry {
     kNoHysteresis = 256,  ///< in the model
     kLoadCell = 512,      ///< the forces of actuators are known
     kNoServoLoop = 1024,  ///< in the model: an actuator whose loop has limits of its own
-    kHidden = 2048        ///< (no need) see Candidate::is_hidden
+    kHidden = 2048,       ///< (no need) see Candidate::is_hidden
+    kRule = 4096,         ///< bouc_wen in the model, whose rule is not what was assumed
+    kInstead = 8192,      ///< (no need) takes bouc_wen's place, with its parameters and more
+    kBeside = 16384       ///< (no need) one more of a kind that is there
   };
   unsigned needs;
   std::vector<Knob> knobs;

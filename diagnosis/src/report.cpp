@@ -25,6 +25,7 @@ Cause cause_of(const Step& step, const std::vector<Estimate>& estimates, double 
   cause.title = candidate.title;
   cause.equation = candidate.equation;
   cause.part = candidate.part;
+  cause.is_rule = candidate.is_rule;
   cause.channel = candidate.channel;
   // Among equals each has its share, whatever chance made of their order.
   cause.confidence =

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "round.hpp"
 #include "scores.hpp"
@@ -10,7 +11,7 @@
 namespace rths::diagnosis {
 namespace {
 
-constexpr int kMostTerms = 4;
+constexpr std::ptrdiff_t kMostTerms = 4;   // besides rules
 constexpr double kAcceptedGain = 18;       // [nat] over both folds, and
 constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation, and
 constexpr double kAcceptedShare = 0.01;    // of the excess that the base had
@@ -90,28 +91,34 @@ double change_of(const Problem& problem, const Hypothesis& before, const Hypothe
   return std::sqrt(change / std::max(size, 1e-300));
 }
 
-std::vector<Candidate> without(std::vector<Candidate> candidates, const std::vector<Step>& steps) {
+// Those of the candidates that are not named yet.
+std::vector<Candidate> left_of(std::vector<Candidate> candidates, const std::vector<Step>& steps,
+                               const Hypothesis& current) {
   std::erase_if(candidates, [&](const Candidate& candidate) {
-    return std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
-      return step.chosen.candidate.name == candidate.name &&
-             step.chosen.candidate.channel == candidate.channel;
-    });
+    return !may_extend(current, candidate) ||
+           std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
+             return step.chosen.candidate.name == candidate.name &&
+                    step.chosen.candidate.channel == candidate.channel;
+           });
   });
   return candidates;
 }
 
-Hypothesis without_term(const Hypothesis& base, const std::vector<Step>& steps,
-                        std::size_t left_out, const Hypothesis& current) {
+// The base with some of the steps, its values as they are now.
+template <class Wanted>
+Hypothesis with_steps(const Hypothesis& base, const std::vector<Step>& steps, const Wanted& wanted,
+                      const Hypothesis& current) {
   Hypothesis rest = base;
-  for (std::size_t i = 0; i < steps.size(); ++i)
-    if (i != left_out)
-      rest = extended(rest, steps[i].chosen.candidate, steps[i].chosen.candidate.starts[0]);
+  for (const Step& step : steps)
+    if (wanted(step)) rest = extended(rest, step.chosen.candidate, step.chosen.candidate.starts[0]);
   for (std::size_t i = 0; i < rest.free.size(); ++i)
     for (std::size_t k = 0; k < current.free.size(); ++k)
       if (rest.free[i].name == current.free[k].name)
         rest.values[static_cast<Eigen::Index>(i)] = current.values[static_cast<Eigen::Index>(k)];
   return rest;
 }
+
+bool is_rule(const Step& step) { return step.chosen.candidate.is_rule; }
 
 // What was named in another step is no rival of this one.
 void drop_named(std::vector<Step>& steps) {
@@ -133,9 +140,11 @@ double Selection::explained() const {
   return excess > 0 ? std::clamp((excess - (variance_named - 1)) / excess, 0.0, 1.0) : 0;
 }
 
+bool Selection::has_only_rules() const { return std::all_of(steps.begin(), steps.end(), is_rule); }
+
 bool Selection::has_remainder() const {
   const double rest = variance_named - 1;
-  return rest > std::max(0.15, 0.005 * (variance_base - 1)) || (rest > 0.05 && explained() < 0.85);
+  return rest > std::max(0.15, 0.005 * (variance_ruled - 1)) || (rest > 0.05 && explained() < 0.85);
 }
 
 Selection select(Problem& problem, const Folds& folds, std::uint64_t seed) {
@@ -146,18 +155,20 @@ Selection select(Problem& problem, const Folds& folds, std::uint64_t seed) {
   problem.renew_noise(current);
   selection.base = fitted(problem, current, folds.both, kLongFit);
   const double n = observations(problem, folds.both);
-  {
-    const Hypothesis first = fitted(problem, current, folds.first, kShortFit);
-    selection.first_excess = Supposition{problem, first}.variance(folds.second) - 1;
-    current = first;
-  }
+  current = fitted(problem, current, folds.first, kShortFit);
+  // Of the base at its own noise, on rows that it was not fitted to.
+  double excess = Supposition{problem, current}.variance(folds.second) - 1;
   const auto candidates = problem.relation().candidates();
-  while (selection.steps.size() < kMostTerms) {
-    Round round{problem, folds, current, stated.values, without(candidates, selection.steps), seed};
+  const auto effects = [&] {
+    return std::count_if(selection.steps.begin(), selection.steps.end(), std::not_fn(is_rule));
+  };
+  while (effects() < kMostTerms) {
+    Round round{
+        problem, folds, current, stated.values, left_of(candidates, selection.steps, current),
+        seed};
     auto& contenders = round.contenders();
-    const double accepted =
-        std::max({kAcceptedGain, kAcceptedDensity * n,
-                  kAcceptedShare * 0.5 * n * std::max(0.0, selection.first_excess)});
+    const double accepted = std::max(
+        {kAcceptedGain, kAcceptedDensity * n, kAcceptedShare * 0.5 * n * std::max(0.0, excess)});
     auto waiting = held_back(contenders, accepted, seed);
     if (contenders.empty() || !is_acceptable(contenders[0], accepted, seed) ||
         change_of(problem, round.base(), contenders[0].fitted, folds.second) < kMaterial) {
@@ -173,12 +184,19 @@ Selection select(Problem& problem, const Folds& folds, std::uint64_t seed) {
                   std::make_move_iterator(waiting.end()));
     current = selection.steps.back().chosen.fitted;
     problem.renew_noise(current);
-    if (Supposition{problem, current}.variance(folds.second) < kWhite) break;
+    const double variance = Supposition{problem, current}.variance(folds.second);
+    // What else is missing is measured by what the right rule leaves.
+    if (is_rule(selection.steps.back()))
+      excess = variance - 1;
+    else if (variance < kWhite)
+      break;
   }
   // Backward: what the others have made superfluous.
   for (std::size_t i = 0; selection.steps.size() > 1 && i < selection.steps.size();) {
-    const Hypothesis rest = fitted(
-        problem, without_term(selection.base, selection.steps, i, current), folds.first, kLongFit);
+    const auto is_other = [&](const Step& step) { return &step != &selection.steps[i]; };
+    const Hypothesis rest =
+        fitted(problem, with_steps(selection.base, selection.steps, is_other, current), folds.first,
+               kLongFit);
     const auto cost =
         minus(scores(problem, rest, folds.second), scores(problem, current, folds.second));
     if (quantile(resampled_sums(cost, seed), 0.01) > 0 && sum(cost) > kAcceptedGain / 2) {
@@ -190,11 +208,16 @@ Selection select(Problem& problem, const Folds& folds, std::uint64_t seed) {
     i = 0;
   }
   drop_named(selection.steps);
+  std::stable_partition(selection.steps.begin(), selection.steps.end(), std::not_fn(is_rule));
   selection.named = fitted(problem, current, folds.both, kLongFit);
   problem.renew_noise(selection.named);
   selection.named = fitted(problem, selection.named, folds.both, kShortFit);
   selection.base = fitted(problem, selection.base, folds.both, kShortFit);
+  selection.ruled = with_steps(selection.base, selection.steps, is_rule, selection.named);
+  if (effects() < std::ssize(selection.steps))
+    selection.ruled = fitted(problem, selection.ruled, folds.both, kLongFit);
   selection.variance_base = Supposition{problem, selection.base}.variance(folds.both);
+  selection.variance_ruled = Supposition{problem, selection.ruled}.variance(folds.both);
   selection.variance_named = Supposition{problem, selection.named}.variance(folds.both);
   return selection;
 }

@@ -34,13 +34,16 @@ struct Step {
 
 /// What a relation lacks.
 struct Selection {
-  std::vector<Step> steps;      ///< terms that were taken, in order
+  std::vector<Step> steps;      ///< terms that were taken, in order, rules of hysteresis last
   std::vector<Contender> last;  ///< contenders of the step in which none was taken
   Hypothesis base;              ///< fitted to both folds
-  Hypothesis named;             ///< the same with the terms
-  double variance_base = 1;     ///< mean w² over both folds, with the noise at each [-]
+  Hypothesis ruled;             ///< the base with the rules alone
+  Hypothesis named;             ///< the base with all terms
+  double variance_base = 1;     ///< mean w² over both folds, with the noise at `named` [-]
+  double variance_ruled = 1;
   double variance_named = 1;
-  double first_excess = 0;  ///< variance of the base at its own noise − 1, on held-out rows [-]
+  /// Whether nothing but the rule of hysteresis is named; so it is if nothing is.
+  [[nodiscard]] bool has_only_rules() const;
   /// Part of the excess that the named terms explain [-].
   [[nodiscard]] double explained() const;
   /// Whether something systematic is left.

@@ -117,6 +117,13 @@ std::string added_term(const sim::TermSettings& settings, const std::string& cha
   return text + "\n";
 }
 
+// What a term of the model is now, if that was found to be another kind.
+std::string kind_of(const sim::TermSettings& settings, const Hypothesis& named) {
+  for (const auto& [now, place] : named.terms)
+    if (now.name == settings.name) return now.kind;
+  return settings.kind;
+}
+
 // Parameters of what the model had already, as they were fitted together with what is named.
 std::string fitted_terms(const Investigation& found) {
   const Hypothesis& named = found.selection.named;
@@ -128,8 +135,9 @@ std::string fitted_terms(const Investigation& found) {
     if (free.is_tolerance || dot == std::string::npos) continue;
     for (const auto& [settings, place] : found.relation->base().terms) {
       if (!place.empty() || !means(term, settings)) continue;
-      const sim::TermKind& kind = sim::term_kind(settings.kind);
-      const std::string heading = fmt::format("[{}.{}]\n", table_of(kind), term);
+      const sim::TermKind& kind = sim::term_kind(kind_of(settings, named));
+      std::string heading = fmt::format("[{}.{}]\n", table_of(kind), term);
+      if (kind.name != settings.kind) heading += fmt::format("kind = \"{}\"\n", kind.name);
       if (tables.empty() || tables.back().first != heading) tables.emplace_back(heading, "");
       for (const auto& parameter : kind.parameters)
         if (parameter.name == free.name.substr(dot + 1))

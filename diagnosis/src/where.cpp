@@ -155,10 +155,14 @@ std::string channel_of(const Problem& problem, const Seen& seen) {
 }  // namespace
 
 Where where_of(const Investigation& found, const MapRange& range) {
-  // As before any name was known: the model as it was stated, fitted to this record alone.
+  // As before any name was known: the model as it was stated, but for a rule of hysteresis that
+  // hides what else there is, fitted to this record alone.
+  const Selection& selection = found.selection;
+  const bool is_all = selection.has_only_rules() && !found.is_unknown();
+  const Hypothesis& unnamed = is_all ? selection.base : selection.ruled;
   Problem problem{*found.relation, {&found.first}, *found.noise, found.seed, kDraws};
-  problem.renew_noise(found.selection.base);
-  const Hypothesis base = fitted(problem, found.selection.base, whole({0}), kFit);
+  problem.renew_noise(unnamed);
+  const Hypothesis base = fitted(problem, unnamed, whole({0}), kFit);
   const Drive& drive = problem.drive(0);
   const Seen seen = seen_at(problem, base);
   Where where;

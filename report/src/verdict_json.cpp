@@ -86,6 +86,7 @@ Json cause_json(const diagnosis::Cause& cause) {
           {"title", cause.title},
           {"equation", cause.equation},
           {"part", name_of(cause.part)},
+          {"is_rule", cause.is_rule},
           {"channel", cause.channel},
           {"confidence", number(cause.confidence)},
           {"explained_fraction", number(cause.explained)},

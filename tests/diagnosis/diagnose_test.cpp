@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include <gtest/gtest.h>
+
+#include "one_axis.hpp"
 
 namespace rths::diagnosis {
 namespace {
 
-// A guide with a spring and a damper on one axis, measured at 250 Hz. What is hidden in it is added
+// A guide with a spring and a damper on one axis. What is hidden in it is added
 // to the force by formulas of this file alone.
 struct Hidden {
   double friction = 0;      // [N]
@@ -20,52 +21,20 @@ struct Hidden {
   double saturation = 1e9;  // of the load cell [N]
 };
 
-constexpr double kStep = 0.004, kLength = 40, kQuiet = 2;
 constexpr double kStiffness = 2e5, kDamping = 3e3;  // [N/m], [N·s/m]
-constexpr double kForceNoise = 20;                  // [N], of some 20,000
 
 Record record_of(const std::string& name, Use use, unsigned seed, const Hidden& hidden) {
-  std::mt19937 random{seed};
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform;
-  double phase[4], frequency[4];
-  for (int i = 0; i < 4; ++i) {
-    phase[i] = 2 * std::numbers::pi * uniform(random);
-    frequency[i] = 0.25 * (i + 1) + 0.1 * uniform(random);
-  }
-  Record record;
-  record.name = name;
-  record.use = use;
-  record.time_step = kStep;
-  Channel u{"displacement.long", "m", {}}, f{"force.long", "N", {}};
   double side = 0, before = 0;
-  const int samples = static_cast<int>(kLength / kStep);
-  for (int k = 0; k < samples; ++k) {
-    const double t = k * kStep;
-    const double rise = t < kQuiet ? 0 : 1 - std::exp(-std::pow((t - kQuiet) / 2, 2));
-    const double slope =
-        t < kQuiet ? 0 : (t - kQuiet) / 2 * std::exp(-std::pow((t - kQuiet) / 2, 2));
-    double x = 0, v = 0;
-    for (int i = 0; i < 4; ++i) {
-      const double w = 2 * std::numbers::pi * frequency[i];
-      x += 0.03 * rise * std::sin(w * t + phase[i]);
-      v += 0.03 * (rise * w * std::cos(w * t + phase[i]) + slope * std::sin(w * t + phase[i]));
-    }
+  const auto guide = [&](double t, double x, double v) {
     // Coulomb friction that gives 0.1 mm before it slides, by Dahl's exact solution of each step.
     const double way = x - before, direction = way > 0 ? 1 : -1;
     side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
     before = x;
     double force = kStiffness * x + kDamping * v + hidden.friction * side;
-    force += hidden.ripple * (t < kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
-    force = std::clamp(force, -hidden.saturation, hidden.saturation);
-    force += kForceNoise * normal(random) + 50;
-    if (hidden.force_step > 0) force = hidden.force_step * std::round(force / hidden.force_step);
-    u.values.push_back(x + 2e-7 * normal(random));
-    f.values.push_back(force);
-  }
-  record.channels = {u, f};
-  record.quiet = {0, static_cast<std::size_t>(kQuiet / kStep)};
-  return record;
+    force += hidden.ripple * (t < test::kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
+    return std::clamp(force, -hidden.saturation, hidden.saturation);
+  };
+  return test::record_of(name, use, seed, guide, hidden.force_step);
 }
 
 Case case_of(const Hidden& hidden) {

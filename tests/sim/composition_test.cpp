@@ -46,8 +46,7 @@ TEST(Composition, RefusesWhatItDoesNotKnow) {
             "there is no term 'bouc_wenn' (did you mean 'bouc_wen'?)");
   EXPECT_EQ(build({"bouc_wen", "", {{"strength", 1}}}),
             "term 'bouc_wen' has no parameter 'strength'");
-  EXPECT_EQ(build({"bouc_wen", "", {{"beta", 2}}}),
-            "term 'bouc_wen': beta is 2, expected 0.5 to 1");
+  EXPECT_EQ(build({"bouc_wen", "", {{"beta", 2}}}), "term 'bouc_wen': beta is 2, expected 0 to 1");
   EXPECT_EQ(build({"bouc_wen", "", {}, 1}),
             "term 'bouc_wen' acts on both axes at once; it cannot be limited to one");
   EXPECT_EQ(error_of([] {
@@ -84,7 +83,7 @@ TEST(TermReader, LeavesOutWhatIsNotEnabled) {
 
 TEST(TermReader, SaysWhereSomethingIsWrong) {
   EXPECT_EQ(error_of([] { read("[bouc_wen]\nbeta = 1.5\n"); }),
-            "b.toml:2:8: beta is 1.5, expected 0.5 to 1");
+            "b.toml:2:8: beta is 1.5, expected 0 to 1");
   EXPECT_EQ(error_of([] { read("[bouc_wen]\nbetta = 0.5\n"); }),
             "b.toml:2:9: unknown key 'betta' (did you mean 'beta'?)");
   EXPECT_EQ(error_of([] { read("[x]\nkind = \"bouc_wem\"\n"); }),

@@ -107,13 +107,14 @@ struct BoucWen {
   static constexpr std::string_view kSource =
       "Park, Wen & Ang 1986, rotation-invariant form at coupling c = 1";
   static constexpr Stage kStage = Stage::Restoring;
+  // At every beta: unloading is never softer than loading was.
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kStrength, kStiffness, kYieldDisplacement, kBeta, kEta, kCoupling };
   static constexpr Parameter kParameters[] = {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},
       {"post_yield_stiffness", "N/m", 0, 1e12, 0, 4e6},
       {"yield_displacement", "m", 1e-7, 1, 2.855e-3, 2.855e-3},
-      {"beta", "-", 0.5, 1, 0.5, 0.5},
+      {"beta", "-", 0, 1, 0.5, 0.5},
       {"eta", "-", 1, 20, 2, 2},
       {"coupling", "-", 0, 1, 1, 1}};
   static constexpr std::size_t kStates = 4;  // displacement before, z
@@ -214,7 +215,7 @@ struct BoucWenSlip {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},
       {"post_yield_stiffness", "N/m", 0, 1e12, 0, 4e6},
       {"yield_displacement", "m", 1e-7, 1, 2.855e-3, 2.855e-3},
-      {"beta", "-", 0.5, 1, 0.5, 0.5},
+      {"beta", "-", 0, 1, 0.5, 0.5},
       {"eta", "-", 1, 20, 2, 2},
       {"slip_length", "m", 0, 1, 0, 1e-2},
       {"slip_width", "-", 0.05, 1, 0.2, 0.2}};

@@ -38,6 +38,7 @@ struct Cause {
   std::string name;  ///< as in the catalogue, or what it is on its channel: "accelerometer_gain"
   std::string title, equation;
   Part part = Part::Machine;
+  bool is_rule = false;   ///< not a term besides: the model's rule of hysteresis is another
   std::string channel;    ///< role in which it is seen: "force", "displacement"
   double confidence = 0;  ///< share of resampled records in which it is the best [-]
   double explained = 0;   ///< of the energy beyond the noise [-]

@@ -31,6 +31,20 @@ def names_of_tie(cause):
     return [canonical(cause["name"])] + [canonical(row["name"]) for row in cause["alternatives"]]
 
 
+def has_wrong_rule(answer):
+    """Whether the specimen's rule of hysteresis is not the simulation's, as in tier E."""
+    specimen = answer.get("specimen", {})
+    return any(specimen[key]["value"] != specimen[key]["absent"]
+               for key in ("beta", "share_of_second_loop") if key in specimen)
+
+
+def without_rules(verdict):
+    """The verdict on all but the rule of hysteresis, of a specimen that has another one."""
+    causes = [cause for cause in verdict["causes"] if not cause.get("is_rule")]
+    is_all = verdict["verdict"] == "missing" and not causes and not has_remainder(verdict)
+    return {**verdict, "causes": causes, "verdict": "none" if is_all else verdict["verdict"]}
+
+
 def _right_names(effects):
     """What counts as naming an effect: the effect, or a term that describes it."""
     names = {effect["name"] for effect in effects}
@@ -129,12 +143,16 @@ def judge(verdict, answer):
     @param answer   what the generator conceals, with its truth
     """
     verdict = verdict or NO_VERDICT
+    rules = [cause["name"] for cause in verdict["causes"] if cause.get("is_rule")]
+    if has_wrong_rule(answer):
+        verdict = without_rules(verdict)
     effects, cause = answer["effects"], first_cause(verdict)
     row = {
         "case": answer["case"], "kind": answer["kind"], "truth": [e["name"] for e in effects],
         "outcome": verdict["verdict"], "names": [c["name"] for c in verdict["causes"]],
         "alternatives": [a["name"] for a in cause["alternatives"]] if cause else [],
         "remainder": has_remainder(verdict),
+        "has_wrong_rule": has_wrong_rule(answer), "rules": rules,
         "part": verdict["where"].get("part"), "channel": verdict["where"].get("channel"),
         "forms": [d["form"] for d in verdict.get("descriptions", [])],
         "spurious": spurious_names(verdict, effects),

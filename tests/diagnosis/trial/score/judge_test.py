@@ -42,6 +42,32 @@ class Names(unittest.TestCase):
         self.assertFalse(row["right_first"] or row["right_in_tie"] or row["part_right"])
 
 
+class Rules(unittest.TestCase):
+    """A rule of hysteresis that is wrong is said beside what is missing, and is no name of it."""
+    SAID = cause("second_loop") | {"is_rule": True}
+
+    @staticmethod
+    def _answer(beta, *effects, kind="library"):
+        made = answer(*effects, kind=kind)
+        made["specimen"]["beta"] = {"value": beta, "absent": 0.5}
+        return made
+
+    def test_where_it_is_wrong_what_else_is_said_counts(self):
+        said = verdict("missing", cause("coulomb_friction"), self.SAID)
+        row = judge(said, self._answer(0.2, effect("coulomb_friction")))
+        self.assertTrue(row["right_first"])
+        self.assertEqual((row["spurious"], row["rules"]), ([], ["second_loop"]))
+
+    def test_where_it_is_all_that_is_wrong_nothing_else_is_missing(self):
+        self.assertEqual(judge(verdict("missing", self.SAID), self._answer(0.2, kind="none"))["outcome"], "none")
+        left = verdict("missing", self.SAID, remainder=True)
+        self.assertEqual(judge(left, self._answer(0.2, kind="none"))["outcome"], "missing")
+
+    def test_where_it_is_right_it_is_a_name_like_any_other(self):
+        row = judge(verdict("missing", self.SAID), self._answer(0.5, kind="none"))
+        self.assertEqual((row["outcome"], row["spurious"]), ("missing", ["second_loop"]))
+
+
 class Ties(unittest.TestCase):
     TIED = {"distinguishable": False, "tie": ["axial_load_stiffness"]}
 

@@ -114,6 +114,10 @@ def _names(rows):
         Mean("spurious", "spurious names per case", rows, lambda r: len(r["spurious"])),
         Mean("spurious_library", "  where the effect is of the library", single,
              lambda r: len(r["spurious"])),
+        Rate("rule", "rule of hysteresis that is wrong, and said to be",
+             [r for r in rows if r["has_wrong_rule"]], lambda r: r["rules"]),
+        Rate("rule_right", "  that is right, and not blamed",
+             [r for r in rows if not r["has_wrong_rule"]], lambda r: not r["rules"]),
         Rate("silent", "silent where nothing is missing", none,
              lambda r: r["outcome"] == "none", 1.0),
     ]
