@@ -90,7 +90,7 @@ const std::vector<Entry>& bearing_entries() {
        Place::Force,
        Entry::kRule | Entry::kKindInModel,
        {shape("beta", 0.01, 1, 0.2, 0.8)},
-       "another rule of unloading (beta)"},
+       "another unloading (beta)"},
       {"bouc_wen",
        "second_loop",
        Place::Force,

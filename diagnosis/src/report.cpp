@@ -61,7 +61,7 @@ std::vector<Refitted> refitted_of(const Investigation& found) {
 void add_evidence(const Investigation& found, Verdict& verdict) {
   const double n = observations(*found.problem, found.folds.both);
   const auto add = [&](const Contender& contender) {
-    if (verdict.evidence.size() >= kMostEvidence) return;
+    if (verdict.evidence.size() >= kMostEvidence || contender.gain <= 0) return;
     verdict.evidence.push_back({contender.candidate.name, contender.candidate.title,
                                 contender.gain / n, contender.low / n, contender.high / n});
   };

@@ -48,8 +48,9 @@ std::string sentence_of(const Verdict& verdict) {
   }
   std::string text;
   for (const auto& cause : verdict.causes) {
-    text += fmt::format("{}{} ({}{})", text.empty() ? "" : " and ", cause.title,
-                        name_of(cause.part), sizes_of(cause));
+    text += fmt::format("{}{}{} ({}{})", text.empty() ? "" : " and ",
+                        cause.is_rule ? "in place of the assumed rule of hysteresis " : "",
+                        cause.title, name_of(cause.part), sizes_of(cause));
   }
   if (verdict.outcome == Outcome::Missing) {
     double explained = 0;
