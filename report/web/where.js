@@ -57,7 +57,9 @@ const where = (() => {
   const draw = () => {
     const w = v.where;
     if (v.verdict === "none" || !w.channel) return hide("where");
-    byId("where-text").textContent = "Before any term is named" + (v.causes.some(c => c.is_rule) && v.causes.some(c => !c.is_rule) ? ", but with the right rule of hysteresis" : "") + ": energy of the residual beyond what the noise makes" +
+    const isRuled = v.causes.some(c => c.is_rule) && v.causes.some(c => !c.is_rule);
+    byId("where-text").textContent =
+      `Before any term is named${isRuled ? ", but with the right rule of hysteresis" : ""}: energy of the residual beyond what the noise makes` +
       `${w.record ? `, on ${w.record}` : ""}. The smallest sets of cells that hold 80 % of it` +
       `${w.intervals_s.length ? ` last from ${quantities.ranges(w.intervals_s, "s")}` : ""}` +
       `${w.band_Hz.length ? ` and lie at ${quantities.ranges(w.band_Hz, "Hz")}` : ""}.`;
