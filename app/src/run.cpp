@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -125,7 +126,11 @@ int run(const RunArguments& arguments) {
                outcome.interrupted ? "interrupted" : outcome.trouble);
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
-  if (!recorded) return kOk;
+  // Without a controller there is no tracking to report on.
+  const bool is_controlled =
+      std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
+                  [](const auto& plan) { return plan.adapter == "simulink_like"; });
+  if (!recorded || !is_controlled) return kOk;
   launch::run_uncompensated(experiment, options.recording, folder / report::kUncompensatedFile,
                             version());
   launch::run_numerical(experiment, folder / report::kNumericalFile);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/adapters/ideal_machine.hpp>
 #include <rths/adapters/recorder.hpp>
 #include <rths/core/error.hpp>
 
@@ -16,8 +17,20 @@ constexpr double kRecorderOverhang = 0.2;          // [s]
 constexpr NodeId kOperatorId{200};
 constexpr std::uint16_t kFirstExtraNodeId = 201;  // of nodes that no laboratory's map knows
 
+std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const NodePlan& plan,
+                                                 ClockKind clock,
+                                                 const std::filesystem::path& recording) {
+  adapters::OpenSeesSettings settings = *plan.opensees;
+  settings.rest = e.rest;
+  settings.wait_deadline = e.wait_deadline * e.rate;
+  settings.stops_time = clock == ClockKind::Virtual;
+  settings.log = recording.parent_path() / (plan.node + ".log");
+  return adapters::make_opensees(settings);
+}
+
 std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodePlan& plan,
-                                                ClockKind clock) {
+                                                ClockKind clock,
+                                                const std::filesystem::path& recording) {
   if (plan.adapter == "srmd") {
     adapters::SrmdSettings settings;
     settings.machine = e.machine;
@@ -26,9 +39,13 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodeP
     settings.retreat = e.retreat;
     return adapters::make_srmd(settings);
   }
+  if (plan.adapter == "ideal_machine")
+    return adapters::make_ideal_machine(
+        {e.specimen, e.axes, e.integration_step, e.simulation_step()});
   if (plan.adapter == "simulink_like")
     return adapters::make_simulink_like(
         plan.diagram, {e.axes, e.integration_step, e.simulation_step(), e.retreat});
+  if (plan.adapter == "opensees") return make_opensees(e, plan, clock, recording);
   adapters::NumericalSettings settings;
   settings.axes = e.axes;
   settings.plant = e.plant;
@@ -147,7 +164,8 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
   for (const auto& plan : experiment.nodes) {
     // A recorder listens to everything there is, so it is built when the map is complete.
     const bool records = plan.adapter == "recorder";
-    stations.push_back({plan, records ? nullptr : make_adapter(experiment, plan, clock)});
+    stations.push_back(
+        {plan, records ? nullptr : make_adapter(experiment, plan, clock, recording.file)});
     extend(description, plan,
            records ? adapters::recorder_monitors() : stations.back().adapter->ports());
   }

@@ -2,6 +2,7 @@
 #include <rths/launch/experiment.hpp>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 
@@ -28,8 +29,10 @@ struct KnownAdapter {
 };
 constexpr KnownAdapter kAdapters[] = {{"recorder", kMillisecond, 0.8 * kMillisecond},
                                       {"srmd", kMillisecond, 0},
+                                      {"ideal_machine", kMillisecond, 0.3 * kMillisecond},
                                       {"simulink_like", kMillisecond, 0.3 * kMillisecond},
-                                      {"numerical", 0.25 * kMillisecond, 0.1 * kMillisecond}};
+                                      {"numerical", 0.25 * kMillisecond, 0.1 * kMillisecond},
+                                      {"opensees", 0.25 * kMillisecond, 0.1 * kMillisecond}};
 
 std::string file_content(const std::filesystem::path& file) {
   std::ifstream stream{file, std::ios::binary};
@@ -56,7 +59,31 @@ void read_tuning(const Config& table, const std::string& prefix, Tuning& tuning)
   }
 }
 
-NodePlan read_node(const std::string& node, const Config& table) {
+// The Python that a script of OpenSees' is run with, unless its node names another.
+std::string usual_python() {
+  const char* named = std::getenv("RTHS_OPENSEES_PYTHON");
+  return named != nullptr ? named : "python3";
+}
+
+adapters::OpenSeesSettings read_opensees(const Config& table, const sim::Bearing& model) {
+  adapters::OpenSeesSettings settings;
+  settings.elements = adapters::read_opensees_elements(table, sim::initial_stiffness(model));
+  settings.connect_deadline =
+      table.number_in("connect_deadline_s", 0.1, 1e5, settings.connect_deadline);
+  settings.answer_deadline =
+      table.number_in("answer_deadline_s", 0.1, 1e5, settings.answer_deadline);
+  const std::string python = table.text("python", usual_python());
+  const auto arguments = table.texts("arguments", {});
+  if (!table.has("script")) return settings;
+  const auto script = table.resolve(table.text("script"));
+  if (!std::filesystem::exists(script))
+    table.fail("script", fmt::format("there is no file '{}'", script.string()));
+  settings.command = {python, script.string()};
+  settings.command.insert(settings.command.end(), arguments.begin(), arguments.end());
+  return settings;
+}
+
+NodePlan read_node(const std::string& node, const Config& table, const sim::Bearing& model) {
   const KnownAdapter& adapter = adapter_named(table);
   NodePlan plan;
   plan.node = node;
@@ -66,6 +93,7 @@ NodePlan read_node(const std::string& node, const Config& table) {
     plan.diagram = find_file(table, "diagram", "diagrams");
     period = adapters::diagram_period(plan.diagram);
   }
+  if (plan.adapter == "opensees") plan.opensees = read_opensees(table, model);
   plan.schedule.period = from_seconds(table.number_in("period_s", 1e-5, 1, period));
   plan.schedule.phase = from_seconds(table.number_in("phase_s", 0, 1, adapter.phase));
   read_tuning(table.table_or_empty("tune"), "", plan.tune);
@@ -73,9 +101,9 @@ NodePlan read_node(const std::string& node, const Config& table) {
   return plan;
 }
 
-std::vector<NodePlan> read_nodes(const Config& table) {
+std::vector<NodePlan> read_nodes(const Config& table, const sim::Bearing& model) {
   std::vector<NodePlan> nodes;
-  for (const auto& node : table.keys()) nodes.push_back(read_node(node, table.table(node)));
+  for (const auto& node : table.keys()) nodes.push_back(read_node(node, table.table(node), model));
   // Whoever listens starts before whoever speaks.
   const auto rank = [](const NodePlan& plan) {
     return std::find_if(std::begin(kAdapters), std::end(kAdapters),
@@ -181,7 +209,7 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   read_laboratory(file, experiment);
   read_solver(file.table_or_empty("solver"), experiment);
   read_stop(file.table_or_empty("stop"), experiment);
-  experiment.nodes = read_nodes(file.table("node"));
+  experiment.nodes = read_nodes(file.table("node"), experiment.model);
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);

@@ -84,11 +84,14 @@ class VirtualRun {
 
 std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                                 const RunOptions& options) {
-  const bool ends = std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
-                                [](const NodePlan& plan) { return plan.adapter == "numerical"; });
+  const bool ends =
+      std::any_of(experiment.nodes.begin(), experiment.nodes.end(), [](const NodePlan& plan) {
+        return plan.adapter == "numerical" || plan.adapter == "opensees";
+      });
   if (!ends)
-    throw Error{experiment.file.string() +
-                ": no node is a 'numerical', so a run in virtual time would never end"};
+    throw Error{
+        experiment.file.string() +
+        ": no node is a 'numerical' or an 'opensees', so a run in virtual time would never end"};
   std::string trouble = VirtualRun{experiment, assembly, options}.run();
   for (auto& station : assembly.stations) {
     try {

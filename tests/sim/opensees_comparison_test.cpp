@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "opensees_rows.hpp"
+#include "support/opensees.hpp"
 
 namespace rths::sim {
 namespace test {
@@ -34,7 +35,7 @@ void print_line(const std::string& name, const std::string& path, double time_st
 class Opensees : public testing::Test {
  protected:
   void SetUp() override {
-    if (!test::opensees_python())
+    if (!rths::test::opensees_python())
       GTEST_SKIP() << "SKIPPED: no OpenSees here; ./lab test installs it where there is a network";
   }
 };

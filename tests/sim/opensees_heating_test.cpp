@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "opensees_rows.hpp"
+#include "support/opensees.hpp"
 
 namespace rths::sim {
 namespace {
@@ -138,7 +139,7 @@ void compare(const test::Path& path, test::Forces (*part)(const test::Forces&)) 
 }
 
 TEST(OpenseesHeating, DiffersByWhatWarmsTheLeadAndByHowItCools) {
-  if (!test::opensees_python())
+  if (!rths::test::opensees_python())
     GTEST_SKIP() << "SKIPPED: no OpenSees here; ./lab test installs it where there is a network";
   for (const auto& path : test::all_paths(0.2, 5e-4))
     compare(path, [](const test::Forces& forces) { return forces; });

@@ -2,12 +2,12 @@
 #include "opensees_run.hpp"
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
 #include "support/files.hpp"
+#include "support/opensees.hpp"
 #include "support/process.hpp"
 
 namespace rths::sim::test {
@@ -57,13 +57,6 @@ double difference(const Forces& a, const Forces& b, std::size_t column) {
 
 }  // namespace
 
-std::optional<std::string> opensees_python() {
-  if (const char* named = std::getenv("RTHS_OPENSEES_PYTHON")) return named;
-  const auto made = rths::test::source_tree() / "build/opensees/bin/python";
-  if (std::filesystem::exists(made)) return made.string();
-  return std::nullopt;
-}
-
 Forces opensees_forces(const TwoBearings& bearing, const Path& path) {
   const rths::test::TemporaryFolder folder;
   const auto forces = folder.path() / "forces.csv";
@@ -76,7 +69,8 @@ Forces opensees_forces(const TwoBearings& bearing, const Path& path) {
                                {"forces", forces.string()}};
   const auto file = folder.write("case.json", said.dump());
   const auto script = rths::test::source_tree() / "tests/opensees/bearing.py";
-  rths::test::Running running{{opensees_python().value(), script.string(), file.string()}};
+  rths::test::Running running{
+      {rths::test::opensees_python().value(), script.string(), file.string()}};
   const auto finished = running.wait(kPatience);
   if (finished.exit_code != 0) throw std::runtime_error{"OpenSees: " + finished.err};
   auto read = read_forces(forces);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,9 +25,6 @@ struct TwoBearings {
 
 /// Resisting force at each step: long, lat, axial (> 0 compresses) [N].
 using Forces = std::vector<std::array<double, 3>>;
-
-/// The Python that has OpenSees: RTHS_OPENSEES_PYTHON, or the one that `./lab test` made.
-[[nodiscard]] std::optional<std::string> opensees_python();
 
 /// What OpenSees' element answers along a path. @throws std::runtime_error with what it said
 [[nodiscard]] Forces opensees_forces(const TwoBearings& bearing, const Path& path);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/error.hpp>
 
 #include "solution.hpp"
@@ -12,14 +13,7 @@
 namespace rths::adapters {
 namespace {
 
-constexpr double kFarewell = 0.02;  // [s] that newTarget stays at stop
-constexpr double kNew = 1;          // values of newTarget
-constexpr double kIdle = 0;
-constexpr double kStop = -1;
 constexpr double kEndOfRun = 1e-9;  // [s], rounding of step counts times step length
-
-// What the solver waits for: one state per line of the handshake.
-enum class Phase { WaitForTarget, Compute, WaitForSwitch, WaitForRelease, Leave };
 
 class Numerical final : public Adapter {
  public:
@@ -39,9 +33,8 @@ class Numerical final : public Adapter {
   [[nodiscard]] std::size_t time_at() const noexcept { return 2 * axes_ + (is_vertical_ ? 1 : 0); }
   [[nodiscard]] std::size_t new_target_at() const noexcept { return time_at() + 1; }
 
-  void enter(Phase phase, const Step& step, double new_target) noexcept;
-  [[nodiscard]] Status wait_for(bool flag, Step& step, const char* otherwise) noexcept;
-  [[nodiscard]] Status at_target(Step& step) noexcept;
+  [[nodiscard]] Status advance(const Step& step) noexcept;
+  void at_target(const Step& step) noexcept;
   void acquire(const Step& step) noexcept;
   void post(const Step& step) noexcept;
   void write_monitors(const Step& step) const noexcept;
@@ -54,8 +47,9 @@ class Numerical final : public Adapter {
   Solution solution_;
   Exchange exchange_;
   std::mt19937_64 random_;
-  Phase phase_ = Phase::WaitForTarget;
-  double entered_ = 0;         ///< when the phase began [s]
+  OpfHandshake handshake_;
+  bool is_computing_ = false;
+  double acquired_ = 0;        ///< when computing began [s]
   double computing_time_ = 0;  ///< of the step in hand [s]
   std::uint64_t steps_ = 0;
 };
@@ -65,7 +59,8 @@ Numerical::Numerical(const NumericalSettings& settings)
       axes_{settings.axes.size()},
       is_vertical_{!settings.history && !settings.motion.vert_acceleration.empty()},
       solution_{make_solution(settings)},
-      random_{settings.computing_time ? settings.computing_time->seed : 0} {
+      random_{settings.computing_time ? settings.computing_time->seed : 0},
+      handshake_{settings.wait_deadline} {
   for (const auto& axis : settings.axes) {
     if (axis != "long" && axis != "lat")
       throw Error{"numerical: axis '" + axis + "' is not in the model, expected long or lat"};
@@ -96,18 +91,6 @@ std::vector<Port> Numerical::ports() const {
       },
       solution_);
   return ports;
-}
-
-void Numerical::enter(Phase phase, const Step& step, double new_target) noexcept {
-  phase_ = phase;
-  entered_ = step.time;
-  step.outputs[new_target_at()] = new_target;
-}
-
-Status Numerical::wait_for(bool flag, Step& step, const char* otherwise) noexcept {
-  if (flag || step.time - entered_ <= settings_.wait_deadline) return Status::Ok;
-  step.message = otherwise;
-  return Status::Fault;
 }
 
 double Numerical::draw_computing_time() noexcept {
@@ -141,7 +124,7 @@ void Numerical::post(const Step& step) noexcept {
   }
   if (is_vertical_) step.outputs[vertical_at()] = exchange_.vertical_force;
   step.outputs[time_at()] = std::visit([](const auto& s) { return s.time(); }, solution_);
-  enter(Phase::WaitForSwitch, step, kNew);
+  handshake_.post(step.time);
 }
 
 void Numerical::write_monitors(const Step& step) const noexcept {
@@ -151,43 +134,42 @@ void Numerical::write_monitors(const Step& step) const noexcept {
   std::visit([&](const auto& solution) { solution.monitor(monitors.subspan(2)); }, solution_);
 }
 
-Status Numerical::at_target(Step& step) noexcept {
-  if (!(step.inputs[kAtTarget] > 0))
-    return wait_for(false, step, "atTarget did not rise before the deadline");
+void Numerical::at_target(const Step& step) noexcept {
   acquire(step);
+  acquired_ = step.time;
   const double steps_done = static_cast<double>(steps_) * settings_.integration_step;
   if (steps_done >= settings_.duration - kEndOfRun)
-    enter(Phase::Leave, step, kStop);
+    handshake_.leave(step.time);
   else if (settings_.computing_time)
-    enter(Phase::Compute, step, kIdle);
+    is_computing_ = true;
   else
     post(step);
-  return Status::Ok;
+}
+
+Status Numerical::advance(const Step& step) noexcept {
+  if (step.stopping && !handshake_.is_leaving()) handshake_.leave(step.time);
+  if (handshake_.is_leaving()) return handshake_.has_left(step.time) ? Status::Done : Status::Ok;
+  if (steps_ == 0 && step.time < settings_.rest) {
+    handshake_.be_patient(step.time);
+    return Status::Ok;
+  }
+  if (is_computing_) {
+    if (step.time - acquired_ < computing_time_) return Status::Ok;
+    is_computing_ = false;
+    post(step);
+    return Status::Ok;
+  }
+  const Status status =
+      handshake_.look(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
+  if (handshake_.is_there()) at_target(step);
+  return status;
 }
 
 Status Numerical::step(Step& step) noexcept {
-  if (step.stopping && phase_ != Phase::Leave) enter(Phase::Leave, step, kStop);
-  if (steps_ == 0 && !step.stopping && step.time < settings_.rest) {
-    entered_ = step.time;
-    return Status::Ok;
-  }
-  const bool switch_pc = step.inputs[kSwitchPc] > 0;
-  switch (phase_) {
-    case Phase::WaitForTarget:
-      return at_target(step);
-    case Phase::Compute:
-      if (step.time - entered_ >= computing_time_) post(step);
-      return Status::Ok;
-    case Phase::WaitForSwitch:
-      if (switch_pc) enter(Phase::WaitForRelease, step, kIdle);
-      return wait_for(switch_pc, step, "switchPC did not rise before the deadline");
-    case Phase::WaitForRelease:
-      if (!switch_pc) enter(Phase::WaitForTarget, step, kIdle);
-      return wait_for(!switch_pc, step, "switchPC did not fall before the deadline");
-    case Phase::Leave:
-      return step.time - entered_ < kFarewell ? Status::Ok : Status::Done;
-  }
-  return Status::Fault;
+  const Status status = advance(step);
+  step.outputs[new_target_at()] = handshake_.new_target();
+  step.message = handshake_.message();
+  return status;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include <rths/adapters/host.hpp>
 #include <rths/adapters/numerical.hpp>
+#include <rths/adapters/opensees.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
 #include <rths/memmap/map.hpp>
@@ -29,11 +30,12 @@ using Tuning = std::vector<std::pair<std::string, double>>;
 /// A node of the map and the adapter that runs there.
 struct NodePlan {
   std::string node;
-  std::string adapter;  ///< numerical, simulink_like, srmd or recorder
+  std::string adapter;  ///< numerical, opensees, simulink_like, srmd, ideal_machine or recorder
   adapters::Schedule schedule;
-  std::filesystem::path diagram;  ///< of a simulink_like
-  Tuning tune;                    ///< first values of its parameters
-  Tuning uncompensated;           ///< what switches its compensation off
+  std::filesystem::path diagram;                       ///< of a simulink_like
+  std::optional<adapters::OpenSeesSettings> opensees;  ///< of an opensees
+  Tuning tune;                                         ///< first values of its parameters
+  Tuning uncompensated;                                ///< what switches its compensation off
 };
 
 /// A whole test: what an experiment file says, checked.

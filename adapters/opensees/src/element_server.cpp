@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "element_server.hpp"
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+// OpenSees always reads what it has asked for.
+constexpr auto kSendPatience = std::chrono::seconds{1};
+
+}  // namespace
+
+ElementServer::ElementServer(const OpenSeesElement& element)
+    : name_{fmt::format("element '{}'", element.name)},
+      endpoint_{element.is_udp ? Transport::Udp : Transport::Tcp, element.address, element.port},
+      client_{name_, {element.initial_stiffness, element.damping, element.mass}} {}
+
+bool ElementServer::hear() {
+  const std::uint64_t before = messages_;
+  try {
+    while (!has_left_ && !wants_force_) {
+      const auto message = endpoint_.receive(client_.expected());
+      if (message.empty()) break;
+      take_in(message);
+    }
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    throw Error{what.starts_with(name_) ? what : fmt::format("{}: {}", name_, what)};
+  }
+  return messages_ > before;
+}
+
+void ElementServer::take_in(std::span<const std::byte> message) {
+  ++messages_;
+  switch (client_.hear(message)) {
+    case GenericClient::Heard::Trial:
+      has_trial_ = true;
+      // A move that was asked for and not yet made is not undone by its repetition.
+      is_new_ = is_new_ || client_.is_new();
+      break;
+    case GenericClient::Heard::Force:
+      wants_force_ = true;
+      break;
+    case GenericClient::Heard::Matrix:
+      endpoint_.send(client_.matrix_reply(), kSendPatience);
+      break;
+    case GenericClient::Heard::End:
+      has_left_ = true;
+      break;
+    case GenericClient::Heard::Sizes:
+    case GenericClient::Heard::Commit:
+      break;
+  }
+}
+
+void ElementServer::answer(const Eigen::VectorXd& forces) {
+  wants_force_ = false;
+  endpoint_.send(client_.force_reply(forces), kSendPatience);
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/adapters/opensees.hpp>
+
+#include "endpoint.hpp"
+#include "generic_client.hpp"
+
+namespace rths::adapters {
+
+/// One element: its socket, what was said on it, and what is owed to it.
+class ElementServer {
+ public:
+  /// Listens. @throws Error if it cannot
+  explicit ElementServer(const OpenSeesElement& element);
+
+  /// Hears everything that has arrived; answers what needs no specimen.
+  /// @returns whether something was heard   @throws Error with the element's name
+  bool hear();
+  /// Answers the force that is wanted, in the units of the script.
+  void answer(const Eigen::VectorXd& forces);
+  /// The trial goes to the specimen: another one is due.
+  void take_trial() { has_trial_ = is_new_ = false; }
+
+  [[nodiscard]] int descriptor() const { return endpoint_.descriptor(); }
+  [[nodiscard]] bool is_connected() const { return endpoint_.is_connected(); }
+  [[nodiscard]] const Trial& trial() const { return client_.trial(); }
+  [[nodiscard]] bool has_trial() const { return has_trial_; }  ///< since the last was taken
+  [[nodiscard]] bool is_new() const { return is_new_; }        ///< it moves the specimen
+  [[nodiscard]] bool wants_force() const { return wants_force_; }
+  [[nodiscard]] bool has_left() const { return has_left_; }
+  [[nodiscard]] std::uint64_t messages() const { return messages_; }
+
+ private:
+  void take_in(std::span<const std::byte> message);
+
+  std::string name_;
+  Endpoint endpoint_;
+  GenericClient client_;
+  bool has_trial_ = false, is_new_ = false, wants_force_ = false, has_left_ = false;
+  std::uint64_t messages_ = 0;
+};
+
+}  // namespace rths::adapters

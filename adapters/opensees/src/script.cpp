@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "script.hpp"
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr int kNotFound = 127;  // as a shell says it
+
+// In the child, where only what is safe after a fork may be called.
+[[noreturn]] void become(char* const* argv, const char* folder, int log, pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(kNotFound);  // it died in between
+  setpgid(0, 0);                              // a person's signals are ours to pass on
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) std::signal(signal, SIG_DFL);
+  if (chdir(folder) != 0) _exit(kNotFound);
+  dup2(log, STDOUT_FILENO);
+  dup2(log, STDERR_FILENO);
+  const int nothing = open("/dev/null", O_RDONLY);
+  dup2(nothing, STDIN_FILENO);
+  execvp(argv[0], argv);
+  _exit(kNotFound);
+}
+
+// But for what OpenSees says whenever it ends.
+std::string last_line_of(const std::filesystem::path& file) {
+  std::ifstream in{file};
+  std::string line, last;
+  while (std::getline(in, line))
+    if (line.find_first_not_of(" \t\r") != std::string::npos && !line.ends_with("Terminating"))
+      last = line;
+  return last;
+}
+
+}  // namespace
+
+Script::Script(const std::vector<std::string>& command, const std::filesystem::path& log)
+    : name_{command.size() > 1 ? std::filesystem::path{command[1]}.filename().string()
+                               : command.at(0)},
+      log_{log} {
+  const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (file < 0) throw Error{fmt::format("{}: {}", log.string(), std::strerror(errno))};
+  std::vector<std::string> words = command;
+  std::vector<char*> argv;
+  // From the folder that it runs in, paths would be others.
+  if (words.size() > 1) words[1] = std::filesystem::absolute(words[1]).string();
+  if (words[0].find('/') != std::string::npos)
+    words[0] = std::filesystem::absolute(words[0]).string();
+  for (auto& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const std::string folder =
+      std::filesystem::absolute(command.size() > 1 ? command[1] : ".").parent_path().string();
+  const pid_t parent = getpid();
+  pid_ = fork();
+  if (pid_ == 0) become(argv.data(), folder.c_str(), file, parent);
+  const int problem = errno;
+  close(file);
+  if (pid_ < 0) throw Error{fmt::format("{} cannot be started: {}", name_, std::strerror(problem))};
+}
+
+Script::~Script() {
+  if (has_ended()) return;
+  kill(pid_, SIGKILL);
+  waitpid(pid_, &status_, 0);
+}
+
+bool Script::has_ended() {
+  if (!has_ended_) has_ended_ = waitpid(pid_, &status_, WNOHANG) == pid_;
+  return has_ended_;
+}
+
+bool Script::wait(Duration longest) {
+  const WallClock clock;
+  const TimePoint deadline = clock.now() + longest;
+  while (!has_ended() && clock.now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds{5});
+  return has_ended_;
+}
+
+std::optional<std::string> Script::trouble() const {
+  if (!has_ended_) return fmt::format("{} does not end", name_);
+  if (WIFEXITED(status_) && WEXITSTATUS(status_) == 0) return std::nullopt;
+  const std::string how =
+      WIFSIGNALED(status_) ? fmt::format("was killed by signal {}", WTERMSIG(status_))
+      : WEXITSTATUS(status_) == kNotFound ? std::string{"could not be started"}
+                                          : fmt::format("ended with {}", WEXITSTATUS(status_));
+  const std::string said = last_line_of(log_);
+  return fmt::format("{} {}{} ({})", name_, how, said.empty() ? "" : ": " + said, log_.string());
+}
+
+}  // namespace rths::adapters

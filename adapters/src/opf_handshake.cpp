@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/opf_handshake.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr double kFarewell = 0.02;  // [s] that newTarget stays at stop
+
+}  // namespace
+
+Status OpfHandshake::wait_for(bool flag, Phase next, const char* otherwise, double now) noexcept {
+  if (flag) enter(next, now);
+  if (flag || now - entered_ <= deadline_) return Status::Ok;
+  message_ = otherwise;
+  return Status::Fault;
+}
+
+Status OpfHandshake::look(bool at_target, bool switch_pc, double now) noexcept {
+  switch (phase_) {
+    case Phase::WaitForTarget:
+      return wait_for(at_target, Phase::There, "atTarget did not rise before the deadline", now);
+    case Phase::WaitForSwitch:
+      return wait_for(switch_pc, Phase::WaitForRelease, "switchPC did not rise before the deadline",
+                      now);
+    case Phase::WaitForRelease:
+      return wait_for(!switch_pc, Phase::WaitForTarget, "switchPC did not fall before the deadline",
+                      now);
+    case Phase::There:
+    case Phase::Leave:
+      break;
+  }
+  return Status::Ok;
+}
+
+bool OpfHandshake::has_left(double now) const noexcept {
+  return is_leaving() && now - entered_ >= kFarewell;
+}
+
+double OpfHandshake::new_target() const noexcept {
+  if (phase_ == Phase::Leave) return -1;
+  return phase_ == Phase::WaitForSwitch ? 1 : 0;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "generic_client.hpp"
+
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Heard = GenericClient::Heard;
+
+ElementMatrices matrices(Index n) {
+  MatrixXd stiffness(n, n);
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < n; ++j) stiffness(i, j) = static_cast<double>(10 * i + j + 1);
+  return {stiffness, 2 * stiffness, 3 * stiffness};
+}
+
+template <class T>
+std::vector<std::byte> bytes_of(const std::vector<T>& values) {
+  std::vector<std::byte> bytes(values.size() * sizeof(T));
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+std::vector<std::byte> sizes(std::int32_t n, std::int32_t doubles) {
+  return bytes_of(std::vector<std::int32_t>{n, n, n, 0, 1, 0, 0, 0, n, 0, doubles});
+}
+
+std::vector<std::byte> request(std::size_t doubles, std::vector<double> first) {
+  first.resize(doubles);
+  return bytes_of(first);
+}
+
+std::vector<double> doubles_of(std::span<const std::byte> bytes) {
+  std::vector<double> values(bytes.size() / sizeof(double));
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+template <class Action>
+std::string error_of(const Action& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(GenericClient, ReadsSizesFirst) {
+  GenericClient client{"element 'column'", matrices(2)};
+  EXPECT_EQ(client.expected(), 44U);
+  EXPECT_EQ(client.hear(sizes(2, 256)), Heard::Sizes);
+  EXPECT_EQ(client.expected(), 2048U);
+}
+
+TEST(GenericClient, SaysWhatIsWrongWithTheSizes) {
+  const auto heard = [](const std::vector<std::byte>& message) {
+    GenericClient client{"element 'column'", matrices(2)};
+    return error_of([&] { static_cast<void>(client.hear(message)); });
+  };
+  EXPECT_EQ(heard(sizes(3, 256)),
+            "element 'column': OpenSees lists 3 degrees of freedom, the experiment 2");
+  EXPECT_EQ(heard(sizes(2, 7)), "element 'column': messages of 7 numbers, expected 8 to 1048576");
+  EXPECT_EQ(heard(sizes(2, -1)), "element 'column': messages of -1 numbers, expected 8 to 1048576");
+  EXPECT_EQ(heard(bytes_of(std::vector<std::int32_t>{2, 2, 2, 2, 1, 0, 0, 0, 2, 0, 256})),
+            "element 'column': its first message is [2, 2, 2, 2, 1, 0, 0, 0, 2, 0, 256], expected "
+            "[n, n, n, 0, 1, 0, 0, 0, n, 0, size]");
+}
+
+TEST(GenericClient, KnowsANewTrialFromOneThatIsRepeated) {
+  GenericClient client{"element", matrices(2)};
+  static_cast<void>(client.hear(sizes(2, 256)));
+  EXPECT_EQ(client.hear(request(256, {3})), Heard::Trial);
+  EXPECT_FALSE(client.is_new());  // it began at rest
+  EXPECT_EQ(client.hear(request(256, {3, 0.1, 0.2, 1, 2, 3, 4, 0.02})), Heard::Trial);
+  EXPECT_TRUE(client.is_new());
+  EXPECT_EQ(client.trial().displacement, (VectorXd{{0.1, 0.2}}));
+  EXPECT_EQ(client.trial().velocity, (VectorXd{{1, 2}}));
+  EXPECT_EQ(client.trial().acceleration, (VectorXd{{3, 4}}));
+  EXPECT_EQ(client.trial().time, 0.02);
+  EXPECT_EQ(client.hear(request(256, {3, 0.1, 0.2, 1.5, 2.5, 3, 4, 0.02})), Heard::Trial);
+  EXPECT_FALSE(client.is_new());
+}
+
+TEST(GenericClient, AnswersInColumns) {
+  GenericClient client{"element", matrices(2)};
+  static_cast<void>(client.hear(sizes(2, 256)));
+  const auto answer = [&](double code) {
+    EXPECT_EQ(client.hear(request(256, {code})), Heard::Matrix);
+    auto values = doubles_of(client.matrix_reply());
+    EXPECT_EQ(values.size(), 256U);
+    values.resize(5);
+    return values;
+  };
+  using Values = std::vector<double>;
+  EXPECT_EQ(answer(12), (Values{1, 11, 2, 12, 0}));
+  EXPECT_EQ(answer(13), (Values{1, 11, 2, 12, 0}));
+  EXPECT_EQ(answer(14), (Values{2, 22, 4, 24, 0}));
+  EXPECT_EQ(answer(15), (Values{3, 33, 6, 36, 0}));
+  EXPECT_EQ(client.hear(request(256, {10})), Heard::Force);
+  auto forces = doubles_of(client.force_reply(VectorXd{{7, 8}}));
+  forces.resize(3);
+  EXPECT_EQ(forces, (Values{7, 8, 0}));
+  EXPECT_EQ(client.hear(request(256, {5})), Heard::Commit);
+  EXPECT_EQ(client.hear(request(256, {99})), Heard::End);
+}
+
+TEST(GenericClient, TakesLongMessagesForManyDegreesOfFreedom) {
+  for (const auto& [n, doubles] : {std::pair{16, 256}, {17, 289}, {100, 10000}}) {
+    GenericClient client{"element", matrices(n)};
+    EXPECT_EQ(client.hear(sizes(n, doubles)), Heard::Sizes);
+    EXPECT_EQ(client.expected(), 8U * static_cast<std::size_t>(doubles));
+  }
+}
+
+TEST(GenericClient, RejectsWhatItDoesNotKnowAndKeepsTheLastTrial) {
+  GenericClient client{"element", matrices(1)};
+  static_cast<void>(client.hear(sizes(1, 256)));
+  static_cast<void>(client.hear(request(256, {3, 0.5, 0, 0, 0.01})));
+  EXPECT_EQ(error_of([&] { static_cast<void>(client.hear(request(256, {7}))); }),
+            "element: OpenSees asks for 7, expected 3, 5, 10, 12 to 15 or 99");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(error_of([&] {
+              static_cast<void>(client.hear(request(256, {3, nan})));
+            }),
+            "element: a trial state holds what is no number");
+  EXPECT_EQ(client.trial().displacement[0], 0.5);
+}
+
+// Whatever comes, it is refused or understood, and no trial is one that holds what is no number.
+TEST(GenericClient, StandsAMillionMalformedMessages) {
+  std::mt19937 random{7};
+  std::uniform_int_distribution<int> any_byte{0, 255}, chance{0, 9};
+  std::uniform_int_distribution<std::size_t> code{0, 9};
+  constexpr double kCodes[] = {3, 5, 10, 12, 13, 14, 15, 99, 98, 6};
+  constexpr int kMessages = 1'000'000;
+  GenericClient client{"element", matrices(1)};
+  int refused = 0;
+  for (int i = 0; i < kMessages; ++i) {
+    const bool is_first = client.expected() == 44;
+    const std::size_t doubles = std::min<std::size_t>(client.expected() / sizeof(double), 64);
+    std::vector<std::byte> message =
+        is_first ? sizes(1, 8) : request(doubles, {kCodes[code(random)]});
+    if (chance(random) < 7)
+      for (int k = 0; k < 4; ++k)
+        message[std::uniform_int_distribution<std::size_t>{0, message.size() - 1}(random)] =
+            static_cast<std::byte>(any_byte(random));
+    try {
+      const Heard heard = client.hear(message);
+      if (heard == Heard::Matrix) {
+        ASSERT_EQ(client.matrix_reply().size(), client.expected());
+      }
+    } catch (const Error&) {
+      ++refused;
+    }
+    ASSERT_TRUE(client.trial().displacement.allFinite());
+    if (chance(random) == 0) client = GenericClient{"element", matrices(1)};
+  }
+  EXPECT_GT(refused, kMessages / 10);
+}
+
+}  // namespace
+}  // namespace rths::adapters

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "spring_server.hpp"
+
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters::test {
+namespace {
+
+constexpr auto kPatience = std::chrono::seconds{10};
+constexpr double kStiffness = 2.8;
+
+}  // namespace
+
+std::uint16_t free_port() {
+  const Descriptor probe{socket(AF_INET, SOCK_STREAM, 0)};
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof own;
+  if (bind(probe.get(), reinterpret_cast<const sockaddr*>(&own), size) != 0 ||
+      getsockname(probe.get(), reinterpret_cast<sockaddr*>(&own), &size) != 0)
+    throw Error{"no port is free"};
+  return ntohs(own.sin_port);
+}
+
+SpringServer::SpringServer(Transport transport)
+    : port_{free_port()}, endpoint_{transport, "127.0.0.1", port_}, thread_{[this] { serve(); }} {}
+
+void SpringServer::serve() {
+  const Eigen::MatrixXd stiffness = Eigen::MatrixXd::Constant(1, 1, kStiffness),
+                        zero = Eigen::MatrixXd::Zero(1, 1);
+  GenericClient client{"spring", {stiffness, zero, zero}};
+  const TimePoint deadline = WallClock{}.now() + kPatience;
+  try {
+    while (WallClock{}.now() < deadline) {
+      pollfd news{endpoint_.descriptor(), POLLIN, 0};
+      poll(&news, 1, 100);
+      for (auto message = endpoint_.receive(client.expected()); !message.empty();
+           message = endpoint_.receive(client.expected())) {
+        double code = 0;
+        if (message.size() > 44) std::memcpy(&code, message.data(), sizeof code);
+        const auto kind = client.hear(message);
+        heard_.codes.push_back(static_cast<int>(
+            kind == GenericClient::Heard::Trial && !client.is_new() ? -code : code));
+        if (kind == GenericClient::Heard::Matrix) endpoint_.send(client.matrix_reply(), kPatience);
+        if (kind == GenericClient::Heard::Force)
+          endpoint_.send(client.force_reply(kStiffness * client.trial().displacement), kPatience);
+        if (kind == GenericClient::Heard::End) return;
+      }
+    }
+    heard_.trouble = "the client did not leave";
+  } catch (const Error& error) {
+    heard_.trouble = error.what();
+  }
+}
+
+Heard SpringServer::heard() {
+  if (thread_.joinable()) thread_.join();
+  return heard_;
+}
+
+}  // namespace rths::adapters::test
