@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """A mass on a spring that is elsewhere: `element genericClient`, shaken by a sine.
 
-usage: oscillator.py PORT tcp|udp STEPS INTEGRATOR [ARGUMENT …] [--data-size N] [--algorithm NAME …]
+usage: oscillator.py PORT tcp|udp STEPS INTEGRATOR [ARGUMENT …] [--data-size N]
+           [--algorithm NAME[,ARGUMENT …]] [--iterations N]
 
 Mass 0.04, time step 0.02, ground acceleration 100 sin(2 pi t / 0.5). Prints the displacement after each
 step. Ends with 3 if a step fails.
@@ -18,8 +19,8 @@ parser.add_argument("steps", type=int)
 parser.add_argument("integrator")
 parser.add_argument("arguments", type=float, nargs="*")
 parser.add_argument("--data-size", type=int)
-parser.add_argument("--algorithm", nargs="+", default=["Linear"])
-parser.add_argument("--test", nargs="+")
+parser.add_argument("--algorithm", default="Linear")
+parser.add_argument("--iterations", type=int)
 options = parser.parse_args()
 
 ops.model("basic", "-ndm", 1, "-ndf", 1)
@@ -38,9 +39,9 @@ ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
 ops.constraints("Plain")
 ops.numberer("Plain")
 ops.system("FullGeneral")
-if options.test:
-    ops.test(options.test[0], *[int(word) for word in options.test[1:]])
-ops.algorithm(*options.algorithm)
+if options.iterations:
+    ops.test("FixedNumIter", options.iterations)
+ops.algorithm(*options.algorithm.split(","))
 ops.integrator(options.integrator, *options.arguments)
 ops.analysis("Transient")
 for _ in range(options.steps):
