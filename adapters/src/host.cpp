@@ -53,6 +53,10 @@ Host::Host(Adapter& adapter, broker::Ring& ring, const std::string& node, std::u
     : adapter_{adapter}, node_{ring.join(node, map_hash)}, period_{period} {
   bind(host_ports(), ring, node);
   bind(adapter.ports(), ring, node);
+  std::vector<broker::LongwordRange> words;
+  for (const auto& transfer : reads_)
+    words.push_back({transfer.base, static_cast<std::uint32_t>(transfer.image.size())});
+  if (!words.empty()) waiter_ = ring.wait_for(words);
 }
 
 void Host::bind(const std::vector<Port>& ports, broker::Ring& ring, const std::string& node) {
@@ -132,7 +136,7 @@ Status Host::write_outputs() noexcept {
 }
 
 void Host::tell_of_itself(Status status, const Timing& timing) noexcept {
-  ++steps_;
+  steps_ += timing.is_early ? 0 : 1;
   stale_ += status == Status::Stale ? 1 : 0;
   overruns_ += timing.duration > period_ ? 1 : 0;
   outputs_[kStep] = static_cast<double>(steps_);
@@ -159,16 +163,43 @@ Status Host::tick(Duration time, bool stopping, const Timing& timing) noexcept {
   return result == Status::Done && status != Status::Fault ? Status::Done : status;
 }
 
+// What was written since the last step is news at once, however much it was.
+void Host::wait_for_inputs(TimePoint time) noexcept {
+  constexpr int kMost = 1000;
+  broker::Write write;
+  bool is_news = false;
+  for (int i = 0; i < kMost && waiter_->wait(TimePoint{0}, write) != Status::Late; ++i)
+    is_news = true;
+  if (!is_news) static_cast<void>(waiter_->wait(time, write));
+}
+
+void Host::wait_until(TimePoint time, Clock& clock) noexcept {
+  switch (adapter_.awaits()) {
+    case News::Inputs:
+      if (waiter_) return wait_for_inputs(time);
+      break;
+    case News::Outside:
+      if (const Duration left = time - clock.now(); left > Duration{0}) adapter_.wait_outside(left);
+      return;
+    case News::None:
+      break;
+  }
+  clock.sleep_until(time);
+}
+
 LoopEnd run_loop(Host& host, Clock& clock, TimePoint epoch, const Schedule& schedule,
                  const std::atomic<bool>& stopping) noexcept {
   Timing timing;
-  for (Duration time = schedule.phase;; time += schedule.period) {
-    clock.sleep_until(epoch + time);
+  for (Duration due = schedule.phase;;) {
+    host.wait_until(epoch + due, clock);
     const TimePoint begun = clock.now();
-    timing.late = begun - (epoch + time);
+    timing.is_early = begun < epoch + due;
+    timing.late = timing.is_early ? Duration{0} : begun - (epoch + due);
+    const Duration time = timing.is_early ? begun - epoch : due;
     const Status status = host.tick(time, stopping.load(std::memory_order_relaxed), timing);
     timing.duration = clock.now() - begun;
     if (status == Status::Done || status == Status::Fault) return {status, time};
+    if (!timing.is_early) due += schedule.period;
   }
 }
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """A seismically isolated plant in OpenSees: what one of its 486 bearings carries, on that bearing.
 
-usage: isolated_plant.py RECORD.csv [--bearing ring|plasticity|bouc_wen] [--port N] [--udp] [--duration S] [--step S]
-           [--scale F] [--integrator NAME [ARGUMENT …]] [--response FILE]
+usage: isolated_plant.py MOTION.csv [--columns X Y] [--unit F] [--bearing ring|plasticity|bouc_wen] [--port N] [--udp]
+           [--duration S] [--step S] [--integrator NAME [ARGUMENT …]] [--response FILE]
 
-The record has a heading and columns time [s], two horizontal accelerations [g]; the second shakes along x. Three
-buildings are sticks of masses on a rigid mat. With `--bearing ring` the bearing is a specimen that is elsewhere: one
-`element genericClient`, all that an experimental bearing changes in a script; the others are OpenSees' own. Writes time, displacement of the mat
-[m] and its absolute acceleration [m/s2], x and y, at each step.
+The motion has a heading, its first column is time [s], and X and Y are columns of acceleration [F m/s2]; by default
+1 and 2, and 1. Three buildings are sticks of masses on a rigid mat. With `--bearing ring` the bearing is a specimen
+that is elsewhere: one `element genericClient`, all that an experimental bearing changes in a script; the others are
+OpenSees' own. Writes time, displacement of the mat [m] and its absolute acceleration [m/s2], x and y, at each step.
 """
 import argparse
 import csv
@@ -25,17 +25,17 @@ STICKS = [  # masses [kg], first frequency along x and y on a fixed base [Hz]
 ]
 DAMPING = 0.04  # of the first mode of a stick
 STRENGTH, STIFFNESS, YIELD = 1.01e6, 4.238e6, 2.855e-3  # of a bearing [N], [N/m], [m]
-GRAVITY = 9.80665
 GROUND, BASE = 1, 2
 
 parser = argparse.ArgumentParser()
-parser.add_argument("record")
+parser.add_argument("motion")
+parser.add_argument("--columns", type=int, nargs=2, default=[1, 2])
+parser.add_argument("--unit", type=float, default=1.0)
 parser.add_argument("--bearing", choices=["ring", "plasticity", "bouc_wen"], default="ring")
 parser.add_argument("--port", type=int, default=8090)
 parser.add_argument("--udp", action="store_true")
 parser.add_argument("--duration", type=float, default=30)
 parser.add_argument("--step", type=float, default=0.01)
-parser.add_argument("--scale", type=float, default=1.0)
 parser.add_argument("--integrator", nargs="+", default=["AlphaOS", "0.95"])
 parser.add_argument("--response")
 options = parser.parse_args()
@@ -83,12 +83,12 @@ def add_bearing():
 
 
 def shake():
-    with open(options.record, newline="") as file:
+    with open(options.motion, newline="") as file:
         rows = [[float(cell) for cell in row] for row in list(csv.reader(file))[1:]]
     interval = rows[1][0] - rows[0][0]
-    for direction, column in ((1, 2), (2, 1)):
+    for direction, column in enumerate(options.columns, start=1):
         ops.timeSeries("Path", direction, "-dt", interval, "-values", *[row[column] for row in rows], "-factor",
-                       GRAVITY * options.scale)
+                       options.unit)
         ops.pattern("UniformExcitation", direction, direction, "-accel", direction)
 
 

@@ -17,6 +17,24 @@ constexpr double kRecorderOverhang = 0.2;          // [s]
 constexpr NodeId kOperatorId{200};
 constexpr std::uint16_t kFirstExtraNodeId = 201;  // of nodes that no laboratory's map knows
 
+// Time [s], accelerations long and lat [m/s²].
+std::string text_of(const sim::GroundMotion& motion) {
+  std::string text = "t_s,long_m_per_s2,lat_m_per_s2\n";
+  for (std::size_t i = 0; i < motion.long_acceleration.size(); ++i)
+    text += fmt::format("{:.9g},{:.9g},{:.9g}\n", static_cast<double>(i) * motion.time_step,
+                        motion.long_acceleration[i], motion.lat_acceleration[i]);
+  return text;
+}
+
+// A script takes from the experiment what it is told to.
+std::string filled_in(const std::string& argument, const Experiment& e,
+                      const std::filesystem::path& motion) {
+  if (argument == "{motion}") return std::filesystem::absolute(motion).string();
+  if (argument == "{step_s}") return fmt::format("{}", e.integration_step);
+  if (argument == "{duration_s}") return fmt::format("{}", e.duration);
+  return argument;
+}
+
 std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const NodePlan& plan,
                                                  ClockKind clock,
                                                  const std::filesystem::path& recording) {
@@ -24,7 +42,15 @@ std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const Node
   settings.rest = e.rest;
   settings.wait_deadline = e.wait_deadline * e.rate;
   settings.stops_time = clock == ClockKind::Virtual;
-  settings.log = recording.parent_path() / (plan.node + ".log");
+  const auto beside = [&](const std::string& ending) {
+    return recording.parent_path() / (recording.stem().string() + "." + plan.node + ending);
+  };
+  settings.log = beside(".log");
+  const auto motion = beside(".motion.csv");
+  for (auto& argument : settings.command) {
+    if (argument == "{motion}") settings.files = {{motion, text_of(e.motion)}};
+    argument = filled_in(argument, e, motion);
+  }
   return adapters::make_opensees(settings);
 }
 
@@ -45,7 +71,8 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodeP
   if (plan.adapter == "simulink_like")
     return adapters::make_simulink_like(
         plan.diagram, {e.axes, e.integration_step, e.simulation_step(), e.retreat});
-  if (plan.adapter == "opensees") return make_opensees(e, plan, clock, recording);
+  // Targets that are known are played, whoever found them.
+  if (plan.adapter == "opensees" && !e.history) return make_opensees(e, plan, clock, recording);
   adapters::NumericalSettings settings;
   settings.axes = e.axes;
   settings.plant = e.plant;

@@ -72,8 +72,16 @@ adapters::OpenSeesSettings read_opensees(const Config& table, const sim::Bearing
       table.number_in("connect_deadline_s", 0.1, 1e5, settings.connect_deadline);
   settings.answer_deadline =
       table.number_in("answer_deadline_s", 0.1, 1e5, settings.answer_deadline);
+  settings.is_prompt = table.flag("prompt", false);
   const std::string python = table.text("python", usual_python());
   const auto arguments = table.texts("arguments", {});
+  for (const auto& argument : arguments)
+    if (argument.starts_with("{") && argument != "{motion}" && argument != "{step_s}" &&
+        argument != "{duration_s}")
+      table.fail("arguments",
+                 fmt::format("'{}' stands for nothing, expected {{motion}}, {{step_s}} or "
+                             "{{duration_s}}",
+                             argument));
   if (!table.has("script")) return settings;
   const auto script = table.resolve(table.text("script"));
   if (!std::filesystem::exists(script))
@@ -93,7 +101,11 @@ NodePlan read_node(const std::string& node, const Config& table, const sim::Bear
     plan.diagram = find_file(table, "diagram", "diagrams");
     period = adapters::diagram_period(plan.diagram);
   }
-  if (plan.adapter == "opensees") plan.opensees = read_opensees(table, model);
+  if (plan.adapter == "opensees") {
+    plan.opensees = read_opensees(table, model);
+    // What comes with the news need not look for it as often.
+    if (plan.opensees->is_prompt) period = kMillisecond;
+  }
   plan.schedule.period = from_seconds(table.number_in("period_s", 1e-5, 1, period));
   plan.schedule.phase = from_seconds(table.number_in("phase_s", 0, 1, adapter.phase));
   read_tuning(table.table_or_empty("tune"), "", plan.tune);

@@ -12,7 +12,7 @@
 
 #include <rths/core/error.hpp>
 
-#include "spring_server.hpp"
+#include "support/process.hpp"
 
 namespace rths::adapters {
 namespace {
@@ -63,7 +63,7 @@ std::size_t received(Endpoint& endpoint, std::size_t length) {
 }
 
 TEST(Endpoint, PutsAStreamTogetherAgain) {
-  const std::uint16_t port = test::free_port();
+  const std::uint16_t port = rths::test::free_port();
   Endpoint endpoint{Transport::Tcp, "127.0.0.1", port};
   EXPECT_TRUE(endpoint.receive(44).empty());
   const Peer peer{Transport::Tcp, port};
@@ -80,7 +80,7 @@ TEST(Endpoint, PutsAStreamTogetherAgain) {
 }
 
 TEST(Endpoint, SplitsAndJoinsDatagramsAsOpenSeesDoes) {
-  const std::uint16_t port = test::free_port();
+  const std::uint16_t port = rths::test::free_port();
   Endpoint endpoint{Transport::Udp, "127.0.0.1", port};
   const Peer peer{Transport::Udp, port};
   peer.say(1, 'a');
@@ -95,7 +95,7 @@ TEST(Endpoint, SplitsAndJoinsDatagramsAsOpenSeesDoes) {
 }
 
 TEST(Endpoint, NoticesADatagramThatWasLost) {
-  const std::uint16_t port = test::free_port();
+  const std::uint16_t port = rths::test::free_port();
   Endpoint endpoint{Transport::Udp, "127.0.0.1", port};
   const Peer peer{Transport::Udp, port}, other{Transport::Udp, port};
   peer.say(1, 'a');
@@ -106,7 +106,7 @@ TEST(Endpoint, NoticesADatagramThatWasLost) {
 }
 
 TEST(Endpoint, NoticesAClientThatIsGone) {
-  const std::uint16_t port = test::free_port();
+  const std::uint16_t port = rths::test::free_port();
   Endpoint endpoint{Transport::Tcp, "127.0.0.1", port};
   Peer peer{Transport::Tcp, port};
   peer.say(44);
@@ -116,7 +116,7 @@ TEST(Endpoint, NoticesAClientThatIsGone) {
 }
 
 TEST(Endpoint, SaysWhyItCannotListen) {
-  const std::uint16_t port = test::free_port();
+  const std::uint16_t port = rths::test::free_port();
   const Endpoint endpoint{Transport::Tcp, "127.0.0.1", port};
   EXPECT_THROW((Endpoint{Transport::Tcp, "127.0.0.1", port}), Error);
   EXPECT_THROW((Endpoint{Transport::Tcp, "nowhere", port}), Error);

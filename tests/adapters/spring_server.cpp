@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "spring_server.hpp"
 
-#include <arpa/inet.h>
 #include <poll.h>
-#include <sys/socket.h>
+
+#include <cstring>
 
 #include <rths/core/error.hpp>
+
+#include "support/process.hpp"
 
 namespace rths::adapters::test {
 namespace {
@@ -15,20 +17,10 @@ constexpr double kStiffness = 2.8;
 
 }  // namespace
 
-std::uint16_t free_port() {
-  const Descriptor probe{socket(AF_INET, SOCK_STREAM, 0)};
-  sockaddr_in own{};
-  own.sin_family = AF_INET;
-  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof own;
-  if (bind(probe.get(), reinterpret_cast<const sockaddr*>(&own), size) != 0 ||
-      getsockname(probe.get(), reinterpret_cast<sockaddr*>(&own), &size) != 0)
-    throw Error{"no port is free"};
-  return ntohs(own.sin_port);
-}
-
 SpringServer::SpringServer(Transport transport)
-    : port_{free_port()}, endpoint_{transport, "127.0.0.1", port_}, thread_{[this] { serve(); }} {}
+    : port_{rths::test::free_port()}, endpoint_{transport, "127.0.0.1", port_}, thread_{[this] {
+        serve();
+      }} {}
 
 void SpringServer::serve() {
   const Eigen::MatrixXd stiffness = Eigen::MatrixXd::Constant(1, 1, kStiffness),

@@ -11,9 +11,6 @@
 
 namespace rths::adapters::test {
 
-/// A port of this host that nobody listens on now.
-[[nodiscard]] std::uint16_t free_port();
-
 /// What a spring server heard.
 struct Heard {
   std::vector<int> codes;  ///< in order; a new displacement is 3, one that is repeated −3

@@ -68,6 +68,9 @@ axes = {}
 duration_s = 30
 [motion]
 file = "{}"
+column_long = 2
+column_lat = 1
+scale = 1.4
 [specimen]
 model = "bilinear.toml"
 {}
@@ -83,7 +86,7 @@ port = {}
 dofs = {}
 )",
                            axes, (tree / "examples/records" / kRecord).string(), partners, python_,
-                           (tree / script).string(), arguments, kPort, axes))
+                           (tree / script).string(), arguments, port_, axes))
         .string();
   }
 
@@ -94,20 +97,19 @@ dofs = {}
   [[nodiscard]] Rows own_response(const std::string& bearing) const {
     const auto response = folder_.path() / "own.csv";
     test::Running running{{python_, (test::source_tree() / kPlant).string(),
-                           (test::source_tree() / "examples/records" / kRecord).string(), "--scale",
-                           "1.4", "--bearing", bearing, "--response", response.string()}};
+                           (test::source_tree() / "examples/records" / kRecord).string(),
+                           "--columns", "2", "1", "--unit", "13.72931", "--bearing", bearing,
+                           "--response", response.string()}};
     EXPECT_EQ(running.wait(60).exit_code, 0);
     return read_rows(response);
   }
   [[nodiscard]] std::filesystem::path out() const { return folder_.path() / "out"; }
   [[nodiscard]] std::string plant_arguments() const {
-    return fmt::format(R"("{}", "--scale", "1.4", "--port", "{}", "--response", "{}")",
-                       (test::source_tree() / "examples/records" / kRecord).string(), kPort,
+    return fmt::format(R"("{{motion}}", "--port", "{}", "--response", "{}")", port_,
                        (folder_.path() / "ring.csv").string());
   }
   [[nodiscard]] Rows ring_response() const { return read_rows(folder_.path() / "ring.csv"); }
 
-  static constexpr int kPort = 18'090;
   static constexpr const char* kRecord = "petrolia_1992_riodell_freefield.csv";
   static constexpr const char* kPlant = "examples/opensees/isolated_plant.py";
   static constexpr const char* kIdeal =
@@ -118,6 +120,7 @@ dofs = {}
   static constexpr const char* kBoth = R"(["long", "lat"])";
   test::TemporaryFolder folder_;
   std::string python_;
+  std::uint16_t port_ = test::free_port();
 };
 
 TEST_F(OpenSeesRun, FeelsABearingOnTheRingAsItsOwn) {
@@ -163,7 +166,7 @@ TEST_F(OpenSeesRun, EndsInOrderWhateverBecomesOfOpenSees) {
         Fate{"fail", "fated.py ended with 3: there is no more ground to shake"},
         Fate{"vanish", "element 'bearing': the client is gone, without code 99"}}) {
     const auto finished = run(experiment(kIdeal, "tests/opensees/fated.py",
-                                         fmt::format(R"("{}", "{}", "50")", kPort, fate.name)),
+                                         fmt::format(R"("{}", "{}", "50")", port_, fate.name)),
                               "virtual");
     EXPECT_EQ(finished.exit_code, 2) << fate.name;
     EXPECT_NE(finished.err.find(fate.message), std::string::npos) << finished.err;
@@ -173,7 +176,7 @@ TEST_F(OpenSeesRun, EndsInOrderWhateverBecomesOfOpenSees) {
 
 TEST_F(OpenSeesRun, EndsWhenOpenSeesTakesLeave) {
   const auto finished = run(
-      experiment(kIdeal, "tests/opensees/fated.py", fmt::format(R"("{}", "leave", "50")", kPort)),
+      experiment(kIdeal, "tests/opensees/fated.py", fmt::format(R"("{}", "leave", "50")", port_)),
       "virtual");
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
   const recording::Reader reader{out() / "run.h5"};
@@ -182,7 +185,8 @@ TEST_F(OpenSeesRun, EndsWhenOpenSeesTakesLeave) {
 
 TEST_F(OpenSeesRun, SaysThatAScriptCannotStart) {
   const auto finished =
-      run(experiment(kIdeal, kPlant, R"("there_is_no_such_record.csv", "--port", "18090")", kBoth),
+      run(experiment(kIdeal, kPlant,
+                     fmt::format(R"("there_is_no_such_record.csv", "--port", "{}")", port_), kBoth),
           "virtual");
   EXPECT_EQ(finished.exit_code, 2);
   EXPECT_NE(finished.err.find("isolated_plant.py ended with 1: FileNotFoundError"),

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "process.hpp"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +15,7 @@
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <stdexcept>
 
 #include "files.hpp"
 
@@ -99,6 +102,19 @@ Finished Running::wait(double deadline_s) {
 }
 
 std::string rths_command() { return (build_tree() / "bin" / "rths").string(); }
+
+std::uint16_t free_port() {
+  const int probe = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof own;
+  const bool is_bound = bind(probe, reinterpret_cast<const sockaddr*>(&own), size) == 0 &&
+                        getsockname(probe, reinterpret_cast<sockaddr*>(&own), &size) == 0;
+  close(probe);
+  if (!is_bound) throw std::runtime_error{"no port is free"};
+  return ntohs(own.sin_port);
+}
 
 Finished run_rths(const std::vector<std::string>& arguments, double deadline_s) {
   std::vector<std::string> command{rths_command()};

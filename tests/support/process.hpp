@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,9 @@ class Running {
   int out_ = -1, err_ = -1;
   Finished finished_;
 };
+
+/// A port of this host that nobody listens on now.
+[[nodiscard]] std::uint16_t free_port();
 
 /// Runs the `rths` of this build.
 [[nodiscard]] Finished run_rths(const std::vector<std::string>& arguments, double deadline_s = 60);

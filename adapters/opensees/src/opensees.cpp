@@ -4,6 +4,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <fstream>
 #include <optional>
 
 #include <fmt/format.h>
@@ -26,6 +27,8 @@ class OpenSees final : public Adapter {
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override;
   [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] News awaits() const noexcept override;
+  void wait_outside(Duration longest) override { wait_for_news(longest); }
   void deactivate() override;
 
  private:
@@ -82,6 +85,9 @@ std::vector<Port> OpenSees::ports() const {
 
 void OpenSees::activate() {
   for (const auto& element : settings_.elements) servers_.emplace_back(element);
+  for (const auto& [file, content] : settings_.files)
+    if (!(std::ofstream{file} << content).flush())
+      throw Error{fmt::format("{}: cannot be written", file.string())};
   if (!settings_.command.empty()) script_.emplace(settings_.command, settings_.log);
   heard_ = WallClock{}.now();
 }
@@ -131,7 +137,16 @@ void OpenSees::wait_for_news(Duration longest) const {
   std::vector<pollfd> news;
   for (const auto& server : servers_)
     if (!server.has_left()) news.push_back({server.descriptor(), POLLIN, 0});
-  poll(news.data(), news.size(), static_cast<int>(longest / std::chrono::milliseconds{1}) + 1);
+  const timespec patience{longest / std::chrono::seconds{1},
+                          (longest % std::chrono::seconds{1}).count()};
+  ppoll(news.data(), news.size(), &patience, nullptr);
+}
+
+// Once every element waits for its force, OpenSees says no more before the specimen has arrived.
+News OpenSees::awaits() const noexcept {
+  if (!settings_.is_prompt || settings_.stops_time || handshake_.is_leaving()) return News::None;
+  return all([](const auto& server) { return server.wants_force(); }) ? News::Inputs
+                                                                      : News::Outside;
 }
 
 void OpenSees::answer_all(const Step& step) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <rths/core/clock.hpp>
 #include <rths/core/realtime.hpp>
 #include <rths/core/status.hpp>
 
@@ -37,6 +38,13 @@ struct Step {
   const char* message = "";        ///< out: why, with Fault; must outlive the step
 };
 
+/// What may bring an adapter's next step before it is due.
+enum class News {
+  None,     ///< nothing
+  Inputs,   ///< a write to one of its inputs
+  Outside,  ///< something that is not on the ring: it waits for that itself
+};
+
 /// Whatever takes part in a test: a solver, a controller, a test machine, a recorder.
 ///
 /// It sees arrays of values in SI units and never the ring, so the same adapter runs in a process
@@ -51,6 +59,11 @@ class Adapter {
   virtual void activate() = 0;
   /// One period. Done: nothing is left to do, and everything is at rest.   @realtime
   [[nodiscard]] virtual Status step(Step& step) RTHS_REALTIME = 0;
+  /// What it waits for, beside its next step's being due. In virtual time all steps wait for that
+  /// alone.   @realtime
+  [[nodiscard]] virtual News awaits() const RTHS_REALTIME { return News::None; }
+  /// Waits for news from outside, at most so long.
+  virtual void wait_outside(Duration longest) { static_cast<void>(longest); }
   /// Lets go of what `activate` took. Also called after a fault.
   /// @throws Error if what it should leave behind is not whole   @setup
   virtual void deactivate() = 0;

@@ -3,10 +3,12 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
+#include <rths/broker/follow.hpp>
 #include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>
 #include <rths/memmap/codec.hpp>
@@ -23,6 +25,7 @@ struct Schedule {
 struct Timing {
   Duration late{0};
   Duration duration{0};
+  bool is_early = false;  ///< there was news: it counts as no step of the schedule
 };
 
 /// What every node tells of itself, first in its monitor partition: see `Host`.
@@ -45,6 +48,10 @@ class Host {
 
   /// One step. @param time  as scheduled, since the run began   @realtime
   [[nodiscard]] Status tick(Duration time, bool stopping, const Timing& timing) RTHS_REALTIME;
+
+  /// Returns at `time`, or when there is news that the adapter waits for.   @realtime, but for the
+  /// sleep
+  void wait_until(TimePoint time, Clock& clock) RTHS_REALTIME;
 
   [[nodiscard]] const char* message() const { return step_.message; }
   [[nodiscard]] std::uint64_t overruns() const { return overruns_; }
@@ -78,7 +85,9 @@ class Host {
   broker::Node node_;
   Duration period_;
   std::vector<std::string> peers_;
+  void wait_for_inputs(TimePoint time) noexcept;
   std::vector<Transfer> reads_, writes_;
+  std::optional<broker::Waiter> waiter_;  ///< for writes to the inputs; none: there are no inputs
   std::vector<double> inputs_, outputs_;
   Step step_;
   std::uint64_t steps_ = 0, overruns_ = 0, stale_ = 0;
@@ -93,7 +102,8 @@ struct LoopEnd {
   Duration time{0};            ///< of the last step
 };
 
-/// Runs a host on a clock until its adapter is done or at fault. A late step is run at once, and
+/// Runs a host on a clock until its adapter is done or at fault: when a step is due, and when there
+/// is news that the adapter waits for. A late step is run at once, and
 /// those that were missed are made up for: the machine moved on meanwhile.
 /// @param stopping  may be set by any thread at any time
 [[nodiscard]] LoopEnd run_loop(Host& host, Clock& clock, TimePoint epoch, const Schedule& schedule,

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -41,10 +42,14 @@ struct OpenSeesSettings {
   double wait_deadline = 1;      ///< for each flag of the handshake [s]
   double connect_deadline = 60;  ///< for OpenSees to come, on the host's clock [s]
   double answer_deadline = 10;   ///< for OpenSees to say something, on the host's clock [s]
+  /// Steps come with the news, not only when they are due: at the price of some waiting awake.
+  bool is_prompt = false;
   bool stops_time = false;  ///< time is virtual: a step takes until OpenSees has said what is next
   /// OpenSees itself, to be started here: program, script and arguments. Empty: somebody else does.
   std::vector<std::string> command;
   std::filesystem::path log;  ///< what it says goes there
+  /// Written before it starts: path, content.
+  std::vector<std::pair<std::filesystem::path, std::string>> files;
 };
 
 /// Reads [[element]] tables: see docs/opensees.md.
