@@ -146,12 +146,19 @@ TEST_F(OpenSeesRun, MovesTheMachineThroughTheController) {
   EXPECT_LT(nrmse(ring, own, 2), 0.3);
 }
 
-TEST_F(OpenSeesRun, GivesTheSameResponseEveryTimeInVirtualTime) {
+// OpenSees speaks when it likes; what is recorded does not tell.
+TEST_F(OpenSeesRun, IsTheSameEveryTimeInVirtualTime) {
   const std::string file = experiment(kMachine, kPlant, plant_arguments(), kBoth);
-  ASSERT_EQ(run(file, "virtual").exit_code, 0);
-  const Rows first = ring_response();
-  ASSERT_EQ(run(file, "virtual").exit_code, 0);
-  EXPECT_EQ(ring_response(), first);
+  std::vector<std::vector<std::vector<double>>> recorded;
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_EQ(run(file, "virtual").exit_code, 0);
+    const recording::Reader reader{out() / "run.h5"};
+    recorded.emplace_back();
+    for (const char* signal : {"opf.newTarget", "opf.long.displ.target", "daq.lat.force.fbk",
+                               "srmd.long.force.fbk", "monitor.opf.step"})
+      recorded.back().push_back(reader.signal(signal));
+  }
+  EXPECT_EQ(recorded[0], recorded[1]);
 }
 
 struct Fate {

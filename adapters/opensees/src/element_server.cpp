@@ -8,6 +8,8 @@
 namespace rths::adapters {
 namespace {
 
+constexpr int kMostAtOnce = 1000;  // messages: OpenSees sends far fewer before it wants an answer
+
 // OpenSees always reads what it has asked for.
 constexpr auto kSendPatience = std::chrono::seconds{1};
 
@@ -19,9 +21,9 @@ ElementServer::ElementServer(const OpenSeesElement& element)
       client_{name_, {element.initial_stiffness, element.damping, element.mass}} {}
 
 bool ElementServer::hear() {
-  const std::uint64_t before = messages_;
+  int heard = 0;
   try {
-    while (!has_left_ && !wants_force_) {
+    for (; heard < kMostAtOnce && !has_left_ && !wants_force_; ++heard) {
       const auto message = endpoint_.receive(client_.expected());
       if (message.empty()) break;
       take_in(message);
@@ -30,11 +32,10 @@ bool ElementServer::hear() {
     const std::string what = error.what();
     throw Error{what.starts_with(name_) ? what : fmt::format("{}: {}", name_, what)};
   }
-  return messages_ > before;
+  return heard > 0;
 }
 
 void ElementServer::take_in(std::span<const std::byte> message) {
-  ++messages_;
   switch (client_.hear(message)) {
     case GenericClient::Heard::Trial:
       has_trial_ = true;

@@ -29,7 +29,6 @@ class ElementServer {
   [[nodiscard]] bool is_new() const { return is_new_; }        ///< it moves the specimen
   [[nodiscard]] bool wants_force() const { return wants_force_; }
   [[nodiscard]] bool has_left() const { return has_left_; }
-  [[nodiscard]] std::uint64_t messages() const { return messages_; }
 
  private:
   void take_in(std::span<const std::byte> message);
@@ -38,7 +37,6 @@ class ElementServer {
   Endpoint endpoint_;
   GenericClient client_;
   bool has_trial_ = false, is_new_ = false, wants_force_ = false, has_left_ = false;
-  std::uint64_t messages_ = 0;
 };
 
 }  // namespace rths::adapters

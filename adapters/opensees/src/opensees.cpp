@@ -35,7 +35,7 @@ class OpenSees final : public Adapter {
   enum In : std::size_t { kAtTarget, kSwitchPc, kFeedback };  // positions among the inputs
 
   [[nodiscard]] Status advance(Step& step);
-  [[nodiscard]] bool hear_all();
+  void hear_all();
   [[nodiscard]] Duration patience();
   void wait_for_news(Duration longest) const;
   // Hears what there is. Where time stands still, waits until OpenSees has done its part.
@@ -44,7 +44,6 @@ class OpenSees final : public Adapter {
   [[nodiscard]] bool owes_nothing() const;
   void begin_round(const Step& step);
   void answer_all(const Step& step);
-  void write_monitors(const Step& step) const;
   template <class Condition>
   [[nodiscard]] bool all(const Condition& condition) const {
     return std::all_of(servers_.begin(), servers_.end(), condition);
@@ -79,7 +78,6 @@ std::vector<Port> OpenSees::ports() const {
   add("opf.1.time.target", Direction::Output, "s");
   add("opf.newTarget", Direction::Output, "1");
   add("step", Direction::Monitor, "1");
-  add("messages", Direction::Monitor, "1");
   return ports;
 }
 
@@ -105,11 +103,9 @@ void OpenSees::deactivate() {
   if (trouble) throw Error{*trouble};
 }
 
-bool OpenSees::hear_all() {
-  bool heard = false;
-  for (auto& server : servers_) heard = server.hear() || heard;
-  if (heard) heard_ = WallClock{}.now();
-  return heard;
+void OpenSees::hear_all() {
+  for (auto& server : servers_)
+    if (server.hear()) heard_ = WallClock{}.now();
 }
 
 // All have their targets, or one of them waits for its force: then no more will come.
@@ -182,8 +178,7 @@ void OpenSees::begin_round(const Step& step) {
 
 void OpenSees::converse(const Step& step) {
   while (true) {
-    while (hear_all()) {
-    }
+    hear_all();
     if (handshake_.is_there() && is_round_complete()) begin_round(step);
     if (handshake_.is_there()) answer_all(step);
     has_left_ = all([](const auto& server) { return server.has_left(); });
@@ -194,14 +189,6 @@ void OpenSees::converse(const Step& step) {
     }
     wait_for_news(patience());
   }
-}
-
-void OpenSees::write_monitors(const Step& step) const {
-  std::uint64_t messages = 0;
-  for (const auto& server : servers_) messages += server.messages();
-  const auto monitors = step.outputs.last(2);
-  monitors[0] = static_cast<double>(rounds_);
-  monitors[1] = static_cast<double>(messages);
 }
 
 Status OpenSees::advance(Step& step) {
@@ -226,7 +213,7 @@ Status OpenSees::step(Step& step) noexcept {
   Status status = Status::Fault;
   try {
     status = advance(step);
-    write_monitors(step);
+    step.outputs.back() = static_cast<double>(rounds_);
   } catch (const std::exception& error) {
     message_ = error.what();
     // A script that failed says why; that its elements are gone follows from it.
@@ -235,7 +222,7 @@ Status OpenSees::step(Step& step) noexcept {
         message_ += "; " + *trouble;
     step.message = message_.c_str();
   }
-  step.outputs[step.outputs.size() - 3] = handshake_.new_target();
+  step.outputs[step.outputs.size() - 2] = handshake_.new_target();
   return status;
 }
 

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenSees as the solver of a run in real time; and what becomes of it, and of the others, when one
+// of them dies.
+#include <signal.h>
+
+#include <chrono>
+#include <map>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <rths/broker/ring.hpp>
+
+#include "support/files.hpp"
+#include "support/opensees.hpp"
+#include "support/process.hpp"
+#include "support/ring_maps.hpp"
+
+namespace rths::launch {
+namespace {
+
+using std::chrono::milliseconds;
+
+std::string solver(const std::string& python, std::uint16_t port) {
+  return fmt::format(
+      "node.opf={{adapter=\"opensees\", python=\"{}\", script=\"isolated_plant.py\", "
+      "arguments=[\"{{motion}}\", \"--duration\", \"{{duration_s}}\", \"--port\", \"{}\"], "
+      "element=[{{name=\"bearing\", port={}, dofs=[\"long\", \"lat\"]}}]}}",
+      python, port, port);
+}
+
+bool is_running(int pid) {
+  const std::string stat = test::content_of("/proc/" + std::to_string(pid) + "/stat");
+  return !stat.empty() && stat[stat.rfind(')') + 2] != 'Z';
+}
+
+/// A run in real time on a ring of its own.
+class Laboratory {
+ public:
+  Laboratory(const std::string& python, const std::string& duration)
+      : ring_{test::unique_ring("opensees")},
+        removal_{ring_},
+        running_{{test::rths_command(), "run",
+                  (test::source_tree() / "examples/opensees/isolated_plant.toml").string(),
+                  "--no-diagnosis", "--out", folder_.path().string(), "--ring", ring_, "--set",
+                  "duration_s=" + duration, "--set", solver(python, test::free_port())}} {}
+
+  // Process ids by node, and of OpenSees, once all have taken steps.
+  std::map<std::string, int> wait_until_moving() {
+    std::map<std::string, int> pids;
+    for (int look = 0; look < 2000 && pids.size() < 5; ++look) {
+      std::this_thread::sleep_for(milliseconds{5});
+      pids.clear();
+      for (const auto& report : broker::list_rings())
+        for (const auto& occupant : report.occupants)
+          if (report.name == ring_ && occupant.beats > 1000) pids[occupant.node] = occupant.pid;
+      if (pids.count("opf") == 0) continue;
+      for (const int child : test::children_of(pids["opf"])) pids["OpenSees"] = child;
+    }
+    return pids;
+  }
+  test::Finished wait() { return running_.wait(60); }
+
+ private:
+  test::TemporaryFolder folder_;
+  std::string ring_;
+  test::RingRemoval removal_;
+  test::Running running_;
+};
+
+class OpenSeesWall : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    const auto python = test::opensees_python();
+    if (!python)
+      GTEST_SKIP()
+          << "SKIPPED: there is no OpenSees here; ./lab test installs it in build/opensees";
+    python_ = *python;
+  }
+  std::string python_;
+};
+
+TEST_F(OpenSeesWall, RunsInRealTime) {
+  Laboratory laboratory{python_, "3"};
+  const auto finished = laboratory.wait();
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_NE(finished.out.find("299 steps, 5 processes, wall clock"), std::string::npos)
+      << finished.out;
+}
+
+// Nobody reads a socket for ever, nobody is left, and the others come to rest.
+TEST_P(OpenSeesWall, EndsWhenOneIsKilled) {
+  Laboratory laboratory{python_, "30"};
+  const auto pids = laboratory.wait_until_moving();
+  ASSERT_EQ(pids.count(GetParam()), 1U);
+  const auto begun = std::chrono::steady_clock::now();
+  kill(pids.at(GetParam()), SIGKILL);
+
+  const auto finished = laboratory.wait();
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds{4});
+  EXPECT_NE(finished.err.find("rths: the run ended early: "), std::string::npos) << finished.err;
+  for (const auto& [name, pid] : pids) EXPECT_FALSE(is_running(pid)) << name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, OpenSeesWall, testing::Values("OpenSees", "opf", "srmd", "xpc"),
+                         [](const auto& death) { return std::string{death.param}; });
+
+}  // namespace
+}  // namespace rths::launch
