@@ -30,11 +30,6 @@ std::string solver(const std::string& python, std::uint16_t port) {
       python, port, port);
 }
 
-bool is_running(int pid) {
-  const std::string stat = test::content_of("/proc/" + std::to_string(pid) + "/stat");
-  return !stat.empty() && stat[stat.rfind(')') + 2] != 'Z';
-}
-
 /// A run in real time on a ring of its own.
 class Laboratory {
  public:
@@ -102,7 +97,7 @@ TEST_P(OpenSeesWall, EndsWhenOneIsKilled) {
   EXPECT_EQ(finished.exit_code, 2);
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds{4});
   EXPECT_NE(finished.err.find("rths: the run ended early: "), std::string::npos) << finished.err;
-  for (const auto& [name, pid] : pids) EXPECT_FALSE(is_running(pid)) << name;
+  for (const auto& [name, pid] : pids) EXPECT_FALSE(test::is_running(pid)) << name;
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, OpenSeesWall, testing::Values("OpenSees", "opf", "srmd", "xpc"),

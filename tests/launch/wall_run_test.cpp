@@ -69,11 +69,6 @@ class WallRun {
   test::Running running;
 };
 
-bool is_running(int pid) {
-  const std::string stat = test::content_of("/proc/" + std::to_string(pid) + "/stat");
-  return !stat.empty() && stat[stat.rfind(')') + 2] != 'Z';
-}
-
 TEST(WallRun, RunsEachNodeAsAProcessOfItsOwn) {
   WallRun run{"processes", "3"};
   const auto pids = run.wait_until_moving();
@@ -120,7 +115,7 @@ TEST_P(Death, BringsTheOthersToRestWithinTwoSeconds) {
   const auto killed = std::chrono::steady_clock::now();
   const auto all_ended = [&] {
     return std::none_of(pids.begin(), pids.end(),
-                        [](const auto& p) { return is_running(p.second); });
+                        [](const auto& p) { return test::is_running(p.second); });
   };
   while (!all_ended() && std::chrono::steady_clock::now() - killed < std::chrono::seconds{10})
     std::this_thread::sleep_for(milliseconds{10});
@@ -167,7 +162,7 @@ TEST(WallRun, EndsWhenANodeFallsSilent) {
                               ") is silent: held"),
             std::string::npos)
       << finished.err;
-  EXPECT_FALSE(is_running(pids.at("srmd")));
+  EXPECT_FALSE(test::is_running(pids.at("srmd")));
   EXPECT_FALSE(run.ring_is_there());
 }
 
@@ -198,8 +193,8 @@ TEST(WallRun, ComesToRestThoughTheLauncherHangs) {
   kill(pids.at("srmd"), SIGKILL);
   const auto begun = std::chrono::steady_clock::now();
   const auto any_left = [&] {
-    return is_running(pids.at("xpc")) || is_running(pids.at("opf")) ||
-           is_running(pids.at("recorder"));
+    return test::is_running(pids.at("xpc")) || test::is_running(pids.at("opf")) ||
+           test::is_running(pids.at("recorder"));
   };
   while (any_left() && std::chrono::steady_clock::now() - begun < std::chrono::seconds{10})
     std::this_thread::sleep_for(milliseconds{10});

@@ -122,6 +122,11 @@ Finished run_rths(const std::vector<std::string>& arguments, double deadline_s) 
   return Running{command}.wait(deadline_s);
 }
 
+bool is_running(int pid) {
+  const std::string stat = content_of("/proc/" + std::to_string(pid) + "/stat");
+  return !stat.empty() && stat[stat.rfind(')') + 2] != 'Z';
+}
+
 std::vector<int> children_of(int pid) {
   std::ifstream file{"/proc/" + std::to_string(pid) + "/task/" + std::to_string(pid) + "/children"};
   return {std::istream_iterator<int>{file}, {}};

@@ -40,6 +40,8 @@ class Running {
 /// Runs the `rths` of this build.
 [[nodiscard]] Finished run_rths(const std::vector<std::string>& arguments, double deadline_s = 60);
 [[nodiscard]] std::string rths_command();
+/// Whether a process is there and has not ended.
+[[nodiscard]] bool is_running(int pid);
 /// Process ids of the direct children of a process.
 [[nodiscard]] std::vector<int> children_of(int pid);
 /// Command line of a process, its words separated by blanks.
