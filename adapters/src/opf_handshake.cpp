@@ -8,6 +8,15 @@ constexpr double kFarewell = 0.02;  // [s] that newTarget stays at stop
 
 }  // namespace
 
+Handshake read_handshake(const Config& table) {
+  const std::string word = table.text("handshake", "at_target_first");
+  if (word == "target_first") return Handshake::TargetFirst;
+  if (word != "at_target_first")
+    table.fail("handshake",
+               "handshake is '" + word + "', expected at_target_first or target_first");
+  return Handshake::AtTargetFirst;
+}
+
 Status OpfHandshake::wait_for(bool flag, Phase next, const char* otherwise, double now) noexcept {
   if (flag) enter(next, now);
   if (flag || now - entered_ <= deadline_) return Status::Ok;

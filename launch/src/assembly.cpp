@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/adapters/echo.hpp>
 #include <rths/adapters/ideal_machine.hpp>
 #include <rths/adapters/recorder.hpp>
 #include <rths/core/error.hpp>
@@ -35,10 +36,21 @@ std::string filled_in(const std::string& argument, const Experiment& e,
   return argument;
 }
 
+adapters::OpfLayout layout_of(const Experiment& e) {
+  return adapters::opf_layout(memmap::load_map(e.map));
+}
+
+std::unique_ptr<adapters::Adapter> make_echo(const Experiment& e, adapters::EchoSettings settings) {
+  settings.layout = layout_of(e);
+  return adapters::make_echo(settings);
+}
+
 std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const NodePlan& plan,
                                                  ClockKind clock,
                                                  const std::filesystem::path& recording) {
   adapters::OpenSeesSettings settings = *plan.opensees;
+  settings.layout = layout_of(e);
+  settings.simulation_step = e.simulation_step();
   settings.rest = e.rest;
   settings.wait_deadline = e.wait_deadline * e.rate;
   settings.stops_time = clock == ClockKind::Virtual;
@@ -68,6 +80,7 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodeP
   if (plan.adapter == "ideal_machine")
     return adapters::make_ideal_machine(
         {e.specimen, e.axes, e.integration_step, e.simulation_step()});
+  if (plan.adapter == "echo") return make_echo(e, *plan.echo);
   if (plan.adapter == "simulink_like")
     return adapters::make_simulink_like(
         plan.diagram, {e.axes, e.integration_step, e.simulation_step(), e.retreat});

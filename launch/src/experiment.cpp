@@ -30,6 +30,7 @@ struct KnownAdapter {
 constexpr KnownAdapter kAdapters[] = {{"recorder", kMillisecond, 0.8 * kMillisecond},
                                       {"srmd", kMillisecond, 0},
                                       {"ideal_machine", kMillisecond, 0.3 * kMillisecond},
+                                      {"echo", kMillisecond, 0.3 * kMillisecond},
                                       {"simulink_like", kMillisecond, 0.3 * kMillisecond},
                                       {"numerical", 0.25 * kMillisecond, 0.1 * kMillisecond},
                                       {"opensees", 0.25 * kMillisecond, 0.1 * kMillisecond}};
@@ -67,7 +68,7 @@ std::string usual_python() {
 
 adapters::OpenSeesSettings read_opensees(const Config& table, const sim::Bearing& model) {
   adapters::OpenSeesSettings settings;
-  settings.elements = adapters::read_opensees_elements(table, sim::initial_stiffness(model));
+  adapters::read_opensees(table, sim::initial_stiffness(model), settings);
   settings.connect_deadline =
       table.number_in("connect_deadline_s", 0.1, 1e5, settings.connect_deadline);
   settings.answer_deadline =
@@ -91,6 +92,14 @@ adapters::OpenSeesSettings read_opensees(const Config& table, const sim::Bearing
   return settings;
 }
 
+adapters::EchoSettings read_echo(const Config& table) {
+  adapters::EchoSettings settings;
+  settings.stiffness = table.number_in("stiffness_N_per_m", 0, 1e15, settings.stiffness);
+  settings.is_down_when_idle = adapters::read_handshake(table) == adapters::Handshake::TargetFirst;
+  settings.is_prompt = table.flag("prompt", false);
+  return settings;
+}
+
 NodePlan read_node(const std::string& node, const Config& table, const sim::Bearing& model) {
   const KnownAdapter& adapter = adapter_named(table);
   NodePlan plan;
@@ -106,6 +115,7 @@ NodePlan read_node(const std::string& node, const Config& table, const sim::Bear
     // What comes with the news need not look for it as often.
     if (plan.opensees->is_prompt) period = kMillisecond;
   }
+  if (plan.adapter == "echo") plan.echo = read_echo(table);
   plan.schedule.period = from_seconds(table.number_in("period_s", 1e-5, 1, period));
   plan.schedule.phase = from_seconds(table.number_in("phase_s", 0, 1, adapter.phase));
   read_tuning(table.table_or_empty("tune"), "", plan.tune);

@@ -57,7 +57,7 @@ std::string error_of(const Action& action) {
 }
 
 TEST(GenericClient, ReadsSizesFirst) {
-  GenericClient client{"element 'column'", matrices(2)};
+  GenericClient client{"element 'column'", 2};
   EXPECT_EQ(client.expected(), 44U);
   EXPECT_EQ(client.hear(sizes(2, 256)), Heard::Sizes);
   EXPECT_EQ(client.expected(), 2048U);
@@ -65,7 +65,7 @@ TEST(GenericClient, ReadsSizesFirst) {
 
 TEST(GenericClient, SaysWhatIsWrongWithTheSizes) {
   const auto heard = [](const std::vector<std::byte>& message) {
-    GenericClient client{"element 'column'", matrices(2)};
+    GenericClient client{"element 'column'", 2};
     return error_of([&] { static_cast<void>(client.hear(message)); });
   };
   EXPECT_EQ(heard(sizes(3, 256)),
@@ -78,7 +78,7 @@ TEST(GenericClient, SaysWhatIsWrongWithTheSizes) {
 }
 
 TEST(GenericClient, KnowsANewTrialFromOneThatIsRepeated) {
-  GenericClient client{"element", matrices(2)};
+  GenericClient client{"element", 2};
   static_cast<void>(client.hear(sizes(2, 256)));
   EXPECT_EQ(client.hear(request(256, {3})), Heard::Trial);
   EXPECT_FALSE(client.is_new());  // it began at rest
@@ -93,11 +93,11 @@ TEST(GenericClient, KnowsANewTrialFromOneThatIsRepeated) {
 }
 
 TEST(GenericClient, AnswersInColumns) {
-  GenericClient client{"element", matrices(2)};
+  GenericClient client{"element", 2};
   static_cast<void>(client.hear(sizes(2, 256)));
   const auto answer = [&](double code) {
     EXPECT_EQ(client.hear(request(256, {code})), Heard::Matrix);
-    auto values = doubles_of(client.matrix_reply());
+    auto values = doubles_of(client.matrix_reply(matrices(client.dofs())));
     EXPECT_EQ(values.size(), 256U);
     values.resize(5);
     return values;
@@ -117,14 +117,14 @@ TEST(GenericClient, AnswersInColumns) {
 
 TEST(GenericClient, TakesLongMessagesForManyDegreesOfFreedom) {
   for (const auto& [n, doubles] : {std::pair{16, 256}, {17, 289}, {100, 10000}}) {
-    GenericClient client{"element", matrices(n)};
+    GenericClient client{"element", n};
     EXPECT_EQ(client.hear(sizes(n, doubles)), Heard::Sizes);
     EXPECT_EQ(client.expected(), 8U * static_cast<std::size_t>(doubles));
   }
 }
 
 TEST(GenericClient, RejectsWhatItDoesNotKnowAndKeepsTheLastTrial) {
-  GenericClient client{"element", matrices(1)};
+  GenericClient client{"element", 1};
   static_cast<void>(client.hear(sizes(1, 256)));
   static_cast<void>(client.hear(request(256, {3, 0.5, 0, 0, 0.01})));
   EXPECT_EQ(error_of([&] { static_cast<void>(client.hear(request(256, {7}))); }),
@@ -144,7 +144,7 @@ TEST(GenericClient, StandsAMillionMalformedMessages) {
   std::uniform_int_distribution<std::size_t> code{0, 9};
   constexpr double kCodes[] = {3, 5, 10, 12, 13, 14, 15, 99, 98, 6};
   constexpr int kMessages = 1'000'000;
-  GenericClient client{"element", matrices(1)};
+  GenericClient client{"element", 1};
   int refused = 0;
   for (int i = 0; i < kMessages; ++i) {
     const bool is_first = client.expected() == 44;
@@ -158,13 +158,13 @@ TEST(GenericClient, StandsAMillionMalformedMessages) {
     try {
       const Heard heard = client.hear(message);
       if (heard == Heard::Matrix) {
-        ASSERT_EQ(client.matrix_reply().size(), client.expected());
+        ASSERT_EQ(client.matrix_reply(matrices(client.dofs())).size(), client.expected());
       }
     } catch (const Error&) {
       ++refused;
     }
     ASSERT_TRUE(client.trial().displacement.allFinite());
-    if (chance(random) == 0) client = GenericClient{"element", matrices(1)};
+    if (chance(random) == 0) client = GenericClient{"element", 1};
   }
   EXPECT_GT(refused, kMessages / 10);
 }

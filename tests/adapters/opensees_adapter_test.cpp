@@ -11,8 +11,8 @@
 #include <rths/adapters/opensees.hpp>
 
 #include "support/files.hpp"
-#include "support/opensees.hpp"
 #include "support/process.hpp"
+#include "support/with_opensees.hpp"
 
 namespace rths::adapters {
 namespace {
@@ -55,7 +55,12 @@ OpenSeesSettings settings_of(const test::TemporaryFolder& folder, const std::str
     element.name = point(i);
     element.is_udp = i % 2 == 1;
     element.port = static_cast<std::uint16_t>(kFirstPort + i);
-    element.dofs = {{"opf." + point(i) + ".displ.target", "", "daq." + point(i) + ".force.fbk"}};
+    element.is_rotation = {false};
+    element.axes = {{point(i)}};
+    settings.layout.commands.push_back(
+        {"opf." + point(i) + ".displ.target", point(i), Quantity::Displacement, "m"});
+    settings.layout.feedbacks.push_back(
+        {"daq." + point(i) + ".force.fbk", point(i), Quantity::Force, "N"});
     element.initial_stiffness = Eigen::MatrixXd::Constant(1, 1, stiffness(i));
     element.damping = element.mass = Eigen::MatrixXd::Zero(1, 1);
     settings.elements.push_back(element);
@@ -111,12 +116,11 @@ std::vector<std::vector<double>> rows_of(std::istream&& in) {
   return rows;
 }
 
-TEST(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
-  const auto python = rths::test::opensees_python();
-  if (!python)
-    GTEST_SKIP() << "SKIPPED: there is no OpenSees here; ./lab test installs it in build/opensees";
+using OpenSeesAdapter = rths::test::WithOpenSees<>;
+
+TEST_F(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
   const test::TemporaryFolder folder;
-  const auto solver = make_opensees(settings_of(folder, *python));
+  const auto solver = make_opensees(settings_of(folder, python_));
   Springs springs;
   const auto map = map_of(solver->ports(), springs.ports());
   auto ring = broker::Ring::in_process(map);
@@ -132,7 +136,7 @@ TEST(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
   EXPECT_EQ(status, Status::Done) << solving.message();
   solver->deactivate();
 
-  test::Running own{{*python, (test::source_tree() / "tests/opensees/many.py").string(), "inside",
+  test::Running own{{python_, (test::source_tree() / "tests/opensees/many.py").string(), "inside",
                      std::to_string(kCount), std::to_string(kSteps)}};
   const auto expected = rows_of(std::istringstream{own.wait(30).out});
   const auto found = rows_of(std::ifstream{folder.path() / "ring.log"});

@@ -9,8 +9,8 @@
 
 #include "spring_server.hpp"
 #include "support/files.hpp"
-#include "support/opensees.hpp"
 #include "support/process.hpp"
+#include "support/with_opensees.hpp"
 
 namespace rths::adapters {
 namespace {
@@ -24,23 +24,16 @@ struct Analysis {
 
 void PrintTo(const Analysis& analysis, std::ostream* out) { *out << analysis.name; }
 
-class RealOpenSees : public testing::Test {
+class RealOpenSees : public rths::test::WithOpenSees<> {
  protected:
-  void SetUp() override {
-    python_ = rths::test::opensees_python();
-    if (!python_)
-      GTEST_SKIP()
-          << "SKIPPED: there is no OpenSees here; ./lab test installs it in build/opensees";
-  }
   [[nodiscard]] std::vector<std::string> command(std::uint16_t port, Transport transport,
                                                  std::vector<std::string> arguments) const {
     const auto script = rths::test::source_tree() / "tests/opensees/oscillator.py";
-    std::vector<std::string> words{*python_, script.string(), std::to_string(port),
+    std::vector<std::string> words{python_, script.string(), std::to_string(port),
                                    transport == Transport::Tcp ? "tcp" : "udp"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     return words;
   }
-  std::optional<std::string> python_;
 };
 
 class Integrators : public RealOpenSees,

@@ -25,7 +25,7 @@ SpringServer::SpringServer(Transport transport)
 void SpringServer::serve() {
   const Eigen::MatrixXd stiffness = Eigen::MatrixXd::Constant(1, 1, kStiffness),
                         zero = Eigen::MatrixXd::Zero(1, 1);
-  GenericClient client{"spring", {stiffness, zero, zero}};
+  GenericClient client{"spring", 1};
   const TimePoint deadline = WallClock{}.now() + kPatience;
   try {
     while (WallClock{}.now() < deadline) {
@@ -38,7 +38,8 @@ void SpringServer::serve() {
         const auto kind = client.hear(message);
         heard_.codes.push_back(static_cast<int>(
             kind == GenericClient::Heard::Trial && !client.is_new() ? -code : code));
-        if (kind == GenericClient::Heard::Matrix) endpoint_.send(client.matrix_reply(), kPatience);
+        if (kind == GenericClient::Heard::Matrix)
+          endpoint_.send(client.matrix_reply({stiffness, zero, zero}), kPatience);
         if (kind == GenericClient::Heard::Force)
           endpoint_.send(client.force_reply(kStiffness * client.trial().displacement), kPatience);
         if (kind == GenericClient::Heard::End) return;

@@ -10,8 +10,8 @@
 #include <rths/recording/recording.hpp>
 
 #include "support/files.hpp"
-#include "support/opensees.hpp"
 #include "support/process.hpp"
+#include "support/with_opensees.hpp"
 
 namespace rths {
 namespace {
@@ -40,30 +40,32 @@ double nrmse(const Rows& ours, const Rows& reference, std::size_t column) {
   return std::sqrt(difference / size);
 }
 
-class OpenSeesRun : public testing::Test {
+class OpenSeesRun : public test::WithOpenSees<> {
  protected:
-  void SetUp() override {
-    const auto python = test::opensees_python();
-    if (!python)
-      GTEST_SKIP()
-          << "SKIPPED: there is no OpenSees here; ./lab test installs it in build/opensees";
-    python_ = *python;
-  }
-
+  /// What an experiment of these tests has of its own.
+  struct Parts {
+    std::string partners;
+    std::filesystem::path script;
+    std::string arguments;
+    std::string axes = R"(["long"])";
+    std::string map = "srmd";
+    std::string element = {};  ///< of its table; none: `axes` are its degrees of freedom
+    std::string node = {};     ///< more of the node's table
+  };
   // A bearing whose law every program solves exactly; a script of ours or of the tests.
-  std::string experiment(const std::string& partners, const std::filesystem::path& script,
-                         const std::string& arguments, const std::string& axes = R"(["long"])") {
+  std::string experiment(const Parts& parts) {
     folder_.write(
         "bilinear.toml",
         "bearing = 1\ntitle = \"bilinear\"\n[bilinear]\n"
         "characteristic_strength_N = 1_010_000\npost_yield_stiffness_N_per_m = 4_238_000\n"
         "yield_displacement_m = 2.855e-3\n");
     const auto tree = test::source_tree();
+    const std::string element = parts.element.empty() ? "dofs = " + parts.axes : parts.element;
     return folder_
         .write("experiment.toml",
                fmt::format(R"(format = 1
 name = "opensees_test"
-map = "srmd"
+map = "{}"
 axes = {}
 duration_s = 30
 [motion]
@@ -80,13 +82,16 @@ python = "{}"
 script = "{}"
 arguments = [{}]
 answer_deadline_s = 1
+{}
 [[node.opf.element]]
 name = "bearing"
 port = {}
-dofs = {}
+{}
 )",
-                           axes, (tree / "examples/records" / kRecord).string(), partners, python_,
-                           (tree / script).string(), arguments, port_, axes))
+                           parts.map, parts.map == "srmd" ? parts.axes : kBoth,
+                           (tree / "examples/records" / kRecord).string(), parts.partners, python_,
+                           (tree / parts.script).string(), parts.arguments, parts.node, port_,
+                           element))
         .string();
   }
 
@@ -112,6 +117,7 @@ dofs = {}
 
   static constexpr const char* kRecord = "petrolia_1992_riodell_freefield.csv";
   static constexpr const char* kPlant = "examples/opensees/isolated_plant.py";
+  static constexpr const char* kMast = "tests/opensees/mast.py";
   static constexpr const char* kIdeal =
       "[node.xpc]\nadapter = \"ideal_machine\"\n[node.recorder]\nadapter = \"recorder\"\n";
   static constexpr const char* kMachine =
@@ -119,12 +125,11 @@ dofs = {}
       "diagram = \"hybrid_controller\"\n[node.recorder]\nadapter = \"recorder\"\n";
   static constexpr const char* kBoth = R"(["long", "lat"])";
   test::TemporaryFolder folder_;
-  std::string python_;
   std::uint16_t port_ = test::free_port();
 };
 
 TEST_F(OpenSeesRun, FeelsABearingOnTheRingAsItsOwn) {
-  const auto finished = run(experiment(kIdeal, kPlant, plant_arguments(), kBoth), "virtual");
+  const auto finished = run(experiment({kIdeal, kPlant, plant_arguments(), kBoth}), "virtual");
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   const Rows ring = ring_response(), own = own_response("plasticity");
   ASSERT_EQ(own.size(), 3000U);
@@ -135,7 +140,7 @@ TEST_F(OpenSeesRun, FeelsABearingOnTheRingAsItsOwn) {
 }
 
 TEST_F(OpenSeesRun, MovesTheMachineThroughTheController) {
-  const auto finished = run(experiment(kMachine, kPlant, plant_arguments(), kBoth), "virtual");
+  const auto finished = run(experiment({kMachine, kPlant, plant_arguments(), kBoth}), "virtual");
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_TRUE(std::filesystem::exists(out() / "report.html"));
   const Rows ring = ring_response(), own = own_response("plasticity");
@@ -148,7 +153,7 @@ TEST_F(OpenSeesRun, MovesTheMachineThroughTheController) {
 
 // OpenSees speaks when it likes; what is recorded does not tell.
 TEST_F(OpenSeesRun, IsTheSameEveryTimeInVirtualTime) {
-  const std::string file = experiment(kMachine, kPlant, plant_arguments(), kBoth);
+  const std::string file = experiment({kMachine, kPlant, plant_arguments(), kBoth});
   std::vector<std::vector<std::vector<double>>> recorded;
   for (int i = 0; i < 2; ++i) {
     ASSERT_EQ(run(file, "virtual").exit_code, 0);
@@ -172,8 +177,8 @@ TEST_F(OpenSeesRun, EndsInOrderWhateverBecomesOfOpenSees) {
         Fate{"freeze", "OpenSees has been silent for 1 s"},
         Fate{"fail", "fated.py ended with 3: there is no more ground to shake"},
         Fate{"vanish", "element 'bearing': the client is gone, without code 99"}}) {
-    const auto finished = run(experiment(kIdeal, "tests/opensees/fated.py",
-                                         fmt::format(R"("{}", "{}", "50")", port_, fate.name)),
+    const auto finished = run(experiment({kIdeal, "tests/opensees/fated.py",
+                                          fmt::format(R"("{}", "{}", "50")", port_, fate.name)}),
                               "virtual");
     EXPECT_EQ(finished.exit_code, 2) << fate.name;
     EXPECT_NE(finished.err.find(fate.message), std::string::npos) << finished.err;
@@ -183,7 +188,7 @@ TEST_F(OpenSeesRun, EndsInOrderWhateverBecomesOfOpenSees) {
 
 TEST_F(OpenSeesRun, EndsWhenOpenSeesTakesLeave) {
   const auto finished = run(
-      experiment(kIdeal, "tests/opensees/fated.py", fmt::format(R"("{}", "leave", "50")", port_)),
+      experiment({kIdeal, "tests/opensees/fated.py", fmt::format(R"("{}", "leave", "50")", port_)}),
       "virtual");
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
   const recording::Reader reader{out() / "run.h5"};
@@ -191,14 +196,143 @@ TEST_F(OpenSeesRun, EndsWhenOpenSeesTakesLeave) {
 }
 
 TEST_F(OpenSeesRun, SaysThatAScriptCannotStart) {
-  const auto finished =
-      run(experiment(kIdeal, kPlant,
-                     fmt::format(R"("there_is_no_such_record.csv", "--port", "{}")", port_), kBoth),
-          "virtual");
+  const auto finished = run(
+      experiment({kIdeal, kPlant,
+                  fmt::format(R"("there_is_no_such_record.csv", "--port", "{}")", port_), kBoth}),
+      "virtual");
   EXPECT_EQ(finished.exit_code, 2);
   EXPECT_NE(finished.err.find("isolated_plant.py ended with 1: FileNotFoundError"),
             std::string::npos)
       << finished.err;
+}
+
+// Sheared, turned and loaded by its weight, with moments of the weight on the sheared bearing, and
+// its coordinates not those of the script.
+TEST_F(OpenSeesRun, FeelsSixComponentsOfABearingAsItsOwn) {
+  const auto ring = folder_.path() / "ring.csv", own = folder_.path() / "own.csv";
+  const std::string bearing = R"([node.opf.element.bearing]
+height = 0.5
+shear_distance = 0.3
+{}
+[node.opf.element.bearing.axes]
+shear_y = "-long"
+shear_z = "lat"
+[node.opf.element.bearing.springs]
+axial = 3e9
+torsion = 2e7
+rotation_y = 4e8
+rotation_z = 5e8
+)";
+  const auto difference = [&](const char* option, const std::string& more) {
+    const std::string arguments =
+        fmt::format(R"("{{motion}}", "ring", "{}", "{}"{})", port_, ring.string(), option);
+    const auto finished = run(experiment({kIdeal, kMast, arguments, kBoth, "srmd",
+                                          fmt::format(fmt::runtime(bearing), more)}),
+                              "virtual");
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+    if (!std::filesystem::exists(own)) {
+      test::Running running{{python_, (test::source_tree() / kMast).string(),
+                             (out() / "run.opf.motion.csv").string(), "own", "0", own.string()}};
+      EXPECT_EQ(running.wait(60).exit_code, 0);
+    }
+    const Rows found = read_rows(ring), expected = read_rows(own);
+    EXPECT_EQ(found.size(), 1000U);
+    double worst = 0;
+    for (const std::size_t column : {1U, 2U, 4U, 5U})
+      worst = std::max(worst, nrmse(found, expected, column));
+    return worst;
+  };
+  EXPECT_LT(difference("", ""), 1e-5);
+  EXPECT_LT(difference(R"(, "--both-nodes")", "i_dofs = [1, 2, 3, 4, 5, 6]"), 1e-5);
+  // What the test would see.
+  EXPECT_GT(difference("", "p_delta = false"), 0.01);
+}
+
+// Of every laboratory, with a controller of either generation.
+TEST_F(OpenSeesRun, SpeaksToEveryLaboratory) {
+  struct Facility {
+    const char *map, *axis;
+  };
+  for (const auto& [map, axis] :
+       {Facility{"srmd", "long"}, Facility{"sts", "8"}, Facility{"sts_gt", "1"},
+        Facility{"mts469d_150", "1"}, Facility{"mts469d_gt", "yaw"}, Facility{"flextest_ucb", "1"},
+        Facility{"flextest_osu", "2"}})
+    for (const char* generation : {"at_target_first", "target_first"}) {
+      const std::string handshake = fmt::format("handshake = \"{}\"\n", generation);
+      const auto finished = run(
+          experiment(
+              {"[node.xpc]\nadapter = \"echo\"\nstiffness_N_per_m = 2.8\n" + handshake +
+                   "[node.recorder]\nadapter = \"recorder\"\n",
+               "tests/opensees/oscillator.py",
+               fmt::format(R"("{}", "tcp", "50", "NewmarkExplicit", "0.5")", port_), R"(["long"])",
+               map, fmt::format("dofs = [\"{}\"]\ninitial_stiffness = [[2.8]]", axis), handshake}),
+          "virtual");
+      ASSERT_EQ(finished.exit_code, 0) << map << ' ' << generation << finished.err;
+      std::ifstream log{out() / "run.opf.log"};
+      std::vector<double> u(3);
+      for (double& value : u) log >> value;
+      EXPECT_NEAR(u[1], -0.00994759549, 1e-8) << map;
+      EXPECT_NEAR(u[2], -0.0388868053, 1e-8) << map;
+    }
+}
+
+TEST_F(OpenSeesRun, SaysThatAnOlderControllerWaitsForItsFirstTarget) {
+  const auto finished =
+      run(experiment({"[node.xpc]\nadapter = \"echo\"\nhandshake = \"target_first\"\n"
+                      "[node.recorder]\nadapter = \"recorder\"\n",
+                      "tests/opensees/oscillator.py",
+                      fmt::format(R"("{}", "tcp", "50", "NewmarkExplicit", "0.5")", port_)}),
+          "virtual");
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("handshake = \"target_first\" goes with that"), std::string::npos)
+      << finished.err;
+}
+
+TEST_F(OpenSeesRun, RefusesControlPointsThatAreTooFew) {
+  const auto finished =
+      run(experiment({kIdeal, kPlant, plant_arguments(), kBoth, "srmd", "",
+                      "control_points = { trial = [\"expControlPoint 1 1 disp 2 disp\"] }"}),
+          "virtual");
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("trial control point 1 declares too few signals: '3 disp' "
+                              "(opf.vert.displ.target) is the first of 33 that are missing"),
+            std::string::npos)
+      << finished.err;
+}
+
+TEST_F(OpenSeesRun, EndsTheTestWhereAControlPointsLimitIs) {
+  std::string point = "expControlPoint 1";
+  for (const char* type : {"disp", "vel", "accel", "force", "time"})
+    for (int dof = 1; dof <= 7; ++dof)
+      point += fmt::format(" {} {}{}", dof, type,
+                           dof == 1 && std::string{type} == "disp" ? " -lim -0.05 0.05" : "");
+  const auto finished =
+      run(experiment({kIdeal, kPlant, plant_arguments(), kBoth, "srmd", "",
+                      fmt::format("control_points = {{ trial = [\"{}\"] }}", point)}),
+          "virtual");
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("'opf.long.displ.target' would be"), std::string::npos)
+      << finished.err;
+  const recording::Reader reader{out() / "run.h5"};
+  for (const double target : reader.signal("opf.long.displ.target"))
+    EXPECT_LE(std::abs(target), 0.05);
+}
+
+// Behind the simulated machine, its friction, dead band and noise.
+TEST_F(OpenSeesRun, IdentifiesTheSpecimenBeforeTheTest) {
+  const auto finished =
+      run(experiment({kMachine, kPlant, plant_arguments(), kBoth, "srmd",
+                      "dofs = [\"long\", \"lat\"]\ninitial_stiffness = \"identified\""}),
+          "virtual");
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  const recording::Reader reader{out() / "run.h5"};
+  constexpr double kStiffness = 4.238e6 + 1.01e6 / 2.855e-3;  // [N/m]
+  for (const char* axis : {"long", "lat"})
+    EXPECT_NEAR(reader.signal(fmt::format("monitor.opf.bearing.{}.stiffness", axis)).back(),
+                kStiffness, 0.05 * kStiffness)
+        << axis;
+  const Rows ring = ring_response();
+  EXPECT_EQ(ring.size(), 3000U);
 }
 
 }  // namespace

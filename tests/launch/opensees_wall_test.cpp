@@ -13,9 +13,9 @@
 #include <rths/broker/ring.hpp>
 
 #include "support/files.hpp"
-#include "support/opensees.hpp"
 #include "support/process.hpp"
 #include "support/ring_maps.hpp"
+#include "support/with_opensees.hpp"
 
 namespace rths::launch {
 namespace {
@@ -64,17 +64,7 @@ class Laboratory {
   test::Running running_;
 };
 
-class OpenSeesWall : public testing::TestWithParam<const char*> {
- protected:
-  void SetUp() override {
-    const auto python = test::opensees_python();
-    if (!python)
-      GTEST_SKIP()
-          << "SKIPPED: there is no OpenSees here; ./lab test installs it in build/opensees";
-    python_ = *python;
-  }
-  std::string python_;
-};
+using OpenSeesWall = test::WithOpenSees<testing::TestWithParam<const char*>>;
 
 TEST_F(OpenSeesWall, RunsInRealTime) {
   Laboratory laboratory{python_, "3"};

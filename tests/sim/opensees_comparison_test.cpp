@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "opensees_rows.hpp"
-#include "support/opensees.hpp"
+#include "support/with_opensees.hpp"
 
 namespace rths::sim {
 namespace test {
@@ -32,13 +32,7 @@ void print_line(const std::string& name, const std::string& path, double time_st
               path.c_str(), 1e3 * time_step, 100 * found.shear, 100 * found.axial);
 }
 
-class Opensees : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!rths::test::opensees_python())
-      GTEST_SKIP() << "SKIPPED: no OpenSees here; ./lab test installs it where there is a network";
-  }
-};
+using Opensees = rths::test::WithOpenSees<>;
 
 class OpenseesBearing : public Opensees, public testing::WithParamInterface<OpenseesRow> {};
 

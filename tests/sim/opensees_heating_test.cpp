@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "opensees_rows.hpp"
-#include "support/opensees.hpp"
+#include "support/with_opensees.hpp"
 
 namespace rths::sim {
 namespace {
@@ -138,9 +138,9 @@ void compare(const test::Path& path, test::Forces (*part)(const test::Forces&)) 
   EXPECT_LE(written_down, 0.005) << path.name;
 }
 
-TEST(OpenseesHeating, DiffersByWhatWarmsTheLeadAndByHowItCools) {
-  if (!rths::test::opensees_python())
-    GTEST_SKIP() << "SKIPPED: no OpenSees here; ./lab test installs it where there is a network";
+using OpenseesHeating = rths::test::WithOpenSees<>;
+
+TEST_F(OpenseesHeating, DiffersByWhatWarmsTheLeadAndByHowItCools) {
   for (const auto& path : test::all_paths(0.2, 5e-4))
     compare(path, [](const test::Forces& forces) { return forces; });
   compare(test::two_bursts(0.2, 5e-4), last_burst);

@@ -18,12 +18,12 @@ constexpr auto kSendPatience = std::chrono::seconds{1};
 ElementServer::ElementServer(const OpenSeesElement& element)
     : name_{fmt::format("element '{}'", element.name)},
       endpoint_{element.is_udp ? Transport::Udp : Transport::Tcp, element.address, element.port},
-      client_{name_, {element.initial_stiffness, element.damping, element.mass}} {}
+      client_{name_, element.dofs()} {}
 
 bool ElementServer::hear() {
   int heard = 0;
   try {
-    for (; heard < kMostAtOnce && !has_left_ && !wants_force_; ++heard) {
+    for (; heard < kMostAtOnce && !has_left_ && !wants_force_ && !wants_matrix_; ++heard) {
       const auto message = endpoint_.receive(client_.expected());
       if (message.empty()) break;
       take_in(message);
@@ -46,7 +46,7 @@ void ElementServer::take_in(std::span<const std::byte> message) {
       wants_force_ = true;
       break;
     case GenericClient::Heard::Matrix:
-      endpoint_.send(client_.matrix_reply(), kSendPatience);
+      wants_matrix_ = true;
       break;
     case GenericClient::Heard::End:
       has_left_ = true;
@@ -60,6 +60,11 @@ void ElementServer::take_in(std::span<const std::byte> message) {
 void ElementServer::answer(const Eigen::VectorXd& forces) {
   wants_force_ = false;
   endpoint_.send(client_.force_reply(forces), kSendPatience);
+}
+
+void ElementServer::answer(const ElementMatrices& matrices) {
+  wants_matrix_ = false;
+  endpoint_.send(client_.matrix_reply(matrices), kSendPatience);
 }
 
 }  // namespace rths::adapters

@@ -14,11 +14,13 @@ class ElementServer {
   /// Listens. @throws Error if it cannot
   explicit ElementServer(const OpenSeesElement& element);
 
-  /// Hears everything that has arrived; answers what needs no specimen.
+  /// Hears everything that has arrived, up to a question.
   /// @returns whether something was heard   @throws Error with the element's name
   bool hear();
   /// Answers the force that is wanted, in the units of the script.
   void answer(const Eigen::VectorXd& forces);
+  /// Answers the matrix that is wanted.
+  void answer(const ElementMatrices& matrices);
   /// The trial goes to the specimen: another one is due.
   void take_trial() { has_trial_ = is_new_ = false; }
 
@@ -28,6 +30,7 @@ class ElementServer {
   [[nodiscard]] bool has_trial() const { return has_trial_; }  ///< since the last was taken
   [[nodiscard]] bool is_new() const { return is_new_; }        ///< it moves the specimen
   [[nodiscard]] bool wants_force() const { return wants_force_; }
+  [[nodiscard]] bool wants_matrix() const { return wants_matrix_; }
   [[nodiscard]] bool has_left() const { return has_left_; }
 
  private:
@@ -36,7 +39,8 @@ class ElementServer {
   std::string name_;
   Endpoint endpoint_;
   GenericClient client_;
-  bool has_trial_ = false, is_new_ = false, wants_force_ = false, has_left_ = false;
+  bool has_trial_ = false, is_new_ = false, wants_force_ = false, wants_matrix_ = false,
+       has_left_ = false;
 };
 
 }  // namespace rths::adapters

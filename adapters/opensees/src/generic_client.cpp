@@ -24,11 +24,9 @@ constexpr double kTrial = 3, kCommit = 5, kForce = 10, kInitialStiffness = 12,
 
 }  // namespace
 
-GenericClient::GenericClient(std::string name, ElementMatrices matrices)
-    : name_{std::move(name)},
-      matrices_{std::move(matrices)},
-      message_bytes_{kSizes * sizeof(std::int32_t)} {
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(dofs());
+GenericClient::GenericClient(std::string name, Index dofs)
+    : name_{std::move(name)}, message_bytes_{kSizes * sizeof(std::int32_t)} {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(dofs);
   trial_ = {zero, zero, zero, 0};
 }
 
@@ -78,9 +76,9 @@ GenericClient::Heard GenericClient::hear(std::span<const std::byte> message) {
   if (code == kForce) return Heard::Force;
   if (code == kCommit) return Heard::Commit;
   if (code == kEnd) return Heard::End;
-  wanted_ = code == kInitialStiffness || code == kTangentStiffness ? &matrices_.stiffness
-            : code == kDamping                                     ? &matrices_.damping
-            : code == kMass                                        ? &matrices_.mass
+  wanted_ = code == kInitialStiffness || code == kTangentStiffness ? &ElementMatrices::stiffness
+            : code == kDamping                                     ? &ElementMatrices::damping
+            : code == kMass                                        ? &ElementMatrices::mass
                                                                    : nullptr;
   if (wanted_ == nullptr)
     fail(fmt::format("OpenSees asks for {}, expected 3, 5, 10, 12 to 15 or 99", code));
@@ -93,9 +91,10 @@ std::span<const std::byte> GenericClient::reply(const double* values, Index coun
   return std::as_bytes(std::span{reply_});
 }
 
-std::span<const std::byte> GenericClient::matrix_reply() {
+std::span<const std::byte> GenericClient::matrix_reply(const ElementMatrices& matrices) {
   // Columns one after the other, as Eigen has them.
-  return reply(wanted_->data(), wanted_->size());
+  const Eigen::MatrixXd& wanted = matrices.*wanted_;
+  return reply(wanted.data(), wanted.size());
 }
 
 std::span<const std::byte> GenericClient::force_reply(const Eigen::VectorXd& forces) {

@@ -41,7 +41,8 @@ class GenericClient {
   };
 
   /// @param name  for errors: "element 'bearing'"
-  GenericClient(std::string name, ElementMatrices matrices);
+  /// @param dofs  how many degrees of freedom it has
+  GenericClient(std::string name, Eigen::Index dofs);
 
   /// Bytes of the next message.
   [[nodiscard]] std::size_t expected() const { return message_bytes_; }
@@ -49,12 +50,13 @@ class GenericClient {
   ///         is no number. Nothing has changed then
   [[nodiscard]] Heard hear(std::span<const std::byte> message);
 
-  [[nodiscard]] Eigen::Index dofs() const { return matrices_.stiffness.rows(); }
+  [[nodiscard]] Eigen::Index dofs() const { return trial_.displacement.size(); }
   [[nodiscard]] const Trial& trial() const { return trial_; }
   /// Whether the trial has another displacement than the one before: most codes 3 repeat it.
   [[nodiscard]] bool is_new() const { return is_new_; }
   /// The reply to what was heard last. Valid until the next call.
-  [[nodiscard]] std::span<const std::byte> matrix_reply();
+  /// @param matrices  n × n
+  [[nodiscard]] std::span<const std::byte> matrix_reply(const ElementMatrices& matrices);
   [[nodiscard]] std::span<const std::byte> force_reply(const Eigen::VectorXd& forces);
 
  private:
@@ -64,12 +66,11 @@ class GenericClient {
   [[nodiscard]] std::span<const std::byte> reply(const double* values, Eigen::Index count);
 
   std::string name_;
-  ElementMatrices matrices_;
   std::size_t message_bytes_;
   std::vector<double> request_, reply_;
   Trial trial_;
   bool is_new_ = false;
-  const Eigen::MatrixXd* wanted_ = nullptr;
+  Eigen::MatrixXd ElementMatrices::*wanted_ = nullptr;
 };
 
 }  // namespace rths::adapters

@@ -13,17 +13,19 @@
 #include <rths/core/error.hpp>
 
 #include "element_server.hpp"
+#include "opf_words.hpp"
 #include "script.hpp"
+#include "specimen.hpp"
 
 namespace rths::adapters {
 namespace {
 
+constexpr int kMostQuestions = 100;  // at once: OpenSees waits for each answer
 constexpr auto kLookEvery = std::chrono::milliseconds{100};  // whether OpenSees still runs
 
 class OpenSees final : public Adapter {
  public:
-  explicit OpenSees(OpenSeesSettings settings)
-      : settings_{std::move(settings)}, handshake_{settings_.wait_deadline} {}
+  explicit OpenSees(OpenSeesSettings settings);
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override;
   [[nodiscard]] Status step(Step& step) noexcept override;
@@ -42,22 +44,45 @@ class OpenSees final : public Adapter {
   void converse(const Step& step);
   [[nodiscard]] bool is_round_complete() const;
   [[nodiscard]] bool owes_nothing() const;
+  [[nodiscard]] std::span<const double> feedbacks(const Step& step) const {
+    return step.inputs.subspan(kFeedback);
+  }
+  [[nodiscard]] std::string overdue() const;
+  void begin_test(const Step& step);
   void begin_round(const Step& step);
   void answer_all(const Step& step);
+  // Shakes those specimens that are not known yet, one after the other. @returns whether it has
+  // something to do
+  bool identify(const Step& step);
+  void write_monitors(const Step& step) const;
   template <class Condition>
   [[nodiscard]] bool all(const Condition& condition) const {
     return std::all_of(servers_.begin(), servers_.end(), condition);
   }
 
   OpenSeesSettings settings_;
+  OpfWords words_;
+  std::size_t new_target_at_;        ///< among the outputs: behind what it guards
+  std::vector<Specimen> specimens_;  ///< of each element
   std::vector<ElementServer> servers_;
   std::optional<Script> script_;
   OpfHandshake handshake_;
   TimePoint heard_{0};  ///< last, on the host's clock
   std::uint64_t rounds_ = 0;
+  bool has_begun_ = false, has_moved_ = false, is_probing_ = false;
   bool has_left_ = false;
   std::string message_;
 };
+
+OpenSees::OpenSees(OpenSeesSettings settings)
+    : settings_{std::move(settings)},
+      words_{control_points(settings_.layout, settings_.trial_points, settings_.output_points),
+             settings_.elements},
+      new_target_at_{words_.commands().size()},
+      handshake_{settings_.wait_deadline, settings_.handshake} {
+  for (const auto& element : settings_.elements)
+    specimens_.emplace_back(element, settings_.simulation_step);
+}
 
 std::vector<Port> OpenSees::ports() const {
   std::vector<Port> ports;
@@ -66,18 +91,15 @@ std::vector<Port> OpenSees::ports() const {
   };
   add("daq.atTarget", Direction::Input, "1");
   add("daq.switchPC", Direction::Input, "1");
-  for (const auto& element : settings_.elements)
-    for (const auto& dof : element.dofs)
-      add(dof.force, Direction::Input, dof.is_rotation ? "N.m" : "N");
-  for (const auto& element : settings_.elements)
-    for (const auto& dof : element.dofs) {
-      add(dof.displacement, Direction::Output, dof.is_rotation ? "rad" : "m");
-      if (!dof.velocity.empty())
-        add(dof.velocity, Direction::Output, dof.is_rotation ? "rad/s" : "m/s");
-    }
-  add("opf.1.time.target", Direction::Output, "s");
+  const auto feedbacks = words_.feedbacks(), commands = words_.commands();
+  ports.insert(ports.end(), feedbacks.begin(), feedbacks.end());
+  ports.insert(ports.end(), commands.begin(), commands.end());
   add("opf.newTarget", Direction::Output, "1");
   add("step", Direction::Monitor, "1");
+  for (const auto& element : settings_.elements)
+    for (const auto& axis : element.axes)
+      add(element.name + '.' + axis.axis + ".stiffness", Direction::Monitor,
+          element.turns(axis.of) ? "N.m/rad" : "N/m");
   return ports;
 }
 
@@ -103,9 +125,13 @@ void OpenSees::deactivate() {
   if (trouble) throw Error{*trouble};
 }
 
+// Matrices are answered at once: what OpenSees says next may be a target.
 void OpenSees::hear_all() {
-  for (auto& server : servers_)
-    if (server.hear()) heard_ = WallClock{}.now();
+  for (std::size_t i = 0; i < servers_.size(); ++i)
+    for (int heard = 0; heard < kMostQuestions && servers_[i].hear(); ++heard) {
+      heard_ = WallClock{}.now();
+      if (servers_[i].wants_matrix()) servers_[i].answer(specimens_[i].matrices());
+    }
 }
 
 // All have their targets, or one of them waits for its force: then no more will come.
@@ -141,39 +167,63 @@ void OpenSees::wait_for_news(Duration longest) const {
 // Once every element waits for its force, OpenSees says no more before the specimen has arrived.
 News OpenSees::awaits() const noexcept {
   if (!settings_.is_prompt || settings_.stops_time || handshake_.is_leaving()) return News::None;
-  return all([](const auto& server) { return server.wants_force(); }) ? News::Inputs
-                                                                      : News::Outside;
+  const bool waits_for_specimen =
+      !has_begun_ || is_probing_ || all([](const auto& server) { return server.wants_force(); });
+  return waits_for_specimen ? News::Inputs : News::Outside;
 }
 
 void OpenSees::answer_all(const Step& step) {
-  std::size_t at = kFeedback;
-  for (std::size_t i = 0; i < servers_.size(); ++i) {
-    const auto& dofs = settings_.elements[i].dofs;
-    Eigen::VectorXd forces(static_cast<Eigen::Index>(dofs.size()));
-    for (std::size_t k = 0; k < dofs.size(); ++k)
-      forces[static_cast<Eigen::Index>(k)] = step.inputs[at++] / dofs[k].force_unit;
-    if (servers_[i].wants_force()) servers_[i].answer(forces);
-  }
+  for (std::size_t i = 0; i < servers_.size(); ++i)
+    if (servers_[i].wants_force())
+      servers_[i].answer(specimens_[i].resisting(words_.measured(i, feedbacks(step)).force));
 }
 
 void OpenSees::begin_round(const Step& step) {
   const bool is_move = !all([](const auto& server) { return !server.is_new(); });
-  std::size_t at = 0;
   for (std::size_t i = 0; i < servers_.size(); ++i) {
     const Trial& trial = servers_[i].trial();
-    const auto& dofs = settings_.elements[i].dofs;
-    for (std::size_t k = 0; is_move && k < dofs.size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(k);
-      step.outputs[at++] = trial.displacement[row] * dofs[k].displacement_unit;
-      if (!dofs[k].velocity.empty())
-        step.outputs[at++] = trial.velocity[row] * dofs[k].displacement_unit;
-    }
+    const auto& command = specimens_[i].place(trial);
+    if (is_move && !has_moved_) words_.start(i, command);
+    if (is_move) words_.write(i, command, trial.time, step.outputs);
     servers_[i].take_trial();
   }
   if (!is_move) return;
-  step.outputs[at] = servers_[0].trial().time;
+  has_moved_ = true;
   ++rounds_;
   handshake_.post(step.time);
+}
+
+bool OpenSees::identify(const Step& step) {
+  if (is_probing_ && !handshake_.is_there()) return true;
+  for (std::size_t i = 0; i < specimens_.size(); ++i) {
+    if (specimens_[i].is_known()) continue;
+    if (is_probing_) {
+      const auto measured = words_.measured(i, feedbacks(step));
+      specimens_[i].measure(measured.displacement, measured.force);
+      is_probing_ = false;
+      heard_ = WallClock{}.now();  // OpenSees has waited for us, not we for it
+      return identify(step);
+    }
+    words_.write(i, specimens_[i].probe(), 0, step.outputs);
+    handshake_.post(step.time);
+    is_probing_ = true;
+    return true;
+  }
+  return false;
+}
+
+std::string OpenSees::overdue() const {
+  std::string message = handshake_.message();
+  if (!has_begun_)
+    message +=
+        ": a controller of the older generation raises it after the first target only; "
+        "handshake = \"target_first\" goes with that";
+  return message;
+}
+
+void OpenSees::begin_test(const Step& step) {
+  words_.start(feedbacks(step));
+  has_begun_ = true;
 }
 
 void OpenSees::converse(const Step& step) {
@@ -194,26 +244,33 @@ void OpenSees::converse(const Step& step) {
 Status OpenSees::advance(Step& step) {
   if (step.stopping && !handshake_.is_leaving()) handshake_.leave(step.time);
   if (handshake_.is_leaving()) return handshake_.has_left(step.time) ? Status::Done : Status::Ok;
-  if (rounds_ == 0 && step.time < settings_.rest) {
+  if (!has_begun_ && step.time < settings_.rest) {
     handshake_.be_patient(step.time);
     return Status::Ok;
   }
   const Status status =
       handshake_.look(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
-  if (status == Status::Fault) {
-    step.message = handshake_.message();
-    return status;
-  }
+  if (status == Status::Fault) throw Error{overdue()};
+  if (handshake_.is_there() && !has_begun_) begin_test(step);
+  if (has_begun_ && identify(step)) return Status::Ok;
   converse(step);
   if (has_left_) handshake_.leave(step.time);
   return Status::Ok;
+}
+
+void OpenSees::write_monitors(const Step& step) const {
+  const auto monitors = step.outputs.subspan(new_target_at_ + 1);
+  monitors[0] = static_cast<double>(rounds_);
+  std::size_t at = 1;
+  for (const auto& specimen : specimens_)
+    for (const double stiffness : specimen.stiffness()) monitors[at++] = stiffness;
 }
 
 Status OpenSees::step(Step& step) noexcept {
   Status status = Status::Fault;
   try {
     status = advance(step);
-    step.outputs.back() = static_cast<double>(rounds_);
+    write_monitors(step);
   } catch (const std::exception& error) {
     message_ = error.what();
     // A script that failed says why; that its elements are gone follows from it.
@@ -222,7 +279,7 @@ Status OpenSees::step(Step& step) noexcept {
         message_ += "; " + *trouble;
     step.message = message_.c_str();
   }
-  step.outputs[step.outputs.size() - 2] = handshake_.new_target();
+  step.outputs[new_target_at_] = handshake_.new_target();
   return status;
 }
 

@@ -1,90 +1,257 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cctype>
+#include <optional>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <rths/adapters/opensees.hpp>
-#include <rths/core/error.hpp>
 
 namespace rths::adapters {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::Vector3d;
 
 constexpr const char* kRotations[] = {"roll", "pitch", "yaw"};
+constexpr const char* kComponentNames[kComponents] = {"axial",   "shear_y",    "shear_z",
+                                                      "torsion", "rotation_y", "rotation_z"};
 
-std::vector<OpenSeesDof> read_dofs(const Config& table) {
-  const double length = table.number_in("length_unit_m", 1e-6, 1e3, 1.0);
-  const double force = table.number_in("force_unit_N", 1e-6, 1e9, 1.0);
-  std::vector<OpenSeesDof> dofs;
-  for (const auto& name : table.texts("dofs")) {
-    OpenSeesDof dof;
-    dof.displacement = fmt::format("opf.{}.displ.target", name);
-    dof.velocity = fmt::format("opf.{}.veloc.target", name);
-    dof.is_rotation =
-        std::find(std::begin(kRotations), std::end(kRotations), name) != std::end(kRotations);
-    dof.force = fmt::format("daq.{}.{}.fbk", name, dof.is_rotation ? "moment" : "force");
-    dof.displacement_unit = dof.is_rotation ? 1 : length;
-    dof.force_unit = dof.is_rotation ? force * length : force;
+// "a, b or c" would need the last one to be special.
+template <class Names>
+std::string listed(const Names& names) {
+  return fmt::format("{}", fmt::join(std::begin(names), std::end(names), ", "));
+}
+
+// One of two words.
+bool is_first_of(const Config& table, const char* key, const char* first, const char* second) {
+  const std::string word = table.text(key, first);
+  if (word != first && word != second)
+    table.fail(key, fmt::format("{} is '{}', expected {} or {}", key, word, first, second));
+  return word == first;
+}
+
+// "-vert": the machine counts the other way.
+MovedAxis read_axis(const std::string& word, std::size_t of) {
+  const bool is_reversed = word.starts_with('-');
+  return {is_reversed ? word.substr(1) : word, of, is_reversed ? -1.0 : 1.0};
+}
+
+void read_generic(const Config& table, OpenSeesElement& element) {
+  const auto names = table.texts("dofs");
+  if (names.empty()) table.fail("dofs", "an element has at least one degree of freedom");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    element.axes.push_back(read_axis(names[i], i));
+    element.is_rotation.push_back(std::find(std::begin(kRotations), std::end(kRotations),
+                                            element.axes.back().axis) != std::end(kRotations));
+  }
+}
+
+Vector3d read_vector(const Config& table, const char* key, const Vector3d& otherwise) {
+  const auto numbers = table.numbers(key, {otherwise[0], otherwise[1], otherwise[2]});
+  if (numbers.size() != 3)
+    table.fail(key, fmt::format("{} has {} numbers, expected 3", key, numbers.size()));
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+std::vector<int> read_node_dofs(const Config& table, const char* key,
+                                const std::vector<int>& otherwise) {
+  if (!table.has(key)) return otherwise;
+  std::vector<int> dofs;
+  for (const double number : table.numbers(key)) {
+    const int dof = static_cast<int>(number);
+    if (dof != number || dof < 1 || dof > 6)
+      table.fail(key, fmt::format("{} holds {}, expected degrees of freedom 1 to 6", key, number));
     dofs.push_back(dof);
   }
-  if (dofs.empty()) table.fail("dofs", "an element has at least one degree of freedom");
   return dofs;
 }
 
-// Rows, as they are written; zero if they are not.
-MatrixXd read_matrix(const Config& table, const char* key, Index n) {
-  MatrixXd matrix = MatrixXd::Zero(n, n);
-  if (!table.has(key)) return matrix;
+void read_orientation(const Config& table, double length, BearingGeometry& bearing) {
+  bearing.i_dofs = read_node_dofs(table, "i_dofs", bearing.i_dofs);
+  bearing.j_dofs = read_node_dofs(table, "j_dofs", bearing.j_dofs);
+  if (bearing.i_dofs.empty() && bearing.j_dofs.empty())
+    table.fail("j_dofs", "no degree of freedom is listed, of either node");
+  bearing.x_axis = read_vector(table, "x_axis", bearing.x_axis);
+  bearing.y_axis = read_vector(table, "y_axis", bearing.y_axis);
+  if (!(bearing.x_axis.cross(bearing.y_axis).norm() >
+        1e-6 * bearing.x_axis.norm() * bearing.y_axis.norm()))
+    table.fail("y_axis", "y_axis is along x_axis, expected another direction");
+  bearing.height = table.number_in("height", 0, 1e6, 0.0) * length;
+  bearing.shear_distance = table.number_in("shear_distance", 0, 1, bearing.shear_distance);
+  bearing.has_p_delta = table.flag("p_delta", bearing.has_p_delta);
+}
+
+// A stiffness, or rows of deformation and force.
+ComponentSpring read_spring(const Config& table, const char* key, double displacement,
+                            double force) {
+  ComponentSpring spring;
+  if (!table.is_array(key)) {
+    spring.points = {{0, 0}, {displacement, table.number_in(key, 0, 1e30) * force}};
+    return spring;
+  }
+  for (const auto& row : table.rows(key)) {
+    if (row.size() != 2)
+      table.fail(key, fmt::format("a row of {} numbers, expected deformation, force", row.size()));
+    spring.points.push_back({row[0] * displacement, row[1] * force});
+    const std::size_t n = spring.points.size();
+    if (n > 1 && !(spring.points[n - 1][0] > spring.points[n - 2][0]))
+      table.fail(key, "deformations do not rise");
+  }
+  if (spring.points.size() < 2) table.fail(key, "one row, expected at least two");
+  return spring;
+}
+
+void read_actuators(const Config& table, OpenSeesElement& element) {
+  for (const auto& one : table.tables("actuator")) {
+    const double length = element.length_unit;
+    ActuatorAxis actuator{one.text("axis"),
+                          read_vector(one, "fixed_pin", Vector3d::Zero()) * length,
+                          read_vector(one, "platen_pin", Vector3d::Zero()) * length};
+    if (!((actuator.fixed_pin - actuator.platen_pin).norm() > 0))
+      one.fail("platen_pin", "an actuator needs two pins at different places");
+    one.reject_unknown_keys();
+    element.actuators.push_back(actuator);
+  }
+  const auto& moved = element.axes;
+  if (!element.actuators.empty() && element.actuators.size() < moved.size())
+    table.fail("actuator", fmt::format("{} actuators cannot move {} components",
+                                       element.actuators.size(), moved.size()));
+}
+
+// Each component is moved, or held by a spring. With actuators, "moved" lists those that they move.
+void read_components(const Config& table, OpenSeesElement& element) {
+  BearingGeometry& bearing = *element.bearing;
+  const Config axes = table.table_or_empty("axes"), springs = table.table_or_empty("springs"),
+               damping = table.table_or_empty("damping");
+  const auto moved = table.texts("moved", {});
+  for (const auto& name : moved)
+    if (std::find(std::begin(kComponentNames), std::end(kComponentNames), name) ==
+        std::end(kComponentNames))
+      table.fail("moved", fmt::format("there is no component '{}', expected one of {}", name,
+                                      listed(kComponentNames)));
+  const bool is_axial_moved = is_first_of(table, "axial", "deformation", "force");
+  for (std::size_t i = 0; i < kComponents; ++i) {
+    const char* name = kComponentNames[i];
+    const bool is_loaded = i == kAxial && !is_axial_moved;
+    const bool by_actuators = std::find(moved.begin(), moved.end(), name) != moved.end();
+    if (is_loaded) bearing.axial_load = read_axis(axes.text(name), i);
+    if (!is_loaded && (axes.has(name) || by_actuators)) {
+      element.axes.push_back(read_axis(by_actuators ? name : axes.text(name), i));
+      continue;
+    }
+    const bool turns = i >= kTorsion;
+    const double displacement = turns ? 1 : element.length_unit;
+    const double force = turns ? element.force_unit * element.length_unit : element.force_unit;
+    if (!springs.has(name))
+      table.fail("springs", fmt::format("component '{}' is neither moved by the machine nor has a "
+                                        "spring: state [….axes] {} or [….springs] {}",
+                                        name, name, name));
+    bearing.springs[i] = read_spring(springs, name, displacement, force);
+    bearing.springs[i].damping = damping.number_in(name, 0, 1e30, 0.0) * force / displacement;
+  }
+  axes.reject_unknown_keys();
+  springs.reject_unknown_keys();
+  damping.reject_unknown_keys();
+}
+
+void read_bearing(const Config& table, OpenSeesElement& element) {
+  element.bearing.emplace();
+  read_orientation(table, element.length_unit, *element.bearing);
+  read_components(table, element);
+  if (element.axes.empty()) table.fail("axes", "the machine moves no component of the bearing");
+  read_actuators(table, element);
+  for (const auto* dofs : {&element.bearing->i_dofs, &element.bearing->j_dofs})
+    for (const int dof : *dofs) element.is_rotation.push_back(dof > 3);
+  table.reject_unknown_keys();
+}
+
+// Rows, as they are written, of what is moved; in the units of the script.
+MatrixXd read_matrix(const Config& table, const char* key, const OpenSeesElement& element) {
+  const Index n = std::ssize(element.axes);
   const auto rows = table.rows(key);
   if (std::ssize(rows) != n || std::ssize(rows[0]) != n)
     table.fail(key, fmt::format("{} has {} rows of {}, expected {} of {}", key, rows.size(),
                                 rows.empty() ? 0 : rows[0].size(), n, n));
+  MatrixXd matrix{n, n};
   for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j < n; ++j)
-      matrix(i, j) = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+    for (Index j = 0; j < n; ++j) {
+      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+      const double arm = element.turns(element.axes[row].of) ? element.length_unit : 1;
+      const double displacement = element.turns(element.axes[column].of) ? 1 : element.length_unit;
+      matrix(i, j) = rows[row][column] * element.force_unit * arm / displacement;
+    }
   return matrix;
 }
 
-// The bearing's, along each axis that it is sheared along.
-MatrixXd stiffness_of(const std::vector<OpenSeesDof>& dofs, double of_bearing) {
-  MatrixXd stiffness = MatrixXd::Zero(std::ssize(dofs), std::ssize(dofs));
-  for (Index i = 0; i < stiffness.rows(); ++i) {
-    const auto& dof = dofs[static_cast<std::size_t>(i)];
-    stiffness(i, i) = of_bearing * dof.displacement_unit / dof.force_unit;
-  }
-  return stiffness;
+// The simulated bearing's, along each axis that it is sheared along.
+MatrixXd stiffness_of_bearing(const Config& table, const OpenSeesElement& element,
+                              double of_bearing) {
+  for (const auto& axis : element.axes)
+    if (element.turns(axis.of) || (element.bearing && axis.of == kAxial))
+      table.fail("initial_stiffness",
+                 "initial_stiffness is missing: the experiment's bearing has one for shear only. "
+                 "State rows of numbers, or \"identified\"");
+  const Index n = std::ssize(element.axes);
+  return of_bearing * MatrixXd::Identity(n, n);
+}
+
+std::optional<MatrixXd> read_property(const Config& table, const char* key,
+                                      const OpenSeesElement& element, const MatrixXd& otherwise) {
+  if (!table.has(key)) return otherwise;
+  if (table.is_array(key)) return read_matrix(table, key, element);
+  if (const std::string word = table.text(key); word != "identified")
+    table.fail(key,
+               fmt::format("{} is '{}', expected rows of numbers or \"identified\"", key, word));
+  return std::nullopt;
+}
+
+void read_properties(const Config& table, double of_bearing, OpenSeesElement& element) {
+  const Index n = std::ssize(element.axes);
+  const bool is_stated = table.has("initial_stiffness");
+  element.initial_stiffness = read_property(
+      table, "initial_stiffness", element,
+      is_stated ? MatrixXd::Zero(n, n) : stiffness_of_bearing(table, element, of_bearing));
+  element.damping = read_property(table, "damping", element, MatrixXd::Zero(n, n));
+  element.mass = read_property(table, "mass", element, MatrixXd::Zero(n, n));
+  element.probe = table.number_in("probe_m", 1e-6, 0.1, element.probe);
 }
 
 OpenSeesElement read_element(const Config& table, double initial_stiffness) {
   OpenSeesElement element;
   element.name = table.text("name");
-  const std::string protocol = table.text("protocol", "tcp");
-  if (protocol != "tcp" && protocol != "udp")
-    table.fail("protocol", fmt::format("protocol is '{}', expected tcp or udp", protocol));
-  element.is_udp = protocol == "udp";
+  const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  if (element.name.empty() || !std::all_of(element.name.begin(), element.name.end(), is_plain))
+    table.fail("name", fmt::format("name is '{}', expected letters, digits and _", element.name));
+  element.is_udp = !is_first_of(table, "protocol", "tcp", "udp");
   element.address = table.text("address", element.address);
   element.port = static_cast<std::uint16_t>(table.integer_in("port", 1, 65535));
-  element.dofs = read_dofs(table);
-  const Index n = std::ssize(element.dofs);
-  element.initial_stiffness = table.has("initial_stiffness")
-                                  ? read_matrix(table, "initial_stiffness", n)
-                                  : stiffness_of(element.dofs, initial_stiffness);
-  element.damping = read_matrix(table, "damping", n);
-  element.mass = read_matrix(table, "mass", n);
+  element.length_unit = table.number_in("length_unit_m", 1e-6, 1e3, 1.0);
+  element.force_unit = table.number_in("force_unit_N", 1e-6, 1e9, 1.0);
+  element.is_relative = !is_first_of(table, "trial", "absolute", "relative");
+  if (table.has("bearing"))
+    read_bearing(table.table("bearing"), element);
+  else
+    read_generic(table, element);
+  read_properties(table, initial_stiffness, element);
   table.reject_unknown_keys();
   return element;
 }
 
 }  // namespace
 
-std::vector<OpenSeesElement> read_opensees_elements(const Config& table, double initial_stiffness) {
-  std::vector<OpenSeesElement> elements;
+void read_opensees(const Config& table, double initial_stiffness, OpenSeesSettings& settings) {
   for (const auto& one : table.tables("element"))
-    elements.push_back(read_element(one, initial_stiffness));
-  if (elements.empty()) table.fail("element", "an opensees node needs at least one [[element]]");
-  return elements;
+    settings.elements.push_back(read_element(one, initial_stiffness));
+  if (settings.elements.empty())
+    table.fail("element", "an opensees node needs at least one [[element]]");
+  const Config points = table.table_or_empty("control_points");
+  settings.trial_points = points.texts("trial", {});
+  settings.output_points = points.texts("output", {});
+  points.reject_unknown_keys();
+  settings.handshake = read_handshake(table);
 }
 
 }  // namespace rths::adapters

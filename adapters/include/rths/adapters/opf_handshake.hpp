@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <rths/core/config.hpp>
 #include <rths/core/realtime.hpp>
 #include <rths/core/status.hpp>
 
 namespace rths::adapters {
+
+/// How a controller begins: the newer generation raises atTarget while it is idle, the older one
+/// only after its first target, so who waits for that would wait for ever.
+enum class Handshake { AtTargetFirst, TargetFirst };
+
+/// Reads `handshake = "at_target_first"`, which is the default, or "target_first".
+/// @throws Error with its place if it is another word   @setup
+[[nodiscard]] Handshake read_handshake(const Config& table);
 
 /// The numerical side of OpenFresco's handshake: newTarget rises when a target stands on the ring,
 /// falls when switchPC has risen, and the specimen is there when switchPC has fallen and atTarget
@@ -12,7 +21,9 @@ namespace rths::adapters {
 class OpfHandshake {
  public:
   /// @param deadline  for each flag [s]
-  explicit OpfHandshake(double deadline) : deadline_{deadline} {}
+  explicit OpfHandshake(double deadline, Handshake controller = Handshake::AtTargetFirst)
+      : deadline_{deadline},
+        phase_{controller == Handshake::AtTargetFirst ? Phase::WaitForTarget : Phase::There} {}
 
   /// Looks at the flags, at a time [s]. @returns Fault, with a message, if one is overdue @realtime
   [[nodiscard]] Status look(bool at_target, bool switch_pc, double now) RTHS_REALTIME;
@@ -42,7 +53,7 @@ class OpfHandshake {
                                 double now) RTHS_REALTIME;
 
   double deadline_;
-  Phase phase_ = Phase::WaitForTarget;
+  Phase phase_;
   double entered_ = 0;  ///< when the phase began [s]
   const char* message_ = "";
 };

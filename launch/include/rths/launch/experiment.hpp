@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <rths/adapters/echo.hpp>
 #include <rths/adapters/host.hpp>
 #include <rths/adapters/numerical.hpp>
 #include <rths/adapters/opensees.hpp>
@@ -30,10 +31,12 @@ using Tuning = std::vector<std::pair<std::string, double>>;
 /// A node of the map and the adapter that runs there.
 struct NodePlan {
   std::string node;
-  std::string adapter;  ///< numerical, opensees, simulink_like, srmd, ideal_machine or recorder
+  std::string adapter;  ///< numerical, opensees, simulink_like, srmd, ideal_machine, echo or
+                        ///< recorder
   adapters::Schedule schedule;
   std::filesystem::path diagram;                       ///< of a simulink_like
   std::optional<adapters::OpenSeesSettings> opensees;  ///< of an opensees
+  std::optional<adapters::EchoSettings> echo;          ///< of an echo
   Tuning tune;                                         ///< first values of its parameters
   Tuning uncompensated;                                ///< what switches its compensation off
 };

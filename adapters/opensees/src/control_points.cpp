@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/control_points.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <optional>
+#include <span>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr const char* kDirections[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
+
+struct Declared {
+  int dof = 0;  ///< from 1
+  Quantity quantity = Quantity::Displacement;
+  ControlSignal options;
+};
+
+struct ControlPoint {
+  std::string tag;
+  std::vector<Declared> signals;
+};
+
+std::optional<Quantity> type_named(const std::string& word) {
+  struct Name {
+    const char* name;
+    Quantity quantity;
+  };
+  constexpr Name kNames[] = {{"1", Quantity::Displacement},    {"dsp", Quantity::Displacement},
+                             {"disp", Quantity::Displacement}, {"2", Quantity::Velocity},
+                             {"vel", Quantity::Velocity},      {"3", Quantity::Acceleration},
+                             {"acc", Quantity::Acceleration},  {"accel", Quantity::Acceleration},
+                             {"4", Quantity::Force},           {"frc", Quantity::Force},
+                             {"force", Quantity::Force},       {"5", Quantity::Time},
+                             {"tme", Quantity::Time},          {"time", Quantity::Time}};
+  for (const auto& known : kNames)
+    if (word == known.name) return known.quantity;
+  return std::nullopt;
+}
+
+std::optional<int> dof_named(const std::string& word) {
+  const auto direction = std::find(std::begin(kDirections), std::end(kDirections), word);
+  if (direction != std::end(kDirections))
+    return static_cast<int>(direction - std::begin(kDirections)) + 1;
+  const bool is_lettered = !word.empty() && std::isalpha(static_cast<unsigned char>(word[0])) != 0;
+  const char *first = word.data() + (is_lettered ? 1 : 0), *last = word.data() + word.size();
+  int dof = 0;
+  const auto [end, error] = std::from_chars(first, last, dof);
+  if (error != std::errc{} || end != last || dof < 1) return std::nullopt;
+  return dof;
+}
+
+/// The words of one line, one after the other.
+class Line {
+ public:
+  explicit Line(const std::string& text) : text_{text} {
+    std::istringstream words{text};
+    for (std::string word; words >> word;) words_.push_back(word);
+  }
+  [[nodiscard]] bool is_over() const { return at_ >= words_.size(); }
+  [[nodiscard]] bool take(const char* word) {
+    if (is_over() || words_[at_] != word) return false;
+    ++at_;
+    return true;
+  }
+  std::string next(const char* expected) {
+    if (is_over()) fail("its end", expected);
+    return words_[at_++];
+  }
+  double number(const char* expected) {
+    const std::string word = next(expected);
+    double value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc{} || end != word.data() + word.size()) fail("'" + word + "'", expected);
+    return value;
+  }
+  [[noreturn]] void fail(const std::string& found, const char* expected) const {
+    throw Error{fmt::format("control point '{}': found {}, expected {}", text_, found, expected)};
+  }
+
+ private:
+  std::string text_;
+  std::vector<std::string> words_;
+  std::size_t at_ = 0;
+};
+
+void read_options(Line& line, ControlSignal& signal) {
+  for (;;) {
+    if (line.take("-fact")) {
+      signal.factor = line.number("a factor");
+      if (signal.factor == 0) line.fail("a factor of 0", "another");
+    } else if (line.take("-lim")) {
+      signal.lowest = line.number("the lower limit");
+      signal.highest = line.number("the upper limit");
+      if (signal.lowest > signal.highest) line.fail("limits that leave nothing", "low, then high");
+    } else if (line.take("-relTrial")) {
+      signal.is_relative_to_first = true;
+    } else if (line.take("-relCtrl") || line.take("-relDaq")) {
+      signal.is_relative_to_measured = true;
+    } else {
+      return;
+    }
+  }
+}
+
+ControlPoint read_line(const std::string& text) {
+  Line line{text};
+  static_cast<void>(line.take("expControlPoint"));
+  ControlPoint point{line.next("a tag"), {}};
+  if (line.take("-node")) static_cast<void>(line.number("a node's tag"));
+  while (!line.is_over()) {
+    Declared declared;
+    const std::string dof = line.next("a degree of freedom");
+    if (dof.starts_with('-'))
+      line.fail("'" + dof + "'", "-fact, -lim, -relTrial, -relCtrl or -relDaq");
+    const auto number = dof_named(dof);
+    if (!number) line.fail("'" + dof + "'", "a degree of freedom: 1, d1 or ux");
+    const std::string type = line.next("disp, vel, accel, force or time");
+    const auto quantity = type_named(type);
+    if (!quantity) line.fail("'" + type + "'", "disp, vel, accel, force or time");
+    declared.dof = *number;
+    declared.quantity = *quantity;
+    read_options(line, declared.options);
+    point.signals.push_back(declared);
+  }
+  if (point.signals.empty()) line.fail("its end", "at least one signal");
+  return point;
+}
+
+// "2 vel": as a control point has it.
+std::string text_of(int dof, Quantity quantity) {
+  return fmt::format("{} {}", dof, to_text(quantity));
+}
+
+/// A block's words as control points number them: along the axes of each quantity.
+std::vector<int> numbers_of(const std::vector<OpfSignal>& words) {
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    numbers.push_back(i > 0 && words[i - 1].quantity == words[i].quantity ? numbers[i - 1] + 1 : 1);
+  return numbers;
+}
+
+// What goes wrong is worse than an error: the flags are looked for in the words of signals.
+[[noreturn]] void fail(const ControlPoint& point, const char* role, const std::string& how,
+                       const std::vector<OpfSignal>& words) {
+  throw Error{fmt::format(
+      "{} control point {} declares {}; the map has {} words there, '{}' to '{}': the words behind "
+      "would be taken for others",
+      role, point.tag, how, words.size(), words.front().name, words.back().name)};
+}
+
+std::vector<ControlSignal> held_against(const std::vector<OpfSignal>& words,
+                                        const std::vector<std::string>& lines, const char* role) {
+  std::vector<ControlSignal> signals;
+  if (lines.empty()) {
+    for (const auto& word : words) signals.push_back({word});
+    return signals;
+  }
+  const auto numbers = numbers_of(words);
+  std::optional<ControlPoint> before;
+  for (const auto& text : lines) {
+    const ControlPoint point = read_line(text);
+    for (std::size_t i = 0; i < point.signals.size(); ++i) {
+      const Declared& declared = point.signals[i];
+      const std::size_t at = signals.size();
+      const std::string found = text_of(declared.dof, declared.quantity);
+      if (at == words.size())
+        fail(point, role, fmt::format("too many signals, the first of them '{}'", found), words);
+      const std::string expected = text_of(numbers[at], words[at].quantity);
+      if (found != expected && i == 0 && before)
+        fail(*before, role,
+             fmt::format("too few signals: '{}' ({}) is missing, control point {} begins with '{}'",
+                         expected, words[at].name, point.tag, found),
+             words);
+      if (found != expected)
+        fail(point, role,
+             fmt::format("'{}' where '{}' ({}) is expected", found, expected, words[at].name),
+             words);
+      signals.push_back(declared.options);
+      signals.back().word = words[at];
+    }
+    before = point;
+  }
+  if (signals.size() < words.size())
+    fail(*before, role,
+         fmt::format("too few signals: '{}' ({}) is the first of {} that are missing",
+                     text_of(numbers[signals.size()], words[signals.size()].quantity),
+                     words[signals.size()].name, words.size() - signals.size()),
+         words);
+  return signals;
+}
+
+}  // namespace
+
+ControlPoints control_points(const OpfLayout& layout, const std::vector<std::string>& trial,
+                             const std::vector<std::string>& output) {
+  return {!trial.empty() || !output.empty(), held_against(layout.commands, trial, "trial"),
+          held_against(layout.feedbacks, output, "output")};
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "identification.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <Eigen/Dense>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using std::numbers::pi;
+
+// Slow enough for any machine, far enough apart to tell mass from stiffness.
+constexpr double kFrequency[] = {1.0, 3.0};   // [Hz]
+constexpr double kRamp = 0.5, kFitted = 3.0;  // [s]
+constexpr double kLeastMove = 0.1;            // of the amplitude
+
+// What is measured is fitted with an offset, a drift, and a sine and cosine of each frequency.
+constexpr Index kRegressors = 6;
+Eigen::Matrix<double, kRegressors, 1> regressors(double time) {
+  const double a = 2 * pi * kFrequency[0] * time, b = 2 * pi * kFrequency[1] * time;
+  return {1, time, std::cos(a), std::sin(a), std::cos(b), std::sin(b)};
+}
+
+// Both frequencies together move at most the amplitude.
+double excitation(double time) {
+  double sum = 0;
+  for (const double frequency : kFrequency) sum += 0.5 * std::sin(2 * pi * frequency * time);
+  const double from_end = std::min(time, 2 * kRamp + kFitted - time);
+  if (from_end >= kRamp) return sum;
+  return from_end <= 0 ? 0 : 0.5 * (1 - std::cos(pi * from_end / kRamp)) * sum;
+}
+
+// Neither damping nor mass gives energy away; what sensors' noise says against that is left out.
+MatrixXd passive(const MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> modes{(matrix + matrix.transpose()) / 2};
+  return modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() *
+         modes.eigenvectors().transpose();
+}
+
+}  // namespace
+
+Identification::Identification(Index components, const VectorXd& amplitude, double step)
+    : components_{components},
+      amplitude_{amplitude},
+      step_{step},
+      steps_{static_cast<int>(std::lround((2 * kRamp + kFitted) / step))} {
+  for (std::size_t i = 0; i < kFrequencies; ++i)
+    displacement_[i] = force_[i] = MatrixXcd::Zero(components, components);
+  start_component();
+}
+
+void Identification::start_component() {
+  taken_ = 0;
+  normal_ = MatrixXd::Zero(kRegressors, kRegressors);
+  observed_ = MatrixXd::Zero(kRegressors, 2 * components_);
+}
+
+bool Identification::is_done() const { return at_ == components_; }
+
+double Identification::time() const { return (taken_ + 1) * step_; }
+
+VectorXd Identification::target() const {
+  VectorXd target = VectorXd::Zero(components_);
+  target[at_] = amplitude_[at_] * excitation(time());
+  return target;
+}
+
+void Identification::measure(const VectorXd& displacement, const VectorXd& force) {
+  if (time() >= kRamp && time() <= kRamp + kFitted) {
+    const auto row = regressors(time());
+    VectorXd measured{2 * components_};
+    measured << displacement, force;
+    normal_ += row * row.transpose();
+    observed_ += row * measured.transpose();
+  }
+  if (++taken_ < steps_) return;
+  finish_component();
+  ++at_;
+  start_component();
+}
+
+// cos and sin parts c, s of a signal c·cos ωt + s·sin ωt are the complex amplitude c − i·s.
+void Identification::finish_component() {
+  const MatrixXd fit = normal_.ldlt().solve(observed_);
+  for (std::size_t i = 0; i < kFrequencies; ++i) {
+    const auto cosine = fit.row(2 + 2 * static_cast<Index>(i)).transpose();
+    const auto sine = fit.row(3 + 2 * static_cast<Index>(i)).transpose();
+    const Eigen::VectorXcd amplitude =
+        cosine.cast<std::complex<double>>() - std::complex<double>{0, 1} * sine;
+    displacement_[i].col(at_) = amplitude.head(components_);
+    force_[i].col(at_) = amplitude.tail(components_);
+  }
+}
+
+std::array<MatrixXcd, 2> Identification::dynamic_stiffness() const {
+  std::array<MatrixXcd, kFrequencies> stiffness;
+  for (std::size_t i = 0; i < kFrequencies; ++i) {
+    for (Index k = 0; k < components_; ++k) {
+      const double moved = 2 * std::abs(displacement_[i](k, k));  // both shares are halves
+      if (!(moved > kLeastMove * amplitude_[k]))
+        throw Error{fmt::format(
+            "identification: component {} moved {:.3g} at {:g} Hz, expected about {:.3g}: is the "
+            "machine on?",
+            k + 1, moved, kFrequency[i], amplitude_[k])};
+    }
+    stiffness[i] =
+        displacement_[i].transpose().fullPivLu().solve(force_[i].transpose()).transpose();
+  }
+  return stiffness;
+}
+
+Identification::Found Identification::found() const {
+  const auto [slow, fast] = dynamic_stiffness();
+  const double a = 2 * pi * kFrequency[0], b = 2 * pi * kFrequency[1];
+  Found found;
+  found.mass = (slow.real() - fast.real()) / (b * b - a * a);
+  found.stiffness = slow.real() + a * a * found.mass;
+  found.damping = (a * slow.imag() + b * fast.imag()) / (a * a + b * b);
+  found.stiffness = (found.stiffness + found.stiffness.transpose().eval()) / 2;
+  found.damping = passive(found.damping);
+  found.mass = passive(found.mass);
+  if (!(found.stiffness.diagonal().minCoeff() > 0))
+    throw Error{fmt::format("identification: a stiffness of {:.4g}, expected more than 0",
+                            found.stiffness.diagonal().minCoeff())};
+  return found;
+}
+
+}  // namespace rths::adapters

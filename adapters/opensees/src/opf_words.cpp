@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "opf_words.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+using Eigen::Index;
+
+std::string named(const OpenSeesElement& element) {
+  return fmt::format("element '{}'", element.name);
+}
+
+// The machine's axes that an element's specimen is moved along.
+std::vector<MovedAxis> axes_of(const OpenSeesElement& element) {
+  if (element.actuators.empty()) return element.axes;
+  std::vector<MovedAxis> axes;
+  for (const auto& actuator : element.actuators) axes.push_back({actuator.axis});
+  return axes;
+}
+
+}  // namespace
+
+OpfWords::OpfWords(const ControlPoints& points, const std::vector<OpenSeesElement>& elements) {
+  for (const auto& signal : points.trial) commands_.push_back({signal});
+  for (const auto& signal : points.output) feedbacks_.push_back({signal});
+  for (std::size_t i = 0; i < elements.size(); ++i) bind(elements[i], i);
+  if (points.is_declared) return;
+  const auto is_idle = [](const Word& word) { return word.element == kNone; };
+  std::erase_if(commands_, [&](const Word& word) {
+    return is_idle(word) && word.signal.word.quantity != Quantity::Time;
+  });
+  std::erase_if(feedbacks_, is_idle);
+}
+
+OpfWords::Word& OpfWords::word(std::vector<Word>& words, const OpenSeesElement& element,
+                               const std::string& axis, Quantity quantity) {
+  std::set<std::string> axes;
+  for (auto& candidate : words) {
+    if (candidate.signal.word.quantity != quantity) continue;
+    axes.insert(candidate.signal.word.axis);
+    if (candidate.signal.word.axis != axis) continue;
+    if (candidate.element != kNone)
+      throw Error{fmt::format("{}: '{}' is moved by another element, or twice", named(element),
+                              candidate.signal.word.name)};
+    return candidate;
+  }
+  throw Error{fmt::format("{}: the map has no word for '{} {}', expected an axis of {}",
+                          named(element), axis, to_text(quantity),
+                          axes.empty() ? "none" : fmt::format("{}", fmt::join(axes, ", ")))};
+}
+
+void OpfWords::bind(const OpenSeesElement& element, std::size_t number) {
+  const auto axes = axes_of(element);
+  axes_.push_back(std::ssize(axes));
+  const auto claim = [&](Word& word, std::size_t axis, double sign) {
+    word.element = number;
+    word.axis = axis;
+    word.sign = sign;
+  };
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    Word& displacement = word(commands_, element, axes[k].axis, Quantity::Displacement);
+    claim(displacement, k, 1);
+    displacement.signal.is_relative_to_first |= element.is_relative;
+    claim(word(feedbacks_, element, axes[k].axis, Quantity::Force), k, 1);
+    // Not every laboratory tells or asks for these.
+    for (auto& other : commands_)
+      if (other.signal.word.axis == axes[k].axis &&
+          (other.signal.word.quantity == Quantity::Velocity ||
+           other.signal.word.quantity == Quantity::Acceleration))
+        claim(other, k, 1);
+    for (auto& other : feedbacks_)
+      if (other.signal.word.axis == axes[k].axis &&
+          other.signal.word.quantity == Quantity::Displacement)
+        claim(other, k, 1);
+  }
+  if (!element.bearing || !element.bearing->axial_load) return;
+  const MovedAxis& load = *element.bearing->axial_load;
+  Word& force = word(commands_, element, load.axis, Quantity::Force);
+  claim(force, 0, load.direction);
+  force.is_load = true;
+}
+
+std::vector<Port> OpfWords::feedbacks() const {
+  std::vector<Port> ports;
+  for (const auto& word : feedbacks_)
+    ports.push_back({word.signal.word.name, Direction::Input, word.signal.word.unit, 0, false});
+  return ports;
+}
+
+std::vector<Port> OpfWords::commands() const {
+  std::vector<Port> ports;
+  for (const auto& word : commands_)
+    ports.push_back({word.signal.word.name, Direction::Output, word.signal.word.unit, 0, false});
+  return ports;
+}
+
+void OpfWords::start(std::span<const double> feedbacks) {
+  for (std::size_t i = 0; i < feedbacks_.size(); ++i) {
+    Word& feedback = feedbacks_[i];
+    for (auto& command : commands_)
+      if (command.signal.is_relative_to_measured &&
+          command.signal.word.axis == feedback.signal.word.axis &&
+          command.signal.word.quantity == feedback.signal.word.quantity)
+        command.offset = feedbacks[i];
+    if (feedback.signal.is_relative_to_measured) feedback.offset = -feedbacks[i];
+  }
+}
+
+void OpfWords::start(std::size_t element, const Specimen::Command& first) {
+  for (auto& word : commands_)
+    if (word.element == element && word.signal.is_relative_to_first)
+      word.offset -= word.signal.factor * value_of(word, first);
+}
+
+OpfWords::Measured OpfWords::measured(std::size_t element,
+                                      std::span<const double> feedbacks) const {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(axes_[element]);
+  Measured measured{zero, zero};
+  for (std::size_t i = 0; i < feedbacks_.size(); ++i) {
+    const Word& word = feedbacks_[i];
+    if (word.element != element) continue;
+    const double value = word.signal.factor * (feedbacks[i] + word.offset);
+    auto& of =
+        word.signal.word.quantity == Quantity::Force ? measured.force : measured.displacement;
+    of[static_cast<Index>(word.axis)] = value;
+  }
+  return measured;
+}
+
+double OpfWords::value_of(const Word& word, const Specimen::Command& command) {
+  const auto axis = static_cast<Index>(word.axis);
+  if (word.is_load) return word.sign * command.load;
+  switch (word.signal.word.quantity) {
+    case Quantity::Displacement:
+      return command.displacement[axis];
+    case Quantity::Velocity:
+      return command.velocity[axis];
+    case Quantity::Acceleration:
+      return command.acceleration[axis];
+    case Quantity::Force:
+    case Quantity::Time:
+      break;
+  }
+  return 0;
+}
+
+void OpfWords::write(std::size_t element, const Specimen::Command& command, double time,
+                     std::span<double> commands) {
+  for (std::size_t i = 0; i < commands_.size(); ++i) {
+    Word& word = commands_[i];
+    if (word.signal.word.quantity == Quantity::Time) commands[i] = time;
+    if (word.element != element) continue;
+    const double sent = word.signal.factor * value_of(word, command) + word.offset;
+    if (sent < word.signal.lowest || sent > word.signal.highest)
+      throw Error{
+          fmt::format("'{}' would be {:.6g} {}, the limits of its control point are {:.6g} "
+                      "to {:.6g}",
+                      word.signal.word.name, sent, word.signal.word.unit, word.signal.lowest,
+                      word.signal.highest)};
+    commands[i] = sent;
+  }
+}
+
+}  // namespace rths::adapters

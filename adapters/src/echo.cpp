@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/echo.hpp>
+
+namespace rths::adapters {
+namespace {
+
+class Echo final : public Adapter {
+ public:
+  explicit Echo(EchoSettings settings);
+  [[nodiscard]] std::vector<Port> ports() const override;
+  void activate() override {}
+  [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] News awaits() const noexcept override {
+    return settings_.is_prompt ? News::Inputs : News::None;
+  }
+  void deactivate() noexcept override {}
+
+ private:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  /// Where a feedback comes from.
+  struct Source {
+    std::size_t command = kNone;
+    double factor = 1;
+  };
+
+  EchoSettings settings_;
+  std::vector<Source> sources_;  ///< of each feedback
+  bool is_there_;
+};
+
+Echo::Echo(EchoSettings settings)
+    : settings_{std::move(settings)}, is_there_{!settings_.is_down_when_idle} {
+  const auto& commands = settings_.layout.commands;
+  for (const auto& feedback : settings_.layout.feedbacks) {
+    const bool is_force = feedback.quantity == Quantity::Force;
+    const OpfSignal* command = OpfLayout::find(
+        commands, feedback.axis, is_force ? Quantity::Displacement : feedback.quantity);
+    sources_.push_back(
+        {command == nullptr ? kNone : static_cast<std::size_t>(command - commands.data()),
+         is_force ? settings_.stiffness : 1});
+  }
+}
+
+std::vector<Port> Echo::ports() const {
+  std::vector<Port> ports{{"opf.newTarget", Direction::Input, "1", 0, false}};
+  for (const auto& command : settings_.layout.commands)
+    ports.push_back({command.name, Direction::Input, command.unit, 0, false});
+  for (const auto& feedback : settings_.layout.feedbacks)
+    ports.push_back({feedback.name, Direction::Output, feedback.unit, 0, false});
+  ports.push_back({"daq.switchPC", Direction::Output, "1", 0, false});
+  ports.push_back({"daq.atTarget", Direction::Output, "1", 0, false});
+  return ports;
+}
+
+Status Echo::step(Step& step) noexcept {
+  const bool has_target = step.inputs[0] > 0;
+  const auto commands = step.inputs.subspan(1);
+  for (std::size_t i = 0; has_target && i < sources_.size(); ++i)
+    if (sources_[i].command != kNone)
+      step.outputs[i] = sources_[i].factor * commands[sources_[i].command];
+  is_there_ = is_there_ || has_target;
+  step.outputs[sources_.size()] = has_target ? 1 : 0;
+  step.outputs[sources_.size() + 1] = is_there_ && !has_target ? 1 : 0;
+  return step.stopping || step.inputs[0] < 0 ? Status::Done : Status::Ok;
+}
+
+}  // namespace
+
+std::unique_ptr<Adapter> make_echo(const EchoSettings& settings) {
+  return std::make_unique<Echo>(settings);
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/opf_layout.hpp>
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/memmap/units.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr const char* kOrder = "newTarget, commands, switchPC, atTarget, feedbacks";
+
+std::optional<Quantity> quantity_named(const std::string& word) {
+  if (word == "displ") return Quantity::Displacement;
+  if (word == "veloc") return Quantity::Velocity;
+  if (word == "accel") return Quantity::Acceleration;
+  if (word == "force" || word == "moment") return Quantity::Force;
+  if (word == "time") return Quantity::Time;
+  return std::nullopt;
+}
+
+// "long.displ.target", or "displ.target" where there is one axis only.
+OpfSignal read_signal(const memmap::SignalEntry& entry, const std::string& ending) {
+  const std::string& name = entry.signal->name;
+  const auto fail = [&] {
+    throw Error{fmt::format("{}: '{}' is no word of OpenFresco's, expected <axis>.<quantity>.{}",
+                            entry.signal->where, entry.name, ending)};
+  };
+  const std::size_t end = name.rfind('.' + ending);
+  if (end == std::string::npos || end + ending.size() + 1 != name.size()) fail();
+  const std::string head = name.substr(0, end);
+  const std::size_t dot = head.rfind('.');
+  const auto quantity = quantity_named(dot == std::string::npos ? head : head.substr(dot + 1));
+  if (!quantity) fail();
+  return {entry.name, dot == std::string::npos ? "1" : head.substr(0, dot), *quantity,
+          memmap::parse_unit(entry.signal->unit).si};
+}
+
+std::vector<memmap::SignalEntry> signals_of(const memmap::Map& map, const std::string& partition) {
+  std::vector<memmap::SignalEntry> signals;
+  for (const auto& entry : map.signals())
+    if (entry.partition->name == partition) signals.push_back(entry);
+  return signals;
+}
+
+// Who counts words reads another one behind a gap.
+void require_no_gap(const memmap::Map& map, const std::vector<memmap::SignalEntry>& signals) {
+  for (std::size_t i = 1; i < signals.size(); ++i)
+    if (signals[i].signal->offset != advance(signals[i - 1].signal->offset, 1))
+      throw Error{fmt::format("map '{}': OpenFresco's block has a gap before '{}'",
+                              map.description().name, signals[i].name)};
+}
+
+}  // namespace
+
+const char* to_text(Quantity quantity) noexcept {
+  switch (quantity) {
+    case Quantity::Displacement:
+      return "disp";
+    case Quantity::Velocity:
+      return "vel";
+    case Quantity::Acceleration:
+      return "accel";
+    case Quantity::Force:
+      return "force";
+    case Quantity::Time:
+      return "time";
+  }
+  return "";
+}
+
+const OpfSignal* OpfLayout::find(const std::vector<OpfSignal>& signals, const std::string& axis,
+                                 Quantity quantity) {
+  const auto found = std::find_if(signals.begin(), signals.end(), [&](const OpfSignal& signal) {
+    return signal.axis == axis && signal.quantity == quantity;
+  });
+  return found == signals.end() ? nullptr : &*found;
+}
+
+OpfLayout opf_layout(const memmap::Map& map) {
+  const auto opf = signals_of(map, "opf"), daq = signals_of(map, "daq");
+  const std::string& name = map.description().name;
+  if (opf.empty() || daq.empty())
+    throw Error{fmt::format("map '{}' has no block for OpenFresco: partitions opf and daq", name)};
+  if (opf[0].signal->name != "newTarget" || daq.size() < 2 || daq[0].signal->name != "switchPC" ||
+      daq[1].signal->name != "atTarget")
+    throw Error{fmt::format("map '{}': OpenFresco's block is not {}", name, kOrder)};
+  require_no_gap(map, opf);
+  require_no_gap(map, daq);
+  OpfLayout layout;
+  for (std::size_t i = 1; i < opf.size(); ++i)
+    layout.commands.push_back(read_signal(opf[i], "target"));
+  for (std::size_t i = 2; i < daq.size(); ++i)
+    layout.feedbacks.push_back(read_signal(daq[i], "fbk"));
+  return layout;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenFresco's control points, held against the blocks of all laboratories' maps.
+#include <rths/adapters/control_points.hpp>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <rths/core/error.hpp>
+#include <rths/memmap/map.hpp>
+
+#include "support/files.hpp"
+
+namespace rths::adapters {
+namespace {
+
+OpfLayout layout_of(const std::string& map) {
+  return opf_layout(
+      memmap::load_map(test::source_tree() / "memmap/maps" / (map + ".ringmap.toml")));
+}
+
+// As a laboratory declares them: of each type in turn, all degrees of freedom.
+std::string line_of(int tag, int dofs, const std::vector<std::string>& types) {
+  std::string line = fmt::format("expControlPoint {}", tag);
+  for (const auto& type : types)
+    for (int dof = 1; dof <= dofs; ++dof) line += fmt::format(" {} {}", dof, type);
+  return line;
+}
+
+std::string error_of(const OpfLayout& layout, const std::vector<std::string>& trial,
+                     const std::vector<std::string>& output = {}) {
+  try {
+    static_cast<void>(control_points(layout, trial, output));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+struct Facility {
+  const char* map;
+  int dofs;
+  std::vector<std::string> commands, feedbacks;
+};
+const std::vector<std::string> kFive{"disp", "vel", "accel", "force", "time"};
+const Facility kFacilities[] = {{"srmd", 7, kFive, kFive},
+                                {"sts", 8, kFive, kFive},
+                                {"sts_gt", 8, kFive, kFive},
+                                {"mts469d_150", 1, kFive, kFive},
+                                {"mts469d_gt", 6, kFive, kFive},
+                                {"flextest_ucb", 1, {"disp"}, {"disp", "force"}},
+                                {"flextest_osu", 2, {"disp"}, {"disp", "force"}}};
+
+class EachFacility : public testing::TestWithParam<Facility> {};
+
+TEST_P(EachFacility, TakesWhatItsBlockHas) {
+  const auto& [map, dofs, commands, feedbacks] = GetParam();
+  const auto points =
+      control_points(layout_of(map), {line_of(1, dofs, commands)}, {line_of(2, dofs, feedbacks)});
+  EXPECT_TRUE(points.is_declared);
+  EXPECT_EQ(points.trial.size(), static_cast<std::size_t>(dofs) * commands.size());
+  EXPECT_EQ(points.output.size(), static_cast<std::size_t>(dofs) * feedbacks.size());
+  // The first and the last word that the controller reads and writes.
+  EXPECT_EQ(points.trial.front().word.quantity, Quantity::Displacement);
+  EXPECT_EQ(points.output.back().word.quantity,
+            feedbacks.size() == 2 ? Quantity::Force : Quantity::Time);
+}
+
+TEST_P(EachFacility, RefusesASignalTooFewOrTooMany) {
+  const auto& [map, dofs, commands, feedbacks] = GetParam();
+  const OpfLayout layout = layout_of(map);
+  const std::string whole = line_of(1, dofs, commands);
+  EXPECT_NE(error_of(layout, {whole + " 1 time"}).find("trial control point 1 declares too many"),
+            std::string::npos);
+  const std::string outputs = line_of(7, dofs, feedbacks);
+  const std::string shortened = outputs.substr(0, outputs.rfind(' ', outputs.rfind(' ') - 1));
+  EXPECT_NE(error_of(layout, {whole}, {shortened}).find("output control point 7 declares too few"),
+            std::string::npos)
+      << error_of(layout, {whole}, {shortened});
+}
+
+INSTANTIATE_TEST_SUITE_P(Maps, EachFacility, testing::ValuesIn(kFacilities),
+                         [](const auto& facility) { return std::string{facility.param.map}; });
+
+TEST(ControlPoints, SayWhichOneDeclaresTooFew) {
+  const OpfLayout layout = layout_of("flextest_osu");
+  EXPECT_EQ(error_of(layout, {"expControlPoint 1 1 disp"}),
+            "trial control point 1 declares too few signals: '2 disp' (opf.2.displ.target) is the "
+            "first of 1 that are missing; the map has 2 words there, 'opf.1.displ.target' to "
+            "'opf.2.displ.target': the words behind would be taken for others");
+  // The second begins with forces, so the first lacks a displacement.
+  const std::string message = error_of(layout, {}, {"4 1 disp", "5 1 force 2 force"});
+  EXPECT_NE(message.find("output control point 4 declares too few signals: '2 disp' "
+                         "(daq.2.displ.fbk) is missing, control point 5 begins with '1 force'"),
+            std::string::npos)
+      << message;
+}
+
+TEST(ControlPoints, SayWhatIsInTheWrongPlace) {
+  const std::string message = error_of(layout_of("flextest_osu"), {"1 2 disp 1 disp"});
+  EXPECT_NE(message.find("'2 disp' where '1 disp' (opf.1.displ.target) is expected"),
+            std::string::npos)
+      << message;
+  // One quantity behind the other, not all of an axis.
+  EXPECT_NE(error_of(layout_of("srmd"), {"1 1 disp 1 vel"}).find("'1 vel' where '2 disp'"),
+            std::string::npos);
+}
+
+TEST(ControlPoints, ReadEverySpellingAndOption) {
+  const auto points = control_points(layout_of("flextest_osu"),
+                                     {"expControlPoint 1 -node 3 ux 1 -fact 0.5 -lim -0.1 0.2 "
+                                      "-relTrial d2 dsp -relCtrl"},
+                                     {"2 u1 disp u2 disp", "3 1 frc -relDaq 2 4"});
+  EXPECT_EQ(points.trial[0].factor, 0.5);
+  EXPECT_EQ(points.trial[0].lowest, -0.1);
+  EXPECT_EQ(points.trial[0].highest, 0.2);
+  EXPECT_TRUE(points.trial[0].is_relative_to_first);
+  EXPECT_FALSE(points.trial[0].is_relative_to_measured);
+  EXPECT_TRUE(points.trial[1].is_relative_to_measured);
+  EXPECT_TRUE(points.output[2].is_relative_to_measured);
+  EXPECT_EQ(points.output[3].word.name, "daq.2.force.fbk");
+}
+
+TEST(ControlPoints, RefuseWhatTheyDoNotUnderstand) {
+  const OpfLayout layout = layout_of("flextest_ucb");
+  EXPECT_EQ(error_of(layout, {"1 1 strain"}),
+            "control point '1 1 strain': found 'strain', expected disp, vel, accel, force or time");
+  EXPECT_EQ(error_of(layout, {"1 zero disp"}),
+            "control point '1 zero disp': found 'zero', expected a degree of freedom: 1, d1 or ux");
+  EXPECT_NE(error_of(layout, {"1 1 disp -relOut"}).find("found '-relOut', expected -fact"),
+            std::string::npos);
+  EXPECT_NE(error_of(layout, {"1 1 disp -fact"}).find("found its end, expected a factor"),
+            std::string::npos);
+  EXPECT_NE(error_of(layout, {"1 1 disp -lim 2 1"}).find("limits that leave nothing"),
+            std::string::npos);
+  EXPECT_NE(error_of(layout, {"1"}).find("expected at least one signal"), std::string::npos);
+}
+
+TEST(OpfLayout, RefusesAMapWithoutTheBlock) {
+  memmap::MapDescription description;
+  description.name = "bare";
+  description.size_longwords = 16;
+  description.nodes = {{"xpc", NodeId{1}, ""}};
+  EXPECT_THROW(static_cast<void>(opf_layout(memmap::Map{description})), Error);
+}
+
+}  // namespace
+}  // namespace rths::adapters
