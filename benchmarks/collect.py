@@ -3,8 +3,8 @@
 
 usage: collect.py FOLDER COMMIT [RESULTS]
 
-Leaves loop.json, what a step costs, ring.json, how fast the ring is, and bearings.json, what a step
-of a bearing takes beside OpenSees, in the folder RESULTS.
+Leaves loop.json, what a step costs, ring.json, how fast the ring is, bearings.json, what a step
+of a bearing takes beside OpenSees, and opensees.json, the way from OpenSees to a specimen and back, in the folder RESULTS.
 """
 import datetime
 import json
@@ -41,6 +41,12 @@ def print_bearings(result):
     print(f"  bearings: {result['result']}", *result["troubles"], sep="\n    ")
 
 
+def print_trips(result):
+    for trip in result["trips"]:
+        print(f"  OpenSees and back, {trip['protocol']}        {trip['through_ring']['p50_ns'] / 1e3:>8.1f} us, "
+              f"{trip['ratio_p50']:.2f} times a bare ping-pong, {trip['verdict']}")
+
+
 def main():
     folder, commit = pathlib.Path(sys.argv[1]), sys.argv[2]
     stamp = {
@@ -61,11 +67,14 @@ def main():
     print(f"  a run in virtual time          {result['virtual_run']['times_real_time']} times real time")
     bearings = json.load(open(folder / "bearings" / "result.json"))
     print_bearings(bearings)
+    trips = json.load(open(folder / "opensees" / "result.json"))
+    print_trips(trips)
     if len(sys.argv) > 3:
         results = pathlib.Path(sys.argv[3])
         write(results / "loop.json", result)
         write(results / "ring.json", stamp | json.load(open(folder / "ring" / "result.json")))
         write(results / "bearings.json", stamp | bearings)
+        write(results / "opensees.json", stamp | trips)
 
 
 main()

@@ -24,20 +24,19 @@ Status OpfHandshake::wait_for(bool flag, Phase next, const char* otherwise, doub
   return Status::Fault;
 }
 
+// The next phase may have come with the same look: a prompt controller raises atTarget with the
+// fall of switchPC. What atTarget says is then of this target: it was down when switchPC rose.
 Status OpfHandshake::look(bool at_target, bool switch_pc, double now) noexcept {
-  switch (phase_) {
-    case Phase::WaitForTarget:
-      return wait_for(at_target, Phase::There, "atTarget did not rise before the deadline", now);
-    case Phase::WaitForSwitch:
-      return wait_for(switch_pc, Phase::WaitForRelease, "switchPC did not rise before the deadline",
-                      now);
-    case Phase::WaitForRelease:
-      return wait_for(!switch_pc, Phase::WaitForTarget, "switchPC did not fall before the deadline",
-                      now);
-    case Phase::There:
-    case Phase::Leave:
-      break;
+  if (phase_ == Phase::WaitForSwitch)
+    return wait_for(switch_pc, Phase::WaitForRelease, "switchPC did not rise before the deadline",
+                    now);
+  if (phase_ == Phase::WaitForRelease) {
+    const Status status = wait_for(!switch_pc, Phase::WaitForTarget,
+                                   "switchPC did not fall before the deadline", now);
+    if (phase_ == Phase::WaitForRelease) return status;
   }
+  if (phase_ == Phase::WaitForTarget)
+    return wait_for(at_target, Phase::There, "atTarget did not rise before the deadline", now);
   return Status::Ok;
 }
 

@@ -9,6 +9,7 @@
 #include <rths/bench/ring_bench.hpp>
 
 #include "commands.hpp"
+#include "verdict.hpp"
 
 namespace rths::app {
 namespace {
@@ -16,11 +17,6 @@ namespace {
 // A line that is written over and over on a terminal; silence anywhere else.
 void show_row(int cycle, const std::string& row) {
   fmt::print(stderr, "\rcycle {}: {:<40}", cycle + 1, row);
-}
-
-ExitCode exit_code(bench::Verdict result) {
-  if (result == bench::Verdict::Pass) return kOk;
-  return result == bench::Verdict::Fail ? kFailure : kConditionNotMet;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <rths/bench/bearing_bench.hpp>
 
 #include "commands.hpp"
+#include "verdict.hpp"
 
 namespace rths::app {
 namespace {
@@ -43,8 +44,7 @@ int bench_bearings(const BearingBenchArguments& arguments) {
   const bench::BearingReport report = bench::run_bearing_bench(options);
   if (on_terminal) fmt::print(stderr, "\r{: <60}\r", "");
   fmt::print("{}", arguments.json ? bench::to_json(report) : bench::to_text(report));
-  if (report.result == bench::Verdict::Pass) return kOk;
-  return report.result == bench::Verdict::Fail ? kFailure : kConditionNotMet;
+  return exit_code(report.result);
 }
 
 }  // namespace rths::app

@@ -101,6 +101,14 @@ struct BearingBenchArguments {
 /// 0 if every goal is met, 1 if this machine cannot tell, 2 if a goal is missed.
 [[nodiscard]] int bench_bearings(const BearingBenchArguments& arguments);
 
+struct OpenseesBenchArguments {
+  int cycles = 9;
+  int round_trips = 2'000;  ///< of each kind in each cycle
+  bool json = false;
+};
+/// 0 if the way there and back holds, 1 if this machine cannot tell, 2 if it does not.
+[[nodiscard]] int bench_opensees(const OpenseesBenchArguments& arguments);
+
 struct DiagnoseArguments {
   std::string source;                ///< folder of a case, or a recording
   std::string out;                   ///< folder; empty: out/diagnosis/<name of the case>

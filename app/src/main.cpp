@@ -36,6 +36,7 @@ struct Arguments {
   LoopArguments loop;
   TermsArguments terms;
   BearingBenchArguments bearings;
+  OpenseesBenchArguments trips;
   DiagnoseArguments diagnose;
   std::string clock = "wall", file, language = "cpp", folder;
   std::vector<std::string> sets;
@@ -143,6 +144,19 @@ void add_bench_bearings(CLI::App& bench, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return bench_bearings(a.bearings); }; });
 }
 
+void add_bench_opensees(CLI::App& bench, Arguments& a, Chosen& chosen) {
+  auto* command = bench.add_subcommand(
+      "opensees", "From an element of OpenSees to a specimen and back, beside a bare ping-pong");
+  command->add_flag("--json", a.trips.json, "One JSON document instead of lines");
+  command->add_option("--cycles", a.trips.cycles, "How often to measure both")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--round-trips", a.trips.round_trips, "Of each kind in each cycle")
+      ->check(CLI::Range(10, 1'000'000))
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return bench_opensees(a.trips); }; });
+}
+
 void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("bench", "Measure on this machine");
   command->require_subcommand(1);
@@ -165,6 +179,7 @@ void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
                    "Folder of finished cycles; those in it are not repeated");
   ring->callback([&] { chosen = [&a] { return bench_ring(a.bench); }; });
   add_bench_bearings(*command, a, chosen);
+  add_bench_opensees(*command, a, chosen);
 }
 
 void add_loop(CLI::App& app, Arguments& a, Chosen& chosen) {

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <atomic>
-#include <string>
+#include <list>
 #include <thread>
+#include <vector>
 
 #include <rths/core/clock.hpp>
 
@@ -11,8 +12,9 @@
 
 namespace rths::launch {
 
-/// A thread that does nothing but wake every millisecond and note how late the host let it: what a
-/// run on this host cannot be blamed for.
+/// A thread on each processor of the run that does nothing but wake every millisecond and note how
+/// late the host let it: what a run on this host cannot be blamed for. One processor may be stopped
+/// while the others go on.
 class HostProbe {
  public:
   explicit HostProbe(TimePoint epoch, double longest_run);
@@ -20,15 +22,21 @@ class HostProbe {
   HostProbe(const HostProbe&) = delete;
   HostProbe& operator=(const HostProbe&) = delete;
 
-  /// Ends the thread. @returns the largest lateness of each 10 ms
+  /// Ends the threads. @returns the largest lateness of each 10 ms, of the processor that was
+  /// latest
   [[nodiscard]] HostLateness finish();
 
  private:
-  void run(TimePoint epoch);
-  HostLateness lateness_;
-  std::size_t used_ = 0;
+  /// What one thread notes.
+  struct Watch {
+    int cpu = 0;
+    std::vector<double> largest;  ///< of each interval [s]
+    std::size_t used = 0;         ///< intervals
+    std::thread thread;
+  };
+  void run(Watch& watch, TimePoint epoch) const;
+  std::list<Watch> watches_;
   std::atomic<bool> finish_{false};
-  std::thread thread_;
 };
 
 }  // namespace rths::launch

@@ -151,6 +151,36 @@ TEST_F(OpenSeesRun, MovesTheMachineThroughTheController) {
   EXPECT_LT(nrmse(ring, own, 2), 0.3);
 }
 
+// Rows at which a signal rises above 0, or falls back.
+std::vector<std::size_t> edges(const std::vector<double>& signal, bool rising) {
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 1; i < signal.size(); ++i)
+    if ((signal[i] > 0) != (signal[i - 1] > 0) && (signal[i] > 0) == rising) rows.push_back(i);
+  return rows;
+}
+
+// A row is a tick of the controller.
+TEST_F(OpenSeesRun, KeepsTheTimeOfTheController) {
+  ASSERT_EQ(run(experiment({kMachine, kPlant, plant_arguments(), kBoth}), "virtual").exit_code, 0);
+  const recording::Reader reader{out() / "run.h5"};
+  const auto target = reader.signal("opf.newTarget"), taken = reader.signal("daq.switchPC"),
+             there = reader.signal("daq.atTarget");
+  for (const bool rising : {true, false}) {
+    const auto asked = edges(target, rising), answered = edges(taken, rising);
+    // The first targets fall between two rows.
+    ASSERT_GE(asked.size(), 2990U);
+    for (const std::size_t row : asked) {
+      const auto answer = std::lower_bound(answered.begin(), answered.end(), row);
+      ASSERT_NE(answer, answered.end());
+      EXPECT_LE(*answer, row + 2);
+    }
+  }
+  const auto arrived = edges(there, true);
+  ASSERT_GE(arrived.size(), 2990U);
+  for (std::size_t i = 2; i < arrived.size(); ++i)
+    EXPECT_NEAR(static_cast<double>(arrived[i] - arrived[i - 1]), 10, 1) << i;
+}
+
 // OpenSees speaks when it likes; what is recorded does not tell.
 TEST_F(OpenSeesRun, IsTheSameEveryTimeInVirtualTime) {
   const std::string file = experiment({kMachine, kPlant, plant_arguments(), kBoth});
