@@ -37,6 +37,7 @@ parser.add_argument("--udp", action="store_true")
 parser.add_argument("--duration", type=float, default=30)
 parser.add_argument("--step", type=float, default=0.01)
 parser.add_argument("--integrator", nargs="+", default=["AlphaOS", "0.95"])
+parser.add_argument("--iterations", type=int, default=5, help="of a step, with an integrator that iterates")
 parser.add_argument("--response")
 options = parser.parse_args()
 
@@ -112,7 +113,11 @@ shake()
 ops.constraints("Plain")
 ops.numberer("Plain")
 ops.system("FullGeneral")
-ops.algorithm("Linear", "-initial")
+if "HS" in options.integrator[0]:  # iterates: each iteration is a move of the specimen
+    ops.test("FixedNumIter", options.iterations)
+    ops.algorithm("Newton", "-initial")
+else:
+    ops.algorithm("Linear", "-initial")
 ops.integrator(*[value_of(word) for word in options.integrator])
 ops.analysis("Transient")
 response = open(options.response, "w") if options.response else None

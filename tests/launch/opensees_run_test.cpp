@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The real OpenSees, unmodified, as the solver of a run.
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -60,6 +65,10 @@ class OpenSeesRun : public test::WithOpenSees<> {
         "characteristic_strength_N = 1_010_000\npost_yield_stiffness_N_per_m = 4_238_000\n"
         "yield_displacement_m = 2.855e-3\n");
     const auto tree = test::source_tree();
+    const std::string script = parts.script.empty()
+                                   ? ""
+                                   : fmt::format("script = \"{}\"\narguments = [{}]\n",
+                                                 (tree / parts.script).string(), parts.arguments);
     const std::string element = parts.element.empty() ? "dofs = " + parts.axes : parts.element;
     return folder_
         .write("experiment.toml",
@@ -79,9 +88,7 @@ model = "bilinear.toml"
 [node.opf]
 adapter = "opensees"
 python = "{}"
-script = "{}"
-arguments = [{}]
-answer_deadline_s = 1
+{}answer_deadline_s = 1
 {}
 [[node.opf.element]]
 name = "bearing"
@@ -90,8 +97,7 @@ port = {}
 )",
                            parts.map, parts.map == "srmd" ? parts.axes : kBoth,
                            (tree / "examples/records" / kRecord).string(), parts.partners, python_,
-                           (tree / parts.script).string(), parts.arguments, parts.node, port_,
-                           element))
+                           script, parts.node, port_, element))
         .string();
   }
 
@@ -364,6 +370,99 @@ TEST_F(OpenSeesRun, IdentifiesTheSpecimenBeforeTheTest) {
   const Rows ring = ring_response();
   EXPECT_EQ(ring.size(), 3000U);
 }
+
+// Looks for up to ten seconds.
+template <class Condition>
+bool comes_true(const Condition& condition) {
+  for (int look = 0; look < 1000 && !condition(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds{10});
+  return condition();
+}
+
+// A user's own OpenSees takes a closed socket for one on which there is no news yet.
+TEST_F(OpenSeesRun, LeavesAUsersOpenSeesAsleepIfItIsKilled) {
+  const std::string file = experiment({kIdeal, "", ""});
+  test::Running laboratory{
+      {test::rths_command(), "run", file, "--clock", "virtual", "--out", out().string()}};
+  // It is there when the port is open.
+  ASSERT_TRUE(comes_true([&] { return !test::children_of(laboratory.pid()).empty(); }));
+  const auto keepers = test::children_of(laboratory.pid());
+  ASSERT_EQ(keepers.size(), 1U);
+  const auto moving = folder_.path() / "moving";
+  test::Running opensees{{python_, (test::source_tree() / "tests/opensees/patient.py").string(),
+                          std::to_string(port_), moving.string()}};
+  ASSERT_TRUE(comes_true([&] { return std::filesystem::exists(moving); }));
+
+  kill(laboratory.pid(), SIGKILL);
+  ASSERT_TRUE(comes_true([&] { return !test::is_running(laboratory.pid()); }));
+
+  // Somebody who asks for ever would take all of it.
+  std::this_thread::sleep_for(std::chrono::milliseconds{200});
+  const double before = test::processor_time_of(opensees.pid());
+  std::this_thread::sleep_for(std::chrono::milliseconds{500});
+  EXPECT_LT(test::processor_time_of(opensees.pid()) - before, 0.1);
+  EXPECT_TRUE(test::is_running(keepers[0]));
+  kill(opensees.pid(), SIGKILL);
+  EXPECT_TRUE(comes_true([&] { return !test::is_running(keepers[0]); }));
+}
+
+TEST_F(OpenSeesRun, LeavesNothingBehindAfterAUsersOpenSees) {
+  const std::string file = experiment({kIdeal, "", ""});
+  test::Running laboratory{
+      {test::rths_command(), "run", file, "--clock", "virtual", "--out", out().string()}};
+  ASSERT_TRUE(comes_true([&] { return !test::children_of(laboratory.pid()).empty(); }));
+  const int keeper = test::children_of(laboratory.pid())[0];
+  test::Running opensees{{python_, (test::source_tree() / "tests/opensees/fated.py").string(),
+                          std::to_string(port_), "leave", "50"}};
+  EXPECT_EQ(opensees.wait().exit_code, 0);
+  const auto finished = laboratory.wait();
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_FALSE(test::is_running(keeper));
+}
+
+struct Shipped {
+  const char* integrator;
+  double most;  ///< difference [-]
+};
+
+class OpenSeesIntegrator : public OpenSeesRun, public testing::WithParamInterface<Shipped> {};
+
+// The frame that is shipped, its column once on the ring and once OpenSees' own.
+TEST_P(OpenSeesIntegrator, FeelsAColumnOnTheRingAsItsOwn) {
+  const auto examples = test::source_tree() / "examples/opensees";
+  const auto ring = folder_.path() / "ring.csv", own = folder_.path() / "own.csv";
+  const auto finished = test::run_rths(
+      {"run", (examples / "one_bay_frame.toml").string(), "--clock", "virtual", "--out",
+       out().string(), "--set",
+       fmt::format("node.opf={{adapter=\"opensees\", python=\"{}\", script=\"one_bay_frame.py\", "
+                   "arguments=[\"{{motion}}\", \"--port\", \"{}\", \"--response\", \"{}\", "
+                   "\"--duration\", \"10\", \"--integrator\", \"{}\", \"0.8\"], "
+                   "element=[{{name=\"left_column\", port={}, "
+                   "dofs=[\"long\"], length_unit_m=0.0254, force_unit_N=4448.2216, "
+                   "initial_stiffness=[[2.8]]}}]}}",
+                   python_, port_, ring.string(), GetParam().integrator, port_)});
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  test::Running alone{{python_, (examples / "one_bay_frame.py").string(),
+                       (out() / "run.opf.motion.csv").string(), "--column", "steel", "--integrator",
+                       GetParam().integrator, "0.8", "--duration", "10", "--response",
+                       own.string()}};
+  ASSERT_EQ(alone.wait(60).exit_code, 0);
+  const Rows found = read_rows(ring), expected = read_rows(own);
+  ASSERT_EQ(found.size(), 1000U);
+  ASSERT_EQ(expected.size(), found.size());
+  for (const std::size_t column : {1U, 2U})
+    EXPECT_LT(nrmse(found, expected, column), GetParam().most) << column;
+}
+
+// Float32 on the ring; an integrator that iterates makes the specimen go where OpenSees' own
+// element was only asked.
+INSTANTIATE_TEST_SUITE_P(Of, OpenSeesIntegrator,
+                         testing::Values(Shipped{"AlphaOS", 1e-5},
+                                         Shipped{"AlphaOSGeneralized", 1e-5},
+                                         Shipped{"KRAlphaExplicit", 1e-5},
+                                         Shipped{"NewmarkExplicit", 1e-5},
+                                         Shipped{"HHTHSFixedNumIter", 5e-3}),
+                         [](const auto& shipped) { return std::string{shipped.param.integrator}; });
 
 }  // namespace
 }  // namespace rths

@@ -90,6 +90,22 @@ TEST_P(OpenSeesWall, EndsWhenOneIsKilled) {
   for (const auto& [name, pid] : pids) EXPECT_FALSE(test::is_running(pid)) << name;
 }
 
+// A frozen specimen gives no more feedback: the others come to rest, and OpenSees ends.
+TEST_F(OpenSeesWall, EndsWhenTheMachineFreezes) {
+  Laboratory laboratory{python_, "30"};
+  const auto pids = laboratory.wait_until_moving();
+  ASSERT_EQ(pids.count("srmd"), 1U);
+  const auto begun = std::chrono::steady_clock::now();
+  kill(pids.at("srmd"), SIGSTOP);
+
+  const auto finished = laboratory.wait();
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds{10});
+  EXPECT_NE(finished.err.find("rths: the run ended early: "), std::string::npos) << finished.err;
+  for (const auto& [name, pid] : pids) EXPECT_FALSE(test::is_running(pid)) << name;
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, OpenSeesWall, testing::Values("OpenSees", "opf", "srmd", "xpc"),
                          [](const auto& death) { return std::string{death.param}; });
 

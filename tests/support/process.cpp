@@ -127,6 +127,17 @@ bool is_running(int pid) {
   return !stat.empty() && stat[stat.rfind(')') + 2] != 'Z';
 }
 
+double processor_time_of(int pid) {
+  const std::string stat = content_of("/proc/" + std::to_string(pid) + "/stat");
+  if (stat.empty()) return 0;
+  std::istringstream words{stat.substr(stat.rfind(')') + 2)};
+  std::string word;
+  double ticks = 0;
+  for (int field = 3; words >> word; ++field)
+    if (field == 14 || field == 15) ticks += std::stod(word);  // user, system: proc(5)
+  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
 std::vector<int> children_of(int pid) {
   std::ifstream file{"/proc/" + std::to_string(pid) + "/task/" + std::to_string(pid) + "/children"};
   return {std::istream_iterator<int>{file}, {}};

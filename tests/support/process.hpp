@@ -42,6 +42,8 @@ class Running {
 [[nodiscard]] std::string rths_command();
 /// Whether a process is there and has not ended.
 [[nodiscard]] bool is_running(int pid);
+/// What a process has used of the processors [s].
+[[nodiscard]] double processor_time_of(int pid);
 /// Process ids of the direct children of a process.
 [[nodiscard]] std::vector<int> children_of(int pid);
 /// Command line of a process, its words separated by blanks.

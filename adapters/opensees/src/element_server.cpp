@@ -22,6 +22,7 @@ ElementServer::ElementServer(const OpenSeesElement& element)
 
 bool ElementServer::hear() {
   int heard = 0;
+  has_just_come_ = false;
   try {
     for (; heard < kMostAtOnce && !has_left_ && !wants_force_ && !wants_matrix_; ++heard) {
       const auto message = endpoint_.receive(client_.expected());
@@ -52,6 +53,8 @@ void ElementServer::take_in(std::span<const std::byte> message) {
       has_left_ = true;
       break;
     case GenericClient::Heard::Sizes:
+      has_just_come_ = true;
+      break;
     case GenericClient::Heard::Commit:
       break;
   }

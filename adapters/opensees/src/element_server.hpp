@@ -25,6 +25,8 @@ class ElementServer {
   void take_trial() { has_trial_ = is_new_ = false; }
 
   [[nodiscard]] int descriptor() const { return endpoint_.descriptor(); }
+  /// Whether what was heard last was its first message.
+  [[nodiscard]] bool has_just_come() const { return has_just_come_; }
   [[nodiscard]] bool is_connected() const { return endpoint_.is_connected(); }
   [[nodiscard]] const Trial& trial() const { return client_.trial(); }
   [[nodiscard]] bool has_trial() const { return has_trial_; }  ///< since the last was taken
@@ -40,7 +42,7 @@ class ElementServer {
   Endpoint endpoint_;
   GenericClient client_;
   bool has_trial_ = false, is_new_ = false, wants_force_ = false, wants_matrix_ = false,
-       has_left_ = false;
+       has_left_ = false, has_just_come_ = false;
 };
 
 }  // namespace rths::adapters

@@ -15,6 +15,7 @@
 #include "element_server.hpp"
 #include "opf_words.hpp"
 #include "script.hpp"
+#include "socket_keeper.hpp"
 #include "specimen.hpp"
 
 namespace rths::adapters {
@@ -65,7 +66,8 @@ class OpenSees final : public Adapter {
   std::size_t new_target_at_;        ///< among the outputs: behind what it guards
   std::vector<Specimen> specimens_;  ///< of each element
   std::vector<ElementServer> servers_;
-  std::optional<Script> script_;
+  std::optional<Script> script_;        ///< OpenSees that ends with us, or
+  std::optional<SocketKeeper> keeper_;  ///< what that of a user's own is left with
   OpfHandshake handshake_;
   TimePoint heard_{0};  ///< last, on the host's clock
   std::uint64_t rounds_ = 0;
@@ -108,7 +110,10 @@ void OpenSees::activate() {
   for (const auto& [file, content] : settings_.files)
     if (!(std::ofstream{file} << content).flush())
       throw Error{fmt::format("{}: cannot be written", file.string())};
-  if (!settings_.command.empty()) script_.emplace(settings_.command, settings_.log);
+  if (settings_.command.empty())
+    keeper_.emplace();
+  else
+    script_.emplace(settings_.command, settings_.log);
   heard_ = WallClock{}.now();
 }
 
@@ -121,6 +126,8 @@ void OpenSees::deactivate() {
     trouble = script_->trouble();
   }
   script_.reset();
+  if (keeper_ && has_left_) keeper_->release();
+  keeper_.reset();
   servers_.clear();
   if (trouble) throw Error{*trouble};
 }
@@ -130,6 +137,8 @@ void OpenSees::hear_all() {
   for (std::size_t i = 0; i < servers_.size(); ++i)
     for (int heard = 0; heard < kMostQuestions && servers_[i].hear(); ++heard) {
       heard_ = WallClock{}.now();
+      if (keeper_ && servers_[i].has_just_come() && !settings_.elements[i].is_udp)
+        keeper_->keep(servers_[i].descriptor());
       if (servers_[i].wants_matrix()) servers_[i].answer(specimens_[i].matrices());
     }
 }

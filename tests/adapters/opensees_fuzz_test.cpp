@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever comes in at an element's port: the adapter says so and ends, or waits on; the machine
+// stays where it is.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <rths/adapters/opensees.hpp>
+
+#include "support/process.hpp"
+
+namespace rths::adapters {
+namespace {
+
+constexpr int kTrials = 600;
+constexpr std::uint32_t kSeed = 20261122;
+constexpr std::size_t kDoubles = 256;
+
+using Bytes = std::vector<std::byte>;
+using Random = std::mt19937;
+
+OpenSeesSettings settings_at(std::uint16_t port, bool is_udp) {
+  OpenSeesSettings settings;
+  OpenSeesElement element;
+  element.name = "specimen";
+  element.port = port;
+  element.is_udp = is_udp;
+  element.is_rotation = {false, false};
+  element.axes = {{"long", 0}, {"lat", 1}};
+  element.initial_stiffness = Eigen::Matrix2d::Identity();
+  element.damping = element.mass = Eigen::Matrix2d::Zero();
+  settings.elements = {element};
+  for (const char* axis : {"long", "lat"}) {
+    settings.layout.commands.push_back(
+        {std::string{"opf."} + axis, axis, Quantity::Displacement, "m"});
+    settings.layout.feedbacks.push_back({std::string{"daq."} + axis, axis, Quantity::Force, "N"});
+  }
+  return settings;
+}
+
+template <class T, std::size_t n>
+Bytes bytes_of(const std::array<T, n>& values) {
+  const auto bytes = std::as_bytes(std::span{values});
+  return {bytes.begin(), bytes.end()};
+}
+
+Bytes noise(Random& random, std::size_t most) {
+  Bytes bytes(std::uniform_int_distribution<std::size_t>{1, most}(random));
+  for (auto& byte : bytes) byte = static_cast<std::byte>(random());
+  return bytes;
+}
+
+Bytes sizes(std::int32_t dofs) {
+  return bytes_of(std::array<std::int32_t, 11>{dofs, dofs, dofs, 0, 1, 0, 0, 0, dofs, 0, kDoubles});
+}
+
+Bytes message(double code, double displacement) {
+  std::array<double, kDoubles> words{code, displacement, displacement};
+  return bytes_of(words);
+}
+
+void append(Bytes& bytes, const Bytes& more) {
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
+
+// A client that is none, or that loses its mind after its first message.
+Bytes malformed(Random& random) {
+  const auto one_of = [&](std::initializer_list<double> values) {
+    return *(values.begin() +
+             std::uniform_int_distribution<std::ptrdiff_t>{0, std::ssize(values) - 1}(random));
+  };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Bytes bytes;
+  switch (random() % 6) {
+    case 0:
+      return noise(random, 4096);
+    case 1:  // sizes of another element
+      return sizes(static_cast<std::int32_t>(one_of({-1, 0, 1, 3, 100, 1e9})));
+    case 2:  // sizes with a bit that is wrong
+      bytes = sizes(2);
+      bytes[random() % bytes.size()] ^= static_cast<std::byte>(1U << random() % 8);
+      return bytes;
+    case 3:  // a code that is none
+      bytes = sizes(2);
+      append(bytes, message(one_of({0, 1, 2, 4, 6, 11, 13.5, 50, 98, -3, kNan, kInfinity}), 0.1));
+      return bytes;
+    case 4:  // a trial that is no number
+      bytes = sizes(2);
+      append(bytes, message(3, one_of({kNan, kInfinity, -kInfinity})));
+      return bytes;
+    default:  // a trial that breaks off
+      bytes = sizes(2);
+      append(bytes, message(3, 0.1));
+      bytes.resize(bytes.size() - 1 - random() % 2000);
+      return bytes;
+  }
+}
+
+/// A socket that says something and does not care for the answer.
+class Client {
+ public:
+  Client(std::uint16_t port, bool is_udp, const Bytes& bytes)
+      : fd_{socket(AF_INET, is_udp ? SOCK_DGRAM : SOCK_STREAM, 0)} {
+    sockaddr_in server{};
+    server.sin_family = AF_INET;
+    server.sin_port = htons(port);
+    server.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(fd_, reinterpret_cast<const sockaddr*>(&server), sizeof server), 0);
+    if (is_udp) {
+      EXPECT_EQ(send(fd_, "a", 1, 0), 1);
+    }
+    EXPECT_EQ(send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL), std::ssize(bytes));
+  }
+  ~Client() { close(fd_); }
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+ private:
+  int fd_;
+};
+
+TEST(OpenSeesPort, NeverMovesTheMachineForWhatIsMalformed) {
+  Random random{kSeed};
+  int faults = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const bool is_udp = trial % 3 == 2;
+    const std::uint16_t port = test::free_port();
+    const auto adapter = make_opensees(settings_at(port, is_udp));
+    const auto ports = adapter->ports();
+    std::vector<double> inputs{1, 0, 0, 0}, outputs(ports.size() - inputs.size());
+    adapter->activate();
+    Status status = Status::Ok;
+    Step step{0, inputs, outputs};
+    {
+      const Client client{port, is_udp, malformed(random)};
+      for (int i = 0; i < 20 && status == Status::Ok; ++i) {
+        step.time = i * 1e-3;
+        status = adapter->step(step);
+        EXPECT_EQ(outputs[0], 0);
+        EXPECT_EQ(outputs[1], 0);
+        EXPECT_LE(outputs[2], 0) << "a target was posted in trial " << trial;
+      }
+    }
+    if (status == Status::Fault) {
+      ++faults;
+      EXPECT_NE(std::string{step.message}.find("element 'specimen'"), std::string::npos)
+          << step.message;
+    }
+    adapter->deactivate();
+  }
+  // What breaks off is waited for; all else is refused.
+  EXPECT_GT(faults, kTrials / 2);
+}
+
+}  // namespace
+}  // namespace rths::adapters
