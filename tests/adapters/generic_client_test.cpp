@@ -72,9 +72,14 @@ TEST(GenericClient, SaysWhatIsWrongWithTheSizes) {
             "element 'column': OpenSees lists 3 degrees of freedom, the experiment 2");
   EXPECT_EQ(heard(sizes(2, 7)), "element 'column': messages of 7 numbers, expected 8 to 1048576");
   EXPECT_EQ(heard(sizes(2, -1)), "element 'column': messages of -1 numbers, expected 8 to 1048576");
-  EXPECT_EQ(heard(bytes_of(std::vector<std::int32_t>{2, 2, 2, 2, 1, 0, 0, 0, 2, 0, 256})),
-            "element 'column': its first message is [2, 2, 2, 2, 1, 0, 0, 0, 2, 0, 256], expected "
-            "[n, n, n, 0, 1, 0, 0, 0, n, 0, size]");
+  EXPECT_EQ(
+      heard(bytes_of(std::vector<std::int32_t>{2, 2, 2, 2, 1, 0, 0, 0, 2, 0, 256})),
+      "element 'column': its first message is [2, 2, 2, 2, 1, 0, 0, 0, 2, 0, 256], expected "
+      "n displacements, n or no velocities and accelerations, no forces, one or no time, and in "
+      "reply n forces");
+  EXPECT_NE(heard(bytes_of(std::vector<std::int32_t>{2, 1, 0, 0, 0, 0, 0, 0, 2, 0, 256})), "");
+  EXPECT_NE(heard(bytes_of(std::vector<std::int32_t>{2, 0, 0, 0, 2, 0, 0, 0, 2, 0, 256})), "");
+  EXPECT_NE(heard(bytes_of(std::vector<std::int32_t>{2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 256})), "");
 }
 
 TEST(GenericClient, KnowsANewTrialFromOneThatIsRepeated) {
@@ -107,8 +112,8 @@ TEST(GenericClient, AnswersInColumns) {
   EXPECT_EQ(answer(13), (Values{1, 11, 2, 12, 0}));
   EXPECT_EQ(answer(14), (Values{2, 22, 4, 24, 0}));
   EXPECT_EQ(answer(15), (Values{3, 33, 6, 36, 0}));
-  EXPECT_EQ(client.hear(request(256, {10})), Heard::Force);
-  auto forces = doubles_of(client.force_reply(VectorXd{{7, 8}}));
+  EXPECT_EQ(client.hear(request(256, {10})), Heard::Measured);
+  auto forces = doubles_of(client.measured_reply({VectorXd{{5, 6}}, VectorXd{{7, 8}}}));
   forces.resize(3);
   EXPECT_EQ(forces, (Values{7, 8, 0}));
   EXPECT_EQ(client.hear(request(256, {5})), Heard::Commit);
@@ -123,12 +128,49 @@ TEST(GenericClient, TakesLongMessagesForManyDegreesOfFreedom) {
   }
 }
 
+// OpenFresco's experimental elements expect all five quantities, with the force behind three.
+TEST(GenericClient, AnswersOpenFrescosElementsAtTheirOffsets) {
+  GenericClient client{"element", 2};
+  ASSERT_EQ(client.hear(bytes_of(std::vector<std::int32_t>{2, 2, 2, 0, 1, 2, 2, 2, 2, 1, 256})),
+            Heard::Sizes);
+  ASSERT_EQ(client.hear(request(256, {3, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7})), Heard::Trial);
+  for (const double code : {6, 7, 8, 9, 10, 11})
+    ASSERT_EQ(client.hear(request(256, {code})), Heard::Measured) << code;
+  auto reply = doubles_of(client.measured_reply({VectorXd{{5, 6}}, VectorXd{{7, 8}}}));
+  reply.resize(10);
+  EXPECT_EQ(reply, (std::vector<double>{5, 6, 0.3, 0.4, 0.5, 0.6, 7, 8, 0.7, 0}));
+}
+
+// A foreign program that tells displacements only, as OpenFresco's own sample in C does.
+TEST(GenericClient, HearsWhoTellsDisplacementsOnly) {
+  GenericClient client{"element", 2};
+  ASSERT_EQ(client.hear(bytes_of(std::vector<std::int32_t>{2, 0, 0, 0, 0, 2, 0, 0, 2, 0, 16})),
+            Heard::Sizes);
+  EXPECT_EQ(client.expected(), 16 * sizeof(double));
+  for (const double code : {1, 2, 4, 5}) EXPECT_EQ(client.hear(request(16, {code})), Heard::Commit);
+  ASSERT_EQ(client.hear(request(16, {3, 0.1, 0.2, 99})), Heard::Trial);
+  EXPECT_TRUE(client.is_new());
+  EXPECT_EQ(client.trial().displacement, (VectorXd{{0.1, 0.2}}));
+  EXPECT_EQ(client.trial().velocity, VectorXd::Zero(2).eval());
+  auto reply = doubles_of(client.measured_reply({VectorXd{{5, 6}}, VectorXd{{7, 8}}}));
+  reply.resize(5);
+  EXPECT_EQ(reply, (std::vector<double>{5, 6, 7, 8, 0}));
+}
+
+TEST(GenericClient, RefusesAMatrixThatDoesNotFit) {
+  GenericClient client{"element", 3};
+  ASSERT_EQ(client.hear(bytes_of(std::vector<std::int32_t>{3, 0, 0, 0, 0, 0, 0, 0, 3, 0, 8})),
+            Heard::Sizes);
+  EXPECT_EQ(error_of([&] { static_cast<void>(client.hear(request(8, {12}))); }),
+            "element: a matrix of 3 by 3 is asked for, in messages of 8 numbers");
+}
+
 TEST(GenericClient, RejectsWhatItDoesNotKnowAndKeepsTheLastTrial) {
   GenericClient client{"element", 1};
   static_cast<void>(client.hear(sizes(1, 256)));
   static_cast<void>(client.hear(request(256, {3, 0.5, 0, 0, 0.01})));
-  EXPECT_EQ(error_of([&] { static_cast<void>(client.hear(request(256, {7}))); }),
-            "element: OpenSees asks for 7, expected 3, 5, 10, 12 to 15 or 99");
+  EXPECT_EQ(error_of([&] { static_cast<void>(client.hear(request(256, {16}))); }),
+            "element: OpenSees asks for 16, expected 1 to 15 or 99");
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(error_of([&] {
               static_cast<void>(client.hear(request(256, {3, nan})));

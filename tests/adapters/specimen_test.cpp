@@ -106,7 +106,7 @@ TEST(ExperimentalElement, SpeaksTheUnitsOfTheScript) {
   const auto& command = specimen.place(trial_at(VectorXd::Constant(2, 10)));
   EXPECT_DOUBLE_EQ(command.displacement[0], 0.254);
   EXPECT_DOUBLE_EQ(command.displacement[1], 10);
-  const VectorXd force = specimen.resisting(VectorXd::Constant(2, 4448.2216));
+  const VectorXd force = specimen.measured({{}, VectorXd::Constant(2, 4448.2216)}).force;
   EXPECT_DOUBLE_EQ(force[0], 1);           // [kip]
   EXPECT_DOUBLE_EQ(force[1], 1 / 0.0254);  // [kip·in]
   EXPECT_DOUBLE_EQ(specimen.matrices().stiffness(0, 0), 0.0254 / 4448.2216);
@@ -133,7 +133,7 @@ TEST(ExperimentalElement, LoadsTheMachineWithTheForceOfItsAxialSpring) {
   trial.velocity[8] = -2;
   EXPECT_DOUBLE_EQ(specimen.place(trial).load, -4e6 - 2e5);
   // Answered is the elastic part: OpenSees adds damping times velocity itself.
-  EXPECT_DOUBLE_EQ(specimen.resisting(VectorXd::Zero(5))[8], -4e6);
+  EXPECT_DOUBLE_EQ(specimen.measured({{}, VectorXd::Zero(5)}).force[8], -4e6);
   EXPECT_DOUBLE_EQ(specimen.matrices().damping(8, 8), 1e5);
   EXPECT_NEAR(specimen.matrices().stiffness(8, 8), 4e9, 1);
 }
@@ -280,7 +280,7 @@ TEST(Specimen, TakesAwayWhatOpenSeesWillAddAgain) {
     const VectorXd now = specimen.probe().displacement;
     // The middle of three is where the acceleration is known.
     force = kStiffness * last + kMass * (now - 2 * last + before) / 1e-4;
-    specimen.measure(last, force);
+    specimen.measure({last, force});
     before = last;
     last = now;
   }
@@ -290,7 +290,7 @@ TEST(Specimen, TakesAwayWhatOpenSeesWillAddAgain) {
   trial.acceleration[0] = 3;
   static_cast<void>(specimen.place(trial));
   const double mass = specimen.matrices().mass(0, 0);
-  EXPECT_DOUBLE_EQ(specimen.resisting(VectorXd::Constant(1, 1e5))[0], 1e5 - 3 * mass);
+  EXPECT_DOUBLE_EQ(specimen.measured({{}, VectorXd::Constant(1, 1e5)}).force[0], 1e5 - 3 * mass);
 }
 
 }  // namespace

@@ -40,8 +40,10 @@ void SpringServer::serve() {
             kind == GenericClient::Heard::Trial && !client.is_new() ? -code : code));
         if (kind == GenericClient::Heard::Matrix)
           endpoint_.send(client.matrix_reply({stiffness, zero, zero}), kPatience);
-        if (kind == GenericClient::Heard::Force)
-          endpoint_.send(client.force_reply(kStiffness * client.trial().displacement), kPatience);
+        if (kind == GenericClient::Heard::Measured)
+          endpoint_.send(client.measured_reply({client.trial().displacement,
+                                                kStiffness * client.trial().displacement}),
+                         kPatience);
         if (kind == GenericClient::Heard::End) return;
       }
     }

@@ -24,7 +24,7 @@ bool ElementServer::hear() {
   int heard = 0;
   has_just_come_ = false;
   try {
-    for (; heard < kMostAtOnce && !has_left_ && !wants_force_ && !wants_matrix_; ++heard) {
+    for (; heard < kMostAtOnce && !has_left_ && !wants_measured_ && !wants_matrix_; ++heard) {
       const auto message = endpoint_.receive(client_.expected());
       if (message.empty()) break;
       take_in(message);
@@ -43,8 +43,8 @@ void ElementServer::take_in(std::span<const std::byte> message) {
       // A move that was asked for and not yet made is not undone by its repetition.
       is_new_ = is_new_ || client_.is_new();
       break;
-    case GenericClient::Heard::Force:
-      wants_force_ = true;
+    case GenericClient::Heard::Measured:
+      wants_measured_ = true;
       break;
     case GenericClient::Heard::Matrix:
       wants_matrix_ = true;
@@ -60,9 +60,9 @@ void ElementServer::take_in(std::span<const std::byte> message) {
   }
 }
 
-void ElementServer::answer(const Eigen::VectorXd& forces) {
-  wants_force_ = false;
-  endpoint_.send(client_.force_reply(forces), kSendPatience);
+void ElementServer::answer(const Measured& measured) {
+  wants_measured_ = false;
+  endpoint_.send(client_.measured_reply(measured), kSendPatience);
 }
 
 void ElementServer::answer(const ElementMatrices& matrices) {

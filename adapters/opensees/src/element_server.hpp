@@ -17,8 +17,8 @@ class ElementServer {
   /// Hears everything that has arrived, up to a question.
   /// @returns whether something was heard   @throws Error with the element's name
   bool hear();
-  /// Answers the force that is wanted, in the units of the script.
-  void answer(const Eigen::VectorXd& forces);
+  /// Answers what was measured, in the units of the script.
+  void answer(const Measured& measured);
   /// Answers the matrix that is wanted.
   void answer(const ElementMatrices& matrices);
   /// The trial goes to the specimen: another one is due.
@@ -31,7 +31,7 @@ class ElementServer {
   [[nodiscard]] const Trial& trial() const { return client_.trial(); }
   [[nodiscard]] bool has_trial() const { return has_trial_; }  ///< since the last was taken
   [[nodiscard]] bool is_new() const { return is_new_; }        ///< it moves the specimen
-  [[nodiscard]] bool wants_force() const { return wants_force_; }
+  [[nodiscard]] bool wants_measured() const { return wants_measured_; }
   [[nodiscard]] bool wants_matrix() const { return wants_matrix_; }
   [[nodiscard]] bool has_left() const { return has_left_; }
 
@@ -41,7 +41,7 @@ class ElementServer {
   std::string name_;
   Endpoint endpoint_;
   GenericClient client_;
-  bool has_trial_ = false, is_new_ = false, wants_force_ = false, wants_matrix_ = false,
+  bool has_trial_ = false, is_new_ = false, wants_measured_ = false, wants_matrix_ = false,
        has_left_ = false, has_just_come_ = false;
 };
 

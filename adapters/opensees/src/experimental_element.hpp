@@ -31,6 +31,10 @@ class ExperimentalElement {
   /// degrees of freedom, in the state that was placed last.
   /// @param moved  restoring forces of what is moved [N, N·m]
   [[nodiscard]] Eigen::VectorXd resisting(const Eigen::VectorXd& moved) const;
+  /// Displacements of an element in the script's own coordinates, in its units.
+  [[nodiscard]] Eigen::VectorXd in_script(const Eigen::VectorXd& moved) const {
+    return moved.cwiseQuotient(to_si_);
+  }
   /// A matrix of what is moved, with its springs' part, at the script's degrees of freedom.
   [[nodiscard]] ElementMatrices matrices(const Eigen::MatrixXd& stiffness,
                                          const Eigen::MatrixXd& damping,

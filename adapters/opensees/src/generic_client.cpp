@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -18,9 +19,21 @@ using Eigen::Index;
 constexpr std::size_t kSizes = 11;
 constexpr std::int32_t kMostDoubles = 1 << 20;  // of a message: 1024 degrees of freedom
 
-// What a request asks for, in its first word.
-constexpr double kTrial = 3, kCommit = 5, kForce = 10, kInitialStiffness = 12,
-                 kTangentStiffness = 13, kDamping = 14, kMass = 15, kEnd = 99;
+// What a request asks for, in its first word. OpenFresco's have a beginning and an execution that
+// need nothing, and ask for all that was measured, or for one quantity of it.
+constexpr double kOpen = 1, kSetUp = 2, kTrial = 3, kExecute = 4, kCommit = 5, kAllMeasured = 6,
+                 kDisplacement = 7, kTime = 11, kInitialStiffness = 12, kTangentStiffness = 13,
+                 kDamping = 14, kMass = 15, kEnd = 99;
+
+enum Kind : std::size_t { kDisplacements, kVelocities, kAccelerations, kForces, kTimes };
+constexpr const char* kUsual =
+    "n displacements, n or no velocities and accelerations, no forces, "
+    "one or no time, and in reply n forces";
+
+bool is_measured(double code) {
+  return code == kAllMeasured ||
+         (code >= kDisplacement && code <= kTime && code == std::floor(code));
+}
 
 }  // namespace
 
@@ -37,14 +50,24 @@ void GenericClient::fail(const std::string& what) const {
 void GenericClient::read_sizes(std::span<const std::byte> message) {
   std::array<std::int32_t, kSizes> sizes{};
   std::memcpy(sizes.data(), message.data(), message.size());
+  std::copy_n(sizes.begin(), in_request_.size(), in_request_.begin());
+  std::copy_n(sizes.begin() + in_request_.size(), in_reply_.size(), in_reply_.begin());
   const auto n = static_cast<std::int32_t>(dofs());
-  const std::int32_t least = std::max(3 * n + 2, n * n), doubles = sizes.back();
-  if (sizes != std::array<std::int32_t, kSizes>{sizes[0], sizes[0], sizes[0], 0, 1, 0, 0, 0,
-                                                sizes[0], 0, doubles})
-    fail(fmt::format("its first message is [{}], expected [n, n, n, 0, 1, 0, 0, 0, n, 0, size]",
-                     fmt::join(sizes, ", ")));
+  const std::int32_t doubles = sizes.back();
+  const auto all_or_none = [&](std::int32_t count) {
+    return count == 0 || count == in_request_[0];
+  };
+  const auto one_or_none = [](std::int32_t count) { return count == 0 || count == 1; };
+  if (!all_or_none(in_request_[kVelocities]) || !all_or_none(in_request_[kAccelerations]) ||
+      in_request_[kForces] != 0 || !one_or_none(in_request_[kTimes]) ||
+      !std::all_of(in_reply_.begin(), in_reply_.begin() + kForces, all_or_none) ||
+      in_reply_[kForces] != in_request_[0] || !one_or_none(in_reply_[kTimes]))
+    fail(fmt::format("its first message is [{}], expected {}", fmt::join(sizes, ", "), kUsual));
   if (sizes[0] != n)
     fail(fmt::format("OpenSees lists {} degrees of freedom, the experiment {}", sizes[0], n));
+  const std::int32_t least =
+      std::max(1 + std::accumulate(in_request_.begin(), in_request_.end(), 0),
+               std::accumulate(in_reply_.begin(), in_reply_.end(), 0));
   if (doubles < least || doubles > kMostDoubles)
     fail(fmt::format("messages of {} numbers, expected {} to {}", doubles, least, kMostDoubles));
   request_.assign(static_cast<std::size_t>(doubles), 0);
@@ -53,14 +76,21 @@ void GenericClient::read_sizes(std::span<const std::byte> message) {
 }
 
 void GenericClient::read_trial() {
-  const Index n = dofs();
-  const Eigen::Map<const Eigen::VectorXd> state{request_.data() + 1, 3 * n + 1};
-  if (!state.allFinite()) fail("a trial state holds what is no number");
-  is_new_ = trial_.displacement != state.head(n);
-  trial_.displacement = state.head(n);
-  trial_.velocity = state.segment(n, n);
-  trial_.acceleration = state.segment(2 * n, n);
-  trial_.time = state[3 * n];
+  const Index told = std::accumulate(in_request_.begin(), in_request_.end(), 0);
+  if (!Eigen::Map<const Eigen::VectorXd>{request_.data() + 1, told}.allFinite())
+    fail("a trial state holds what is no number");
+  const double* next = request_.data() + 1;
+  const auto read = [&](Kind kind, Eigen::VectorXd& into) {
+    if (in_request_[kind] == 0) return;
+    into = Eigen::Map<const Eigen::VectorXd>{next, dofs()};
+    next += in_request_[kind];
+  };
+  const Eigen::VectorXd before = trial_.displacement;
+  read(kDisplacements, trial_.displacement);
+  read(kVelocities, trial_.velocity);
+  read(kAccelerations, trial_.acceleration);
+  if (in_request_[kTimes] == 1) trial_.time = *next;
+  is_new_ = trial_.displacement != before;
 }
 
 GenericClient::Heard GenericClient::hear(std::span<const std::byte> message) {
@@ -73,32 +103,37 @@ GenericClient::Heard GenericClient::hear(std::span<const std::byte> message) {
   std::memcpy(request_.data(), message.data(), message.size());
   const double code = request_[0];
   if (code == kTrial) return read_trial(), Heard::Trial;
-  if (code == kForce) return Heard::Force;
-  if (code == kCommit) return Heard::Commit;
+  if (is_measured(code)) return Heard::Measured;
+  if (code == kCommit || code == kOpen || code == kSetUp || code == kExecute) return Heard::Commit;
   if (code == kEnd) return Heard::End;
   wanted_ = code == kInitialStiffness || code == kTangentStiffness ? &ElementMatrices::stiffness
             : code == kDamping                                     ? &ElementMatrices::damping
             : code == kMass                                        ? &ElementMatrices::mass
                                                                    : nullptr;
-  if (wanted_ == nullptr)
-    fail(fmt::format("OpenSees asks for {}, expected 3, 5, 10, 12 to 15 or 99", code));
+  if (wanted_ == nullptr) fail(fmt::format("OpenSees asks for {}, expected 1 to 15 or 99", code));
+  if (static_cast<std::size_t>(dofs() * dofs()) > reply_.size())
+    fail(fmt::format("a matrix of {0} by {0} is asked for, in messages of {1} numbers", dofs(),
+                     reply_.size()));
   return Heard::Matrix;
-}
-
-std::span<const std::byte> GenericClient::reply(const double* values, Index count) {
-  std::copy_n(values, count, reply_.begin());
-  std::fill(reply_.begin() + count, reply_.end(), 0);
-  return std::as_bytes(std::span{reply_});
 }
 
 std::span<const std::byte> GenericClient::matrix_reply(const ElementMatrices& matrices) {
   // Columns one after the other, as Eigen has them.
   const Eigen::MatrixXd& wanted = matrices.*wanted_;
-  return reply(wanted.data(), wanted.size());
+  std::fill(std::copy_n(wanted.data(), wanted.size(), reply_.begin()), reply_.end(), 0);
+  return std::as_bytes(std::span{reply_});
 }
 
-std::span<const std::byte> GenericClient::force_reply(const Eigen::VectorXd& forces) {
-  return reply(forces.data(), forces.size());
+std::span<const std::byte> GenericClient::measured_reply(const Measured& measured) {
+  std::fill(reply_.begin(), reply_.end(), 0);
+  auto next = reply_.begin();
+  // What nobody measures is as it was told to be.
+  const Eigen::VectorXd* const values[] = {&measured.displacement, &trial_.velocity,
+                                           &trial_.acceleration, &measured.force};
+  for (std::size_t kind = kDisplacements; kind <= kForces; ++kind)
+    next = std::copy_n(values[kind]->data(), in_reply_[kind], next);
+  if (in_reply_[kTimes] == 1) *next = trial_.time;
+  return std::as_bytes(std::span{reply_});
 }
 
 }  // namespace rths::adapters

@@ -146,11 +146,11 @@ void OpenSees::hear_all() {
 // All have their targets, or one of them waits for its force: then no more will come.
 bool OpenSees::is_round_complete() const {
   return all([](const auto& server) { return server.has_trial(); }) ||
-         !all([](const auto& server) { return !server.wants_force(); });
+         !all([](const auto& server) { return !server.wants_measured(); });
 }
 
 bool OpenSees::owes_nothing() const {
-  return handshake_.is_there() && all([](const auto& server) { return !server.wants_force(); });
+  return handshake_.is_there() && all([](const auto& server) { return !server.wants_measured(); });
 }
 
 Duration OpenSees::patience() {
@@ -177,14 +177,14 @@ void OpenSees::wait_for_news(Duration longest) const {
 News OpenSees::awaits() const noexcept {
   if (!settings_.is_prompt || settings_.stops_time || handshake_.is_leaving()) return News::None;
   const bool waits_for_specimen =
-      !has_begun_ || is_probing_ || all([](const auto& server) { return server.wants_force(); });
+      !has_begun_ || is_probing_ || all([](const auto& server) { return server.wants_measured(); });
   return waits_for_specimen ? News::Inputs : News::Outside;
 }
 
 void OpenSees::answer_all(const Step& step) {
   for (std::size_t i = 0; i < servers_.size(); ++i)
-    if (servers_[i].wants_force())
-      servers_[i].answer(specimens_[i].resisting(words_.measured(i, feedbacks(step)).force));
+    if (servers_[i].wants_measured())
+      servers_[i].answer(specimens_[i].measured(words_.measured(i, feedbacks(step))));
 }
 
 void OpenSees::begin_round(const Step& step) {
@@ -207,8 +207,7 @@ bool OpenSees::identify(const Step& step) {
   for (std::size_t i = 0; i < specimens_.size(); ++i) {
     if (specimens_[i].is_known()) continue;
     if (is_probing_) {
-      const auto measured = words_.measured(i, feedbacks(step));
-      specimens_[i].measure(measured.displacement, measured.force);
+      specimens_[i].measure(words_.measured(i, feedbacks(step)));
       is_probing_ = false;
       heard_ = WallClock{}.now();  // OpenSees has waited for us, not we for it
       return identify(step);

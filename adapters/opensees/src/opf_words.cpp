@@ -58,7 +58,7 @@ OpfWords::Word& OpfWords::word(std::vector<Word>& words, const OpenSeesElement& 
 
 void OpfWords::bind(const OpenSeesElement& element, std::size_t number) {
   const auto axes = axes_of(element);
-  axes_.push_back(std::ssize(axes));
+  axes_.push_back({std::ssize(axes), false});
   const auto claim = [&](Word& word, std::size_t axis, double sign) {
     word.element = number;
     word.axis = axis;
@@ -77,9 +77,16 @@ void OpfWords::bind(const OpenSeesElement& element, std::size_t number) {
         claim(other, k, 1);
     for (auto& other : feedbacks_)
       if (other.signal.word.axis == axes[k].axis &&
-          other.signal.word.quantity == Quantity::Displacement)
+          other.signal.word.quantity == Quantity::Displacement) {
         claim(other, k, 1);
+        axes_.back().has_displacement = true;
+      }
   }
+  if (element.is_identified() && !axes_.back().has_displacement)
+    throw Error{
+        fmt::format("{}: it cannot be identified: the map has no words for the measured "
+                    "displacement of its axes",
+                    named(element))};
   if (!element.bearing || !element.bearing->axial_load) return;
   const MovedAxis& load = *element.bearing->axial_load;
   Word& force = word(commands_, element, load.axis, Quantity::Force);
@@ -119,10 +126,10 @@ void OpfWords::start(std::size_t element, const Specimen::Command& first) {
       word.offset -= word.signal.factor * value_of(word, first);
 }
 
-OpfWords::Measured OpfWords::measured(std::size_t element,
-                                      std::span<const double> feedbacks) const {
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(axes_[element]);
-  Measured measured{zero, zero};
+Measured OpfWords::measured(std::size_t element, std::span<const double> feedbacks) const {
+  const auto [count, has_displacement] = axes_[element];
+  Measured measured{Eigen::VectorXd::Zero(has_displacement ? count : 0),
+                    Eigen::VectorXd::Zero(count)};
   for (std::size_t i = 0; i < feedbacks_.size(); ++i) {
     const Word& word = feedbacks_[i];
     if (word.element != element) continue;

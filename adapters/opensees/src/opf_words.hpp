@@ -28,10 +28,7 @@ class OpfWords {
   void start(std::span<const double> feedbacks);
   /// An element's first trial: likewise.
   void start(std::size_t element, const Specimen::Command& first);
-  /// Measured along the axes of an element.
-  struct Measured {
-    Eigen::VectorXd displacement, force;
-  };
+  /// Measured along the axes of an element. Displacements: none if the map has no words for them.
   [[nodiscard]] Measured measured(std::size_t element, std::span<const double> feedbacks) const;
   /// Writes what an element commands, and the time of the trial.
   /// @throws Error if a value leaves the limits of its control point; nothing more is written then
@@ -55,7 +52,12 @@ class OpfWords {
   [[nodiscard]] static double value_of(const Word& word, const Specimen::Command& command);
 
   std::vector<Word> commands_, feedbacks_;
-  std::vector<Eigen::Index> axes_;  ///< of each element, how many
+  /// Of each element: how many axes, and whether their displacements are measured.
+  struct Axes {
+    Eigen::Index count = 0;
+    bool has_displacement = false;
+  };
+  std::vector<Axes> axes_;
 };
 
 }  // namespace rths::adapters

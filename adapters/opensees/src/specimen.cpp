@@ -55,9 +55,12 @@ const Specimen::Command& Specimen::place(const Trial& trial) {
   return command_of(motion);
 }
 
-VectorXd Specimen::resisting(const VectorXd& axes_force) const {
-  return coordinates_.resisting(axes_.force(axes_force)) - measured_damping_ * trial_.velocity -
-         measured_mass_ * trial_.acceleration;
+Measured Specimen::measured(const Measured& axes) const {
+  const VectorXd force = coordinates_.resisting(axes_.force(axes.force)) -
+                         measured_damping_ * trial_.velocity - measured_mass_ * trial_.acceleration;
+  // Of a bearing, only what is moved is measured, not the place of its nodes.
+  if (element_.bearing || axes.displacement.size() == 0) return {trial_.displacement, force};
+  return {coordinates_.in_script(axes_.displacement(axes.displacement)), force};
 }
 
 const Specimen::Command& Specimen::probe() {
@@ -66,8 +69,8 @@ const Specimen::Command& Specimen::probe() {
   return command_of({displacement, rest, rest});
 }
 
-void Specimen::measure(const VectorXd& axes_displacement, const VectorXd& axes_force) {
-  identification_->measure(axes_.displacement(axes_displacement), axes_.force(axes_force));
+void Specimen::measure(const Measured& axes) {
+  identification_->measure(axes_.displacement(axes.displacement), axes_.force(axes.force));
   if (!identification_->is_done()) return;
   try {
     settle(identification_->found());

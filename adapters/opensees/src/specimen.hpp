@@ -29,15 +29,16 @@ class Specimen {
   };
   /// What a trial state of the script commands.
   [[nodiscard]] const Command& place(const Trial& trial);
-  /// What the script is answered, in its units.
-  /// @param axes_force  measured along the machine's axes [N, N·m]
-  [[nodiscard]] Eigen::VectorXd resisting(const Eigen::VectorXd& axes_force) const;
+  /// What the script is answered, in its units: resisting forces, and where the specimen stands;
+  /// where it was told to be if nobody measures that.
+  /// @param axes  along the machine's axes [m, rad], [N, N·m]
+  [[nodiscard]] Measured measured(const Measured& axes) const;
 
   /// Before the test: whether it has to be shaken to be known, how, and what came of it.
   [[nodiscard]] bool is_known() const { return !identification_; }
   [[nodiscard]] const Command& probe();
   /// @throws Error if it cannot be identified
-  void measure(const Eigen::VectorXd& axes_displacement, const Eigen::VectorXd& axes_force);
+  void measure(const Measured& axes);
   /// Initial stiffness of what is moved, each by itself [N/m, N·m/rad]; 0 if it is not known yet.
   [[nodiscard]] const Eigen::VectorXd& stiffness() const { return stiffness_; }
   /// In the script's units.   @pre is_known()
