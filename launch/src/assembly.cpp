@@ -45,6 +45,25 @@ std::unique_ptr<adapters::Adapter> make_echo(const Experiment& e, adapters::Echo
   return adapters::make_echo(settings);
 }
 
+// What an OpenSees of either role shares: its log, and what its arguments stand for.
+// @returns the file that its motion is to be written to, if it wants one
+template <class Settings>
+std::optional<std::filesystem::path> settle_script(const Experiment& e, const NodePlan& plan,
+                                                   const std::filesystem::path& recording,
+                                                   Settings& settings) {
+  const auto beside = [&](const std::string& ending) {
+    return recording.parent_path() / (recording.stem().string() + "." + plan.node + ending);
+  };
+  settings.log = beside(".log");
+  const auto motion = beside(".motion.csv");
+  bool is_wanted = false;
+  for (auto& argument : settings.command) {
+    is_wanted = is_wanted || argument == "{motion}";
+    argument = filled_in(argument, e, motion);
+  }
+  return is_wanted ? std::optional{motion} : std::nullopt;
+}
+
 std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const NodePlan& plan,
                                                  ClockKind clock,
                                                  const std::filesystem::path& recording) {
@@ -54,16 +73,20 @@ std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const Node
   settings.rest = e.rest;
   settings.wait_deadline = e.wait_deadline * e.rate;
   settings.stops_time = clock == ClockKind::Virtual;
-  const auto beside = [&](const std::string& ending) {
-    return recording.parent_path() / (recording.stem().string() + "." + plan.node + ending);
-  };
-  settings.log = beside(".log");
-  const auto motion = beside(".motion.csv");
-  for (auto& argument : settings.command) {
-    if (argument == "{motion}") settings.files = {{motion, text_of(e.motion)}};
-    argument = filled_in(argument, e, motion);
-  }
+  if (const auto motion = settle_script(e, plan, recording, settings))
+    settings.files = {{*motion, text_of(e.motion)}};
   return adapters::make_opensees(settings);
+}
+
+std::unique_ptr<adapters::Adapter> make_opensees_specimen(const Experiment& e, const NodePlan& plan,
+                                                          ClockKind clock,
+                                                          const std::filesystem::path& recording) {
+  adapters::OpenSeesSpecimenSettings settings = *plan.opensees_specimen;
+  settings.layout = layout_of(e);
+  settings.simulation_step = e.simulation_step();
+  settings.stops_time = clock == ClockKind::Virtual;
+  settle_script(e, plan, recording, settings);
+  return adapters::make_opensees_specimen(settings);
 }
 
 std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodePlan& plan,
@@ -81,6 +104,7 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodeP
     return adapters::make_ideal_machine(
         {e.specimen, e.axes, e.integration_step, e.simulation_step()});
   if (plan.adapter == "echo") return make_echo(e, *plan.echo);
+  if (plan.adapter == "opensees_specimen") return make_opensees_specimen(e, plan, clock, recording);
   if (plan.adapter == "simulink_like")
     return adapters::make_simulink_like(
         plan.diagram, {e.axes, e.integration_step, e.simulation_step(), e.retreat});

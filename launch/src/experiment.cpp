@@ -31,6 +31,7 @@ constexpr KnownAdapter kAdapters[] = {{"recorder", kMillisecond, 0.8 * kMillisec
                                       {"srmd", kMillisecond, 0},
                                       {"ideal_machine", kMillisecond, 0.3 * kMillisecond},
                                       {"echo", kMillisecond, 0.3 * kMillisecond},
+                                      {"opensees_specimen", kMillisecond, 0.3 * kMillisecond},
                                       {"simulink_like", kMillisecond, 0.3 * kMillisecond},
                                       {"numerical", 0.25 * kMillisecond, 0.1 * kMillisecond},
                                       {"opensees", 0.25 * kMillisecond, 0.1 * kMillisecond}};
@@ -66,14 +67,13 @@ std::string usual_python() {
   return named != nullptr ? named : "python3";
 }
 
-adapters::OpenSeesSettings read_opensees(const Config& table, const sim::Bearing& model) {
-  adapters::OpenSeesSettings settings;
-  adapters::read_opensees(table, sim::initial_stiffness(model), settings);
+// An OpenSees script that a node starts, or waits for, in time. Its settings may be of either role.
+template <class Settings>
+void read_script(const Config& table, Settings& settings) {
   settings.connect_deadline =
       table.number_in("connect_deadline_s", 0.1, 1e5, settings.connect_deadline);
   settings.answer_deadline =
       table.number_in("answer_deadline_s", 0.1, 1e5, settings.answer_deadline);
-  settings.is_prompt = table.flag("prompt", false);
   const std::string python = table.text("python", usual_python());
   const auto arguments = table.texts("arguments", {});
   for (const auto& argument : arguments)
@@ -83,12 +83,26 @@ adapters::OpenSeesSettings read_opensees(const Config& table, const sim::Bearing
                  fmt::format("'{}' stands for nothing, expected {{motion}}, {{step_s}} or "
                              "{{duration_s}}",
                              argument));
-  if (!table.has("script")) return settings;
+  if (!table.has("script")) return;
   const auto script = table.resolve(table.text("script"));
   if (!std::filesystem::exists(script))
     table.fail("script", fmt::format("there is no file '{}'", script.string()));
   settings.command = {python, script.string()};
   settings.command.insert(settings.command.end(), arguments.begin(), arguments.end());
+}
+
+adapters::OpenSeesSettings read_opensees(const Config& table, const sim::Bearing& model) {
+  adapters::OpenSeesSettings settings;
+  adapters::read_opensees(table, sim::initial_stiffness(model), settings);
+  settings.is_prompt = table.flag("prompt", false);
+  read_script(table, settings);
+  return settings;
+}
+
+adapters::OpenSeesSpecimenSettings read_opensees_specimen(const Config& table) {
+  adapters::OpenSeesSpecimenSettings settings;
+  settings.elements = adapters::read_specimen_elements(table);
+  read_script(table, settings);
   return settings;
 }
 
@@ -116,6 +130,7 @@ NodePlan read_node(const std::string& node, const Config& table, const sim::Bear
     if (plan.opensees->is_prompt) period = kMillisecond;
   }
   if (plan.adapter == "echo") plan.echo = read_echo(table);
+  if (plan.adapter == "opensees_specimen") plan.opensees_specimen = read_opensees_specimen(table);
   plan.schedule.period = from_seconds(table.number_in("period_s", 1e-5, 1, period));
   plan.schedule.phase = from_seconds(table.number_in("phase_s", 0, 1, adapter.phase));
   read_tuning(table.table_or_empty("tune"), "", plan.tune);

@@ -21,6 +21,7 @@ namespace rths::adapters {
 namespace {
 
 constexpr std::size_t kDatagram = 9126;  // bytes that OpenSees puts into one
+constexpr int kPatience = 100;           // of a client for the server's end [ms]
 constexpr char kHello = 'a', kWelcome = 'b';
 
 [[noreturn]] void fail(const std::string& what) {
@@ -30,6 +31,26 @@ constexpr char kHello = 'a', kWelcome = 'b';
 void set(int fd, int level, int option) {
   const int on = 1;
   setsockopt(fd, level, option, &on, sizeof on);
+}
+
+int open_socket(Transport transport) {
+  return socket(
+      AF_INET,
+      (transport == Transport::Tcp ? SOCK_STREAM : SOCK_DGRAM) | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+}
+
+sockaddr_in place_of(const std::string& address, std::uint16_t port) {
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_port = htons(port);
+  if (inet_pton(AF_INET, address.c_str(), &place.sin_addr) != 1)
+    throw Error{fmt::format("'{}' is no address, expected one such as 127.0.0.1", address)};
+  return place;
+}
+
+bool becomes_ready(int fd, short news) {
+  pollfd one{fd, news, 0};
+  return poll(&one, 1, kPatience) == 1 && (one.revents & news) != 0;
 }
 
 // The length of the datagram that brings the rest of a message.
@@ -44,22 +65,43 @@ Descriptor::~Descriptor() {
 }
 
 Endpoint::Endpoint(Transport transport, const std::string& address, std::uint16_t port)
-    : transport_{transport},
-      listener_{socket(
-          AF_INET,
-          (transport == Transport::Tcp ? SOCK_STREAM : SOCK_DGRAM) | SOCK_NONBLOCK | SOCK_CLOEXEC,
-          0)} {
-  sockaddr_in own{};
-  own.sin_family = AF_INET;
-  own.sin_port = htons(port);
-  if (inet_pton(AF_INET, address.c_str(), &own.sin_addr) != 1)
-    throw Error{fmt::format("'{}' is no address, expected one such as 127.0.0.1", address)};
+    : transport_{transport}, listener_{open_socket(transport)} {
+  const sockaddr_in own = place_of(address, port);
   const std::string place = fmt::format("port {} of {}", port, address);
   if (!listener_.is_open()) fail(place);
   // A test may follow the one before at once.
   if (transport == Transport::Tcp) set(listener_.get(), SOL_SOCKET, SO_REUSEADDR);
   if (bind(listener_.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) fail(place);
   if (transport == Transport::Tcp && listen(listener_.get(), 1) != 0) fail(place);
+}
+
+std::optional<Endpoint> Endpoint::connect(Transport transport, const std::string& address,
+                                          std::uint16_t port) {
+  Endpoint end{transport};
+  end.client_ = place_of(address, port);
+  const auto* const place = reinterpret_cast<const sockaddr*>(&end.client_);
+  Descriptor socket{open_socket(transport)};
+  if (!socket.is_open()) fail("no socket");
+  if (transport == Transport::Udp) {
+    char welcome = 0;
+    if (sendto(socket.get(), &kHello, 1, 0, place, sizeof end.client_) != 1 ||
+        !becomes_ready(socket.get(), POLLIN) || recv(socket.get(), &welcome, 1, 0) != 1 ||
+        welcome != kWelcome)
+      return std::nullopt;
+    end.listener_ = std::move(socket);
+  } else {
+    if (::connect(socket.get(), place, sizeof end.client_) != 0 &&
+        (errno != EINPROGRESS || !becomes_ready(socket.get(), POLLOUT)))
+      return std::nullopt;
+    int error = 0;
+    socklen_t size = sizeof error;
+    if (getsockopt(socket.get(), SOL_SOCKET, SO_ERROR, &error, &size) != 0 || error != 0)
+      return std::nullopt;
+    set(socket.get(), IPPROTO_TCP, TCP_NODELAY);
+    end.connection_ = std::move(socket);
+  }
+  end.is_connected_ = true;
+  return end;
 }
 
 void Endpoint::accept() {

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -35,12 +36,18 @@ class Descriptor {
 
 enum class Transport { Tcp, Udp };
 
-/// The server's end of one client's socket: whole messages in, whole messages out, of whatever
-/// length both sides agree on. Never blocks but where it says so.
+/// The server's end of one client's socket, or the client's: whole messages in, whole messages out,
+/// of whatever length both sides agree on. Never blocks but where it says so.
 class Endpoint {
  public:
   /// Listens. @param address  "127.0.0.1"   @throws Error if the port cannot be had
   Endpoint(Transport transport, const std::string& address, std::uint16_t port);
+
+  /// The client's end instead. @returns nothing if the port is not open yet
+  /// @throws Error if the address is none
+  [[nodiscard]] static std::optional<Endpoint> connect(Transport transport,
+                                                       const std::string& address,
+                                                       std::uint16_t port);
 
   /// Takes in what has arrived, as far as a message of this length needs it.
   /// @returns the message, valid until the next call, or nothing if it is not whole yet
@@ -57,6 +64,7 @@ class Endpoint {
   [[nodiscard]] bool is_connected() const { return is_connected_; }
 
  private:
+  explicit Endpoint(Transport transport) : transport_{transport} {}
   void accept();
   [[nodiscard]] std::size_t read_some(std::size_t length);
   [[nodiscard]] std::size_t read_datagram(std::size_t length);
@@ -64,7 +72,7 @@ class Endpoint {
   Transport transport_;
   Descriptor listener_, connection_;  ///< UDP has the first only
   bool is_connected_ = false;
-  sockaddr_in client_{};  ///< of UDP
+  sockaddr_in client_{};  ///< of UDP: the other end
   std::vector<std::byte> received_;
   std::size_t filled_ = 0;
   bool is_delivered_ = false;  ///< what was received went to the caller

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <rths/adapters/opensees.hpp>
+#include <rths/adapters/opensees_specimen.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -219,7 +220,8 @@ void read_properties(const Config& table, double of_bearing, OpenSeesElement& el
   element.probe = table.number_in("probe_m", 1e-6, 0.1, element.probe);
 }
 
-OpenSeesElement read_element(const Config& table, double initial_stiffness) {
+// Its name, where it is found, and its units.
+OpenSeesElement read_place(const Config& table) {
   OpenSeesElement element;
   element.name = table.text("name");
   const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
@@ -230,6 +232,11 @@ OpenSeesElement read_element(const Config& table, double initial_stiffness) {
   element.port = static_cast<std::uint16_t>(table.integer_in("port", 1, 65535));
   element.length_unit = table.number_in("length_unit_m", 1e-6, 1e3, 1.0);
   element.force_unit = table.number_in("force_unit_N", 1e-6, 1e9, 1.0);
+  return element;
+}
+
+OpenSeesElement read_element(const Config& table, double initial_stiffness) {
+  OpenSeesElement element = read_place(table);
   element.is_relative = !is_first_of(table, "trial", "absolute", "relative");
   if (table.has("bearing"))
     read_bearing(table.table("bearing"), element);
@@ -241,6 +248,18 @@ OpenSeesElement read_element(const Config& table, double initial_stiffness) {
 }
 
 }  // namespace
+
+std::vector<OpenSeesElement> read_specimen_elements(const Config& table) {
+  std::vector<OpenSeesElement> elements;
+  for (const auto& one : table.tables("element")) {
+    elements.push_back(read_place(one));
+    read_generic(one, elements.back());
+    one.reject_unknown_keys();
+  }
+  if (elements.empty())
+    table.fail("element", "an opensees_specimen node needs at least one [[element]]");
+  return elements;
+}
 
 void read_opensees(const Config& table, double initial_stiffness, OpenSeesSettings& settings) {
   for (const auto& one : table.tables("element"))

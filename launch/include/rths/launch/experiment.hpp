@@ -12,6 +12,7 @@
 #include <rths/adapters/host.hpp>
 #include <rths/adapters/numerical.hpp>
 #include <rths/adapters/opensees.hpp>
+#include <rths/adapters/opensees_specimen.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
 #include <rths/memmap/map.hpp>
@@ -31,14 +32,16 @@ using Tuning = std::vector<std::pair<std::string, double>>;
 /// A node of the map and the adapter that runs there.
 struct NodePlan {
   std::string node;
-  std::string adapter;  ///< numerical, opensees, simulink_like, srmd, ideal_machine, echo or
+  std::string adapter;  ///< numerical, opensees, simulink_like, srmd, ideal_machine, echo,
+                        ///< opensees_specimen or
                         ///< recorder
   adapters::Schedule schedule;
-  std::filesystem::path diagram;                       ///< of a simulink_like
-  std::optional<adapters::OpenSeesSettings> opensees;  ///< of an opensees
-  std::optional<adapters::EchoSettings> echo;          ///< of an echo
-  Tuning tune;                                         ///< first values of its parameters
-  Tuning uncompensated;                                ///< what switches its compensation off
+  std::filesystem::path diagram;                                        ///< of a simulink_like
+  std::optional<adapters::OpenSeesSettings> opensees;                   ///< of an opensees
+  std::optional<adapters::EchoSettings> echo;                           ///< of an echo
+  std::optional<adapters::OpenSeesSpecimenSettings> opensees_specimen;  ///< of an opensees_specimen
+  Tuning tune;           ///< first values of its parameters
+  Tuning uncompensated;  ///< what switches its compensation off
 };
 
 /// A whole test: what an experiment file says, checked.

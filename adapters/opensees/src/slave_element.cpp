@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave_element.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double kTrial = 3, kForce = 10, kEnd = 99;
+constexpr Index kUsualLength = 256;  // of a message [doubles]
+constexpr auto kSendPatience = std::chrono::seconds{1};
+
+}  // namespace
+
+SlaveElement::SlaveElement(const OpenSeesElement& element) : element_{element} {
+  const Index n = element.dofs();
+  message_.resize(static_cast<std::size_t>(std::max(kUsualLength, 2 * n)));
+  to_script_ = force_to_script_ = displacement_ = force_ = VectorXd::Zero(n);
+  for (Index i = 0; i < n; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const bool turns = element.is_rotation[at];
+    const double direction = element.axes[at].direction;
+    to_script_[i] = direction / (turns ? 1 : element.length_unit);
+    force_to_script_[i] = direction / (element.force_unit * (turns ? element.length_unit : 1));
+  }
+}
+
+bool SlaveElement::connect() {
+  endpoint_ = Endpoint::connect(element_.is_udp ? Transport::Udp : Transport::Tcp, element_.address,
+                                element_.port);
+  if (!endpoint_) return false;
+  const auto n = static_cast<std::int32_t>(element_.dofs());
+  const std::array<std::int32_t, 11> sizes{
+      n, 0, 0, 0, 0, n, 0, 0, n, 0, static_cast<std::int32_t>(message_.size())};
+  endpoint_->send(std::as_bytes(std::span{sizes}), kSendPatience);
+  return true;
+}
+
+template <class Action>
+auto SlaveElement::talk(const Action& action) {
+  try {
+    return action();
+  } catch (const Error&) {  // a socket's, which knows only clients
+    throw Error{fmt::format("element '{}': OpenSees is gone", element_.name)};
+  }
+}
+
+void SlaveElement::say(double code) {
+  message_[0] = code;
+  talk([&] { endpoint_->send(std::as_bytes(std::span{message_}), kSendPatience); });
+}
+
+void SlaveElement::ask(const VectorXd& displacement) {
+  const VectorXd target = to_script_.cwiseProduct(displacement);
+  std::copy(target.begin(), target.end(), message_.begin() + 1);
+  say(kTrial);
+  say(kForce);
+  is_asked_ = true;
+}
+
+bool SlaveElement::hear() {
+  if (!is_asked_) return true;
+  const auto answer = talk([&] { return endpoint_->receive(message_.size() * sizeof(double)); });
+  if (answer.empty()) return false;
+  std::memcpy(message_.data(), answer.data(), answer.size());
+  is_asked_ = false;
+  const Index n = element_.dofs();
+  const Eigen::Map<const VectorXd> told{message_.data(), 2 * n};
+  if (!told.allFinite())
+    throw Error{fmt::format("element '{}': OpenSees answers what is no number", element_.name)};
+  displacement_ = told.head(n).cwiseQuotient(to_script_);
+  force_ = told.tail(n).cwiseQuotient(force_to_script_);
+  return true;
+}
+
+// Who closes first keeps the connection in mind for a minute; at OpenSees' end that would block its
+// port for the next test.
+void SlaveElement::dismiss() {
+  if (!endpoint_) return;
+  say(kEnd);
+  endpoint_.reset();
+}
+
+}  // namespace rths::adapters
