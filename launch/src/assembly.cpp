@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "assembly.hpp"
+#include "script_places.hpp"
 
 #include <algorithm>
 
@@ -30,9 +31,9 @@ std::string text_of(const sim::GroundMotion& motion) {
 // A script takes from the experiment what it is told to.
 std::string filled_in(const std::string& argument, const Experiment& e,
                       const std::filesystem::path& motion) {
-  if (argument == "{motion}") return std::filesystem::absolute(motion).string();
-  if (argument == "{step_s}") return fmt::format("{}", e.integration_step);
-  if (argument == "{duration_s}") return fmt::format("{}", e.duration);
+  if (argument == kMotionPlace) return std::filesystem::absolute(motion).string();
+  if (argument == kStepPlace) return fmt::format("{}", e.integration_step);
+  if (argument == kDurationPlace) return fmt::format("{}", e.duration);
   return argument;
 }
 
@@ -45,23 +46,18 @@ std::unique_ptr<adapters::Adapter> make_echo(const Experiment& e, adapters::Echo
   return adapters::make_echo(settings);
 }
 
-// What an OpenSees of either role shares: its log, and what its arguments stand for.
-// @returns the file that its motion is to be written to, if it wants one
-template <class Settings>
-std::optional<std::filesystem::path> settle_script(const Experiment& e, const NodePlan& plan,
-                                                   const std::filesystem::path& recording,
-                                                   Settings& settings) {
+// Its log and the motion it asks for stand beside the recording.
+void settle(const Experiment& e, const NodePlan& plan, const std::filesystem::path& recording,
+            adapters::OpenSeesScript& script) {
   const auto beside = [&](const std::string& ending) {
     return recording.parent_path() / (recording.stem().string() + "." + plan.node + ending);
   };
-  settings.log = beside(".log");
+  script.log = beside(".log");
   const auto motion = beside(".motion.csv");
-  bool is_wanted = false;
-  for (auto& argument : settings.command) {
-    is_wanted = is_wanted || argument == "{motion}";
+  for (auto& argument : script.command) {
+    if (argument == kMotionPlace) script.files = {{motion, text_of(e.motion)}};
     argument = filled_in(argument, e, motion);
   }
-  return is_wanted ? std::optional{motion} : std::nullopt;
 }
 
 std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const NodePlan& plan,
@@ -73,8 +69,7 @@ std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const Node
   settings.rest = e.rest;
   settings.wait_deadline = e.wait_deadline * e.rate;
   settings.stops_time = clock == ClockKind::Virtual;
-  if (const auto motion = settle_script(e, plan, recording, settings))
-    settings.files = {{*motion, text_of(e.motion)}};
+  settle(e, plan, recording, settings.script);
   return adapters::make_opensees(settings);
 }
 
@@ -85,7 +80,7 @@ std::unique_ptr<adapters::Adapter> make_opensees_specimen(const Experiment& e, c
   settings.layout = layout_of(e);
   settings.simulation_step = e.simulation_step();
   settings.stops_time = clock == ClockKind::Virtual;
-  settle_script(e, plan, recording, settings);
+  settle(e, plan, recording, settings.script);
   return adapters::make_opensees_specimen(settings);
 }
 
@@ -111,6 +106,7 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodeP
   // Targets that are known are played, whoever found them.
   if (plan.adapter == "opensees" && !e.history) return make_opensees(e, plan, clock, recording);
   adapters::NumericalSettings settings;
+  settings.handshake = plan.opensees ? plan.opensees->handshake : plan.handshake;
   settings.axes = e.axes;
   settings.plant = e.plant;
   settings.motion = e.motion;

@@ -13,6 +13,7 @@
 #include <rths/launch/installed_files.hpp>
 
 #include "assumed_model.hpp"
+#include "script_places.hpp"
 
 namespace rths::launch {
 namespace {
@@ -67,42 +68,40 @@ std::string usual_python() {
   return named != nullptr ? named : "python3";
 }
 
-// An OpenSees script that a node starts, or waits for, in time. Its settings may be of either role.
-template <class Settings>
-void read_script(const Config& table, Settings& settings) {
-  settings.connect_deadline =
-      table.number_in("connect_deadline_s", 0.1, 1e5, settings.connect_deadline);
-  settings.answer_deadline =
-      table.number_in("answer_deadline_s", 0.1, 1e5, settings.answer_deadline);
+adapters::OpenSeesScript read_script(const Config& table) {
+  adapters::OpenSeesScript opensees;
+  opensees.connect_deadline =
+      table.number_in("connect_deadline_s", 0.1, 1e5, opensees.connect_deadline);
+  opensees.answer_deadline =
+      table.number_in("answer_deadline_s", 0.1, 1e5, opensees.answer_deadline);
   const std::string python = table.text("python", usual_python());
   const auto arguments = table.texts("arguments", {});
   for (const auto& argument : arguments)
-    if (argument.starts_with("{") && argument != "{motion}" && argument != "{step_s}" &&
-        argument != "{duration_s}")
-      table.fail("arguments",
-                 fmt::format("'{}' stands for nothing, expected {{motion}}, {{step_s}} or "
-                             "{{duration_s}}",
-                             argument));
-  if (!table.has("script")) return;
+    if (argument.starts_with("{") && argument != kMotionPlace && argument != kStepPlace &&
+        argument != kDurationPlace)
+      table.fail("arguments", fmt::format("'{}' stands for nothing, expected {}, {} or {}",
+                                          argument, kMotionPlace, kStepPlace, kDurationPlace));
+  if (!table.has("script")) return opensees;
   const auto script = table.resolve(table.text("script"));
   if (!std::filesystem::exists(script))
     table.fail("script", fmt::format("there is no file '{}'", script.string()));
-  settings.command = {python, script.string()};
-  settings.command.insert(settings.command.end(), arguments.begin(), arguments.end());
+  opensees.command = {python, script.string()};
+  opensees.command.insert(opensees.command.end(), arguments.begin(), arguments.end());
+  return opensees;
 }
 
 adapters::OpenSeesSettings read_opensees(const Config& table, const sim::Bearing& model) {
   adapters::OpenSeesSettings settings;
   adapters::read_opensees(table, sim::initial_stiffness(model), settings);
   settings.is_prompt = table.flag("prompt", false);
-  read_script(table, settings);
+  settings.script = read_script(table);
   return settings;
 }
 
 adapters::OpenSeesSpecimenSettings read_opensees_specimen(const Config& table) {
   adapters::OpenSeesSpecimenSettings settings;
   settings.elements = adapters::read_specimen_elements(table);
-  read_script(table, settings);
+  settings.script = read_script(table);
   return settings;
 }
 
@@ -129,6 +128,7 @@ NodePlan read_node(const std::string& node, const Config& table, const sim::Bear
     // What comes with the news need not look for it as often.
     if (plan.opensees->is_prompt) period = kMillisecond;
   }
+  if (plan.adapter == "numerical") plan.handshake = adapters::read_handshake(table);
   if (plan.adapter == "echo") plan.echo = read_echo(table);
   if (plan.adapter == "opensees_specimen") plan.opensees_specimen = read_opensees_specimen(table);
   plan.schedule.period = from_seconds(table.number_in("period_s", 1e-5, 1, period));

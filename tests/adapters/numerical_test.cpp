@@ -119,6 +119,25 @@ TEST(Numerical, LeavesTheLoopOpenWhileTheMachineRests) {
   EXPECT_EQ(bench.out("opf.1.time.target"), 0.01);
 }
 
+TEST(Numerical, BeginsWithItsTargetWhereTheControllerIsOfTheOlderGeneration) {
+  NumericalSettings s = settings();
+  s.handshake = Handshake::TargetFirst;
+  const auto solver = make_numerical(s);
+  test::Bench bench{*solver};  // atTarget is down
+
+  ASSERT_EQ(bench.step(0.001), Status::Ok);
+  EXPECT_EQ(bench.out("opf.newTarget"), 1);
+  bench.in("daq.switchPC") = 1;
+  ASSERT_EQ(bench.step(0.002), Status::Ok);
+  EXPECT_EQ(bench.out("opf.newTarget"), 0);
+  bench.in("daq.switchPC") = 0;
+  ASSERT_EQ(bench.step(0.003), Status::Ok);
+  EXPECT_EQ(bench.out("opf.newTarget"), 0);  // atTarget has not risen yet
+  bench.in("daq.atTarget") = 1;
+  ASSERT_EQ(bench.step(0.004), Status::Ok);
+  EXPECT_EQ(bench.out("opf.newTarget"), 1);
+}
+
 TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
   NumericalSettings s = settings();
   s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};

@@ -65,9 +65,10 @@ OpenSeesSettings settings_of(const test::TemporaryFolder& folder, const std::str
     element.damping = element.mass = Eigen::MatrixXd::Zero(1, 1);
     settings.elements.push_back(element);
   }
-  settings.command = {python, (test::source_tree() / "tests/opensees/many.py").string(),
-                      std::to_string(kFirstPort), std::to_string(kCount), std::to_string(kSteps)};
-  settings.log = folder.path() / "ring.log";
+  settings.script.command = {python, (test::source_tree() / "tests/opensees/many.py").string(),
+                             std::to_string(kFirstPort), std::to_string(kCount),
+                             std::to_string(kSteps)};
+  settings.script.log = folder.path() / "ring.log";
   return settings;
 }
 

@@ -481,7 +481,8 @@ TEST_F(OpenSeesSpecimen, EndsTheRunWhenItDies) {
   kill(column, SIGKILL);
   const auto finished = laboratory.wait(20);
   EXPECT_EQ(finished.exit_code, 2);
-  EXPECT_NE(finished.err.find("xpc: element 'column': OpenSees is gone"), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find("xpc: element 'column': OpenSees is gone"), std::string::npos)
+      << finished.err;
   EXPECT_NE(finished.err.find("column.py was killed by signal 9"), std::string::npos)
       << finished.err;
 }

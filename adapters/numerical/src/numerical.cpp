@@ -60,7 +60,7 @@ Numerical::Numerical(const NumericalSettings& settings)
       is_vertical_{!settings.history && !settings.motion.vert_acceleration.empty()},
       solution_{make_solution(settings)},
       random_{settings.computing_time ? settings.computing_time->seed : 0},
-      handshake_{settings.wait_deadline} {
+      handshake_{settings.wait_deadline, settings.handshake} {
   for (const auto& axis : settings.axes) {
     if (axis != "long" && axis != "lat")
       throw Error{"numerical: axis '" + axis + "' is not in the model, expected long or lat"};

@@ -4,7 +4,6 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
 
 #include <fmt/format.h>
@@ -13,9 +12,8 @@
 #include <rths/core/error.hpp>
 
 #include "element_server.hpp"
+#include "opensees_process.hpp"
 #include "opf_words.hpp"
-#include "script.hpp"
-#include "socket_keeper.hpp"
 #include "specimen.hpp"
 
 namespace rths::adapters {
@@ -66,10 +64,8 @@ class OpenSees final : public Adapter {
   std::size_t new_target_at_;        ///< among the outputs: behind what it guards
   std::vector<Specimen> specimens_;  ///< of each element
   std::vector<ElementServer> servers_;
-  std::optional<Script> script_;        ///< OpenSees that ends with us, or
-  std::optional<SocketKeeper> keeper_;  ///< what that of a user's own is left with
+  std::optional<OpenSeesProcess> opensees_;
   OpfHandshake handshake_;
-  TimePoint heard_{0};  ///< last, on the host's clock
   std::uint64_t rounds_ = 0;
   bool has_begun_ = false, has_moved_ = false, is_probing_ = false;
   bool has_left_ = false;
@@ -107,27 +103,12 @@ std::vector<Port> OpenSees::ports() const {
 
 void OpenSees::activate() {
   for (const auto& element : settings_.elements) servers_.emplace_back(element);
-  for (const auto& [file, content] : settings_.files)
-    if (!(std::ofstream{file} << content).flush())
-      throw Error{fmt::format("{}: cannot be written", file.string())};
-  if (settings_.command.empty())
-    keeper_.emplace();
-  else
-    script_.emplace(settings_.command, settings_.log);
-  heard_ = WallClock{}.now();
+  opensees_.emplace(settings_.script);
 }
 
-// What it still has to do when its elements are gone, it may do: recorders are closed then.
 void OpenSees::deactivate() {
-  constexpr auto kToFinish = std::chrono::seconds{5};
-  std::optional<std::string> trouble;
-  if (script_ && has_left_) {
-    script_->wait(kToFinish);
-    trouble = script_->trouble();
-  }
-  script_.reset();
-  if (keeper_ && has_left_) keeper_->release();
-  keeper_.reset();
+  const auto trouble = opensees_ && has_left_ ? opensees_->finish() : std::nullopt;
+  opensees_.reset();
   servers_.clear();
   if (trouble) throw Error{*trouble};
 }
@@ -136,9 +117,9 @@ void OpenSees::deactivate() {
 void OpenSees::hear_all() {
   for (std::size_t i = 0; i < servers_.size(); ++i)
     for (int heard = 0; heard < kMostQuestions && servers_[i].hear(); ++heard) {
-      heard_ = WallClock{}.now();
-      if (keeper_ && servers_[i].has_just_come() && !settings_.elements[i].is_udp)
-        keeper_->keep(servers_[i].descriptor());
+      opensees_->heard();
+      if (servers_[i].has_just_come() && !settings_.elements[i].is_udp)
+        opensees_->keep(servers_[i].descriptor());
       if (servers_[i].wants_matrix()) servers_[i].answer(specimens_[i].matrices());
     }
 }
@@ -155,13 +136,10 @@ bool OpenSees::owes_nothing() const {
 
 Duration OpenSees::patience() {
   const bool is_here = all([](const auto& server) { return server.is_connected(); });
-  const double longest = is_here ? settings_.answer_deadline : settings_.connect_deadline;
-  if (script_ && script_->has_ended())
-    throw Error{script_->trouble().value_or("OpenSees has ended, and its elements have not")};
-  const Duration left = heard_ + from_seconds(longest) - WallClock{}.now();
-  if (left > Duration{0}) return std::min<Duration>(left, kLookEvery);
-  throw Error{is_here ? fmt::format("OpenSees has been silent for {:g} s", longest)
-                      : fmt::format("OpenSees has not come within {:g} s", longest)};
+  const auto& script = settings_.script;
+  const Duration left = is_here ? opensees_->patience(script.answer_deadline, "has been silent for")
+                                : opensees_->patience(script.connect_deadline, "has not come for");
+  return std::min<Duration>(left, kLookEvery);
 }
 
 void OpenSees::wait_for_news(Duration longest) const {
@@ -209,7 +187,7 @@ bool OpenSees::identify(const Step& step) {
     if (is_probing_) {
       specimens_[i].measure(words_.measured(i, feedbacks(step)));
       is_probing_ = false;
-      heard_ = WallClock{}.now();  // OpenSees has waited for us, not we for it
+      opensees_->heard();  // it has waited for us, not we for it
       return identify(step);
     }
     words_.write(i, specimens_[i].probe(), 0, step.outputs);
@@ -280,11 +258,8 @@ Status OpenSees::step(Step& step) noexcept {
     status = advance(step);
     write_monitors(step);
   } catch (const std::exception& error) {
-    message_ = error.what();
     // A script that failed says why; that its elements are gone follows from it.
-    if (script_ && script_->wait(kLookEvery))
-      if (const auto trouble = script_->trouble(); trouble && *trouble != message_)
-        message_ += "; " + *trouble;
+    message_ = opensees_->explained(error.what());
     step.message = message_.c_str();
   }
   step.outputs[new_target_at_] = handshake_.new_target();

@@ -9,12 +9,10 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
 
-#include "script.hpp"
+#include "opensees_process.hpp"
 #include "slave_element.hpp"
-#include "socket_keeper.hpp"
 
 namespace rths::adapters {
 namespace {
@@ -23,7 +21,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr auto kLookEvery = std::chrono::milliseconds{20};  // whether OpenSees still runs
-constexpr auto kToFinish = std::chrono::seconds{5};
 
 class OpenSeesSpecimen final : public Adapter {
  public:
@@ -38,20 +35,17 @@ class OpenSeesSpecimen final : public Adapter {
   void advance(const Step& step);
   void ask(const Step& step);
   [[nodiscard]] bool has_arrived();
+  void wait_for_news() const;
   void write_feedbacks(const Step& step) const;
-  // @throws Error if OpenSees has ended, or the time is up
-  void require_patience(double longest, const char* otherwise);
 
   OpenSeesSpecimenSettings settings_;
   std::vector<Port> ports_;
   std::vector<SlaveElement> elements_;
-  std::optional<Script> script_;        ///< OpenSees that ends with us, or
-  std::optional<SocketKeeper> keeper_;  ///< what that of a user's own is left with
+  std::optional<OpenSeesProcess> opensees_;
   /// Outputs of each axis: displacement if the map has a word for it, force.
   std::vector<std::pair<std::optional<std::size_t>, std::size_t>> outputs_;
   bool had_target_ = false, is_moving_ = false, is_dismissed_ = false;
   double arrival_ = 0;  ///< the last or the next [s]
-  TimePoint asked_{0};  ///< on the host's clock
   std::string message_;
 };
 
@@ -91,34 +85,22 @@ void OpenSeesSpecimen::add_ports(const OpenSeesElement& element) {
   }
 }
 
-void OpenSeesSpecimen::require_patience(double longest, const char* otherwise) {
-  if (script_ && script_->has_ended())
-    throw Error{script_->trouble().value_or("OpenSees has ended")};
-  if (WallClock{}.now() > asked_ + from_seconds(longest))
-    throw Error{fmt::format("OpenSees {} within {:g} s{}", otherwise, longest,
-                            script_ ? fmt::format(" ({})", settings_.log.string()) : "")};
-}
-
 void OpenSeesSpecimen::activate() {
-  if (settings_.command.empty())
-    keeper_.emplace();
-  else
-    script_.emplace(settings_.command, settings_.log);
-  asked_ = WallClock{}.now();
-  for (auto& element : elements_) {
-    while (!element.connect()) {
-      require_patience(settings_.connect_deadline, "has not opened its port");
+  opensees_.emplace(settings_.script);
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    while (!elements_[i].connect()) {
+      static_cast<void>(
+          opensees_->patience(settings_.script.connect_deadline, "has not opened its port for"));
       std::this_thread::sleep_for(kLookEvery);
     }
-    if (keeper_) keeper_->keep(element.descriptor());
+    if (!settings_.elements[i].is_udp) opensees_->keep(elements_[i].descriptor());
   }
 }
 
+// It ends when it is dismissed, and says that this is a failure.
 void OpenSeesSpecimen::deactivate() {
-  if (script_ && is_dismissed_) script_->wait(kToFinish);
-  script_.reset();
-  if (keeper_ && is_dismissed_) keeper_->release();
-  keeper_.reset();
+  if (opensees_ && is_dismissed_) opensees_->finish();
+  opensees_.reset();
   elements_.clear();
 }
 
@@ -129,9 +111,16 @@ void OpenSeesSpecimen::ask(const Step& step) {
     for (double& value : target) value = step.inputs[at++];
     elements_[i].ask(target);
   }
-  asked_ = WallClock{}.now();
+  opensees_->heard();
   is_moving_ = true;
   arrival_ = std::max(step.time, arrival_ + settings_.simulation_step);
+}
+
+void OpenSeesSpecimen::wait_for_news() const {
+  std::vector<pollfd> news;
+  for (const auto& element : elements_)
+    if (element.is_asked()) news.push_back({element.descriptor(), POLLIN, 0});
+  poll(news.data(), news.size(), static_cast<int>(kLookEvery.count()));
 }
 
 bool OpenSeesSpecimen::has_arrived() {
@@ -155,13 +144,13 @@ void OpenSeesSpecimen::advance(const Step& step) {
   had_target_ = has_target;
   if (is_moving_) {
     bool is_there = has_arrived();
-    while (!is_there && settings_.stops_time) {
-      require_patience(settings_.answer_deadline, "has not answered");
-      pollfd news{elements_[0].descriptor(), POLLIN, 0};
-      poll(&news, 1, static_cast<int>(kLookEvery.count()));
+    while (!is_there) {
+      static_cast<void>(
+          opensees_->patience(settings_.script.answer_deadline, "has not answered for"));
+      if (!settings_.stops_time) break;
+      wait_for_news();
       is_there = has_arrived();
     }
-    if (!is_there) require_patience(settings_.answer_deadline, "has not answered");
     if (is_there && !has_target && step.time >= arrival_) {
       write_feedbacks(step);
       is_moving_ = false;
@@ -181,10 +170,7 @@ Status OpenSeesSpecimen::step(Step& step) noexcept {
     is_dismissed_ = true;
     return Status::Done;
   } catch (const std::exception& error) {
-    message_ = error.what();
-    if (script_ && script_->wait(kLookEvery))
-      if (const auto trouble = script_->trouble(); trouble && *trouble != message_)
-        message_ += "; " + *trouble;
+    message_ = opensees_->explained(error.what());
     step.message = message_.c_str();
     return Status::Fault;
   }

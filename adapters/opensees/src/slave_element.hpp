@@ -35,6 +35,7 @@ class SlaveElement {
   /// Says that no more targets will come: OpenSees ends.
   void dismiss();
 
+  [[nodiscard]] bool is_asked() const { return is_asked_; }  ///< and has not answered
   [[nodiscard]] int descriptor() const { return endpoint_ ? endpoint_->descriptor() : -1; }
 
  private:

@@ -37,6 +37,7 @@ struct NodePlan {
                         ///< recorder
   adapters::Schedule schedule;
   std::filesystem::path diagram;                                        ///< of a simulink_like
+  adapters::Handshake handshake = adapters::Handshake::AtTargetFirst;   ///< of a numerical
   std::optional<adapters::OpenSeesSettings> opensees;                   ///< of an opensees
   std::optional<adapters::EchoSettings> echo;                           ///< of an echo
   std::optional<adapters::OpenSeesSpecimenSettings> opensees_specimen;  ///< of an opensees_specimen

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
+#include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/config.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
@@ -34,12 +35,13 @@ struct NumericalSettings {
   std::vector<std::string> axes = {"long", "lat"};
   sim::IsolatedPlant plant;
   sim::GroundMotion motion;
-  double bearing_initial_stiffness = 0;         ///< one bearing [N/m]
-  double integration_step = 0.01;               ///< Δt_int, model time [s]
-  double alpha = -0.05;                         ///< of α-OS [-]
-  double duration = 40;                         ///< model time [s]
-  double rest = 0;                              ///< before the first step [s]
-  double wait_deadline = 1;                     ///< for each flag of the handshake [s]
+  double bearing_initial_stiffness = 0;  ///< one bearing [N/m]
+  double integration_step = 0.01;        ///< Δt_int, model time [s]
+  double alpha = -0.05;                  ///< of α-OS [-]
+  double duration = 40;                  ///< model time [s]
+  double rest = 0;                       ///< before the first step [s]
+  double wait_deadline = 1;              ///< for each flag of the handshake [s]
+  Handshake handshake = Handshake::AtTargetFirst;
   std::optional<ComputingTime> computing_time;  ///< none: it takes the time it takes
   std::optional<DisplacementHistory> history;   ///< instead of the analysis
 };

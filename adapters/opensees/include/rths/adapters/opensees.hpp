@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/control_points.hpp>
 #include <rths/adapters/opensees_element.hpp>
+#include <rths/adapters/opensees_script.hpp>
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/config.hpp>
 
@@ -24,16 +23,10 @@ struct OpenSeesSettings {
   double simulation_step = 0.01;  ///< from target to target [s]
   double rest = 0;                ///< before the first target [s]
   double wait_deadline = 1;       ///< for each flag of the handshake [s]
-  double connect_deadline = 60;   ///< for OpenSees to come, on the host's clock [s]
-  double answer_deadline = 10;    ///< for OpenSees to say something, on the host's clock [s]
   /// Steps come with the news, not only when they are due: at the price of some waiting awake.
   bool is_prompt = false;
   bool stops_time = false;  ///< time is virtual: a step takes until OpenSees has said what is next
-  /// OpenSees itself, to be started here: program, script and arguments. Empty: somebody else does.
-  std::vector<std::string> command;
-  std::filesystem::path log;  ///< what it says goes there
-  /// Written before it starts: path, content.
-  std::vector<std::pair<std::filesystem::path, std::string>> files;
+  OpenSeesScript script;
 };
 
 /// Reads what a node's table says of elements and control points: see docs/opensees.md.

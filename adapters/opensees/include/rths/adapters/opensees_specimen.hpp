@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/opensees_element.hpp>
+#include <rths/adapters/opensees_script.hpp>
 #include <rths/adapters/opf_layout.hpp>
 #include <rths/core/config.hpp>
 
@@ -21,12 +20,8 @@ struct OpenSeesSpecimenSettings {
   std::vector<OpenSeesElement> elements;
   OpfLayout layout;               ///< the block of the laboratory's map
   double simulation_step = 0.01;  ///< from one arrival to the next, at least [s]
-  double connect_deadline = 60;   ///< for OpenSees to come, on the host's clock [s]
-  double answer_deadline = 10;    ///< for its answer, on the host's clock [s]
   bool stops_time = false;        ///< time is virtual: a step takes until OpenSees has answered
-  /// OpenSees itself, to be started here: program, script and arguments. Empty: somebody else does.
-  std::vector<std::string> command;
-  std::filesystem::path log;  ///< what it says goes there
+  OpenSeesScript script;
 };
 
 /// Reads [[element]] tables: see docs/opensees.md.
