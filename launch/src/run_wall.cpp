@@ -58,6 +58,15 @@ struct RingRemoval {
   ~RingRemoval() { broker::remove_ring(name); }
 };
 
+// A specimen in OpenSees is ready when that has come.
+Duration longest_start(const Experiment& experiment) {
+  double longest = 0;
+  for (const auto& plan : experiment.nodes)
+    if (plan.opensees_specimen)
+      longest = std::max(longest, plan.opensees_specimen->script.connect_deadline);
+  return kReadyDeadline + from_seconds(longest);
+}
+
 struct NodeProcess {
   std::string node;
   ChildProcess process;
@@ -73,7 +82,7 @@ class WallRun {
   }
 
   void wait_until_ready() {
-    const TimePoint deadline = clock_.now() + kReadyDeadline;
+    const TimePoint deadline = clock_.now() + longest_start(experiment_);
     for (auto& node : nodes_) {
       std::optional<std::string> line;
       while (!(line = node.process.read_line()) && !node.process.ended() &&

@@ -53,6 +53,15 @@ bool becomes_ready(int fd, short news) {
   return poll(&one, 1, kPatience) == 1 && (one.revents & news) != 0;
 }
 
+// A port that nobody listens on may be given to the socket that asks for it.
+bool is_connected_to_itself(int fd) {
+  sockaddr_in own{}, other{};
+  socklen_t size = sizeof own;
+  getsockname(fd, reinterpret_cast<sockaddr*>(&own), &size);
+  getpeername(fd, reinterpret_cast<sockaddr*>(&other), &size);
+  return own.sin_port == other.sin_port && own.sin_addr.s_addr == other.sin_addr.s_addr;
+}
+
 // The length of the datagram that brings the rest of a message.
 std::size_t datagram_for(std::size_t missing) { return std::min(missing, kDatagram); }
 
@@ -95,7 +104,8 @@ std::optional<Endpoint> Endpoint::connect(Transport transport, const std::string
       return std::nullopt;
     int error = 0;
     socklen_t size = sizeof error;
-    if (getsockopt(socket.get(), SOL_SOCKET, SO_ERROR, &error, &size) != 0 || error != 0)
+    if (getsockopt(socket.get(), SOL_SOCKET, SO_ERROR, &error, &size) != 0 || error != 0 ||
+        is_connected_to_itself(socket.get()))
       return std::nullopt;
     set(socket.get(), IPPROTO_TCP, TCP_NODELAY);
     end.connection_ = std::move(socket);
