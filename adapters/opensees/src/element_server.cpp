@@ -39,7 +39,7 @@ bool ElementServer::hear() {
 void ElementServer::take_in(std::span<const std::byte> message) {
   switch (client_.hear(message)) {
     case GenericClient::Heard::Trial:
-      has_trial_ = true;
+      ++trials_;
       // A move that was asked for and not yet made is not undone by its repetition.
       is_new_ = is_new_ || client_.is_new();
       break;
@@ -53,7 +53,7 @@ void ElementServer::take_in(std::span<const std::byte> message) {
       has_left_ = true;
       break;
     case GenericClient::Heard::Sizes:
-      has_just_come_ = true;
+      has_come_ = has_just_come_ = true;
       break;
     case GenericClient::Heard::Commit:
       break;

@@ -22,15 +22,18 @@ class ElementServer {
   /// Answers the matrix that is wanted.
   void answer(const ElementMatrices& matrices);
   /// The trial goes to the specimen: another one is due.
-  void take_trial() { has_trial_ = is_new_ = false; }
+  void take_trial() {
+    trials_ = 0;
+    is_new_ = false;
+  }
 
   [[nodiscard]] int descriptor() const { return endpoint_.descriptor(); }
-  /// Whether what was heard last was its first message.
+  /// Whether it has said its sizes; whether that was among what was heard last.
+  [[nodiscard]] bool has_come() const { return has_come_; }
   [[nodiscard]] bool has_just_come() const { return has_just_come_; }
-  [[nodiscard]] bool is_connected() const { return endpoint_.is_connected(); }
   [[nodiscard]] const Trial& trial() const { return client_.trial(); }
-  [[nodiscard]] bool has_trial() const { return has_trial_; }  ///< since the last was taken
-  [[nodiscard]] bool is_new() const { return is_new_; }        ///< it moves the specimen
+  [[nodiscard]] int trials() const { return trials_; }   ///< since the last was taken
+  [[nodiscard]] bool is_new() const { return is_new_; }  ///< it moves the specimen
   [[nodiscard]] bool wants_measured() const { return wants_measured_; }
   [[nodiscard]] bool wants_matrix() const { return wants_matrix_; }
   [[nodiscard]] bool has_left() const { return has_left_; }
@@ -41,7 +44,8 @@ class ElementServer {
   std::string name_;
   Endpoint endpoint_;
   GenericClient client_;
-  bool has_trial_ = false, is_new_ = false, wants_measured_ = false, wants_matrix_ = false,
+  int trials_ = 0;
+  bool has_come_ = false, is_new_ = false, wants_measured_ = false, wants_matrix_ = false,
        has_left_ = false, has_just_come_ = false;
 };
 

@@ -1,26 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/adapters/opensees.hpp>
 
-#include <poll.h>
-
 #include <algorithm>
 #include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/error.hpp>
 
-#include "element_server.hpp"
-#include "opensees_process.hpp"
+#include "conversation.hpp"
 #include "opf_words.hpp"
 #include "specimen.hpp"
 
 namespace rths::adapters {
 namespace {
 
-constexpr int kMostQuestions = 100;  // at once: OpenSees waits for each answer
-constexpr auto kLookEvery = std::chrono::milliseconds{100};  // whether OpenSees still runs
+constexpr auto kLookEvery = std::chrono::milliseconds{5};  // whether OpenSees has done its rest
 
 class OpenSees final : public Adapter {
  public:
@@ -29,20 +26,15 @@ class OpenSees final : public Adapter {
   void activate() override;
   [[nodiscard]] Status step(Step& step) noexcept override;
   [[nodiscard]] News awaits() const noexcept override;
-  void wait_outside(Duration longest) override { wait_for_news(longest); }
+  void wait_outside(Duration longest) override { opensees_->wait_for_news(longest); }
   void deactivate() override;
 
  private:
   enum In : std::size_t { kAtTarget, kSwitchPc, kFeedback };  // positions among the inputs
 
   [[nodiscard]] Status advance(Step& step);
-  void hear_all();
-  [[nodiscard]] Duration patience();
-  void wait_for_news(Duration longest) const;
   // Hears what there is. Where time stands still, waits until OpenSees has done its part.
   void converse(const Step& step);
-  [[nodiscard]] bool is_round_complete() const;
-  [[nodiscard]] bool owes_nothing() const;
   [[nodiscard]] std::span<const double> feedbacks(const Step& step) const {
     return step.inputs.subspan(kFeedback);
   }
@@ -50,25 +42,24 @@ class OpenSees final : public Adapter {
   void begin_test(const Step& step);
   void begin_round(const Step& step);
   void answer_all(const Step& step);
-  // Shakes those specimens that are not known yet, one after the other. @returns whether it has
-  // something to do
-  bool identify(const Step& step);
-  void write_monitors(const Step& step) const;
-  template <class Condition>
-  [[nodiscard]] bool all(const Condition& condition) const {
-    return std::all_of(servers_.begin(), servers_.end(), condition);
+  // Shakes those specimens that are not known yet, one after the other, once OpenSees is there.
+  void identify(const Step& step);
+  void probe(const Step& step);
+  // Specimens that are not known yet come first.
+  [[nodiscard]] auto unknown() {
+    return std::find_if(specimens_.begin(), specimens_.end(),
+                        [](const auto& specimen) { return !specimen.is_known(); });
   }
-
+  [[nodiscard]] Status leave(double time);
+  void write_monitors(const Step& step) const;
   OpenSeesSettings settings_;
   OpfWords words_;
   std::size_t new_target_at_;        ///< among the outputs: behind what it guards
   std::vector<Specimen> specimens_;  ///< of each element
-  std::vector<ElementServer> servers_;
-  std::optional<OpenSeesProcess> opensees_;
+  std::optional<Conversation> opensees_;
   OpfHandshake handshake_;
   std::uint64_t rounds_ = 0;
   bool has_begun_ = false, has_moved_ = false, is_probing_ = false;
-  bool has_left_ = false;
   std::string message_;
 };
 
@@ -101,78 +92,40 @@ std::vector<Port> OpenSees::ports() const {
   return ports;
 }
 
-void OpenSees::activate() {
-  for (const auto& element : settings_.elements) servers_.emplace_back(element);
-  opensees_.emplace(settings_.script);
-}
+void OpenSees::activate() { opensees_.emplace(settings_); }
 
 void OpenSees::deactivate() {
-  const auto trouble = opensees_ && has_left_ ? opensees_->finish() : std::nullopt;
+  const auto trouble =
+      opensees_ && opensees_->has_left() ? opensees_->finish() : std::optional<std::string>{};
   opensees_.reset();
-  servers_.clear();
   if (trouble) throw Error{*trouble};
 }
 
-// Matrices are answered at once: what OpenSees says next may be a target.
-void OpenSees::hear_all() {
-  for (std::size_t i = 0; i < servers_.size(); ++i)
-    for (int heard = 0; heard < kMostQuestions && servers_[i].hear(); ++heard) {
-      opensees_->heard();
-      if (servers_[i].has_just_come() && !settings_.elements[i].is_udp)
-        opensees_->keep(servers_[i].descriptor());
-      if (servers_[i].wants_matrix()) servers_[i].answer(specimens_[i].matrices());
-    }
-}
-
-// All have their targets, or one of them waits for its force: then no more will come.
-bool OpenSees::is_round_complete() const {
-  return all([](const auto& server) { return server.has_trial(); }) ||
-         !all([](const auto& server) { return !server.wants_measured(); });
-}
-
-bool OpenSees::owes_nothing() const {
-  return handshake_.is_there() && all([](const auto& server) { return !server.wants_measured(); });
-}
-
-Duration OpenSees::patience() {
-  const bool is_here = all([](const auto& server) { return server.is_connected(); });
-  const auto& script = settings_.script;
-  const Duration left = is_here ? opensees_->patience(script.answer_deadline, "has been silent for")
-                                : opensees_->patience(script.connect_deadline, "has not come for");
-  return std::min<Duration>(left, kLookEvery);
-}
-
-void OpenSees::wait_for_news(Duration longest) const {
-  std::vector<pollfd> news;
-  for (const auto& server : servers_)
-    if (!server.has_left()) news.push_back({server.descriptor(), POLLIN, 0});
-  const timespec patience{longest / std::chrono::seconds{1},
-                          (longest % std::chrono::seconds{1}).count()};
-  ppoll(news.data(), news.size(), &patience, nullptr);
-}
-
-// Once every element waits for its force, OpenSees says no more before the specimen has arrived.
+// Once an element waits for its force, OpenSees says no more before the specimen has arrived.
 News OpenSees::awaits() const noexcept {
   if (!settings_.is_prompt || settings_.stops_time || handshake_.is_leaving()) return News::None;
-  const bool waits_for_specimen =
-      !has_begun_ || is_probing_ || all([](const auto& server) { return server.wants_measured(); });
-  return waits_for_specimen ? News::Inputs : News::Outside;
+  return handshake_.is_there() && has_begun_ ? News::Outside : News::Inputs;
 }
 
 void OpenSees::answer_all(const Step& step) {
-  for (std::size_t i = 0; i < servers_.size(); ++i)
-    if (servers_[i].wants_measured())
-      servers_[i].answer(specimens_[i].measured(words_.measured(i, feedbacks(step))));
+  auto& servers = opensees_->servers();
+  for (std::size_t i = 0; i < servers.size(); ++i)
+    if (servers[i].wants_measured()) {
+      servers[i].answer(specimens_[i].measured(words_.measured(i, feedbacks(step))));
+      opensees_->pass_turn();
+    }
 }
 
 void OpenSees::begin_round(const Step& step) {
-  const bool is_move = !all([](const auto& server) { return !server.is_new(); });
-  for (std::size_t i = 0; i < servers_.size(); ++i) {
-    const Trial& trial = servers_[i].trial();
+  auto& servers = opensees_->servers();
+  const bool is_move = std::any_of(servers.begin(), servers.end(),
+                                   [](const auto& server) { return server.is_new(); });
+  for (std::size_t i = 0; i < servers.size(); ++i) {
+    const Trial& trial = servers[i].trial();
     const auto& command = specimens_[i].place(trial);
     if (is_move && !has_moved_) words_.start(i, command);
     if (is_move) words_.write(i, command, trial.time, step.outputs);
-    servers_[i].take_trial();
+    servers[i].take_trial();
   }
   if (!is_move) return;
   has_moved_ = true;
@@ -180,22 +133,26 @@ void OpenSees::begin_round(const Step& step) {
   handshake_.post(step.time);
 }
 
-bool OpenSees::identify(const Step& step) {
-  if (is_probing_ && !handshake_.is_there()) return true;
-  for (std::size_t i = 0; i < specimens_.size(); ++i) {
-    if (specimens_[i].is_known()) continue;
-    if (is_probing_) {
-      specimens_[i].measure(words_.measured(i, feedbacks(step)));
-      is_probing_ = false;
-      opensees_->heard();  // it has waited for us, not we for it
-      return identify(step);
-    }
-    words_.write(i, specimens_[i].probe(), 0, step.outputs);
-    handshake_.post(step.time);
-    is_probing_ = true;
-    return true;
+void OpenSees::probe(const Step& step) {
+  const auto next = unknown();
+  if (next == specimens_.end()) return;
+  const auto element = static_cast<std::size_t>(next - specimens_.begin());
+  words_.write(element, next->probe(), 0, step.outputs);
+  handshake_.post(step.time);
+  is_probing_ = true;
+}
+
+void OpenSees::identify(const Step& step) {
+  opensees_->require_running();
+  if (!handshake_.is_there()) return;
+  if (is_probing_) {
+    const auto probed = unknown();
+    const auto element = static_cast<std::size_t>(probed - specimens_.begin());
+    probed->measure(words_.measured(element, feedbacks(step)));
+    is_probing_ = false;
+    opensees_->pass_turn();
   }
-  return false;
+  probe(step);
 }
 
 std::string OpenSees::overdue() const {
@@ -209,38 +166,53 @@ std::string OpenSees::overdue() const {
 
 void OpenSees::begin_test(const Step& step) {
   words_.start(feedbacks(step));
+  words_.write_idle(step.outputs);
   has_begun_ = true;
 }
 
 void OpenSees::converse(const Step& step) {
-  while (true) {
-    hear_all();
-    if (handshake_.is_there() && is_round_complete()) begin_round(step);
-    if (handshake_.is_there()) answer_all(step);
-    has_left_ = all([](const auto& server) { return server.has_left(); });
-    if (has_left_) return;
-    if (!settings_.stops_time || !owes_nothing()) {
-      if (owes_nothing()) static_cast<void>(patience());
-      return;
-    }
-    wait_for_news(patience());
+  for (;;) {
+    opensees_->hear(specimens_);
+    if (opensees_->has_left() || !handshake_.is_there()) return;
+    if (opensees_->has_come() && unknown() != specimens_.end()) return;
+    if (opensees_->is_round_complete()) begin_round(step);
+    if (!handshake_.is_there()) return;
+    // Not before the specimen is where all trials want it.
+    if (!opensees_->has_trials()) answer_all(step);
+    const Duration patience = opensees_->patience();
+    if (!settings_.stops_time) return;
+    opensees_->wait_for_news(patience);
   }
+}
+
+// OpenSees may still have something to do: recorders are closed then.
+Status OpenSees::leave(double time) {
+  while (settings_.stops_time && !opensees_->has_finished())
+    std::this_thread::sleep_for(kLookEvery);
+  if (opensees_->has_finished()) handshake_.leave(time);
+  return Status::Ok;
 }
 
 Status OpenSees::advance(Step& step) {
   if (step.stopping && !handshake_.is_leaving()) handshake_.leave(step.time);
   if (handshake_.is_leaving()) return handshake_.has_left(step.time) ? Status::Done : Status::Ok;
   if (!has_begun_ && step.time < settings_.rest) {
+    opensees_->hear(specimens_);
     handshake_.be_patient(step.time);
     return Status::Ok;
   }
+  const bool was_there = handshake_.is_there();
   const Status status =
       handshake_.look(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
   if (status == Status::Fault) throw Error{overdue()};
+  if (!was_there && handshake_.is_there()) opensees_->pass_turn();
   if (handshake_.is_there() && !has_begun_) begin_test(step);
-  if (has_begun_ && identify(step)) return Status::Ok;
-  converse(step);
-  if (has_left_) handshake_.leave(step.time);
+  if (!is_probing_) converse(step);
+  if (opensees_->has_left()) return leave(step.time);
+  if (has_begun_ && opensees_->has_come() && unknown() != specimens_.end()) {
+    identify(step);
+    if (unknown() == specimens_.end()) converse(step);
+  }
   return Status::Ok;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "opensees_process.hpp"
 
+#include <algorithm>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -11,7 +12,8 @@ namespace rths::adapters {
 namespace {
 
 constexpr auto kToDie = std::chrono::milliseconds{100};  // of a process whose socket is gone
-constexpr auto kToFinish = std::chrono::seconds{5};
+constexpr auto kOnTheWay = std::chrono::seconds{1};      // of what it said last
+constexpr auto kToFinish = std::chrono::seconds{1};
 
 }  // namespace
 
@@ -30,11 +32,22 @@ void OpenSeesProcess::keep(int socket) const {
   if (keeper_) keeper_->keep(socket);
 }
 
+void OpenSeesProcess::require_running() {
+  if (!script_ || !script_->has_ended()) return;
+  if (const auto trouble = script_->trouble()) throw Error{*trouble};
+  if (!ended_) ended_ = WallClock{}.now();
+  if (WallClock{}.now() > *ended_ + kOnTheWay)
+    throw Error{"OpenSees has ended, and its elements have not"};
+}
+
+bool OpenSeesProcess::has_finished(double longest) {
+  return !script_ || script_->has_ended() || silence() > from_seconds(longest);
+}
+
 Duration OpenSeesProcess::patience(double longest, const char* otherwise) {
-  if (script_ && script_->has_ended())
-    throw Error{script_->trouble().value_or("OpenSees has ended, and its elements have not")};
+  require_running();
   const Duration left = heard_ + from_seconds(longest) - WallClock{}.now();
-  if (left > Duration{0}) return left;
+  if (left > Duration{0}) return ended_ ? std::min<Duration>(left, kToDie) : left;
   throw Error{fmt::format("OpenSees {} {:g} s{}", otherwise, longest,
                           script_ ? fmt::format(" ({})", log_) : "")};
 }

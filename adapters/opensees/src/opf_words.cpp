@@ -120,6 +120,11 @@ void OpfWords::start(std::span<const double> feedbacks) {
   }
 }
 
+void OpfWords::write_idle(std::span<double> commands) const {
+  for (std::size_t i = 0; i < commands_.size(); ++i)
+    if (commands_[i].element == kNone) commands[i] = commands_[i].offset;
+}
+
 void OpfWords::start(std::size_t element, const Specimen::Command& first) {
   for (auto& word : commands_)
     if (word.element == element && word.signal.is_relative_to_first)

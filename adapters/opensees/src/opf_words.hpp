@@ -26,6 +26,8 @@ class OpfWords {
 
   /// Where everything stands before the test: what is relative to that, is from now on.
   void start(std::span<const double> feedbacks);
+  /// The words that no element moves: where they are measured to be, if they are relative to that.
+  void write_idle(std::span<double> commands) const;
   /// An element's first trial: likewise.
   void start(std::size_t element, const Specimen::Command& first);
   /// Measured along the axes of an element. Displacements: none if the map has no words for them.
