@@ -36,8 +36,9 @@ OpfSignal read_signal(const memmap::SignalEntry& entry, const std::string& endin
   const std::size_t dot = head.rfind('.');
   const auto quantity = quantity_named(dot == std::string::npos ? head : head.substr(dot + 1));
   if (!quantity) fail();
-  return {entry.name, dot == std::string::npos ? "1" : head.substr(0, dot), *quantity,
-          memmap::parse_unit(entry.signal->unit).si};
+  const auto unit = memmap::parse_unit(entry.signal->unit);
+  return {entry.name, dot == std::string::npos ? "1" : head.substr(0, dot), *quantity, unit.si,
+          unit.scale};
 }
 
 std::vector<memmap::SignalEntry> signals_of(const memmap::Map& map, const std::string& partition) {

@@ -28,12 +28,17 @@ std::string text_of(const sim::GroundMotion& motion) {
   return text;
 }
 
+void replace_all(std::string& text, std::string_view what, const std::string& by) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+    text.replace(at, what.size(), by);
+}
+
 // A script takes from the experiment what it is told to.
-std::string filled_in(const std::string& argument, const Experiment& e,
+std::string filled_in(std::string argument, const Experiment& e,
                       const std::filesystem::path& motion) {
-  if (argument == kMotionPlace) return std::filesystem::absolute(motion).string();
-  if (argument == kStepPlace) return fmt::format("{}", e.integration_step);
-  if (argument == kDurationPlace) return fmt::format("{}", e.duration);
+  replace_all(argument, kMotionPlace, std::filesystem::absolute(motion).string());
+  replace_all(argument, kStepPlace, fmt::format("{}", e.integration_step));
+  replace_all(argument, kDurationPlace, fmt::format("{}", e.duration));
   return argument;
 }
 
@@ -55,7 +60,8 @@ void settle(const Experiment& e, const NodePlan& plan, const std::filesystem::pa
   script.log = beside(".log");
   const auto motion = beside(".motion.csv");
   for (auto& argument : script.command) {
-    if (argument == kMotionPlace) script.files = {{motion, text_of(e.motion)}};
+    if (argument.find(kMotionPlace) != std::string::npos)
+      script.files = {{motion, text_of(e.motion)}};
     argument = filled_in(argument, e, motion);
   }
 }

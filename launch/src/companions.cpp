@@ -26,19 +26,28 @@ std::vector<double> signal_or_zeros(const recording::Reader& reader, const std::
 }
 
 // Targets as they came: one per integration step, read off where the solver's step count changes.
+// Number of the target that stands in each row. OpenSees counts them: its times begin anew after
+// its static analyses, and stand still while it iterates.
+std::vector<double> recorded_steps(const Experiment& experiment, const recording::Reader& reader) {
+  for (const auto& plan : experiment.nodes)
+    if (plan.adapter == "opensees") return reader.signal("monitor." + plan.node + ".step");
+  auto steps = reader.signal("opf.1.time.target");
+  for (double& step : steps) step /= experiment.integration_step;
+  return steps;
+}
+
 adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
                                                const std::filesystem::path& file) {
   const recording::Reader reader{file};
-  const auto model_time = reader.signal("opf.1.time.target");
+  const auto steps = recorded_steps(experiment, reader);
   const auto along = signal_or_zeros(reader, "opf.long.displ.target");
   const auto across = signal_or_zeros(reader, "opf.lat.displ.target");
   adapters::DisplacementHistory history;
   history.time_step = experiment.integration_step;
   history.displacement_long = {0};
   history.displacement_lat = {0};
-  for (std::size_t row = 0; row < model_time.size(); ++row) {
-    const auto step =
-        static_cast<std::size_t>(std::lround(model_time[row] / experiment.integration_step));
+  for (std::size_t row = 0; row < steps.size(); ++row) {
+    const auto step = static_cast<std::size_t>(std::lround(steps[row]));
     if (step < history.displacement_long.size()) continue;
     // A row that was missed leaves its step out; the last known target stands in for it.
     history.displacement_long.resize(step + 1, history.displacement_long.back());

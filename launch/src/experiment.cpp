@@ -81,7 +81,11 @@ adapters::OpenSeesScript read_script(const Config& table) {
         argument != kDurationPlace)
       table.fail("arguments", fmt::format("'{}' stands for nothing, expected {}, {} or {}",
                                           argument, kMotionPlace, kStepPlace, kDurationPlace));
-  if (!table.has("script")) return opensees;
+  if (!table.has("script")) {
+    for (const char* key : {"arguments", "python"})
+      if (table.has(key)) table.fail(key, fmt::format("{} without a script", key));
+    return opensees;
+  }
   const auto script = table.resolve(table.text("script"));
   if (!std::filesystem::exists(script))
     table.fail("script", fmt::format("there is no file '{}'", script.string()));
@@ -215,6 +219,19 @@ void read_uncompensated(const Config& table, Experiment& experiment) {
   }
 }
 
+// A second earthquake proves nothing if the script is shaken by the first again.
+void require_motion(const Config& file, const Experiment& experiment) {
+  for (const auto& plan : experiment.nodes) {
+    if (!plan.opensees) continue;
+    const auto& words = plan.opensees->script.command;
+    if (std::none_of(words.begin(), words.end(),
+                     [](const auto& word) { return word.find(kMotionPlace) != std::string::npos; }))
+      file.fail("held_out", fmt::format("the script of node '{}' does not take its motion from "
+                                        "here, expected {} among its arguments",
+                                        plan.node, kMotionPlace));
+  }
+}
+
 // Two experiments that differ only in their noise must differ in it everywhere.
 void spread_seed(Experiment& experiment) {
   experiment.machine.seed = experiment.seed;
@@ -248,6 +265,7 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   read_stop(file.table_or_empty("stop"), experiment);
   experiment.nodes = read_nodes(file.table("node"), experiment.model);
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
+  if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);
   for (const auto& plan : experiment.nodes)

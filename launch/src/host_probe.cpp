@@ -31,46 +31,47 @@ void keep_to(int cpu) {
   static_cast<void>(sched_setaffinity(0, sizeof only, &only));
 }
 
+template <class T>
+void raise(std::atomic<T>& to, T value) {
+  T before = to.load(std::memory_order_relaxed);
+  while (before < value && !to.compare_exchange_weak(before, value, std::memory_order_relaxed)) {
+  }
+}
+
+std::size_t intervals_of(double longest_run) {
+  return static_cast<std::size_t>(longest_run / to_seconds(kPeriod * kPeriodsPerInterval)) + 1;
+}
+
 }  // namespace
 
-HostProbe::HostProbe(TimePoint epoch, double longest_run) {
-  const auto intervals =
-      static_cast<std::size_t>(longest_run / to_seconds(kPeriod * kPeriodsPerInterval)) + 1;
-  for (const int cpu : processors()) {
-    Watch& watch = watches_.emplace_back();
-    watch.cpu = cpu;
-    watch.largest.assign(intervals, 0.0);
-    watch.thread = std::thread{[this, &watch, epoch] { run(watch, epoch); }};
-  }
+HostProbe::HostProbe(TimePoint epoch, double longest_run) : largest_(intervals_of(longest_run)) {
+  for (const int cpu : processors()) threads_.emplace_back([this, cpu, epoch] { run(cpu, epoch); });
 }
 
 HostProbe::~HostProbe() { static_cast<void>(finish()); }
 
-void HostProbe::run(Watch& watch, TimePoint epoch) const {
-  keep_to(watch.cpu);
+void HostProbe::run(int cpu, TimePoint epoch) {
+  keep_to(cpu);
   static_cast<void>(make_realtime(kProbePriority));
   WallClock clock;
   for (std::size_t tick = 0; !finish_.load(std::memory_order_relaxed); ++tick) {
     const TimePoint due = epoch + kPeriod * tick;
     clock.sleep_until(due);
-    const double late = to_seconds(clock.now() - due);
     const std::size_t interval = tick / kPeriodsPerInterval;
-    if (interval >= watch.largest.size()) return;
-    watch.largest[interval] = std::max(watch.largest[interval], late);
-    watch.used = interval + 1;
+    if (interval >= largest_.size()) return;
+    raise(largest_[interval], static_cast<float>(to_seconds(clock.now() - due)));
+    raise(used_, interval + 1);
   }
 }
 
 HostLateness HostProbe::finish() {
   finish_.store(true, std::memory_order_relaxed);
+  for (auto& thread : threads_)
+    if (thread.joinable()) thread.join();
   HostLateness lateness;
   lateness.interval = to_seconds(kPeriod * kPeriodsPerInterval);
-  for (auto& watch : watches_) {
-    if (watch.thread.joinable()) watch.thread.join();
-    lateness.largest.resize(std::max(lateness.largest.size(), watch.used));
-    for (std::size_t i = 0; i < watch.used; ++i)
-      lateness.largest[i] = std::max(lateness.largest[i], watch.largest[i]);
-  }
+  for (std::size_t i = 0; i < used_; ++i)
+    lateness.largest.push_back(static_cast<double>(largest_[i].load()));
   return lateness;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <list>
 #include <thread>
 #include <vector>
 
@@ -27,16 +26,11 @@ class HostProbe {
   [[nodiscard]] HostLateness finish();
 
  private:
-  /// What one thread notes.
-  struct Watch {
-    int cpu = 0;
-    std::vector<double> largest;  ///< of each interval [s]
-    std::size_t used = 0;         ///< intervals
-    std::thread thread;
-  };
-  void run(Watch& watch, TimePoint epoch) const;
-  std::list<Watch> watches_;
+  void run(int cpu, TimePoint epoch);
+  std::vector<std::atomic<float>> largest_;  ///< of each interval, of all processors [s]
+  std::atomic<std::size_t> used_{0};         ///< intervals
   std::atomic<bool> finish_{false};
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace rths::launch

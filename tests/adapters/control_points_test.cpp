@@ -107,12 +107,11 @@ TEST(ControlPoints, SayWhatIsInTheWrongPlace) {
 
 TEST(ControlPoints, ReadEverySpellingAndOption) {
   const auto points = control_points(layout_of("flextest_osu"),
-                                     {"expControlPoint 1 -node 3 ux 1 -fact 0.5 -lim -0.1 0.2 "
+                                     {"expControlPoint 1 -node 3 ux 1 -relOut -lim -100 200 "
                                       "-relTrial d2 dsp -relCtrl"},
                                      {"2 u1 disp u2 disp", "3 1 frc -relDaq 2 4"});
-  EXPECT_EQ(points.trial[0].factor, 0.5);
-  EXPECT_EQ(points.trial[0].lowest, -0.1);
-  EXPECT_EQ(points.trial[0].highest, 0.2);
+  EXPECT_DOUBLE_EQ(points.trial[0].lowest, -0.1);  // the map's millimetres
+  EXPECT_DOUBLE_EQ(points.trial[0].highest, 0.2);
   EXPECT_TRUE(points.trial[0].is_relative_to_first);
   EXPECT_FALSE(points.trial[0].is_relative_to_measured);
   EXPECT_TRUE(points.trial[1].is_relative_to_measured);
@@ -126,9 +125,12 @@ TEST(ControlPoints, RefuseWhatTheyDoNotUnderstand) {
             "control point '1 1 strain': found 'strain', expected disp, vel, accel, force or time");
   EXPECT_EQ(error_of(layout, {"1 zero disp"}),
             "control point '1 zero disp': found 'zero', expected a degree of freedom: 1, d1 or ux");
-  EXPECT_NE(error_of(layout, {"1 1 disp -relOut"}).find("found '-relOut', expected -fact"),
+  EXPECT_NE(error_of(layout, {"1 1 disp -relIn"}).find("found '-relIn', expected -lim"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -fact"}).find("found its end, expected a factor"),
+  EXPECT_NE(error_of(layout, {"1 1 disp -fact 25.4"}).find("found '-fact', expected none"),
+            std::string::npos);
+  EXPECT_NE(error_of(layout, {"1 1 disp -lim nan nan"}).find("found 'nan'"), std::string::npos);
+  EXPECT_NE(error_of(layout, {"1 1 disp -lim"}).find("found its end, expected the lower limit"),
             std::string::npos);
   EXPECT_NE(error_of(layout, {"1 1 disp -lim 2 1"}).find("limits that leave nothing"),
             std::string::npos);

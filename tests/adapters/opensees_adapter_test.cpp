@@ -38,6 +38,8 @@ class Springs final : public Adapter {
   void activate() override {}
   [[nodiscard]] Status step(Step& step) noexcept override {
     const bool has_target = step.inputs[0] > 0;
+    targets_ += has_target && !had_target_ ? 1 : 0;
+    had_target_ = has_target;
     for (std::size_t i = 0; i < kCount; ++i)
       step.outputs[i] = stiffness(static_cast<int>(i)) * step.inputs[1 + i];
     step.outputs[kCount] = has_target ? 1 : 0;
@@ -45,6 +47,11 @@ class Springs final : public Adapter {
     return Status::Ok;
   }
   void deactivate() override {}
+  [[nodiscard]] int targets() const { return targets_; }
+
+ private:
+  bool had_target_ = false;
+  int targets_ = 0;
 };
 
 OpenSeesSettings settings_of(const test::TemporaryFolder& folder, const std::string& python) {
@@ -135,6 +142,8 @@ TEST_F(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
     status = solving.tick(time, false, {});
   }
   EXPECT_EQ(status, Status::Done) << solving.message();
+  // One of each step but the first, in which nothing moves yet: trials of one update, not of two.
+  EXPECT_EQ(springs.targets(), kSteps - 1);
   solver->deactivate();
 
   test::Running own{{python_, (test::source_tree() / "tests/opensees/many.py").string(), "inside",

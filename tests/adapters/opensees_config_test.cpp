@@ -96,6 +96,13 @@ TEST(OpenSeesConfig, SaysWhatIsWrongAndWhere) {
         {dofs + "mass = \"guessed\"\n",
          "mass is 'guessed', expected rows of numbers or \"identified\""},
         {"dofs = [\"yaw\"]\n", "initial_stiffness is missing"},
+        {"dofs = [\"vert\"]\n", "initial_stiffness is missing"},
+        {kBearingLines + "[[element.bearing.actuator]]\naxis = \"1\"\nfixed_pin = [1, 0, 0]\n",
+         "actuators, and no list 'moved'"},
+        {"[element.bearing]\naxial = \"force\"\nmoved = [\"axial\"]\n[element.bearing.axes]\naxial "
+         "= "
+         "\"vert\"\n",
+         "axial is moved, and axial = \"force\" loads it"},
         {dofs + "portt = 1\n", "portt"},
         {without(kBearingLines, "torsion = 0\n"),
          "component 'torsion' is neither moved by the machine nor has a spring"},

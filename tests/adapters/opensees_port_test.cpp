@@ -3,6 +3,7 @@
 // stays where it is.
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -15,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/adapters/opensees.hpp>
+#include <rths/core/error.hpp>
 
 #include "support/process.hpp"
 
@@ -122,6 +124,10 @@ class Client {
     EXPECT_EQ(send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL), std::ssize(bytes));
   }
   ~Client() { close(fd_); }
+  [[nodiscard]] bool has_news() const {
+    pollfd news{fd_, POLLIN, 0};
+    return poll(&news, 1, 0) == 1;
+  }
   /// One message; waits for it.
   [[nodiscard]] std::array<double, kDoubles> hear() const {
     std::array<double, kDoubles> reply{};
@@ -205,6 +211,86 @@ TEST(OpenSeesPort, AnswersAForeignProgramAllThatWasMeasured) {
   EXPECT_DOUBLE_EQ(reply[6], 2e4);
   EXPECT_DOUBLE_EQ(reply[7], 2e4);
   adapter->deactivate();
+}
+
+/// The adapter beside a controller and a machine that is wherever it is told to be at once, a
+/// spring.
+class Bench {
+ public:
+  static constexpr std::size_t kInputs = 6;
+  static constexpr double kStiffness = 1e6;
+  explicit Bench(OpenSeesSettings settings)
+      : adapter_{make_opensees(with_displacements(settings))} {
+    inputs_.resize(kInputs);
+    outputs_.resize(adapter_->ports().size() - kInputs);
+    adapter_->activate();
+  }
+  ~Bench() { adapter_->deactivate(); }
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
+
+  void step(bool is_controller_there = true) {
+    Step step{time_ += 1e-3, inputs_, outputs_};
+    ASSERT_EQ(adapter_->step(step), Status::Ok) << step.message;
+    const bool has_target = outputs_[2] > 0;
+    targets_ += has_target && inputs_[1] == 0 ? 1 : 0;
+    inputs_[1] = has_target ? 1 : 0;
+    inputs_[0] = is_controller_there && !has_target ? 1 : 0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      inputs_[4 + k] = outputs_[k];
+      inputs_[2 + k] = kStiffness * outputs_[k];
+    }
+  }
+  [[nodiscard]] int targets() const { return targets_; }
+
+ private:
+  static OpenSeesSettings with_displacements(OpenSeesSettings settings) {
+    for (const char* axis : {"long", "lat"})
+      settings.layout.feedbacks.push_back(
+          {std::string{"daq.displ."} + axis, axis, Quantity::Displacement, "m"});
+    return settings;
+  }
+  std::unique_ptr<Adapter> adapter_;
+  std::vector<double> inputs_, outputs_;
+  double time_ = 0;
+  int targets_ = 0;
+};
+
+TEST(OpenSeesPort, AnswersAStiffnessThatIsIdentifiedWhenItIs) {
+  const std::uint16_t port = test::free_port();
+  auto settings = settings_at(port, false);
+  settings.elements[0].initial_stiffness.reset();
+  Bench bench{settings};
+  Bytes said = sizes(2);
+  append(said, message(3, 0));
+  append(said, message(12, 0));
+  const Client client{port, false, said};
+  // The controller takes its time.
+  for (int i = 0; i < 100; ++i) bench.step(false);
+  EXPECT_FALSE(client.has_news());
+  EXPECT_EQ(bench.targets(), 0);
+  for (int i = 0; i < 10'000 && !client.has_news(); ++i) bench.step();
+  EXPECT_GT(bench.targets(), 700);  // four seconds of each of two components
+  const auto reply = client.hear();
+  EXPECT_NEAR(reply[0], Bench::kStiffness, 1e-3);
+  EXPECT_NEAR(reply[3], Bench::kStiffness, 1e-3);
+}
+
+TEST(OpenSeesPort, ShakesNothingBeforeOpenSeesHasCome) {
+  auto settings = settings_at(test::free_port(), false);
+  settings.elements[0].initial_stiffness.reset();
+  Bench bench{settings};
+  for (int i = 0; i < 100; ++i) bench.step();
+  EXPECT_EQ(bench.targets(), 0);
+}
+
+TEST(OpenSeesPort, RefusesToIdentifyWithTargetsThatAreTooFarApart) {
+  auto settings = settings_at(test::free_port(), false);
+  settings.elements[0].mass.reset();
+  settings.layout.feedbacks.push_back({"daq.d.long", "long", Quantity::Displacement, "m"});
+  settings.layout.feedbacks.push_back({"daq.d.lat", "lat", Quantity::Displacement, "m"});
+  settings.simulation_step = 0.2;
+  EXPECT_THROW(static_cast<void>(make_opensees(settings)), Error);
 }
 
 }  // namespace

@@ -161,6 +161,12 @@ TEST(MachineAxes, KeepsAnActuatorsLengthWhenThePlatenTurnsAboutIt) {
   EXPECT_NEAR(machine.place(shifted)[0], 0.25, 1e-15);
 }
 
+TEST(MachineAxes, RefuseActuatorsThatLeaveSomethingLoose) {
+  auto element = hexapod();
+  for (auto& actuator : element.actuators) actuator.platen_pin = {0, 0, 0};  // no rotation is held
+  EXPECT_THROW(MachineAxes{element}, Error);
+}
+
 TEST(MachineAxes, TurnsAPlatenAsRodriguesDoes) {
   auto element = hexapod();
   element.actuators[3].fixed_pin = {0, 5, 0};

@@ -65,14 +65,14 @@ class OpenSeesRun : public test::WithOpenSees<> {
         "characteristic_strength_N = 1_010_000\npost_yield_stiffness_N_per_m = 4_238_000\n"
         "yield_displacement_m = 2.855e-3\n");
     const auto tree = test::source_tree();
-    const std::string script = parts.script.empty()
-                                   ? ""
-                                   : fmt::format("script = \"{}\"\narguments = [{}]\n",
-                                                 (tree / parts.script).string(), parts.arguments);
+    const std::string script =
+        parts.script.empty()
+            ? ""
+            : fmt::format("python = \"{}\"\nscript = \"{}\"\narguments = [{}]\n", python_,
+                          (tree / parts.script).string(), parts.arguments);
     const std::string element = parts.element.empty() ? "dofs = " + parts.axes : parts.element;
     return folder_
-        .write("experiment.toml",
-               fmt::format(R"(format = 1
+        .write("experiment.toml", fmt::format(R"(format = 1
 name = "opensees_test"
 map = "{}"
 axes = {}
@@ -87,7 +87,6 @@ model = "bilinear.toml"
 {}
 [node.opf]
 adapter = "opensees"
-python = "{}"
 {}answer_deadline_s = 1
 {}
 [[node.opf.element]]
@@ -95,9 +94,9 @@ name = "bearing"
 port = {}
 {}
 )",
-                           parts.map, parts.map == "srmd" ? parts.axes : kBoth,
-                           (tree / "examples/records" / kRecord).string(), parts.partners, python_,
-                           script, parts.node, port_, element))
+                                              parts.map, parts.map == "srmd" ? parts.axes : kBoth,
+                                              (tree / "examples/records" / kRecord).string(),
+                                              parts.partners, script, parts.node, port_, element))
         .string();
   }
 
@@ -341,7 +340,7 @@ TEST_F(OpenSeesRun, EndsTheTestWhereAControlPointsLimitIs) {
   for (const char* type : {"disp", "vel", "accel", "force", "time"})
     for (int dof = 1; dof <= 7; ++dof)
       point += fmt::format(" {} {}{}", dof, type,
-                           dof == 1 && std::string{type} == "disp" ? " -lim -0.05 0.05" : "");
+                           dof == 1 && std::string{type} == "disp" ? " -lim -2 2" : "");
   const auto finished =
       run(experiment({kIdeal, kPlant, plant_arguments(), kBoth, "srmd", "",
                       fmt::format("control_points = {{ trial = [\"{}\"] }}", point)}),
@@ -351,7 +350,7 @@ TEST_F(OpenSeesRun, EndsTheTestWhereAControlPointsLimitIs) {
       << finished.err;
   const recording::Reader reader{out() / "run.h5"};
   for (const double target : reader.signal("opf.long.displ.target"))
-    EXPECT_LE(std::abs(target), 0.05);
+    EXPECT_LE(std::abs(target), 2 * 0.0254);
 }
 
 // Behind the simulated machine, its friction, dead band and noise.

@@ -74,6 +74,26 @@ TEST_F(OpenSeesWall, RunsInRealTime) {
       << finished.out;
 }
 
+// Two hundred times slower than real time, a move takes longer than OpenSees may be silent.
+TEST_F(OpenSeesWall, TakesASlowMoveForNoSilence) {
+  const test::TemporaryFolder folder;
+  const std::string ring = test::unique_ring("slow");
+  const test::RingRemoval removal{ring};
+  const auto port = test::free_port();
+  test::Running running{
+      {test::rths_command(), "run",
+       (test::source_tree() / "examples/opensees/one_bay_frame.toml").string(), "--out",
+       folder.path().string(), "--ring", ring, "--set", "rate=200", "--set",
+       fmt::format(
+           "node.opf={{adapter=\"opensees\", python=\"{}\", script=\"one_bay_frame.py\", "
+           "arguments=[\"{{motion}}\", \"--duration\", \"0.03\", \"--port\", \"{}\"], "
+           "answer_deadline_s=1, element=[{{name=\"left_column\", port={}, dofs=[\"long\"], "
+           "initial_stiffness=[[2.8]], length_unit_m=0.0254, force_unit_N=4448.2216}}]}}",
+           python_, port, port)}};
+  const auto finished = running.wait(60);
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+}
+
 // Nobody reads a socket for ever, nobody is left, and the others come to rest.
 TEST_P(OpenSeesWall, EndsWhenOneIsKilled) {
   Laboratory laboratory{python_, "30"};

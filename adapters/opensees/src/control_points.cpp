@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -78,7 +79,8 @@ class Line {
     const std::string word = next(expected);
     double value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc{} || end != word.data() + word.size()) fail("'" + word + "'", expected);
+    if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value))
+      fail("'" + word + "'", expected);
     return value;
   }
   [[noreturn]] void fail(const std::string& found, const char* expected) const {
@@ -93,10 +95,9 @@ class Line {
 
 void read_options(Line& line, ControlSignal& signal) {
   for (;;) {
-    if (line.take("-fact")) {
-      signal.factor = line.number("a factor");
-      if (signal.factor == 0) line.fail("a factor of 0", "another");
-    } else if (line.take("-lim")) {
+    if (line.take("-fact"))
+      line.fail("'-fact'", "none: OpenFresco's SCRAMNet controls ignore it, and the map has units");
+    if (line.take("-lim")) {
       signal.lowest = line.number("the lower limit");
       signal.highest = line.number("the upper limit");
       if (signal.lowest > signal.highest) line.fail("limits that leave nothing", "low, then high");
@@ -104,7 +105,7 @@ void read_options(Line& line, ControlSignal& signal) {
       signal.is_relative_to_first = true;
     } else if (line.take("-relCtrl") || line.take("-relDaq")) {
       signal.is_relative_to_measured = true;
-    } else {
+    } else if (!line.take("-relOut")) {
       return;
     }
   }
@@ -119,7 +120,7 @@ ControlPoint read_line(const std::string& text) {
     Declared declared;
     const std::string dof = line.next("a degree of freedom");
     if (dof.starts_with('-'))
-      line.fail("'" + dof + "'", "-fact, -lim, -relTrial, -relCtrl or -relDaq");
+      line.fail("'" + dof + "'", "-lim, -relTrial, -relCtrl, -relDaq or -relOut");
     const auto number = dof_named(dof);
     if (!number) line.fail("'" + dof + "'", "a degree of freedom: 1, d1 or ux");
     const std::string type = line.next("disp, vel, accel, force or time");
@@ -163,6 +164,7 @@ std::vector<ControlSignal> held_against(const std::vector<OpfSignal>& words,
     for (const auto& word : words) signals.push_back({word});
     return signals;
   }
+  if (words.empty()) throw Error{fmt::format("the map has no words for {} control points", role)};
   const auto numbers = numbers_of(words);
   std::optional<ControlPoint> before;
   for (const auto& text : lines) {
@@ -185,6 +187,8 @@ std::vector<ControlSignal> held_against(const std::vector<OpfSignal>& words,
              words);
       signals.push_back(declared.options);
       signals.back().word = words[at];
+      signals.back().lowest *= words[at].map_unit;
+      signals.back().highest *= words[at].map_unit;
     }
     before = point;
   }

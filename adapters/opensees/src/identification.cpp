@@ -21,6 +21,7 @@ using std::numbers::pi;
 // Slow enough for any machine, far enough apart to tell mass from stiffness.
 constexpr double kFrequency[] = {1.0, 3.0};   // [Hz]
 constexpr double kRamp = 0.5, kFitted = 3.0;  // [s]
+constexpr double kLongestStep = 0.034;        // ten in the shortest period [s]
 constexpr double kLeastMove = 0.1;            // of the amplitude
 
 // What is measured is fitted with an offset, a drift, and a sine and cosine of each frequency.
@@ -53,6 +54,11 @@ Identification::Identification(Index components, const VectorXd& amplitude, doub
       amplitude_{amplitude},
       step_{step},
       steps_{static_cast<int>(std::lround((2 * kRamp + kFitted) / step))} {
+  if (step > kLongestStep)
+    throw Error{
+        fmt::format("identification: targets come every {:g} s, expected at most {:g} s: {:g} "
+                    "Hz would be lost between them. State what is to be identified",
+                    step, kLongestStep, kFrequency[1])};
   for (std::size_t i = 0; i < kFrequencies; ++i)
     displacement_[i] = force_[i] = MatrixXcd::Zero(components, components);
   start_component();

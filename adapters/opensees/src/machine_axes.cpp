@@ -3,8 +3,11 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
+
+#include <rths/core/error.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -65,7 +68,13 @@ MachineAxes::MachineAxes(const OpenSeesElement& element)
     for (Index i = 0; i < moved; ++i)
       jacobian_(i, i) = element.axes[static_cast<std::size_t>(i)].direction;
   static_cast<void>(place(VectorXd::Zero(moved)));
-  inverse_ = jacobian_.completeOrthogonalDecomposition().pseudoInverse();
+  const auto decomposition = jacobian_.completeOrthogonalDecomposition();
+  if (decomposition.rank() < moved)
+    throw Error{
+        fmt::format("element '{}': its actuators can hold {} of the {} components that they "
+                    "are to move",
+                    element.name, decomposition.rank(), moved)};
+  inverse_ = decomposition.pseudoInverse();
 }
 
 Components MachineAxes::platen(const VectorXd& moved) const {

@@ -69,6 +69,10 @@ OpenSees::OpenSees(OpenSeesSettings settings)
              settings_.elements},
       new_target_at_{words_.commands().size()},
       handshake_{settings_.wait_deadline, settings_.handshake} {
+  if (settings_.handshake == Handshake::TargetFirst && words_.is_relative_to_measured())
+    throw Error{
+        "-relCtrl and -relDaq need what is measured before the first target; with handshake = "
+        "\"target_first\" nobody says when that is valid"};
   for (const auto& element : settings_.elements)
     specimens_.emplace_back(element, settings_.simulation_step);
 }

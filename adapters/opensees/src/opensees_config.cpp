@@ -117,6 +117,8 @@ void read_actuators(const Config& table, OpenSeesElement& element) {
     element.actuators.push_back(actuator);
   }
   const auto& moved = element.axes;
+  if (!element.actuators.empty() && table.texts("moved", {}).empty())
+    table.fail("actuator", "actuators, and no list 'moved' of the components that they move");
   if (!element.actuators.empty() && element.actuators.size() < moved.size())
     table.fail("actuator", fmt::format("{} actuators cannot move {} components",
                                        element.actuators.size(), moved.size()));
@@ -138,6 +140,8 @@ void read_components(const Config& table, OpenSeesElement& element) {
     const char* name = kComponentNames[i];
     const bool is_loaded = i == kAxial && !is_axial_moved;
     const bool by_actuators = std::find(moved.begin(), moved.end(), name) != moved.end();
+    if (is_loaded && by_actuators)
+      table.fail("moved", "axial is moved, and axial = \"force\" loads it");
     if (is_loaded) bearing.axial_load = read_axis(axes.text(name), i);
     if (!is_loaded && (axes.has(name) || by_actuators)) {
       element.axes.push_back(read_axis(by_actuators ? name : axes.text(name), i));
@@ -191,7 +195,8 @@ MatrixXd read_matrix(const Config& table, const char* key, const OpenSeesElement
 MatrixXd stiffness_of_bearing(const Config& table, const OpenSeesElement& element,
                               double of_bearing) {
   for (const auto& axis : element.axes)
-    if (element.turns(axis.of) || (element.bearing && axis.of == kAxial))
+    if (element.turns(axis.of) || (element.bearing && axis.of == kAxial) || axis.axis == "vert" ||
+        axis.axis == "compression")
       table.fail("initial_stiffness",
                  "initial_stiffness is missing: the experiment's bearing has one for shear only. "
                  "State rows of numbers, or \"identified\"");

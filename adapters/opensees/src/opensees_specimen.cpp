@@ -64,6 +64,9 @@ void OpenSeesSpecimen::add_ports(const OpenSeesElement& element) {
     if (signal == nullptr)
       throw Error{
           fmt::format("element '{}': the map has no words for axis '{}'", element.name, axis)};
+    for (const auto& port : ports_)
+      if (port.name == signal->name)
+        throw Error{fmt::format("element '{}': axis '{}' is there twice", element.name, axis)};
     ports_.push_back({signal->name, direction, signal->unit, 0, false});
   };
   const auto& [commands, feedbacks] = settings_.layout;

@@ -66,6 +66,11 @@ void OpfWords::bind(const OpenSeesElement& element, std::size_t number) {
   };
   for (std::size_t k = 0; k < axes.size(); ++k) {
     Word& displacement = word(commands_, element, axes[k].axis, Quantity::Displacement);
+    const bool turns = element.actuators.empty() && element.turns(axes[k].of);
+    if ((displacement.signal.word.unit == "rad") != turns)
+      throw Error{fmt::format("{}: '{}' is in {}, and what it is to move {}", named(element),
+                              displacement.signal.word.name, displacement.signal.word.unit,
+                              turns ? "turns" : "does not turn")};
     claim(displacement, k, 1);
     displacement.signal.is_relative_to_first |= element.is_relative;
     claim(word(feedbacks_, element, axes[k].axis, Quantity::Force), k, 1);
@@ -120,6 +125,12 @@ void OpfWords::start(std::span<const double> feedbacks) {
   }
 }
 
+bool OpfWords::is_relative_to_measured() const {
+  const auto is_relative = [](const Word& word) { return word.signal.is_relative_to_measured; };
+  return std::any_of(commands_.begin(), commands_.end(), is_relative) ||
+         std::any_of(feedbacks_.begin(), feedbacks_.end(), is_relative);
+}
+
 void OpfWords::write_idle(std::span<double> commands) const {
   for (std::size_t i = 0; i < commands_.size(); ++i)
     if (commands_[i].element == kNone) commands[i] = commands_[i].offset;
@@ -128,7 +139,7 @@ void OpfWords::write_idle(std::span<double> commands) const {
 void OpfWords::start(std::size_t element, const Specimen::Command& first) {
   for (auto& word : commands_)
     if (word.element == element && word.signal.is_relative_to_first)
-      word.offset -= word.signal.factor * value_of(word, first);
+      word.offset -= value_of(word, first);
 }
 
 Measured OpfWords::measured(std::size_t element, std::span<const double> feedbacks) const {
@@ -138,7 +149,7 @@ Measured OpfWords::measured(std::size_t element, std::span<const double> feedbac
   for (std::size_t i = 0; i < feedbacks_.size(); ++i) {
     const Word& word = feedbacks_[i];
     if (word.element != element) continue;
-    const double value = word.signal.factor * (feedbacks[i] + word.offset);
+    const double value = feedbacks[i] + word.offset;
     auto& of =
         word.signal.word.quantity == Quantity::Force ? measured.force : measured.displacement;
     of[static_cast<Index>(word.axis)] = value;
@@ -169,7 +180,7 @@ void OpfWords::write(std::size_t element, const Specimen::Command& command, doub
     Word& word = commands_[i];
     if (word.signal.word.quantity == Quantity::Time) commands[i] = time;
     if (word.element != element) continue;
-    const double sent = word.signal.factor * value_of(word, command) + word.offset;
+    const double sent = value_of(word, command) + word.offset;
     if (sent < word.signal.lowest || sent > word.signal.highest)
       throw Error{
           fmt::format("'{}' would be {:.6g} {}, the limits of its control point are {:.6g} "

@@ -24,6 +24,8 @@ class OpfWords {
   [[nodiscard]] std::vector<Port> feedbacks() const;
   [[nodiscard]] std::vector<Port> commands() const;
 
+  /// Whether it matters where everything stands before the test.
+  [[nodiscard]] bool is_relative_to_measured() const;
   /// Where everything stands before the test: what is relative to that, is from now on.
   void start(std::span<const double> feedbacks);
   /// The words that no element moves: where they are measured to be, if they are relative to that.

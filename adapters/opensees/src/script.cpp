@@ -77,6 +77,7 @@ Script::Script(const std::vector<std::string>& command, const std::filesystem::p
 
 Script::~Script() {
   if (has_ended()) return;
+  kill(-pid_, SIGKILL);  // what a wrapper has started, too: it leads a group of its own
   kill(pid_, SIGKILL);
   waitpid(pid_, &status_, 0);
 }

@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <thread>
 
@@ -78,6 +79,7 @@ void forget_closed(Kept& kept) noexcept {
 
 [[noreturn]] void work(int control) noexcept {
   prctl(PR_SET_NAME, "rths-keeper");
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
   setsid();  // a terminal's interrupt is not for us
   // Neither the run's files nor its pipes: who waits for their end would wait for ours.
   if (control != STDIN_FILENO) dup2(control, STDIN_FILENO);
@@ -110,8 +112,14 @@ SocketKeeper::SocketKeeper() {
 SocketKeeper::~SocketKeeper() {
   close(control_);
   // Without anybody to keep a socket for, it ends now.
-  for (int look = 0; look < kLooks && waitpid(pid_, nullptr, WNOHANG) == 0; ++look)
-    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  wait_a_little();
+}
+
+void SocketKeeper::wait_a_little() {
+  for (int look = 0; look < kLooks && pid_ > 0; ++look) {
+    if (waitpid(pid_, nullptr, WNOHANG) != 0) pid_ = -1;
+    if (pid_ > 0) std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  }
 }
 
 void SocketKeeper::keep(int socket) const {
@@ -127,7 +135,7 @@ void SocketKeeper::keep(int socket) const {
 
 void SocketKeeper::release() {
   static_cast<void>(send(control_, &kRelease, 1, MSG_NOSIGNAL));
-  waitpid(pid_, nullptr, 0);
+  wait_a_little();
 }
 
 }  // namespace rths::adapters

@@ -22,6 +22,7 @@ class SocketKeeper {
   void release();
 
  private:
+  void wait_a_little();
   int control_ = -1;
   int pid_ = -1;
 };

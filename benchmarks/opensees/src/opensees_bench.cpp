@@ -5,6 +5,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <future>
@@ -38,8 +39,8 @@ std::span<std::byte> bytes_of(Message& message) {
   return std::as_writable_bytes(std::span{message});
 }
 
-// A ring with nothing on it but the server of two elements and an echo.
-std::string experiment(std::uint16_t tcp_port, std::uint16_t udp_port, const fs::path& motion) {
+// A ring with nothing on it but the server of an element and an echo.
+std::string experiment(Transport transport, std::uint16_t port, const fs::path& motion) {
   return fmt::format(R"(format = 1
 name = "round_trip"
 map = "srmd"
@@ -56,7 +57,7 @@ port = {}
 protocol = "{}"
 dofs = ["long", "lat"]
 )",
-                     motion.string(), tcp_port, udp_port == 0 ? "tcp" : "udp");
+                     motion.string(), port, transport == Transport::Tcp ? "tcp" : "udp");
 }
 
 /// The run at the other end, in a folder that goes with it. It ends when its element does.
@@ -68,7 +69,7 @@ class Run {
     folder_ = name;
     const fs::path motion = folder_ / "still.csv", file = folder_ / "trip.toml";
     std::ofstream{motion} << "t,a,b\n0,0,0\n0.01,0,0\n0.02,0,0\n";
-    std::ofstream{file} << experiment(port, transport == Transport::Tcp ? 0 : port, motion);
+    std::ofstream{file} << experiment(transport, port, motion);
     output_ = std::async(std::launch::async, [=, this] {
       return output_of({(programs / "rths").string(), "run", file.string(), "--clock", "wall",
                         "--out", (folder_ / "out").string(), "--ring", folder_.filename().string()},

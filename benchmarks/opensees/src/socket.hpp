@@ -32,7 +32,7 @@ class Socket {
 /// @throws Error if nobody answers within that time
 [[nodiscard]] Socket connect_to(Transport transport, std::uint16_t port,
                                 std::chrono::seconds patience);
-/// A port of this host that nobody uses now, of both kinds.
+/// A port of this host that nobody listens on now.
 [[nodiscard]] std::uint16_t free_port();
 /// A socket on a port of this host: TCP listens. @throws Error if it cannot be had
 [[nodiscard]] Socket serve(Transport transport, std::uint16_t port);

@@ -18,7 +18,8 @@ struct OpfSignal {
   std::string name;  ///< full: "opf.long.displ.target"
   std::string axis;  ///< "long"; "1" where there is only one, and for times: they are counted
   Quantity quantity = Quantity::Displacement;
-  std::string unit;  ///< SI
+  std::string unit;     ///< SI
+  double map_unit = 1;  ///< the map's [SI]
 };
 
 /// The block that OpenFresco and a controller share in a laboratory's map: newTarget, commands,

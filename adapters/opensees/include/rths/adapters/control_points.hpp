@@ -12,8 +12,7 @@ namespace rths::adapters {
 /// One signal of a control point: a word of OpenFresco's block, and what is done to its value.
 struct ControlSignal {
   OpfSignal word;
-  double factor = 1;                                         ///< -fact
-  double lowest = -std::numeric_limits<double>::infinity();  ///< -lim [SI], of what is sent
+  double lowest = -std::numeric_limits<double>::infinity();  ///< -lim, of what is sent [SI]
   double highest = std::numeric_limits<double>::infinity();  ///< [SI]
   bool is_relative_to_first = false;     ///< -relTrial: the first trial counts as 0
   bool is_relative_to_measured = false;  ///< -relCtrl: 0 is where the specimen stands at the start
@@ -32,7 +31,9 @@ struct ControlPoints {
 ///
 /// A degree of freedom is a number, counted along the axes of the block, a number behind a letter
 /// (d1), or ux, uy, uz, rx, ry, rz. Types: disp, vel, accel, force, time, their numbers 1 to 5,
-/// dsp, acc, frc, tme. Options: -fact f, -lim low high [SI], -relTrial, -relCtrl, -relDaq.
+/// dsp, acc, frc, tme. Options: -lim low high, in the map's unit, -relTrial, -relCtrl, -relDaq;
+/// -relOut does nothing, as in OpenFresco. -fact is refused: OpenFresco's SCRAMNet controls ignore
+/// it, and who copies it means that.
 ///
 /// OpenFresco writes control signals one behind the other and looks for the flags behind the last:
 /// one signal too few, and every word behind it is another one. So the lines are held against

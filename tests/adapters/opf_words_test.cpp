@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// What elements command and measure, word by word, and what control points do to it.
+#include "opf_words.hpp"
+
+#include <gtest/gtest.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+using Eigen::VectorXd;
+
+// Two axes with three quantities each, and a time.
+OpfLayout layout() {
+  OpfLayout layout;
+  for (const auto& [name, quantity, unit] :
+       {std::tuple{"displ", Quantity::Displacement, "m"},
+        std::tuple{"veloc", Quantity::Velocity, "m/s"}, std::tuple{"force", Quantity::Force, "N"}})
+    for (const char* axis : {"long", "vert"})
+      layout.commands.push_back(
+          {std::string{"opf."} + axis + "." + name, axis, quantity, unit, 0.0254});
+  layout.commands.push_back({"opf.1.time", "1", Quantity::Time, "s"});
+  for (const auto& [name, quantity, unit] : {std::tuple{"displ", Quantity::Displacement, "m"},
+                                             std::tuple{"force", Quantity::Force, "N"}})
+    for (const char* axis : {"long", "vert"})
+      layout.feedbacks.push_back(
+          {std::string{"daq."} + axis + "." + name, axis, quantity, unit, 0.0254});
+  return layout;
+}
+
+OpenSeesElement element_on(const std::string& axis) {
+  OpenSeesElement element;
+  element.name = "column";
+  element.is_rotation = {false};
+  element.axes = {{axis, 0}};
+  return element;
+}
+
+Specimen::Command command(double displacement, double velocity, double load = 0) {
+  const VectorXd d = VectorXd::Constant(1, displacement), v = VectorXd::Constant(1, velocity);
+  return {d, v, v, load};
+}
+
+std::vector<std::string> names(const std::vector<Port>& ports) {
+  std::vector<std::string> names;
+  for (const auto& port : ports) names.push_back(port.name);
+  return names;
+}
+
+constexpr const char* kTrial =
+    "1 1 disp -relTrial -lim -4 4 2 disp -relCtrl 1 vel 2 vel 1 force 2 force 1 time";
+constexpr const char* kOutput = "2 1 disp 2 disp 1 force -relDaq 2 force";
+
+TEST(OpfWords, LeaveAloneWhatNoElementNeeds) {
+  const OpfWords words{control_points(layout(), {}, {}), {element_on("long")}};
+  EXPECT_EQ(names(words.commands()),
+            (std::vector<std::string>{"opf.long.displ", "opf.long.veloc", "opf.1.time"}));
+  EXPECT_EQ(names(words.feedbacks()),
+            (std::vector<std::string>{"daq.long.displ", "daq.long.force"}));
+}
+
+TEST(OpfWords, WriteWhatIsCommandedAndTheTimeOfTheTrial) {
+  OpfWords words{control_points(layout(), {}, {}), {element_on("long")}};
+  std::vector<double> commands(3);
+  words.write(0, command(0.1, 0.2), 7.5, commands);
+  EXPECT_EQ(commands, (std::vector<double>{0.1, 0.2, 7.5}));
+  const auto measured = words.measured(0, std::vector<double>{0.09, 5e3});
+  EXPECT_EQ(measured.displacement[0], 0.09);
+  EXPECT_EQ(measured.force[0], 5e3);
+}
+
+TEST(OpfWords, CountFromTheFirstTrialAndFromWhatIsMeasuredAtTheStart) {
+  OpfWords words{control_points(layout(), {kTrial}, {kOutput}), {element_on("long")}};
+  ASSERT_EQ(words.commands().size(), 7U);
+  std::vector<double> commands(7);
+  // Of the machine: long at 3 mm, vert at -10 mm, and a force of 2 kN on its cell.
+  words.start(std::vector<double>{0.003, -0.010, 2e3, 0});
+  words.write_idle(commands);
+  EXPECT_EQ(commands[1], -0.010);  // nobody moves it: it stays
+  words.start(0, command(0.05, 0));
+  words.write(0, command(0.05, 0), 0, commands);
+  EXPECT_DOUBLE_EQ(commands[0], 0);
+  words.write(0, command(0.08, 0), 0, commands);
+  EXPECT_DOUBLE_EQ(commands[0], 0.03);
+  EXPECT_EQ(commands[1], -0.010);
+  EXPECT_EQ(words.measured(0, std::vector<double>{0, 0, 2.5e3, 0}).force[0], 500);
+}
+
+TEST(OpfWords, RefuseWhatLeavesTheLimitsOfAControlPoint) {
+  OpfWords words{control_points(layout(), {kTrial}, {kOutput}), {element_on("long")}};
+  std::vector<double> commands(7);
+  words.write(0, command(0.1, 0), 0, commands);
+  try {
+    words.write(0, command(0.11, 0), 0, commands);  // four inches are 0.1016 m
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string{error.what()},
+              "'opf.long.displ' would be 0.11 m, the limits of its control point are -0.1016 to "
+              "0.1016");
+  }
+  EXPECT_EQ(commands[0], 0.1);
+}
+
+TEST(OpfWords, LoadTheAxisThatAnElementLoadsTheWayItCounts) {
+  auto element = element_on("long");
+  element.is_rotation = {false, false};
+  element.bearing.emplace();
+  element.bearing->j_dofs = {1, 3};
+  element.axes[0].of = kShearY;
+  element.bearing->axial_load = MovedAxis{"vert", kAxial, -1};
+  OpfWords words{control_points(layout(), {}, {}), {element}};
+  EXPECT_EQ(names(words.commands()), (std::vector<std::string>{"opf.long.displ", "opf.long.veloc",
+                                                               "opf.vert.force", "opf.1.time"}));
+  std::vector<double> commands(4);
+  words.write(0, command(0.1, 0, -8e6), 0, commands);
+  EXPECT_EQ(commands[2], 8e6);
+}
+
+TEST(OpfWords, RefuseAnAxisOfAnotherKind) {
+  auto element = element_on("long");
+  element.is_rotation = {true};
+  EXPECT_THROW(OpfWords(control_points(layout(), {}, {}), {element}), Error);
+}
+
+}  // namespace
+}  // namespace rths::adapters
