@@ -195,4 +195,10 @@ void Endpoint::send(std::span<const std::byte> message, Duration longest) {
   }
 }
 
+void Endpoint::send_last(std::span<const std::byte> message, Duration longest) {
+  if (transport_ == Transport::Tcp) set(connection_.get(), IPPROTO_TCP, TCP_CORK);
+  send(message, longest);
+  connection_ = Descriptor{};
+}
+
 }  // namespace rths::adapters

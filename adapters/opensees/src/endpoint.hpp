@@ -57,6 +57,10 @@ class Endpoint {
   /// @throws Error if it has not, or the client is gone
   void send(std::span<const std::byte> message, Duration longest);
 
+  /// Sends and hangs up in one: the other end finds both at once, and is not the first to close.
+  /// Who is keeps the connection in mind for a minute, and its port with it.
+  void send_last(std::span<const std::byte> message, Duration longest);
+
   /// To wait for news of.
   [[nodiscard]] int descriptor() const {
     return connection_.is_open() ? connection_.get() : listener_.get();

@@ -82,11 +82,10 @@ bool SlaveElement::hear() {
   return true;
 }
 
-// Who closes first keeps the connection in mind for a minute; at OpenSees' end that would block its
-// port for the next test.
 void SlaveElement::dismiss() {
   if (!endpoint_) return;
-  say(kEnd);
+  message_[0] = kEnd;
+  talk([&] { endpoint_->send_last(std::as_bytes(std::span{message_}), kSendPatience); });
   endpoint_.reset();
 }
 
