@@ -32,12 +32,11 @@ class Conversation {
   /// element; but what it tells one may be here before what it told another.
   [[nodiscard]] bool is_round_complete() const;
   [[nodiscard]] bool is_question_open() const;
-  /// Trials were taken, something was answered: from now on it is OpenSees' turn.
+  /// The specimen has arrived, or something was answered: from now on it is OpenSees' turn.
   void pass_turn();
 
-  /// How long to wait for news, at most a little. @throws Error if OpenSees has ended or been
-  /// silent
-  ///                                                        for too long
+  /// How long to wait for news, at most a little.
+  /// @throws Error if OpenSees has ended or been silent for too long
   [[nodiscard]] Duration patience();
   void wait_for_news(Duration longest) const;
   /// @throws Error if OpenSees has ended before its elements have taken leave
