@@ -42,12 +42,9 @@ std::string filled_in(std::string argument, const Experiment& e,
   return argument;
 }
 
-adapters::OpfLayout layout_of(const Experiment& e) {
-  return adapters::opf_layout(memmap::load_map(e.map));
-}
-
-std::unique_ptr<adapters::Adapter> make_echo(const Experiment& e, adapters::EchoSettings settings) {
-  settings.layout = layout_of(e);
+std::unique_ptr<adapters::Adapter> make_echo(const memmap::Map& laboratory,
+                                             adapters::EchoSettings settings) {
+  settings.layout = adapters::opf_layout(laboratory);
   return adapters::make_echo(settings);
 }
 
@@ -66,11 +63,11 @@ void settle(const Experiment& e, const NodePlan& plan, const std::filesystem::pa
   }
 }
 
-std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const NodePlan& plan,
-                                                 ClockKind clock,
+std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const memmap::Map& laboratory,
+                                                 const NodePlan& plan, ClockKind clock,
                                                  const std::filesystem::path& recording) {
   adapters::OpenSeesSettings settings = *plan.opensees;
-  settings.layout = layout_of(e);
+  settings.layout = adapters::opf_layout(laboratory);
   settings.simulation_step = e.simulation_step();
   settings.rest = e.rest;
   settings.wait_deadline = e.wait_deadline * e.rate;
@@ -79,19 +76,20 @@ std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const Node
   return adapters::make_opensees(settings);
 }
 
-std::unique_ptr<adapters::Adapter> make_opensees_specimen(const Experiment& e, const NodePlan& plan,
-                                                          ClockKind clock,
+std::unique_ptr<adapters::Adapter> make_opensees_specimen(const Experiment& e,
+                                                          const memmap::Map& laboratory,
+                                                          const NodePlan& plan, ClockKind clock,
                                                           const std::filesystem::path& recording) {
   adapters::OpenSeesSpecimenSettings settings = *plan.opensees_specimen;
-  settings.layout = layout_of(e);
+  settings.layout = adapters::opf_layout(laboratory);
   settings.simulation_step = e.simulation_step();
   settings.stops_time = clock == ClockKind::Virtual;
   settle(e, plan, recording, settings.script);
   return adapters::make_opensees_specimen(settings);
 }
 
-std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodePlan& plan,
-                                                ClockKind clock,
+std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const memmap::Map& laboratory,
+                                                const NodePlan& plan, ClockKind clock,
                                                 const std::filesystem::path& recording) {
   if (plan.adapter == "srmd") {
     adapters::SrmdSettings settings;
@@ -104,13 +102,15 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const NodeP
   if (plan.adapter == "ideal_machine")
     return adapters::make_ideal_machine(
         {e.specimen, e.axes, e.integration_step, e.simulation_step()});
-  if (plan.adapter == "echo") return make_echo(e, *plan.echo);
-  if (plan.adapter == "opensees_specimen") return make_opensees_specimen(e, plan, clock, recording);
+  if (plan.adapter == "echo") return make_echo(laboratory, *plan.echo);
+  if (plan.adapter == "opensees_specimen")
+    return make_opensees_specimen(e, laboratory, plan, clock, recording);
   if (plan.adapter == "simulink_like")
     return adapters::make_simulink_like(
         plan.diagram, {e.axes, e.integration_step, e.simulation_step(), e.retreat});
   // Targets that are known are played, whoever found them.
-  if (plan.adapter == "opensees" && !e.history) return make_opensees(e, plan, clock, recording);
+  if (plan.adapter == "opensees" && !e.history)
+    return make_opensees(e, laboratory, plan, clock, recording);
   adapters::NumericalSettings settings;
   settings.handshake = plan.opensees ? plan.opensees->handshake : plan.handshake;
   settings.axes = e.axes;
@@ -224,14 +224,16 @@ std::unique_ptr<adapters::Adapter> make_recorder(const Experiment& experiment, C
 }  // namespace
 
 Assembly assemble(const Experiment& experiment, ClockKind clock, const RecordingPlan& recording) {
-  auto description = memmap::load_map(experiment.map).description();
+  const memmap::Map laboratory = memmap::load_map(experiment.map);
+  auto description = laboratory.description();
   description.nodes.push_back({kOperator, kOperatorId, ""});
   std::vector<Station> stations;
   for (const auto& plan : experiment.nodes) {
     // A recorder listens to everything there is, so it is built when the map is complete.
     const bool records = plan.adapter == "recorder";
     stations.push_back(
-        {plan, records ? nullptr : make_adapter(experiment, plan, clock, recording.file)});
+        {plan,
+         records ? nullptr : make_adapter(experiment, laboratory, plan, clock, recording.file)});
     extend(description, plan,
            records ? adapters::recorder_monitors() : stations.back().adapter->ports());
   }

@@ -80,9 +80,8 @@ ExperimentalElement::ExperimentalElement(const OpenSeesElement& element)
   const Index n = element.dofs();
   for (Index i = 0; i < n; ++i) {
     const bool is_rotation = element.is_rotation[static_cast<std::size_t>(i)];
-    to_si_[i] = is_rotation ? 1 : element.length_unit;
-    to_script_[i] =
-        1 / (is_rotation ? element.force_unit * element.length_unit : element.force_unit);
+    to_si_[i] = element.displacement_unit(is_rotation);
+    to_script_[i] = 1 / element.force_unit_of(is_rotation);
   }
   if (element.bearing) {
     local_ = local_displacements(*element.bearing);

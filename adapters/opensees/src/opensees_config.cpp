@@ -148,8 +148,8 @@ void read_components(const Config& table, OpenSeesElement& element) {
       continue;
     }
     const bool turns = i >= kTorsion;
-    const double displacement = turns ? 1 : element.length_unit;
-    const double force = turns ? element.force_unit * element.length_unit : element.force_unit;
+    const double displacement = element.displacement_unit(turns);
+    const double force = element.force_unit_of(turns);
     if (!springs.has(name))
       table.fail("springs", fmt::format("component '{}' is neither moved by the machine nor has a "
                                         "spring: state [….axes] {} or [….springs] {}",
@@ -184,9 +184,9 @@ MatrixXd read_matrix(const Config& table, const char* key, const OpenSeesElement
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < n; ++j) {
       const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
-      const double arm = element.turns(element.axes[row].of) ? element.length_unit : 1;
-      const double displacement = element.turns(element.axes[column].of) ? 1 : element.length_unit;
-      matrix(i, j) = rows[row][column] * element.force_unit * arm / displacement;
+      const double force = element.force_unit_of(element.turns(element.axes[row].of));
+      const double displacement = element.displacement_unit(element.turns(element.axes[column].of));
+      matrix(i, j) = rows[row][column] * force / displacement;
     }
   return matrix;
 }

@@ -29,8 +29,8 @@ SlaveElement::SlaveElement(const OpenSeesElement& element) : element_{element} {
     const auto at = static_cast<std::size_t>(i);
     const bool turns = element.is_rotation[at];
     const double direction = element.axes[at].direction;
-    to_script_[i] = direction / (turns ? 1 : element.length_unit);
-    force_to_script_[i] = direction / (element.force_unit * (turns ? element.length_unit : 1));
+    to_script_[i] = direction / element.displacement_unit(turns);
+    force_to_script_[i] = direction / element.force_unit_of(turns);
   }
 }
 

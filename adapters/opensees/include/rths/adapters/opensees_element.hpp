@@ -79,6 +79,11 @@ struct OpenSeesElement {
   [[nodiscard]] bool turns(std::size_t of) const {
     return bearing ? of >= kTorsion : is_rotation[of];
   }
+  /// The script's units of displacement and force, of what turns or does not [m, rad], [N, N·m].
+  [[nodiscard]] double displacement_unit(bool turning) const { return turning ? 1 : length_unit; }
+  [[nodiscard]] double force_unit_of(bool turning) const {
+    return turning ? force_unit * length_unit : force_unit;
+  }
   [[nodiscard]] bool is_identified() const { return !initial_stiffness || !damping || !mass; }
 };
 
