@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include <rths/adapters/host.hpp>
+#include <rths/adapters/adapter_runner.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
 #include <rths/controller/ats.hpp>
@@ -122,7 +122,7 @@ void hybrid_controller_tick(benchmark::State& state) {
                           port.direction == adapters::Direction::Parameter;
     (is_input ? inputs : outputs).push_back(port.initial);
   }
-  adapters::Step step;
+  adapters::StepData step;
   step.inputs = inputs;
   step.outputs = outputs;
   for (auto _ : state) {

@@ -9,7 +9,7 @@ class Echo final : public Adapter {
   explicit Echo(EchoSettings settings);
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override {}
-  [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
   [[nodiscard]] News awaits() const noexcept override {
     return settings_.is_prompt ? News::Inputs : News::None;
   }
@@ -52,7 +52,7 @@ std::vector<Port> Echo::ports() const {
   return ports;
 }
 
-Status Echo::step(Step& step) noexcept {
+Status Echo::step(StepData& step) noexcept {
   const bool has_target = step.inputs[0] > 0;
   const auto commands = step.inputs.subspan(1);
   for (std::size_t i = 0; has_target && i < sources_.size(); ++i)

@@ -8,9 +8,9 @@
 namespace rths::app {
 
 /// 0 if everything holds, 1 if this machine cannot tell, 2 if something does not.
-inline ExitCode exit_code(bench::Verdict result) {
-  if (result == bench::Verdict::Pass) return kOk;
-  return result == bench::Verdict::Fail ? kFailure : kConditionNotMet;
+inline ExitCode exit_code(bench::GateResult result) {
+  if (result == bench::GateResult::Pass) return kOk;
+  return result == bench::GateResult::Fail ? kFailure : kConditionNotMet;
 }
 
 }  // namespace rths::app

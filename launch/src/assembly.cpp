@@ -189,7 +189,7 @@ void add_node(memmap::MapDescription& description, const std::string& name) {
 
 void extend(memmap::MapDescription& description, const NodePlan& plan,
             const std::vector<adapters::Port>& adapter_ports) {
-  auto ports = adapters::host_ports();
+  auto ports = adapters::runner_ports();
   ports.insert(ports.end(), adapter_ports.begin(), adapter_ports.end());
   check_tuning(plan, ports);
   add_node(description, plan.node);

@@ -7,7 +7,7 @@
 
 #include <rths/core/clock.hpp>
 
-#include "run_parts.hpp"
+#include "run_modes.hpp"
 
 namespace rths::launch {
 

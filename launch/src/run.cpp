@@ -11,7 +11,7 @@
 
 #include <rths/core/error.hpp>
 
-#include "run_parts.hpp"
+#include "run_modes.hpp"
 
 namespace rths::launch {
 recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock,

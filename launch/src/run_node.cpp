@@ -18,7 +18,7 @@
 #include <rths/core/error.hpp>
 
 #include "realtime_thread.hpp"
-#include "run_parts.hpp"
+#include "run_modes.hpp"
 
 namespace rths::launch {
 namespace {
@@ -64,12 +64,12 @@ class Launcher {
 // stay, while ours go on.
 class PeerWatch {
  public:
-  PeerWatch(adapters::Host& host, const memmap::Map& map, const Experiment& experiment,
+  PeerWatch(adapters::AdapterRunner& runner, const memmap::Map& map, const Experiment& experiment,
             const std::string& own_name)
-      : node_{host.node()}, own_{map.node(own_name)} {
+      : node_{runner.node()}, own_{map.node(own_name)} {
     // Whoever else comes and goes, to look or to tune, is nobody that a run depends on.
     for (const auto& plan : experiment.nodes)
-      if (std::count(host.peers().begin(), host.peers().end(), plan.node) > 0)
+      if (std::count(runner.peers().begin(), runner.peers().end(), plan.node) > 0)
         peers_.push_back({plan.node, map.node(plan.node), 0, {}, 0});
   }
 
@@ -122,11 +122,11 @@ std::optional<TimePoint> wait_for_go(Launcher& launcher) {
 /// The real-time thread and what it left behind.
 class LoopThread {
  public:
-  LoopThread(adapters::Host& host, TimePoint epoch, const NodePlan& plan)
-      : thread_{[this, &host, epoch, &plan] {
+  LoopThread(adapters::AdapterRunner& runner, TimePoint epoch, const NodePlan& plan)
+      : thread_{[this, &runner, epoch, &plan] {
           missing_ = make_realtime(priority_of(plan.adapter));
           WallClock clock;
-          end_ = adapters::run_loop(host, clock, epoch, plan.schedule, stopping_);
+          end_ = adapters::run_loop(runner, clock, epoch, plan.schedule, stopping_);
           finished_.store(true, std::memory_order_release);
         }} {}
   ~LoopThread() {
@@ -188,13 +188,13 @@ Reason watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers, Duration lo
 }
 
 // Tells the launcher, and whoever reads along, how the node ended.
-int conclude(const LoopThread& loop, const adapters::Host& host, const std::string& node,
+int conclude(const LoopThread& loop, const adapters::AdapterRunner& runner, const std::string& node,
              const Reason& reason, const adapters::Retreat& retreat) {
   const double time = to_seconds(loop.end().time);
   if (!loop.missing().empty()) Launcher::say("note " + loop.missing());
   if (loop.end().status == Status::Fault) {
-    Launcher::say(fmt::format("fault {}", host.message()));
-    fmt::print(stderr, "{}: {} at {:.3f} s\n", node, host.message(), time);
+    Launcher::say(fmt::format("fault {}", runner.message()));
+    fmt::print(stderr, "{}: {} at {:.3f} s\n", node, runner.message(), time);
     return 2;
   }
   Launcher::say(reason.is_known ? "done" : "fault " + reason.text);
@@ -234,8 +234,8 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   if (station == assembly.stations.end())
     throw Error{fmt::format("experiment '{}' has no node '{}'", experiment.name, node)};
   broker::Ring ring = broker::Ring::attach(ring_name);
-  adapters::Host host{*station->adapter, ring, node, assembly.map.hash(),
-                      station->plan.schedule.period};
+  adapters::AdapterRunner runner{*station->adapter, ring, node, assembly.map.hash(),
+                                 station->plan.schedule.period};
   station->adapter->activate();
   Launcher launcher;
   Launcher::say("ready");
@@ -246,10 +246,10 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   }
   int code = 0;
   {
-    LoopThread loop{host, *epoch, station->plan};
-    PeerWatch peers{host, assembly.map, experiment, node};
+    LoopThread loop{runner, *epoch, station->plan};
+    PeerWatch peers{runner, assembly.map, experiment, node};
     const Reason reason = watch(loop, launcher, peers, longest_stop(experiment));
-    code = conclude(loop, host, node, reason, experiment.retreat);
+    code = conclude(loop, runner, node, reason, experiment.retreat);
   }
   code = deactivate(*station->adapter, node, code);
   // In trouble it leaves its place on the ring taken, so that peers see that it did not leave in

@@ -3,7 +3,7 @@
 // A run in virtual time: every adapter in this process on a ring in plain memory, steps in the
 // order of their due times. Nothing here asks what time it is, so the same experiment gives the
 // same bits.
-#include "run_parts.hpp"
+#include "run_modes.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -19,7 +19,7 @@ constexpr Duration kProgressEvery = std::chrono::milliseconds{500};
 
 struct Runner {
   const Station* station;
-  adapters::Host host;
+  adapters::AdapterRunner runner;
   Duration due;
   bool finished = false;
 };
@@ -37,16 +37,17 @@ class VirtualRun {
       : experiment_{experiment}, options_{options}, ring_{broker::Ring::in_process(assembly.map)} {
     for (auto& station : assembly.stations) {
       station.adapter->activate();
-      runners_.push_back({&station,
-                          adapters::Host{*station.adapter, ring_, station.plan.node,
-                                         assembly.map.hash(), station.plan.schedule.period},
-                          station.plan.schedule.phase, false});
+      runners_.push_back(
+          {&station,
+           adapters::AdapterRunner{*station.adapter, ring_, station.plan.node, assembly.map.hash(),
+                                   station.plan.schedule.period},
+           station.plan.schedule.phase, false});
     }
   }
 
   std::string run() {
     while (Runner* runner = next_due(runners_)) {
-      const Status status = runner->host.tick(runner->due, stopping_since_.has_value(), {});
+      const Status status = runner->runner.tick(runner->due, stopping_since_.has_value(), {});
       if (status == Status::Done || status == Status::Fault) end(*runner, status);
       if (stopping_since_ && runner->due > *stopping_since_ + longest_stop(experiment_))
         return "a node did not come to rest";
@@ -61,8 +62,8 @@ class VirtualRun {
     runner.finished = true;
     if (!stopping_since_) stopping_since_ = runner.due;
     if (status == Status::Fault && trouble_.empty())
-      trouble_ = fmt::format("{}: {} at {:.3f} s", runner.station->plan.node, runner.host.message(),
-                             to_seconds(runner.due));
+      trouble_ = fmt::format("{}: {} at {:.3f} s", runner.station->plan.node,
+                             runner.runner.message(), to_seconds(runner.due));
   }
 
   void report_progress(Duration now) {

@@ -15,7 +15,7 @@
 
 #include "child_process.hpp"
 #include "host_probe.hpp"
-#include "run_parts.hpp"
+#include "run_modes.hpp"
 
 namespace rths::launch {
 namespace {

@@ -18,7 +18,7 @@ constexpr double kProbeStep = 1e-4;  // [s]
 constexpr double kWarmest = 200;     // above the reference [°C]
 
 const Bearing& checked(const Bearing& bearing) {
-  for (const auto& term : bearing.terms) check_host(term, Host::Specimen);
+  for (const auto& term : bearing.terms) check_owner(term, TermOwner::Specimen);
   require_given_load(bearing);
   return bearing;
 }
@@ -117,7 +117,7 @@ Bearing read_bearing(const Config& table, double axial_load) {
   if (const auto format = table.integer("bearing", kBearingFormat); format != kBearingFormat)
     table.fail("bearing", fmt::format("format of the bearing is {}, this program reads {}", format,
                                       kBearingFormat));
-  Bearing bearing{table.text("title", ""), read_terms(table, Host::Specimen), axial_load,
+  Bearing bearing{table.text("title", ""), read_terms(table, TermOwner::Specimen), axial_load,
                   table.number_in("temperature_above_reference_K", -kWarmest, kWarmest, 0.0)};
   table.reject_unknown_keys();
   if (bearing.terms.empty())

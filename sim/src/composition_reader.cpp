@@ -133,12 +133,12 @@ std::string parameter_key(const Parameter& parameter, Channel channel) {
   return key;
 }
 
-std::vector<TermSettings> read_terms(const Config& table, Host host) {
+std::vector<TermSettings> read_terms(const Config& table, TermOwner owner) {
   std::vector<TermSettings> terms;
   for (const auto& key : table.keys()) {
     if (!table.is_table(key)) continue;
     const auto read = read_term(key, table.table(key));
-    for (const auto& term : read) table.placed(key, [&] { check_host(term, host); });
+    for (const auto& term : read) table.placed(key, [&] { check_owner(term, owner); });
     terms.insert(terms.end(), read.begin(), read.end());
   }
   return terms;

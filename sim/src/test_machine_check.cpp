@@ -82,7 +82,7 @@ void check_rates(const ServoAxis& axis, double part) {
 }  // namespace
 
 Bearing mounted_specimen(const TestMachine& machine) {
-  for (const auto& term : machine.terms) check_host(term, Host::Machine);
+  for (const auto& term : machine.terms) check_owner(term, TermOwner::Machine);
   Bearing mounted = machine.has_specimen ? machine.specimen : Bearing{};
   const auto is_mount = [](const auto& term) {
     return term_kind(term.kind).stage == Stage::Motion;

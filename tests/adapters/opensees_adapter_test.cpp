@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <rths/adapters/host.hpp>
+#include <rths/adapters/adapter_runner.hpp>
 #include <rths/adapters/opensees.hpp>
 
 #include "support/files.hpp"
@@ -36,7 +36,7 @@ class Springs final : public Adapter {
     return ports;
   }
   void activate() override {}
-  [[nodiscard]] Status step(Step& step) noexcept override {
+  [[nodiscard]] Status step(StepData& step) noexcept override {
     const bool has_target = step.inputs[0] > 0;
     targets_ += has_target && !had_target_ ? 1 : 0;
     had_target_ = has_target;
@@ -104,12 +104,12 @@ memmap::Map map_of(const std::vector<Port>& solver, const std::vector<Port>& spr
     next = (next + p.longwords + 15) / 16 * 16;
     description.partitions.push_back(p);
   };
-  auto all = host_ports();
+  auto all = runner_ports();
   all.insert(all.end(), solver.begin(), solver.end());
   add("opf", "opf", solver, Direction::Output);
   add("daq", "xpc", springs, Direction::Output);
   add("monitor.opf", "opf", all, Direction::Monitor);
-  add("monitor.xpc", "xpc", host_ports(), Direction::Monitor);
+  add("monitor.xpc", "xpc", runner_ports(), Direction::Monitor);
   return memmap::Map{std::move(description)};
 }
 
@@ -133,8 +133,8 @@ TEST_F(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
   const auto map = map_of(solver->ports(), springs.ports());
   auto ring = broker::Ring::in_process(map);
   constexpr Duration kPeriod{1'000'000};
-  Host solving{*solver, ring, "opf", map.hash(), kPeriod};
-  Host moving{springs, ring, "xpc", map.hash(), kPeriod};
+  AdapterRunner solving{*solver, ring, "opf", map.hash(), kPeriod};
+  AdapterRunner moving{springs, ring, "xpc", map.hash(), kPeriod};
   solver->activate();
   Status status = Status::Ok;
   for (Duration time{0}; status == Status::Ok; time += kPeriod) {

@@ -41,7 +41,7 @@ Machine two_cores() {
 struct Conclusion {
   std::vector<RowResult> results;
   std::vector<std::string> why;
-  Verdict verdict;
+  GateResult verdict;
 };
 
 Conclusion conclude(const std::vector<Row>& rows, const std::vector<Cycle>& cycles,
@@ -64,8 +64,8 @@ TEST(RowVerdict, IsPassUpToTheGateAndFailBeyond) {
     return judge_row(own_row(), {cycle(1), cycle(ratio), cycle(2)}, 1);
   };
 
-  EXPECT_EQ(with_median(1.15).verdict, Verdict::Pass);
-  EXPECT_EQ(with_median(1.16).verdict, Verdict::Fail);
+  EXPECT_EQ(with_median(1.15).verdict, GateResult::Pass);
+  EXPECT_EQ(with_median(1.16).verdict, GateResult::Fail);
   EXPECT_DOUBLE_EQ(with_median(1.16).value, 1.16);
 }
 
@@ -92,7 +92,7 @@ TEST(RowVerdict, LeavesOutPairingsWhosePlainStoreWasSlow) {
 
   EXPECT_DOUBLE_EQ(result.value, 1.5);
   EXPECT_EQ(result.cycles, 3);
-  EXPECT_EQ(result.verdict, Verdict::Pass);
+  EXPECT_EQ(result.verdict, GateResult::Pass);
 }
 
 TEST(RowVerdict, LeavesOutPairingsWhoseProcessorsShareACore) {
@@ -118,7 +118,7 @@ TEST(RowVerdict, FailsForTheTailAlone) {
   std::vector<Cycle> cycles(3);
   for (Cycle& each : cycles) each.outcomes["ours"] = paired(1, kRaw, 1.7);
 
-  EXPECT_EQ(judge_row(row, cycles, 1).verdict, Verdict::Fail);
+  EXPECT_EQ(judge_row(row, cycles, 1).verdict, GateResult::Fail);
 }
 
 TEST(RowVerdict, HoldsAPeerAgainstOurRowOfTheSameCycle) {
@@ -126,14 +126,14 @@ TEST(RowVerdict, HoldsAPeerAgainstOurRowOfTheSameCycle) {
 
   EXPECT_DOUBLE_EQ(result.value, 10);
   EXPECT_DOUBLE_EQ(result.ratio_p50, 11);
-  EXPECT_EQ(result.verdict, Verdict::Pass);
+  EXPECT_EQ(result.verdict, GateResult::Pass);
 }
 
 TEST(RowVerdict, IsNoneWithoutAGate) {
   Row row = own_row();
   row.gate.reset();
 
-  EXPECT_EQ(judge_row(row, {cycle(9), cycle(9), cycle(9)}, 1).verdict, Verdict::NotJudged);
+  EXPECT_EQ(judge_row(row, {cycle(9), cycle(9), cycle(9)}, 1).verdict, GateResult::NotJudged);
 }
 
 TEST(RowVerdict, IsMissingWithTheReasonIfNothingWasMeasured) {
@@ -141,7 +141,7 @@ TEST(RowVerdict, IsMissingWithTheReasonIfNothingWasMeasured) {
 
   const RowResult result = judge_row(own_row(), {empty, empty, empty}, 1);
 
-  EXPECT_EQ(result.verdict, Verdict::Missing);
+  EXPECT_EQ(result.verdict, GateResult::Missing);
   EXPECT_EQ(result.missing, "is not built");
 }
 
@@ -152,7 +152,7 @@ TEST(RowVerdict, LeavesOutCyclesThatWereNotQuiet) {
       judge_row(own_row(), {cycle(1), cycle(1), cycle(1), cycle(9, kRaw, busy), cycle(9, 29)}, 1);
 
   EXPECT_EQ(result.cycles, 3);
-  EXPECT_EQ(result.verdict, Verdict::Pass);
+  EXPECT_EQ(result.verdict, GateResult::Pass);
   EXPECT_FALSE(result.noisy);
 }
 
@@ -163,19 +163,19 @@ TEST(RowVerdict, IsInconclusiveWithoutThreeQuietCycles) {
 
   EXPECT_EQ(result.cycles, 3);
   EXPECT_TRUE(result.noisy);
-  EXPECT_EQ(result.verdict, Verdict::Inconclusive);
+  EXPECT_EQ(result.verdict, GateResult::Inconclusive);
 }
 
 TEST(RunVerdict, IsPassIfEveryGateHolds) {
   const auto conclusion = conclude({own_row(), peer_row()}, {cycle(1), cycle(1), cycle(1)});
 
-  EXPECT_EQ(conclusion.verdict, Verdict::Pass);
+  EXPECT_EQ(conclusion.verdict, GateResult::Pass);
   EXPECT_TRUE(conclusion.why.empty());
 }
 
 TEST(RunVerdict, IsFailIfOneGateDoesNot) {
   EXPECT_EQ(conclude({own_row(), peer_row()}, {cycle(2), cycle(2), cycle(2)}).verdict,
-            Verdict::Fail);
+            GateResult::Fail);
 }
 
 TEST(RunVerdict, IsInconclusiveOnSiblingsOfOneCore) {
@@ -184,14 +184,14 @@ TEST(RunVerdict, IsInconclusiveOnSiblingsOfOneCore) {
 
   const auto conclusion = conclude({own_row()}, {cycle(2), cycle(2), cycle(2)}, machine);
 
-  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_EQ(conclusion.verdict, GateResult::Inconclusive);
   EXPECT_TRUE(mentions(conclusion, "share a core"));
 }
 
 TEST(RunVerdict, IsInconclusiveOnASingleProcessor) {
   const auto conclusion = conclude({own_row()}, {}, Machine{});
 
-  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_EQ(conclusion.verdict, GateResult::Inconclusive);
   EXPECT_TRUE(mentions(conclusion, "only one processor"));
 }
 
@@ -200,7 +200,7 @@ TEST(RunVerdict, IsInconclusiveOnABusyMachine) {
 
   const auto conclusion = conclude({own_row()}, {busy, busy, busy, cycle(1)});
 
-  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_EQ(conclusion.verdict, GateResult::Inconclusive);
   EXPECT_TRUE(mentions(conclusion, "busy"));
 }
 
@@ -208,7 +208,7 @@ TEST(RunVerdict, IsInconclusiveIfRawIsImplausible) {
   for (const double raw : {29.0, 400.0}) {
     const auto conclusion = conclude({own_row()}, {cycle(1, raw), cycle(1, raw), cycle(1, raw)});
 
-    EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+    EXPECT_EQ(conclusion.verdict, GateResult::Inconclusive);
     EXPECT_TRUE(mentions(conclusion, "raw takes")) << raw;
   }
 }
@@ -217,7 +217,7 @@ TEST(RunVerdict, IsInconclusiveIfRawIsUnstable) {
   const auto conclusion = conclude(
       {own_row()}, {cycle(1, 100), cycle(1, 100), cycle(1, 150), cycle(1, 200), cycle(1, 200)});
 
-  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_EQ(conclusion.verdict, GateResult::Inconclusive);
   EXPECT_TRUE(mentions(conclusion, "unstable"));
 }
 
@@ -227,12 +227,12 @@ TEST(RunVerdict, IsInconclusiveIfAJudgedPeerIsMissing) {
 
   const auto conclusion = conclude({own_row(), peer_row()}, {without, without, without});
 
-  EXPECT_EQ(conclusion.verdict, Verdict::Inconclusive);
+  EXPECT_EQ(conclusion.verdict, GateResult::Inconclusive);
   EXPECT_TRUE(mentions(conclusion, "rths_peer_theirs is not built"));
 }
 
 TEST(RunVerdict, IsInconclusiveAfterTooFewCycles) {
-  EXPECT_EQ(conclude({own_row()}, {cycle(1), cycle(1)}).verdict, Verdict::Inconclusive);
+  EXPECT_EQ(conclude({own_row()}, {cycle(1), cycle(1)}).verdict, GateResult::Inconclusive);
 }
 
 }  // namespace

@@ -114,16 +114,16 @@ TEST(TermReader, SaysWhereAxesAndChannelsAreWrong) {
 }
 
 TEST(TermReader, SaysWhereATermMeansNothing) {
-  const auto error = [](const std::string& text, Host host) {
+  const auto error = [](const std::string& text, TermOwner owner) {
     return error_of([&] { static_cast<void>(read_terms(Config::parse(text, "b.toml"), host)); });
   };
-  EXPECT_EQ(error("[x]\nkind = \"bouc_wen\"\n", Host::Machine),
+  EXPECT_EQ(error("[x]\nkind = \"bouc_wen\"\n", TermOwner::Machine),
             "b.toml:1:1: term 'x' is of the specimen (stage restoring), expected one of the stages "
             "actuator, motion, machine or sensor");
-  EXPECT_EQ(error("[gain]\n", Host::Specimen),
+  EXPECT_EQ(error("[gain]\n", TermOwner::Specimen),
             "b.toml:1:1: term 'gain' is of the machine (stage sensor); a specimen has none of it");
-  EXPECT_EQ(error("[coulomb_friction]\n", Host::Specimen), "");
-  for (const Host host : {Host::Specimen, Host::Machine})
+  EXPECT_EQ(error("[coulomb_friction]\n", TermOwner::Specimen), "");
+  for (const TermOwner owner : {TermOwner::Specimen, TermOwner::Machine})
     EXPECT_EQ(error("[current_dependent_damping]\n", host),
               "b.toml:1:1: term 'current_dependent_damping' needs the current that controls it, "
               "which neither a specimen nor a machine is given");

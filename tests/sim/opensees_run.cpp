@@ -68,7 +68,7 @@ Forces opensees_forces(const TwoBearings& bearing, const Path& path) {
                                {"motion", (folder.path() / "motion.csv").string()},
                                {"forces", forces.string()}};
   const auto file = folder.write("case.json", said.dump());
-  const auto script = rths::test::source_tree() / "tests/opensees/bearing.py";
+  const auto script = rths::test::source_tree() / "bench/bearings/opensees/bearing.py";
   rths::test::Running running{
       {rths::test::opensees_python().value(), script.string(), file.string()}};
   const auto finished = running.wait(kPatience);

@@ -44,7 +44,7 @@ class Bench {
   adapters::Adapter& adapter_;
   std::map<std::string, std::size_t> input_at_, output_at_;
   std::vector<double> inputs_, outputs_;
-  adapters::Step step_;
+  adapters::StepData step_;
 };
 
 }  // namespace rths::test

@@ -20,7 +20,7 @@ class Numerical final : public Adapter {
   explicit Numerical(const NumericalSettings& settings);
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override {}
-  [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
   void deactivate() noexcept override {}
 
  private:
@@ -33,11 +33,11 @@ class Numerical final : public Adapter {
   [[nodiscard]] std::size_t time_at() const noexcept { return 2 * axes_ + (is_vertical_ ? 1 : 0); }
   [[nodiscard]] std::size_t new_target_at() const noexcept { return time_at() + 1; }
 
-  [[nodiscard]] Status advance(const Step& step) noexcept;
-  void at_target(const Step& step) noexcept;
-  void acquire(const Step& step) noexcept;
-  void post(const Step& step) noexcept;
-  void write_monitors(const Step& step) const noexcept;
+  [[nodiscard]] Status advance(const StepData& step) noexcept;
+  void at_target(const StepData& step) noexcept;
+  void acquire(const StepData& step) noexcept;
+  void post(const StepData& step) noexcept;
+  void write_monitors(const StepData& step) const noexcept;
   [[nodiscard]] double draw_computing_time() noexcept;
 
   NumericalSettings settings_;
@@ -103,7 +103,7 @@ double Numerical::draw_computing_time() noexcept {
 }
 
 // The specimen has arrived: finish the step with its force and begin the next one.
-void Numerical::acquire(const Step& step) noexcept {
+void Numerical::acquire(const StepData& step) noexcept {
   for (std::size_t i = 0; i < axes_; ++i)
     exchange_.force[directions_[i]] = step.inputs[kFeedback + i];
   std::visit(
@@ -116,7 +116,7 @@ void Numerical::acquire(const Step& step) noexcept {
   computing_time_ = draw_computing_time();
 }
 
-void Numerical::post(const Step& step) noexcept {
+void Numerical::post(const StepData& step) noexcept {
   ++steps_;
   for (std::size_t i = 0; i < axes_; ++i) {
     step.outputs[2 * i] = exchange_.displacement[directions_[i]];
@@ -127,14 +127,14 @@ void Numerical::post(const Step& step) noexcept {
   handshake_.post(step.time);
 }
 
-void Numerical::write_monitors(const Step& step) const noexcept {
+void Numerical::write_monitors(const StepData& step) const noexcept {
   const auto monitors = step.outputs.subspan(new_target_at() + 1);
   monitors[0] = static_cast<double>(steps_);
   monitors[1] = computing_time_;
   std::visit([&](const auto& solution) { solution.monitor(monitors.subspan(2)); }, solution_);
 }
 
-void Numerical::at_target(const Step& step) noexcept {
+void Numerical::at_target(const StepData& step) noexcept {
   acquire(step);
   acquired_ = step.time;
   const double steps_done = static_cast<double>(steps_) * settings_.integration_step;
@@ -146,7 +146,7 @@ void Numerical::at_target(const Step& step) noexcept {
     post(step);
 }
 
-Status Numerical::advance(const Step& step) noexcept {
+Status Numerical::advance(const StepData& step) noexcept {
   if (step.stopping && !handshake_.is_leaving()) handshake_.leave(step.time);
   if (handshake_.is_leaving()) return handshake_.has_left(step.time) ? Status::Done : Status::Ok;
   if (steps_ == 0 && step.time < settings_.rest) {
@@ -165,7 +165,7 @@ Status Numerical::advance(const Step& step) noexcept {
   return status;
 }
 
-Status Numerical::step(Step& step) noexcept {
+Status Numerical::step(StepData& step) noexcept {
   const Status status = advance(step);
   step.outputs[new_target_at()] = handshake_.new_target();
   step.message = handshake_.message();

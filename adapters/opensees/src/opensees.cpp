@@ -24,7 +24,7 @@ class OpenSees final : public Adapter {
   explicit OpenSees(OpenSeesSettings settings);
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override;
-  [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
   [[nodiscard]] News awaits() const noexcept override;
   void wait_outside(Duration longest) override { opensees_->wait_for_news(longest); }
   void deactivate() override;
@@ -32,26 +32,26 @@ class OpenSees final : public Adapter {
  private:
   enum In : std::size_t { kAtTarget, kSwitchPc, kFeedback };  // positions among the inputs
 
-  [[nodiscard]] Status advance(Step& step);
+  [[nodiscard]] Status advance(StepData& step);
   // Hears what there is. Where time stands still, waits until OpenSees has done its part.
-  void converse(const Step& step);
-  [[nodiscard]] std::span<const double> feedbacks(const Step& step) const {
+  void converse(const StepData& step);
+  [[nodiscard]] std::span<const double> feedbacks(const StepData& step) const {
     return step.inputs.subspan(kFeedback);
   }
   [[nodiscard]] std::string overdue() const;
-  void begin_test(const Step& step);
-  void begin_round(const Step& step);
-  void answer_all(const Step& step);
+  void begin_test(const StepData& step);
+  void begin_round(const StepData& step);
+  void answer_all(const StepData& step);
   // Shakes those specimens that are not known yet, one after the other, once OpenSees is there.
-  void identify(const Step& step);
-  void probe(const Step& step);
+  void identify(const StepData& step);
+  void probe(const StepData& step);
   // Specimens that are not known yet come first.
   [[nodiscard]] auto unknown() {
     return std::find_if(specimens_.begin(), specimens_.end(),
                         [](const auto& specimen) { return !specimen.is_known(); });
   }
   [[nodiscard]] Status leave(double time);
-  void write_monitors(const Step& step) const;
+  void write_monitors(const StepData& step) const;
   OpenSeesSettings settings_;
   OpfWords words_;
   std::size_t new_target_at_;        ///< among the outputs: behind what it guards
@@ -111,7 +111,7 @@ News OpenSees::awaits() const noexcept {
   return handshake_.is_there() && has_begun_ ? News::Outside : News::Inputs;
 }
 
-void OpenSees::answer_all(const Step& step) {
+void OpenSees::answer_all(const StepData& step) {
   auto& servers = opensees_->servers();
   for (std::size_t i = 0; i < servers.size(); ++i)
     if (servers[i].wants_measured()) {
@@ -120,7 +120,7 @@ void OpenSees::answer_all(const Step& step) {
     }
 }
 
-void OpenSees::begin_round(const Step& step) {
+void OpenSees::begin_round(const StepData& step) {
   auto& servers = opensees_->servers();
   const bool is_move = std::any_of(servers.begin(), servers.end(),
                                    [](const auto& server) { return server.is_new(); });
@@ -137,7 +137,7 @@ void OpenSees::begin_round(const Step& step) {
   handshake_.post(step.time);
 }
 
-void OpenSees::probe(const Step& step) {
+void OpenSees::probe(const StepData& step) {
   const auto next = unknown();
   if (next == specimens_.end()) return;
   const auto element = static_cast<std::size_t>(next - specimens_.begin());
@@ -146,7 +146,7 @@ void OpenSees::probe(const Step& step) {
   is_probing_ = true;
 }
 
-void OpenSees::identify(const Step& step) {
+void OpenSees::identify(const StepData& step) {
   opensees_->require_running();
   if (!handshake_.is_there()) return;
   if (is_probing_) {
@@ -168,13 +168,13 @@ std::string OpenSees::overdue() const {
   return message;
 }
 
-void OpenSees::begin_test(const Step& step) {
+void OpenSees::begin_test(const StepData& step) {
   words_.start(feedbacks(step));
   words_.write_idle(step.outputs);
   has_begun_ = true;
 }
 
-void OpenSees::converse(const Step& step) {
+void OpenSees::converse(const StepData& step) {
   for (;;) {
     opensees_->hear(specimens_);
     if (opensees_->has_left() || !handshake_.is_there()) return;
@@ -197,7 +197,7 @@ Status OpenSees::leave(double time) {
   return Status::Ok;
 }
 
-Status OpenSees::advance(Step& step) {
+Status OpenSees::advance(StepData& step) {
   if (step.stopping && !handshake_.is_leaving()) handshake_.leave(step.time);
   if (handshake_.is_leaving()) return handshake_.has_left(step.time) ? Status::Done : Status::Ok;
   if (!has_begun_ && step.time < settings_.rest) {
@@ -220,7 +220,7 @@ Status OpenSees::advance(Step& step) {
   return Status::Ok;
 }
 
-void OpenSees::write_monitors(const Step& step) const {
+void OpenSees::write_monitors(const StepData& step) const {
   const auto monitors = step.outputs.subspan(new_target_at_ + 1);
   monitors[0] = static_cast<double>(rounds_);
   std::size_t at = 1;
@@ -228,7 +228,7 @@ void OpenSees::write_monitors(const Step& step) const {
     for (const double stiffness : specimen.stiffness()) monitors[at++] = stiffness;
 }
 
-Status OpenSees::step(Step& step) noexcept {
+Status OpenSees::step(StepData& step) noexcept {
   Status status = Status::Fault;
   try {
     status = advance(step);

@@ -27,16 +27,16 @@ class OpenSeesSpecimen final : public Adapter {
   explicit OpenSeesSpecimen(OpenSeesSpecimenSettings settings);
   [[nodiscard]] std::vector<Port> ports() const override { return ports_; }
   void activate() override;
-  [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
   void deactivate() override;
 
  private:
   void add_ports(const OpenSeesElement& element);
-  void advance(const Step& step);
-  void ask(const Step& step);
+  void advance(const StepData& step);
+  void ask(const StepData& step);
   [[nodiscard]] bool has_arrived();
   void wait_for_news() const;
-  void write_feedbacks(const Step& step) const;
+  void write_feedbacks(const StepData& step) const;
 
   OpenSeesSpecimenSettings settings_;
   std::vector<Port> ports_;
@@ -107,7 +107,7 @@ void OpenSeesSpecimen::deactivate() {
   elements_.clear();
 }
 
-void OpenSeesSpecimen::ask(const Step& step) {
+void OpenSeesSpecimen::ask(const StepData& step) {
   std::size_t at = 1;
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     VectorXd target{settings_.elements[i].dofs()};
@@ -132,7 +132,7 @@ bool OpenSeesSpecimen::has_arrived() {
   return is_there;
 }
 
-void OpenSeesSpecimen::write_feedbacks(const Step& step) const {
+void OpenSeesSpecimen::write_feedbacks(const StepData& step) const {
   std::size_t axis = 0;
   for (const auto& element : elements_)
     for (Index i = 0; i < element.force().size(); ++i, ++axis) {
@@ -141,7 +141,7 @@ void OpenSeesSpecimen::write_feedbacks(const Step& step) const {
     }
 }
 
-void OpenSeesSpecimen::advance(const Step& step) {
+void OpenSeesSpecimen::advance(const StepData& step) {
   const bool has_target = step.inputs[0] > 0;
   if (has_target && !had_target_) ask(step);
   had_target_ = has_target;
@@ -163,7 +163,7 @@ void OpenSeesSpecimen::advance(const Step& step) {
   step.outputs[step.outputs.size() - 1] = is_moving_ ? 0 : 1;
 }
 
-Status OpenSeesSpecimen::step(Step& step) noexcept {
+Status OpenSeesSpecimen::step(StepData& step) noexcept {
   try {
     if (!step.stopping && step.inputs[0] >= 0) {
       advance(step);

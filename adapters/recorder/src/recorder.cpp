@@ -27,7 +27,7 @@ class Recorder final : public Adapter {
 
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override;
-  [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
   void deactivate() override;
 
  private:
@@ -37,7 +37,7 @@ class Recorder final : public Adapter {
   void write_queued();
   void run_writer() noexcept;
   void stop_writer() noexcept;
-  void write_now(const Step& step) noexcept;
+  void write_now(const StepData& step) noexcept;
 
   const memmap::Map map_;
   RecorderSettings settings_;
@@ -94,7 +94,7 @@ void Recorder::run_writer() noexcept {
   }
 }
 
-void Recorder::write_now(const Step& step) noexcept {
+void Recorder::write_now(const StepData& step) noexcept {
   try {
     writer_->append(from_seconds(step.time), step.inputs);
   } catch (const std::exception& error) {
@@ -103,7 +103,7 @@ void Recorder::write_now(const Step& step) noexcept {
   }
 }
 
-Status Recorder::step(Step& step) noexcept {
+Status Recorder::step(StepData& step) noexcept {
   if (failed_.load(std::memory_order_acquire)) {
     step.message = failure_.c_str();
     return Status::Fault;

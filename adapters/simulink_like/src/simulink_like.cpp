@@ -17,7 +17,7 @@ class SimulinkLike final : public Adapter {
 
   [[nodiscard]] std::vector<Port> ports() const override { return diagram_.ports(); }
   void activate() override {}
-  [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
   void deactivate() noexcept override {}
 
  private:
@@ -29,7 +29,7 @@ class SimulinkLike final : public Adapter {
 
 // The diagram goes on running while it stops, so that monitors and handshake stay true; only what
 // moves the machine leaves its hands.
-Status SimulinkLike::step(Step& step) noexcept {
+Status SimulinkLike::step(StepData& step) noexcept {
   const auto& ramped = diagram_.ramped_outputs();
   if (stopped_at_ < 0) {
     for (std::size_t i = 0; i < ramped.size(); ++i)

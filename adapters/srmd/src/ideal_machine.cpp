@@ -20,11 +20,11 @@ class IdealMachine final : public Adapter {
   }
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override {}
-  [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
   void deactivate() noexcept override {}
 
  private:
-  void move(const Step& step) noexcept;
+  void move(const StepData& step) noexcept;
 
   IdealMachineSettings settings_;
   sim::BearingRun specimen_;
@@ -51,7 +51,7 @@ std::vector<Port> IdealMachine::ports() const {
   return ports;
 }
 
-void IdealMachine::move(const Step& step) noexcept {
+void IdealMachine::move(const StepData& step) noexcept {
   Eigen::Vector2d displacement = Eigen::Vector2d::Zero(), velocity = displacement;
   for (std::size_t i = 0; i < directions_.size(); ++i) {
     displacement[directions_[i]] = step.inputs[1 + 2 * i];
@@ -65,7 +65,7 @@ void IdealMachine::move(const Step& step) noexcept {
   }
 }
 
-Status IdealMachine::step(Step& step) noexcept {
+Status IdealMachine::step(StepData& step) noexcept {
   const bool has_target = step.inputs[0] > 0;
   if (has_target && !had_target_) {
     is_moving_ = true;

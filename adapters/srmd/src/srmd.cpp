@@ -56,7 +56,7 @@ class Srmd final : public Adapter {
 
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override {}
-  [[nodiscard]] Status step(Step& step) noexcept override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
   void deactivate() noexcept override {}
 
  private:
@@ -64,8 +64,8 @@ class Srmd final : public Adapter {
     return std::find(settings_.axes.begin(), settings_.axes.end(), kAxes[axis]) !=
            settings_.axes.end();
   }
-  [[nodiscard]] Eigen::Vector2d reference(const Step& step) noexcept;
-  void write_feedback(const Step& step) const noexcept;
+  [[nodiscard]] Eigen::Vector2d reference(const StepData& step) noexcept;
+  void write_feedback(const StepData& step) const noexcept;
 
   SrmdSettings settings_;
   sim::TestMachineRun machine_;
@@ -110,7 +110,7 @@ std::vector<Port> Srmd::ports() const {
 }
 
 // Stopping, the machine trusts nobody: it holds the reference it had and ramps it down by itself.
-Eigen::Vector2d Srmd::reference(const Step& step) noexcept {
+Eigen::Vector2d Srmd::reference(const StepData& step) noexcept {
   if (!step.stopping) {
     held_ = {moves(0) ? step.inputs[kRefLong] : 0.0, moves(1) ? step.inputs[kRefLat] : 0.0};
     return held_;
@@ -119,7 +119,7 @@ Eigen::Vector2d Srmd::reference(const Step& step) noexcept {
   return settings_.retreat.part(step.time - stopped_at_) * held_;
 }
 
-Status Srmd::step(Step& step) noexcept {
+Status Srmd::step(StepData& step) noexcept {
   const Eigen::Vector2d now = reference(step);
   const double wanted = step.inputs[kRefCompression];
   compression_ += (wanted - compression_) * settings_.period /
@@ -132,7 +132,7 @@ Status Srmd::step(Step& step) noexcept {
   return status;
 }
 
-void Srmd::write_feedback(const Step& step) const noexcept {
+void Srmd::write_feedback(const StepData& step) const noexcept {
   const auto& out = step.outputs;
   out[kEchoVert] = step.inputs[kRefVert];
   out[kEchoCompression] = step.inputs[kRefCompression];

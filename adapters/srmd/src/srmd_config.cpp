@@ -34,7 +34,7 @@ sim::TestMachine read_machine(const Config& changes) {
   noise.force = table.number_in("force_noise_N", 0, 1e9, noise.force);
   noise.acceleration = table.number_in("acceleration_noise_m_per_s2", 0, 1e3, noise.acceleration);
   machine.has_specimen = !table.flag("empty_table", false);
-  machine.terms = sim::read_terms(table, sim::Host::Machine);
+  machine.terms = sim::read_terms(table, sim::TermOwner::Machine);
   table.reject_unknown_keys();
   return machine;
 }

@@ -13,15 +13,15 @@
 namespace rths::scramnet {
 namespace {
 
-std::uint64_t checked_window(const Place& place, const Settings& settings) {
-  if (place.own().acr == nullptr)
+std::uint64_t checked_window(const CardSession& session, const Settings& settings) {
+  if (session.own().acr == nullptr)
     throw Error{"ring '" + settings.ring + "' is larger than any SCRAMNet+ card, 8 MB"};
-  const std::uint64_t all = place.memory_bytes();
+  const std::uint64_t all = session.memory_bytes();
   return settings.card_bytes == 0 ? all : std::min(all, settings.card_bytes);
 }
 
-std::byte* whole_memory(const Place& place) {
-  std::byte* memory = place.map_memory(nullptr, 0, place.memory_bytes());
+std::byte* whole_memory(const CardSession& session) {
+  std::byte* memory = session.map_memory(nullptr, 0, session.memory_bytes());
   if (memory == nullptr) throw Error{"the ring's memory cannot be mapped"};
   return memory;
 }
@@ -32,13 +32,13 @@ constexpr std::uint32_t kPageBytesShift = 7;  // CSR12 bit 5 is address bit 12
 }  // namespace
 
 Board::Board(const Settings& settings)
-    : place_{settings},
+    : session_{settings},
       bypass_switch_{settings.bypass_switch},
-      window_bytes_{checked_window(place_, settings)},
+      window_bytes_{checked_window(session_, settings)},
       size_code_{size_code_of(window_bytes_)},
-      memory_{whole_memory(place_)},
-      interrupts_seen_{place_.card().plus.host_interrupts.load()},
-      scanner_{place_, reinterpret_cast<Word*>(memory_),
+      memory_{whole_memory(session_)},
+      interrupts_seen_{session_.card().plus.host_interrupts.load()},
+      scanner_{session_, reinterpret_cast<Word*>(memory_),
                static_cast<std::uint32_t>(window_bytes_ / 4)} {
   registers().set_size_code(size_code_);
   show();
@@ -48,7 +48,7 @@ std::uint32_t Board::read_csr(int index) {
   if (index == 1 || index == 5) scanner_.look();
   std::uint32_t nodes = 0;
   if (index == 3)
-    place_.for_each_card([&](const Place::CardView& card) {
+    session_.for_each_card([&](const CardSession::CardView& card) {
       nodes += Registers{*card.card}.all_set(0, csr0::kInsert) ? 1 : 0;
     });
   return registers().read(index, nodes, bypass_switch_);
@@ -82,13 +82,13 @@ void Board::control_changed(std::uint32_t before) {
   if (scanner_.is_enabled() && ((changed & kWhatCounts) != 0 || window_closed))
     scanner_.start_afresh();
   update_thread();
-  deliver_if_due(place_.card());
+  deliver_if_due(session_.card());
 }
 
 void Board::warn_of_shared_id() {
   const std::uint32_t id = registers().peek(3) >> 8;
-  place_.for_each_card([&](const Place::CardView& card) {
-    if (card.card != &place_.card() && broker::is_alive(card.card->holder.load()) &&
+  session_.for_each_card([&](const CardSession::CardView& card) {
+    if (card.card != &session_.card() && broker::is_alive(card.card->holder.load()) &&
         Registers{*card.card}.peek(3) >> 8 == id)
       complain_once("id",
                     "another node of the ring has this node's id; cards would swallow each "
@@ -97,14 +97,14 @@ void Board::warn_of_shared_id() {
 }
 
 bool Board::has_page(std::uint32_t page) const {
-  return (page + 1) * window_bytes_ <= place_.memory_bytes();
+  return (page + 1) * window_bytes_ <= session_.memory_bytes();
 }
 
 bool Board::others_are_at_work() const {
   bool found = false;
-  place_.for_each_card([&](const Place::CardView& card) {
+  session_.for_each_card([&](const CardSession::CardView& card) {
     const std::uint32_t csr0 = Registers{*card.card}.peek(0);
-    found |= card.card != &place_.card() && broker::is_alive(card.card->holder.load()) &&
+    found |= card.card != &session_.card() && broker::is_alive(card.card->holder.load()) &&
              (csr0 & (csr0::kReceive | csr0::kTransmit)) != 0;
   });
   return found;
@@ -112,7 +112,7 @@ bool Board::others_are_at_work() const {
 
 bool Board::map_window() {
   if (window_ != nullptr) return true;
-  window_ = place_.map_memory(nullptr, page_offset_, window_bytes_);
+  window_ = session_.map_memory(nullptr, page_offset_, window_bytes_);
   show();
   return window_ != nullptr;
 }
@@ -127,7 +127,7 @@ void Board::show() {
   const std::uint32_t csr12 = registers().peek(12);
   const std::uint64_t wanted =
       (csr12 & kPagingOn) == 0 ? 0 : std::uint64_t{csr12 & 0xFFE0} << kPageBytesShift;
-  const std::uint64_t offset = wanted + window_bytes_ <= place_.memory_bytes() ? wanted : 0;
+  const std::uint64_t offset = wanted + window_bytes_ <= session_.memory_bytes() ? wanted : 0;
   if (offset != page_offset_) {
     page_offset_ = offset;
     scanner_.set_window(reinterpret_cast<Word*>(memory()),
@@ -136,9 +136,9 @@ void Board::show() {
   }
   if (window_ == nullptr) return;
   if (registers().all_set(0, csr0::kAcrWindow))
-    static_cast<void>(place_.map_acr(window_, window_bytes_));
+    static_cast<void>(session_.map_acr(window_, window_bytes_));
   else
-    static_cast<void>(place_.map_memory(window_, page_offset_, window_bytes_));
+    static_cast<void>(session_.map_memory(window_, page_offset_, window_bytes_));
 }
 
 void Board::write_acr(std::uint32_t longword, std::uint32_t value) {
@@ -161,13 +161,13 @@ std::uint32_t Board::take_interrupts() {
 
 void Board::update_thread() {
   scanner_.run_thread(scanner_.is_enabled() && registers().all_set(0, csr0::kHostInterrupts) &&
-                      is_registered(plus(), place_.self()));
+                      is_registered(plus(), session_.self()));
 }
 
 void Board::leave() {
   scanner_.run_thread(false);
-  remove_registration(plus(), place_.self());
-  place_.leave();
+  remove_registration(plus(), session_.self());
+  session_.leave();
 }
 
 }  // namespace rths::scramnet

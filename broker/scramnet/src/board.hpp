@@ -4,8 +4,8 @@
 #include <atomic>
 #include <cstdint>
 
+#include "card_session.hpp"
 #include "complaint.hpp"
-#include "place.hpp"
 #include "registers.hpp"
 #include "scanner.hpp"
 #include "settings.hpp"
@@ -27,9 +27,9 @@ class Board {
   [[nodiscard]] std::uint32_t read_csr(int index);
   void write_csr(int index, std::uint32_t value);
   void change_csr(int index, std::uint32_t set, std::uint32_t clear);
-  [[nodiscard]] Registers registers() { return Registers{place_.card()}; }
-  [[nodiscard]] PlusCard& plus() { return place_.card().plus; }
-  [[nodiscard]] const Place& place() const { return place_; }
+  [[nodiscard]] Registers registers() { return Registers{session_.card()}; }
+  [[nodiscard]] PlusCard& plus() { return session_.card().plus; }
+  [[nodiscard]] const CardSession& session() const { return session_; }
   [[nodiscard]] Scanner& scanner() { return scanner_; }
 
   [[nodiscard]] bool map_window();
@@ -41,7 +41,7 @@ class Board {
   [[nodiscard]] std::uint64_t window_bytes() const { return window_bytes_; }
   /// The memory that the window shows, and the ACR, whatever the window shows.
   [[nodiscard]] std::byte* memory() const { return memory_ + page_offset_; }
-  [[nodiscard]] Word* acr() const { return place_.own().acr; }
+  [[nodiscard]] Word* acr() const { return session_.own().acr; }
   void write_acr(std::uint32_t longword, std::uint32_t value);
   void clear_acr();
   /// Whether the ring has the page that CSR12 would select.
@@ -59,7 +59,7 @@ class Board {
   void warn_of_shared_id();
   void show();
 
-  Place place_;
+  CardSession session_;
   bool bypass_switch_;
   std::uint64_t window_bytes_;
   std::uint32_t size_code_;

@@ -82,7 +82,7 @@ void* scgtMapMem(scgtHandle* handle) {
   GtUnit* unit = unit_of(handle);
   if (unit == nullptr) return nullptr;
   if (handle->memMapPtr == nullptr) {
-    std::byte* memory = unit->place().map_memory(nullptr, 0, unit->memory_bytes());
+    std::byte* memory = unit->session().map_memory(nullptr, 0, unit->memory_bytes());
     handle->memMapPtr = reinterpret_cast<uint32*>(memory);
     handle->memMapSize = memory == nullptr ? 0 : unit->memory_bytes();
   }

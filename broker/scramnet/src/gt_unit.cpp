@@ -20,7 +20,7 @@ std::mutex taking;
 
 void leave_all() {
   for (auto& unit : units)
-    if (GtUnit* taken = unit.load()) taken->place().leave();
+    if (GtUnit* taken = unit.load()) taken->session().leave();
 }
 
 bool lets_in(const GtCard& card, const scgtInterrupt& interrupt) {
@@ -33,18 +33,19 @@ bool lets_in(const GtCard& card, const scgtInterrupt& interrupt) {
 }  // namespace
 
 GtUnit::GtUnit(std::uint32_t unit)
-    : place_{gt_settings(unit)}, memory_{place_.map_memory(nullptr, 0, place_.memory_bytes())} {
+    : session_{gt_settings(unit)},
+      memory_{session_.map_memory(nullptr, 0, session_.memory_bytes())} {
   if (memory_ == nullptr) throw Error{"the ring's memory cannot be mapped"};
 }
 
 GtRing GtUnit::ring() const {
   GtRing ring{0, node_id(card())};
   bool met_self = false;
-  place_.for_each_card([&](const Place::CardView& other) {
+  session_.for_each_card([&](const CardSession::CardView& other) {
     ++ring.nodes;
-    const bool self = other.card == &place_.card();
+    const bool self = other.card == &session_.card();
     // The one before this card; before the first one comes the last.
-    if (!self && (!met_self || place_.index() == 0)) ring.upstream = node_id(other.card->gt);
+    if (!self && (!met_self || session_.index() == 0)) ring.upstream = node_id(other.card->gt);
     met_self = met_self || self;
   });
   return ring;
@@ -56,11 +57,11 @@ bool GtUnit::send(const scgtInterrupt& interrupt) {
   const GtInterrupt message{interrupt.type, node_id(card()), unicast ? 0 : interrupt.id,
                             interrupt.val};
   bool all = true;
-  place_.for_each_card([&](const Place::CardView& other) {
-    const bool self = other.card == &place_.card();
+  session_.for_each_card([&](const CardSession::CardView& other) {
+    const bool self = other.card == &session_.card();
     if (self && !is_set(card(), gt::kLinkControl, gt::kInterruptSelf)) return;
     if (!lets_in(other.card->gt, interrupt)) return;
-    if (push(other.card->gt, message, place_.self()))
+    if (push(other.card->gt, message, session_.self()))
       other.card->gt.counts[kReceived].fetch_add(1);
     else
       all = false;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "card_session.hpp"
 #include "gt_queue.hpp"
 #include "gt_registers.hpp"
-#include "place.hpp"
 
 #include <scgtapi.h>
 
@@ -15,11 +15,11 @@ class GtUnit {
   /// @throws Error
   explicit GtUnit(std::uint32_t unit);
 
-  [[nodiscard]] GtCard& card() const { return place_.card().gt; }
-  [[nodiscard]] Place& place() { return place_; }
+  [[nodiscard]] GtCard& card() const { return session_.card().gt; }
+  [[nodiscard]] CardSession& session() { return session_; }
   [[nodiscard]] GtRing ring() const;
   [[nodiscard]] std::uint32_t memory_bytes() const {
-    return static_cast<std::uint32_t>(place_.memory_bytes());
+    return static_cast<std::uint32_t>(session_.memory_bytes());
   }
   /// The memory as the driver's DMA reaches it, whether or not a client has mapped it.
   [[nodiscard]] std::byte* memory() const { return memory_; }
@@ -27,7 +27,7 @@ class GtUnit {
   [[nodiscard]] bool send(const scgtInterrupt& interrupt);
 
  private:
-  Place place_;
+  CardSession session_;
   std::byte* memory_;
 };
 

@@ -60,8 +60,8 @@ int initialise() noexcept {
   if (scr_registers_mapped != 0 && scr_memory_mapped != 0) return 0;
   if (const int error = map_registers(); error != 0) return error;
   Board& card = *board();
-  const std::uint32_t key = card.place().card().key.load();
-  const std::uint32_t id = (key & kNamed) != 0 ? key & 0xFF : default_id(card.place().index());
+  const std::uint32_t key = card.session().card().key.load();
+  const std::uint32_t id = (key & kNamed) != 0 ? key & 0xFF : default_id(card.session().index());
   card.write_csr(3, id << 8);
   card.write_csr(5, kTimeout);
   Scramnet_config.scram_node_id = static_cast<unsigned short>(id);

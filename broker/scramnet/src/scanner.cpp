@@ -23,7 +23,7 @@ bool receives(const Registers& registers) {
   return registers.all_set(0, csr0::kReceive | csr0::kMemoryInterrupts);
 }
 
-bool sends_interrupt(Place::CardView card, std::uint32_t longword) {
+bool sends_interrupt(CardSession::CardView card, std::uint32_t longword) {
   const Registers registers{*card.card};
   return registers.all_set(0, csr0::kTransmit | csr0::kSendInterrupts) &&
          (registers.all_set(0, csr0::kAllSendInterrupts) ||
@@ -36,12 +36,12 @@ bool sends_interrupt(Place::CardView card, std::uint32_t longword) {
 // Signals are blocked while it lasts, so that a handler never waits for the thread it interrupted.
 class Scanner::Turn {
  public:
-  explicit Turn(Scanner& scanner) : claim_{&scanner.place_->card().plus.scanner} {
+  explicit Turn(Scanner& scanner) : claim_{&scanner.session_->card().plus.scanner} {
     sigset_t all;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before_);
     lock_ = std::unique_lock{scanner.mutex_};
-    const broker::Claim self = scanner.place_->self();
+    const broker::Claim self = scanner.session_->self();
     broker::Claim holder = claim_->load();
     if (holder != 0 && holder != self && broker::is_alive(holder)) return;
     mine_ = claim_->compare_exchange_strong(holder, self);
@@ -62,19 +62,19 @@ class Scanner::Turn {
   bool mine_ = false;
 };
 
-bool Scanner::is_enabled() const { return receives(Registers{place_->card()}); }
+bool Scanner::is_enabled() const { return receives(Registers{session_->card()}); }
 
 void Scanner::look() {
   if (is_enabled()) {
     const Turn turn{*this};
     if (turn.is_mine()) compare();
   }
-  deliver_if_due(place_->card());
+  deliver_if_due(session_->card());
 }
 
 void Scanner::compare() {
   rebuild_if_changed();
-  const auto& own = place_->own();
+  const auto& own = session_->own();
   const auto look_at = [&](std::uint32_t longword) {
     const std::uint32_t word = words_[longword].load(std::memory_order_acquire);
     if (word == own.known[longword].load(std::memory_order_relaxed)) return;
@@ -92,21 +92,21 @@ void Scanner::compare() {
 // Which card wrote a word cannot be seen. It is counted as foreign if another card sends
 // interrupts there, and as our own if only we do.
 bool Scanner::somebody_interrupts(std::uint32_t longword) const {
-  const auto& own = place_->own();
+  const auto& own = session_->own();
   const Registers registers{*own.card};
   const std::uint32_t network = network_longword_ + longword;
   bool found = registers.all_set(8, csr8::kAllInterrupt) ||
                (registers.all_set(2, csr2::kReceiveOwn | csr2::kInterruptOwn) &&
                 sends_interrupt(own, longword));
-  place_->for_each_card([&](const Place::CardView& card) {
-    if (card.card != own.card && network < place_->memory_bytes() / 4)
+  session_->for_each_card([&](const CardSession::CardView& card) {
+    if (card.card != own.card && network < session_->memory_bytes() / 4)
       found |= sends_interrupt(card, network);
   });
   return found;
 }
 
 void Scanner::rebuild_if_changed() {
-  const auto& own = place_->own();
+  const auto& own = session_->own();
   const bool all = Registers{*own.card}.all_set(0, csr0::kAllReceiveInterrupts);
   const std::uint32_t changes = own.card->plus.acr_changes.load();
   if (has_list_ && changes == acr_changes_ && all == watches_all_) return;
@@ -121,8 +121,8 @@ void Scanner::rebuild_if_changed() {
 
 // Without room for its last value a word cannot be watched, and the ACR says so.
 void Scanner::remember(std::uint32_t longword) {
-  const auto& own = place_->own();
-  if (place_->take_known(longword, 1))
+  const auto& own = session_->own();
+  if (session_->take_known(longword, 1))
     own.known[longword].store(words_[longword].load());
   else
     own.acr[longword].fetch_and(~acr::kReceiveInterrupt);
@@ -134,8 +134,8 @@ void Scanner::start_afresh() {
   has_list_ = false;
   rebuild_if_changed();
   for (const std::uint32_t longword : watched_) remember(longword);
-  if (!watches_all_ || !place_->take_known(0, longwords_)) return;
-  for (std::uint32_t i = 0; i < longwords_; ++i) place_->own().known[i].store(words_[i].load());
+  if (!watches_all_ || !session_->take_known(0, longwords_)) return;
+  for (std::uint32_t i = 0; i < longwords_; ++i) session_->own().known[i].store(words_[i].load());
 }
 
 void Scanner::start_afresh(std::uint32_t longword) {

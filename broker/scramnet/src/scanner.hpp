@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "place.hpp"
+#include "card_session.hpp"
 
 namespace rths::scramnet {
 
@@ -23,8 +23,8 @@ class Scanner {
   /// Between two looks, of those who wait and of the thread.
   static constexpr long kPeriodNs = 50'000;
 
-  Scanner(const Place& place, const Word* words, std::uint32_t longwords)
-      : place_{&place}, words_{words}, longwords_{longwords} {}
+  Scanner(const CardSession& session, const Word* words, std::uint32_t longwords)
+      : session_{&session}, words_{words}, longwords_{longwords} {}
   ~Scanner() { run_thread(false); }
   Scanner(const Scanner&) = delete;
   Scanner& operator=(const Scanner&) = delete;
@@ -49,7 +49,7 @@ class Scanner {
   [[nodiscard]] bool somebody_interrupts(std::uint32_t longword) const;
   void remember(std::uint32_t longword);
 
-  const Place* place_;
+  const CardSession* session_;
   std::mutex mutex_;  ///< between threads of this process only
   const Word* words_;
   std::uint32_t longwords_;

@@ -29,7 +29,7 @@ struct Port {
 };
 
 /// What one step has to work with.
-struct Step {
+struct StepData {
   double time = 0;                 ///< since the run began, as scheduled [s]
   std::span<const double> inputs;  ///< Inputs and Parameters, in the order of `ports`
   std::span<double> outputs;       ///< Outputs and Monitors, in the order of `ports`; hold what was
@@ -58,7 +58,7 @@ class Adapter {
   /// Last chance to allocate, open files and complain. @throws Error   @setup
   virtual void activate() = 0;
   /// One period. Done: nothing is left to do, and everything is at rest.   @realtime
-  [[nodiscard]] virtual Status step(Step& step) RTHS_REALTIME = 0;
+  [[nodiscard]] virtual Status step(StepData& step) RTHS_REALTIME = 0;
   /// What it waits for, beside its next step's being due. In virtual time all steps wait for that
   /// alone.   @realtime
   [[nodiscard]] virtual News awaits() const RTHS_REALTIME { return News::None; }

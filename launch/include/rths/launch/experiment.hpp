@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <rths/adapters/adapter_runner.hpp>
 #include <rths/adapters/echo.hpp>
-#include <rths/adapters/host.hpp>
 #include <rths/adapters/numerical.hpp>
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>

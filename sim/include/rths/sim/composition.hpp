@@ -84,10 +84,10 @@ class Composition {
 
 /// What terms are put into. A specimen has no actuators and no sensors, and knows no acceleration;
 /// a machine has no physics of a specimen; neither has a control input.
-enum class Host { Any, Specimen, Machine };
+enum class TermOwner { Any, Specimen, Machine };
 
 /// @throws Error if the term would mean nothing there   @setup
-void check_host(const TermSettings& term, Host host);
+void check_owner(const TermSettings& term, TermOwner owner);
 
 /// Reads the terms of a table: each of its tables is a term, its key the kind, or any name if the
 /// table says `kind = "…"`. A parameter may be an array [long, lat] where a term acts on each axis.
@@ -98,7 +98,8 @@ void check_host(const TermSettings& term, Host host);
 ///
 /// @throws Error with the place of the first wrong key or value, or of a term that means nothing in
 ///         its host   @setup
-[[nodiscard]] std::vector<TermSettings> read_terms(const Config& table, Host host = Host::Any);
+[[nodiscard]] std::vector<TermSettings> read_terms(const Config& table,
+                                                   TermOwner owner = TermOwner::Any);
 
 /// Key of a parameter in a configuration: "stiffness" in "N/m" is "stiffness_N_per_m".   @setup
 [[nodiscard]] std::string parameter_key(const Parameter& parameter, Channel channel);

@@ -39,7 +39,7 @@ void read_opensees(const Config& table, double initial_stiffness, OpenSeesSettin
 /// elements have theirs; forces are answered when the specimen has arrived. One OpenSees process.
 /// What OpenFresco has between element and ring, coordinates, set-up and control points, is here.
 ///
-/// It uses sockets: its steps are not @realtime. Step::message lives until the next step.
+/// It uses sockets: its steps are not @realtime. StepData::message lives until the next step.
 /// It is started when the ports are open, and ends with us.
 /// @throws Error if the layout lacks a word that an element needs, or control points do not fit it;
 ///         on `activate`, if a port cannot be had or OpenSees not be started   @setup

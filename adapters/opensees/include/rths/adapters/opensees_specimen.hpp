@@ -28,7 +28,7 @@ struct OpenSeesSpecimenSettings {
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] std::vector<OpenSeesElement> read_specimen_elements(const Config& table);
 
-/// It uses sockets: its steps are not @realtime. Step::message lives until the next step.
+/// It uses sockets: its steps are not @realtime. StepData::message lives until the next step.
 /// @throws Error if the layout lacks an axis; on `activate`, if OpenSees does not come   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_opensees_specimen(
     const OpenSeesSpecimenSettings& settings);

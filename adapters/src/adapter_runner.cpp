@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/adapter_runner.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+enum RunnerPort : std::size_t {
+  kStep,
+  kStatus,
+  kOverruns,
+  kStale,
+  kLate,
+  kLateMax,
+  kDuration,
+  kRunnerPorts
+};
+
+bool is_read(const Port& port) {
+  return port.direction == Direction::Input || port.direction == Direction::Parameter;
+}
+
+}  // namespace
+
+std::vector<Port> runner_ports() {
+  return {{"host.step", Direction::Monitor, "1", 0, false},
+          {"host.status", Direction::Monitor, "1", 0, true},
+          {"host.overruns", Direction::Monitor, "1", 0, true},
+          {"host.stale", Direction::Monitor, "1", 0, true},
+          {"host.late", Direction::Monitor, "s", 0, false},
+          {"host.late_max", Direction::Monitor, "s", 0, false},
+          {"host.duration", Direction::Monitor, "s", 0, false}};
+}
+
+std::string signal_name(const Port& port, const std::string& node) {
+  switch (port.direction) {
+    case Direction::Monitor:
+      return "monitor." + node + "." + port.name;
+    case Direction::Parameter:
+      return "tune." + node + "." + port.name;
+    default:
+      return port.name;
+  }
+}
+
+AdapterRunner::AdapterRunner(Adapter& adapter, broker::Ring& ring, const std::string& node,
+                             std::uint64_t map_hash, Duration period)
+    : adapter_{adapter}, node_{ring.join(node, map_hash)}, period_{period} {
+  bind(runner_ports(), ring, node);
+  bind(adapter.ports(), ring, node);
+  std::vector<broker::LongwordRange> words;
+  for (const auto& transfer : reads_)
+    words.push_back({transfer.base, static_cast<std::uint32_t>(transfer.image.size())});
+  if (!words.empty()) waiter_ = ring.wait_for(words);
+}
+
+void AdapterRunner::bind(const std::vector<Port>& ports, broker::Ring& ring,
+                         const std::string& node) {
+  std::set<std::string> peers{peers_.begin(), peers_.end()};
+  for (const auto& port : ports) {
+    const auto& entry = ring.map().entry(ring.map().signal(signal_name(port, node)));
+    const bool reads = is_read(port);
+    if (!reads && entry.partition->node != node)
+      throw Error{"node '" + node + "' cannot write '" + entry.name + "', which belongs to '" +
+                  entry.partition->node + "'"};
+    if (port.direction == Direction::Input && entry.partition->node != node)
+      peers.insert(entry.partition->node);
+    auto& values = reads ? inputs_ : outputs_;
+    Transfer& transfer = transfer_for(reads ? reads_ : writes_, entry, ring);
+    transfer.values.push_back({static_cast<std::uint32_t>(values.size()),
+                               entry.signal->offset.value() - transfer.base.value(),
+                               memmap::Codec{*entry.signal}});
+    const auto word = node_.read(entry.signal->offset);
+    values.push_back(transfer.values.back().codec.decode(word));
+    transfer.image[transfer.values.back().word] = word;
+  }
+  peers_.assign(peers.begin(), peers.end());
+}
+
+AdapterRunner::Transfer& AdapterRunner::transfer_for(std::vector<Transfer>& transfers,
+                                                     const memmap::SignalEntry& entry,
+                                                     const broker::Ring& ring) {
+  const bool is_group = entry.partition->tear_group;
+  const LongwordOffset base = is_group ? entry.partition->base : entry.signal->offset;
+  for (auto& transfer : transfers)
+    if (is_group && transfer.is_group && transfer.base == base) return transfer;
+  Transfer transfer;
+  transfer.base = base;
+  transfer.is_group = is_group;
+  if (is_group) transfer.group = ring.tear_group(entry.partition->name);
+  transfer.image.resize(is_group ? entry.partition->longwords : 1);
+  transfers.push_back(std::move(transfer));
+  return transfers.back();
+}
+
+Status AdapterRunner::read_inputs() noexcept {
+  Status status = Status::Ok;
+  for (auto& transfer : reads_) {
+    if (transfer.is_group) {
+      if (node_.read_group(transfer.group, transfer.image) != Status::Ok) {
+        status = Status::Stale;  // the values of the last whole read stay
+        continue;
+      }
+    } else {
+      transfer.image[0] = node_.read(transfer.base);
+    }
+    for (const auto& value : transfer.values) {
+      const double now = value.codec.decode(transfer.image[value.word]);
+      if (std::isfinite(now))
+        inputs_[value.index] = now;
+      else
+        status = Status::Stale;  // a number that is none would poison whatever it reaches
+    }
+  }
+  return status;
+}
+
+Status AdapterRunner::write_outputs() noexcept {
+  Status status = Status::Ok;
+  for (auto& transfer : writes_) {
+    for (const auto& value : transfer.values) {
+      // A finite number may still be one that its word cannot hold.
+      const std::uint32_t word = value.codec.encode(outputs_[value.index]);
+      if (std::isfinite(outputs_[value.index]) && std::isfinite(value.codec.decode(word)))
+        transfer.image[value.word] = word;
+      else
+        status = Status::LimitExceeded;
+    }
+    status = worst(status, transfer.is_group ? node_.write_group(transfer.group, transfer.image)
+                                             : node_.write(transfer.base, transfer.image[0]));
+  }
+  return status;
+}
+
+void AdapterRunner::tell_of_itself(Status status, const Timing& timing) noexcept {
+  steps_ += timing.is_early ? 0 : 1;
+  stale_ += status == Status::Stale ? 1 : 0;
+  overruns_ += timing.duration > period_ ? 1 : 0;
+  outputs_[kStep] = static_cast<double>(steps_);
+  outputs_[kStatus] = static_cast<double>(status);
+  outputs_[kOverruns] = static_cast<double>(overruns_);
+  outputs_[kStale] = static_cast<double>(stale_);
+  outputs_[kLate] = to_seconds(timing.late);
+  outputs_[kLateMax] = std::max(outputs_[kLateMax], outputs_[kLate]);
+  outputs_[kDuration] = to_seconds(timing.duration);
+}
+
+Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) noexcept {
+  Status status = read_inputs();
+  step_.time = to_seconds(time);
+  step_.inputs = inputs_;
+  step_.outputs = std::span{outputs_}.subspan(kRunnerPorts);
+  step_.stopping = stopping;
+  const Status result = adapter_.step(step_);
+  status = worst(status, result);
+  tell_of_itself(status, timing);
+  status = worst(status, write_outputs());
+  node_.beat();
+  // An adapter's end is its own to declare: a stale word in its last step does not undo it.
+  return result == Status::Done && status != Status::Fault ? Status::Done : status;
+}
+
+// What was written since the last step is news at once, however much it was.
+void AdapterRunner::wait_for_inputs(TimePoint time) noexcept {
+  constexpr int kMost = 1000;
+  broker::Write write;
+  bool is_news = false;
+  for (int i = 0; i < kMost && waiter_->wait(TimePoint{0}, write) != Status::Late; ++i)
+    is_news = true;
+  if (!is_news) static_cast<void>(waiter_->wait(time, write));
+}
+
+void AdapterRunner::wait_until(TimePoint time, Clock& clock) noexcept {
+  switch (adapter_.awaits()) {
+    case News::Inputs:
+      if (waiter_) return wait_for_inputs(time);
+      break;
+    case News::Outside:
+      if (const Duration left = time - clock.now(); left > Duration{0}) adapter_.wait_outside(left);
+      return;
+    case News::None:
+      break;
+  }
+  clock.sleep_until(time);
+}
+
+LoopEnd run_loop(AdapterRunner& runner, Clock& clock, TimePoint epoch, const Schedule& schedule,
+                 const std::atomic<bool>& stopping) noexcept {
+  Timing timing;
+  for (Duration due = schedule.phase;;) {
+    runner.wait_until(epoch + due, clock);
+    const TimePoint begun = clock.now();
+    timing.is_early = begun < epoch + due;
+    timing.late = timing.is_early ? Duration{0} : begun - (epoch + due);
+    const Duration time = timing.is_early ? begun - epoch : due;
+    const Status status = runner.tick(time, stopping.load(std::memory_order_relaxed), timing);
+    timing.duration = clock.now() - begun;
+    if (status == Status::Done || status == Status::Fault) return {status, time};
+    if (!timing.is_early) due += schedule.period;
+  }
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <rths/bench/judge.hpp>
+#include <rths/bench/machine.hpp>
+#include <rths/bench/statistics.hpp>
+
+namespace rths::bench {
+
+struct OpenseesBenchOptions {
+  int cycles = 9;
+  int round_trips = 2'000;         ///< of each kind in each cycle
+  std::filesystem::path programs;  ///< folder of `rths`
+};
+
+/// Round trips over one kind of socket: medians over cycles.
+struct TripResult {
+  std::string protocol;  ///< "tcp" or "udp"
+  Times through_ring;    ///< from an element's trial to its force, specimen and ring in between
+  Times bare;            ///< a message and an answer of the same bytes
+  double ratio_p50 = 0;  ///< median over cycles [-]
+  Interval ratio_interval;
+  double ratio_p99 = 0;
+  GateResult verdict = GateResult::NotJudged;
+};
+
+struct OpenseesBenchReport {
+  Machine machine;
+  int cycles = 0, round_trips = 0;
+  std::vector<TripResult> trips;
+  double steal = 0;  ///< taken by the host of the two processors' time meanwhile [-]
+  std::vector<std::string> troubles;
+  GateResult result = GateResult::Inconclusive;
+};
+
+/// What is asked: at most so many times the bare ping-pong, at the median.
+inline constexpr double kMostOfBare = 3;
+
+/// @throws Error if the run at the other end does not start or answer   @setup
+[[nodiscard]] OpenseesBenchReport run_opensees_bench(const OpenseesBenchOptions& options);
+
+/// The report as one JSON document, or as lines for people.
+[[nodiscard]] std::string to_json(const OpenseesBenchReport& report);
+[[nodiscard]] std::string to_text(const OpenseesBenchReport& report);
+
+}  // namespace rths::bench

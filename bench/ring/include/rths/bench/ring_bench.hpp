@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <rths/bench/judge.hpp>
+#include <rths/bench/machine.hpp>
+#include <rths/bench/rows.hpp>
+
+namespace rths::bench {
+
+struct Options {
+  int cycles = 9;
+  std::uint32_t round_trips = 50'000;  ///< of each row in each cycle
+  std::uint64_t seed = 1;              ///< of the intervals
+  std::vector<std::string> rows;       ///< names; empty: all
+  std::filesystem::path programs;      ///< folder of the peers' programs
+  /// Folder in which each finished cycle is kept, and from which cycles of an interrupted run are
+  /// taken; empty: none.
+  std::filesystem::path keep;
+  std::function<void(int cycle, const std::string& row)> progress;  ///< told what is measured next
+};
+
+/// What a run found.
+struct Report {
+  Machine machine;
+  int cycles = 0;
+  std::uint32_t round_trips = 0;
+  std::uint64_t seed = 0;
+  RawSpread raw;
+  std::vector<RowResult> rows;
+  std::vector<std::string> troubles;  ///< why the result is inconclusive, if it is
+  GateResult result = GateResult::Inconclusive;
+};
+
+/// Measures all rows in cycles, one after the other, each paired with raw right before it. Every
+/// second cycle goes backwards. Two processes spin, never more; this one is among them or sleeps.
+/// @throws Error if a row is unknown or fails   @setup
+[[nodiscard]] Report run_ring_bench(const Options& options);
+
+/// The report as one JSON document, or as tables for people.
+[[nodiscard]] std::string to_json(const Report& report);
+[[nodiscard]] std::string to_text(const Report& report);
+
+}  // namespace rths::bench

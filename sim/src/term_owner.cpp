@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/sim/composition.hpp>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::sim {
+namespace {
+
+constexpr std::string_view kStages[] = {"actuator",  "motion",  "vertical", "modifier",
+                                        "restoring", "machine", "sensor"};
+
+bool is_of_a_specimen(Stage stage) {
+  return stage == Stage::Vertical || stage == Stage::Modifier || stage == Stage::Restoring;
+}
+
+}  // namespace
+
+std::string_view stage_name(Stage stage) { return kStages[static_cast<std::size_t>(stage)]; }
+
+void check_owner(const TermSettings& term, TermOwner owner) {
+  const TermKind& kind = term_kind(term.kind);
+  const std::string name = term.name.empty() ? term.kind : term.name;
+  if (owner != TermOwner::Any && (kind.traits & kControlled) != 0)
+    throw Error{
+        fmt::format("term '{}' needs the current that controls it, which neither a "
+                    "specimen nor a machine is given",
+                    name)};
+  if (owner == TermOwner::Machine && is_of_a_specimen(kind.stage))
+    throw Error{
+        fmt::format("term '{}' is of the specimen (stage {}), expected one of the stages "
+                    "actuator, motion, machine or sensor",
+                    name, stage_name(kind.stage))};
+  if (owner != TermOwner::Specimen) return;
+  if (kind.stage == Stage::Actuator || kind.stage == Stage::Sensor)
+    throw Error{fmt::format("term '{}' is of the machine (stage {}); a specimen has none of it",
+                            name, stage_name(kind.stage))};
+  // Nobody knows a specimen's acceleration before its force.
+  if (kind.name == "platen_inertia")
+    throw Error{
+        fmt::format("term '{}' needs the acceleration, which a specimen is not given; it is "
+                    "of the machine",
+                    name)};
+}
+
+}  // namespace rths::sim

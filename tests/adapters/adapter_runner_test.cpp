@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <rths/adapters/adapter_runner.hpp>
+#include <rths/adapters/retreat.hpp>
+
+#include "support/files.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::adapters {
+namespace {
+
+using std::chrono::milliseconds;
+
+std::string bench_map() {
+  std::string map = R"(
+ringmap = 1
+[ring]
+name = "bench"
+version = 1
+size_bytes = 4096
+[nodes]
+echo = 1
+source = 2
+operator = 3
+[[partition]]
+name = "source"
+node = "source"
+offset = 0
+longwords = 2
+tear_group = true
+[[partition.signal]]
+name = "displ"
+offset = 1
+type = "f32"
+unit = "mm"
+[[partition]]
+name = "echo"
+node = "echo"
+offset = 16
+longwords = 2
+[[partition.signal]]
+name = "displ"
+offset = 16
+type = "f32"
+unit = "inch"
+[[partition]]
+name = "tune.echo"
+node = "operator"
+offset = 64
+longwords = 1
+[[partition.signal]]
+name = "gain"
+offset = 64
+type = "f32"
+initial = 3
+[[partition]]
+name = "monitor.echo"
+node = "echo"
+offset = 32
+longwords = 16
+tear_group = true
+[[partition.signal]]
+name = "twice"
+offset = 47
+type = "f32"
+unit = "m"
+)";
+  int offset = 32;
+  for (const auto& port : runner_ports())
+    map += "[[partition.signal]]\nname = \"" + port.name +
+           "\"\noffset = " + std::to_string(offset++) + "\ntype = \"f32\"\nunit = \"" + port.unit +
+           "\"\n";
+  return map;
+}
+
+/// Sends back what it gets, times its gain.
+class Echo final : public Adapter {
+ public:
+  std::vector<Port> list = {{"source.displ", Direction::Input, "m", 0, false},
+                            {"gain", Direction::Parameter, "1", 3, false},
+                            {"echo.displ", Direction::Output, "m", 0, false},
+                            {"twice", Direction::Monitor, "m", 0, false}};
+  Status result = Status::Ok;
+  int steps = 0;
+  int ends_after = 0;
+  bool poisoned = false;
+
+  [[nodiscard]] std::vector<Port> ports() const override { return list; }
+  void activate() override {}
+  [[nodiscard]] Status step(StepData& step) noexcept override {
+    ++steps;
+    step.outputs[0] = poisoned ? std::nan("") : step.inputs[0] * step.inputs[1];
+    step.outputs[1] = 2 * step.inputs[0];
+    if (step.stopping || (ends_after > 0 && steps >= ends_after)) return Status::Done;
+    return result;
+  }
+  void deactivate() noexcept override {}
+};
+
+class AdapterRunnerTest : public ::testing::Test {
+ protected:
+  memmap::Map map = memmap::parse_map(bench_map(), "bench");
+  broker::Ring ring = broker::Ring::in_process(map);
+  broker::Node source = ring.join("source", 0);
+  Echo echo;
+  AdapterRunner runner{echo, ring, "echo", map.hash(), milliseconds{1}};
+
+  void send(double displacement) {
+    const auto& entry = map.entry(map.signal("source.displ"));
+    const std::uint32_t words[2] = {0, memmap::Codec{*entry.signal}.encode(displacement)};
+    ASSERT_EQ(source.write_group(ring.tear_group("source"), words), Status::Ok);
+  }
+  void tune_gain(double gain) {
+    broker::Node hand = ring.join("operator", 0);
+    const auto& signal = *map.entry(map.signal("tune.echo.gain")).signal;
+    ASSERT_EQ(hand.write(signal.offset, memmap::Codec{signal}.encode(gain)), Status::Ok);
+  }
+  [[nodiscard]] double value(const std::string& name) const {
+    const auto& entry = map.entry(map.signal(name));
+    return memmap::Codec{*entry.signal}.decode(source.read(entry.signal->offset));
+  }
+};
+
+TEST_F(AdapterRunnerTest, ConvertsUnitsOnTheWayInAndOut) {
+  send(0.0254);
+
+  ASSERT_EQ(runner.tick(Duration{0}, false, {}), Status::Ok);
+
+  EXPECT_NEAR(value("echo.displ"), 3 * 0.0254, 1e-8);
+  EXPECT_NEAR(value("monitor.echo.twice"), 2 * 0.0254, 1e-8);
+}
+
+TEST_F(AdapterRunnerTest, ReadsParametersThatAreTunedWhileItRuns) {
+  tune_gain(5);
+  send(0.1);
+
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+
+  EXPECT_NEAR(value("echo.displ"), 0.5, 1e-6);
+}
+
+TEST_F(AdapterRunnerTest, TellsOfItselfInItsMonitors) {
+  echo.result = Status::LimitExceeded;
+  static_cast<void>(runner.tick(Duration{0}, false, {Duration{20'000}, milliseconds{2}}));
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+
+  EXPECT_EQ(value("monitor.echo.host.step"), 2);
+  EXPECT_EQ(value("monitor.echo.host.status"), static_cast<double>(Status::LimitExceeded));
+  EXPECT_EQ(value("monitor.echo.host.overruns"), 1);
+  EXPECT_EQ(value("monitor.echo.host.late"), 0);
+  EXPECT_NEAR(value("monitor.echo.host.late_max"), 20e-6, 1e-12);
+  EXPECT_EQ(runner.overruns(), 1U);
+}
+
+// What is no number neither reaches an adapter nor leaves it: the last value stands, and is
+// counted.
+TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAWordIsNoNumber) {
+  send(0.1);
+  EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::Ok);
+  send(std::nan(""));
+
+  EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::Stale);
+
+  EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
+  EXPECT_EQ(value("monitor.echo.host.stale"), 1);
+}
+
+TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAnAdapterGivesNoNumber) {
+  send(0.1);
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+  echo.poisoned = true;
+
+  EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::LimitExceeded);
+
+  EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
+}
+
+TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereANumberDoesNotFitItsWord) {
+  send(0.1);
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+  tune_gain(1e6);
+  send(1e33);
+
+  EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::LimitExceeded);
+
+  EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
+}
+
+// Whoever is done is done, whatever its neighbours sent last.
+TEST_F(AdapterRunnerTest, EndsThoughAWordThatItReadsIsStale) {
+  send(std::nan(""));
+
+  EXPECT_EQ(runner.tick(Duration{0}, true, {}), Status::Done);
+}
+
+TEST_F(AdapterRunnerTest, BeatsWithEveryStep) {
+  const std::uint64_t before = source.beats_of(map.node("echo"));
+
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+
+  EXPECT_EQ(source.beats_of(map.node("echo")), before + 1);
+}
+
+TEST_F(AdapterRunnerTest, KnowsWhoseWordsItReads) {
+  EXPECT_EQ(runner.peers(), std::vector<std::string>{"source"});
+}
+
+TEST_F(AdapterRunnerTest, TicksInRealTime) {
+  send(0.1);
+  Status status = Status::Ok;
+  EXPECT_REALTIME(status = runner.tick(milliseconds{1}, false, {}));
+  EXPECT_EQ(status, Status::Ok);
+}
+
+TEST(AdapterRunner, RefusesAnOutputThatBelongsToAnotherNode) {
+  broker::Ring ring = broker::Ring::in_process(memmap::parse_map(bench_map(), "bench"));
+  Echo echo;
+  echo.list[2].name = "source.displ";
+
+  EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
+            "node 'echo' cannot write 'source.displ', which belongs to 'source'");
+}
+
+TEST(AdapterRunner, RefusesASignalThatTheRingLacks) {
+  broker::Ring ring = broker::Ring::in_process(memmap::parse_map(bench_map(), "bench"));
+  Echo echo;
+  echo.list[0].name = "source.dspl";
+
+  EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
+            "map 'bench' has no signal 'source.dspl' (did you mean 'source.displ'?)");
+}
+
+TEST_F(AdapterRunnerTest, LoopsUntilTheAdapterIsDone) {
+  VirtualClock clock;
+  const std::atomic<bool> stopping{false};
+  echo.ends_after = 10;
+
+  const LoopEnd end =
+      run_loop(runner, clock, TimePoint{0}, {milliseconds{1}, Duration{300'000}}, stopping);
+
+  EXPECT_EQ(end.status, Status::Done);
+  EXPECT_EQ(end.time, Duration{9'300'000});
+  EXPECT_EQ(clock.now(), Duration{9'300'000});
+}
+
+TEST_F(AdapterRunnerTest, LoopsUntilItIsToldToStop) {
+  WallClock clock;
+  std::atomic<bool> stopping{false};
+  LoopEnd end;
+  std::thread loop{[&] {
+    end = run_loop(runner, clock, clock.now(), {milliseconds{1}, Duration{0}}, stopping);
+  }};
+  while (source.beats_of(map.node("echo")) < 5) std::this_thread::yield();
+
+  stopping.store(true);
+  loop.join();
+
+  EXPECT_EQ(end.status, Status::Done);
+}
+
+TEST_F(AdapterRunnerTest, LoopsUntilTheAdapterIsAtFault) {
+  VirtualClock clock;
+  const std::atomic<bool> stopping{false};
+  echo.result = Status::Fault;
+
+  EXPECT_EQ(run_loop(runner, clock, TimePoint{0}, {}, stopping).status, Status::Fault);
+}
+
+TEST_F(AdapterRunnerTest, LoopsInRealTime) {
+  VirtualClock clock;
+  const std::atomic<bool> stopping{false};
+  echo.ends_after = 10;
+  LoopEnd end;
+
+  EXPECT_REALTIME(end = run_loop(runner, clock, TimePoint{0}, {}, stopping));
+
+  EXPECT_EQ(end.status, Status::Done);
+}
+
+// Steps that were missed are made up for, each with its own scheduled time.
+TEST_F(AdapterRunnerTest, MakesUpForMissedSteps) {
+  VirtualClock clock;
+  clock.sleep_until(milliseconds{50});  // fifty steps late from the start
+  const std::atomic<bool> stopping{false};
+  echo.ends_after = 50;
+
+  const LoopEnd end =
+      run_loop(runner, clock, TimePoint{0}, {milliseconds{1}, Duration{0}}, stopping);
+
+  EXPECT_EQ(end.time, milliseconds{49});
+  EXPECT_EQ(clock.now(), milliseconds{50});
+}
+
+TEST(Retreat, HoldsThenRampsToRestWithoutAJump) {
+  const Retreat retreat{0.2, 1.0};
+
+  EXPECT_EQ(retreat.part(0), 1);
+  EXPECT_EQ(retreat.part(0.2), 1);
+  EXPECT_NEAR(retreat.part(0.7), 0.5, 1e-12);
+  EXPECT_EQ(retreat.part(1.2), 0);
+  EXPECT_FALSE(retreat.finished(1.19));
+  EXPECT_TRUE(retreat.finished(1.2));
+  for (double t = 0; t < 1.3; t += 0.001)
+    EXPECT_LE(std::abs(retreat.part(t + 0.001) - retreat.part(t)), 0.002);
+}
+
+TEST(Retreat, WorksInRealTime) {
+  const Retreat retreat;
+  double part = 0;
+  bool finished = false;
+  EXPECT_REALTIME(part = retreat.part(0.5));
+  EXPECT_REALTIME(finished = retreat.finished(0.5));
+  EXPECT_GT(part, 0);
+  EXPECT_FALSE(finished);
+}
+
+}  // namespace
+}  // namespace rths::adapters
