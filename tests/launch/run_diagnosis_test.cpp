@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The main job from end to end: a hybrid test whose specimen and machine hold physics that the
-// simulation lacks, and the diagnosis that the run ends with.
+// A hybrid test from start to end: the specimen and the machine include effects that the simulation
+// omits, and the run ends with a diagnosis.
 #include <algorithm>
 #include <cstdlib>
 
@@ -12,13 +12,14 @@
 
 #include "support/files.hpp"
 #include "support/process.hpp"
+#include "support/shared_run.hpp"
 
 namespace rths::launch {
 namespace {
 
 using Json = nlohmann::json;
 
-std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
+std::string example() { return (test::source_tree() / "examples" / test::kSharedExample).string(); }
 
 Json json_of(const std::filesystem::path& file) { return Json::parse(test::content_of(file)); }
 
@@ -26,33 +27,43 @@ test::Finished run_example(const std::filesystem::path& out,
                            const std::vector<std::string>& options = {}) {
   std::vector<std::string> arguments{"run", example(), "--clock", "virtual", "--out", out.string()};
   arguments.insert(arguments.end(), options.begin(), options.end());
-  return test::run_rths(arguments, 120);
+  return test::run_rths(arguments, 110);
 }
 
-/// The example as it stands, run once for all tests.
+TEST(ExampleRun, IsMadeOnceForSeveralTests) {
+  const test::Finished finished = test::SharedRun{"example_run"}.make();
+
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+}
+
+/// The unchanged example.
 class DiagnosedRun : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder = new test::TemporaryFolder;
-    finished = run_example(out());
-    ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  void SetUp() override {
+    ASSERT_TRUE(run.is_made()) << run.path() << " is made by ctest before this test";
     verdict = json_of(out() / "verdict.json");
   }
-  static void TearDownTestSuite() {
-    delete folder;
-    folder = nullptr;
-  }
-  static std::filesystem::path out() { return folder->path() / "demo"; }
+  [[nodiscard]] const std::filesystem::path& out() const { return run.path(); }
 
-  static test::TemporaryFolder* folder;
-  static test::Finished finished;
-  static Json verdict;
+  const test::SharedRun run{"example_run"};
+  Json verdict;
 };
-test::TemporaryFolder* DiagnosedRun::folder = nullptr;
-test::Finished DiagnosedRun::finished;
-Json DiagnosedRun::verdict;
 
-TEST_F(DiagnosedRun, NamesWhatTheExampleConcealsAndNothingElse) {
+/// A run that a test repeats: the short one, or in long tests the unchanged example.
+class RepeatedRun {
+ public:
+  RepeatedRun()
+      : first{is_long() ? "example_run" : "short_run"},
+        options{is_long() ? std::vector<std::string>{} : test::kShortRun} {}
+
+  const test::SharedRun first;
+  const std::vector<std::string> options;
+
+ private:
+  static bool is_long() { return std::getenv("RTHS_LONG") != nullptr; }
+};
+
+TEST_F(DiagnosedRun, NamesTheTwoOmittedEffectsAndNothingElse) {
   EXPECT_EQ(verdict["verdict"], "missing");
   std::vector<std::string> names;
   for (const auto& cause : verdict["causes"]) names.push_back(cause["name"]);
@@ -62,7 +73,7 @@ TEST_F(DiagnosedRun, NamesWhatTheExampleConcealsAndNothingElse) {
   for (const auto& cause : verdict["causes"])
     if (cause["name"] == "load_dependent_friction") {
       EXPECT_EQ(cause["part"], "machine");
-      // The example's 0.002, of which the identified Coulomb friction takes nothing away.
+      // The example's value is 0.002; the identified Coulomb friction does not reduce it.
       EXPECT_NEAR(cause["parameters"]["load_dependent_friction.friction_coefficient"]["value"],
                   0.002, 0.0002);
     }
@@ -82,20 +93,21 @@ TEST_F(DiagnosedRun, OpensItsReportWithTheSentence) {
   const std::string page = test::content_of(out() / "report.html");
 
   EXPECT_EQ(numbers["diagnosis"], verdict);
-  EXPECT_NE(finished.out.find(verdict["sentence"].get<std::string>()), std::string::npos);
+  EXPECT_NE(run.standard_output().find(verdict["sentence"].get<std::string>()), std::string::npos);
   EXPECT_LT(page.find("id=\"found-sentence\""), page.find("id=\"title\""));
   EXPECT_NE(page.find(verdict["sentence"].get<std::string>()), std::string::npos);
   EXPECT_TRUE(verdict["synthetic"]);
   EXPECT_TRUE(std::filesystem::exists(out() / "diagnosis.html"));
 }
 
-TEST_F(DiagnosedRun, ImprovesTheSimulationByOneCommandMore) {
+TEST_F(DiagnosedRun, ImprovesTheSimulationWithOneMoreCommand) {
   const test::TemporaryFolder again;
   const auto improved = out() / "improved.toml";
 
-  const auto run = run_example(again.path(), {"--improve", improved.string(), "--no-diagnosis"});
+  const auto finished =
+      run_example(again.path(), {"--improve", improved.string(), "--no-diagnosis"});
 
-  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
   const recording::Reader recording{again.path() / "run.h5"};
   const std::string model = recording.config(recording::kModelText);
   for (const char* term : {"[adiabatic_heating]", "[load_dependent_friction]"})
@@ -103,11 +115,11 @@ TEST_F(DiagnosedRun, ImprovesTheSimulationByOneCommandMore) {
   const Json before = json_of(out() / "report.json")["axes"];
   const Json after = json_of(again.path() / "report.json")["axes"];
   for (const char* axis : {"long", "lat"}) {
-    // The machine's lateness is in the test and in no simulation: the rest of the difference is it.
+    // The remaining difference is the machine's delay, which no simulation includes.
     EXPECT_LT(after[axis]["numerical_difference_percent"],
               0.97 * before[axis]["numerical_difference_percent"].get<double>())
         << axis;
-    // The specimen has not changed, and the solver rests on nearly the same stiffness.
+    // The specimen is unchanged, and the solver uses nearly the same stiffness.
     EXPECT_NEAR(after[axis]["peak_displacement_mm"], before[axis]["peak_displacement_mm"],
                 0.05 * before[axis]["peak_displacement_mm"].get<double>())
         << axis;
@@ -119,43 +131,56 @@ TEST_F(DiagnosedRun, ImprovesTheSimulationByOneCommandMore) {
 
 TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
   const test::TemporaryFolder again;
+  const RepeatedRun repeated;
+  const auto& first = repeated.first.path();
 
-  const auto run = test::run_rths(
-      {"diagnose", (out() / "run.h5").string(), "--out", again.path().string()}, 120);
+  const auto finished = test::run_rths(
+      {"diagnose", (first / "run.h5").string(), "--out", again.path().string()}, 110);
 
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  Json repeated = json_of(again.path() / "verdict.json");
-  repeated["seconds"] = nullptr;  // which a run in virtual time does not tell
-  EXPECT_EQ(repeated, verdict);
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  Json verdict_again = json_of(again.path() / "verdict.json");
+  verdict_again["seconds"] = nullptr;  // a run in virtual time does not report it
+  const Json first_verdict = json_of(first / "verdict.json");
+  EXPECT_EQ(first_verdict["verdict"], "missing");
+  EXPECT_EQ(verdict_again, first_verdict);
   EXPECT_EQ(test::content_of(again.path() / "improved.toml"),
-            test::content_of(out() / "improved.toml"));
+            test::content_of(first / "improved.toml"));
 }
 
 TEST_F(DiagnosedRun, GivesTheSameBytesEveryTime) {
   const test::TemporaryFolder again;
+  const RepeatedRun repeated;
+  const auto& first = repeated.first.path();
 
-  ASSERT_EQ(run_example(again.path()).exit_code, 0);
+  ASSERT_EQ(run_example(again.path(), repeated.options).exit_code, 0);
 
-  for (const char* file : {"verdict.json", "improved.toml", "diagnosis.html"})
-    EXPECT_EQ(test::content_of(again.path() / file), test::content_of(out() / file)) << file;
+  for (const char* file : {"verdict.json", "improved.toml", "diagnosis.html"}) {
+    EXPECT_FALSE(test::content_of(first / file).empty()) << file;
+    EXPECT_EQ(test::content_of(again.path() / file), test::content_of(first / file)) << file;
+  }
   for (const char* file : {"run.h5", "held_out.h5", "improved.h5"}) {
     const std::string command = "h5diff --exclude-path=/meta " + (again.path() / file).string() +
-                                " " + (out() / file).string();
+                                " " + (first / file).string();
     EXPECT_EQ(std::system(command.c_str()), 0) << file;
     EXPECT_EQ(recording::Reader{again.path() / file}.rows(),
-              recording::Reader{out() / file}.rows());
+              recording::Reader{first / file}.rows());
   }
 }
 
-TEST_F(DiagnosedRun, RefusesToReplaceTheModelItWasGiven) {
-  const auto run = run_example(out(), {"--improve", (out() / "improved.toml").string()});
+TEST_F(DiagnosedRun, RefusesToReplaceItsOwnInputModel) {
+  const test::TemporaryFolder again;
+  const auto improved =
+      again.write("improved.toml", test::content_of(out() / "improved.toml")).string();
 
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("improved.toml: this run replaces it"), std::string::npos) << run.err;
-  EXPECT_TRUE(std::filesystem::exists(out() / "improved.toml"));
+  const auto finished = run_example(again.path(), {"--improve", improved});
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("improved.toml: this run replaces it"), std::string::npos)
+      << finished.err;
+  EXPECT_EQ(test::content_of(improved), test::content_of(out() / "improved.toml"));
 }
 
-TEST(RunDiagnosis, IsLeftOutIfNobodyWantsIt) {
+TEST(RunDiagnosis, IsOmittedOnRequest) {
   const test::TemporaryFolder folder;
   folder.write("verdict.json", "of an earlier run");
 

@@ -1,38 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The report's page in a real browser, without a network.
-#include <cstdlib>
-
+// The report page in a real browser, without a network.
 #include <gtest/gtest.h>
 
 #include "browser.hpp"
 #include "support/files.hpp"
-#include "support/process.hpp"
+#include "support/shared_run.hpp"
 
 namespace rths::report {
 namespace {
 
-/// The page of a short run, and what Chromium makes of it.
+TEST(ShortRun, IsMadeOnceForSeveralTests) {
+  const test::Finished finished = test::SharedRun{"short_run"}.make(test::kShortRun);
+
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+}
+
+/// The report page of a short run.
 class Page : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder = new test::TemporaryFolder;
-    const auto example = (test::source_tree() / "examples/srmd_lprb_2d.toml").string();
-    const test::Finished run = test::run_rths({"run", example, "--clock", "virtual", "--out",
-                                               folder->path().string(), "--set", "duration_s=10"});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-    html = test::content_of(folder->path() / "report.html");
+  void SetUp() override {
+    ASSERT_TRUE(run.is_made()) << run.path() << " is made by ctest before this test";
+    html = test::content_of(file());
   }
-  static void TearDownTestSuite() {
-    delete folder;
-    folder = nullptr;
-  }
+  [[nodiscard]] std::filesystem::path file() const { return run.path() / "report.html"; }
 
-  static test::TemporaryFolder* folder;
-  static std::string html;
+  const test::SharedRun run{"short_run"};
+  std::string html;
 };
-test::TemporaryFolder* Page::folder = nullptr;
-std::string Page::html;
 
 TEST_F(Page, NeedsNothingFromTheNetwork) {
   for (const char* reference : {"src=\"http", "href=\"http", "url(http", "@import", "fetch("})
@@ -53,11 +48,11 @@ TEST_F(Page, DrawsEveryFigureInChromiumWithoutAnError) {
   if (!std::filesystem::exists(test_support::kBrowser))
     GTEST_SKIP() << "SKIPPED: no Chromium here; './lab test' installs it";
 
-  const std::string page =
-      test_support::rendered(folder->path() / "report.html", folder->path() / "profile");
+  const test::TemporaryFolder profile;
+  const std::string page = test_support::rendered(file(), profile.path());
 
   // Two loops, orbit, interaction; two displacements, delay, error; three coefficients; states;
-  // three spectra. Lateness is drawn for runs in real time only.
+  // three spectra. Only runs in real time have a figure of late steps.
   EXPECT_EQ(test_support::body_of(page), "<body data-figures=\"15\">");
   EXPECT_NE(page.find("<h1 id=\"title\">srmd lprb 2d</h1>"), std::string::npos);
   EXPECT_NE(page.find("no slow-downs"), std::string::npos);

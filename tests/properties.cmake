@@ -1,0 +1,31 @@
+# Fixtures and costs of single tests. gtest_discover_tests gives all tests of a program the same
+# properties, so ctest reads this file after the programs' lists of tests.
+
+# rths_tests(<program> <regular expression> <property> <value>)
+function(rths_tests program expression property value)
+  foreach(test IN LISTS ${program}_TESTS)
+    if(test MATCHES "${expression}")
+      set_tests_properties("${test}" PROPERTIES ${property} "${value}")
+    endif()
+  endforeach()
+endfunction()
+
+# Runs that several tests read: made once for each call of ctest.
+rths_tests(rths_page_test "^ShortRun\\." FIXTURES_SETUP short_run)
+rths_tests(rths_page_test "^Page\\." FIXTURES_REQUIRED short_run)
+rths_tests(rths_diagnosed_run_test "^ExampleRun\\." FIXTURES_SETUP example_run)
+rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED example_run)
+rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\.(IsDiagnosedAgain|GivesTheSameBytes)" FIXTURES_REQUIRED short_run)
+
+# Tests with the highest cost start first [s].
+rths_tests(rths_diagnosed_run_test "^ExampleRun\\." COST 30)
+rths_tests(rths_page_test "^ShortRun\\." COST 30)
+rths_tests(rths_diagnosed_run_test "^(VerticalCoupling|DetunedTracking)\\." COST 18)
+rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." COST 8)
+rths_tests(rths_real_data_test "\\.(SilverboxHas|MrDamperHas)" COST 20)
+rths_tests(rths_real_data_test "\\.(SilverboxWithout|MrDamperWithout|Friction)" COST 10)
+rths_tests(rths_next_test_test "^Intervals\\." COST 15)
+rths_tests(rths_rule_test "." COST 10)
+rths_tests(rths_diagnosis_test "^Diagnosis\\." COST 6)
+rths_tests(rths_dynamic_diagnosis_test "." COST 5)
+rths_tests(rths_opensees_test "." COST 3)
