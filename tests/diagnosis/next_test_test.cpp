@@ -190,7 +190,8 @@ TEST_P(LateActuator, IsToldByTheTestThatIsProposed) {
 
 INSTANTIATE_TEST_SUITE_P(All, LateActuator,
                          testing::Values(Late{Lateness::Delay, "actuator_delay", "first_order_lag"},
-                                         Late{Lateness::Lag, "first_order_lag", "actuator_delay"}));
+                                         Late{Lateness::Lag, "first_order_lag", "actuator_delay"}),
+                         [](const auto& late) { return late.param.name; });
 
 }  // namespace
 }  // namespace rths::diagnosis

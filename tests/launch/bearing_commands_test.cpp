@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bearings and terms from the command line.
+// `rths loop` and `rths terms`.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -13,14 +13,14 @@ namespace {
 
 using test::run_rths;
 
-TEST(LoopCommand, TellsTheNumbersOfEachCycle) {
+TEST(LoopCommand, PrintsTheNumbersOfEachCycle) {
   const auto run = run_rths({"loop", "lprb", "--cycles", "2"});
 
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 4) << run.out;
 }
 
-TEST(LoopCommand, DrawsAndWritesWhatItDid) {
+TEST(LoopCommand, DrawsAndWritesTheLoop) {
   const test::TemporaryFolder folder;
   const auto svg = (folder.path() / "loop.svg").string();
   const auto csv = (folder.path() / "loop.csv").string();
@@ -53,7 +53,7 @@ TEST(LoopCommand, TakesNoMoreStepsForASlowTest) {
   EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 2 + 2 * 20'000);
 }
 
-TEST(LoopCommand, RefusesTermsThatComputeTheLoadThatIsGiven) {
+TEST(LoopCommand, RefusesTermsThatComputeTheGivenLoad) {
   const auto run = run_rths({"loop", "lprb", "--set", "elastomeric_axial.enabled=true"});
 
   EXPECT_EQ(run.exit_code, 2);
@@ -81,12 +81,12 @@ TEST(TermsCommand, ListsEveryTermWithItsEquation) {
             std::string::npos);
 }
 
-// The page in docs is what the command writes.
-TEST(TermsCommand, WritesThePageOfTerms) {
+// The command's output is the page in docs.
+TEST(TermsCommand, WritesThePageInDocs) {
   const auto page = run_rths({"terms", "--markdown"}).out;
   const auto committed = test::content_of(test::source_tree() / "docs/terms.md");
 
-  EXPECT_NE(committed.find(page), std::string::npos) << "./lab pictures writes it again";
+  EXPECT_NE(committed.find(page), std::string::npos) << "./lab pictures rewrites it";
 }
 
 TEST(TermsCommand, DrawsEveryTerm) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A recording of the whole laboratory, as the diagnosis sees it.
+// The diagnosis case that a recorded run becomes.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,7 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr const char* kAxes[] = {"long", "lat"};
-constexpr double kFusedBelow = 8;     // [Hz], by the noise of both sensors
+constexpr double kFusedBelow = 8;     // [Hz], from the noise of both sensors
 constexpr double kComparedUpTo = 10;  // [Hz]
 
 /// The example for twelve seconds, in virtual time.
@@ -41,9 +41,8 @@ struct Fused {
   Eigen::VectorXd displacement, velocity, acceleration;
 };
 
-/// What the model makes of the measured motion, and what was measured: rms of the difference below
-/// 10 Hz, on each axis [N].
-Eigen::Vector2d unexplained(const Case& c) {
+/// Measured minus predicted force under the measured motion: rms below 10 Hz, on each axis [N].
+Eigen::Vector2d residual(const Case& c) {
   const Record& record = c.records[0];
   const double step = record.time_step;
   std::vector<Fused> motion;
@@ -80,7 +79,7 @@ Eigen::Vector2d unexplained(const Case& c) {
   return result;
 }
 
-TEST(CaseOfARun, HoldsWhatTheMachineMeasuredUnderBothEarthquakes) {
+TEST(CaseOfARun, HoldsTheMeasurementsUnderBothEarthquakes) {
   const test::TemporaryFolder folder;
   const Case c = case_with(folder.path(), {});
 
@@ -98,41 +97,41 @@ TEST(CaseOfARun, HoldsWhatTheMachineMeasuredUnderBothEarthquakes) {
     ASSERT_TRUE(record.quiet);
     EXPECT_NEAR(static_cast<double>(record.quiet->second), 2000, 30);
     ASSERT_EQ(record.channels.size(), 9U);
-    // The weight, and what of the vertical motion the machine's slow vertical axis follows.
+    // The weight, and the vertical motion that the machine's slow vertical axis follows.
     const auto load = channel(record, "vertical_force");
     EXPECT_NEAR(load.mean(), 9.6856e6, 1e4);
     EXPECT_GT((load.array() - load.mean()).abs().maxCoeff(), 0.05 * load.mean());
     for (const char* axis : kAxes) {
-      // Compensated, the machine is a few milliseconds behind what it is told.
+      // The compensated machine lags its command by a few milliseconds.
       const auto command = channel(record, std::string{"command."} + axis);
       const auto measured = channel(record, std::string{"displacement."} + axis);
       EXPECT_LT((measured - command).norm(), 0.1 * command.norm()) << axis;
       EXPECT_GT((measured - command).norm(), 0) << axis;
     }
   }
-  // Not the same earthquake twice.
+  // The two earthquakes differ.
   const auto first = channel(c.records[0], "force.long");
   const auto second = channel(c.records[1], "force.long");
   const auto shared = std::min(first.size(), second.size());
   EXPECT_GT((first.head(shared) - second.head(shared)).norm(), first.head(shared).norm() / 2);
 }
 
-TEST(CaseOfARun, IsExplainedByItsModelUnlessSomethingIsConcealed) {
-  const test::TemporaryFolder honest;
-  const test::TemporaryFolder concealing;
-  const Case whole =
-      case_with(honest.path(), {"model.specimen.lead_heating.enabled=true",
-                                "model.machine.load_dependent_friction.enabled=true"});
-  const Case lacking = case_with(concealing.path(), {});
+TEST(CaseOfARun, IsExplainedByItsModelUnlessAnEffectIsOmitted) {
+  const test::TemporaryFolder complete_folder;
+  const test::TemporaryFolder incomplete_folder;
+  const Case complete =
+      case_with(complete_folder.path(), {"model.specimen.lead_heating.enabled=true",
+                                         "model.machine.load_dependent_friction.enabled=true"});
+  const Case incomplete = case_with(incomplete_folder.path(), {});
 
-  // 50 µm of noise on a bearing of 358 MN/m, mostly fused away.
+  // From 50 µm of noise on a bearing of 358 MN/m, most of which the sensor fusion removes.
   for (int i = 0; i < 2; ++i) {
-    EXPECT_LT(unexplained(whole)[i], 6e3) << kAxes[i];
-    EXPECT_GT(unexplained(lacking)[i], 5 * unexplained(whole)[i]) << kAxes[i];
+    EXPECT_LT(residual(complete)[i], 6e3) << kAxes[i];
+    EXPECT_GT(residual(incomplete)[i], 5 * residual(complete)[i]) << kAxes[i];
   }
 }
 
-TEST(CaseOfARun, IsNoneIfTheRecordingDoesNotSayWhatWasAssumed) {
+TEST(CaseOfARun, NeedsARecordingWithTheAssumedModel) {
   const test::TemporaryFolder folder;
   const auto text = folder.write("run.h5", "no recording");
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The command as people and scripts meet it: exit codes, streams, one-line errors.
+// The command's exit codes, output streams and one-line errors.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using test::run_rths;
 
 long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
-TEST(Command, ExitsWithThreeWhenItIsUsedWrongly) {
+TEST(Command, ExitsWithThreeOnWrongUsage) {
   EXPECT_EQ(run_rths({}).exit_code, 3);
   EXPECT_EQ(run_rths({"fly"}).exit_code, 3);
   EXPECT_EQ(run_rths({"run"}).exit_code, 3);
@@ -27,7 +27,7 @@ TEST(Command, ExitsWithThreeWhenItIsUsedWrongly) {
   EXPECT_EQ(run_rths({"run", "x.toml", "--set", "novalue"}).exit_code, 3);
 }
 
-TEST(Command, HelpsEverywhere) {
+TEST(Command, HasHelpForEverySubcommand) {
   for (const char* command : {"run", "check", "dump", "who", "watch", "send", "bench", "loop",
                               "terms", "map", "report", "doctor", "clean"}) {
     const Finished help = run_rths({command, "--help"});
@@ -37,7 +37,7 @@ TEST(Command, HelpsEverywhere) {
   EXPECT_EQ(run_rths({"--version"}).exit_code, 0);
 }
 
-TEST(Command, SaysInOneLineWhatFailed) {
+TEST(Command, ReportsAFailureInOneLine) {
   const Finished failed = run_rths({"run", "/no/such.toml"});
 
   EXPECT_EQ(failed.exit_code, 2);
@@ -53,7 +53,7 @@ struct Checked {
 
 class Check : public ::testing::TestWithParam<Checked> {};
 
-TEST_P(Check, TellsTheKindOfAFileByItsContent) {
+TEST_P(Check, RecognisesAFileByItsContent) {
   const Finished checked = run_rths({"check", GetParam().file});
 
   EXPECT_EQ(checked.exit_code, 0) << checked.err;
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "3000 samples, 0.02 s apart, peak 0.385"}),
     [](const auto& checked) { return std::string{checked.param.name}; });
 
-TEST(Check, RefusesWhatItDoesNotKnow) {
+TEST(Check, RefusesUnknownFiles) {
   const test::TemporaryFolder folder;
   const auto binary = folder.write("a.bin", std::string("\x7f"
                                                         "ELF\0\0\0\0",
@@ -100,7 +100,7 @@ TEST(MapCommand, ChecksAndGeneratesBuiltInMaps) {
       std::string::npos);
 }
 
-/// A ring that this test is on, so that nobody cleans it away.
+/// A ring with a live node of this test, so that `rths clean` keeps it.
 class RingCommand : public ::testing::Test {
  protected:
   std::string name = test::unique_ring("command");
@@ -109,14 +109,14 @@ class RingCommand : public ::testing::Test {
   broker::Node machine = ring.join("machine", 0);
 };
 
-TEST_F(RingCommand, SendWritesInTheUnitThatIsGiven) {
+TEST_F(RingCommand, SendConvertsTheGivenUnit) {
   EXPECT_EQ(run_rths({"send", name, "ref.long=2inch"}).exit_code, 0);
 
   EXPECT_NE(run_rths({"dump", name, "--once", "ref.long"}).out.find(") ref.long = 50.8 mm\n"),
             std::string::npos);
 }
 
-TEST_F(RingCommand, WhoSaysWhoseAWordIsAndWhenItWasWritten) {
+TEST_F(RingCommand, WhoReportsWriterAndTimeOfAWord) {
   EXPECT_NE(run_rths({"who", name, "ref.long"}).out.find(": controller's, who has not written it"),
             std::string::npos);
 
@@ -126,7 +126,7 @@ TEST_F(RingCommand, WhoSaysWhoseAWordIsAndWhenItWasWritten) {
             std::string::npos);
 }
 
-TEST_F(RingCommand, WatchHasNothingToSayOfNodesThatJournal) {
+TEST_F(RingCommand, WatchReportsNothingOfNodesWithAJournal) {
   test::Running watch{{test::rths_command(), "watch", name, "-T", "400"}};
   EXPECT_EQ(run_rths({"send", name, "ref.long=2inch"}).exit_code, 0);
 
@@ -136,14 +136,14 @@ TEST_F(RingCommand, WatchHasNothingToSayOfNodesThatJournal) {
   EXPECT_EQ(finished.out, "");
 }
 
-TEST_F(RingCommand, SendUnderstandsAllBeforeItWritesAny) {
+TEST_F(RingCommand, SendChecksAllArgumentsBeforeItWrites) {
   EXPECT_EQ(run_rths({"send", name, "ref.long=1", "ref.lng=2"}).exit_code, 2);
 
   EXPECT_NE(run_rths({"dump", name, "--once", "--format", "csv"}).out.find("ref.long,2.5,mm"),
             std::string::npos);
 }
 
-TEST_F(RingCommand, SendSaysWhatIsWrong) {
+TEST_F(RingCommand, SendReportsWrongArguments) {
   EXPECT_EQ(run_rths({"send", name, "ref.long=2kN"}).err,
             "rths: ref.long=2kN: the signal is in mm, 'kN' is not\n");
   EXPECT_EQ(run_rths({"send", name, "ref.long=x"}).err, "rths: ref.long=x: expected a number\n");
@@ -152,11 +152,11 @@ TEST_F(RingCommand, SendSaysWhatIsWrong) {
             std::string::npos);
 }
 
-TEST_F(RingCommand, DumpSaysWhenWhatItWaitsForDoesNotCome) {
+TEST_F(RingCommand, DumpExitsWithOneAtItsTimeout) {
   const Finished waited = run_rths({"dump", name, "ref.long", "-n", "3", "-T", "200"});
 
   EXPECT_EQ(waited.exit_code, 1);
-  EXPECT_EQ(lines(waited.out), 1);  // the value at the start, and no change
+  EXPECT_EQ(lines(waited.out), 1);  // the initial value only
 }
 
 TEST_F(RingCommand, DumpPrintsJsonThatParses) {
@@ -172,14 +172,14 @@ TEST_F(RingCommand, DumpRefusesAPatternThatMatchesNothing) {
             "rths: no signal of the ring has a name like that\n");
 }
 
-TEST_F(RingCommand, DoctorSeesWhoIsOnARing) {
+TEST_F(RingCommand, DoctorListsTheNodesOfARing) {
   const Finished doctor = run_rths({"doctor"});
 
   EXPECT_NE(doctor.out.find(name + ": "), std::string::npos);
   EXPECT_NE(doctor.out.find("machine"), std::string::npos);
 }
 
-TEST(CleanCommand, RemovesOnlyWhatNobodyUses) {
+TEST(CleanCommand, RemovesOnlyUnusedRings) {
   const std::string used = test::unique_ring("used");
   const std::string abandoned = test::unique_ring("left");
   const test::RingRemoval first{used};

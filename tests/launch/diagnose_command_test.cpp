@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `rths diagnose` and what it refuses.
+// `rths diagnose` and its errors.
 #include <gtest/gtest.h>
 
 #include "support/files.hpp"
@@ -18,7 +18,7 @@ TEST(DiagnoseCommand, NeedsACase) {
   EXPECT_NE(run.err.find("case is required"), std::string::npos) << run.err;
 }
 
-TEST(DiagnoseCommand, SaysWhatItMissesInAFolder) {
+TEST(DiagnoseCommand, NamesTheFileMissingInAFolder) {
   const test::TemporaryFolder folder;
 
   const auto run = run_rths({"diagnose", folder.path().string()});
@@ -48,7 +48,7 @@ TEST(DiagnoseCommand, WritesNothingIfTheCaseIsWrong) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
-TEST(DiagnoseCommand, SaysWhatASimulationLacks) {
+TEST(DiagnoseCommand, NamesTheColumnsMissingInASimulation) {
   const test::TemporaryFolder folder;
   folder.write("case.toml",
                "format = 1\n[[record]]\nfile = \"a.csv\"\nuse = \"fit\"\n[channels]\n"

@@ -9,7 +9,7 @@
 namespace rths::launch {
 namespace {
 
-/// An experiment beside its record, in a folder of its own.
+/// An experiment and its record, in their own folder.
 class ExperimentTest : public ::testing::Test {
  protected:
   ExperimentTest() {
@@ -84,7 +84,7 @@ TEST_F(ExperimentTest, IsReadWithItsDefaults) {
   EXPECT_NEAR(e.specimen.axial_load, 480e6 * 9.80665 / 486, 1);
 }
 
-TEST_F(ExperimentTest, IsShakenUpwardsOnlyIfItSaysSo) {
+TEST_F(ExperimentTest, HasVerticalMotionOnlyOnRequest) {
   EXPECT_TRUE(load_experiment(write()).motion.vert_acceleration.empty());
   const Experiment e = load_experiment(write(), {{"motion.column_vert", "1"}});
 
@@ -93,7 +93,7 @@ TEST_F(ExperimentTest, IsShakenUpwardsOnlyIfItSaysSo) {
             std::string::npos);
 }
 
-TEST_F(ExperimentTest, ImprovesItsModelByWhatADiagnosisFound) {
+TEST_F(ExperimentTest, ImprovesItsModelWithTheTermsOfADiagnosis) {
   const auto found = folder.write("found.toml",
                                   "[specimen.adiabatic_heating]\nkind = \"adiabatic_heating\"\n"
                                   "softening_1_per_J = 1e-7\n"
@@ -120,7 +120,7 @@ TEST_F(ExperimentTest, ImprovesItsModelByWhatADiagnosisFound) {
   EXPECT_EQ(model.table("coulomb_friction").number("friction_force_N"), 100);
   EXPECT_EQ(model.table("machine_coulomb_friction").numbers("friction_force_N"),
             (std::vector<double>{6000, 7000}));
-  // The laboratory is what it was.
+  // The laboratory is unchanged.
   EXPECT_EQ(e.machine.axes[0].effective_mass, 113'371);
   EXPECT_EQ(e.specimen.terms.size(), load_experiment(write()).specimen.terms.size() + 1);
   EXPECT_EQ(e.machine.terms.size(), load_experiment(write()).machine.terms.size());
@@ -143,7 +143,7 @@ TEST_F(ExperimentTest, ChangesABearingTermByTerm) {
             std::string::npos);
 }
 
-TEST_F(ExperimentTest, AssumesTheLaboratoryAsItIsUnlessItIsTold) {
+TEST_F(ExperimentTest, AssumesTheLaboratoryByDefault) {
   const Experiment e =
       load_experiment(write(), {{"machine.load_dependent_friction.friction_coefficient", "0.002"}});
 
@@ -157,10 +157,10 @@ TEST_F(ExperimentTest, AssumesTheLaboratoryAsItIsUnlessItIsTold) {
   EXPECT_EQ(model.table("platen_inertia").numbers("mass_kg"),
             (std::vector<double>{113'371, 116'836}));
   EXPECT_EQ(model.table("force_offset").numbers("offset_N"), (std::vector<double>{2000, -1500}));
-  EXPECT_FALSE(model.has("elastomeric_axial"));  // which the bearing's file leaves out
+  EXPECT_FALSE(model.has("elastomeric_axial"));  // omitted in the bearing's file
 }
 
-TEST_F(ExperimentTest, ConcealsFromTheModelWhatTheSimulationDoesNotKnow) {
+TEST_F(ExperimentTest, OmitsFromTheModelEffectsThatAreDisabled) {
   const Experiment e = load_experiment(
       write(), {{"specimen.coulomb_friction.friction_force_N", "1e4"},
                 {"machine.load_dependent_friction.friction_coefficient", "0.002"},
@@ -179,7 +179,8 @@ TEST_F(ExperimentTest, ConcealsFromTheModelWhatTheSimulationDoesNotKnow) {
   EXPECT_EQ(model.table("coulomb_friction").number("friction_force_N"), 1e4);
   EXPECT_EQ(model.table("machine_coulomb_friction").text("kind"), "coulomb_friction");
   EXPECT_EQ(model.table("platen_inertia").numbers("mass_kg"), (std::vector<double>{1e5, 1e5}));
-  EXPECT_EQ(sim::read_terms(model.without("fitted")).size(), 10U);  // those with a pair count twice
+  EXPECT_EQ(sim::read_terms(model.without("fitted")).size(),
+            10U);  // terms with two values count twice
 }
 
 TEST_F(ExperimentTest, MayAssumeAnotherBearing) {
@@ -203,7 +204,7 @@ TEST_F(ExperimentTest, SaysWhereTheModelIsWrong) {
             "'bouc_wen.eta'?)");
 }
 
-TEST_F(ExperimentTest, SaysWhereATermMeansNothing) {
+TEST_F(ExperimentTest, SaysWhereATermDoesNotApply) {
   const auto error = [&](const std::string& key) {
     return test::error_of([&] { static_cast<void>(load_experiment(write(), {{key, "1.1"}})); });
   };
@@ -217,7 +218,7 @@ TEST_F(ExperimentTest, SaysWhereATermMeansNothing) {
       "none of it");
 }
 
-TEST_F(ExperimentTest, StartsListenersBeforeSpeakers) {
+TEST_F(ExperimentTest, StartsReadersBeforeWriters) {
   const Experiment e = load_experiment(write());
 
   std::vector<std::string> order;
@@ -239,7 +240,7 @@ TEST_F(ExperimentTest, TakesChangesFromTheCommandLine) {
   EXPECT_NEAR(e.motion.long_acceleration[1], 0.3 * 9.80665, 1e-12);
 }
 
-TEST_F(ExperimentTest, SaysWhatIsWrongAndWhere) {
+TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
   EXPECT_EQ(error_with("format = 1", "format = 9"),
             "lab.toml:1:10: format is 9, this program reads 1");
   EXPECT_EQ(error_with("duration_s", "duration"),
@@ -260,7 +261,7 @@ TEST_F(ExperimentTest, SaysWhatIsWrongAndWhere) {
             "lab.toml:19:1: [uncompensated] names node 'xcp', which does not take part");
 }
 
-TEST_F(ExperimentTest, RefusesToTuneWhatIsNotThere) {
+TEST_F(ExperimentTest, RefusesToTuneUnknownParameters) {
   EXPECT_EQ(error_with("tune.ats.enabled", "tune.ats.enable"),
             "node 'xpc' has no parameter 'ats.enable' (did you mean 'ats.enabled'?)");
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The two mismatches between test and simulation that the SRMD's tests showed, in the virtual
-// laboratory: what they do to floor spectra, and what the diagnosis makes of them.
+// The virtual laboratory reproduces two mismatches between test and simulation seen at the SRMD:
+// their effect on floor spectra, and their diagnosis.
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 
 Json json_of(const std::filesystem::path& file) { return Json::parse(test::content_of(file)); }
 
-/// Runs an example in virtual time into a folder of its own.
+/// A run of an example in virtual time, in its own folder.
 class Mismatch {
  public:
   explicit Mismatch(const std::string& example, const std::vector<std::string>& options = {}) {
@@ -39,7 +39,7 @@ class Mismatch {
   test::TemporaryFolder folder_;
 };
 
-/// How many times as high the test's spectra are as the simulation's, of each floor.
+/// Ratio of the test's spectrum to the simulation's, one per floor.
 std::vector<double> ratios(const Json& report, const char* of, const char* band) {
   std::vector<double> values;
   for (const auto& floor : report["floors"]) values.push_back(floor[of][band]);
@@ -60,9 +60,9 @@ bool blames(const Json& verdict, const std::string& part) {
                      [&](const Json& cause) { return cause["part"] == part; });
 }
 
-// A lead of 80 ms on a lag of 60 ms, taken as linear, makes (1 + 0.08 iω)/(1 + 0.06 iω): 1.30 at
-// the auxiliary building's 7.6 Hz, and more around the loop. A machine that is compensated well
-// leaves up to 10 % in these spectra.
+// A lead of 80 ms on a lag of 60 ms has the linear gain (1 + 0.08 iω)/(1 + 0.06 iω): 1.30 at the
+// auxiliary building's 7.6 Hz, and more in closed loop. A well compensated machine changes these
+// spectra by up to 10 %.
 constexpr double kTooHigh = 1.3, kLeftWhenTracked = 1.15;
 
 TEST(DetunedTracking, RaisesFloorSpectraAbove6HzInRealTimeOnly) {
@@ -102,8 +102,8 @@ TEST(VerticalCoupling, IsNamedAndClosesTheGapInFloorSpectra) {
   EXPECT_NEAR(found["value"], 1, 0.02);  // of friction
   EXPECT_LT(verdict["fit"]["held_out.h5"]["nrmse_after"],
             1.2 * verdict["fit"]["held_out.h5"]["noise_floor"].get<double>());
-  // The plant's vertical resonance shakes the load, and with it the friction: what a simulation at
-  // constant load lacks in the band around it, and nowhere below.
+  // The plant's vertical resonance varies the axial load and so the friction. A simulation at
+  // constant load misses this in the band around the resonance, not below it.
   const auto before = ratios(report, "hybrid_over_numerical", "6_to_11_Hz");
   const auto after = ratios(report, "hybrid_over_improved", "6_to_11_Hz");
   EXPECT_GT(lowest(before), 1.08);
@@ -113,8 +113,8 @@ TEST(VerticalCoupling, IsNamedAndClosesTheGapInFloorSpectra) {
   EXPECT_LT(highest(ratios(report, "hybrid_over_numerical", "below_6_Hz")), 1.05);
 }
 
-TEST(MismatchedNothing, IsSaidToBeNothing) {
-  // Compensated as it should be, with no claim about the actuator to refute.
+TEST(MismatchedNothing, IsReportedAsNone) {
+  // The compensation is tuned correctly, and no actuator assumption is wrong.
   const Mismatch run{"srmd_lprb_2d.toml",
                      {"--set", "duration_s=20", "--set", "model.specimen.lead_heating.enabled=true",
                       "--set", "model.machine.load_dependent_friction.enabled=true"}};

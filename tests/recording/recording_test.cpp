@@ -20,7 +20,7 @@
 namespace rths::recording {
 namespace {
 
-/// Two partitions with signals in other units than SI, a step counter and an event.
+/// Two partitions with signals in non-SI units, a step counter and an event.
 memmap::Map sample_map() {
   return memmap::parse_map(R"(
 ringmap = 1
@@ -74,7 +74,7 @@ Writer open_writer(const std::filesystem::path& file) {
       {{{"lab.toml", "name = \"lab\"\n"}, {"empty", ""}}, {{"host", "here"}}, {{"machine", 1.0}}}};
 }
 
-/// Row number `i`: every value can be checked afterwards.
+/// Row number `i`. Its values follow from `i`, so that a reader can check them.
 std::vector<double> row(int i) { return {i * 1.0, i * -2.0, i + 1.0, i >= 30 ? 1.0 : 0.0}; }
 Duration time_of(int i) { return Duration{i * 1'000'000LL}; }
 
@@ -94,7 +94,7 @@ void expect_rows(const Reader& reader, std::size_t rows) {
   }
 }
 
-TEST(Recording, GivesBackEveryValueThatWasWritten) {
+TEST(Recording, ReturnsEveryWrittenValue) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "run.h5";
   Writer writer = open_writer(file);
@@ -124,7 +124,7 @@ TEST(Recording, CarriesNamesUnitsMapConfigurationAndMeta) {
   EXPECT_EQ(reader.meta().at("host"), "here");
 }
 
-TEST(Recording, HasAnEventForEachChangeOfASignalMarkedSo) {
+TEST(Recording, HasAnEventForEachChangeOfAnEventSignal) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "run.h5";
   Writer writer = open_writer(file);
@@ -139,7 +139,7 @@ TEST(Recording, HasAnEventForEachChangeOfASignalMarkedSo) {
   EXPECT_EQ(events[0].value, 1);
 }
 
-TEST(Recording, CountsTheStepsThatNoRowHas) {
+TEST(Recording, CountsTheStepsWithoutARow) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "run.h5";
   Writer writer = open_writer(file);
@@ -164,7 +164,7 @@ TEST(Recording, CanBeReadWhileItGrows) {
   expect_rows(Reader{file}, 300);
 }
 
-TEST(Recording, GuessesWhatAMisspeltSignalMeant) {
+TEST(Recording, SuggestsTheNearestSignal) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "run.h5";
   open_writer(file).close();
@@ -173,7 +173,7 @@ TEST(Recording, GuessesWhatAMisspeltSignalMeant) {
             "the recording has no signal 'fbk.long.dspl' (did you mean 'fbk.long.displ'?)");
 }
 
-TEST(Recording, RefusesFilesThatAreNone) {
+TEST(Recording, RefusesOtherFiles) {
   const test::TemporaryFolder folder;
   const auto text = folder.write("a.h5", "no HDF5 at all");
 
@@ -182,7 +182,7 @@ TEST(Recording, RefusesFilesThatAreNone) {
   EXPECT_NE(test::error_of([&] { Reader{folder.path() / "none.h5"}; }), "");
 }
 
-TEST(Recording, TakesMetaAndSeriesWhenItIsFinished) {
+TEST(Recording, TakesMetaAndSeriesAfterItIsClosed) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "run.h5";
   Writer writer = open_writer(file);
@@ -199,7 +199,7 @@ TEST(Recording, TakesMetaAndSeriesWhenItIsFinished) {
   EXPECT_TRUE(reader.meta_series("nothing").values.empty());
 }
 
-TEST(Recording, NeedsNoRepairWhenItWasClosed) {
+TEST(Recording, NeedsNoRepairAfterItIsClosed) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "run.h5";
   open_writer(file).close();
@@ -207,8 +207,8 @@ TEST(Recording, NeedsNoRepairWhenItWasClosed) {
   EXPECT_FALSE(repair(file));
 }
 
-// Killed at a random moment, a recording holds every row up to its last flush, each value right; it
-// reads as it is, and after the repair every HDF5 program opens it.
+// After a kill at a random moment, a recording holds every row up to the last flush with correct
+// values. It can be read unrepaired; after the repair every HDF5 program opens it.
 TEST(Recording, SurvivesKillAtAnyMoment) {
   std::mt19937 random{17};
   std::uniform_int_distribution<int> microseconds{0, 50'000};
@@ -225,7 +225,7 @@ TEST(Recording, SurvivesKillAtAnyMoment) {
       for (int i = 0;; ++i) writer.append(time_of(i), row(i));
     }
     char byte = 0;
-    ASSERT_EQ(read(begun[0], &byte, 1), 1);  // before, there is nothing to lose
+    ASSERT_EQ(read(begun[0], &byte, 1), 1);  // before this, the file has no rows
     close(begun[0]);
     close(begun[1]);
     usleep(static_cast<useconds_t>(microseconds(random)));
@@ -240,7 +240,7 @@ TEST(Recording, SurvivesKillAtAnyMoment) {
   }
 }
 
-TEST(Recording, SaysWhenTheFileSystemTakesNoMore) {
+TEST(Recording, ReportsAFullFileSystem) {
   const test::TemporaryFolder folder;
   const pid_t child = fork();
   if (child == 0) {
@@ -259,7 +259,7 @@ TEST(Recording, SaysWhenTheFileSystemTakesNoMore) {
 
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 
-  // What got there is right, and what did not is not a number.
+  // Written values are correct; the others are NaN.
   EXPECT_FALSE(repair(folder.path() / "run.h5"));
   const Reader reader{folder.path() / "run.h5"};
   const auto along = reader.signal("fbk.long.displ");
@@ -268,7 +268,7 @@ TEST(Recording, SaysWhenTheFileSystemTakesNoMore) {
     ASSERT_TRUE(along[i] == row(static_cast<int>(i))[0] || std::isnan(along[i])) << i;
 }
 
-// Mending is for what a crash left. Whoever writes is left alone.
+// Only a recording left by a crash is repaired, not one with a live writer.
 TEST(Recording, IsNotRepairedWhileItIsWritten) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "run.h5";
@@ -295,11 +295,11 @@ TEST(AtEachCount, TakesTheFirstValueOfEachCount) {
   EXPECT_EQ(at_each_count({0, 1, 1, 2, 3}, {9, 10, 11, 20, 30}), (std::vector<double>{10, 20, 30}));
 }
 
-TEST(AtEachCount, FillsCountsThatNoRowHasInBetween) {
+TEST(AtEachCount, InterpolatesMissingCounts) {
   EXPECT_EQ(at_each_count({1, 4}, {10, 40}), (std::vector<double>{10, 20, 30, 40}));
 }
 
-TEST(AtEachCount, BeginsWithTheFirstCountThereIs) {
+TEST(AtEachCount, RepeatsTheFirstCountBackwards) {
   EXPECT_EQ(at_each_count({3, 4}, {30, 40}), (std::vector<double>{30, 30, 30, 40}));
 }
 

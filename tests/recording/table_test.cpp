@@ -29,7 +29,7 @@ class TableTest : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(TableTest, ReadsColumnsHoweverTheyAreSeparated) {
+TEST_F(TableTest, ReadsColumnsWithAnySeparator) {
   for (const char* text :
        {"t,u\n0,1.5\n0.1,+2e-3\n", "t;u\r\n0;1.5\r\n0.1;2e-3\r\n", "t\tu\n0\t1.5\n0.1\t2e-3",
         "  t u\n  0   1.5\n 0.1 2e-3 \n\n", "t,u\r0,1.5\r0.1,2e-3\r",
@@ -47,14 +47,14 @@ TEST_F(TableTest, NumbersColumnsWithoutNames) {
   EXPECT_EQ(table.column("#1"), (Values{0, 2}));
 }
 
-TEST_F(TableTest, SaysInWhichLineSomethingIsWrong) {
+TEST_F(TableTest, ReportsTheLineOfAnError) {
   EXPECT_EQ(error("t,u\n0,1\n0.1\n"), "log.csv:3: 1 columns, expected 2 as in the first row");
   EXPECT_EQ(error("# nothing\n"), "log.csv: holds no columns of numbers");
   EXPECT_EQ(error("t,u\n"), "log.csv: holds names of columns, but no rows");
   EXPECT_EQ(error("t,u,t\n0,1,2\n"), "log.csv:1: two columns are called 't'");
 }
 
-TEST_F(TableTest, SaysWhereANumberIsMissingInAColumnThatIsAskedFor) {
+TEST_F(TableTest, ReportsAMissingNumberOnlyInARequestedColumn) {
   for (const std::string cell : {"one", "nan", ""}) {
     const Table table = load("t,u,day\n0,1,Mon\n0.1," + cell + ",Mon\n");
 
@@ -67,16 +67,16 @@ TEST_F(TableTest, SaysWhereANumberIsMissingInAColumnThatIsAskedFor) {
   }
 }
 
-TEST_F(TableTest, SkipsWhatStandsAboveAndBelowTheNames) {
+TEST_F(TableTest, SkipsLinesAboveAndBelowTheNames) {
   const Table table = load("MTS793|BTW|ENU|1|2\nDate: Monday\n\nt\tu\ns\tmm\n0\t1\n0.1\t2\n");
 
   EXPECT_EQ(table.column("t"), (Values{0, 0.1}));
   EXPECT_EQ(table.column("u"), (Values{1, 2}));
 }
 
-TEST_F(TableTest, SaysThatCommasAreNoDecimalPoints) {
-  const auto expect = [&](const std::string& text, int line, const std::string& what) {
-    EXPECT_EQ(error(text), "log.csv:" + std::to_string(line) + ": '" + what +
+TEST_F(TableTest, RefusesDecimalCommas) {
+  const auto expect = [&](const std::string& text, int line, const std::string& cell) {
+    EXPECT_EQ(error(text), "log.csv:" + std::to_string(line) + ": '" + cell +
                                "' looks like numbers with decimal commas, expected points");
   };
   expect("t;u\n0,0;1,5\n", 2, "0,0");
@@ -139,7 +139,7 @@ TEST_F(TableTest, ReadsDatasetsOfAnyHdf5File) {
   EXPECT_EQ(Table::load(path).column("run/motion(2)"), (Values{10, 20, 30}));
 }
 
-TEST_F(TableTest, ReadsOurOwnRecordingsByTheNamesOfTheirSignals) {
+TEST_F(TableTest, ReadsRecordingsBySignalName) {
   memmap::MapDescription description;
   description.name = "small";
   description.size_longwords = 1024;

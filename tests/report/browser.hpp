@@ -10,8 +10,8 @@ namespace rths::report::test_support {
 
 inline constexpr const char* kBrowser = "/usr/bin/chromium";
 
-/// The document after its scripts have run, without a network.
-/// @param profile  folder that the browser may use
+/// Returns the document after its scripts ran, without a network.
+/// @param profile  folder for the browser's own files
 inline std::string rendered(const std::filesystem::path& page,
                             const std::filesystem::path& profile) {
   return test::Running{{kBrowser, "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic",
@@ -23,7 +23,7 @@ inline std::string rendered(const std::filesystem::path& page,
       .out;
 }
 
-/// The start of the body, where the pages say how many figures they drew and what went wrong.
+/// Returns the body's opening tag, in which a page counts its figures and reports errors.
 inline std::string body_of(const std::string& page) {
   const auto begin = page.find("<body");
   return begin == std::string::npos ? "" : page.substr(begin, page.find('>', begin) - begin + 1);

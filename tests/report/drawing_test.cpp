@@ -20,7 +20,7 @@ Curve circle(int points) {
   return curve;
 }
 
-TEST(Drawing, RepeatsItselfToTheByte) {
+TEST(Drawing, IsTheSameToTheByteEveryTime) {
   const std::vector<Panel> panels{{"a", "x", "y", {circle(100)}}};
 
   EXPECT_EQ(draw("title", panels), draw("title", panels));
@@ -35,8 +35,8 @@ TEST(Drawing, LeavesOutPointsOnAStraightLine) {
   EXPECT_NE(svg.find("d=\"M0.0 270.0L360.0 0.0\""), std::string::npos);
 }
 
-// Out and back along a line ends where it began, and is a line all the same.
-TEST(Drawing, KeepsALineThatTurnsBack) {
+// A line that returns to its start is still drawn as a line.
+TEST(Drawing, KeepsALineThatReturnsToItsStart) {
   Curve line{"", {0, 1, 2, 1, 0}, {5, 5, 5, 5, 5}};
 
   const auto svg = draw("line", {{"", "x", "y", {line}}});
@@ -44,22 +44,22 @@ TEST(Drawing, KeepsALineThatTurnsBack) {
   EXPECT_NE(svg.find("d=\"M0.0 135.0L360.0 135.0L0.0 135.0\""), std::string::npos) << svg;
 }
 
-TEST(Drawing, KeepsTheShapeOfWhatIsRound) {
+TEST(Drawing, KeepsTheShapeOfACircle) {
   const auto svg = draw("circle", {{"", "x", "y", {circle(2000)}}});
   const auto path = svg.find("M360.0 135.0L");
 
   ASSERT_NE(path, std::string::npos);
-  // An arc that a chord may leave by 0.15 pixels is about 2√(2·0.15·r) long; r is 135 to 180.
+  // A chord at most 0.15 pixels from its arc is about 2√(2·0.15·r) long; r is 135 to 180.
   const auto lines = std::count(svg.begin() + static_cast<long>(path), svg.end(), 'L');
   EXPECT_GT(lines, 60);
   EXPECT_LT(lines, 400);
 }
 
-TEST(Drawing, EscapesWhatWouldBeMarkup) {
+TEST(Drawing, EscapesMarkup) {
   EXPECT_NE(draw("a < b & c", {}).find("a &lt; b &amp; c"), std::string::npos);
 }
 
-TEST(Drawing, RefusesACurveThatIsNone) {
+TEST(Drawing, RefusesACurveWithUnequalCoordinates) {
   EXPECT_EQ(test::error_of([] {
               static_cast<void>(draw("", {{"p", "", "", {{"", {1}, {}}}}}));
             }),

@@ -17,7 +17,7 @@ constexpr double kTimeStep = 0.01;                                         // of
 constexpr double kStiffness = 4.2e6, kDamping = 9.0e4, kFriction = 4.1e4;  // [N/m], [N·s/m], [N]
 constexpr double kNoise = 1.6e3;                                           // [N]
 
-/// A motion that swells and dies down as an earthquake's does.
+/// A motion with the envelope of an earthquake.
 struct Motion {
   std::vector<double> time, displacement, velocity;
 };
@@ -51,7 +51,7 @@ std::vector<double> forces(const Motion& m, const Law& law) {
 
 double base_law(double u, double v) { return kStiffness * u + kDamping * v; }
 double friction(double v) { return kFriction * std::tanh(v / 0.02); }
-// What fitting without the friction makes of it: more damping.
+// A fit without the friction term overestimates the damping.
 double absorbed_law(double u, double v) { return kStiffness * u + 1.9 * kDamping * v; }
 
 Trace trace(const std::string& record, double phase, const Law& truth, const Law& before,
@@ -73,7 +73,7 @@ Trace trace(const std::string& record, double phase, const Law& truth, const Law
   return t;
 }
 
-// Energy of a trace over cells of a value, as a part of all of it.
+// Energy of a trace in each cell of a value, as a fraction of its total.
 Profile profile(const std::string& name, const std::string& unit, std::vector<double> edges,
                 const std::vector<double>& values, const std::vector<double>& excess) {
   Profile p{name, unit, std::move(edges), {}};
@@ -124,7 +124,7 @@ void add_state_map(Where& where, const Trace& t, const Motion& m) {
   where.states.resize(count);
 }
 
-// The smallest set of cells that holds 80 %, neighbours joined.
+// The smallest set of cells that holds 80 % of the energy; neighbours are joined.
 std::vector<std::pair<double, double>> place_of(const Profile& p) {
   std::vector<std::size_t> order(p.share.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -144,11 +144,11 @@ std::vector<std::pair<double, double>> place_of(const Profile& p) {
   return intervals;
 }
 
-// Third octaves in which friction writes: the odd harmonics of the motion.
+// Third octaves with the energy of friction: odd harmonics of the motion.
 Profile third_octaves() {
   Profile p{"frequency", "Hz", {}, {}};
   for (int i = -3; i <= 14; ++i) p.edges.push_back(std::pow(10.0, i / 10.0) / std::pow(10.0, 0.05));
-  p.edges[0] = 0;  // all that is slower
+  p.edges[0] = 0;  // and below
   p.share = {.05, .19, .17, .08, .06, .12, .1, .07, .05, .04, .03, .02, .01, .01, 0, -1, -1};
   return p;
 }
@@ -181,7 +181,7 @@ Verdict common(const std::string& name) {
   Verdict v;
   v.case_name = name;
   v.synthetic = true;
-  v.noise_model = "stretch at rest, 0.0 to 1.1 s, autoregressive of order 12";
+  v.noise_model = "rest interval, 0.0 to 1.1 s, autoregressive of order 12";
   v.residual_correlation = noise_correlation();
   v.correlation_bound = 0.05;
   v.seconds = 1.84;
@@ -215,9 +215,9 @@ Verdict missing_verdict() {
   v.confidence = 0.98;
   v.sentence =
       "Missing: Coulomb friction in the guides, Fc = 41.2 kN ± 0.7 kN (confidence 0.98); explains "
-      "97 % of what was unexplained; on the unseen record the error falls from 9.1 % to 0.6 % "
+      "97 % of the unexplained residual; on the unseen record the error falls from 9.1 % to 0.6 % "
       "(noise alone: 0.6 %). Could also be friction that follows the vertical load; an empty table "
-      "under a sine of 0.5 Hz at three vertical loads would tell (218 σ).";
+      "under a sine of 0.5 Hz at three vertical loads would separate the two (218 σ).";
   v.traces = {trace("northridge.csv", 0, truth, absorbed_law, after),
               trace("petrolia.csv", 1.1, truth, absorbed_law, after)};
   v.where = where_of(v.traces[0], motion(0));
@@ -236,12 +236,12 @@ Verdict missing_verdict() {
                 {"transducer_backlash", "Play of the transducer", 6.2, 5.0, 7.3},
                 {"quadratic_drag", "Quadratic drag", 1.3, 0.7, 1.9},
                 {"platen_inertia", "Inertia of the platen", 0.01, -0.04, 0.06}};
-  v.limits = {"No vertical force was recorded: friction that follows it cannot be told apart.",
+  v.limits = {"No vertical force was recorded: friction that follows it cannot be distinguished.",
               "Displacements above 0.17 m were never visited.",
-              "The noise was taken from a stretch at rest of 1.1 s."};
+              "The noise was estimated from a rest interval of 1.1 s."};
   v.next_test = "empty table, sine of 0.5 Hz, ±120 mm, at vertical loads of 0.5, 1 and 1.6";
   v.fragment =
-      "# found by rths diagnose; the simulation left this out\n[coulomb_friction]\n"
+      "# found by rths diagnose; omitted in the simulation\n[coulomb_friction]\n"
       "friction_force_N = 41_200\npresliding_velocity_m_per_s = 0.0204\n";
   return v;
 }
@@ -251,7 +251,7 @@ Verdict none_verdict() {
   v.outcome = Outcome::None;
   v.confidence = 0.97;
   v.sentence =
-      "Nothing is missing: what the simulation leaves unexplained on the unseen record is noise "
+      "Nothing is missing: the residual of the simulation on the unseen record is noise "
       "(error 0.6 %, noise alone 0.6 %; confidence 0.97).";
   v.traces = {trace("petrolia.csv", 1.1, base_law, base_law, base_law)};
   v.fit = {{"petrolia.csv", "held_out", 0.0061, 0.0061, 0.0061, 0.0060, 1.01, 1.01}};
@@ -271,9 +271,9 @@ Verdict unknown_verdict() {
   v.confidence = 0.94;
   v.has_remainder = true;
   v.sentence =
-      "Something is missing that has no name here: a force that depends on displacement, f(u), "
-      "holds 93 % of what is unexplained (confidence 0.94); a triangle of 20 mm/s on the empty "
-      "table would tell whether it is the machine's.";
+      "Something unknown is missing: a force that depends on displacement, f(u), explains 93 % of "
+      "the residual (confidence 0.94); a triangle of 20 mm/s on the empty table would show whether "
+      "it acts in the machine.";
   v.traces = {trace("northridge.csv", 0, truth, base_law, base_law),
               trace("petrolia.csv", 1.1, truth, base_law, base_law)};
   v.where = where_of(v.traces[0], motion(0));
@@ -291,7 +291,7 @@ Verdict unknown_verdict() {
   v.residual_correlation = {};
   for (int lag = 1; lag <= 40; ++lag)
     v.residual_correlation.push_back(0.8 * std::exp(-lag / 25.0) * std::cos(lag / 4.0));
-  v.limits = {"No acceleration was recorded: inertia cannot be told from stiffness."};
+  v.limits = {"No acceleration was recorded: inertia cannot be distinguished from stiffness."};
   v.next_test = "empty table, triangle of 20 mm/s";
   return v;
 }

@@ -5,13 +5,13 @@
 
 namespace rths::report::test_support {
 
-/// Verdicts about a mass on a spring that rubs, as a diagnosis might give them: motions, forces and
-/// predictions are computed here, and all of them say that they are synthetic.
-/// A machine whose guides rub, which the simulation leaves out.
+/// Verdicts on a mass on a spring with friction, as a diagnosis might report them. Motions, forces
+/// and predictions are computed here and marked as synthetic.
+/// A machine with guide friction that the simulation omits.
 [[nodiscard]] diagnosis::Verdict missing_verdict();
-/// A simulation that leaves nothing out.
+/// A simulation that omits nothing.
 [[nodiscard]] diagnosis::Verdict none_verdict();
-/// Something that depends on displacement and has no name.
+/// An unnamed force that depends on displacement.
 [[nodiscard]] diagnosis::Verdict unknown_verdict();
 
 }  // namespace rths::report::test_support

@@ -39,7 +39,7 @@ TEST_F(Page, CarriesThePlottingLibraryWithItsCopyright) {
   EXPECT_NE(html.find("Leon Sorokin"), std::string::npos);
 }
 
-TEST_F(Page, SaysThatItsDataIsSynthetic) {
+TEST_F(Page, MarksItsDataAsSynthetic) {
   EXPECT_NE(html.find("synthetic specimen and machine"), std::string::npos);
   EXPECT_NE(html.find("fillText(\"synthetic\""), std::string::npos);
 }

@@ -11,7 +11,7 @@
 namespace rths::report {
 namespace {
 
-/// A run of a thousand steps, of which some were excused and some slowed down.
+/// A run of a thousand steps, some of them excused.
 Analysis run_with(int excused) {
   Analysis analysis;
   analysis.name = "x";
@@ -52,7 +52,7 @@ TEST(Numbers, HaveNoRawDelayWhereNoneWasMeasured) {
   EXPECT_TRUE(numbers_of(analysis)["axes"]["long"]["delay_raw_ms"].is_null());
 }
 
-TEST(Numbers, HoldEverythingThatAReportPromises) {
+TEST(Numbers, HoldEveryKeyOfAReport) {
   const Json numbers = numbers_of(run_with(3));
 
   for (const char* key :
@@ -67,7 +67,7 @@ TEST(Run, IsInconclusiveWhenTheHostWasLateInMoreThanAHundredthOfTheSteps) {
   EXPECT_NE(summary_of(run_with(11)).find("inconclusive, run again"), std::string::npos);
 }
 
-TEST(Report, SaysWhatItMisses) {
+TEST(Report, NamesTheMissingRecording) {
   const test::TemporaryFolder folder;
 
   EXPECT_NE(test::error_of([&] { static_cast<void>(make_report(folder.path())); }).find("run.h5"),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The page of a diagnosis, in a real browser where there is one.
+// The diagnosis page, in a real browser if one is installed.
 #include <gtest/gtest.h>
 
 #include <rths/report/diagnosis.hpp>
@@ -40,7 +40,7 @@ TEST(VerdictPage, StaysSmallWithManyLongRecords) {
   EXPECT_LT(verdict_page(verdict).size(), 3'000'000U);
 }
 
-TEST(VerdictPage, LetsNothingOfACaseBecomeMarkup) {
+TEST(VerdictPage, EscapesMarkupInTextsOfACase) {
   diagnosis::Verdict verdict = none_verdict();
   verdict.case_name = "</script><script>alert(1)</script><!--";
   verdict.limits = {"/*script*/ \xff"};
@@ -52,7 +52,7 @@ TEST(VerdictPage, LetsNothingOfACaseBecomeMarkup) {
   EXPECT_TRUE(holds(page, "/*script*/ \uFFFD"));
 }
 
-/// What Chromium makes of the page of a verdict.
+/// The page of a verdict, rendered by Chromium.
 class RenderedVerdict : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -62,7 +62,7 @@ class RenderedVerdict : public ::testing::Test {
   std::string rendered(const diagnosis::Verdict& verdict) {
     const auto written = write_diagnosis(verdict, folder_.path());
     const std::string page = test_support::rendered(written.page, folder_.path() / "profile");
-    return page.substr(0, page.find("<script>"));  // what is seen, not what draws it
+    return page.substr(0, page.find("<script>"));  // the visible document without its scripts
   }
   static bool is_hidden(const std::string& page, const std::string& section) {
     return holds(page, "<section id=\"" + section + "\" hidden=\"\">");
@@ -72,7 +72,7 @@ class RenderedVerdict : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(RenderedVerdict, ShowsPlaceNameModelAndProofOfWhatIsMissing) {
+TEST_F(RenderedVerdict, ShowsPlaceNameModelAndProofOfTheCause) {
   const std::string page = rendered(missing_verdict());
 
   // Time, loops, states, two profiles; loops, history, residual, correlation.
@@ -98,7 +98,7 @@ TEST_F(RenderedVerdict, ShowsNoPlaceAndNoModelWhereNothingIsMissing) {
   EXPECT_FALSE(holds(page, "type=\"range\""));
 }
 
-TEST_F(RenderedVerdict, ShowsTheFormOfWhatIsUnknown) {
+TEST_F(RenderedVerdict, ShowsTheFormOfAnUnknownCause) {
   const std::string page = rendered(unknown_verdict());
 
   EXPECT_EQ(body_of(page), "<body data-figures=\"10\">");
@@ -108,7 +108,7 @@ TEST_F(RenderedVerdict, ShowsTheFormOfWhatIsUnknown) {
   EXPECT_TRUE(holds(page, "empty table, triangle of 20 mm/s"));
 }
 
-TEST_F(RenderedVerdict, SaysThatItsDataIsSyntheticOnlyIfItIs) {
+TEST_F(RenderedVerdict, MarksOnlySyntheticDataAsSynthetic) {
   diagnosis::Verdict verdict = none_verdict();
   EXPECT_TRUE(holds(rendered(verdict), "synthetic recordings"));
 
@@ -117,7 +117,7 @@ TEST_F(RenderedVerdict, SaysThatItsDataIsSyntheticOnlyIfItIs) {
   EXPECT_FALSE(holds(rendered(verdict), "synthetic recordings"));
 }
 
-TEST_F(RenderedVerdict, DrawsWithWhateverIsThere) {
+TEST_F(RenderedVerdict, DrawsWithOptionalDataMissing) {
   diagnosis::Verdict verdict = missing_verdict();
   verdict.proof_record = "";
   verdict.traces.resize(1);
@@ -135,7 +135,7 @@ TEST_F(RenderedVerdict, DrawsWithWhateverIsThere) {
   EXPECT_TRUE(holds(page, "No record was held out: what follows is no proof."));
 }
 
-TEST_F(RenderedVerdict, DrawsAVerdictWithNothingInIt) {
+TEST_F(RenderedVerdict, DrawsAnEmptyVerdict) {
   EXPECT_EQ(body_of(rendered(diagnosis::Verdict{})), "<body data-figures=\"0\">");
 }
 

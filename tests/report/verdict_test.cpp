@@ -21,13 +21,13 @@ nlohmann::json parsed(const diagnosis::Verdict& verdict) {
   return nlohmann::json::parse(verdict_json(verdict));
 }
 
-TEST(VerdictJson, SaysWhichOfTheThreeOutcomesItIs) {
+TEST(VerdictJson, HasOneOfThreeOutcomes) {
   EXPECT_EQ(parsed(missing_verdict())["verdict"], "missing");
   EXPECT_EQ(parsed(none_verdict())["verdict"], "none");
   EXPECT_EQ(parsed(unknown_verdict())["verdict"], "unknown");
 }
 
-TEST(VerdictJson, HasTheSameKeysWhateverTheOutcome) {
+TEST(VerdictJson, HasTheSameKeysForEveryOutcome) {
   const auto missing = parsed(missing_verdict());
   for (const auto& other : {parsed(none_verdict()), parsed(diagnosis::Verdict{})}) {
     for (const auto& [key, value] : missing.items()) EXPECT_TRUE(other.contains(key)) << key;
@@ -60,7 +60,7 @@ TEST(VerdictJson, HoldsPlaceCauseAndProof) {
   EXPECT_EQ(json["evidence"][5]["ci90"], nlohmann::json::parse("[-0.04, 0.06]"));
 }
 
-TEST(VerdictJson, DescribesWhatHasNoName) {
+TEST(VerdictJson, DescribesTheFormOfAnUnknownCause) {
   const auto form = parsed(unknown_verdict())["descriptions"][0];
 
   EXPECT_EQ(form["form"], "f(u)");
@@ -68,7 +68,7 @@ TEST(VerdictJson, DescribesWhatHasNoName) {
   EXPECT_EQ(form["x"].size(), form["band"].size());
 }
 
-TEST(VerdictJson, HasNullForWhatIsNoNumber) {
+TEST(VerdictJson, HasNullForNanAndInfinity) {
   diagnosis::Verdict verdict = none_verdict();
   verdict.fit[0].noise_floor = std::nan("");
   verdict.fit[0].variance_after = std::numeric_limits<double>::infinity();
@@ -95,7 +95,7 @@ TEST(VerdictSummary, BeginsWithTheSentence) {
     EXPECT_EQ(verdict_summary(verdict).rfind(verdict.sentence + "\n", 0), 0U);
 }
 
-TEST(VerdictSummary, TellsErrorsBesideTheNoise) {
+TEST(VerdictSummary, ListsErrorsWithTheNoiseFloor) {
   const std::string text = verdict_summary(missing_verdict());
 
   EXPECT_NE(text.find("petrolia.csv    proof          9.1 %     0.63 %     0.61 %"),
@@ -104,7 +104,7 @@ TEST(VerdictSummary, TellsErrorsBesideTheNoise) {
   EXPECT_NE(text.find("or        load_dep_friction (97 % of the gain)"), std::string::npos);
 }
 
-TEST(WriteDiagnosis, LeavesNoModelOfAnEarlierDiagnosisBehind) {
+TEST(WriteDiagnosis, RemovesTheModelOfAnEarlierDiagnosis) {
   const test::TemporaryFolder folder;
   const auto out = folder.path() / "a/b";
 
@@ -133,7 +133,7 @@ TEST(WriteDiagnosis, WritesTheMotionOfTheNextTest) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "next_test.csv"));
 }
 
-TEST(WriteDiagnosis, SaysWhereItCannotWrite) {
+TEST(WriteDiagnosis, NamesTheFolderItCannotWrite) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("taken", "");
 
