@@ -15,7 +15,7 @@
 namespace rths::app {
 namespace {
 
-// Of a case's name, which may be any text, or of its folder if it has none.
+// The case's name without slashes; the name of its folder if that is no file name.
 std::string folder_name(const diagnosis::Case& c, const std::string& source) {
   std::string name = c.name;
   std::replace(name.begin(), name.end(), '/', '_');
@@ -34,7 +34,7 @@ diagnosis::Case load(const DiagnoseArguments& arguments) {
 int diagnose(const DiagnoseArguments& arguments) {
   const diagnosis::Case c = load(arguments);
   diagnosis::Verdict verdict = diagnosis::diagnose(c, {arguments.without, arguments.seed});
-  // Specimen and machine of runs are models in this version.
+  // In this version, specimen and machine of a run are models.
   verdict.synthetic = verdict.synthetic || std::filesystem::is_regular_file(arguments.source);
   std::filesystem::path folder = arguments.out;
   if (folder.empty())
