@@ -257,7 +257,7 @@ TEST_F(ExperimentTest, SaysWhatIsWrongAndWhere) {
                 .find("lab.toml:17:11: diagram is 'none.toml', expected a file or one of:"),
             std::string::npos);
   EXPECT_EQ(error_with("[uncompensated.xpc]", "[uncompensated.xcp]"),
-            "lab.toml:19:1: [uncompensated] names node 'xcp', which does not take part");
+            "lab.toml:19:1: [uncompensated] names node 'xcp', expected a node of the experiment");
 }
 
 TEST_F(ExperimentTest, RefusesToTuneWhatIsNotThere) {

@@ -178,7 +178,8 @@ TEST(RunDiagnosis, SaysWhereAnImprovementIsWrong) {
     return run.err;
   };
 
-  EXPECT_NE(error_with("").find("improved.toml: has no term of a [specimen] or a [machine]"),
+  EXPECT_NE(error_with("").find(
+                "improved.toml: found no term, expected a term in [specimen] or [machine]"),
             std::string::npos);
   EXPECT_NE(error_with("[specimn.p_delta]\ncoefficient = 1\n").find("improved.toml"),
             std::string::npos);
