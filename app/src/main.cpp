@@ -166,7 +166,8 @@ void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("bench", "Run a benchmark on this host");
   command->require_subcommand(1);
   auto* ring = command->add_subcommand(
-      "ring", "Latency and cost of the ring, compared with a bare cache line and with peers");
+      "ring",
+      "Latency and cost of the ring, compared with a bare cache line and with other libraries");
   ring->add_flag("--json", a.bench.json, "One JSON document instead of tables");
   ring->add_option("--cycles", a.bench.cycles, "Number of measurement cycles")
       ->check(CLI::PositiveNumber)

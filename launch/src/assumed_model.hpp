@@ -20,7 +20,7 @@ struct AssumedModel {
 /// @param specimen  the bearing with the changes of [specimen]
 /// @param machine  [machine]
 /// @param axial_load  on the bearing [N]
-/// @throws Error with the location of the first wrong key or value   @setup
+/// @throws Error with the place of the first wrong key or value   @setup
 [[nodiscard]] AssumedModel read_assumed_model(const Config& model, const Config& specimen,
                                               const Config& machine, double axial_load);
 

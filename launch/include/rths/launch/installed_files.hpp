@@ -22,7 +22,7 @@ namespace rths::launch {
 /// Path of the file named by a config key: a path relative to the config file, or the bare name of
 /// an installed file in `folder` ("maps", "diagrams", "bearings").
 /// @param otherwise  value if the key is absent; empty: the key is required
-/// @throws Error with the location of the key if the file does not exist   @setup
+/// @throws Error with the place of the key if the file does not exist   @setup
 [[nodiscard]] std::filesystem::path find_file(const Config& table, const std::string& key,
                                               const std::string& folder,
                                               const std::string& otherwise = "");

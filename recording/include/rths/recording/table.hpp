@@ -30,7 +30,7 @@ class Table {
 
   [[nodiscard]] const std::vector<Column>& columns() const { return columns_; }
   /// A column by name, or by position: "#3".
-  /// @throws Error with the most similar known name, or with the location of a cell that is not a
+  /// @throws Error with the most similar known name, or with the place of a cell that is not a
   ///         finite number
   [[nodiscard]] const std::vector<double>& column(const std::string& name) const;
   /// The same, with NaN for cells that are not a finite number.
