@@ -1,8 +1,8 @@
 # rths_add(<folder> [INTERNAL] SOURCES <files> [DEPENDS <targets>] [PRIVATE <targets>])
 #
 # One folder, one target: library rths_<folder>, alias rths::<folder>, public headers below include/.
-# Its include/ is its own root, so an arrow that is not in DEPENDS does not compile. What is INTERNAL
-# is not installed: only this project's own programs use it.
+# Each include/ is a separate root, so includes from a folder that is not in DEPENDS do not compile.
+# INTERNAL libraries are not installed; only programs of this project use them.
 function(rths_add folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL" "" "SOURCES;DEPENDS;PRIVATE")
   set(target rths_${folder})
@@ -21,16 +21,15 @@ endfunction()
 
 # rths_test(<folder> [PURE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>])
 #
-# The tests of a folder as one executable; each TEST becomes a ctest case. Tests of PURE maths leave
-# nothing behind for each other: under sanitizers, where a process takes long to start, they are
-# four cases.
+# The tests of a folder as one executable; each TEST is a ctest case. PURE tests are independent maths.
+# Under sanitizers, where processes start slowly, they run as four cases.
 function(rths_test folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "PURE" "LABEL" "SOURCES;DEPENDS")
   set(target rths_${folder}_test)
   add_executable(${target} ${arg_SOURCES})
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
                                           GTest::gtest_main)
-  # Tests are built more often than they are run: what they test has the preset's optimization.
+  # Faster compilation: tests use -O1, the tested libraries the optimization of the preset.
   target_compile_options(${target} PRIVATE -O1)
   if(NOT arg_LABEL)
     set(arg_LABEL unit)
