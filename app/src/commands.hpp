@@ -34,7 +34,7 @@ struct NodeArguments {
 [[nodiscard]] int check(const std::string& file);
 
 struct DumpArguments {
-  std::string source;                 ///< name of a ring, or file of a recording
+  std::string ring_or_recording;      ///< name of a ring, or file of a recording
   std::vector<std::string> patterns;  ///< signal names; * and ? as in a shell
   std::string format = "text";        ///< text, json or csv
   bool once = false;                  ///< print current values only, not changes
@@ -110,7 +110,7 @@ struct OpenseesBenchArguments {
 [[nodiscard]] int bench_opensees(const OpenseesBenchArguments& arguments);
 
 struct DiagnoseArguments {
-  std::string source;                ///< folder of a case, or a recording
+  std::string case_or_recording;     ///< folder of a case, or a recording
   std::string out;                   ///< folder; empty: out/diagnosis/<name of the case>
   std::string against;               ///< prediction of another simulation; empty: the model's
   std::vector<std::string> without;  ///< excluded terms

@@ -69,7 +69,7 @@ void print_changes(const broker::Node& node, std::vector<Watched>& watched, doub
 }
 
 int dump_ring(const DumpArguments& arguments) {
-  broker::Ring ring = broker::Ring::attach(arguments.source);
+  broker::Ring ring = broker::Ring::attach(arguments.ring_or_recording);
   const broker::Node node = ring.observe();
   std::vector<Watched> watched;
   for (const auto& entry : ring.map().signals())
@@ -90,7 +90,7 @@ int dump_ring(const DumpArguments& arguments) {
 }
 
 int dump_recording(const DumpArguments& arguments) {
-  const recording::Reader reader{arguments.source};
+  const recording::Reader reader{arguments.ring_or_recording};
   struct Column {
     std::string name, unit;
     std::vector<double> values;
@@ -111,8 +111,8 @@ int dump_recording(const DumpArguments& arguments) {
 }  // namespace
 
 int dump(const DumpArguments& arguments) {
-  return std::filesystem::exists(arguments.source) ? dump_recording(arguments)
-                                                   : dump_ring(arguments);
+  return std::filesystem::exists(arguments.ring_or_recording) ? dump_recording(arguments)
+                                                              : dump_ring(arguments);
 }
 
 }  // namespace rths::app

@@ -93,7 +93,7 @@ void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
 void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command =
       app.add_subcommand("dump", "Print the words of a ring, or the rows of a recording");
-  command->add_option("source", a.dump.source, "Name of a ring, or file of a recording")
+  command->add_option("source", a.dump.ring_or_recording, "Name of a ring, or file of a recording")
       ->required();
   command->add_option("signals", a.dump.patterns, "Signal names; * and ? as in a shell [all]");
   command->add_option("--format", a.dump.format)->check(CLI::IsMember({"text", "json", "csv"}));
@@ -107,9 +107,10 @@ void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
 
 void add_who(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("who", "Print the last writer and write time of words");
-  command->add_option("ring", a.dump.source, "Name of a ring")->required();
+  command->add_option("ring", a.dump.ring_or_recording, "Name of a ring")->required();
   command->add_option("signals", a.dump.patterns, "Signal names; * and ? as in a shell [all]");
-  command->callback([&] { chosen = [&a] { return who(a.dump.source, a.dump.patterns); }; });
+  command->callback(
+      [&] { chosen = [&a] { return who(a.dump.ring_or_recording, a.dump.patterns); }; });
 }
 
 void add_watch(CLI::App& app, Arguments& a, Chosen& chosen) {
@@ -230,7 +231,9 @@ void add_terms(CLI::App& app, Arguments& a, Chosen& chosen) {
 void add_diagnose(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand(
       "diagnose", "Find the physics that a simulation omits, or report that none is missing");
-  command->add_option("case", a.diagnose.source, "Folder with a case.toml, or a recording of a run")
+  command
+      ->add_option("case", a.diagnose.case_or_recording,
+                   "Folder with a case.toml, or a recording of a run")
       ->required();
   command->add_option("--out", a.diagnose.out, "Folder for the results [out/diagnosis/<name>]");
   command->add_option("--against", a.diagnose.against,

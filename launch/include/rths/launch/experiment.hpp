@@ -70,7 +70,7 @@ struct Experiment {
   adapters::Retreat retreat;
   std::vector<NodePlan> nodes;                           ///< in starting order
   std::optional<adapters::DisplacementHistory> history;  ///< imposed instead of an analysis
-  recording::NamedTexts config;                          ///< source files, for the recording
+  recording::NamedTexts config;                          ///< input files, for the recording
 
   [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
 };

@@ -22,7 +22,7 @@ namespace rths::recording {
 ///     /events/time, /events/signal, /events/value      changes of signals marked as events
 ///     /drops           int64 [nodes]           steps of each node without a row; attribute names
 ///     /map             text                    canonical map; attributes name, version, hash
-///     /config/<file>   text                    source files of the run
+///     /config/<file>   text                    input files of the run
 ///     /meta            attributes              data that differ between identical runs
 inline constexpr int kRecordingFormat = 1;
 
