@@ -116,7 +116,7 @@ class Reader {
 [[nodiscard]] std::vector<double> at_each_count(const std::vector<double>& counter,
                                                 const std::vector<double>& signal);
 
-/// True if the file has the signature of HDF5.
+/// True if the file begins as an HDF5 file does.
 [[nodiscard]] bool is_hdf5(const std::filesystem::path& file);
 /// Adds attributes to /meta of a finished recording. @throws Error
 void add_meta(const std::filesystem::path& file, const NamedTexts& meta);
