@@ -78,7 +78,7 @@ unit = "m"
   return map;
 }
 
-/// Sends back what it gets, times its gain.
+/// Returns its input times its gain.
 class Echo final : public Adapter {
  public:
   std::vector<Port> list = {{"source.displ", Direction::Input, "m", 0, false},
@@ -144,7 +144,7 @@ TEST_F(AdapterRunnerTest, ReadsParametersThatAreTunedWhileItRuns) {
   EXPECT_NEAR(value("echo.displ"), 0.5, 1e-6);
 }
 
-TEST_F(AdapterRunnerTest, TellsOfItselfInItsMonitors) {
+TEST_F(AdapterRunnerTest, WritesItsOwnMonitors) {
   echo.result = Status::LimitExceeded;
   static_cast<void>(runner.tick(Duration{0}, false, {Duration{20'000}, milliseconds{2}}));
   static_cast<void>(runner.tick(Duration{0}, false, {}));
@@ -157,9 +157,8 @@ TEST_F(AdapterRunnerTest, TellsOfItselfInItsMonitors) {
   EXPECT_EQ(runner.overruns(), 1U);
 }
 
-// What is no number neither reaches an adapter nor leaves it: the last value stands, and is
-// counted.
-TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAWordIsNoNumber) {
+// NaN and infinite values are dropped in both directions; the last valid value is held and counted.
+TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAWordIsNaN) {
   send(0.1);
   EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::Ok);
   send(std::nan(""));
@@ -170,7 +169,7 @@ TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAWordIsNoNumber) {
   EXPECT_EQ(value("monitor.echo.host.stale"), 1);
 }
 
-TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAnAdapterGivesNoNumber) {
+TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAnAdapterOutputsNaN) {
   send(0.1);
   static_cast<void>(runner.tick(Duration{0}, false, {}));
   echo.poisoned = true;
@@ -180,7 +179,7 @@ TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAnAdapterGivesNoNumber) {
   EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
 }
 
-TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereANumberDoesNotFitItsWord) {
+TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAValueOverflowsItsWord) {
   send(0.1);
   static_cast<void>(runner.tick(Duration{0}, false, {}));
   tune_gain(1e6);
@@ -191,14 +190,14 @@ TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereANumberDoesNotFitItsWord) {
   EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
 }
 
-// Whoever is done is done, whatever its neighbours sent last.
-TEST_F(AdapterRunnerTest, EndsThoughAWordThatItReadsIsStale) {
+// A stale input does not revoke an adapter's Done.
+TEST_F(AdapterRunnerTest, EndsDespiteAStaleInput) {
   send(std::nan(""));
 
   EXPECT_EQ(runner.tick(Duration{0}, true, {}), Status::Done);
 }
 
-TEST_F(AdapterRunnerTest, BeatsWithEveryStep) {
+TEST_F(AdapterRunnerTest, WritesItsHeartbeatWithEveryStep) {
   const std::uint64_t before = source.beats_of(map.node("echo"));
 
   static_cast<void>(runner.tick(Duration{0}, false, {}));
@@ -206,7 +205,7 @@ TEST_F(AdapterRunnerTest, BeatsWithEveryStep) {
   EXPECT_EQ(source.beats_of(map.node("echo")), before + 1);
 }
 
-TEST_F(AdapterRunnerTest, KnowsWhoseWordsItReads) {
+TEST_F(AdapterRunnerTest, ListsTheNodesThatItReads) {
   EXPECT_EQ(runner.peers(), std::vector<std::string>{"source"});
 }
 
@@ -282,8 +281,8 @@ TEST_F(AdapterRunnerTest, LoopsInRealTime) {
   EXPECT_EQ(end.status, Status::Done);
 }
 
-// Steps that were missed are made up for, each with its own scheduled time.
-TEST_F(AdapterRunnerTest, MakesUpForMissedSteps) {
+// Missed steps are run afterwards, each with its own scheduled time.
+TEST_F(AdapterRunnerTest, RunsMissedStepsAfterwards) {
   VirtualClock clock;
   clock.sleep_until(milliseconds{50});  // fifty steps late from the start
   const std::atomic<bool> stopping{false};
@@ -299,21 +298,21 @@ TEST_F(AdapterRunnerTest, MakesUpForMissedSteps) {
 TEST(Retreat, HoldsThenRampsToRestWithoutAJump) {
   const Retreat retreat{0.2, 1.0};
 
-  EXPECT_EQ(retreat.part(0), 1);
-  EXPECT_EQ(retreat.part(0.2), 1);
-  EXPECT_NEAR(retreat.part(0.7), 0.5, 1e-12);
-  EXPECT_EQ(retreat.part(1.2), 0);
+  EXPECT_EQ(retreat.fraction(0), 1);
+  EXPECT_EQ(retreat.fraction(0.2), 1);
+  EXPECT_NEAR(retreat.fraction(0.7), 0.5, 1e-12);
+  EXPECT_EQ(retreat.fraction(1.2), 0);
   EXPECT_FALSE(retreat.finished(1.19));
   EXPECT_TRUE(retreat.finished(1.2));
   for (double t = 0; t < 1.3; t += 0.001)
-    EXPECT_LE(std::abs(retreat.part(t + 0.001) - retreat.part(t)), 0.002);
+    EXPECT_LE(std::abs(retreat.fraction(t + 0.001) - retreat.fraction(t)), 0.002);
 }
 
 TEST(Retreat, WorksInRealTime) {
   const Retreat retreat;
   double part = 0;
   bool finished = false;
-  EXPECT_REALTIME(part = retreat.part(0.5));
+  EXPECT_REALTIME(part = retreat.fraction(0.5));
   EXPECT_REALTIME(finished = retreat.finished(0.5));
   EXPECT_GT(part, 0);
   EXPECT_FALSE(finished);
