@@ -25,11 +25,11 @@ version = 1
 size_bytes = 4096
 [nodes]
 echo = 1
-source = 2
+sender = 2
 operator = 3
 [[partition]]
-name = "source"
-node = "source"
+name = "sender"
+node = "sender"
 offset = 0
 longwords = 2
 tear_group = true
@@ -81,7 +81,7 @@ unit = "m"
 /// Returns its input times its gain.
 class Echo final : public Adapter {
  public:
-  std::vector<Port> list = {{"source.displ", Direction::Input, "m", 0, false},
+  std::vector<Port> list = {{"sender.displ", Direction::Input, "m", 0, false},
                             {"gain", Direction::Parameter, "1", 3, false},
                             {"echo.displ", Direction::Output, "m", 0, false},
                             {"twice", Direction::Monitor, "m", 0, false}};
@@ -106,14 +106,14 @@ class AdapterRunnerTest : public ::testing::Test {
  protected:
   memmap::Map map = memmap::parse_map(bench_map(), "bench");
   broker::Ring ring = broker::Ring::in_process(map);
-  broker::Node source = ring.join("source", 0);
+  broker::Node sender = ring.join("sender", 0);
   Echo echo;
   AdapterRunner runner{echo, ring, "echo", map.hash(), milliseconds{1}};
 
   void send(double displacement) {
-    const auto& entry = map.entry(map.signal("source.displ"));
+    const auto& entry = map.entry(map.signal("sender.displ"));
     const std::uint32_t words[2] = {0, memmap::Codec{*entry.signal}.encode(displacement)};
-    ASSERT_EQ(source.write_group(ring.tear_group("source"), words), Status::Ok);
+    ASSERT_EQ(sender.write_group(ring.tear_group("sender"), words), Status::Ok);
   }
   void tune_gain(double gain) {
     broker::Node hand = ring.join("operator", 0);
@@ -122,7 +122,7 @@ class AdapterRunnerTest : public ::testing::Test {
   }
   [[nodiscard]] double value(const std::string& name) const {
     const auto& entry = map.entry(map.signal(name));
-    return memmap::Codec{*entry.signal}.decode(source.read(entry.signal->offset));
+    return memmap::Codec{*entry.signal}.decode(sender.read(entry.signal->offset));
   }
 };
 
@@ -198,15 +198,15 @@ TEST_F(AdapterRunnerTest, EndsDespiteAStaleInput) {
 }
 
 TEST_F(AdapterRunnerTest, WritesItsHeartbeatWithEveryStep) {
-  const std::uint64_t before = source.beats_of(map.node("echo"));
+  const std::uint64_t before = sender.beats_of(map.node("echo"));
 
   static_cast<void>(runner.tick(Duration{0}, false, {}));
 
-  EXPECT_EQ(source.beats_of(map.node("echo")), before + 1);
+  EXPECT_EQ(sender.beats_of(map.node("echo")), before + 1);
 }
 
 TEST_F(AdapterRunnerTest, ListsTheNodesThatItReads) {
-  EXPECT_EQ(runner.peers(), std::vector<std::string>{"source"});
+  EXPECT_EQ(runner.peers(), std::vector<std::string>{"sender"});
 }
 
 TEST_F(AdapterRunnerTest, TicksInRealTime) {
@@ -219,19 +219,19 @@ TEST_F(AdapterRunnerTest, TicksInRealTime) {
 TEST(AdapterRunner, RefusesAnOutputThatBelongsToAnotherNode) {
   broker::Ring ring = broker::Ring::in_process(memmap::parse_map(bench_map(), "bench"));
   Echo echo;
-  echo.list[2].name = "source.displ";
+  echo.list[2].name = "sender.displ";
 
   EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
-            "node 'echo' cannot write 'source.displ', which belongs to 'source'");
+            "node 'echo' cannot write 'sender.displ', which belongs to 'sender'");
 }
 
 TEST(AdapterRunner, RefusesASignalThatTheRingLacks) {
   broker::Ring ring = broker::Ring::in_process(memmap::parse_map(bench_map(), "bench"));
   Echo echo;
-  echo.list[0].name = "source.dspl";
+  echo.list[0].name = "sender.dspl";
 
   EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
-            "map 'bench' has no signal 'source.dspl' (did you mean 'source.displ'?)");
+            "map 'bench' has no signal 'sender.dspl' (did you mean 'sender.displ'?)");
 }
 
 TEST_F(AdapterRunnerTest, LoopsUntilTheAdapterIsDone) {
@@ -254,7 +254,7 @@ TEST_F(AdapterRunnerTest, LoopsUntilItIsToldToStop) {
   std::thread loop{[&] {
     end = run_loop(runner, clock, clock.now(), {milliseconds{1}, Duration{0}}, stopping);
   }};
-  while (source.beats_of(map.node("echo")) < 5) std::this_thread::yield();
+  while (sender.beats_of(map.node("echo")) < 5) std::this_thread::yield();
 
   stopping.store(true);
   loop.join();
@@ -310,11 +310,11 @@ TEST(Retreat, HoldsThenRampsToRestWithoutAJump) {
 
 TEST(Retreat, WorksInRealTime) {
   const Retreat retreat;
-  double part = 0;
+  double fraction = 0;
   bool finished = false;
-  EXPECT_REALTIME(part = retreat.fraction(0.5));
+  EXPECT_REALTIME(fraction = retreat.fraction(0.5));
   EXPECT_REALTIME(finished = retreat.finished(0.5));
-  EXPECT_GT(part, 0);
+  EXPECT_GT(fraction, 0);
   EXPECT_FALSE(finished);
 }
 

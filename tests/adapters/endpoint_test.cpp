@@ -101,7 +101,7 @@ TEST(Endpoint, DetectsALostDatagram) {
   peer.send_bytes(1, 'a');
   EXPECT_TRUE(endpoint.receive(16'000).empty());
   other.send_bytes(9126);  // from another sender: ignored
-  peer.send_bytes(6874);   // the first part is lost
+  peer.send_bytes(6874);   // the first datagram is lost
   EXPECT_THROW(static_cast<void>(received(endpoint, 16'000)), Error);
 }
 

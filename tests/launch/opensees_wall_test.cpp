@@ -43,7 +43,7 @@ class Laboratory {
   // Returns the process ids of OpenSees and of each node when all are running.
   std::map<std::string, int> wait_until_moving() {
     std::map<std::string, int> pids;
-    for (int check = 0; check < 2000 && pids.size() < 5; ++look) {
+    for (int check = 0; check < 2000 && pids.size() < 5; ++check) {
       std::this_thread::sleep_for(milliseconds{5});
       pids.clear();
       for (const auto& report : broker::list_rings())

@@ -136,18 +136,18 @@ void Endpoint::accept() {
 std::size_t Endpoint::read_datagram(std::size_t length) {
   sockaddr_in sender{};
   socklen_t size = sizeof sender;
-  const std::size_t wanted = datagram_for(length - filled_);
+  const std::size_t expected = datagram_for(length - filled_);
   // MSG_TRUNC returns the full length of a datagram that is too long.
-  const ssize_t count = recvfrom(listener_.get(), received_.data() + filled_, wanted, MSG_TRUNC,
+  const ssize_t count = recvfrom(listener_.get(), received_.data() + filled_, expected, MSG_TRUNC,
                                  reinterpret_cast<sockaddr*>(&sender), &size);
   if (count < 0) return 0;
   if (sender.sin_port != client_.sin_port || sender.sin_addr.s_addr != client_.sin_addr.s_addr)
     return 0;  // from another sender
-  if (static_cast<std::size_t>(count) != wanted)
+  if (static_cast<std::size_t>(count) != expected)
     throw Error{fmt::format(
         "a datagram of {} bytes, expected {}: one was lost, or its sender is not OpenSees", count,
-        wanted)};
-  return wanted;
+        expected)};
+  return expected;
 }
 
 std::size_t Endpoint::read_some(std::size_t length) {
@@ -178,12 +178,12 @@ std::span<const std::byte> Endpoint::receive(std::size_t length) {
 void Endpoint::send(std::span<const std::byte> message, Duration longest) {
   const TimePoint deadline = WallClock{}.now() + longest;
   while (!message.empty()) {
-    const std::size_t wanted =
+    const std::size_t expected =
         transport_ == Transport::Udp ? datagram_for(message.size()) : message.size();
     const ssize_t count = transport_ == Transport::Udp
-                              ? sendto(listener_.get(), message.data(), wanted, 0,
+                              ? sendto(listener_.get(), message.data(), expected, 0,
                                        reinterpret_cast<const sockaddr*>(&client_), sizeof client_)
-                              : ::send(connection_.get(), message.data(), wanted, MSG_NOSIGNAL);
+                              : ::send(connection_.get(), message.data(), expected, MSG_NOSIGNAL);
     if (count > 0) {
       message = message.subspan(static_cast<std::size_t>(count));
       continue;

@@ -87,16 +87,16 @@ Diagram::OutputId Diagram::find_output(const WiredBlock& wired, const std::strin
                           meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
 }
 
-void Diagram::check_fit(const WiredBlock& wired, const PortSpec& input, const PortSpec& source,
+void Diagram::check_fit(const WiredBlock& wired, const PortSpec& input, const PortSpec& output,
                         const std::string& wire) const {
-  if (width(input) != width(source))
+  if (width(input) != width(output))
     throw Error{fmt::format("{}: '{}.{}' takes {}, '{}' gives {}", wired.block.where,
                             wired.block.name, input.name,
                             input.per_axis ? "one value per axis" : "a single value", wire,
-                            source.per_axis ? "one per axis" : "a single one")};
-  if (!input.unit.empty() && !source.unit.empty() && input.unit != source.unit)
+                            output.per_axis ? "one per axis" : "a single one")};
+  if (!input.unit.empty() && !output.unit.empty() && input.unit != output.unit)
     throw Error{fmt::format("{}: '{}.{}' takes [{}], '{}' gives [{}]", wired.block.where,
-                            wired.block.name, input.name, input.unit, wire, source.unit)};
+                            wired.block.name, input.name, input.unit, wire, output.unit)};
 }
 
 void Diagram::connect_input(WiredBlock& wired, std::size_t input) {
@@ -106,11 +106,11 @@ void Diagram::connect_input(WiredBlock& wired, std::size_t input) {
     wired.wires.in.push_back(&values_[values_.size() - context_.axes.size()]);
     return;
   }
-  const OutputId source = find_output(wired, wire);
-  const WiredBlock& from = blocks_[source.block];
-  check_fit(wired, wired.block.inputs[input], from.block.outputs[source.output], wire);
-  wired.wires.in.push_back(&values_[from.out_at[source.output]]);
-  if (!is_unit_delay(wired.block)) feeds_[self].push_back(source.block);
+  const OutputId feed = find_output(wired, wire);
+  const WiredBlock& from = blocks_[feed.block];
+  check_fit(wired, wired.block.inputs[input], from.block.outputs[feed.output], wire);
+  wired.wires.in.push_back(&values_[from.out_at[feed.output]]);
+  if (!is_unit_delay(wired.block)) feeds_[self].push_back(feed.block);
 }
 
 void Diagram::wire() {
@@ -120,8 +120,8 @@ void Diagram::wire() {
     for (auto& wired : blocks_)
       for (auto& output : wired.block.outputs)
         if (output.unit.empty() && !wired.block.wires.empty()) {
-          const OutputId source = find_output(wired, wired.block.wires[0]);
-          output.unit = blocks_[source.block].block.outputs[source.output].unit;
+          const OutputId feed = find_output(wired, wired.block.wires[0]);
+          output.unit = blocks_[feed.block].block.outputs[feed.output].unit;
         }
   for (auto& wired : blocks_)
     for (std::size_t input = 0; input < wired.block.inputs.size(); ++input)
@@ -161,11 +161,11 @@ void Diagram::order() {
 bool Diagram::is_downstream_of_fast(std::size_t block, const std::vector<bool>& downstream) const {
   bool is_downstream = false;
   for (const auto feeder : feeds_[block]) {
-    const Block& source = blocks_[feeder].block;
-    if (blocks_[block].block.fast && !source.fast && downstream[feeder])
+    const Block& from = blocks_[feeder].block;
+    if (blocks_[block].block.fast && !from.fast && downstream[feeder])
       throw Error{fmt::format("{}: block '{}' at the base rate lies between fast blocks",
-                              source.where, source.name)};
-    is_downstream = is_downstream || source.fast || downstream[feeder];
+                              from.where, from.name)};
+    is_downstream = is_downstream || from.fast || downstream[feeder];
   }
   return is_downstream;
 }
@@ -209,13 +209,13 @@ void Diagram::bind_parameters(const WiredBlock& wired) {
 void Diagram::bind_ring_output(const WiredBlock& wired) {
   const auto* ring = std::get_if<RingOutput>(&wired.block.kind);
   if (ring == nullptr) return;
-  const OutputId source = find_output(wired, wired.block.wires[0]);
-  const WiredBlock& from = blocks_[source.block];
+  const OutputId feed = find_output(wired, wired.block.wires[0]);
+  const WiredBlock& from = blocks_[feed.block];
   for (std::size_t i = 0; i < ring->signals.size(); ++i) {
     ports_.push_back(
-        {ring->signals[i], Direction::Output, from.block.outputs[source.output].unit, 0, false});
+        {ring->signals[i], Direction::Output, from.block.outputs[feed.output].unit, 0, false});
     if (ring->at_stop == AtStop::Ramp) ramped_outputs_.push_back(copies_out_.size());
-    copies_out_.push_back({copies_out_.size(), from.out_at[source.output] + i});
+    copies_out_.push_back({copies_out_.size(), from.out_at[feed.output] + i});
   }
 }
 

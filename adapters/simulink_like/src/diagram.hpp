@@ -53,7 +53,7 @@ class Diagram {
   void allocate_values();
   void wire();
   void connect_input(WiredBlock& wired, std::size_t input);
-  void check_fit(const WiredBlock& wired, const PortSpec& input, const PortSpec& source,
+  void check_fit(const WiredBlock& wired, const PortSpec& input, const PortSpec& output,
                  const std::string& wire) const;
   [[nodiscard]] OutputId find_output(const WiredBlock& wired, const std::string& wire) const;
   [[nodiscard]] std::size_t width(const PortSpec& port) const;

@@ -30,7 +30,7 @@ struct ControlPoints {
 ///
 ///     expControlPoint 1 1 disp 2 disp        # tag, then degree of freedom and type of each signal
 ///
-/// A degree of freedom is a number, counted along the axes of the block, a number behind a letter
+/// A degree of freedom is a number, counted along the axes of the block, a letter and a number
 /// (d1), or ux, uy, uz, rx, ry, rz. Types: disp, vel, accel, force, time, their numbers 1 to 5,
 /// dsp, acc, frc, tme. Options: -lim low high (in the map's unit), -relTrial, -relCtrl, -relDaq;
 /// -relOut has no effect, as in OpenFresco. -fact is refused, because OpenFresco's SCRAMNet
