@@ -24,8 +24,8 @@ Status OpfHandshake::wait_for(bool flag, Phase next, const char* otherwise, doub
   return Status::Fault;
 }
 
-// A fast controller raises atTarget in the same write that lowers switchPC, so both are handled in
-// one update. atTarget then refers to this target, because it was 0 when switchPC rose.
+// A fast controller may lower switchPC and raise atTarget between two updates, so one update
+// handles both. atTarget then refers to this target, because it was 0 when switchPC rose.
 Status OpfHandshake::update(bool at_target, bool switch_pc, double now) noexcept {
   if (phase_ == Phase::WaitForSwitch)
     return wait_for(switch_pc, Phase::WaitForRelease, "switchPC did not rise before the deadline",
