@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenFresco's control points, held against the blocks of all laboratories' maps.
+// OpenFresco's control points, checked against the blocks of all laboratories' maps.
 #include <rths/adapters/control_points.hpp>
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ OpfLayout layout_of(const std::string& map) {
       memmap::load_map(test::source_tree() / "memmap/maps" / (map + ".ringmap.toml")));
 }
 
-// As a laboratory declares them: of each type in turn, all degrees of freedom.
+// The order of a laboratory's declaration: all degrees of freedom of one type after another.
 std::string line_of(int tag, int dofs, const std::vector<std::string>& types) {
   std::string line = fmt::format("expControlPoint {}", tag);
   for (const auto& type : types)
@@ -52,7 +52,7 @@ const Facility kFacilities[] = {{"srmd", 7, kFive, kFive},
 
 class EachFacility : public testing::TestWithParam<Facility> {};
 
-TEST_P(EachFacility, TakesWhatItsBlockHas) {
+TEST_P(EachFacility, AcceptsAllSignalsOfItsBlock) {
   const auto& [map, dofs, commands, feedbacks] = GetParam();
   const auto points =
       control_points(layout_of(map), {line_of(1, dofs, commands)}, {line_of(2, dofs, feedbacks)});
@@ -85,8 +85,8 @@ TEST(ControlPoints, SayWhichOneDeclaresTooFew) {
   const OpfLayout layout = layout_of("flextest_osu");
   EXPECT_EQ(error_of(layout, {"expControlPoint 1 1 disp"}),
             "trial control point 1 declares too few signals: '2 disp' (opf.2.displ.target) is the "
-            "first of 1 that are missing; the map has 2 words there, 'opf.1.displ.target' to "
-            "'opf.2.displ.target': the words behind would be taken for others");
+            "first of 1 missing signals; the map has 2 words there, 'opf.1.displ.target' to "
+            "'opf.2.displ.target': all words after the difference would be misread");
   // The second begins with forces, so the first lacks a displacement.
   const std::string message = error_of(layout, {}, {"4 1 disp", "5 1 force 2 force"});
   EXPECT_NE(message.find("output control point 4 declares too few signals: '2 disp' "
@@ -95,12 +95,12 @@ TEST(ControlPoints, SayWhichOneDeclaresTooFew) {
       << message;
 }
 
-TEST(ControlPoints, SayWhatIsInTheWrongPlace) {
+TEST(ControlPoints, SayWhichSignalIsMisplaced) {
   const std::string message = error_of(layout_of("flextest_osu"), {"1 2 disp 1 disp"});
   EXPECT_NE(message.find("'2 disp' where '1 disp' (opf.1.displ.target) is expected"),
             std::string::npos)
       << message;
-  // One quantity behind the other, not all of an axis.
+  // Sorted by quantity, not by axis.
   EXPECT_NE(error_of(layout_of("srmd"), {"1 1 disp 1 vel"}).find("'1 vel' where '2 disp'"),
             std::string::npos);
 }
@@ -119,7 +119,7 @@ TEST(ControlPoints, ReadEverySpellingAndOption) {
   EXPECT_EQ(points.output[3].word.name, "daq.2.force.fbk");
 }
 
-TEST(ControlPoints, RefuseWhatTheyDoNotUnderstand) {
+TEST(ControlPoints, RefuseUnknownWords) {
   const OpfLayout layout = layout_of("flextest_ucb");
   EXPECT_EQ(error_of(layout, {"1 1 strain"}),
             "control point '1 1 strain': found 'strain', expected disp, vel, accel, force or time");
@@ -127,12 +127,13 @@ TEST(ControlPoints, RefuseWhatTheyDoNotUnderstand) {
             "control point '1 zero disp': found 'zero', expected a degree of freedom: 1, d1 or ux");
   EXPECT_NE(error_of(layout, {"1 1 disp -relIn"}).find("found '-relIn', expected -lim"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -fact 25.4"}).find("found '-fact', expected none"),
+  EXPECT_NE(error_of(layout, {"1 1 disp -fact 25.4"}).find("found '-fact', expected no -fact"),
             std::string::npos);
   EXPECT_NE(error_of(layout, {"1 1 disp -lim nan nan"}).find("found 'nan'"), std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -lim"}).find("found its end, expected the lower limit"),
+  EXPECT_NE(error_of(layout, {"1 1 disp -lim"})
+                .find("found the end of the line, expected the lower limit"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -lim 2 1"}).find("limits that leave nothing"),
+  EXPECT_NE(error_of(layout, {"1 1 disp -lim 2 1"}).find("a lower limit above the upper limit"),
             std::string::npos);
   EXPECT_NE(error_of(layout, {"1"}).find("expected at least one signal"), std::string::npos);
 }

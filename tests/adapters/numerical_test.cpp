@@ -32,7 +32,7 @@ NumericalSettings settings() {
   return s;
 }
 
-/// A controller and specimen that answer the handshake by the book, a tick at a time.
+/// A controller and specimen that follow the handshake, one tick at a time.
 class Partner {
  public:
   Partner(Adapter& adapter, std::vector<std::string> axes)
@@ -40,7 +40,7 @@ class Partner {
     bench.in("daq.atTarget") = 1;
   }
 
-  // One tick: look at the flags, answer them, let the solver look.
+  // One tick: read the flags, answer them, step the solver.
   Status tick() {
     const double flag = bench.out("opf.newTarget");
     if (flag > 0 && previous_ <= 0) {
@@ -87,8 +87,7 @@ TEST(Numerical, RunsTheHandshakeOncePerStep) {
   EXPECT_EQ(partner.bench.out("step"), 50);
 }
 
-// Through words, flags and forces the solver must arrive where it does alone.
-TEST(Numerical, GetsTheSameResultAsTheAnalysisAlone) {
+TEST(Numerical, GivesTheSameTargetsAsTheAnalysisAlone) {
   const auto solver = make_numerical(settings());
   Partner partner{*solver, {"long", "lat"}};
   sim::PlantAnalysis alone{sim::assemble(sim::example_plant()), pulse(),
@@ -103,7 +102,7 @@ TEST(Numerical, GetsTheSameResultAsTheAnalysisAlone) {
   }
 }
 
-TEST(Numerical, LeavesTheLoopOpenWhileTheMachineRests) {
+TEST(Numerical, PostsNoTargetDuringTheInitialRest) {
   NumericalSettings s = settings();
   s.rest = 0.3;
   const auto solver = make_numerical(s);
@@ -119,7 +118,7 @@ TEST(Numerical, LeavesTheLoopOpenWhileTheMachineRests) {
   EXPECT_EQ(bench.out("opf.1.time.target"), 0.01);
 }
 
-TEST(Numerical, BeginsWithItsTargetWhereTheControllerIsOfTheOlderGeneration) {
+TEST(Numerical, StartsWithATargetForAnOlderController) {
   NumericalSettings s = settings();
   s.handshake = Handshake::TargetFirst;
   const auto solver = make_numerical(s);
@@ -156,7 +155,7 @@ TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
   }
 }
 
-TEST(Numerical, TakesTheComputingTimeItIsGivenWhereTimeIsVirtual) {
+TEST(Numerical, TakesTheModelledComputingTimeInVirtualTime) {
   NumericalSettings s = settings();
   s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
   const auto solver = make_numerical(s);
@@ -173,7 +172,7 @@ TEST(Numerical, TakesTheComputingTimeItIsGivenWhereTimeIsVirtual) {
   EXPECT_EQ(bench.out("opf.newTarget"), 1);
 }
 
-TEST(Numerical, OverrunsAsOftenAsItIsTold) {
+TEST(Numerical, OverrunsWithTheGivenFrequency) {
   NumericalSettings s = settings();
   s.duration = 5;
   s.computing_time = ComputingTime{0.003, 0.1, 0.25, 0.006, 9};
@@ -224,7 +223,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Silence{"release", 0, 1, 1, "switchPC did not fall before the deadline"}),
     [](const auto& silence) { return std::string{silence.param.name}; });
 
-TEST(Numerical, SaysStopBeforeItLeaves) {
+TEST(Numerical, SignalsTheStopBeforeItFinishes) {
   const auto solver = make_numerical(settings());
   test::Bench bench{*solver};
   EXPECT_EQ(bench.step(0.001, true), Status::Ok);
@@ -249,7 +248,7 @@ TEST(Numerical, PlaysADisplacementHistory) {
   for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(targets[i], expected[i], 1e-12);
 }
 
-TEST(Numerical, TellsTheSpecimenWhatTheVerticalMotionAdds) {
+TEST(Numerical, SendsTheVerticalForceToTheSpecimen) {
   NumericalSettings s = settings();
   s.motion.vert_acceleration = s.motion.long_acceleration;
   const auto solver = make_numerical(s);

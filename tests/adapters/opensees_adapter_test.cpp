@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen elements of one OpenSees at once, half of them over UDP, on one ring.
+// Sixteen elements of one OpenSees process, half of them over UDP, on one ring.
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -22,7 +22,7 @@ constexpr int kCount = 16, kSteps = 100, kFirstPort = 18'120;
 std::string point(int i) { return fmt::format("p{}", i + 1); }
 double stiffness(int i) { return 1e5 * (i + 1); }  // [N/m]
 
-// A specimen for each element, where it is told to be as soon as it is told.
+// A specimen for each element that reaches its target at once.
 class Springs final : public Adapter {
  public:
   [[nodiscard]] std::vector<Port> ports() const override {
@@ -68,8 +68,8 @@ OpenSeesSettings settings_of(const test::TemporaryFolder& folder, const std::str
         {"opf." + point(i) + ".displ.target", point(i), Quantity::Displacement, "m"});
     settings.layout.feedbacks.push_back(
         {"daq." + point(i) + ".force.fbk", point(i), Quantity::Force, "N"});
-    element.initial_stiffness = Eigen::MatrixXd::Constant(1, 1, stiffness(i));
-    element.damping = element.mass = Eigen::MatrixXd::Zero(1, 1);
+    element.initial_stiffness = SquareMatrix::diagonal(1, stiffness(i));
+    element.damping = element.mass = SquareMatrix::diagonal(1, 0);
     settings.elements.push_back(element);
   }
   settings.script.command = {python, (test::source_tree() / "tests/opensees/many.py").string(),
@@ -94,7 +94,7 @@ memmap::Map map_of(const std::vector<Port>& solver, const std::vector<Port>& spr
     for (const auto& port : ports) {
       if (port.direction != direction) continue;
       memmap::Signal signal;
-      // A signal's name begins with its partition's, but for a node's own.
+      // Except for a node's own monitors, a signal's name begins with that of its partition.
       signal.name = port.name.starts_with(partition + ".") ? port.name.substr(partition.size() + 1)
                                                            : port.name;
       signal.unit = port.unit;
@@ -142,7 +142,8 @@ TEST_F(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
     status = solving.tick(time, false, {});
   }
   EXPECT_EQ(status, Status::Done) << solving.message();
-  // One of each step but the first, in which nothing moves yet: trials of one update, not of two.
+  // One target per step, except for the first, without motion: trials of different updates never
+  // mix.
   EXPECT_EQ(springs.targets(), kSteps - 1);
   solver->deactivate();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real OpenSees, unmodified, against a spring of ours. Displacements and the order of messages
-// are those that its own sources and others' runs give.
+// The real, unmodified OpenSees with a spring of the test. The expected displacements and message
+// orders follow from its sources and from independent runs.
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -17,9 +17,10 @@ namespace {
 
 struct Analysis {
   const char* name;
-  std::vector<std::string> arguments;   ///< integrator, and what belongs to it
-  std::vector<double> displacements;    ///< of the first steps, where they are known
-  std::vector<int> start, first, step;  ///< messages before the first step, in it, in each other
+  std::vector<std::string> arguments;  ///< integrator and its options
+  std::vector<double> displacements;   ///< of the first steps, if known
+  std::vector<int> start, first,
+      step;  ///< messages before the first step, in it, in each further step
 };
 
 void PrintTo(const Analysis& analysis, std::ostream* out) { *out << analysis.name; }
@@ -39,7 +40,7 @@ class RealOpenSees : public rths::test::WithOpenSees<> {
 class Integrators : public RealOpenSees,
                     public testing::WithParamInterface<std::tuple<Transport, Analysis>> {};
 
-TEST_P(Integrators, MovesTheSpringAsItMovesItsOwn) {
+TEST_P(Integrators, MovesTheSpringLikeItsOwn) {
   const auto& [transport, analysis] = GetParam();
   test::SpringServer server{transport};
   constexpr std::size_t kSteps = 3;
@@ -47,10 +48,10 @@ TEST_P(Integrators, MovesTheSpringAsItMovesItsOwn) {
   arguments.insert(arguments.end(), analysis.arguments.begin(), analysis.arguments.end());
   rths::test::Running running{command(server.port(), transport, arguments)};
   const auto finished = running.wait(30);
-  const test::Heard heard = server.heard();
+  const test::Received received = server.received();
 
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
-  EXPECT_EQ(heard.trouble, "");
+  EXPECT_EQ(received.error, "");
   std::istringstream lines{finished.out};
   for (const double expected : analysis.displacements) {
     double displacement = 0;
@@ -65,7 +66,7 @@ TEST_P(Integrators, MovesTheSpringAsItMovesItsOwn) {
   append(analysis.first);
   for (std::size_t i = 1; i < kSteps; ++i) append(analysis.step);
   expected.push_back(99);
-  EXPECT_EQ(heard.codes, expected);
+  EXPECT_EQ(received.codes, expected);
 }
 
 using Words = std::vector<std::string>;
@@ -77,7 +78,7 @@ Words with(Words words, const Words& more) {
   return words;
 }
 
-// The ground has not moved yet: the explicit ones stay where they are in the first step.
+// The ground is still at rest, so explicit integrators do not move in the first step.
 const Analysis kAnalyses[] = {
     {"NewmarkExplicit",
      {"NewmarkExplicit", "0.5"},
@@ -127,7 +128,8 @@ INSTANTIATE_TEST_SUITE_P(Analyses, Integrators,
                                           testing::ValuesIn(kAnalyses)),
                          name_of);
 
-// Nagle's algorithm at OpenSees' end and a delayed acknowledgement at ours make 44 ms of a step.
+// Nagle's algorithm in OpenSees and a delayed acknowledgement in the server would take 44 ms a
+// step.
 TEST_F(RealOpenSees, DoesNotWaitForAcknowledgements) {
   constexpr double kSteps = 300, kStall = 0.044;
   test::SpringServer server{Transport::Tcp};

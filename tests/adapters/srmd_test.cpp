@@ -57,13 +57,13 @@ TEST(Srmd, KeepsAnAxisAtRestThatIsNotTested) {
   EXPECT_NEAR(bench.out("srmd.lat.displ.fbk"), 0, 1e-3);
 }
 
-// When the run stops it trusts nobody's words any more: it holds, ramps by itself, and is done.
-TEST(SrmdAdapter, HoldsCommandAndRampsToRestWhenItIsToldToStop) {
+// During the stop it ignores its inputs: it holds, ramps down, and returns Done.
+TEST(SrmdAdapter, HoldsCommandAndRampsToRestDuringTheStop) {
   const auto machine = make_srmd(settings());
   test::Bench bench{*machine};
   bench.in("xpc.long.displ.ref") = 0.1;
   for (int i = 0; i < 1000; ++i) static_cast<void>(bench.step(0.001 * i));
-  bench.in("xpc.long.displ.ref") = -1.0;  // rubbish from a peer that is dying
+  bench.in("xpc.long.displ.ref") = -1.0;  // invalid value from a failing peer
 
   double time = 1.0;
   Status status = Status::Ok;

@@ -10,8 +10,8 @@
 
 namespace rths::test {
 
-/// A small map: a machine with a tear group of `group` words from 0 and a loose word at 500, a
-/// controller with loose words from 512.
+/// A small map: a machine with a tear group of `group` words at 0 and a single word at 500, and a
+/// controller with single words from 512.
 inline memmap::Map small_map(std::uint32_t group = 8) {
   memmap::MapDescription description;
   description.name = "small";
@@ -43,12 +43,12 @@ inline memmap::Map small_map(std::uint32_t group = 8) {
   return memmap::Map{description};
 }
 
-/// A name for a ring that no other test process uses.
+/// A ring name that is unique to this process.
 inline std::string unique_ring(const std::string& test) {
   return "test_" + test + "_" + std::to_string(getpid());
 }
 
-/// Removes a ring when the test is over, however it ends.
+/// Removes a ring in its destructor.
 struct RingRemoval {
   std::string name;
   ~RingRemoval() { broker::remove_ring(name); }
