@@ -89,6 +89,11 @@ std::optional<std::string> nearest(const std::string& word,
   return best;
 }
 
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
+  const auto meant = nearest(word, candidates);
+  return meant ? fmt::format(" (did you mean '{}'?)", *meant) : "";
+}
+
 Config::Config(ConfigValue::Table table, std::string where, std::filesystem::path directory)
     : table_{std::move(table)}, where_{std::move(where)}, directory_{std::move(directory)} {}
 
@@ -110,9 +115,10 @@ const ConfigValue* Config::find(const std::string& key) const {
 const ConfigValue& Config::require(const std::string& key) const {
   if (const ConfigValue* found = find(key)) return *found;
   for (const auto& [present, value] : table_) {
-    if (asked_.count(present) == 0 && nearest(present, {key}))
-      throw Error{
-          fmt::format("{}: unknown key '{}' (did you mean '{}'?)", value.where, present, key)};
+    if (asked_.count(present) > 0) continue;
+    const std::string hint = did_you_mean(present, {key});
+    if (!hint.empty())
+      throw Error{fmt::format("{}: unknown key '{}'{}", value.where, present, hint)};
   }
   throw Error{fmt::format("{}: '{}' is missing", where_, key)};
 }
@@ -249,9 +255,8 @@ void Config::fail(const std::string& key, const std::string& message) const {
 void Config::reject_unknown_keys() const {
   for (const auto& [key, value] : table_) {
     if (asked_.count(key) > 0) continue;
-    const auto meant = nearest(key, {asked_.begin(), asked_.end()});
     throw Error{fmt::format("{}: unknown key '{}'{}", value.where, key,
-                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+                            did_you_mean(key, {asked_.begin(), asked_.end()}))};
   }
 }
 

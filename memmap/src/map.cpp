@@ -103,9 +103,8 @@ SignalId Map::signal(const std::string& full_name) const {
   if (const auto found = find_signal(full_name)) return *found;
   std::vector<std::string> names;
   for (const auto& entry : signals_) names.push_back(entry.name);
-  const auto meant = nearest(full_name, names);
   throw Error{fmt::format("map '{}' has no signal '{}'{}", description_.name, full_name,
-                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+                          did_you_mean(full_name, names))};
 }
 
 NodeId Map::node(const std::string& name) const {

@@ -145,6 +145,11 @@ TEST(Nearest, FindsTheLikelyWordOnly) {
   EXPECT_EQ(nearest("temperature", {"length", "width"}), std::nullopt);
 }
 
+TEST(Nearest, BecomesAHintInAnErrorMessage) {
+  EXPECT_EQ(did_you_mean("lenght", {"length", "width"}), " (did you mean 'length'?)");
+  EXPECT_EQ(did_you_mean("temperature", {"length", "width"}), "");
+}
+
 TEST(Config, LaysChangesOverATableKeyByKey) {
   const Config base = parse("[slider]\nfriction = 0.1\nstiffness = 2\n[spring]\nstiffness = 3");
   const Config changes = Config::parse("[slider]\nfriction = \"none\"\n[stop]\ngap = 4", "c.toml");

@@ -81,10 +81,8 @@ Diagram::Source Diagram::find_source(const Placed& placed, const std::string& wi
       if (names[o] == wire || (names.size() == 1 && blocks_[b].block.name == wire)) return {b, o};
     known.insert(known.end(), names.begin(), names.end());
   }
-  const auto meant = nearest(wire, known);
   throw Error{fmt::format("{}: block '{}' reads '{}', which no block gives{}", placed.block.where,
-                          placed.block.name, wire,
-                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+                          placed.block.name, wire, did_you_mean(wire, known))};
 }
 
 void Diagram::check_fit(const Placed& placed, const PortSpec& input, const PortSpec& source,

@@ -116,8 +116,11 @@ class Config {
   mutable std::set<std::string> asked_;
 };
 
-/// The candidate nearest to `word` in spelling, if one is near enough to be what was meant.
+/// The candidate closest to `word` in spelling: at most size / 3 + 1 letters differ.
 [[nodiscard]] std::optional<std::string> nearest(const std::string& word,
                                                  const std::vector<std::string>& candidates);
+/// Hint for an error message: " (did you mean 'x'?)", or "" if no candidate is close.
+[[nodiscard]] std::string did_you_mean(const std::string& word,
+                                       const std::vector<std::string>& candidates);
 
 }  // namespace rths
