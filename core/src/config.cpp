@@ -13,8 +13,8 @@ namespace rths {
 namespace {
 
 std::string kind_of(const ConfigValue& value) {
-  constexpr const char* kKinds[] = {"a truth value", "an integer", "a number",
-                                    "a text",        "an array",   "a table"};
+  constexpr const char* kKinds[] = {"a boolean", "an integer", "a number",
+                                    "a string",  "an array",   "a table"};
   return kKinds[value.value.index()];
 }
 
@@ -148,7 +148,7 @@ std::int64_t Config::integer(const std::string& key) const {
 }
 
 std::string Config::text(const std::string& key) const {
-  return as<std::string>(key, require(key), "a text");
+  return as<std::string>(key, require(key), "a string");
 }
 
 std::vector<double> Config::numbers(const std::string& key) const {
@@ -160,8 +160,8 @@ std::vector<double> Config::numbers(const std::string& key) const {
 
 std::vector<std::string> Config::texts(const std::string& key) const {
   std::vector<std::string> result;
-  for (const auto& item : as<ConfigValue::Array>(key, require(key), "an array of texts"))
-    result.push_back(as<std::string>(key, item, "a text"));
+  for (const auto& item : as<ConfigValue::Array>(key, require(key), "an array of strings"))
+    result.push_back(as<std::string>(key, item, "a string"));
   return result;
 }
 
