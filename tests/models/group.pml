@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * Tear groups: Node::write_group and Node::read_group of node.cpp, write_record, read_record and
- * read_memory of record.hpp. The writer is killed anywhere, its successor mends, mend_group of
- * mend.cpp. At first the memory holds what a program wrote that takes no part in any of this.
+ * read_memory of record.hpp. The writer is killed anywhere, its successor mends, repair_group of
+ * repair.cpp. At first the memory holds what a program wrote that takes no part in any of this.
  *   as is  a record of one line, attempts at which fail while its writer is in the middle
  *   -DLATCH
  * Claims: what is read is whole, was written, and is never older than before nor than a write that
@@ -128,9 +128,9 @@ inline write_journal(value) {
 }
 
 /* What it loads it loads at once: its predecessor is dead, and nobody else writes. */
-inline mend_group() {
-  mended = IS_ODD(count);
-#ifdef NO_MEND
+inline repair_group() {
+  repaired = IS_ODD(count);
+#ifdef NO_REPAIR
   skip
 #else
   if
@@ -156,7 +156,7 @@ inline mend_group() {
 #ifdef JOURNAL_AGAIN
      :: memory[MARK] != count -> write_journal(newest)
 #else
-     :: memory[MARK] != count && !mended && memory[JOURNAL] != newest -> write_journal(newest)
+     :: memory[MARK] != count && !repaired && memory[JOURNAL] != newest -> write_journal(newest)
 #endif
      :: else
      fi
@@ -169,11 +169,11 @@ inline mend_group() {
 proctype Writer() {
   byte count, newest;
   byte value = BEFORE;
-  bool mended;
+  bool repaired;
 life:
   {
     count = memory[COUNT];
-    mend_group();
+    repair_group();
     do
     :: value < BEFORE + WRITES ->
        value++;
@@ -190,7 +190,7 @@ life:
     goto done
   } unless { killed };
   /* The kernel calls it dead when its last store is in memory. */
-  atomic { is_drained(0) -> count = 0; newest = 0; mended = false; killed = false };
+  atomic { is_drained(0) -> count = 0; newest = 0; repaired = false; killed = false };
   goto life;
 done:
   is_drained(0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Sleeping and waking: Node::write and wake_all, Waiter::wait and Drowsy. There are no time-outs here,
+ * Sleeping and waking: Node::write and wake_all, Waiter::wait and Sleeper. There are no time-outs here,
  * and the bit of a third slot, whose process died in its sleep, is set.
  * Claim: nobody sleeps for ever while there is a write that it has not seen (spin: invalid end state).
  * Broken: -DNO_MEMBARRIER  -DLOOK_BEFORE  -DCALLS_AFTER  -DNO_SECOND_CALL
@@ -96,7 +96,7 @@ proctype Sleeper(byte me) {
   byte had, writer, all;
   bool news;
   do
-  :: /* Drowsy: calls_{at(wake.calls).load()} */
+  :: /* Sleeper: calls_{at(wake.calls).load()} */
 #ifndef CALLS_AFTER
      had = calls;
 #endif
@@ -119,14 +119,14 @@ proctype Sleeper(byte me) {
 #ifdef CALLS_AFTER
      had = calls;
 #endif
-     /* drowsy.sleep: futex(wake_.calls, FUTEX_WAIT, calls_) */
+     /* sleeper.sleep: futex(wake_.calls, FUTEX_WAIT, calls_) */
      if
      :: news
      :: else ->
         atomic { asleep[me] = (calls == had) };
         !asleep[me]
      fi;
-     atomic { sleepers = sleepers & (255 - (1 << me)); had = 0; news = false };  /* ~Drowsy */
+     atomic { sleepers = sleepers & (255 - (1 << me)); had = 0; news = false };  /* ~Sleeper */
      /* It goes on waiting until it has seen every write. */
      if
      :: seen[0] == WRITES && seen[WRITERS - 1] == WRITES -> break

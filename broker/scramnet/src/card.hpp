@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "card_room.hpp"
+#include "card_layout.hpp"
 #include "process.hpp"
 
 namespace rths::scramnet {

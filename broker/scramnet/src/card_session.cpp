@@ -39,7 +39,7 @@ bool take_over(SharedClaim& claim, broker::Claim self) {
   return claim.compare_exchange_strong(holder, self);
 }
 
-bool becomes_ready(const Card& card) {
+bool wait_until_ready(const Card& card) {
   for (const auto deadline = steady_clock::now() + kPatience;;) {
     if (card.ready.load() == kCardReady) return true;
     if (!is_alive(card.holder.load()) || steady_clock::now() >= deadline) return false;
@@ -134,7 +134,7 @@ bool CardSession::try_card(std::uint32_t index, std::uint32_t key) {
       cards_in_use(*header_).fetch_or(std::uint64_t{1} << index);
       return true;
     }
-    if (!becomes_ready(card)) throw Error{fmt::format("card {} was never powered up", index)};
+    if (!wait_until_ready(card)) throw Error{fmt::format("card {} was never powered up", index)};
   }
   if (card.key.load() != key) return false;
   return take_over(card.holder, self_) || key != kAnonymous;

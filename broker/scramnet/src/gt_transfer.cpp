@@ -30,7 +30,7 @@ Transfer plan(uint32 offset, uint32 bytes, uint32 flags) {
 }
 
 // What hardware would answer with a fault or a time-out of its DMA.
-uint32 trouble_with(const Transfer& transfer, const GtUnit& unit, const scgtHandle& handle) {
+uint32 defect_of(const Transfer& transfer, const GtUnit& unit, const scgtHandle& handle) {
   if (transfer.pio && handle.memMapPtr == nullptr) return SCGT_BAD_PARAMETER;
   if ((transfer.flags & SCGT_RW_DMA_PHYS_ADDR) != 0 && !transfer.pio) return SCGT_DMA_UNSUPPORTED;
   const uint32 all = unit.memory_bytes();
@@ -96,7 +96,7 @@ uint32 scgtWrite(scgtHandle* handle, uint32 offset, const void* data, uint32 byt
   const bool interrupts = interrupt != nullptr && interrupt->type != SCGT_NO_INTR;
   const Transfer transfer = plan(offset, bytes, flags);
   if (data != nullptr && transfer.bytes != 0) {
-    if (const uint32 trouble = trouble_with(transfer, *unit, *handle); trouble != SCGT_SUCCESS)
+    if (const uint32 trouble = defect_of(transfer, *unit, *handle); trouble != SCGT_SUCCESS)
       return trouble;
     move(unit->memory() + transfer.offset, static_cast<const std::byte*>(data), transfer, true);
     tell(done, transfer.bytes);
@@ -113,7 +113,7 @@ uint32 scgtRead(scgtHandle* handle, uint32 offset, void* data, uint32 bytes, uin
   GtUnit* unit = unit_of(handle);
   const Transfer transfer = plan(offset, bytes, flags);
   if (unit == nullptr || data == nullptr || transfer.bytes == 0) return SCGT_BAD_PARAMETER;
-  if (const uint32 trouble = trouble_with(transfer, *unit, *handle); trouble != SCGT_SUCCESS)
+  if (const uint32 trouble = defect_of(transfer, *unit, *handle); trouble != SCGT_SUCCESS)
     return trouble;
   move(static_cast<std::byte*>(data), unit->memory() + transfer.offset, transfer, false);
   tell(done, transfer.bytes);

@@ -33,7 +33,7 @@ struct Closer {
 };
 using File = std::unique_ptr<FILE, Closer>;
 
-int trouble_with(int which) {
+int defect_of(int which) {
   if (card_with_memory() == nullptr) return kNoMemory;
   if (card_with_registers() == nullptr) return kNoRegisters;
   return which == MEM || which == ACR ? 0 : kBadCommand;
@@ -86,7 +86,7 @@ int load_acr_line(Board& card, const char* line) {
 extern "C" {
 
 int scr_load_mm(char* name, int which) {
-  if (const int trouble = trouble_with(which); trouble != 0) return trouble;
+  if (const int trouble = defect_of(which); trouble != 0) return trouble;
   const File file{std::fopen(name, "r")};
   if (!file) return kNotOpen;
   char line[160];
@@ -98,7 +98,7 @@ int scr_load_mm(char* name, int which) {
 }
 
 int scr_save_mm(char* name, int which) {
-  if (const int trouble = trouble_with(which); trouble != 0) return trouble;
+  if (const int trouble = defect_of(which); trouble != 0) return trouble;
   const File file{std::fopen(name, "w")};
   if (!file) return kNotOpen;
   const Board& card = *board();
