@@ -47,9 +47,7 @@ void reject_unknown_terms(const std::vector<std::string>& without, const Case& c
   add_names_of_model(c, known);
   for (const auto& name : without) {
     if (holds(known, name)) continue;
-    const auto meant = nearest(name, known);
-    throw Error{fmt::format("without: there is no term '{}'{}", name,
-                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+    throw Error{fmt::format("without: there is no term '{}'{}", name, did_you_mean(name, known))};
   }
 }
 

@@ -9,6 +9,7 @@
 #include <rths/adapters/echo.hpp>
 #include <rths/adapters/ideal_machine.hpp>
 #include <rths/adapters/recorder.hpp>
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::launch {
@@ -136,9 +137,8 @@ void check_tuning(const NodePlan& plan, const std::vector<adapters::Port>& ports
   for (const auto& [name, value] : plan.tune) {
     static_cast<void>(value);
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const auto meant = nearest(name, known);
     throw Error{fmt::format("node '{}' has no parameter '{}'{}", plan.node, name,
-                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+                            did_you_mean(name, known))};
   }
 }
 

@@ -58,10 +58,9 @@ void check_fitted(const Config& table, const Config& model) {
   }
   for (const auto& name : table.texts("fitted", {})) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const auto meant = nearest(name, known);
+    const std::string hint = did_you_mean(name, known);
     table.fail("fitted", fmt::format("the model has no parameter '{}'{}", name,
-                                     meant ? fmt::format(" (did you mean '{}'?)", *meant)
-                                           : ", expected \"term.parameter\""));
+                                     hint.empty() ? ", expected \"term.parameter\"" : hint));
   }
 }
 

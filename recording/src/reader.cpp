@@ -145,9 +145,8 @@ bool Reader::has(const std::string& signal) const { return file_->columns.count(
 std::vector<double> Reader::signal(const std::string& name) const {
   const auto found = file_->columns.find(name);
   if (found == file_->columns.end()) {
-    const auto meant = nearest(name, file_->names);
-    throw Error{fmt::format("the recording has no signal '{}'{}", name,
-                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+    throw Error{
+        fmt::format("the recording has no signal '{}'{}", name, did_you_mean(name, file_->names))};
   }
   const auto& column = found->second;
   const auto& values = file_->load(column.partition);

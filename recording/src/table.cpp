@@ -44,9 +44,7 @@ const Table::Column& Table::found(const std::string& name) const {
     if (column.name == name) return column;
     known.push_back(column.name);
   }
-  const auto meant = nearest(name, known);
-  throw Error{fmt::format("{}: there is no column '{}'{}", file_, name,
-                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+  throw Error{fmt::format("{}: there is no column '{}'{}", file_, name, did_you_mean(name, known))};
 }
 
 }  // namespace rths::recording

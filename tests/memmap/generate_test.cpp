@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Generated headers are compiled by real compilers and must agree with the map itself.
+// Compiles the generated headers and compares them with the map.
 #include <cstdlib>
 
 #include <gtest/gtest.h>

@@ -204,9 +204,7 @@ const BlockType& type_named(const Config& table) {
     if (type.name == name) return type;
     known.emplace_back(type.name);
   }
-  const auto meant = nearest(name, known);
-  table.fail("type", fmt::format("there is no block type '{}'{}", name,
-                                 meant ? fmt::format(" (did you mean '{}'?)", *meant) : ""));
+  table.fail("type", fmt::format("there is no block type '{}'{}", name, did_you_mean(name, known)));
 }
 
 void read_wires(const Config& table, Block& block) {

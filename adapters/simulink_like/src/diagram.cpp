@@ -81,10 +81,8 @@ Diagram::OutputId Diagram::find_output(const WiredBlock& wired, const std::strin
       if (names[o] == wire || (names.size() == 1 && blocks_[b].block.name == wire)) return {b, o};
     known.insert(known.end(), names.begin(), names.end());
   }
-  const auto meant = nearest(wire, known);
   throw Error{fmt::format("{}: block '{}' reads '{}', which no block outputs{}", wired.block.where,
-                          wired.block.name, wire,
-                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+                          wired.block.name, wire, did_you_mean(wire, known))};
 }
 
 void Diagram::check_fit(const WiredBlock& wired, const PortSpec& input, const PortSpec& output,

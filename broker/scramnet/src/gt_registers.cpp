@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kNoState = 0xFFFF'FFFF;
 constexpr std::int64_t kTimerTickNs = 8;
 
-/// Where a state lives: bits of a control register, or a word of its own if `index` is kOwn.
+/// Location of a state: bits of a control register, or a word of its own if `index` has kOwn.
 enum class Access : std::uint8_t { ReadWrite, ReadOnly, Ignored, Inverted, OnlyZero };
 struct State {
   std::uint32_t index, shift, mask;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,9 +35,8 @@ const TermKind& term_kind(std::string_view name) {
     if (kind.name == name) return kind;
     known.emplace_back(kind.name);
   }
-  const auto meant = nearest(std::string{name}, known);
   throw Error{"there is no term '" + std::string{name} + "'" +
-              (meant ? " (did you mean '" + *meant + "'?)" : "")};
+              did_you_mean(std::string{name}, known)};
 }
 
 }  // namespace rths::sim
