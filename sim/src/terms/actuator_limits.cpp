@@ -22,8 +22,7 @@ struct RateSaturation {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real* state = term.state + 2 * axis;
       const Real& command = q.displacement[axis];
       if (state[0] == 0) state[0] = 1.0, state[1] = command;
@@ -32,13 +31,13 @@ struct RateSaturation {
       const Real way = clipped(missing, reach);
       if (way == missing) {
         state[1] = command;
-        continue;
+        return;
       }
       state[1] += way;
       q.displacement[axis] = state[1];
       q.velocity[axis] = way * (1 / term.time_step);
       q.acceleration[axis] = Real{0};
-    }
+    });
   }
 };
 
@@ -88,8 +87,7 @@ struct ValveDeadband {
     const Real& band = term.parameters[kBand];
     const Real steps = term.parameters[kTimeConstant] * (1 / term.time_step);
     const auto inside = [&](const Real& e) { return e <= band && e >= -band; };
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real* state = term.state + axis * kAxisStates;
       const Real command = q.displacement[axis];
       if (state[0] == 0) state[0] = 1.0, state[1] = state[2] = command;
@@ -99,7 +97,7 @@ struct ValveDeadband {
       if (came && inside(error)) {
         q.displacement[axis] = state[2];
         if (band > 0) set_velocity(term, q, axis, Real{0});
-        continue;
+        return;
       }
       const Real edge = (came ? error : before) > 0 ? band : -band;
       const Beyond<Real> x = beyond(before, error, edge, steps, came);
@@ -108,7 +106,7 @@ struct ValveDeadband {
         set_velocity(term, q, axis, Real{x.drive / term.parameters[kTimeConstant]});
       else
         state[3] = q.velocity[axis];
-    }
+    });
   }
 
   // The acceleration jumps at the edges of the band; its mean over the step does not.
@@ -144,8 +142,7 @@ struct LoadCompliance {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const SecondOrderLag<Real> lag{term.parameters[kTimeConstant], Real{1}, term.time_step};
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real* state = term.state + axis * kAxisStates + kLagStates;
       Compliance<Real> oil{state, term.parameters[kCompliance], term.parameters[kStiffness]};
       const Real force = lag(state - kLagStates, q.last_specimen_force[axis]);
@@ -157,7 +154,7 @@ struct LoadCompliance {
       q.displacement[axis] -= yield;
       state[2] = yield;
       state[3] = rate;
-    }
+    });
   }
 };
 

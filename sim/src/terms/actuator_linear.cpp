@@ -15,12 +15,13 @@ constexpr std::size_t kSignals = kHorizontalAxes * kMotionSignals;
 
 template <class Lag, class Real>
 void lag_motion(const TermView<Real>& term, Quantities<Real>& q, const Lag& lag) {
-  Real* state = term.state;
-  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+  for_each_active_axis(term, [&](std::size_t axis) {
+    Real* state = term.state + axis * kMotionSignals * Lag::kStates;
     for (Real* signal : motion_of(q, axis)) {
-      if (term.acts_on(axis)) *signal = lag(state, *signal);
+      *signal = lag(state, *signal);
       state += Lag::kStates;
     }
+  });
 }
 
 struct ActuatorDelay {
@@ -43,11 +44,10 @@ struct ActuatorDelay {
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     DelayLine<Real> line{term.state, DelayLine<Real>::capacity(kLongest, term.time_step)};
     line.advance(term.parameters[kDelay] * (1 / term.time_step));
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       std::size_t signal = axis * kMotionSignals;
       for (Real* value : motion_of(q, axis)) *value = line.exchange(signal++, *value);
-    }
+    });
   }
 };
 
@@ -109,10 +109,10 @@ struct ActuatorBandwidth {
                            is_just(term.parameters[kVelocityLimit], kUnlimited);
     if (is_linear || !(term.parameters[kTimeConstant] > kShortestLag * term.time_step))
       return lag_motion(term, q, lag);
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        servo(term, lag, q, axis,
-              term.state + axis * kMotionSignals * SecondOrderLag<double>::kStates);
+    for_each_active_axis(term, [&](std::size_t axis) {
+      servo(term, lag, q, axis,
+            term.state + axis * kMotionSignals * SecondOrderLag<double>::kStates);
+    });
   }
 
  private:

@@ -35,14 +35,13 @@ struct CurrentDependentFriction {
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::abs;
     const Real level = level_of(term.parameters + kForce, q.auxiliary) * q.strength;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real speed = abs(q.velocity[axis]);
       const Real force = level * presliding(term, q, axis, term.parameters[kPresliding]) *
                          (speed / (speed + term.parameters[kCreep]));
       q.hysteretic_force[axis] += force;
       q.force[axis] += force;
-    }
+    });
   }
 };
 
@@ -62,8 +61,8 @@ struct CurrentDependentDamping {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real level = level_of(term.parameters + kCoefficient, q.auxiliary);
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis)) q.force[axis] += level * q.velocity[axis];
+    for_each_active_axis(term,
+                         [&](std::size_t axis) { q.force[axis] += level * q.velocity[axis]; });
   }
 };
 

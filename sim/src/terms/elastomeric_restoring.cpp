@@ -63,9 +63,9 @@ struct AsymmetricStiffness {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        q.force[axis] += term.parameters[kStiffness] * q.displacement[axis] * q.displacement[axis];
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.force[axis] += term.parameters[kStiffness] * q.displacement[axis] * q.displacement[axis];
+    });
   }
 };
 

@@ -30,8 +30,7 @@ struct AsymmetricHysteresis {
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real* p = term.parameters;
     const Real half = 0.5 * p[kPlay];
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real& before = term.state[2 * axis];
       Real& y = term.state[2 * axis + 1];
       y += q.displacement[axis] - before;
@@ -41,12 +40,12 @@ struct AsymmetricHysteresis {
       const Real least = -half - p[kBackwardLength] * q.strength;
       if (y > most) y = most;
       if (y < least) y = least;
-      if (!(y > half || y < -half)) continue;
+      if (!(y > half || y < -half)) return;
       const Real force = y > half ? Real{p[kForward] / p[kForwardLength] * (y - half)}
                                   : Real{p[kBackward] / p[kBackwardLength] * (y + half)};
       q.hysteretic_force[axis] += force;
       q.force[axis] += force;
-    }
+    });
   }
 };
 

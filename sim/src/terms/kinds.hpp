@@ -48,6 +48,13 @@ constexpr TermKind kind_of() {
           &prepare_of<Term>, &step_of<Term, double>, &step_of<Term, Dual>};
 }
 
+/// Calls `act(axis)` for each horizontal axis that the term acts on, long first.   @realtime
+template <class Real, class Act>
+void for_each_active_axis(const TermView<Real>& term, Act act) {
+  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+    if (term.acts_on(axis)) act(axis);
+}
+
 std::span<const TermKind> actuator_kinds();
 std::span<const TermKind> elastomeric_kinds();
 std::span<const TermKind> hysteresis_kinds();

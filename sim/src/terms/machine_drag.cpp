@@ -10,8 +10,7 @@ namespace {
 // Adds f(axis) to the force of each axis that the term acts on.
 template <class Real, class Force>
 void add(const TermView<Real>& term, Quantities<Real>& q, Force force) {
-  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-    if (term.acts_on(axis)) q.force[axis] += force(axis);
+  for_each_active_axis(term, [&](std::size_t axis) { q.force[axis] += force(axis); });
 }
 
 struct ViscousFriction {

@@ -20,10 +20,10 @@ struct CoulombFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        q.force[axis] +=
-            term.parameters[kForce] * presliding(term, q, axis, term.parameters[kPresliding]);
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.force[axis] +=
+          term.parameters[kForce] * presliding(term, q, axis, term.parameters[kPresliding]);
+    });
   }
 };
 
@@ -43,11 +43,10 @@ struct AsymmetricFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real& s = presliding(term, q, axis, term.parameters[kPresliding]);
       q.force[axis] += term.parameters[s > 0 ? kForward : kBackward] * s;
-    }
+    });
   }
 };
 
@@ -67,10 +66,10 @@ struct LoadDependentFriction {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real load = q.axial_load > 0 ? q.axial_load : Real{0};
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        q.force[axis] += term.parameters[kCoefficient] * load *
-                         presliding(term, q, axis, term.parameters[kPresliding]);
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.force[axis] += term.parameters[kCoefficient] * load *
+                       presliding(term, q, axis, term.parameters[kPresliding]);
+    });
   }
 };
 
@@ -92,13 +91,12 @@ struct StribeckFriction {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::exp;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real ratio = q.velocity[axis] / term.parameters[kVelocity];
       const Real level =
           term.parameters[kForce] + term.parameters[kBreakaway] * exp(-(ratio * ratio));
       q.force[axis] += level * presliding(term, q, axis, term.parameters[kPresliding]);
-    }
+    });
   }
 };
 
@@ -120,12 +118,11 @@ struct PositionDependentFriction {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::exp;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real off = (q.displacement[axis] - term.parameters[kPlace]) / term.parameters[kWidth];
       q.force[axis] += term.parameters[kForce] * exp(-(off * off)) *
                        presliding(term, q, axis, term.parameters[kPresliding]);
-    }
+    });
   }
 };
 

@@ -20,11 +20,10 @@ struct PolynomialStiffness {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real* k = term.parameters;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real& u = q.displacement[axis];
       q.force[axis] += u * (k[kLinear] + u * (k[kQuadratic] + u * k[kCubic]));
-    }
+    });
   }
 };
 
@@ -42,12 +41,11 @@ struct PiecewiseStiffness {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real inside = clipped(q.displacement[axis], term.parameters[kBreak]);
       q.force[axis] += term.parameters[kInside] * inside +
                        term.parameters[kOutside] * (q.displacement[axis] - inside);
-    }
+    });
   }
 };
 
@@ -65,12 +63,11 @@ struct PiecewiseDamping {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real slow = clipped(q.velocity[axis], term.parameters[kBreak]);
       q.force[axis] +=
           term.parameters[kSlow] * slow + term.parameters[kFast] * (q.velocity[axis] - slow);
-    }
+    });
   }
 };
 
@@ -90,13 +87,12 @@ struct GapContact {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::abs;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const double side = value_of(q.displacement[axis]) < 0 ? -1 : 1;
       const Real depth = abs(q.displacement[axis]) - term.parameters[kGap];
       const Real hold = 1 + term.parameters[kLoss] * q.velocity[axis] * side;
       if (depth > 0 && hold > 0) q.force[axis] += term.parameters[kStiffness] * depth * hold * side;
-    }
+    });
   }
 };
 

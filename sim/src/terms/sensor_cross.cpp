@@ -43,8 +43,7 @@ struct CrosstalkVertical {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real seen = term.parameters[kShare] * (q.axial_load - term.parameters[kReference]);
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis)) q.force[axis] += seen;
+    for_each_active_axis(term, [&](std::size_t axis) { q.force[axis] += seen; });
   }
 };
 
@@ -61,11 +60,11 @@ struct AccelerometerTilt {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        q.acceleration[axis] +=
-            kStandardGravity *
-            (term.parameters[kTilt] + term.parameters[kPerDisplacement] * q.displacement[axis]);
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.acceleration[axis] +=
+          kStandardGravity *
+          (term.parameters[kTilt] + term.parameters[kPerDisplacement] * q.displacement[axis]);
+    });
   }
 };
 

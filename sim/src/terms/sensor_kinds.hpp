@@ -6,6 +6,8 @@
 
 #include <rths/sim/term.hpp>
 
+#include "kinds.hpp"
+
 namespace rths::sim {
 
 std::span<const TermKind> sensor_cross_kinds();
@@ -34,8 +36,7 @@ template <class Real, class Change>
 void change_readings(const TermView<Real>& term, Quantities<Real>& q, Change change) {
   Horizontal<Real>* readings = horizontal_channel(term, q);
   if (readings == nullptr) return change(std::size_t{0}, q.axial_load);
-  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-    if (term.acts_on(axis)) change(axis, (*readings)[axis]);
+  for_each_active_axis(term, [&](std::size_t axis) { change(axis, (*readings)[axis]); });
 }
 
 inline constexpr unsigned kSensorTraits = kPerAxis | kPerChannel;

@@ -45,14 +45,13 @@ struct MerSpring {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real& u = q.displacement[axis];
       const Real& gap = term.parameters[kGap];
       const Real stiffness = term.parameters[kStiffness] * q.stiffness;
       if (u > gap) q.force[axis] += stiffness * (u - gap);
       if (-u > gap) q.force[axis] += stiffness * (u + gap);
-    }
+    });
   }
 };
 
