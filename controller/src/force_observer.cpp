@@ -9,12 +9,12 @@
 
 #include <Eigen/Dense>
 
+#include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::controller {
 namespace {
 
-constexpr double kStandardGravity = 9.80665;                // [m/s²], CGPM 1901
 constexpr double kKilonewtonPerG = 1e3 / kStandardGravity;  // [kg]
 constexpr double kKilonewtonSecondPerCentimetre = 1e5;      // [N·s/m]
 constexpr double kNormal95 = 1.959964;  // two-sided 95 % of a normal distribution

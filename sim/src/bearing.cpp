@@ -85,7 +85,7 @@ void require_given_load(const Bearing& bearing) {
       throw Error{
           fmt::format("term '{}' needs a vertical displacement, and here the axial load is "
                       "given: leave it out (enabled = false)",
-                      term.name.empty() ? term.kind : term.name)};
+                      name_of(term))};
   }
 }
 

@@ -16,10 +16,6 @@ namespace {
 // before.
 constexpr std::size_t kSharedStates = 2 * kHorizontalAxes;
 
-const std::string& name_of(const TermSettings& settings) {
-  return settings.name.empty() ? settings.kind : settings.name;
-}
-
 std::size_t parameter_of(const TermKind& kind, const std::string& name) {
   for (std::size_t i = 0; i < kind.parameters.size(); ++i)
     if (kind.parameters[i].name == name) return i;
@@ -97,6 +93,10 @@ void run(const Composition& composition, std::span<const double> constants, cons
 }
 
 }  // namespace
+
+const std::string& name_of(const TermSettings& settings) {
+  return settings.name.empty() ? settings.kind : settings.name;
+}
 
 Composition::Composition(const std::vector<TermSettings>& settings, double time_step)
     : time_step_{time_step}, states_{kSharedStates} {

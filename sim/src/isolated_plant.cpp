@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::sim {
@@ -17,7 +18,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kDirections = 2;
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
 constexpr double kElevationTolerance = 0.01;  // [m]
 
 // Shear stick on a fixed base with unit storey stiffness.

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include <rths/core/constants.hpp>
+
 namespace rths::sim {
 namespace {
 
@@ -24,8 +26,7 @@ OscillatorStep vertical_step(const PlantMatrices& plant, double time_step) {
                          time_step);
 }
 
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
-constexpr double kReferenceAlpha = 0;         // no numerical damping in the purely numerical result
+constexpr double kReferenceAlpha = 0;  // no numerical damping in the purely numerical result
 
 }  // namespace
 

@@ -5,6 +5,8 @@
 
 #include <rths/core/error.hpp>
 
+#include "terms/machine_kinds.hpp"
+
 namespace rths::sim {
 namespace {
 
@@ -21,7 +23,7 @@ std::string_view stage_name(Stage stage) { return kStages[static_cast<std::size_
 
 void check_owner(const TermSettings& term, TermOwner owner) {
   const TermKind& kind = term_kind(term.kind);
-  const std::string name = term.name.empty() ? term.kind : term.name;
+  const std::string& name = name_of(term);
   if (owner != TermOwner::Any && (kind.traits & kControlled) != 0)
     throw Error{
         fmt::format("term '{}' needs the current that controls it, which neither a "
@@ -37,7 +39,7 @@ void check_owner(const TermSettings& term, TermOwner owner) {
     throw Error{fmt::format("term '{}' is of the machine (stage {}); a specimen has none of it",
                             name, stage_name(kind.stage))};
   // Nobody knows a specimen's acceleration before its force.
-  if (kind.name == "platen_inertia")
+  if (kind.name == kPlatenInertia)
     throw Error{
         fmt::format("term '{}' needs the acceleration, which a specimen is not given; it is "
                     "of the machine",

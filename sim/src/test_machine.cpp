@@ -10,6 +10,7 @@
 
 #include <rths/core/error.hpp>
 
+#include "terms/machine_kinds.hpp"
 #include "test_machine_check.hpp"
 
 namespace rths::sim {

@@ -90,7 +90,7 @@ Bearing mounted_specimen(const TestMachine& machine) {
   std::vector<TermSettings> mount;
   std::copy_if(machine.terms.begin(), machine.terms.end(), std::back_inserter(mount), is_mount);
   // A specimen may have terms of the same name.
-  for (auto& term : mount) term.name = "machine." + (term.name.empty() ? term.kind : term.name);
+  for (auto& term : mount) term.name = "machine." + name_of(term);
   mounted.terms.insert(mounted.terms.begin(), mount.begin(), mount.end());
   return mounted;
 }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/controller/force_observer.hpp>
+#include <rths/core/constants.hpp>
 
 #include "support/files.hpp"
 #include "support/realtime_guard.hpp"
@@ -14,7 +15,6 @@ namespace rths::controller {
 namespace {
 
 constexpr double kPeriod = 0.001;
-constexpr double kStandardGravity = 9.80665;
 constexpr double kForceNoise = 5e3;                             // [N]
 constexpr double kAccelerationNoise = 5e-3 * kStandardGravity;  // 5 mg
 constexpr double kDisplacementNoise = 5e-5;                     // [m]

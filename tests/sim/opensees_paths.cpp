@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <numbers>
 
+#include <rths/core/constants.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -15,11 +16,10 @@
 namespace rths::sim::test {
 namespace {
 
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
-constexpr double kOrbitDuration = 9;          // [s]
-constexpr double kOrbitFrequency = 0.5;       // [Hz]
-constexpr double kEntry = 2;                  // until an orbit has its full size [s]
-constexpr double kRecordDuration = 25;        // [s]
+constexpr double kOrbitDuration = 9;     // [s]
+constexpr double kOrbitFrequency = 0.5;  // [Hz]
+constexpr double kEntry = 2;             // until an orbit has its full size [s]
+constexpr double kRecordDuration = 25;   // [s]
 constexpr double kLoadPerGravity = 3;
 constexpr double kLeastLoad = 0.2;  // bearings that lift off are another matter
 

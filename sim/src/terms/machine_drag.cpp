@@ -71,7 +71,7 @@ struct QuadraticDrag {
 };
 
 struct PlatenInertia {
-  static constexpr std::string_view kName = "platen_inertia";
+  static constexpr std::string_view kName = kPlatenInertia;
   static constexpr std::string_view kTitle = "inertia of what moves with the platen";
   static constexpr std::string_view kEquation = "F = m a";
   static constexpr std::string_view kSource = "Newton";

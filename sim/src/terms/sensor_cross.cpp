@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <rths/core/constants.hpp>
+
 #include "kinds.hpp"
 #include "sensor_kinds.hpp"
 
 namespace rths::sim {
 namespace {
-
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
 
 struct CrosstalkHorizontal {
   static constexpr std::string_view kName = "crosstalk_horizontal";

@@ -25,6 +25,9 @@ struct TermSettings {
   Channel channel = Channel::Force;                        ///< of a sensor term
 };
 
+/// The term's own name, or its kind if it has none.
+[[nodiscard]] const std::string& name_of(const TermSettings& settings);
+
 /// Terms that act one after the other: a bearing, a machine, a chain of sensors.
 ///
 /// Const once built; what it remembers is a plain array of numbers that the caller owns, zeros for
