@@ -14,7 +14,7 @@ TermSettings typical(const TermKind& kind) {
   return settings;
 }
 
-// What stands beside the term, so that there is something that it can change.
+// Other terms that the demonstration of a kind needs.
 std::vector<TermSettings> company_of(const TermKind& kind) {
   std::vector<TermSettings> company;
   const auto add = [&](std::string_view name) {
@@ -22,7 +22,7 @@ std::vector<TermSettings> company_of(const TermKind& kind) {
   };
   if (kind.stage == Stage::Restoring) return company;
   if (kind.stage == Stage::Vertical && kind.name != "elastomeric_axial") add("elastomeric_axial");
-  // One gives the critical load, the other makes something of it.
+  // The first computes the critical load; the second uses it.
   if (kind.name == "buckling_load_variation") add("horizontal_stiffness_variation");
   if (kind.name == "horizontal_stiffness_variation") add("buckling_load_variation");
   if (kind.name != "elastomeric_axial") add("bouc_wen");

@@ -19,7 +19,7 @@ Eigen::MatrixXd implicit_stiffness(const PlantMatrices& plant, double bearing_st
   return K;
 }
 
-// On a fixed base nothing carries anything.
+// A plant on a fixed base has no bearings and no vertical mode.
 OscillatorStep vertical_step(const PlantMatrices& plant, double time_step) {
   if (plant.bearings == 0) return {};
   return oscillator_step(2 * std::numbers::pi * plant.vertical_frequency, plant.vertical_damping,

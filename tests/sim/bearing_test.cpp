@@ -23,29 +23,29 @@ constexpr const char* kPlain =
     "[bouc_wen]\ncharacteristic_strength_N = 1e6\nyield_displacement_m = 1e-3\n"
     "post_yield_stiffness_N_per_m = 4e6\n";
 
-TEST(Bearing, RejectsWhatItDoesNotKnow) {
+TEST(Bearing, RejectsUnknownKeysAndEmptyFiles) {
   EXPECT_EQ(error_of([] { read(std::string{"titel = \"a\"\n"} + kPlain); }),
             "b.toml:1:9: unknown key 'titel' (did you mean 'title'?)");
   EXPECT_EQ(error_of([] { read("title = \"a\"\n"); }),
-            "b.toml:1:1: a bearing without a term, expected at least one");
+            "b.toml:1:1: the bearing has no terms, expected at least one");
 }
 
-TEST(Bearing, RefusesTermsThatNeedWhatItIsNotGiven) {
+TEST(Bearing, RefusesTermsWhoseInputsItDoesNotHave) {
   for (const char* kind : {"elastomeric_axial", "multilinear_axial", "pendulum_lift"}) {
     Bearing bearing = test::plain_lead_rubber();
     bearing.terms.push_back({kind, "", {}});
     EXPECT_EQ(error_of([&] { BearingRun(bearing, 1e-3); }),
               "term '" + std::string{kind} +
-                  "' needs a vertical displacement, and here the axial "
-                  "load is given: leave it out (enabled = false)");
+                  "' needs a vertical displacement, but the axial load is prescribed here: leave "
+                  "the term out (enabled = false)");
     EXPECT_NE(error_of([&] { static_cast<void>(run_loop_test(bearing, {})); }), "") << kind;
   }
   EXPECT_EQ(error_of([] { read("[platen_inertia]\nmass_kg = 1e4\n"); }),
-            "b.toml:1:1: term 'platen_inertia' needs the acceleration, which a specimen is not "
-            "given; it is of the machine");
+            "b.toml:1:1: term 'platen_inertia' needs the acceleration, an input that a specimen "
+            "does not have; it belongs to the machine");
 }
 
-TEST(Bearing, IsAsWarmAsItsSurroundings) {
+TEST(Bearing, HasTheAmbientTemperature) {
   constexpr double kFall = 0.007, kColder = -30;  // [1/K], [K]
   const std::string ageing =
       "[ageing_temperature]\nstrength_temperature_1_per_K = 0.007\n"
@@ -53,7 +53,7 @@ TEST(Bearing, IsAsWarmAsItsSurroundings) {
   BearingRun cold{read("temperature_above_reference_K = -30\n" + (kPlain + ageing)), 1e-3};
   BearingRun usual{read(kPlain + ageing), 1e-3};
 
-  // At 50 yield displacements nothing but the two forces is left.
+  // At 50 yield displacements the force is Q_d + K_d u, and both scale with temperature alike.
   EXPECT_NEAR(test::moved(cold, {0.05, 0})[0] / test::moved(usual, {0.05, 0})[0],
               std::exp(-kFall * kColder), 1e-9);
 }

@@ -49,9 +49,9 @@ TEST(At2Reader, SaysWhereTheFileIsWrong) {
   const auto word_path = folder.write("word.AT2", with_word);
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(short_path)); }),
-            short_path.string() + ":6: 7 values found, NPTS says 9");
+            short_path.string() + ":6: 7 values found, expected NPTS = 9");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(word_path)); }),
-            word_path.string() + ":5: 'not_a_number' is no number");
+            word_path.string() + ":5: 'not_a_number' is not a number");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(folder.path() / "none.AT2")); }),
             (folder.path() / "none.AT2").string() + ": cannot be read");
 }
@@ -78,11 +78,11 @@ TEST(ColumnReader, SaysWhereTheFileIsWrong) {
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(uneven, 1)); }),
             uneven.string() + ":3: time is not equally spaced");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(narrow, 2)); }),
-            narrow.string() + ":1: 2 columns found, column 2 was asked for (0 is time)");
+            narrow.string() + ":1: 2 columns found, expected column 2 (0 is time)");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(broken, 1)); }),
-            broken.string() + ":2: '3x' is no number");
+            broken.string() + ":2: '3x' is not a number");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(back, 1)); }),
-            back.string() + ":2: time does not advance");
+            back.string() + ":2: time does not increase");
 }
 
 TEST(GroundMotion, IsLinearBetweenSamplesAndZeroOutside) {

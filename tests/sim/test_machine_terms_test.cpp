@@ -154,24 +154,25 @@ TEST(TestMachineTerms, OfInertiaAreMassOfThePlaten) {
             "test machine: effective_mass (with platen_inertia) is 0, expected a positive number");
 }
 
-TEST(TestMachineTerms, AreRefusedWhereTheyMeanNothing) {
+TEST(TestMachineTerms, AreRefusedWhereTheirOwnerCannotHaveThem) {
   for (const char* kind : {"lead_heating", "bouc_wen", "elastomeric_axial"}) {
     TestMachine machine = bare_machine(spring(kStiffness));
     machine.terms = {{kind, "", {}}};
-    EXPECT_NE(refusal(machine).find("is of the specimen (stage"), std::string::npos) << kind;
+    EXPECT_NE(refusal(machine).find("belongs to the specimen (stage"), std::string::npos) << kind;
   }
   for (const char* kind : {"gain", "actuator_delay"}) {
     Bearing specimen = spring(kStiffness);
     specimen.terms.push_back({kind, "", {}});
-    EXPECT_NE(refusal(bare_machine(specimen)).find("is of the machine (stage"), std::string::npos)
+    EXPECT_NE(refusal(bare_machine(specimen)).find("belongs to the machine (stage"),
+              std::string::npos)
         << kind;
   }
 }
 
-// With the valve shut, oil that leaks is all the damping there is: m ẍ + (k + k_o) x decays with
-// λ/2 k_o/(k + k_o), k_o = 4 B A²/V the stiffness of the oil and λ = 4 B C_l/V the rate of leakage,
-// both small against its frequency. Forces half a part late would add −k h/(4 m) to it: −0.22 1/s
-// of 0.26 for the stiffer of these specimens.
+// With the valve shut, leakage is the only damping: m ẍ + (k + k_o) x decays with λ/2 k_o/(k +
+// k_o). k_o = 4 B A²/V is the stiffness of the oil and λ = 4 B C_l/V the rate of leakage; both
+// rates are small against the frequency. Forces half a substep late would add −k h/(4 m), that is
+// −0.22 1/s of 0.26 1/s for the stiffer specimen.
 TEST(TestMachine, DecaysAtTheRateOfItsLeakage) {
   for (const double stiffness : {1e8, 1e9}) {
     TestMachine machine = bare_machine(spring(stiffness));
@@ -192,12 +193,12 @@ TEST(TestMachine, DecaysAtTheRateOfItsLeakage) {
     const double oil = 4 * axis.bulk_modulus / axis.oil_volume;
     const double oil_stiffness = oil * axis.piston_area * axis.piston_area;
     const double expected = oil * axis.leakage / 2 * oil_stiffness / (stiffness + oil_stiffness);
-    // Peaks are looked for in samples of 1 ms of an oscillation of 20 Hz.
+    // Peaks of an oscillation of 20 Hz, sampled every 1 ms.
     EXPECT_NEAR(found, expected, 0.02 * expected) << stiffness;
   }
 }
 
-TEST(TestMachine, RefusesWhatItsPartsCannotFollow) {
+TEST(TestMachine, RefusesRatesTooFastForItsSubsteps) {
   TestMachine machine = bare_machine(spring(1e12));
   EXPECT_NE(refusal(machine).find("the rate of the specimen on the platen"), std::string::npos);
 
