@@ -95,7 +95,7 @@ TEST_P(AnyTerm, IsPassiveIfItDissipates) {
   for (unsigned seed = 1; seed <= kSets; ++seed) {
     auto c = drawn_case(seed);
     SCOPED_TRACE(described(c, seed));
-    c.company.clear();
+    c.companions.clear();
     c.motion.time_step = 1e-3;
     const Composition composition = test::composition_of(c);
     std::vector<double> state(composition.states());

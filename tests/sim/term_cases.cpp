@@ -32,7 +32,7 @@ TermSettings bearing() {
 TermCase made_up(const TermKind& kind) {
   TermCase c;
   c.kind = kind.name;
-  if (kind.stage != Stage::Restoring && kind.stage != Stage::Vertical) c.company = {bearing()};
+  if (kind.stage != Stage::Restoring && kind.stage != Stage::Vertical) c.companions = {bearing()};
   return c;
 }
 
@@ -72,7 +72,7 @@ TermCase case_of(const TermKind& kind) {
 }
 
 Composition composition_of(const TermCase& c) {
-  auto terms = c.company;
+  auto terms = c.companions;
   terms.push_back(c.term);
   return Composition{terms, c.motion.time_step};
 }

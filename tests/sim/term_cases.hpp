@@ -28,11 +28,11 @@ struct Motion {
 /// Inputs at step `i`; everything else zero.
 [[nodiscard]] Quantities<double> motion_at(const Motion& motion, int i);
 
-/// How a kind is tested: the term itself with typical parameters, in company that lets it be seen.
+/// How a kind is tested: the term itself with typical parameters, in companions that lets it be seen.
 struct TermCase {
   std::string kind;
   TermSettings term;                  ///< parameters not given are typical, not absent
-  std::vector<TermSettings> company;  ///< the terms beside it
+  std::vector<TermSettings> companions;  ///< the terms beside it
   std::vector<std::string> fixed;     ///< parameters that a fit takes as known, e.g. dimensions
   Motion motion;
   double noise = 0.01;  ///< standard deviation over that of each output
@@ -50,7 +50,7 @@ struct TermCase {
 [[nodiscard]] std::vector<TermCase> sensor_cases();
 [[nodiscard]] std::vector<TermCase> sliding_cases();
 
-/// The term of a case and its company.
+/// The term of a case and its companions.
 [[nodiscard]] Composition composition_of(const TermCase& c);
 
 /// Outputs of a run, step after step: displacement, acceleration, force of both axes, axial load.

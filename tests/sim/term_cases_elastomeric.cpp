@@ -17,14 +17,14 @@ TermCase buckling() {
   TermCase c;
   c.kind = "buckling_load_variation";
   c.term.parameters = {{"critical_load", 6e7}, {"outer_diameter", 0.3}, {"residual_ratio", 0.35}};
-  c.company = {bearing(), {"horizontal_stiffness_variation", "", {{"coefficient", 1}}}};
+  c.companions = {bearing(), {"horizontal_stiffness_variation", "", {{"coefficient", 1}}}};
   return c;
 }
 
 TermCase vertical_stiffness() {
   TermCase c;
   c.kind = "vertical_stiffness_variation";
-  c.company = {{"elastomeric_axial", "", {{"vertical_stiffness", 5e9}}}};
+  c.companions = {{"elastomeric_axial", "", {{"vertical_stiffness", 5e9}}}};
   return c;
 }
 
@@ -36,7 +36,7 @@ TermCase axial() {
   c.kind = "elastomeric_axial";
   c.term.parameters = {
       {"vertical_stiffness", 5e8}, {"damage_rate", 0.2}, {"buckled_stiffness_ratio", 0.05}};
-  c.company = {{"buckling_load_variation", "", {{"critical_load", 1e7}}}};
+  c.companions = {{"buckling_load_variation", "", {{"critical_load", 1e7}}}};
   c.fixed = {"rubber_thickness"};
   c.motion.vertical_offset = -0.04;
   c.motion.vertical_amplitude = 0.1;
@@ -47,14 +47,14 @@ TermCase axial() {
 TermCase horizontal_stiffness() {
   TermCase c;
   c.kind = "horizontal_stiffness_variation";
-  c.company = {bearing(), {"buckling_load_variation", "", {{"critical_load", 3e7}}}};
+  c.companions = {bearing(), {"buckling_load_variation", "", {{"critical_load", 3e7}}}};
   return c;
 }
 
 TermCase ageing() {
   TermCase c;
   c.kind = "ageing_temperature";
-  c.company = {bearing()};
+  c.companions = {bearing()};
   c.motion.temperature = 20;
   return c;
 }
@@ -64,7 +64,7 @@ TermCase adiabatic() {
   TermCase c;
   c.kind = "adiabatic_heating";
   c.term.parameters = {{"cooling_time", 20}};
-  c.company = {bearing()};
+  c.companions = {bearing()};
   c.motion.time_step = 0.02;
   c.motion.steps = 1000;
   return c;
@@ -77,7 +77,7 @@ TermCase heating() {
   c.kind = "lead_heating";
   c.fixed = {"lead_radius",        "lead_height",       "shim_thickness",
              "lead_heat_capacity", "steel_diffusivity", "elastic_share"};
-  c.company = {bearing()};
+  c.companions = {bearing()};
   c.motion.time_step = 0.04;
   c.motion.steps = 1000;
   return c;

@@ -15,7 +15,7 @@ TermSettings bearing() {
 TermCase beside_bearing(const char* kind) {
   TermCase c;
   c.kind = kind;
-  c.company = {bearing()};
+  c.companions = {bearing()};
   return c;
 }
 

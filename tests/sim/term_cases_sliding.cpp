@@ -12,15 +12,15 @@ TermSettings slider() {
 TermCase modifier(const std::string& kind, std::vector<std::string> fixed) {
   TermCase c;
   c.kind = kind;
-  c.company = {slider()};
+  c.companions = {slider()};
   c.fixed = std::move(fixed);
   return c;
 }
 
-TermCase vertical(const std::string& kind, std::vector<TermSettings> company) {
+TermCase vertical(const std::string& kind, std::vector<TermSettings> companions) {
   TermCase c;
   c.kind = kind;
-  c.company = std::move(company);
+  c.companions = std::move(companions);
   c.motion.axial_load = 0;
   return c;
 }

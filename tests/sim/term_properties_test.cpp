@@ -48,7 +48,7 @@ TEST_P(EveryTerm, KnowsItsParameters) {
 
 TEST_P(EveryTerm, IsWithoutEffectByDefault) {
   auto c = test::case_of(GetParam());
-  const Composition alone{c.company, c.motion.time_step};
+  const Composition alone{c.companions, c.motion.time_step};
   c.term.parameters.clear();
   const Composition both = test::composition_of(c);
 
@@ -96,7 +96,7 @@ TEST_P(EveryTerm, DifferentiatesItself) {
 TEST_P(EveryTerm, IsPassiveIfItDissipates) {
   if ((GetParam().traits & kDissipative) == 0) return;
   auto c = test::case_of(GetParam());
-  c.company.clear();
+  c.companions.clear();
   // A pendulum's spring N u/R is conservative only while N stays.
   const bool load_varies = GetParam().name.find("pendulum") == std::string_view::npos;
   const double dt = 1e-3;

@@ -280,7 +280,7 @@ TEST(TriplePendulumSeries, ConvergesInAFewStepsWhateverTheMotion) {
         evaluations.push_back(solution.evaluations);
         ASSERT_LT(solution.imbalance, 1e-8) << "step " << i;
         for (std::size_t k = 0; k < kSegments; ++k)
-          segments[k].slipped = segments[k].slipped + answer(segments[k], at[k]).slip;
+          segments[k].slipped = segments[k].slipped + response_of(segments[k], at[k]).slip;
       }
       std::sort(evaluations.begin(), evaluations.end());
       // The first evaluation is where it begins: six steps.

@@ -28,14 +28,14 @@ struct RateSaturation {
       if (state[0] == 0) state[0] = 1.0, state[1] = command;
       const Real reach = term.parameters[kRate] * term.time_step;
       const Real missing = command - state[1];
-      const Real way = clipped(missing, reach);
-      if (way == missing) {
+      const Real move = clipped(missing, reach);
+      if (move == missing) {
         state[1] = command;
         return;
       }
-      state[1] += way;
+      state[1] += move;
       q.displacement[axis] = state[1];
-      q.velocity[axis] = way * (1 / term.time_step);
+      q.velocity[axis] = move * (1 / term.time_step);
       q.acceleration[axis] = Real{0};
     });
   }
@@ -74,8 +74,8 @@ struct ValveDeadband {
     if (!(steps > kShortestLag)) return {};
     const Real slope = error - before;
     const Real first = came ? Real{0} : Real{before - edge};
-    const Real part = came ? Real{(error - edge) / slope} : Real{1};
-    const Real kept = exp(-part / steps);
+    const Real fraction = came ? Real{(error - edge) / slope} : Real{1};
+    const Real kept = exp(-fraction / steps);
     const Real x = first * kept + steps * slope * (1 - kept);
     const bool crossed = (first > 0 && x < 0) || (first < 0 && x > 0);
     if (!crossed) return {x, x};

@@ -52,13 +52,13 @@ class DelayLine {
     samples[newest_] = newest;
     Real sum{};
     for (std::size_t i = 0; i < kNodes; ++i)
-      sum += weights_[i] * samples[place(std::min(first_ + i, count_ - 1))];
+      sum += weights_[i] * samples[slot(std::min(first_ + i, count_ - 1))];
     return sum;
   }
 
  private:
   // Where the sample stands that is `age` steps old.
-  [[nodiscard]] std::size_t place(std::size_t age) const {
+  [[nodiscard]] std::size_t slot(std::size_t age) const {
     return newest_ >= age ? newest_ - age : newest_ + capacity_ - age;
   }
 

@@ -102,9 +102,9 @@ struct ViscoelasticRelaxation {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::exp;
-    const Real part = term.time_step / term.parameters[kTime];
-    const Real decay = exp(-part);
-    const Real intake = term.parameters[kStiffness] * (1 - decay) / part;
+    const Real ratio = term.time_step / term.parameters[kTime];
+    const Real decay = exp(-ratio);
+    const Real intake = term.parameters[kStiffness] * (1 - decay) / ratio;
     const Plane<Real> u = displacement_of(q);
     const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
     const Plane<Real> force = Plane<Real>{term.state[2], term.state[3]} * decay + du * intake;

@@ -60,11 +60,11 @@ struct Iwan {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Plane<Real> way = way_of(q, term.state) * (1 / term.parameters[kReach]);
+    const Plane<Real> increment = scaled_increment(q, term.state) * (1 / term.parameters[kReach]);
     Plane<Real> sum;
     for (std::size_t j = 0; j < kSliders; ++j) {
       Real* slider = term.state + 2 + 2 * j;
-      Plane<Real> z = Plane<Real>{slider[0], slider[1]} + way * Real{term.constants[j]};
+      Plane<Real> z = Plane<Real>{slider[0], slider[1]} + increment * Real{term.constants[j]};
       if (dot(z, z) > 1) z = z * (1 / length(z));
       slider[0] = z.x, slider[1] = z.y;
       const Share share = share_of(j);

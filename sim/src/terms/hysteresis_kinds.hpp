@@ -30,7 +30,7 @@ void resist(Quantities<Real>& q, const Plane<Real>& plug, const Real& stiffness)
 /// stiffness before yield stays unless a modifier says otherwise, so what is weaker yields earlier.
 /// @param before  displacement of the last step; this one's afterwards
 template <class Real>
-Plane<Real> way_of(const Quantities<Real>& q, Real* before) {
+Plane<Real> scaled_increment(const Quantities<Real>& q, Real* before) {
   constexpr double kWeakest = 1e-3;  // less has no force to speak of
   const Real strength = q.strength > kWeakest ? q.strength : Real{kWeakest};
   const Plane<Real> du{q.displacement[0] - before[0], q.displacement[1] - before[1]};

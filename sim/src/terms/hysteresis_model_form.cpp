@@ -31,14 +31,14 @@ struct HysteresisShape {
     const Plane<Real> u = displacement_of(q);
     const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
     term.state[0] = u.x, term.state[1] = u.y;
-    const Real way = length(du);
-    const Plane<Real> ahead = way > 0 ? du * (1 / way) : Plane<Real>{};
-    const Real ways = way / term.parameters[kLength];
+    const Real path = length(du);
+    const Plane<Real> ahead = path > 0 ? du * (1 / path) : Plane<Real>{};
+    const Real relative_path = path / term.parameters[kLength];
     Plane<Real> sum;
     for (std::size_t k = 0; k < kElements; ++k) {
       Real* state = term.state + 2 + 2 * k;
       // The law is solved exactly along a straight step.
-      const Real kept = exp(ways * (-1 / kLengths[k]));
+      const Real kept = exp(relative_path * (-1 / kLengths[k]));
       const Plane<Real> h = Plane<Real>{state[0], state[1]} * kept + ahead * (1 - kept);
       state[0] = h.x, state[1] = h.y;
       sum = sum + h * term.parameters[kForce + k];

@@ -66,7 +66,7 @@ void take_in(const double* constants, Real* memory, const Real& y) {
 // A disc on a half-space, against an infinite face: the part that it keeps of the kernel's
 // spectrum about rate s, in units of diffusivity/radius². The spectrum waves faster than the rates
 // of the memory lie apart, so each rate takes the mean over its neighbourhood.
-double part_of_disc(double s) {
+double disc_factor(double s) {
   constexpr int kPoints = 16;
   constexpr double kNeighbourhood = 0.8;  // in ln s: about the distance of two rates
   constexpr double kLikeInfinite = 400;   // what is taken off is below 1e-4
@@ -124,7 +124,7 @@ struct LeadHeating {
     // left: what small radii remember is in the exponentials.
     ends[0] = std::max(ends[0] - 2 / std::numbers::pi * rate * setup.time_step, 0.5 * ends[0]);
     for (std::size_t i = 1; i <= kFadingExponentials; ++i)
-      ends[kFadingExponentials + i] *= part_of_disc(-std::log(ends[i]) / (setup.time_step * rate));
+      ends[kFadingExponentials + i] *= disc_factor(-std::log(ends[i]) / (setup.time_step * rate));
     // Step response of the shims: tau^(1/3)/1.274.
     constexpr double kShimFactor = 1.274;
     prepare_scaled(2.0 / 3, setup.time_step, std::cbrt(rate) / (3 * kShimFactor),

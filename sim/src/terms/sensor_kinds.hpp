@@ -31,7 +31,7 @@ Horizontal<Real>* horizontal_channel(const TermView<Real>& term, Quantities<Real
   return nullptr;
 }
 
-/// Gives each reading that the term acts on to `change(place, reading)`, place 0 or 1.
+/// Gives each reading that the term acts on to `change(index, reading)`, index 0 or 1.
 template <class Real, class Change>
 void change_readings(const TermView<Real>& term, Quantities<Real>& q, Change change) {
   Horizontal<Real>* readings = horizontal_channel(term, q);

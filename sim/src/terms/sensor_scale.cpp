@@ -35,8 +35,8 @@ struct CubicDistortion {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     change_readings(term, q, [&](std::size_t, Real& x) {
-      const Real part = x / term.parameters[kRange];
-      x *= 1 + term.parameters[kShare] * part * part;
+      const Real ratio = x / term.parameters[kRange];
+      x *= 1 + term.parameters[kShare] * ratio * ratio;
     });
   }
 };

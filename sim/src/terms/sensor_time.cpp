@@ -19,7 +19,7 @@ template <class Real>
 void skew(const TermView<Real>& term, Quantities<Real>& q, Real* state, const Real& age) {
   DelayLine<Real> line{state, DelayLine<Real>::capacity(kLongestSkew, term.time_step)};
   line.advance(within(age, 0, kLongestSkew) * (1 / term.time_step));
-  change_readings(term, q, [&](std::size_t place, Real& x) { x = line.exchange(place, x); });
+  change_readings(term, q, [&](std::size_t index, Real& x) { x = line.exchange(index, x); });
 }
 
 struct TimeSkew {
@@ -76,8 +76,8 @@ struct FilterLag {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const FirstOrderLag<Real> lag{term.parameters[kTimeConstant], term.time_step};
-    change_readings(term, q, [&](std::size_t place, Real& x) {
-      x = lag(term.state + place * FirstOrderLag<Real>::kStates, x);
+    change_readings(term, q, [&](std::size_t index, Real& x) {
+      x = lag(term.state + index * FirstOrderLag<Real>::kStates, x);
     });
   }
 };

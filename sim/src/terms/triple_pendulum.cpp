@@ -155,7 +155,7 @@ struct TriplePendulum {
   // Slips of the surfaces from those of the segments; the two inner ones share a temperature.
   template <class Real>
   static void warm(const TermView<Real>& term, const Real& load,
-                   const std::array<Answer<Real>, kSegments>& answers) {
+                   const std::array<Response<Real>, kSegments>& responses) {
     if constexpr (std::is_same_v<Real, double>)
       if (term.parameters[kShare] == 0) return;
     const Real* p = term.parameters;
@@ -163,14 +163,14 @@ struct TriplePendulum {
     const Plane<Real> inner = point(term.state + kDisplacement);
     std::array<Real, kSegments> flux{};
     for (std::size_t i = 1; i < kSegments; ++i) {
-      const Real outer_part = p[kRadius + i] / (p[kRadius + i] - p[kRadius]);
-      const Real inner_part = p[kRadius] / (p[kRadius + i] - p[kRadius]);
+      const Real outer_share = p[kRadius + i] / (p[kRadius + i] - p[kRadius]);
+      const Real inner_share = p[kRadius] / (p[kRadius + i] - p[kRadius]);
       const Plane<Real> outer = point(term.state + kDisplacement + 2 * i);
-      flux[i] = heat(length(answers[i].friction), answers[i].slip * outer_part, outer * outer_part,
-                     p[kArea + i]);
-      flux[0] += 0.5 * heat(length(answers[0].friction),
-                            answers[0].slip * Real{0.5} - answers[i].slip * inner_part,
-                            inner * Real{0.5} - outer * inner_part, p[kArea]);
+      flux[i] = heat(length(responses[i].friction), responses[i].slip * outer_share,
+                     outer * outer_share, p[kArea + i]);
+      flux[0] += 0.5 * heat(length(responses[0].friction),
+                            responses[0].slip * Real{0.5} - responses[i].slip * inner_share,
+                            inner * Real{0.5} - outer * inner_share, p[kArea]);
     }
     for (std::size_t i = 0; i < kSegments; ++i) {
       Real& mean = term.state[kFlux + i];
@@ -190,7 +190,7 @@ struct TriplePendulum {
     Plane<Real> sum = total;
     for (std::size_t i = 0; i < kSegments; ++i) {
       u[i] = {Real{at[i].x}, Real{at[i].y}};
-      const Answer<Real> found = answer(segments[i], u[i]);
+      const Response<Real> found = response_of(segments[i], u[i]);
       compliance[i] = found.tangent.inverse();
       force[i] = found.force;
       all += compliance[i];
@@ -204,11 +204,11 @@ struct TriplePendulum {
   template <class Real>
   static void keep(const TermView<Real>& term, const std::array<Segment<Real>, kSegments>& segments,
                    const std::array<Plane<Real>, kSegments>& u,
-                   const std::array<Answer<Real>, kSegments>& answers) {
+                   const std::array<Response<Real>, kSegments>& responses) {
     for (std::size_t i = 0; i < kSegments; ++i) {
       put(u[i] - point(term.state + kDisplacement + 2 * i), term.state + kGrowth + 2 * i);
       put(u[i], term.state + kDisplacement + 2 * i);
-      put(segments[i].slipped + answers[i].slip, term.state + kSlipped + 2 * i);
+      put(segments[i].slipped + responses[i].slip, term.state + kSlipped + 2 * i);
     }
   }
 
@@ -216,18 +216,18 @@ struct TriplePendulum {
   // weighted by the radii: u = Σ R_i (F − f_i).
   template <class Real>
   static void act(const std::array<Segment<Real>, kSegments>& segments,
-                  const std::array<Answer<Real>, kSegments>& answers, Quantities<Real>& q) {
+                  const std::array<Response<Real>, kSegments>& responses, Quantities<Real>& q) {
     Plane<Real> friction;
     Real radii{};
     for (std::size_t i = 0; i < kSegments; ++i) {
       const Real radius = 1 / segments[i].curvature;
       radii += radius;
-      friction = friction + answers[i].friction * radius;
+      friction = friction + responses[i].friction * radius;
     }
     const Real load = contact_load(q);
     friction = friction * (load / radii);
     q.hysteretic_force[0] += friction.x, q.hysteretic_force[1] += friction.y;
-    q.force[0] += answers[0].force.x * load, q.force[1] += answers[0].force.y * load;
+    q.force[0] += responses[0].force.x * load, q.force[1] += responses[0].force.y * load;
   }
 
   template <class Real>
@@ -241,17 +241,17 @@ struct TriplePendulum {
         solve_series({plain(segments[0]), plain(segments[1]), plain(segments[2])},
                      {value_of(total.x), value_of(total.y)}, at);
     std::array<Plane<Real>, kSegments> u;
-    std::array<Answer<Real>, kSegments> answers;
+    std::array<Response<Real>, kSegments> responses;
     if constexpr (std::is_same_v<Real, double>) {
       u = at;
-      answers = solution.answers;
+      responses = solution.responses;
     } else {
       u = settle(segments, total, at);
-      for (std::size_t i = 0; i < kSegments; ++i) answers[i] = answer(segments[i], u[i]);
+      for (std::size_t i = 0; i < kSegments; ++i) responses[i] = response_of(segments[i], u[i]);
     }
-    keep(term, segments, u, answers);
-    warm(term, contact_load(q), answers);
-    act(segments, answers, q);
+    keep(term, segments, u, responses);
+    warm(term, contact_load(q), responses);
+    act(segments, responses, q);
   }
 };
 

@@ -51,9 +51,9 @@ struct Segment {
   Plane<Real> slipped{};  ///< by the slider before this step [m]
 };
 
-/// What a segment answers to a displacement.
+/// What a segment responses to a displacement.
 template <class Real>
-struct Answer {
+struct Response {
   Plane<Real> force, friction, slip;  ///< all of it, the slider's part, its slip [-, -, m]
   Symmetric tangent{};                ///< [1/m]
 };
@@ -106,11 +106,12 @@ template <class Real>
 }
 
 template <class Real>
-[[nodiscard]] Answer<Real> answer(const Segment<Real>& segment, const Plane<Real>& u) noexcept {
+[[nodiscard]] Response<Real> response_of(const Segment<Real>& segment,
+                                         const Plane<Real>& u) noexcept {
   const auto values = [](const Plane<Real>& a) {
     return Plane<double>{value_of(a.x), value_of(a.y)};
   };
-  Answer<Real> result;
+  Response<Real> result;
   result.force = u * segment.curvature;
   result.tangent.xx = result.tangent.yy = value_of(segment.curvature);
 
@@ -147,7 +148,7 @@ using SeriesDisplacements = std::array<Plane<double>, kSegments>;
 struct SeriesSolution {
   int evaluations = 0;   ///< of all three segments, ≤ kMostEvaluations
   double imbalance = 0;  ///< largest difference between a segment's force and that of all [-]
-  std::array<Answer<double>, kSegments> answers{};
+  std::array<Response<double>, kSegments> responses{};
 };
 
 inline constexpr int kMostEvaluations = 30;

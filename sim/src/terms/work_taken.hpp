@@ -12,19 +12,19 @@ namespace rths::sim {
 // is known: over a history, that is the trapezoid's sum.
 inline constexpr std::size_t kWorkStates = 4;  // displacements one and two steps before
 
-// A `share` of it is taken for force times way, whatever the angle between the two.
+// A `share` of it is taken for force times increment, whatever the angle between the two.
 template <class Real>
 Real work_taken(Real* before, const Quantities<Real>& q, const Real& share) {
   const Plane<Real> force{q.last_hysteretic_force[0], q.last_hysteretic_force[1]};
-  const Plane<Real> way{(q.displacement[0] - before[2]) * Real{0.5},
-                        (q.displacement[1] - before[3]) * Real{0.5}};
+  const Plane<Real> increment{(q.displacement[0] - before[2]) * Real{0.5},
+                              (q.displacement[1] - before[3]) * Real{0.5}};
   for (std::size_t i = 0; i < kHorizontalAxes; ++i) {
     before[2 + i] = before[i];
     before[i] = q.displacement[i];
   }
-  const Real work = dot(force, way);
+  const Real work = dot(force, increment);
   if (is_just(share, 0)) return work;
-  return work + share * (length(force) * length(way) - work);
+  return work + share * (length(force) * length(increment) - work);
 }
 
 }  // namespace rths::sim
