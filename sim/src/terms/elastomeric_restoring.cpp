@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forces of the rubber beside its linear stiffness: docs/theory/lead_rubber.md, "Restoring".
+// Forces of the rubber besides its linear stiffness: docs/theory/lead_rubber.md, "Restoring".
 #include <cmath>
 
 #include "elastomeric.hpp"
@@ -89,7 +89,7 @@ struct PDelta {
 
 struct ViscoelasticRelaxation {
   static constexpr std::string_view kName = "viscoelastic_relaxation";
-  static constexpr std::string_view kTitle = "Maxwell branch: a force that relaxes";
+  static constexpr std::string_view kTitle = "viscoelastic relaxation (Maxwell branch)";
   static constexpr std::string_view kEquation = "dF/dt = k du/dt - F/tau";
   static constexpr std::string_view kSource = "Maxwell 1867; exact for u linear within a step";
   static constexpr Stage kStage = Stage::Restoring;

@@ -7,14 +7,14 @@
 namespace rths::sim {
 namespace {
 
-// z is integrated along the step in substeps of a quarter of the yield displacement, shorter where
-// the knee is sharp: Runge-Kutta is stable up to 2.8/eta of it.
+// Length of a substep in yield displacements: a quarter, or less for a sharp knee, because
+// Runge-Kutta is stable up to 2.8/eta.
 double substep_for(double eta) { return eta > 4 ? 1 / eta : 0.25; }
 
-// After so many yield displacements along a line, nothing is left of what was before.
+// After this many yield displacements along a line, the initial state has no influence.
 constexpr double kForgotten = 10;
 double most_substeps(double substep) { return std::ceil(kForgotten / substep); }
-// Less coupled axes take longer where one moves far less than the other.
+// Weakly coupled axes forget more slowly if one moves far less than the other.
 constexpr double kMostSubstepsUncoupled = 400;
 
 template <class Real>
@@ -22,8 +22,8 @@ Real sign_of(const Real& x) {
   return x > 0 ? Real{1} : (x < 0 ? Real{-1} : Real{0});
 }
 
-// |z|^(eta-2) from |z|². The exponent's derivative is wanted even where it is 2. Without |z| there
-// is nothing to bend.
+// |z|^(eta-2) from |z|². At eta = 2 the shortcut is taken only if no derivative is needed. At z = 0
+// the bending vanishes.
 template <class Real>
 Real sharpness(const Real& square, const Real& eta) {
   using std::pow;
@@ -40,7 +40,7 @@ void runge_kutta(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& 
   z = z + (k1 + k4 + (k2 + k3) * Real{2}) * Real{1.0 / 6};
 }
 
-// One substep. Where unloading turns into loading, the rate has a kink that Runge-Kutta would cut.
+// One substep, split where unloading turns into loading: there the rate has a kink.
 template <class Rule, class Real>
 void integrate_substep(const TermView<Real>& term, Plane<Real>& z, Plane<Real> du) {
   Plane<Real> k1 = Rule::rate(term, z, du);
@@ -55,15 +55,14 @@ void integrate_substep(const TermView<Real>& term, Plane<Real>& z, Plane<Real> d
   Rule::confine(term, z);
 }
 
-// How many substeps a increment of so many yield displacements takes. Any number (NaN) goes through
-// as one.
+// Number of substeps for an increment in yield displacements. NaN gives one substep.
 double substeps_of(double yields, double substep) {
   const double substeps = std::ceil(yields / substep);
   return substeps > 1 ? substeps : 1;
 }
 
-// A term with the parameters of `bouc_wen` first and a rate of its own. If the increment is longer
-// than what is forgotten, its last substeps are walked.
+// Step of a law `Rule` whose first parameters are those of `bouc_wen`. Of an increment that exceeds
+// the memory, only the last substeps are integrated.
 template <class Rule, class Real>
 void step_bouc_wen(const TermView<Real>& term, Quantities<Real>& q) {
   Plane<Real> z{term.state[2], term.state[3]};
@@ -85,7 +84,7 @@ void integrate_evenly(const TermView<Real>& term, Plane<Real>& z, const Plane<Re
   for (int i = 0; i < substeps; ++i) integrate_substep<Rule>(term, z, du);
 }
 
-// |z| <= 1 holds exactly for the laws; the integration may leave it by its error.
+// The exact laws keep |z| <= 1; the integration may exceed it by its error.
 template <class Real>
 void into_unit_circle(Plane<Real>& z) {
   const Real radius = length(z);
@@ -109,7 +108,7 @@ struct BoucWen {
   static constexpr std::string_view kSource =
       "Park, Wen & Ang 1986, rotation-invariant form at coupling c = 1";
   static constexpr Stage kStage = Stage::Restoring;
-  // At every beta: unloading is never softer than loading was.
+  // Dissipative at every beta: unloading is never softer than loading.
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kStrength, kStiffness, kYieldDisplacement, kBeta, kEta, kCoupling };
   static constexpr Parameter kParameters[] = {
@@ -121,7 +120,7 @@ struct BoucWen {
       {"coupling", "-", 0, 1, 1, 1}};
   static constexpr std::size_t kStates = 4;  // displacement before, z
 
-  // Along z, per unit of du.
+  // Factor of z in dz/du.
   template <class Real>
   static Real bending(const TermView<Real>& term, const Real& square, const Real& work) {
     const Real& beta = term.parameters[kBeta];
@@ -139,8 +138,7 @@ struct BoucWen {
            per_yield;
   }
 
-  // With less coupling the law itself leaves the circle, on the increment to the square of coupling
-  // 0.
+  // With coupling below 1 the law itself leaves the unit circle; at coupling 0 it fills the square.
   template <class Real>
   static void confine(const TermView<Real>& term, Plane<Real>& z) {
     if (is_just(term.parameters[kCoupling], 1))
@@ -189,7 +187,7 @@ struct BoucWenNagarajaiah {
     return (du - z * bent) * (1 / term.parameters[kYieldDisplacement]);
   }
 
-  // With beta < 1 this law itself may leave the circle a little where one axis unloads.
+  // With beta < 1 the law itself may leave the unit circle slightly while one axis unloads.
   template <class Real>
   static void confine(const TermView<Real>&, Plane<Real>&) {}
 
@@ -235,8 +233,8 @@ struct BoucWenSlip {
            exp(-0.5 * square / (sigma * sigma));
   }
 
-  // Across z the law is dz (u_y + a f) = du; along z, where the bracket of bouc_wen is m,
-  // dz (u_y + a f m) = m du.
+  // Across z the law is dz (u_y + a f) = du. Along z it is dz (u_y + a f m) = m du, where m is the
+  // bracket of bouc_wen.
   template <class Real>
   static Plane<Real> rate(const TermView<Real>& term, const Plane<Real>& z, const Plane<Real>& du) {
     const Real square = dot(z, z), work = dot(z, du);
@@ -245,7 +243,7 @@ struct BoucWenSlip {
     const Real m = 1 - square * bend;
     const Real slip = slip_length(term, square);
     const Real across = 1 / (term.parameters[kYieldDisplacement] + slip);
-    // (along - across) / |z|², where m has been put in so that nothing is divided by 0.
+    // (along - across) / |z|², rewritten with m to avoid a division by zero.
     const Real difference = -bend * term.parameters[kYieldDisplacement] * across /
                             (term.parameters[kYieldDisplacement] + slip * m);
     return du * across + z * (difference * work);
@@ -256,8 +254,8 @@ struct BoucWenSlip {
     into_unit_circle(z);
   }
 
-  // Parts are short in z, not in u: slip makes a long increment of it. z takes 2 over that from one
-  // side to the other, and as much as without slip to settle.
+  // Substeps are short in z instead of u, because slip adds displacement. z changes by 2 from one
+  // side to the other; settling then takes as many substeps as without slip.
   template <class Real>
   static void integrate(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& increment) {
     const double all = value_of(length(increment));
@@ -273,7 +271,7 @@ struct BoucWenSlip {
       done += du;
     }
   }
-  // Way over which z changes by about 1 [m]: where it yields, slip no longer helps.
+  // Displacement over which z changes by about 1 [m]. While z yields, there is no slip.
   template <class Real>
   static double scale(const TermView<Real>& term, const Plane<Real>& z,
                       const Plane<Real>& increment) {
@@ -285,7 +283,7 @@ struct BoucWenSlip {
     const double slip = value_of(slip_length(term, square)) * std::max(m, 0.0);
     return value_of(term.parameters[kYieldDisplacement]) + slip;
   }
-  static constexpr double kSubstepOfWidth = 0.5;  // f falls by an eighth within
+  static constexpr double kSubstepOfWidth = 0.5;  // f falls by an eighth within a substep
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {

@@ -8,8 +8,8 @@
 
 namespace rths::sim {
 
-// A term is a struct with its description as constants and its physics as a template over the kind
-// of number:
+// A term is a struct with its description as constants and its physics as a template over the
+// number type:
 //     struct CoulombFriction {
 //       static constexpr std::string_view kName = "coulomb_friction", kTitle, kEquation, kSource;
 //       static constexpr Stage kStage = Stage::Machine;

@@ -52,12 +52,12 @@ struct AsymmetricFriction {
 
 struct LoadDependentFriction {
   static constexpr std::string_view kName = "load_dependent_friction";
-  static constexpr std::string_view kTitle = "friction in proportion to the vertical force";
+  static constexpr std::string_view kTitle = "friction proportional to the vertical force";
   static constexpr std::string_view kEquation = "F = mu max(N, 0) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = kDahl;
   static constexpr Stage kStage = Stage::Machine;
   static constexpr unsigned kTraits =
-      kPerAxis;  // presliding wound up under little load gives back more
+      kPerAxis;  // not dissipative: presliding built up under low load returns more work
   enum { kCoefficient, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_coefficient", "-", 0, 1, 0, 2e-3},
                                               kPreslidingLength};
@@ -80,7 +80,8 @@ struct StribeckFriction {
       "F = (F_c + dF_s exp(-(v/v_s)^2)) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = "Armstrong-Helouvry, Dupont & Canudas de Wit 1994";
   static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kPerAxis;  // presliding may give back what breakaway lent
+  static constexpr unsigned kTraits =
+      kPerAxis;  // not dissipative: presliding may return work of the breakaway
   enum { kForce, kBreakaway, kVelocity, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
                                               {"breakaway_force", "N", 0, 1e7, 0, 1e4},
@@ -102,12 +103,13 @@ struct StribeckFriction {
 
 struct PositionDependentFriction {
   static constexpr std::string_view kName = "position_dependent_friction";
-  static constexpr std::string_view kTitle = "friction at one place (rub)";
+  static constexpr std::string_view kTitle = "local friction (rub)";
   static constexpr std::string_view kEquation =
       "F = F_r exp(-((u - u_r)/w)^2) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = "Dahl 1968, exponent 1; the bell is ours";
   static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kPerAxis;  // s is spent elsewhere than where it was wound up
+  static constexpr unsigned kTraits =
+      kPerAxis;  // not dissipative: s builds up and is released at different displacements
   enum { kForce, kPlace, kWidth, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 2e4},
                                               {"place", "m", -10, 10, 0, 0.05},

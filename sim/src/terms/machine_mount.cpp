@@ -8,11 +8,11 @@
 namespace rths::sim {
 namespace {
 
-constexpr std::string_view kMount = "textbook; how it is solved: docs/theory/machine_terms.md";
+constexpr std::string_view kMount = "textbook; solution: docs/theory/machine_terms.md";
 
 struct SupportFlexibility {
   static constexpr std::string_view kName = "support_flexibility";
-  static constexpr std::string_view kTitle = "support that yields under the specimen's force";
+  static constexpr std::string_view kTitle = "flexibility of the specimen's support";
   static constexpr std::string_view kEquation = "u_specimen = u - chi F";
   static constexpr std::string_view kSource = kMount;
   static constexpr Stage kStage = Stage::Motion;
@@ -87,7 +87,7 @@ struct TransducerBacklash {
 
 struct InputDeadZone {
   static constexpr std::string_view kName = "input_dead_zone";
-  static constexpr std::string_view kTitle = "small displacements that do not reach the specimen";
+  static constexpr std::string_view kTitle = "dead zone between platen and specimen";
   static constexpr std::string_view kEquation = "u_specimen = u - clip(u, d)";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Motion;

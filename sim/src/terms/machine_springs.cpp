@@ -29,7 +29,7 @@ struct PolynomialStiffness {
 
 struct PiecewiseStiffness {
   static constexpr std::string_view kName = "piecewise_stiffness";
-  static constexpr std::string_view kTitle = "spring with one stiffness inside and one outside";
+  static constexpr std::string_view kTitle = "piecewise-linear spring";
   static constexpr std::string_view kEquation = "F = k_1 clip(u, u_b) + k_2 (u - clip(u, u_b))";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Restoring;
@@ -51,7 +51,7 @@ struct PiecewiseStiffness {
 
 struct PiecewiseDamping {
   static constexpr std::string_view kName = "piecewise_damping";
-  static constexpr std::string_view kTitle = "damper with a slow and a fast coefficient";
+  static constexpr std::string_view kTitle = "piecewise-linear damper";
   static constexpr std::string_view kEquation = "F = c_1 clip(v, v_b) + c_2 (v - clip(v, v_b))";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Restoring;
@@ -73,7 +73,7 @@ struct PiecewiseDamping {
 
 struct GapContact {
   static constexpr std::string_view kName = "gap_contact";
-  static constexpr std::string_view kTitle = "stop behind a gap, with loss at impact";
+  static constexpr std::string_view kTitle = "stop behind a gap, with impact damping";
   static constexpr std::string_view kEquation =
       "F = sgn(u) max(0, k d (1 + c d')),  d = max(0, |u| - gap)";
   static constexpr std::string_view kSource = "Hunt & Crossley 1975, exponent 1";

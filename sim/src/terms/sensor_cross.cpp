@@ -31,7 +31,7 @@ struct CrosstalkHorizontal {
 
 struct CrosstalkVertical {
   static constexpr std::string_view kName = "crosstalk_vertical";
-  static constexpr std::string_view kTitle = "vertical force that the horizontal load cells see";
+  static constexpr std::string_view kTitle = "vertical crosstalk into the horizontal load cells";
   static constexpr std::string_view kEquation = "y = F + c (N - N_0)";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Sensor;

@@ -24,7 +24,7 @@ void skew(const TermView<Real>& term, Quantities<Real>& q, Real* state, const Re
 
 struct TimeSkew {
   static constexpr std::string_view kName = "time_skew";
-  static constexpr std::string_view kTitle = "sensor that reports late";
+  static constexpr std::string_view kTitle = "time skew of a sensor";
   static constexpr std::string_view kEquation = "y(t) = x(t - tau)";
   static constexpr std::string_view kSource = "textbook; cubic interpolation";
   static constexpr Stage kStage = Stage::Sensor;
@@ -42,7 +42,7 @@ struct TimeSkew {
 
 struct ClockDrift {
   static constexpr std::string_view kName = "clock_drift";
-  static constexpr std::string_view kTitle = "sensor whose clock runs at another rate";
+  static constexpr std::string_view kTitle = "clock drift of a sensor";
   static constexpr std::string_view kEquation =
       "y(t) = x(t - tau - epsilon (t - t_0)),  t_0: the first step,  0 <= age <= 0.2 s";
   static constexpr std::string_view kSource = "textbook; cubic interpolation";

@@ -39,7 +39,7 @@ struct MerSpring {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kStiffness, kGap };
-  // A negative gap is a precompression: both springs push near the middle.
+  // A negative gap is a precompression: near the middle both springs push.
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e12, 0, 1.2e7},
                                               {"gap", "m", -1, 1, 0, 0.01}};
 

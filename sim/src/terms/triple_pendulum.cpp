@@ -11,8 +11,8 @@
 namespace rths::sim {
 namespace {
 
-// Heat reaches the contact's temperature with this memory: without it, a quasi-static series of
-// sliders whose friction falls as they slide has no solution that depends on its data continuously.
+// Time constant of the contact's heating. Without it, a quasi-static series of sliders with
+// softening friction has no solution that depends continuously on its data.
 constexpr double kHeatingTime = 0.02;  // [s]
 
 struct TriplePendulum {
@@ -35,7 +35,7 @@ struct TriplePendulum {
     kRate,
     kShare
   };
-  // 1: the two inner surfaces, each; 2 and 3: the outer ones. No radii: no bearing.
+  // 1: each of the two inner surfaces; 2 and 3: the outer surfaces. Without radii: no effect.
   static constexpr Parameter kParameters[] = {{"radius_1", "m", 0, 100, 0, 0.4},
                                               {"radius_2", "m", 0, 100, 0, 2},
                                               {"radius_3", "m", 0, 100, 0, 2},
@@ -58,8 +58,8 @@ struct TriplePendulum {
                                               {"rate", "s/m", 0, 1e4, 100, 20},
                                               {"heat_share", "-", 0, 1, 0, 0.9}};
 
-  // Per segment: displacement, its growth in the last step, slip so far, mean flux into its
-  // surface, memory of the flux.
+  // Per segment: displacement, its last increment, total slip, mean flux into its surface, memory
+  // of the flux.
   enum { kDisplacement = 0, kGrowth = 6, kSlipped = 12, kFlux = 18, kMemory = 21 };
   enum { kFluxGain = kFadingConstants, kConstants };
 
@@ -106,7 +106,7 @@ struct TriplePendulum {
     return segments;
   }
 
-  // What the heat of all steps before has left of each friction.
+  // Reduces each friction by the heat of all earlier steps.
   template <class Real>
   static void soften(const TermView<Real>& term, const Quantities<Real>& q,
                      std::array<Segment<Real>, kSegments>& segments) {
@@ -133,7 +133,7 @@ struct TriplePendulum {
     at[0] = value.x, at[1] = value.y;
   }
 
-  // Where the segments are if they go on as in the step before: there the search begins.
+  // Start of the search: displacements extrapolated from the last step.
   template <class Real>
   static SeriesDisplacements expected(const TermView<Real>& term) {
     SeriesDisplacements at;
@@ -145,14 +145,15 @@ struct TriplePendulum {
     return at;
   }
 
-  // Heat of one surface's slip, while its contact covers the middle.
+  // Heat of one surface's slip while its contact covers the middle; 0 otherwise.
   template <class Real>
   static Real heat(const Real& friction, const Plane<Real>& slip, const Plane<Real>& offset,
                    const Real& area) {
     return 4 * dot(offset, offset) > area ? Real{0} : Real{friction * length(slip) / area};
   }
 
-  // Slips of the surfaces from those of the segments; the two inner ones share a temperature.
+  // Heat fluxes of the surfaces. Their slips follow from the segments'; the two inner surfaces
+  // share one temperature.
   template <class Real>
   static void warm(const TermView<Real>& term, const Real& load,
                    const std::array<Response<Real>, kSegments>& responses) {
@@ -178,8 +179,8 @@ struct TriplePendulum {
     }
   }
 
-  // One more Newton step from the solution: it changes values by no more than their imbalance, and
-  // carries the derivatives of parameters, history and displacement.
+  // One more Newton step from the solution. It changes values by no more than their imbalance and
+  // adds the derivatives with respect to parameters, history and displacement.
   template <class Real>
   static std::array<Plane<Real>, kSegments> settle(
       const std::array<Segment<Real>, kSegments>& segments, const Plane<Real>& total,
@@ -212,8 +213,8 @@ struct TriplePendulum {
     }
   }
 
-  // All three carry the same force. The sliders' part of it is the mean of their frictions,
-  // weighted by the radii: u = Σ R_i (F − f_i).
+  // All three segments carry the same force. Its frictional component is the mean of the frictions
+  // weighted by the radii, because u = Σ R_i (F − f_i).
   template <class Real>
   static void act(const std::array<Segment<Real>, kSegments>& segments,
                   const std::array<Response<Real>, kSegments>& responses, Quantities<Real>& q) {

@@ -6,9 +6,9 @@
 namespace rths::sim {
 namespace {
 
-// The imbalance that is no longer worth a step, per friction and force.
+// Relative imbalance at which the iteration ends.
 constexpr double kTolerance = 1e-11;
-// A search ends where the energy's slope has lost nine tenths of what it had.
+// A line search ends when the energy's slope has fallen to a tenth.
 constexpr double kEnoughSlope = 0.1;
 
 using Segments = std::array<Segment<double>, kSegments>;
@@ -19,7 +19,7 @@ Responses responses(const Segments& segments, const SeriesDisplacements& u) {
           response_of(segments[2], u[2])};
 }
 
-// The common force and the way to it, where every segment is replaced by its tangent.
+// The common force and the step towards it, with every segment linearised.
 struct NewtonStep {
   Plane<double> force;
   SeriesDisplacements direction;
@@ -54,7 +54,7 @@ SeriesDisplacements moved(const SeriesDisplacements& u, const NewtonStep& step, 
   return to;
 }
 
-// Directions add up to nothing but round-off, which the common force would make large.
+// The directions add up to round-off. Subtracting the common force keeps that from being amplified.
 double slope_at(const Responses& found, const NewtonStep& step) {
   double slope = 0;
   for (std::size_t i = 0; i < kSegments; ++i)
@@ -62,8 +62,8 @@ double slope_at(const Responses& found, const NewtonStep& step) {
   return slope;
 }
 
-// Along the direction of a step, which adds up to nothing. The energy's slope grows along it; its
-// zero is enclosed, so that the point found sees the tangent beyond a corner if there is one.
+// Line search along the direction of a step, which keeps the sum of displacements. The energy's
+// slope increases along it; its zero is bracketed, so the next tangent is taken beyond a corner.
 void search(const Segments& segments, const NewtonStep& step, SeriesDisplacements& u,
             Responses& found, SeriesSolution& solution) {
   const SeriesDisplacements from = u;
@@ -76,7 +76,7 @@ void search(const Segments& segments, const NewtonStep& step, SeriesDisplacement
     const double slope = slope_at(found, step);
     const bool first = beyond == 0;
     const bool over = slope > 0;
-    // Illinois: no end of the interval stays for ever.
+    // Illinois method: halve the slope of an end that did not move, so that both ends converge.
     if (!first && over == last_over) (over ? slope_before : slope_beyond) *= 0.5;
     (over ? beyond : before) = fraction;
     (over ? slope_beyond : slope_before) = slope;
@@ -95,7 +95,7 @@ SeriesSolution solve_series(const Segments& segments, const Plane<double>& total
   SeriesSolution solution;
   Responses& found = solution.responses;
   found = responses(segments, u);
-  // The first step makes displacements add up, so it is taken whole.
+  // The first step makes the displacements add up to `total`, so it is a full step.
   NewtonStep step = newton_step(found, total - (u[0] + u[1] + u[2]));
   u = moved(u, step, 1);
   found = responses(segments, u);

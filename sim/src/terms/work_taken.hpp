@@ -7,12 +7,12 @@
 
 namespace rths::sim {
 
-// Work that the hysteretic force has taken. The force of this step is not known yet, so the work
-// is counted from the middle of the step before to the middle of this one, about the force that
-// is known: over a history, that is the trapezoid's sum.
+// Work of the hysteretic force. The force of this step is not known yet, so the work is computed
+// with the last force over the interval from the middle of the last step to the middle of this one.
+// Over a history this equals the trapezoidal rule.
 inline constexpr std::size_t kWorkStates = 4;  // displacements one and two steps before
 
-// A `share` of it is taken for force times increment, whatever the angle between the two.
+// A `share` of the work is computed as |force| |increment|, whatever the angle between the two.
 template <class Real>
 Real work_taken(Real* before, const Quantities<Real>& q, const Real& share) {
   const Plane<Real> force{q.last_hysteretic_force[0], q.last_hysteretic_force[1]};
