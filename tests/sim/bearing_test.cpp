@@ -58,18 +58,18 @@ TEST(Bearing, HasTheAmbientTemperature) {
               std::exp(-kFall * kColder), 1e-9);
 }
 
-TEST(Bearing, HasTheLargestStiffnessThatACycleMeets) {
+TEST(Bearing, HasTheLargestStiffnessOfACycle) {
   const double plain = initial_stiffness(read(kPlain));
   EXPECT_NEAR(plain, 1e6 / 1e-3 + 4e6, 1e-4 * plain);
-  // Play before the bearing resists nothing, and hides nothing.
+  // Play in front of the bearing is left out and does not hide its stiffness.
   EXPECT_EQ(initial_stiffness(read(kPlain + std::string{"[transducer_backlash]\ngap_m = 2e-3\n"})),
             plain);
-  // A wall that stands 0.2 m away.
+  // A wall at a distance of 0.2 m.
   EXPECT_NEAR(initial_stiffness(read("[mer_spring]\nstiffness_N_per_m = 5e8\ngap_m = 0.2\n")), 5e8,
               5e2);
 }
 
-TEST(Bearing, HasNoStiffnessIfNothingResists) {
+TEST(Bearing, HasNoStiffnessIfNoTermHas) {
   EXPECT_EQ(error_of([] {
               static_cast<void>(initial_stiffness(
                   read("title = \"d\"\n[viscous_friction]\ncoefficient_N_s_per_m = 1\n")));
@@ -77,12 +77,12 @@ TEST(Bearing, HasNoStiffnessIfNothingResists) {
             "bearing 'd': its stiffness is 0 N/m, expected a positive number");
 }
 
-// The page's example is what somebody copies first.
+// Readers copy the page's example first.
 TEST(Bearing, OfThePageLoads) {
   const std::string page = test::content_of(test::source_tree() / "docs/bearings.md");
   const auto begin = page.find("    title = ");
   ASSERT_NE(begin, std::string::npos);
-  // Indented or empty lines; the code ends with the first that is neither.
+  // The code consists of indented or empty lines and ends before the first other line.
   std::string code;
   for (std::size_t at = begin, end = 0; at < page.size(); at = end + 1) {
     end = page.find('\n', at);

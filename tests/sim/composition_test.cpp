@@ -14,14 +14,14 @@ std::vector<TermSettings> read(const std::string& text) {
   return read_terms(Config::parse(text, "b.toml"));
 }
 
-TEST(Composition, OrdersTermsAsTheyActWhateverTheFileSays) {
+TEST(Composition, SortsTermsIntoTheCataloguesOrder) {
   const Composition composition{{{"coulomb_friction", "", {}}, {"bouc_wen", "", {}}}, 1e-3};
 
   EXPECT_EQ(composition.terms()[0].name, "bouc_wen");
   EXPECT_EQ(composition.terms()[1].name, "coulomb_friction");
 }
 
-TEST(Composition, ComesBackToWhereItWasWhenItsStateIsCopied) {
+TEST(Composition, RepeatsItsForcesFromACopiedState) {
   const Composition bearing{{{"bouc_wen", "", {{"characteristic_strength", 1e6}}}}, 1e-3};
   std::vector<double> state(bearing.states());
   Quantities<double> q;

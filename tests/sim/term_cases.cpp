@@ -12,7 +12,7 @@ struct Wave {
   double value = 0, rate = 0, acceleration = 0;
 };
 
-// Two sines that pass 0 at the beginning, so that the first step is no jump.
+// Two sines that start at 0, so that the first step is small.
 Wave wave(double amplitude, double frequency, double ratio, double t) {
   const double w = 2 * std::numbers::pi * frequency;
   const double a = 0.7 * amplitude, b = 0.3 * amplitude;

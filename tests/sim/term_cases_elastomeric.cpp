@@ -12,7 +12,7 @@ TermSettings bearing() {
            {"yield_displacement", 2.855e-3}}};
 }
 
-// A small bearing, so that its displacements reach the least area.
+// A small bearing, so that displacements reach the minimum overlap.
 TermCase buckling() {
   TermCase c;
   c.kind = "buckling_load_variation";
@@ -28,9 +28,10 @@ TermCase vertical_stiffness() {
   return c;
 }
 
-// Soft, so that one motion reaches cavitation, its decay and buckling, and mostly compressed, so
-// that damage grows in several cycles. A load that buckling limits has little scatter for its noise
-// to be a part of. The rubber's thickness is on the drawing, and tells little beside the decay.
+// Soft, so that one motion reaches cavitation, its decay and buckling; mostly compressed, so that
+// damage grows over several cycles. The noise is relative to the load's scatter, which is small
+// when buckling limits the load. The rubber's thickness is known from the drawing and hardly
+// identifiable besides the decay.
 TermCase axial() {
   TermCase c;
   c.kind = "elastomeric_axial";
@@ -59,7 +60,7 @@ TermCase ageing() {
   return c;
 }
 
-// Long enough to cool.
+// A run long enough for cooling.
 TermCase adiabatic() {
   TermCase c;
   c.kind = "adiabatic_heating";
@@ -70,8 +71,9 @@ TermCase adiabatic() {
   return c;
 }
 
-// Dimensions are on the drawing. Data tell the ratio of softening to capacity only, and lead's
-// capacity is known best. Conductivity and diffusivity of steel come as a pair; one is enough.
+// Dimensions are known from the drawing. Data determine only the ratio of softening to heat
+// capacity, and lead's capacity is well known. Of steel's conductivity and diffusivity, one is
+// fitted.
 TermCase heating() {
   TermCase c;
   c.kind = "lead_heating";
@@ -83,7 +85,7 @@ TermCase heating() {
   return c;
 }
 
-// Only the ratio to the height acts.
+// Only the ratio to the height has an effect.
 TermCase p_delta() {
   TermCase c;
   c.kind = "p_delta";
