@@ -55,7 +55,7 @@ TEST_P(OpenseesBearing, AgreesWithOurs) {
 
 // OpenSees integrates the whole step by backward Euler, ours uses Runge-Kutta in substeps. The
 // difference is OpenSees' error, which is of first order in the step.
-TEST_F(Opensees, ConvergesToOursWithAShorterStep) {
+TEST_F(Opensees, ComesNearerToOursAsItsStepGetsShorter) {
   for (const auto& row : test::elastomeric_rows()) {
     if (row.name != "LeadRubberX") continue;
     std::vector<double> differences;
