@@ -12,13 +12,9 @@
 namespace rths::sim {
 namespace {
 
-// The first states of a composition are what its hysteresis and its specimen's force were one step
-// before.
+// The first states of a composition hold the hysteretic force and the specimen's force of the
+// previous step.
 constexpr std::size_t kSharedStates = 2 * kHorizontalAxes;
-
-const std::string& name_of(const TermSettings& settings) {
-  return settings.name.empty() ? settings.kind : settings.name;
-}
 
 std::size_t parameter_of(const TermKind& kind, const std::string& name) {
   for (std::size_t i = 0; i < kind.parameters.size(); ++i)
@@ -43,16 +39,18 @@ std::vector<double> parameters_of(const TermKind& kind, const TermSettings& sett
 
 void check(const TermKind& kind, const TermSettings& settings) {
   if (settings.axes == 0 || settings.axes > kBothAxes)
-    throw Error{fmt::format("term '{}' acts on no axis", name_of(settings))};
+    throw Error{
+        fmt::format("term '{}' acts on no axis, expected long, lat or both", name_of(settings))};
   if (settings.axes != kBothAxes && (kind.traits & kPerAxis) == 0)
-    throw Error{fmt::format("term '{}' acts on both axes at once; it cannot be limited to one",
-                            name_of(settings))};
+    throw Error{
+        fmt::format("term '{}' couples both axes; it cannot be limited to one", name_of(settings))};
   if (settings.channel != Channel::Force && (kind.traits & kPerChannel) == 0)
-    throw Error{fmt::format("term '{}' is no sensor term; it has no channel", name_of(settings))};
+    throw Error{
+        fmt::format("term '{}' is not a sensor term; it has no channel", name_of(settings))};
   if (settings.channel == Channel::AxialLoad &&
       (settings.axes != kBothAxes || (kind.traits & kPerAxis) == 0))
-    throw Error{
-        fmt::format("term '{}' acts on axes, but there is one axial load", name_of(settings))};
+    throw Error{fmt::format("term '{}' acts on single axes, but the axial load has none",
+                            name_of(settings))};
 }
 
 template <class Real>
@@ -98,6 +96,10 @@ void run(const Composition& composition, std::span<const double> constants, cons
 
 }  // namespace
 
+const std::string& name_of(const TermSettings& settings) {
+  return settings.name.empty() ? settings.kind : settings.name;
+}
+
 Composition::Composition(const std::vector<TermSettings>& settings, double time_step)
     : time_step_{time_step}, states_{kSharedStates} {
   if (!(time_step > 0) || !std::isfinite(time_step))
@@ -113,7 +115,7 @@ Composition::Composition(const std::vector<TermSettings>& settings, double time_
     wanted.push_back({&term_kind(term.kind), &term});
     check(*wanted.back().kind, term);
     if (!names.insert(name_of(term)).second)
-      throw Error{fmt::format("two terms are called '{}'", name_of(term))};
+      throw Error{fmt::format("two terms have the name '{}'", name_of(term))};
   }
   std::stable_sort(wanted.begin(), wanted.end(),
                    [](const auto& a, const auto& b) { return a.kind < b.kind; });

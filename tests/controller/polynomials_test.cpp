@@ -45,7 +45,7 @@ struct Motion {
   }
 };
 
-/// What the weights make of a motion that was sampled in a branch's frame.
+/// The weighted sum for a motion sampled in a branch's frame.
 Jet applied(const Weights& w, const Motion& motion, Branch branch, double xi) {
   const double newest = branch == Branch::Predict ? 0 : 1;
   const double switch_at = branch == Branch::Predict ? xi - 1 : xi;
@@ -94,7 +94,7 @@ TEST_P(PolynomialFamily, EndsItsCorrectionAtTheTarget) {
   EXPECT_NEAR(w.acceleration.value, 0, kRounding);
 }
 
-TEST_P(PolynomialFamily, HasANameThatFindsItAgain) {
+TEST_P(PolynomialFamily, IsFoundByItsName) {
   EXPECT_EQ(polynomial_from_text(to_text(GetParam().polynomial)), GetParam().polynomial);
 }
 
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(All, CommandFamily,
                                            Polynomial::DV, Polynomial::DVA),
                          [](const auto& p) { return std::string{to_text(p.param)}; });
 
-// Rates of the D family as the charts spell them out, against ours, which are differentiated.
+// The D family's rates as written out in the charts, against our forward differentiation.
 TEST(CubicCommandCorrector, HasTheChartsVelocityAndAcceleration) {
   const double x = 0.62;
   const double xi = 0.31;

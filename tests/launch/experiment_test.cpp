@@ -208,13 +208,13 @@ TEST_F(ExperimentTest, SaysWhereATermMeansNothing) {
     return test::error_of([&] { static_cast<void>(load_experiment(write(), {{key, "1.1"}})); });
   };
   EXPECT_EQ(error("machine.adiabatic_heating.cooling_time_s"),
-            "--set machine.adiabatic_heating.cooling_time_s: term 'adiabatic_heating' is of the "
-            "specimen (stage modifier), expected one of the stages actuator, motion, machine or "
-            "sensor");
+            "--set machine.adiabatic_heating.cooling_time_s: term 'adiabatic_heating' belongs to "
+            "the specimen (stage modifier), expected one of the stages actuator, motion, machine "
+            "or sensor");
   EXPECT_EQ(
       error("specimen.gain.factor"),
-      "--set specimen.gain.factor: term 'gain' is of the machine (stage sensor); a specimen has "
-      "none of it");
+      "--set specimen.gain.factor: term 'gain' belongs to the machine (stage sensor), not to a "
+      "specimen");
 }
 
 TEST_F(ExperimentTest, StartsListenersBeforeSpeakers) {

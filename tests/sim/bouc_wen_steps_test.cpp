@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Bouc-Wen's rules owe to their integration, against the same way in many small steps.
+// Integration error of the Bouc-Wen laws, against the same path in many small steps.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -21,17 +21,18 @@ TermSettings rule(const std::string& kind, test::Values values) {
   return {kind, "", values};
 }
 
-// The largest difference over random ways in the plane, `ways` yield displacements at a time.
-double error_of(const TermSettings& term, double ways) {
+// Largest error over random steps in the plane, each about `yields` yield displacements long.
+double error_of(const TermSettings& term, double yields) {
   test::Stepper coarse{{term}, 1e-3}, fine{{term}, 1e-3};
   std::mt19937 random{1};
   std::normal_distribution<double> normal;
   double x = 0, y = 0, worst = 0;
-  constexpr int kParts = 100;
+  constexpr int kFineSteps = 100;
   for (int i = 0; i < 200; ++i) {
-    const double dx = ways * kYield * normal(random), dy = ways * kYield * normal(random);
+    const double dx = yields * kYield * normal(random), dy = yields * kYield * normal(random);
     Quantities<double> exact;
-    for (int j = 1; j <= kParts; ++j) exact = fine.to(x + dx * j / kParts, y + dy * j / kParts);
+    for (int j = 1; j <= kFineSteps; ++j)
+      exact = fine.to(x + dx * j / kFineSteps, y + dy * j / kFineSteps);
     x += dx, y += dy;
     const auto seen = coarse.to(x, y);
     worst =
@@ -41,16 +42,17 @@ double error_of(const TermSettings& term, double ways) {
 }
 
 TEST(BoucWenSteps, AreAsExactAsDocumentedInThePlane) {
-  for (const double ways : {0.2, 1.0, 5.0, 30.0}) {
-    EXPECT_LT(error_of(rule("bouc_wen", {}), ways), 2e-4) << ways;
+  for (const double yields : {0.2, 1.0, 5.0, 30.0}) {
+    EXPECT_LT(error_of(rule("bouc_wen", {}), yields), 2e-4) << yields;
     for (const double eta : {1.0, 5.0, 10.0, 20.0})
-      EXPECT_LT(error_of(rule("bouc_wen", {{"eta", eta}, {"beta", 0.9}}), ways), 1e-3) << eta;
-    EXPECT_LT(error_of(rule("bouc_wen", {{"coupling", 0}}), ways), 1e-3) << ways;
-    EXPECT_LT(error_of(rule("bouc_wen_slip", {{"slip_length", 4 * kYield}}), ways), 3e-3) << ways;
+      EXPECT_LT(error_of(rule("bouc_wen", {{"eta", eta}, {"beta", 0.9}}), yields), 1e-3) << eta;
+    EXPECT_LT(error_of(rule("bouc_wen", {{"coupling", 0}}), yields), 1e-3) << yields;
+    EXPECT_LT(error_of(rule("bouc_wen_slip", {{"slip_length", 4 * kYield}}), yields), 3e-3)
+        << yields;
   }
 }
 
-TEST(BoucWenSteps, MakeNoNumberOfADisplacementThatIsNone) {
+TEST(BoucWenSteps, ReturnNaNForADisplacementOfNaN) {
   for (const auto* kind : {"bouc_wen", "bouc_wen_nagarajaiah", "bouc_wen_slip"}) {
     test::Stepper bearing{{rule(kind, {})}, 1e-3};
     bearing.to(0.01);

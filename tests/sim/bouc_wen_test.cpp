@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kStep = 1e-3;  // [s]; nothing here depends on time
+constexpr double kStep = 1e-3;  // [s]; the results do not depend on time
 
 // The paper's bearing: 1,900 kN at 210 mm from a strength of 1,010 kN.
 TEST(BoucWen, HasThePapersForceAtItsDesignDisplacement) {
@@ -75,7 +75,7 @@ TEST(BoucWen, SharesItsStrengthBetweenTheAxes) {
   }
 }
 
-TEST(BoucWen, NeverGivesOutMoreEnergyThanItTook) {
+TEST(BoucWen, NeverReturnsMoreEnergyThanItAbsorbed) {
   std::mt19937 random{6};
   std::normal_distribution<double> step{0, 0.002};
   for (int path = 0; path < 20; ++path) {
@@ -95,7 +95,7 @@ TEST(BoucWen, NeverGivesOutMoreEnergyThanItTook) {
   }
 }
 
-// Half the increments give the same path to the order of the Runge-Kutta steps inside.
+// Smaller increments give the same path up to the error of the internal Runge-Kutta steps.
 TEST(BoucWen, HardlyDependsOnTheSizeOfTheIncrements) {
   BearingRun coarse{test::plain_lead_rubber(), kStep};
   BearingRun fine{test::plain_lead_rubber(), kStep};
@@ -103,8 +103,8 @@ TEST(BoucWen, HardlyDependsOnTheSizeOfTheIncrements) {
   Vector2d fine_force = Vector2d::Zero();
   for (int i = 1; i <= 100; ++i) {
     coarse_force = test::moved(coarse, {0.002 * i, 0.001 * i});
-    for (int part = 1; part <= 4; ++part) {
-      const double at = i - 1 + part / 4.0;
+    for (int quarter = 1; quarter <= 4; ++quarter) {
+      const double at = i - 1 + quarter / 4.0;
       fine_force = test::moved(fine, {0.002 * at, 0.001 * at});
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Terms of elastomeric bearings against closed forms; heating has its own file.
+// Terms of elastomeric bearings against closed forms; lead_heating_test.cpp tests heating.
 #include <cmath>
 #include <numbers>
 
@@ -18,7 +18,7 @@ constexpr double kDecay = 10;          // [1/m]
 constexpr double kThickness = 0.25;    // [m]
 constexpr double kOnset = kCavitation / kStiffness;
 
-// A bearing that remembers what happened to it.
+// A composition with its state.
 class Bearing {
  public:
   explicit Bearing(const std::vector<TermSettings>& terms)
@@ -65,7 +65,8 @@ TEST(ElastomericAxial, PullsAlongTheEnvelopeOfCavitation) {
   }
 }
 
-// After cavitation to w_m: elastic to the damaged strength, straight to where it was, envelope on.
+// After cavitation to w_m: elastic up to the damaged strength, a straight line to the earlier peak,
+// then the envelope.
 TEST(ElastomericAxial, RemembersCavitationAsDamage) {
   const double damage = 0.5, largest = 0.02;
   Bearing bearing{{axial(damage)}};
@@ -99,7 +100,7 @@ TEST(ElastomericAxial, DampsVerticalMotion) {
   EXPECT_NEAR(bearing.step(q).axial_load, 1e-3 * kStiffness + 0.05 * 2e7, 1e-6);
 }
 
-// Overlap of two circles of diameter D displaced by u, over their area.
+// Overlap of two circles of diameter D displaced by u, divided by their area.
 double overlap(double ratio) {
   return (2 * std::acos(ratio) - std::sin(2 * std::acos(ratio))) / pi;
 }
@@ -141,8 +142,8 @@ TermSettings lead(double strength = 1e6, double beta = 0.5) {
       {{"characteristic_strength", strength}, {"yield_displacement", 2.855e-3}, {"beta", beta}}};
 }
 
-// The axial law and the buckling load of this very step are what the stiffness falls with.
-TEST(HorizontalStiffnessVariation, SeesLoadAndBucklingLoadOfTheSameStep) {
+// The stiffness depends on the axial load and the buckling load of the same step.
+TEST(HorizontalStiffnessVariation, UsesLoadAndBucklingLoadOfTheSameStep) {
   const double critical = 2e7, u = 0.3, diameter = 1.35;
   Bearing bearing{{rubber(),
                    {"horizontal_stiffness_variation", "", {{"coefficient", 1}}},
@@ -151,12 +152,12 @@ TEST(HorizontalStiffnessVariation, SeesLoadAndBucklingLoadOfTheSameStep) {
                     "",
                     {{"critical_load", critical}, {"outer_diameter", diameter}}}}};
   const double load = 1.5e-3 * kStiffness;
-  const double part = load / (critical * overlap(u / diameter));
+  const double ratio = load / (critical * overlap(u / diameter));
 
-  EXPECT_NEAR(bearing.move(u, -1.5e-3).force[0], 4e6 * u * (1 - part * part), 1e-3);
+  EXPECT_NEAR(bearing.move(u, -1.5e-3).force[0], 4e6 * u * (1 - ratio * ratio), 1e-3);
 }
 
-TEST(HorizontalStiffnessVariation, NeverTurnsTheStiffnessRound) {
+TEST(HorizontalStiffnessVariation, NeverMakesTheStiffnessNegative) {
   Bearing bearing{{rubber(),
                    {"horizontal_stiffness_variation", "", {{"coefficient", 1}}},
                    {"buckling_load_variation", "", {{"critical_load", 1e7}}}}};
@@ -175,7 +176,7 @@ TEST(Modifiers, FollowTheAxialLoad) {
   EXPECT_EQ(bearing.move(0.1, 0, -9e7).strength, 0);
 }
 
-TEST(Scragging, IsLostAlongTheWayAndStaysLost) {
+TEST(Scragging, LosesItsExcessWithPeakDisplacementForGood) {
   Bearing bearing{
       {rubber(), {"scragging", "", {{"virgin_excess", 0.2}, {"scragging_displacement", 0.05}}}}};
 
@@ -221,7 +222,8 @@ TEST(Restoring, FollowsItsFormulas) {
   EXPECT_NEAR(viscous.step(q).force[1], 2e4, 1e-6);
 }
 
-// A ramp of speed v makes F = k v tau (1 - exp(-t/tau)); held, it relaxes: exact at any step.
+// A ramp of speed v gives F = k v tau (1 - exp(-t/tau)), which relaxes when held; exact at any
+// step.
 TEST(ViscoelasticRelaxation, RisesAndRelaxesExactly) {
   const double k = 1e6, tau = 0.5, v = 0.2;
   Bearing bearing{{{"viscoelastic_relaxation", "", {{"stiffness", k}, {"relaxation_time", tau}}}}};
@@ -236,10 +238,10 @@ TEST(ViscoelasticRelaxation, RisesAndRelaxesExactly) {
   }
 }
 
-// Between turns z goes back from 1 along dz = (1 + kappa z²) du/u_y, kappa = 2 beta - 1, and then
-// on as tanh: of 2 D per half cycle, the work is Q times
+// After a reversal z returns from 1 along dz = (1 + kappa z²) du/u_y, kappa = 2 beta - 1, and then
+// follows tanh. The work of a half cycle of length 2 D is Q times
 //     2 D - u_y (atan(√kappa)/√kappa + ln(1 + kappa)/(2 kappa) + ln 2).
-TEST(BoucWen, DissipatesPerCycleWhatItsLawSays) {
+TEST(BoucWen, DissipatesTheWorkOfItsLawPerCycle) {
   const double D = 0.21, Q = 1e6, u_y = 2.855e-3, beta = 0.9, kappa = 2 * beta - 1;
   Bearing bearing{{lead(Q, beta)}};
   double energy = 0, force = 0, before = 0;

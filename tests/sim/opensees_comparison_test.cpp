@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same bearing here and in OpenSees, along the same paths. Where both state the same law their
-// forces agree; where they are meant to differ, it is measured how much.
+// The same bearing here and in OpenSees, along the same paths. Where both implement the same law,
+// their forces must agree; intended differences are measured.
 #include <cstdio>
 #include <ostream>
 
@@ -12,7 +12,7 @@
 namespace rths::sim {
 namespace test {
 
-// What a failed test calls its row.
+// Name of the row in a failure message.
 void PrintTo(const OpenseesRow& row, std::ostream* out) { *out << row.name; }
 
 }  // namespace test
@@ -36,7 +36,7 @@ using Opensees = rths::test::WithOpenSees<>;
 
 class OpenseesBearing : public Opensees, public testing::WithParamInterface<OpenseesRow> {};
 
-TEST_P(OpenseesBearing, AnswersAsOursDoes) {
+TEST_P(OpenseesBearing, AgreesWithOurs) {
   const OpenseesRow& row = GetParam();
   auto paths = test::all_paths(row.amplitude, row.time_step);
   if (row.swing > 0) paths.push_back(test::pulled(row.amplitude, row.time_step, row.swing));
@@ -53,8 +53,8 @@ TEST_P(OpenseesBearing, AnswersAsOursDoes) {
   if (!row.deviation.empty()) std::printf("  intended: %s\n", row.deviation.c_str());
 }
 
-// Theirs takes the whole step at once (backward Euler), ours in parts by Runge-Kutta: what is left
-// between them is the error of theirs, which is of the order of the step.
+// OpenSees integrates the whole step by backward Euler, ours uses Runge-Kutta in substeps. The
+// difference is OpenSees' error, which is of first order in the step.
 TEST_F(Opensees, ComesNearerToOursAsItsStepGetsShorter) {
   for (const auto& row : test::elastomeric_rows()) {
     if (row.name != "LeadRubberX") continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every term is found again: data made with it, with noise, gives its parameters back by least
-// squares, with intervals that hold what they promise.
+// Parameter recovery for every term: least squares on its noisy output returns its parameters, and
+// the intervals have their nominal coverage.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,7 +22,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// An interval that holds 95 of 100 holds 15 of 20 or fewer once in 400 times.
+// A 95 % interval covers 15 of 20 or fewer with a probability of 1/400.
 struct Trials {
   int seeds, enough;
 };
@@ -36,7 +36,7 @@ struct Problem {
   std::vector<std::size_t> free;  // indices into parameters()
   std::vector<Parameter> table;   // of the free ones
   VectorXd truth;
-  VectorXd weight;  // of each output: 1/noise; 0 where it carries none
+  VectorXd weight;  // of each output: 1/noise, or 0 for an output without noise
 };
 
 Problem problem_of(const test::TermCase& c) {
@@ -89,7 +89,7 @@ MatrixXd jacobian(const Problem& problem, const VectorXd& values) {
   return J;
 }
 
-// An output that does not depend on the free parameters carries no noise: it would tell nothing.
+// An output that does not depend on the free parameters gets no noise and no weight.
 void choose_weights(Problem& problem, double noise) {
   const VectorXd y = predict(problem, problem.truth);
   const MatrixXd J = jacobian(problem, problem.truth);
@@ -142,7 +142,7 @@ Fit fit(const Problem& problem, const VectorXd& measured, VectorXd values) {
       }
       damping *= 10;
     }
-    // A hundredth of a standard deviation further on would change no verdict.
+    // Converged: the step is below a hundredth of a standard deviation.
     if (gain <= 1e-6 * now && step_in_deviations < 1e-2) break;
   }
   const MatrixXd J = w.asDiagonal() * jacobian(problem, values);
@@ -192,7 +192,7 @@ TEST_P(EveryKind, IsRecoveredFromNoisyData) {
         problem.table[j].name.data(), problem.truth[k],
         100 * kNormalQuantile * mean_deviation[k] / std::abs(problem.truth[k]), inside[j], seeds);
     EXPECT_GE(inside[j], enough) << problem.table[j].name;
-    // An interval that holds everything proves nothing.
+    // An interval wide enough to cover everything proves nothing.
     EXPECT_LT(kNormalQuantile * mean_deviation[k], 0.5 * std::abs(problem.truth[k]))
         << problem.table[j].name;
   }

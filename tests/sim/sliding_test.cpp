@@ -25,7 +25,7 @@ using Terms = std::vector<TermSettings>;
 const TermSettings kSlider{
     "flat_slider", "", {{"friction_coefficient", kFriction}, {"initial_stiffness", kStiffness}}};
 
-// A composition and what has happened to it.
+// A composition with its state.
 struct Bearing {
   Composition composition;
   std::vector<double> state;
@@ -46,8 +46,8 @@ struct Bearing {
   }
 };
 
-// A parallelogram: 4 mu N (A − mu N/k0). The trapezoid's error at four corners: a step's worth
-// each.
+// A parallelogram: 4 mu N (A − mu N/k0). The trapezoidal rule errs by up to a step at each of the
+// four corners.
 TEST(FlatSlider, DissipatesTheParallelogramOfACycle) {
   Bearing bearing{{kSlider}};
   const double A = 0.1, yield = kFriction * kLoad;
@@ -65,8 +65,8 @@ TEST(FlatSlider, DissipatesTheParallelogramOfACycle) {
   EXPECT_NEAR(energy, expected, 1e-4 * expected);
 }
 
-// On a circle of radius A the elastic stretch e = mu N/k0 stands across the path of the slider,
-// whose circle has the radius √(A² − e²). So friction pulls inwards by Y e/A and back by Y √(1 −
+// On a circle of radius A the elastic stretch e = mu N/k0 is tangential to the slider's circle,
+// whose radius is √(A² − e²). So friction Y acts inwards with Y e/A and backwards with Y √(1 −
 // e²/A²).
 TEST(SinglePendulum, FollowsACircleInItsClosedForm) {
   const double A = 0.1, R = 2.2, yield = 0.06 * kLoad, e = yield / kStiffness;
@@ -84,18 +84,18 @@ TEST(SinglePendulum, FollowsACircleInItsClosedForm) {
     along = -force[0] * std::sin(angle) + force[1] * std::cos(angle);
   }
 
-  // Backward Euler turns the friction by half a step's angle times A/e: 2e-3 of it.
+  // Backward Euler rotates the friction by half a step's angle times A/e: a relative error of 2e-3.
   EXPECT_NEAR(outwards, kLoad * A / R + yield * e / A, 2e-3 * yield);
   EXPECT_NEAR(along, yield * std::sqrt(1 - e * e / (A * A)), 1e-4 * yield);
 }
 
-TEST(FlatSlider, LetsGoInUpliftAndBeginsAnewAfterIt) {
+TEST(FlatSlider, HasNoForceInUpliftAndStartsAfreshAfterIt) {
   Bearing bearing{{kSlider}};
   bearing.force(0.05);
   EXPECT_EQ(bearing.force(0.06, 0), 0);
   EXPECT_EQ(bearing.force(0.03, -1e6), 0);
 
-  // A tenth of a millimetre of elastic way from where it landed.
+  // A tenth of a millimetre of elastic displacement from the point of landing.
   bearing.force(0.03);
   EXPECT_NEAR(bearing.force(0.0301), 1e-4 * kStiffness, 1);
 }
@@ -119,7 +119,7 @@ TEST(MerSpring, BeginsBeyondItsGapOnEitherSide) {
   EXPECT_NEAR(bearing.force(-0.12), -1.2e6, 1e-3);
 }
 
-// Both springs push until one has come loose: twice the stiffness up to the precompression.
+// Both springs push until one loses contact: twice the stiffness up to the precompression.
 TEST(MerSpring, IsTwiceAsStiffWhileBothArePrecompressed) {
   Bearing bearing{{{"mer_spring", "", {{"stiffness", 12e6}, {"gap", -0.02}}}}};
 
@@ -160,9 +160,9 @@ TEST(PressureTanhSliding, LevelsOffAtItsReduction) {
   EXPECT_NEAR(bearing.force(2, 20 * load) / (kFriction * 20 * load), 0.5, 1e-9);
 }
 
-// Flux step: a power P on the area A from t = 0 on gives T = 2 (P/A) √(D t/π)/k. The factor on
-// friction is turned back into temperature by the published law; the friction that heats is given.
-TEST(FrictionHeating, AnswersAFluxStepFromTheFirstTimeStepToAMinute) {
+// Flux step: a power P on the area A from t = 0 gives T = 2 (P/A) √(D t/π)/k. The published law
+// converts the friction factor back into temperature; the heating friction is prescribed.
+TEST(FrictionHeating, RespondsToAFluxStepFromTheFirstTimeStepToAMinute) {
   const double area = 0.25, power = 2e5;  // [m²], [W]: 62 °C after a minute
   const Composition heating{{{"friction_heating", "", {{"heat_share", 1}, {"contact_area", area}}}},
                             kTimeStep};
@@ -186,7 +186,7 @@ TEST(FrictionHeating, IsThePublishedLawOfTheTemperature) {
     Quantities<double> q;
     q.temperature = rise;
     heating.advance(state, q);
-    // Published with three digits of 0.789, which makes it 0.9997 at 20 °C.
+    // The published factor 0.789 has three digits, which gives 0.9997 at 20 °C.
     EXPECT_NEAR(q.strength, 0.789 * (std::pow(0.7, (20 + rise) / 50) + 0.4), 5e-4);
   }
 }
@@ -213,7 +213,7 @@ TEST(PendulumLift, RaisesTheBearingByTheSagitta) {
   EXPECT_NEAR(bearing.move({0.06, 0.08}, 0).axial_load, 1e9 * 0.01 / 4, 1e-3);
 }
 
-TEST(MultilinearAxial, GoesThroughItsCornersAndLeavesTensionToTheAir) {
+TEST(MultilinearAxial, PassesItsCornersAndHasNoForceInTension) {
   const Composition axial{{{"multilinear_axial",
                             "",
                             {{"stiffness_1", 1e9},
@@ -239,14 +239,14 @@ TEST(MultilinearAxial, GoesThroughItsCornersAndLeavesTensionToTheAir) {
   EXPECT_EQ(load(1e-3, 0), 0);
 }
 
-// The large cycle of a bearing from a file: strength where it passes the middle, force at the end.
+// The large cycle of a bearing from a file: strength at zero displacement, force at the peak.
 struct Cycle {
   double strength, force;
 };
 Cycle large_cycle(const std::string& file, double design) {
   const auto path = rths::test::source_tree() / "sim" / "bearings" / file;
-  // Slowly and at room temperature the terms of velocity and heat have nothing to say, but for
-  // the friction at low velocity: they are left out.
+  // The published values hold at high velocity and room temperature. This cycle is slow, so the
+  // terms of velocity and heat are left out.
   Terms terms;
   for (auto term : read_terms(Config::load(path))) {
     if (term.kind == "velocity_dep_sliding" || term.kind == "friction_heating" ||

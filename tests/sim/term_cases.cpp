@@ -12,7 +12,7 @@ struct Wave {
   double value = 0, rate = 0, acceleration = 0;
 };
 
-// Two sines that pass 0 at the beginning, so that the first step is no jump.
+// Two sines that start at 0, so that the first step is small.
 Wave wave(double amplitude, double frequency, double ratio, double t) {
   const double w = 2 * std::numbers::pi * frequency;
   const double a = 0.7 * amplitude, b = 0.3 * amplitude;
@@ -32,7 +32,7 @@ TermSettings bearing() {
 TermCase made_up(const TermKind& kind) {
   TermCase c;
   c.kind = kind.name;
-  if (kind.stage != Stage::Restoring && kind.stage != Stage::Vertical) c.company = {bearing()};
+  if (kind.stage != Stage::Restoring && kind.stage != Stage::Vertical) c.companions = {bearing()};
   return c;
 }
 
@@ -72,7 +72,7 @@ TermCase case_of(const TermKind& kind) {
 }
 
 Composition composition_of(const TermCase& c) {
-  auto terms = c.company;
+  auto terms = c.companions;
   terms.push_back(c.term);
   return Composition{terms, c.motion.time_step};
 }

@@ -5,7 +5,7 @@ namespace rths::sim::test {
 
 namespace {
 
-// Fast enough for the limit to be met.
+// Fast enough to reach the limit.
 TermCase limited_loop() {
   TermCase c;
   c.kind = "actuator_bandwidth";

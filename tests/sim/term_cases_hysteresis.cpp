@@ -4,7 +4,7 @@
 namespace rths::sim::test {
 
 std::vector<TermCase> hysteresis_cases() {
-  // The reach says where the knots of the spline are: it is chosen, like any grid.
+  // The reach defines the spline's knots; it is chosen, not fitted.
   TermCase iwan;
   iwan.kind = "iwan";
   iwan.fixed = {"reach"};

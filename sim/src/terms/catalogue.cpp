@@ -11,7 +11,7 @@
 namespace rths::sim {
 namespace {
 
-// Within a stage, terms act in the order of these groups and of the kinds in each.
+// Within a stage, terms act in the order of these groups and of the kinds in each group.
 std::vector<TermKind> all_kinds() {
   std::vector<TermKind> kinds;
   for (const auto& group : {actuator_kinds(), elastomeric_kinds(), hysteresis_kinds(),
