@@ -9,21 +9,21 @@
 
 namespace rths::diagnosis {
 
-/// One relation of a case, with what was found about it.
+/// One relation of a case, and the findings about it.
 struct Investigation {
   std::unique_ptr<Relation> relation;
   const SensorNoise* noise;
   std::uint64_t seed;
   Split split;
-  Record first;  ///< of the records, as it was: what is found of a sensor is corrected in them
-  std::unique_ptr<Problem> problem;  ///< of the records that find
-  std::unique_ptr<Problem> proof;    ///< of those that were held out; null if none was
+  Record first;  ///< first record, before faults of sensors were corrected in it
+  std::unique_ptr<Problem> problem;  ///< of the fitted and scored records
+  std::unique_ptr<Problem> proof;    ///< of the held-out records; null if there are none
   Folds folds;
   Selection selection;
-  std::vector<Description> descriptions;  ///< of what remains, if something does
+  std::vector<Description> descriptions;  ///< of the remaining residual, if it is systematic
 
   [[nodiscard]] bool is_named() const { return !selection.steps.empty(); }
-  /// Something systematic is left that the named terms do not explain.
+  /// Returns true if a systematic residual is left that the named terms do not explain.
   [[nodiscard]] bool is_unknown() const;
 };
 

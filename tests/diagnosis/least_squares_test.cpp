@@ -140,7 +140,7 @@ TEST(Covariance, SaysWhenParametersCannotBeToldApart) {
   fit.residual = VectorXd::Ones(10);
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(covariance(fit, 2)); }),
-            "covariance: the parameters cannot be told apart");
+            "covariance: the data do not separate the parameters");
 }
 
 }  // namespace
