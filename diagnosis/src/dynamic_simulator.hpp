@@ -29,23 +29,23 @@ class DynamicSimulator : public Simulator {
   /// Displacements, then velocities, then accelerations of the connections that have terms, or of
   /// all if they are watched. Empty if it diverges.
   [[nodiscard]] std::vector<std::vector<double>> motion(const Eigen::VectorXd& values) const;
-  [[nodiscard]] int parts() const { return setup_.parts; }
+  [[nodiscard]] int substeps() const { return setup_.substeps; }
 
  private:
   struct Bound {
     Eigen::Index free, parameter;
     double scale;
   };
-  void place_terms(const Hypothesis& hypothesis, const DynamicSizes* sizes);
+  void attach_terms(const Hypothesis& hypothesis, const DynamicSizes* sizes);
   void bind(const Hypothesis& hypothesis);
-  [[nodiscard]] int parts_needed(const Hypothesis& hypothesis, const DynamicSizes& sizes) const;
+  [[nodiscard]] int substeps_needed(const Hypothesis& hypothesis, const DynamicSizes& sizes) const;
   [[nodiscard]] Eigen::VectorXd plant_values(const Eigen::VectorXd& values) const;
   [[nodiscard]] LinearSystem system(const Eigen::VectorXd& plant) const;
-  [[nodiscard]] Steps<double> steps(const Eigen::VectorXd& plant) const;
+  [[nodiscard]] StepMatrices<double> steps(const Eigen::VectorXd& plant) const;
   [[nodiscard]] bool only_at_outputs(const std::vector<Eigen::Index>& lanes) const;
   [[nodiscard]] bool run_lanes(const Eigen::VectorXd& values,
-                               const std::vector<Eigen::Index>& lanes, const Steps<double>& steps,
-                               Eigen::MatrixXd& prediction,
+                               const std::vector<Eigen::Index>& lanes,
+                               const StepMatrices<double>& steps, Eigen::MatrixXd& prediction,
                                std::vector<Eigen::MatrixXd>& derivatives) const;
 
   const DynamicModel& model_;
@@ -64,14 +64,14 @@ class DynamicSimulator : public Simulator {
                                           const std::vector<const Record*>& records);
 
 /// Where a parameter of a hypothesis is: "mass.1" of the model, or a term's.
-struct ParameterPlace {
+struct ParameterIndex {
   std::optional<std::size_t> of_model;  ///< in `DynamicModel::parameters`
   std::size_t term = 0;                 ///< else in the terms
   std::string parameter;                ///< and its name there
 };
 /// @throws Error if there is none, or more than one, of this name   @setup
-[[nodiscard]] ParameterPlace find_parameter(const DynamicModel& model,
-                                            const std::vector<PlacedTerm>& terms,
+[[nodiscard]] ParameterIndex find_parameter(const DynamicModel& model,
+                                            const std::vector<ModelTerm>& terms,
                                             const std::string& name);
 
 }  // namespace rths::diagnosis

@@ -14,9 +14,9 @@ namespace rths::diagnosis {
 
 /// A term, and where in the model it acts: "" where there is one composition only, else
 /// "spring.2", "input.voltage", "output.position".
-struct PlacedTerm {
+struct ModelTerm {
   sim::TermSettings settings;
-  std::string place;
+  std::string component;
 };
 
 /// A parameter that a fit may move.
@@ -31,7 +31,7 @@ struct FreeParameter {
 /// What is supposed to be going on: terms, and the values of those parameters that may move. All
 /// others stand at what the terms say.
 struct Hypothesis {
-  std::vector<PlacedTerm> terms;
+  std::vector<ModelTerm> terms;
   std::vector<FreeParameter> free;
   Eigen::VectorXd values;  ///< of `free`, within their bounds
 };
@@ -43,7 +43,7 @@ struct Candidate {
   std::string title, equation;
   Part part = Part::Machine;
   std::string channel;  ///< role of what it shows in: "force", "displacement"
-  std::vector<PlacedTerm> adds;
+  std::vector<ModelTerm> adds;
   /// Terms of the model, by name, that become another kind with the same parameters and more.
   std::vector<std::pair<std::string, std::string>> becomes;
   std::vector<FreeParameter> frees;     ///< of what it adds, or of what is there already

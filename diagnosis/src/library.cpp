@@ -29,7 +29,7 @@ constexpr int kPriceOfRule = 4;
 
 template <class Names>
 bool holds(const Hypothesis& base, const Names& kinds) {
-  return std::any_of(base.terms.begin(), base.terms.end(), [&](const PlacedTerm& term) {
+  return std::any_of(base.terms.begin(), base.terms.end(), [&](const ModelTerm& term) {
     return std::find(std::begin(kinds), std::end(kinds), term.settings.kind) != std::end(kinds);
   });
 }
@@ -349,7 +349,7 @@ std::vector<Candidate> candidates_of(Place place, const Hypothesis& base, const 
 }
 
 std::pair<std::vector<std::size_t>, std::string> meant_by(const std::string& parameter,
-                                                          const std::vector<PlacedTerm>& terms) {
+                                                          const std::vector<ModelTerm>& terms) {
   const auto dot = parameter.rfind('.');
   if (dot == std::string::npos)
     throw Error{fmt::format("'{}' names no parameter, expected term.parameter", parameter)};

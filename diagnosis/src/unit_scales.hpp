@@ -7,9 +7,9 @@
 
 namespace rths::diagnosis {
 
-/// Units in which a place of a model computes, as multiples of m, N and s. The catalogue's bounds
-/// are those of a laboratory's machines; a circuit of millivolts or a tank of hours keeps within
-/// them if it counts in units of its own.
+/// Units in which a component of a model computes, as multiples of m, N and s. The catalogue's
+/// bounds are those of a laboratory's machines; a circuit of millivolts or a tank of hours keeps
+/// within them if it counts in units of its own.
 struct UnitScales {
   double length = 1, force = 1, time = 1;
 

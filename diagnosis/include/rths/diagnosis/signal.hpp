@@ -79,7 +79,7 @@ class NoiseSpectrum {
 
   [[nodiscard]] double density(double frequency) const;  ///< one-sided [unit²/Hz]
   /// Draws signals of Gaussian noise, of one length: what they have in common is worked out once.
-  class Source {
+  class Generator {
    public:
     /// @param random  gives standard normal numbers
     [[nodiscard]] Eigen::VectorXd draw(const std::function<double()>& random) const;
@@ -89,7 +89,7 @@ class NoiseSpectrum {
     Eigen::Index samples_ = 0, length_ = 0;
     Eigen::VectorXd size_;  // of bins from the first on; empty: no noise
   };
-  [[nodiscard]] Source source(Eigen::Index samples, double time_step) const;
+  [[nodiscard]] Generator generator(Eigen::Index samples, double time_step) const;
   [[nodiscard]] bool is_nothing() const;
   [[nodiscard]] NoiseSpectrum scaled(double factor) const;  ///< of the signal times a factor
 
