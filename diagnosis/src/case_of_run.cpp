@@ -155,17 +155,11 @@ Case case_of_run(const std::filesystem::path& file) {
     result.model = model_of(run);
     result.records.push_back(record_of(run, file.filename().string(), Use::Fit));
   });
-  struct Companion {
-    const char* file;
-    Use use;
-  };
-  for (const auto& [name, use] : {Companion{kHeldOutFile, Use::HeldOut}}) {
-    const auto companion = file.parent_path() / name;
-    if (companion == file || !std::filesystem::exists(companion)) continue;
-    of_file(companion, [&, use = use, name = name] {
-      result.records.push_back(record_of(Reader{companion}, name, use));
+  const auto held_out = file.parent_path() / kHeldOutFile;
+  if (held_out != file && std::filesystem::exists(held_out))
+    of_file(held_out, [&] {
+      result.records.push_back(record_of(Reader{held_out}, kHeldOutFile, Use::HeldOut));
     });
-  }
   if (fastest(result) / kUsualRate > kFurthest) result.comparison.model_rate = kFineRate;
   return result;
 }
