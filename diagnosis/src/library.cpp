@@ -66,12 +66,6 @@ Part part_of(const TermKind& kind) {
   }
 }
 
-const sim::Parameter& parameter_of(const TermKind& kind, std::string_view name) {
-  for (const auto& parameter : kind.parameters)
-    if (parameter.name == name) return parameter;
-  throw Error{fmt::format("library: '{}' has no parameter '{}'", kind.name, name)};
-}
-
 // Makes one candidate of one entry.
 class Builder {
  public:

@@ -63,12 +63,6 @@ double scale_for(double size, double low, double high, double typical) {
   return std::pow(10.0, std::round(std::log10(size / typical)));
 }
 
-const sim::Parameter& parameter_of(const sim::TermKind& kind, std::string_view name) {
-  for (const auto& parameter : kind.parameters)
-    if (parameter.name == name) return parameter;
-  throw Error{fmt::format("term '{}' has no parameter '{}'", kind.name, name)};
-}
-
 sim::TermSettings in_units(const sim::TermSettings& term, const UnitScales& scales) {
   const sim::TermKind& kind = sim::term_kind(term.kind);
   for (const auto& [name, value] : term.parameters) static_cast<void>(parameter_of(kind, name));

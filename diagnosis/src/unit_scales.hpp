@@ -25,7 +25,4 @@ struct UnitScales {
 /// @throws Error for an unknown kind or parameter   @setup
 [[nodiscard]] sim::TermSettings in_units(const sim::TermSettings& term, const UnitScales& scales);
 
-/// Position of a parameter in its kind's table. @throws Error if it has none of that name   @setup
-[[nodiscard]] const sim::Parameter& parameter_of(const sim::TermKind& kind, std::string_view name);
-
 }  // namespace rths::diagnosis
