@@ -2,10 +2,18 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include <rths/sim/composition.hpp>
 
 namespace rths::diagnosis {
+
+/// A symbol of a unit and its power.
+struct UnitFactor {
+  std::string_view symbol;  ///< "m", "N", "1"
+  int power;                ///< negative behind the first stroke: in "W/m/K" both m and K divide
+};
+[[nodiscard]] std::vector<UnitFactor> factors_of(std::string_view unit);
 
 /// Units in which a component of a model computes, as multiples of m, N and s. The catalogue's
 /// bounds are those of a laboratory's machines; a circuit of millivolts or a tank of hours keeps
