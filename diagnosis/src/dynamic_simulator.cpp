@@ -20,22 +20,22 @@ using Eigen::VectorXd;
 std::vector<sim::TermSettings> terms_at(const Hypothesis& hypothesis,
                                         const std::string& component) {
   std::vector<sim::TermSettings> terms;
-  for (const auto& placed : hypothesis.terms)
-    if (placed.component == component) terms.push_back(placed.settings);
+  for (const auto& term : hypothesis.terms)
+    if (term.component == component) terms.push_back(term.settings);
   return terms;
 }
 
 void check_components(const DynamicModel& model, const Hypothesis& hypothesis) {
-  for (const auto& placed : hypothesis.terms) {
-    const auto is_here = [&](const auto& role) { return role == placed.component; };
+  for (const auto& term : hypothesis.terms) {
+    const auto is_here = [&](const auto& role) { return role == term.component; };
     const bool known =
         std::any_of(model.inputs.begin(), model.inputs.end(), is_here) ||
         std::any_of(model.outputs.begin(), model.outputs.end(), is_here) ||
         std::any_of(model.connections.begin(), model.connections.end(),
                     [&](const Connection& connection) { return is_here(connection.component); });
     if (!known)
-      throw Error{fmt::format("term '{}' is at '{}', which the model does not have",
-                              placed.settings.kind, placed.component)};
+      throw Error{fmt::format("term '{}' acts on '{}', which the model does not have",
+                              term.settings.kind, term.component)};
   }
 }
 
@@ -66,7 +66,7 @@ DynamicSimulator::DynamicSimulator(const DynamicModel& model, const Hypothesis& 
   check_components(model, hypothesis);
   setup_.time_step = time_step;
   setup_.plant_inputs = model.plant_inputs;
-  bind(hypothesis);
+  bind_model(hypothesis);
   attach_terms(hypothesis, sizes);
   const bool can_divide = model.sampled_every == 0 && system(model.values()).a.rows() > 0;
   if (can_divide) {
@@ -80,12 +80,17 @@ DynamicSimulator::DynamicSimulator(const DynamicModel& model, const Hypothesis& 
   setup_.between = interpolation(model.hold, setup_.substeps);
 }
 
-// Also binds their free parameters.
 void DynamicSimulator::attach_terms(const Hypothesis& hypothesis, const DynamicSizes* sizes) {
   setup_.inputs = chains(hypothesis, model_.inputs, sizes != nullptr ? &sizes->inputs : nullptr,
                          sizes, setup_.time_step);
   setup_.outputs = chains(hypothesis, model_.outputs, sizes != nullptr ? &sizes->outputs : nullptr,
                           sizes, setup_.time_step);
+  attach_to_connections(hypothesis, sizes);
+  bind_terms(hypothesis);
+}
+
+void DynamicSimulator::attach_to_connections(const Hypothesis& hypothesis,
+                                             const DynamicSizes* sizes) {
   setup_.connections.clear();
   for (std::size_t i = 0; i < model_.connections.size(); ++i) {
     auto terms = terms_at(hypothesis, model_.connections[i].component);
@@ -97,15 +102,19 @@ void DynamicSimulator::attach_terms(const Hypothesis& hypothesis, const DynamicS
         {i, ComponentTerms{connection.terms, scales, setup_.time_step / setup_.substeps},
          connection.holds_linear});
   }
-  const auto terms_of = [&](const std::string& name) -> ComponentTerms* {
-    for (std::size_t i = 0; i < model_.inputs.size(); ++i)
-      if (model_.inputs[i] == name) return &*setup_.inputs[i];
-    for (std::size_t i = 0; i < model_.outputs.size(); ++i)
-      if (model_.outputs[i] == name) return &*setup_.outputs[i];
-    for (auto& connection : setup_.connections)
-      if (model_.connections[connection.connection].component == name) return &connection.terms;
-    return nullptr;
-  };
+}
+
+ComponentTerms* DynamicSimulator::terms_of(const std::string& component) {
+  for (std::size_t i = 0; i < model_.inputs.size(); ++i)
+    if (model_.inputs[i] == component) return &*setup_.inputs[i];
+  for (std::size_t i = 0; i < model_.outputs.size(); ++i)
+    if (model_.outputs[i] == component) return &*setup_.outputs[i];
+  for (auto& connection : setup_.connections)
+    if (model_.connections[connection.connection].component == component) return &connection.terms;
+  return nullptr;
+}
+
+void DynamicSimulator::bind_terms(const Hypothesis& hypothesis) {
   for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
     const auto at = find_parameter(model_, hypothesis.terms, hypothesis.free[i].name);
     if (at.of_model) continue;
@@ -115,7 +124,7 @@ void DynamicSimulator::attach_terms(const Hypothesis& hypothesis, const DynamicS
   }
 }
 
-void DynamicSimulator::bind(const Hypothesis& hypothesis) {
+void DynamicSimulator::bind_model(const Hypothesis& hypothesis) {
   for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
     const auto at = find_parameter(model_, hypothesis.terms, hypothesis.free[i].name);
     if (at.of_model)
@@ -124,11 +133,11 @@ void DynamicSimulator::bind(const Hypothesis& hypothesis) {
   }
 }
 
-// A step must not be long for the third harmonic of the motion, nor for what swings on the stiffest
-// that a term can be.
+// A substep resolves the third harmonic of the motion, and the oscillation on a term's largest
+// secant stiffness.
 int DynamicSimulator::substeps_needed(const Hypothesis& hypothesis,
                                       const DynamicSizes& sizes) const {
-  constexpr double kLongest = 0.5;   // for what swings [rad]
+  constexpr double kLongest = 0.5;   // for the oscillation [rad]
   constexpr double kHarmonic = 0.4;  // for the third harmonic [rad]
   constexpr int kMost = 64;
   const LinearSystem linear = system(plant_values(hypothesis.values));
@@ -136,19 +145,19 @@ int DynamicSimulator::substeps_needed(const Hypothesis& hypothesis,
   double fastest = 0;   // squared [rad²/s²]
   double harmonic = 0;  // [rad/s]
   for (std::size_t c = 0; c < setup_.connections.size(); ++c) {
-    const ComponentTerms& component = setup_.connections[c].terms;
-    const auto parameters = component.parameters(values);
+    const ComponentTerms& terms = setup_.connections[c].terms;
+    const auto parameters = terms.parameters(values);
     const auto i = static_cast<Index>(c);
     const double mobility = std::abs((linear.r * linear.e)(i, i));
     const ConnectionSize& size = sizes.connections[setup_.connections[c].connection];
     const double reach = size.displacement;
     if (reach > 0) harmonic = std::max(harmonic, 3 * size.velocity / reach);
     for (double way = 1e-4 * reach; way <= reach; way *= 10) {
-      std::vector<double> state(component.composition().states());
+      std::vector<double> state(terms.composition().states());
       sim::Quantities<double> q;
-      q.displacement[0] = way / component.scales().length;
-      component.composition().advance(parameters, state, q);
-      fastest = std::max(fastest, mobility * std::abs(q.force[0]) * component.scales().force / way);
+      q.displacement[0] = way / terms.scales().length;
+      terms.composition().advance(parameters, state, q);
+      fastest = std::max(fastest, mobility * std::abs(q.force[0]) * terms.scales().force / way);
     }
   }
   int substeps = 1;
@@ -164,7 +173,7 @@ VectorXd DynamicSimulator::plant_values(const VectorXd& values) const {
   return plant;
 }
 
-// With those connections only that have terms.
+// With only the connections that have terms.
 LinearSystem DynamicSimulator::system(const VectorXd& plant) const {
   LinearSystem all = model_.linear(plant);
   LinearSystem chosen = all;
