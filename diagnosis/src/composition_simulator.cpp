@@ -46,15 +46,15 @@ void load_between(const MotionDrive& drive, Index step, double share, sim::Quant
 }
 
 // A specimen behind a spring is solved for step by step, with what it was the step before.
-bool is_mount(const PlacedTerm& term) {
+bool is_mount(const ModelTerm& term) {
   return term.settings.kind == "support_flexibility" || term.settings.kind == "mount_slack";
 }
 
-bool is_vertical(const PlacedTerm& term) {
+bool is_vertical(const ModelTerm& term) {
   return sim::term_kind(term.settings.kind).stage == sim::Stage::Vertical;
 }
 
-bool is_after_specimen(const PlacedTerm& term) {
+bool is_after_specimen(const ModelTerm& term) {
   return sim::term_kind(term.settings.kind).stage > sim::Stage::Restoring;
 }
 
@@ -73,16 +73,16 @@ CompositionSimulator::CompositionSimulator(const Hypothesis& hypothesis, const M
   for (const auto& term : terms[0]) specimen_signature_ += term.kind + "/" + term.name + " ";
   constexpr int kPartsOfMounted = 2;
   if (std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), is_mount))
-    parts_ = kPartsOfMounted;
-  compositions_[0] = sim::Composition{terms[0], drive.model_step / parts_};
+    substeps_ = kPartsOfMounted;
+  compositions_[0] = sim::Composition{terms[0], drive.model_step / substeps_};
   compositions_[1] = sim::Composition{terms[1], drive.model_step};
   for (const auto& free : hypothesis.free) {
     const auto [meant, parameter] = meant_by(free.name, hypothesis.terms);
-    places_.emplace_back();
+    indices_.emplace_back();
     for (const std::size_t i : meant) {
       const auto& term = hypothesis.terms[i];
       const std::size_t half = splits && is_after_specimen(term) ? 1 : 0;
-      places_.back().push_back(
+      indices_.back().push_back(
           {half, compositions_[half].parameter_index(term.settings.name, parameter)});
     }
   }
@@ -94,9 +94,9 @@ void CompositionSimulator::run_first(const std::vector<double>& parameters, Axes
   std::vector<double> state(compositions_[0].states());
   for (Index step = 0; step < steps; ++step) {
     sim::Quantities<double> q;
-    for (int part = 1; part <= parts_; ++part) {
+    for (int part = 1; part <= substeps_; ++part) {
       q = {};
-      load_between(drive_, step, static_cast<double>(part) / parts_, q);
+      load_between(drive_, step, static_cast<double>(part) / substeps_, q);
       if (predicted_ == Predicted::Displacement) {
         const Index before = std::max<Index>(0, step - 1);
         compositions_[0].set_specimen_force(
@@ -136,9 +136,9 @@ bool CompositionSimulator::predict(const VectorXd& values, MatrixXd& prediction)
   for (std::size_t half = 0; half < 2; ++half)
     parameters[half].assign(compositions_[half].parameters().begin(),
                             compositions_[half].parameters().end());
-  for (std::size_t i = 0; i < places_.size(); ++i)
-    for (const auto& [half, place] : places_[i])
-      parameters[half][place] = values[static_cast<Index>(i)];
+  for (std::size_t i = 0; i < indices_.size(); ++i)
+    for (const auto& [half, index] : indices_[i])
+      parameters[half][index] = values[static_cast<Index>(i)];
   Axes output = specimen(parameters[0]);
   if (!compositions_[1].terms().empty()) run_second(parameters[1], output);
   prediction.resize(drive_.rows(), static_cast<Index>(axes_.size()));

@@ -30,13 +30,13 @@ class CompositionSimulator final : public Simulator {
   };
 
   std::array<sim::Composition, 2> compositions_;  ///< the specimen; the machine and sensors
-  int parts_ = 1;                                 ///< of a step of the model, for the specimen
+  int substeps_ = 1;                              ///< of a step of the model, for the specimen
   std::string specimen_signature_;                ///< kinds and names of the first half
   const MotionDrive& drive_;
   Predicted predicted_;
   std::vector<std::size_t> axes_;
   std::vector<FreeParameter> free_;
-  std::vector<std::vector<Spot>> places_;  ///< of each free parameter
+  std::vector<std::vector<Spot>> indices_;  ///< of each free parameter
 };
 
 }  // namespace rths::diagnosis

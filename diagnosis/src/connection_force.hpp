@@ -13,21 +13,21 @@ namespace rths::diagnosis {
 template <class Real>
 class ConnectionForce {
  public:
-  ConnectionForce(const ConnectionPlace& place, const std::vector<Real>& values,
+  ConnectionForce(const ConnectionWithTerms& connection, const std::vector<Real>& values,
                   const Real& stiffness, const Real& damping)
-      : place_{&place},
-        parameters_{place.terms.parameters(values)},
-        state_(place.terms.composition().states()),
+      : connection_{&connection},
+        parameters_{connection.terms.parameters(values)},
+        state_(connection.terms.composition().states()),
         tried_(state_.size()) {
-    const UnitScales& scales = place.terms.scales();
+    const UnitScales& scales = connection.terms.scales();
     into_length_ = 1 / scales.length;
     into_velocity_ = scales.time / scales.length;
     into_acceleration_ = into_velocity_ * scales.time;
     force_ = scales.force;
-    if (!place.holds_linear) return;
+    if (!connection.holds_linear) return;
     stiffness_ = stiffness;
     damping_ = damping;
-    const auto& composition = place.terms.composition();
+    const auto& composition = connection.terms.composition();
     const auto set = [&](std::string_view term, const char* name, const Real& value) {
       parameters_[composition.parameter_index(std::string{term}, name)] = value;
     };
@@ -41,19 +41,19 @@ class ConnectionForce {
              double time) {
     std::copy(state_.begin(), state_.end(), tried_.begin());
     quantities_ = {};
-    quantities_.time = time / place_->terms.scales().time;
+    quantities_.time = time / connection_->terms.scales().time;
     quantities_.displacement[0] = displacement * into_length_;
     quantities_.velocity[0] = velocity * into_velocity_;
     quantities_.acceleration[0] = acceleration * into_acceleration_;
-    place_->terms.composition().advance(parameters_, tried_, quantities_);
+    connection_->terms.composition().advance(parameters_, tried_, quantities_);
     Real force = quantities_.force[0] * force_;
-    if (place_->holds_linear) force -= stiffness_ * displacement + damping_ * velocity;
+    if (connection_->holds_linear) force -= stiffness_ * displacement + damping_ * velocity;
     return force;
   }
   void keep() { state_.swap(tried_); }
 
  private:
-  const ConnectionPlace* place_;
+  const ConnectionWithTerms* connection_;
   std::vector<Real> parameters_, state_, tried_;
   double into_length_, into_velocity_, into_acceleration_, force_;
   Real stiffness_{}, damping_{};

@@ -267,15 +267,8 @@ class Laboratory {
                                    const VectorXd& second) const {
     const VectorXd still = VectorXd::Zero(time_.samples());
     for (std::size_t i = 0; i < drivers_.size(); ++i) {
-      const std::string& driver = drivers_[i];
       const VectorXd& moved = i == 0 ? motion : i == 1 && second.size() > 0 ? second : still;
-      if (role == driver) return moved;
-      if (member_of(role) != member_of(driver)) continue;
-      if (driver.starts_with("displacement.") && role.starts_with("velocity."))
-        return rate_of(moved, time_.step);
-      if (driver.starts_with("displacement.") && role.starts_with("acceleration."))
-        return second_rate_of(moved, time_.step);
-      if (role.starts_with("force.") && !is_output(role)) return load_of(role, driver) * moved;
+      if (const auto signal = signal_along(role, drivers_[i], moved)) return *signal;
     }
     const Channel& recorded = *like_.find(role);
     if (!is_output(role)) return VectorXd::Constant(time_.samples(), values_of(recorded).mean());
@@ -283,6 +276,21 @@ class Laboratory {
     VectorXd sized = still;
     sized[sized.size() - 1] = values_of(recorded).cwiseAbs().maxCoeff();
     return sized;
+  }
+
+  // The signal of a channel that follows a driver; none if it does not.
+  [[nodiscard]] std::optional<VectorXd> signal_along(const std::string& role,
+                                                     const std::string& driver,
+                                                     const VectorXd& moved) const {
+    if (role == driver) return moved;
+    if (member_of(role) != member_of(driver)) return std::nullopt;
+    const bool is_displacement = driver.starts_with("displacement.");
+    if (is_displacement && role.starts_with("velocity.")) return rate_of(moved, time_.step);
+    if (is_displacement && role.starts_with("acceleration."))
+      return second_rate_of(moved, time_.step);
+    if (role.starts_with("force.") && !is_output(role))
+      return VectorXd{load_of(role, driver) * moved};
+    return std::nullopt;
   }
 
   [[nodiscard]] bool is_output(const std::string& role) const {

@@ -2,6 +2,7 @@
 #include <rths/diagnosis/diagnose.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -33,56 +34,87 @@ bool is_acceleration(const Investigation& found) {
   return found.relation->outputs()[0].first.starts_with("acceleration");
 }
 
-// Takes the faults that an accelerometer was found to have out of its channel, so that what
-// follows does not see them: a = T⁻¹(y) by iteration, the faults being small.
+using PerAxis = std::array<double, sim::kHorizontalAxes>;
+
+// The channels of one record that the correction of accelerometers uses, by axis; null: none.
+struct AccelerometerChannels {
+  std::array<Channel*, sim::kHorizontalAxes> acceleration{};
+  std::array<const Channel*, sim::kHorizontalAxes> displacement{};
+
+  explicit AccelerometerChannels(Record& record) {
+    for (auto& channel : record.channels)
+      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+        const char* name = axis == 0 ? "long" : "lat";
+        if (channel.role == fmt::format("acceleration.{}", name)) acceleration[axis] = &channel;
+        if (channel.role == fmt::format("displacement.{}", name)) displacement[axis] = &channel;
+      }
+  }
+  [[nodiscard]] std::vector<PerAxis> measured(std::size_t samples) const {
+    std::vector<PerAxis> values(samples);
+    for (std::size_t k = 0; k < samples; ++k)
+      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+        values[k][axis] = acceleration[axis] != nullptr ? acceleration[axis]->values[k] : 0;
+    return values;
+  }
+  void set(const std::vector<PerAxis>& corrected) const {
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+      if (acceleration[axis] != nullptr)
+        for (std::size_t k = 0; k < corrected.size(); ++k)
+          acceleration[axis]->values[k] = corrected[k][axis];
+  }
+};
+
+// Parameters of a composition of a hypothesis' terms at its values.
+std::vector<double> parameters_at(const Hypothesis& hypothesis,
+                                  const sim::Composition& composition) {
+  std::vector<double> parameters(composition.parameters().begin(), composition.parameters().end());
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
+    const std::string& name = hypothesis.free[i].name;
+    const auto dot = name.rfind('.');
+    const std::string prefix = name.substr(0, dot);
+    for (const auto& term : composition.terms())
+      if (term.name == prefix || term.name.starts_with(prefix + "."))
+        parameters[composition.parameter_index(term.name, name.substr(dot + 1))] =
+            hypothesis.values[static_cast<Eigen::Index>(i)];
+  }
+  return parameters;
+}
+
+// One iteration of a = T⁻¹(y): adds the difference between y and T(a) to a.
+void improve(std::vector<PerAxis>& a, const std::vector<PerAxis>& y, const Record& record,
+             const AccelerometerChannels& channels, const sim::Composition& composition,
+             const std::vector<double>& parameters) {
+  std::vector<double> state(composition.states());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    sim::Quantities<double> q;
+    q.time = record.start + static_cast<double>(k) * record.time_step;
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+      q.acceleration[axis] = a[k][axis];
+      if (channels.displacement[axis] != nullptr)
+        q.displacement[axis] = channels.displacement[axis]->values[k];
+    }
+    composition.advance(parameters, state, q);
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+      a[k][axis] += y[k][axis] - q.acceleration[axis];
+  }
+}
+
+// Removes the faults T of an accelerometer from its channel y, so that later relations see
+// corrected accelerations: a = T⁻¹(y) by iteration, since the faults are small.
 void correct(const Investigation& found, Case& c) {
+  constexpr int kRounds = 3;
   const Hypothesis& named = found.selection.named;
   std::vector<sim::TermSettings> terms;
   for (const auto& term : named.terms) terms.push_back(term.settings);
   for (auto& record : c.records) {
-    Channel* measured[sim::kHorizontalAxes]{};
-    const Channel* displacement[sim::kHorizontalAxes]{};
-    for (auto& channel : record.channels)
-      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
-        const char* name = axis == 0 ? "long" : "lat";
-        if (channel.role == fmt::format("acceleration.{}", name)) measured[axis] = &channel;
-        if (channel.role == fmt::format("displacement.{}", name)) displacement[axis] = &channel;
-      }
+    const AccelerometerChannels channels{record};
     const sim::Composition composition{terms, record.time_step};
-    std::vector<double> parameters(composition.parameters().begin(),
-                                   composition.parameters().end());
-    for (std::size_t i = 0; i < named.free.size(); ++i) {
-      const auto dot = named.free[i].name.rfind('.');
-      for (const auto& term : composition.terms()) {
-        const std::string prefix = named.free[i].name.substr(0, dot);
-        if (term.name != prefix && !term.name.starts_with(prefix + ".")) continue;
-        parameters[composition.parameter_index(term.name, named.free[i].name.substr(dot + 1))] =
-            named.values[static_cast<Eigen::Index>(i)];
-      }
-    }
-    constexpr int kRounds = 3;
-    std::vector<std::array<double, sim::kHorizontalAxes>> a(record.samples());
-    for (std::size_t k = 0; k < a.size(); ++k)
-      for (std::size_t axis = 0; axis < a[k].size(); ++axis)
-        a[k][axis] = measured[axis] != nullptr ? measured[axis]->values[k] : 0;
-    const auto y = a;
-    for (int round = 0; round < kRounds; ++round) {
-      std::vector<double> state(composition.states());
-      for (std::size_t k = 0; k < a.size(); ++k) {
-        sim::Quantities<double> q;
-        q.time = record.start + static_cast<double>(k) * record.time_step;
-        for (std::size_t axis = 0; axis < a[k].size(); ++axis) {
-          q.acceleration[axis] = a[k][axis];
-          if (displacement[axis] != nullptr) q.displacement[axis] = displacement[axis]->values[k];
-        }
-        composition.advance(parameters, state, q);
-        for (std::size_t axis = 0; axis < a[k].size(); ++axis)
-          a[k][axis] += y[k][axis] - q.acceleration[axis];
-      }
-    }
-    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
-      if (measured[axis] != nullptr)
-        for (std::size_t k = 0; k < a.size(); ++k) measured[axis]->values[k] = a[k][axis];
+    const auto parameters = parameters_at(named, composition);
+    const auto measured = channels.measured(record.samples());
+    auto corrected = measured;
+    for (int round = 0; round < kRounds; ++round)
+      improve(corrected, measured, record, channels, composition, parameters);
+    channels.set(corrected);
   }
 }
 
@@ -168,34 +200,48 @@ void add_limits(const Case& c, const SensorNoise& noise, const Investigations& a
   }
 }
 
-// Missing before unknown before none; a relation that is further up the chain is reported first.
+// An investigation that found a cause and leaves nothing unknown.
+bool is_explained(const Investigation& found) { return found.is_named() && !found.is_unknown(); }
+
+template <class Condition>
+const Investigation* first_where(const Investigations& all, const Condition& holds) {
+  const auto first =
+      std::find_if(all.begin(), all.end(), [&](const auto& found) { return holds(*found); });
+  return first == all.end() ? nullptr : first->get();
+}
+
+// Moves the causes of an investigation to the front.
+void put_first(const Investigation& shown, std::vector<Cause>& causes) {
+  const auto& steps = shown.selection.steps;
+  std::stable_partition(causes.begin(), causes.end(), [&](const Cause& cause) {
+    return std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
+      return step.chosen.candidate.name == cause.name &&
+             step.chosen.candidate.channel == cause.channel;
+    });
+  });
+}
+
+// Missing takes precedence over unknown, unknown over none; a relation further up the chain is
+// reported first.
 void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
-  bool is_unknown = false;
-  const Investigation* shown = all.back().get();
-  for (auto found = all.rbegin(); found != all.rend(); ++found)
-    if ((*found)->is_unknown()) is_unknown = true, shown = found->get();
-  for (auto found = all.rbegin(); found != all.rend(); ++found)
-    if ((*found)->is_named() && !(*found)->is_unknown()) shown = found->get();
+  const Investigation* explained = first_where(all, is_explained);
+  const Investigation* unknown =
+      first_where(all, [](const Investigation& found) { return found.is_unknown(); });
+  const Investigation* shown = explained != nullptr ? explained
+                               : unknown != nullptr ? unknown
+                                                    : all.back().get();
   for (const auto& found : all)
     if (found.get() != shown && (found->is_named() || found->is_unknown())) report(*found, verdict);
   report(*shown, verdict);
   verdict.where = where_of(*shown, c.map);
   if (shown->is_named()) verdict.where.part = shown->selection.steps[0].chosen.candidate.part;
-  // The relation that is shown comes first.
-  std::stable_partition(verdict.causes.begin(), verdict.causes.end(), [&](const Cause& cause) {
-    return std::any_of(shown->selection.steps.begin(), shown->selection.steps.end(),
-                       [&](const Step& step) {
-                         return step.chosen.candidate.name == cause.name &&
-                                step.chosen.candidate.channel == cause.channel;
-                       });
-  });
+  put_first(*shown, verdict.causes);
   for (const auto& found : all) verdict.fragment += fragment_of(*found);
-  verdict.outcome = Outcome::None;
-  if (is_unknown) verdict.outcome = Outcome::Unknown;
-  for (const auto& found : all)
-    if (found->is_named() && !found->is_unknown()) verdict.outcome = Outcome::Missing;
-  verdict.has_remainder =
-      verdict.outcome == Outcome::Missing && (is_unknown || shown->selection.has_remainder());
+  verdict.outcome = explained != nullptr ? Outcome::Missing
+                    : unknown != nullptr ? Outcome::Unknown
+                                         : Outcome::None;
+  verdict.has_remainder = verdict.outcome == Outcome::Missing &&
+                          (unknown != nullptr || shown->selection.has_remainder());
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ struct TermSite {
   Part part;
   UnitScales scales;
   Natural natural;
-  bool is_only_one;  // of its sort: a term needs no place in its name
+  bool is_only_one;  // of its sort: a term needs no component in its name
 };
 
 // All starts: those of one choice with those of the others.
@@ -48,41 +48,40 @@ void confine(const ParameterChoice& choice, double size, FreeParameter& paramete
   parameter.high = std::min(parameter.high, *most * size * kWithin);
 }
 
-Candidate candidate_of(const KindChoice& kind, const TermSite& place) {
+Candidate candidate_of(const KindChoice& kind, const TermSite& site) {
   const sim::TermKind& term = sim::term_kind(kind.kind);
   Candidate candidate;
   candidate.name = candidate.kind = kind.kind;
-  candidate.title = fmt::format("{} {}", term.title, place.title);
+  candidate.title = fmt::format("{} {}", term.title, site.title);
   candidate.equation = term.equation;
-  candidate.part = place.part;
-  candidate.channel = place.channel;
-  PlacedTerm placed{{kind.kind, "", {}}, place.name};
-  placed.settings.name = place.is_only_one ? kind.kind : place.name + "." + kind.kind;
+  candidate.part = site.part;
+  candidate.channel = site.channel;
+  ModelTerm placed{{kind.kind, "", {}}, site.name};
+  placed.settings.name = site.is_only_one ? kind.kind : site.name + "." + kind.kind;
   std::vector<const ParameterChoice*> free;
   for (const auto& choice : kind.choices) {
     const sim::Parameter& parameter = parameter_of(term, choice.name);
-    const double size = size_of(choice.unit, place.natural);
-    const double unit = place.scales.of(parameter.unit);
+    const double size = size_of(choice.unit, site.natural);
+    const double unit = site.scales.of(parameter.unit);
     placed.settings.parameters.emplace_back(
         choice.name,
         std::clamp(choice.starts[0] * size, parameter.low * unit, parameter.high * unit));
     if (choice.role == ParameterChoice::Stated) continue;
     candidate.frees.push_back(free_parameter(placed.settings.name + "." + choice.name, parameter,
-                                             place.scales,
-                                             0.1 * std::abs(choice.starts[0]) * size));
+                                             site.scales, 0.1 * std::abs(choice.starts[0]) * size));
     if (choice.role == ParameterChoice::Shape) confine(choice, size, candidate.frees.back());
     free.push_back(&choice);
   }
-  candidate.starts = start_grid(free, candidate.frees, place.natural);
+  candidate.starts = start_grid(free, candidate.frees, site.natural);
   candidate.price = static_cast<int>(free.size());
   candidate.after = candidate.contains = kind.after;
   candidate.adds.push_back(std::move(placed));
   return candidate;
 }
 
-bool stands_already(const Hypothesis& base, const std::string& kind, const std::string& place) {
-  return std::any_of(base.terms.begin(), base.terms.end(), [&](const PlacedTerm& placed) {
-    return placed.settings.kind == kind && placed.place == place;
+bool stands_already(const Hypothesis& base, const std::string& kind, const std::string& component) {
+  return std::any_of(base.terms.begin(), base.terms.end(), [&](const ModelTerm& placed) {
+    return placed.settings.kind == kind && placed.component == component;
   });
 }
 
@@ -103,14 +102,14 @@ std::vector<KindChoice> possible_kinds(const ConnectionSize& size) {
   return kinds;
 }
 
-void add_place(const std::vector<KindChoice>& kinds, const TermSite& place, const Hypothesis& base,
-               std::vector<Candidate>& candidates) {
+void add_site(const std::vector<KindChoice>& kinds, const TermSite& site, const Hypothesis& base,
+              std::vector<Candidate>& candidates) {
   for (const auto& kind : kinds) {
-    if (stands_already(base, kind.kind, place.name)) continue;
+    if (stands_already(base, kind.kind, site.name)) continue;
     // A linear damper that may be fitted needs no other beside it.
-    if (std::string_view{kind.kind} == "viscous_friction" && is_free(base, place.name + ".damping"))
+    if (std::string_view{kind.kind} == "viscous_friction" && is_free(base, site.name + ".damping"))
       continue;
-    candidates.push_back(candidate_of(kind, place));
+    candidates.push_back(candidate_of(kind, site));
   }
 }
 
@@ -164,21 +163,21 @@ std::vector<Candidate> dynamic_candidates(const DynamicModel& model, const Dynam
   for (std::size_t i = 0; i < model.connections.size(); ++i) {
     const ConnectionSize& size = sizes.connections[i];
     if (!(size.displacement > 0 && size.velocity > 0 && size.force > 0)) continue;
-    add_place(possible_kinds(size),
-              {model.connections[i].place, model.connections[i].title, model.connections[i].seen,
-               Part::Structure, sizes.of_connection(size),
-               natural_of_connection(size, sizes.time_step), model.connections.size() == 1},
-              base, candidates);
+    add_site(possible_kinds(size),
+             {model.connections[i].component, model.connections[i].title, model.connections[i].seen,
+              Part::Structure, sizes.of_connection(size),
+              natural_of_connection(size, sizes.time_step), model.connections.size() == 1},
+             base, candidates);
   }
   const auto add_signals = [&](const std::vector<std::string>& roles,
                                const std::vector<SignalSize>& signal_sizes,
                                const std::vector<KindChoice>& kinds, Part part) {
     for (std::size_t i = 0; i < roles.size(); ++i)
       if (signal_sizes[i].peak > 0)
-        add_place(kinds,
-                  {roles[i], "at " + roles[i], roles[i], part, sizes.of_signal(signal_sizes[i]),
-                   natural_of_signal(signal_sizes[i], sizes.time_step), false},
-                  base, candidates);
+        add_site(kinds,
+                 {roles[i], "at " + roles[i], roles[i], part, sizes.of_signal(signal_sizes[i]),
+                  natural_of_signal(signal_sizes[i], sizes.time_step), false},
+                 base, candidates);
   };
   if (model.has_terms_on_inputs)
     add_signals(model.inputs, sizes.inputs, input_kinds(), Part::Actuator);

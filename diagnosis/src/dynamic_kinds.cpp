@@ -39,9 +39,9 @@ double size_of(NaturalUnit unit, const Natural& n) {
   return 1;
 }
 
-// Sizes begin at a few hundredths of what the place carries: large enough to show, small enough to
-// leave the rest of the model where it is. Shapes begin where their effect is felt on most of the
-// record.
+// Sizes begin at a few hundredths of what the component carries: large enough to show, small enough
+// to leave the rest of the model where it is. Shapes begin where their effect is felt on most of
+// the record.
 const std::vector<KindChoice>& connection_kinds() {
   static const std::vector<KindChoice> kinds = {
       {"transducer_backlash", {{"gap", NaturalUnit::Displacement, {0.05, 0.3}}}},

@@ -6,7 +6,7 @@
 
 namespace rths::diagnosis {
 
-/// Sizes of a place in a dynamic model, which parameters of terms there are a part of.
+/// Sizes of a component in a dynamic model, which parameters of terms there are a part of.
 struct Natural {
   double displacement, velocity, acceleration, force, peak, rms, time_step, period;
 };

@@ -36,11 +36,11 @@ struct PlantInput {
   int order = 0;            ///< 1: its rate of change, 2: the rate of that
 };
 
-/// A place where terms may act between two points of the model.
+/// A component where terms may act between two points of the model.
 struct Connection {
-  std::string place;  ///< "spring.2"
-  std::string title;  ///< "between masses 1 and 2"
-  std::string seen;   ///< role of the output in which it alone shows, else its place
+  std::string component;  ///< "spring.2"
+  std::string title;      ///< "between masses 1 and 2"
+  std::string seen;       ///< role of the output in which it alone shows, else its component
   /// The force that belongs to it is as large as this input or output; else it is that of the
   /// linear spring and damper, or of the mass that moves there.
   std::optional<std::size_t> like_input, like_output;
@@ -63,7 +63,7 @@ enum class Hold {
 };
 
 /// A dynamic system as [model] describes it: a linear part, and where terms may act. On inputs and
-/// outputs the place is their role.
+/// outputs the component is their role.
 struct DynamicModel {
   std::string name;                 ///< "input to output"
   std::vector<std::string> inputs;  ///< roles
@@ -72,12 +72,12 @@ struct DynamicModel {
   std::vector<std::string> outputs;  ///< roles
   std::vector<Connection> connections;
   std::vector<ModelParameter> parameters;
-  std::vector<PlacedTerm> terms;                               ///< that the simulation already had
+  std::vector<ModelTerm> terms;                                ///< that the simulation already had
   std::function<LinearSystem(const Eigen::VectorXd&)> linear;  ///< at values of `parameters`
   double sampled_every = 0;  ///< of a system in discrete time [s]; 0: continuous
   Hold hold = Hold::Linear;
   bool has_free_start = false;  ///< its state at the first sample is not known
-  int parts = 0;                ///< steps per sample, 0: as many as are needed
+  int substeps = 0;             ///< steps per sample, 0: as many as are needed
 
   [[nodiscard]] Eigen::VectorXd values() const;
 };

@@ -10,11 +10,12 @@ namespace rths::diagnosis {
 
 // What readers of dynamic models have in common. Errors: file:line:column.
 
-/// `hold`, `initial`, `steps_per_sample`, and [model.terms]: by place, what the simulation had.
+/// `hold`, `initial`, `steps_per_sample`, and [model.terms]: by component, what the simulation had.
 void read_common(const Config& table, DynamicModel& model);
 
-/// Terms in the tables of `table`, put at a place.
-[[nodiscard]] std::vector<PlacedTerm> read_placed(const Config& table, const std::string& place);
+/// Terms in the tables of `table`, put at a component.
+[[nodiscard]] std::vector<ModelTerm> read_model_terms(const Config& table,
+                                                      const std::string& component);
 
 /// A key and its text, "output.y" = "displacement.1".
 struct Assignment {
@@ -25,7 +26,7 @@ struct Assignment {
 [[nodiscard]] std::vector<Assignment> read_assignments(const Config& table);
 
 /// A number from 1 to `most` in the text at `key`.
-[[nodiscard]] Eigen::Index read_place(const Config& table, const std::string& key,
+[[nodiscard]] Eigen::Index read_index(const Config& table, const std::string& key,
                                       const std::string& word, std::size_t most,
                                       const std::string& what);
 

@@ -144,12 +144,12 @@ class DynamicRelation : public Relation {
  private:
   // Whether a fitted parameter is the offset of an output.
   bool take_offset(const std::string& name) {
-    const auto is_it = [&](const PlacedTerm& term) {
-      const bool at_output = std::find(model_.outputs.begin(), model_.outputs.end(), term.place) !=
-                             model_.outputs.end();
+    const auto is_it = [&](const ModelTerm& term) {
+      const bool at_output = std::find(model_.outputs.begin(), model_.outputs.end(),
+                                       term.component) != model_.outputs.end();
       const std::string own = term.settings.name + ".offset";
       return at_output && term.settings.kind == "offset" &&
-             (name == own || name == term.place + "." + own);
+             (name == own || name == term.component + "." + own);
     };
     const bool found = std::erase_if(base_.terms, is_it) > 0;
     has_free_offsets_ |= found;

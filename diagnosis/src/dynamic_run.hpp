@@ -6,26 +6,26 @@
 
 #include <Eigen/Core>
 
+#include "component_terms.hpp"
 #include "dynamic_steps.hpp"
-#include "term_place.hpp"
 
 namespace rths::diagnosis {
 
 /// Terms of a connection, and whether its linear spring and damper are among them.
-struct ConnectionPlace {
+struct ConnectionWithTerms {
   std::size_t connection = 0;  ///< of the model
-  TermPlace terms;
+  ComponentTerms terms;
   bool holds_linear = false;
 };
 
 /// A model with terms in place, on some record: all that a free run needs but numbers.
 struct DynamicSetup {
-  std::vector<std::optional<TermPlace>> inputs;  ///< chains, by input of the model
+  std::vector<std::optional<ComponentTerms>> inputs;  ///< chains, by input of the model
   std::vector<PlantInput> plant_inputs;
-  std::vector<ConnectionPlace> connections;  ///< those that have terms
-  std::vector<std::optional<TermPlace>> outputs;
+  std::vector<ConnectionWithTerms> connections;  ///< those that have terms
+  std::vector<std::optional<ComponentTerms>> outputs;
   Interpolation between;
-  int parts = 1;         ///< of a sample's step
+  int substeps = 1;      ///< of a sample's step
   double time_step = 0;  ///< between samples [s]
 };
 
@@ -45,23 +45,23 @@ struct DynamicSignals {
 /// @returns by output, by sample; empty if it diverges
 template <class Real, class Entry>
 [[nodiscard]] std::vector<std::vector<Real>> run_freely(
-    const DynamicSetup& setup, const DynamicSignals& signals, const Steps<Entry>& steps,
+    const DynamicSetup& setup, const DynamicSignals& signals, const StepMatrices<Entry>& steps,
     const std::vector<Real>& values, std::vector<std::vector<double>>* motion = nullptr);
 
 /// The same where derivatives are wanted with respect to terms at the outputs only: the rest need
 /// not carry them.
 [[nodiscard]] std::vector<std::vector<sim::Dual>> through_outputs(
-    const DynamicSetup& setup, const DynamicSignals& signals, const Steps<double>& steps,
+    const DynamicSetup& setup, const DynamicSignals& signals, const StepMatrices<double>& steps,
     const std::vector<sim::Dual>& values);
 
 extern template std::vector<std::vector<double>> run_freely<double, double>(
-    const DynamicSetup&, const DynamicSignals&, const Steps<double>&, const std::vector<double>&,
-    std::vector<std::vector<double>>*);
+    const DynamicSetup&, const DynamicSignals&, const StepMatrices<double>&,
+    const std::vector<double>&, std::vector<std::vector<double>>*);
 extern template std::vector<std::vector<sim::Dual>> run_freely<sim::Dual, double>(
-    const DynamicSetup&, const DynamicSignals&, const Steps<double>&, const std::vector<sim::Dual>&,
-    std::vector<std::vector<double>>*);
+    const DynamicSetup&, const DynamicSignals&, const StepMatrices<double>&,
+    const std::vector<sim::Dual>&, std::vector<std::vector<double>>*);
 extern template std::vector<std::vector<sim::Dual>> run_freely<sim::Dual, sim::Dual>(
-    const DynamicSetup&, const DynamicSignals&, const Steps<sim::Dual>&,
+    const DynamicSetup&, const DynamicSignals&, const StepMatrices<sim::Dual>&,
     const std::vector<sim::Dual>&, std::vector<std::vector<double>>*);
 
 }  // namespace rths::diagnosis

@@ -9,8 +9,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-VectorXd fitted_start(const Steps<double>& steps, int parts, const MatrixXd& measured, Index rows,
-                      const std::function<MatrixXd(const VectorXd&)>& predicted) {
+VectorXd fitted_start(const StepMatrices<double>& steps, int substeps, const MatrixXd& measured,
+                      Index rows, const std::function<MatrixXd(const VectorXd&)>& predicted) {
   constexpr int kTurns = 3;
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto as_matrix = [](const SmallMatrix<double>& small) {
@@ -24,7 +24,7 @@ VectorXd fitted_start(const Steps<double>& steps, int parts, const MatrixXd& mea
   const MatrixXd phi = as_matrix(steps.phi);
   for (Index row = 0; row < rows; ++row) {
     response.middleRows(row * outputs, outputs) = seen;
-    for (int part = 0; part < parts; ++part) seen = seen * phi;
+    for (int substep = 0; substep < substeps; ++substep) seen = seen * phi;
   }
   // Directions that the outputs hardly show are left at rest.
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver;

@@ -15,12 +15,12 @@ namespace rths::diagnosis {
 /// A small dense matrix whose entries may carry derivatives.
 template <class Real>
 struct SmallMatrix {
-  struct Place {
+  struct Position {
     Eigen::Index row, column;
   };
   Eigen::Index rows = 0, columns = 0;
-  std::vector<Real> entries;  ///< row by row
-  std::vector<Place> filled;  ///< those that are not zero, nor have a derivative
+  std::vector<Real> entries;     ///< row by row
+  std::vector<Position> filled;  ///< those that are not zero, nor have a derivative
 
   SmallMatrix() = default;
   explicit SmallMatrix(const Eigen::MatrixXd& values);
@@ -56,7 +56,7 @@ void add_product(const SmallMatrix<Entry>& a, const Real* x, Real* y) {
 /// for forces on a parabola through those of the step before (−), its start and its end:
 ///     x₁ = Φ x₀ + B₀ u₀ + B₁ u₁ + E₋ f₋ + E₀ f₀ + E₁ f₁
 template <class Entry>
-struct Steps {
+struct StepMatrices {
   SmallMatrix<Entry> phi, b0, b1, e_before, e0, e1;
   SmallMatrix<Entry> c, d, h, p, q, r, s, t;  ///< as of LinearSystem
   SmallMatrix<Entry> stiffness, damping;      ///< of the connections, columns
@@ -64,24 +64,25 @@ struct Steps {
 };
 
 /// @param length  of a step [s]; of a sampled system it must be its own
-[[nodiscard]] Steps<double> steps_of(const LinearSystem& system, double length, bool sampled);
+[[nodiscard]] StepMatrices<double> step_matrices(const LinearSystem& system, double length,
+                                                 bool sampled);
 
 /// With derivatives: of each lane, the steps a little above and below a parameter's value, and
 /// their distance. No lane: no derivative.
-struct StepLane {
+struct LaneMatrices {
   std::size_t lane;
-  Steps<double> above, below;
+  StepMatrices<double> above, below;
   double distance;
 };
-[[nodiscard]] Steps<sim::Dual> with_lanes(const Steps<double>& steps,
-                                          const std::vector<StepLane>& lanes);
+[[nodiscard]] StepMatrices<sim::Dual> with_lanes(const StepMatrices<double>& steps,
+                                                 const std::vector<LaneMatrices>& lanes);
 
 /// How a signal between samples is made of samples: weights of those around, by part of a step.
 struct Interpolation {
   Eigen::Index before = 0;  ///< samples that the first weight is ahead of this one
   std::vector<std::vector<double>> start, end;  ///< of the signal, at the ends of each part
 };
-[[nodiscard]] Interpolation interpolation(Hold hold, int parts);
+[[nodiscard]] Interpolation interpolation(Hold hold, int substeps);
 
 /// The signal at the start or the end of a part. Beyond its ends it rests.
 template <class Real>

@@ -14,9 +14,9 @@ namespace rths::diagnosis {
 
 /// A term, and where in the model it acts: "" where there is one composition only, else
 /// "spring.2", "input.voltage", "output.position".
-struct PlacedTerm {
+struct ModelTerm {
   sim::TermSettings settings;
-  std::string place;
+  std::string component;
 };
 
 /// A parameter that a fit may change.
@@ -32,7 +32,7 @@ struct FreeParameter {
 /// A model that may explain the records: its terms, and values of its free parameters. All other
 /// parameters have the values of the terms.
 struct Hypothesis {
-  std::vector<PlacedTerm> terms;
+  std::vector<ModelTerm> terms;
   std::vector<FreeParameter> free;
   Eigen::VectorXd values;  ///< of `free`, within their bounds
 };
@@ -44,7 +44,7 @@ struct Candidate {
   std::string title, equation;
   Part part = Part::Machine;
   std::string channel;  ///< role in which it shows: "force", "displacement"
-  std::vector<PlacedTerm> adds;
+  std::vector<ModelTerm> adds;
   /// Terms of the model, by name, and the kind that replaces theirs: same parameters and more.
   std::vector<std::pair<std::string, std::string>> becomes;
   std::vector<FreeParameter> frees;     ///< of the added terms, or of existing ones

@@ -9,6 +9,7 @@
 #include <rths/core/error.hpp>
 
 #include "motion_drive.hpp"
+#include "unit_scales.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -29,7 +30,7 @@ constexpr int kPriceOfRule = 4;
 
 template <class Names>
 bool holds(const Hypothesis& base, const Names& kinds) {
-  return std::any_of(base.terms.begin(), base.terms.end(), [&](const PlacedTerm& term) {
+  return std::any_of(base.terms.begin(), base.terms.end(), [&](const ModelTerm& term) {
     return std::find(std::begin(kinds), std::end(kinds), term.settings.kind) != std::end(kinds);
   });
 }
@@ -64,12 +65,6 @@ Part part_of(const TermKind& kind) {
     default:
       return Part::Bearing;
   }
-}
-
-const sim::Parameter& parameter_of(const TermKind& kind, std::string_view name) {
-  for (const auto& parameter : kind.parameters)
-    if (parameter.name == name) return parameter;
-  throw Error{fmt::format("library: '{}' has no parameter '{}'", kind.name, name)};
 }
 
 // Makes one candidate of one entry.
@@ -305,20 +300,7 @@ double natural_unit(std::string_view unit, const NaturalScale& scale) {
   if (unit == "kg") return scale.force / scale.acceleration;
   if (unit == "channel/s") return scale.output / scale.duration;
   double product = 1;
-  int sign = 1;
-  for (std::size_t i = 0; i < unit.size();) {
-    if (unit[i] == '*' || unit[i] == '/') {
-      // In "W/m/K" everything behind the first stroke divides.
-      if (unit[i] == '/') sign = -1;
-      ++i;
-      continue;
-    }
-    std::size_t end = i;
-    while (end < unit.size() && std::isalpha(static_cast<unsigned char>(unit[end])) != 0) ++end;
-    const std::string_view symbol = unit.substr(i, end - i);
-    int power = 1;
-    while (end < unit.size() && std::isdigit(static_cast<unsigned char>(unit[end])) != 0)
-      power = unit[end++] - '0';
+  for (const auto& [symbol, power] : factors_of(unit)) {
     double one = 1;
     if (symbol == "N") one = scale.force;
     if (symbol == "m") one = scale.displacement;
@@ -326,8 +308,7 @@ double natural_unit(std::string_view unit, const NaturalScale& scale) {
     if (symbol == "J") one = scale.force * scale.displacement;
     if (symbol == "A") one = scale.auxiliary;
     if (symbol == sim::kChannelUnit) one = scale.output;
-    product *= std::pow(one, sign * power);
-    i = std::max(end, i + 1);
+    product *= std::pow(one, power);
   }
   return product;
 }
@@ -349,7 +330,7 @@ std::vector<Candidate> candidates_of(Place place, const Hypothesis& base, const 
 }
 
 std::pair<std::vector<std::size_t>, std::string> meant_by(const std::string& parameter,
-                                                          const std::vector<PlacedTerm>& terms) {
+                                                          const std::vector<ModelTerm>& terms) {
   const auto dot = parameter.rfind('.');
   if (dot == std::string::npos)
     throw Error{fmt::format("'{}' names no parameter, expected term.parameter", parameter)};

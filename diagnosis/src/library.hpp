@@ -84,6 +84,6 @@ struct Entry {
 /// Positions of those terms that a parameter's name means, and the parameter's own name: a term
 /// "friction", or "friction.long" and "friction.lat".
 [[nodiscard]] std::pair<std::vector<std::size_t>, std::string> meant_by(
-    const std::string& parameter, const std::vector<PlacedTerm>& terms);
+    const std::string& parameter, const std::vector<ModelTerm>& terms);
 
 }  // namespace rths::diagnosis

@@ -19,7 +19,7 @@ struct Transfer {
   std::optional<Index> feedthrough;      // where it may be added
 };
 
-std::size_t place_of(std::vector<std::string>& roles, const std::string& role) {
+std::size_t index_of(std::vector<std::string>& roles, const std::string& role) {
   const auto found = std::find(roles.begin(), roles.end(), role);
   if (found != roles.end()) return static_cast<std::size_t>(found - roles.begin());
   roles.push_back(role);
@@ -45,8 +45,8 @@ Index add_coefficients(const Config& table, const std::string& key, const std::s
 
 Transfer read_transfer(const Config& table, const std::string& prefix, DynamicModel& model) {
   Transfer transfer;
-  transfer.input = place_of(model.inputs, table.text("input"));
-  transfer.output = place_of(model.outputs, table.text("output"));
+  transfer.input = index_of(model.inputs, table.text("input"));
+  transfer.output = index_of(model.outputs, table.text("output"));
   transfer.numerator = add_coefficients(table, "numerator", prefix, model);
   transfer.zeros = static_cast<Index>(table.numbers("numerator").size()) - 1;
   transfer.denominator = add_coefficients(table, "denominator", prefix, model);

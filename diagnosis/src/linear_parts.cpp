@@ -12,7 +12,7 @@ using Eigen::VectorXd;
 
 // Terms may stand between an output and an input, as a spring stands between a mass and the
 // ground: they see the output and its rate, and take their force from the input. An output that
-// depends on an input at once leaves no such place.
+// depends on an input at once leaves no such component.
 struct Feedback {
   Index output, input;
 };
@@ -42,11 +42,11 @@ std::vector<Feedback> feedbacks_of(DynamicModel& model, const LinearSystem& syst
           feedbacks.size() == kMost)
         continue;
       feedbacks.push_back({output, input});
-      const std::string place = fmt::format("feedback.{}", feedbacks.size());
+      const std::string component = fmt::format("feedback.{}", feedbacks.size());
       model.connections.push_back(
-          {place,
+          {component,
            fmt::format("from {} back to {}", model.outputs[from], model.inputs[to]),
-           system.b.cols() == 1 ? model.outputs[from] : place,
+           system.b.cols() == 1 ? model.outputs[from] : component,
            to,
            {}});
     }

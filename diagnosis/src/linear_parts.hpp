@@ -10,7 +10,7 @@ namespace rths::diagnosis {
 /// A linear system at values of its parameters, with room for that many connections.
 using BareSystem = std::function<LinearSystem(const Eigen::VectorXd&, Eigen::Index connections)>;
 
-/// Completes a linear model whose inputs, outputs and parameters are known: places for terms
+/// Completes a linear model whose inputs, outputs and parameters are known: components for terms
 /// between outputs and inputs, time step, and what all models have in common.
 void finish_linear(const Config& table, BareSystem bare, DynamicModel& model);
 

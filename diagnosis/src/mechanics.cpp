@@ -37,17 +37,17 @@ std::optional<Mechanics::Output> output_called(const std::string& name) {
 
 void read_inputs(const Config& table, Mechanics& mechanics, DynamicModel& model) {
   for (const auto& [role, words] : read_assignments(table)) {
-    const std::size_t channel = model.inputs.size(), place = model.plant_inputs.size();
+    const std::size_t channel = model.inputs.size(), plant_input = model.plant_inputs.size();
     model.inputs.push_back(role);
     model.plant_inputs.push_back({channel, 0});
     if (words[0] == "force" && words.size() == 2) {
       const Index mass =
-          read_place(table, role, words[1], static_cast<std::size_t>(mechanics.masses), "mass");
-      mechanics.drives.push_back({Mechanics::Input::Force, mass, place});
+          read_index(table, role, words[1], static_cast<std::size_t>(mechanics.masses), "mass");
+      mechanics.drives.push_back({Mechanics::Input::Force, mass, plant_input});
     } else if (words[0] == "base_acceleration" && words.size() == 1) {
-      mechanics.drives.push_back({Mechanics::Input::BaseAcceleration, 0, place});
+      mechanics.drives.push_back({Mechanics::Input::BaseAcceleration, 0, plant_input});
     } else if (words[0] == "base_displacement" && words.size() == 1) {
-      mechanics.drives.push_back({Mechanics::Input::BaseDisplacement, 0, place});
+      mechanics.drives.push_back({Mechanics::Input::BaseDisplacement, 0, plant_input});
       model.plant_inputs.push_back({channel, 1});
     } else {
       table.fail(role, fmt::format("'{}' is no input, expected {}", table.text(role), kInputs));
@@ -65,7 +65,7 @@ void read_outputs(const Config& table, Mechanics& mechanics, DynamicModel& model
     const std::size_t most =
         of_spring ? mechanics.springs.size() : static_cast<std::size_t>(mechanics.masses);
     mechanics.readings.push_back(
-        {*kind, read_place(table, role, words[1], most, of_spring ? "spring" : "mass")});
+        {*kind, read_index(table, role, words[1], most, of_spring ? "spring" : "mass")});
     model.outputs.push_back(role);
   }
 }
@@ -106,8 +106,8 @@ void Mechanics::add_spring(const Spring& spring, DynamicModel& model) {
       spring.from == 0 || spring.to == 0
           ? fmt::format("between mass {} and the ground", spring.from + spring.to)
           : fmt::format("between masses {} and {}", spring.from, spring.to);
-  const std::string place = fmt::format("spring.{}", springs.size());
-  model.connections.push_back({place, title, place, {}, {}});
+  const std::string component = fmt::format("spring.{}", springs.size());
+  model.connections.push_back({component, title, component, {}, {}});
 }
 
 Spring Mechanics::read_spring(const Config& table) const {
@@ -158,29 +158,29 @@ LinearSystem Mechanics::system(const Matrices& matrices, std::size_t plant_input
     }
   }
   for (Index i = 0; i < system.c.rows(); ++i) {
-    const auto& [kind, place] = readings[static_cast<std::size_t>(i)];
+    const auto& [kind, index] = readings[static_cast<std::size_t>(i)];
     switch (kind) {
       case Output::Displacement:
-        system.c(i, place) = 1;
+        system.c(i, index) = 1;
         break;
       case Output::Velocity:
-        system.c(i, n + place) = 1;
+        system.c(i, n + index) = 1;
         break;
       case Output::Acceleration:
-        system.c.row(i) = system.a.row(n + place);
-        system.d.row(i) = system.b.row(n + place) + influence[place] * base.transpose();
-        system.h.row(i) = system.e.row(n + place);
+        system.c.row(i) = system.a.row(n + index);
+        system.d.row(i) = system.b.row(n + index) + influence[index] * base.transpose();
+        system.h.row(i) = system.e.row(n + index);
         break;
       case Output::Deformation:
-        system.c.row(i) = system.p.row(place);
-        system.d.row(i) = system.q.row(place);
+        system.c.row(i) = system.p.row(index);
+        system.d.row(i) = system.q.row(index);
         break;
       case Output::SpringForce:
-        system.c.row(i) = system.stiffness[place] * system.p.row(place) +
-                          system.damping[place] * system.r.row(place);
-        system.d.row(i) = system.stiffness[place] * system.q.row(place) +
-                          system.damping[place] * system.s.row(place);
-        system.h(i, place) = 1;
+        system.c.row(i) = system.stiffness[index] * system.p.row(index) +
+                          system.damping[index] * system.r.row(index);
+        system.d.row(i) = system.stiffness[index] * system.q.row(index) +
+                          system.damping[index] * system.s.row(index);
+        system.h(i, index) = 1;
         break;
     }
   }

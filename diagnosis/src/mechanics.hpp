@@ -27,7 +27,7 @@ struct Mechanics {
   };
   struct Reading {
     Output kind;
-    Eigen::Index place;  ///< of the mass, or of the spring
+    Eigen::Index index;  ///< of the mass, or of the spring
   };
   Eigen::Index masses = 0;
   std::vector<Spring> springs;
@@ -45,7 +45,7 @@ struct Mechanics {
   };
   /// Displacement between the ends of a spring, by mass.
   [[nodiscard]] Eigen::RowVectorXd stretch(const Spring& spring) const;
-  /// Adds a place for terms between two masses, called by their numbers.
+  /// Adds a component for terms between two masses, called by their numbers.
   void add_spring(const Spring& spring, DynamicModel& model);
   /// [[spring]] between = [0, 1]
   [[nodiscard]] Spring read_spring(const Config& table) const;

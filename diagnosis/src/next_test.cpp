@@ -51,7 +51,7 @@ bool is_removable(const Investigation& found, const Case& c) {
   const auto& terms = found.relation->base().terms;
   return c.model.kind == "bearing" ||
          std::any_of(terms.begin(), terms.end(),
-                     [](const PlacedTerm& term) { return term.settings.kind == "platen_inertia"; });
+                     [](const ModelTerm& term) { return term.settings.kind == "platen_inertia"; });
 }
 
 // The tests of one investigation, and who is tied in it.

@@ -166,29 +166,29 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
   }
 }
 
-NoiseSource SensorNoise::source_like(const Record& record) const {
-  NoiseSource source;
-  source.empty_ = record;
-  for (auto& channel : source.empty_.channels) {
-    NoiseSource::Drawn drawn;
+NoiseGenerator SensorNoise::generator_like(const Record& record) const {
+  NoiseGenerator generator;
+  generator.empty_ = record;
+  for (auto& channel : generator.empty_.channels) {
+    NoiseGenerator::Drawn drawn;
     const auto known = by_role_.find(channel.role);
     if (known != by_role_.end())
-      drawn.source =
-          known->second.source(static_cast<Index>(channel.values.size()), record.time_step);
+      drawn.generator =
+          known->second.generator(static_cast<Index>(channel.values.size()), record.time_step);
     for (const auto& [role, deviation] : added_)
       if (role == channel.role) drawn.white.push_back(deviation);
-    source.drawn_.push_back(std::move(drawn));
+    generator.drawn_.push_back(std::move(drawn));
     std::fill(channel.values.begin(), channel.values.end(), 0.0);
   }
-  return source;
+  return generator;
 }
 
-Record NoiseSource::draw(std::mt19937_64& random) const {
+Record NoiseGenerator::draw(std::mt19937_64& random) const {
   Record noise = empty_;
   std::normal_distribution<double> normal;
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
     auto& values = noise.channels[i].values;
-    const VectorXd noisy = drawn_[i].source.draw([&] { return normal(random); });
+    const VectorXd noisy = drawn_[i].generator.draw([&] { return normal(random); });
     std::copy(noisy.begin(), noisy.end(), values.begin());
     for (const double deviation : drawn_[i].white)
       for (double& value : values) value += deviation * normal(random);

@@ -14,14 +14,14 @@
 namespace rths::diagnosis {
 
 /// Draws records of noise alone, of the length of another.
-class NoiseSource {
+class NoiseGenerator {
  public:
   [[nodiscard]] Record draw(std::mt19937_64& random) const;
 
  private:
   friend class SensorNoise;
   struct Drawn {
-    NoiseSpectrum::Source source;
+    NoiseSpectrum::Generator generator;
     std::vector<double> white;  ///< deviations of what is added
   };
   Record empty_;
@@ -38,7 +38,7 @@ class SensorNoise {
               const std::vector<std::pair<std::string, double>>& stated,
               const std::vector<std::pair<std::string, double>>& added = {});
 
-  [[nodiscard]] NoiseSource source_like(const Record& record) const;
+  [[nodiscard]] NoiseGenerator generator_like(const Record& record) const;
   /// Whether it was seen at rest: only then its colour is known.
   [[nodiscard]] bool was_seen_at_rest() const { return was_seen_at_rest_; }
   [[nodiscard]] const std::string& source() const { return source_; }  ///< for the limits

@@ -128,21 +128,21 @@ bool NoiseSpectrum::is_nothing() const {
   return std::none_of(density_.begin(), density_.end(), [](double d) { return d > 0; });
 }
 
-NoiseSpectrum::Source NoiseSpectrum::source(Index samples, double time_step) const {
-  Source source;
-  source.samples_ = samples;
-  source.length_ = fast_length(samples + samples % 2);
-  if (is_nothing()) return source;
-  const auto length = static_cast<double>(source.length_);
-  source.size_.resize(source.length_ / 2);
-  for (Index k = 1; k <= source.length_ / 2; ++k) {
+NoiseSpectrum::Generator NoiseSpectrum::generator(Index samples, double time_step) const {
+  Generator generator;
+  generator.samples_ = samples;
+  generator.length_ = fast_length(samples + samples % 2);
+  if (is_nothing()) return generator;
+  const auto length = static_cast<double>(generator.length_);
+  generator.size_.resize(generator.length_ / 2);
+  for (Index k = 1; k <= generator.length_ / 2; ++k) {
     const double f = static_cast<double>(k) / (length * time_step);
-    source.size_[k - 1] = std::sqrt(density(f) * length / (4 * time_step));
+    generator.size_[k - 1] = std::sqrt(density(f) * length / (4 * time_step));
   }
-  return source;
+  return generator;
 }
 
-VectorXd NoiseSpectrum::Source::draw(const std::function<double()>& random) const {
+VectorXd NoiseSpectrum::Generator::draw(const std::function<double()>& random) const {
   if (size_.size() == 0) return VectorXd::Zero(samples_);
   Eigen::VectorXcd bins(length_);
   bins.setZero();

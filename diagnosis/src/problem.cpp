@@ -37,9 +37,9 @@ Problem::Problem(const Relation& relation, const std::vector<const Record*>& rec
   for (std::size_t i = 0; i < records.size(); ++i) {
     Part part{records[i], relation.prepare(*records[i]), {}, {}, nullptr};
     std::mt19937_64 random{seed * 1000 + i};
-    const NoiseSource source = noise.source_like(*records[i]);
+    const NoiseGenerator generator = noise.generator_like(*records[i]);
     while (part.disturbed.size() < draws)
-      for (auto& drive : relation.disturbed(*part.drive, source.draw(random)))
+      for (auto& drive : relation.disturbed(*part.drive, generator.draw(random)))
         part.disturbed.push_back(std::move(drive));
     // For a first fit these are enough.
     part.draws = draws_of(part, relation.base(), kFewDraws);

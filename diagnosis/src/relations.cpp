@@ -55,7 +55,7 @@ bool belongs_to(const sim::TermSettings& term, const std::string& predicted) {
          !(kind.stage == Stage::Sensor && term.channel != Channel::Force);
 }
 
-FreeParameter free_parameter(const FittedParameter& fitted, const std::vector<PlacedTerm>& terms,
+FreeParameter free_parameter(const FittedParameter& fitted, const std::vector<ModelTerm>& terms,
                              double& value) {
   const auto [meant, name] = meant_by(fitted.name, terms);
   const sim::TermSettings& term = terms[meant[0]].settings;
@@ -85,7 +85,7 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
   std::vector<double> values;
   for (const auto& fitted : c.model.fitted) {
     const std::string term = fitted.name.substr(0, fitted.name.rfind('.'));
-    const auto is_it = [&](const PlacedTerm& placed) {
+    const auto is_it = [&](const ModelTerm& placed) {
       return placed.settings.name == term || placed.settings.name.starts_with(term + ".");
     };
     const auto found = std::find_if(base.terms.begin(), base.terms.end(), is_it);
@@ -101,7 +101,7 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
   }
   if (has_free_offsets)
     std::erase_if(base.terms,
-                  [](const PlacedTerm& placed) { return placed.settings.kind == "offset"; });
+                  [](const ModelTerm& placed) { return placed.settings.kind == "offset"; });
   base.values =
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
   return base;
@@ -109,7 +109,7 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
 
 // When within a sample's time a command took effect, or a reading was taken, is in no recording.
 void allow_half_a_sample(Hypothesis& base, double time_step) {
-  for (const auto& [settings, place] : base.terms) {
+  for (const auto& [settings, component] : base.terms) {
     const std::string name = settings.name + ".delay";
     const bool is_free = std::any_of(base.free.begin(), base.free.end(),
                                      [&](const auto& free) { return free.name == name; });

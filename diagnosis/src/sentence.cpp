@@ -134,8 +134,8 @@ std::string fitted_terms(const Investigation& found) {
     const auto dot = free.name.rfind('.');
     const std::string term = free.name.substr(0, dot);
     if (free.is_tolerance || dot == std::string::npos) continue;
-    for (const auto& [settings, place] : found.relation->base().terms) {
-      if (!place.empty() || !means(term, settings)) continue;
+    for (const auto& [settings, component] : found.relation->base().terms) {
+      if (!component.empty() || !means(term, settings)) continue;
       const sim::TermKind& kind = sim::term_kind(kind_of(settings, named));
       std::string heading = fmt::format("[{}.{}]\n", table_of(kind), term);
       if (kind.name != settings.kind) heading += fmt::format("kind = \"{}\"\n", kind.name);
@@ -158,7 +158,7 @@ std::string fitted_terms(const Investigation& found) {
 std::string fragment_of(const Investigation& found) {
   std::string text;
   for (const auto& step : found.selection.steps)
-    for (const auto& [settings, place] : step.chosen.candidate.adds)
+    for (const auto& [settings, component] : step.chosen.candidate.adds)
       text += added_term(settings, step.chosen.candidate.channel, found.selection.named);
   return found.is_named() ? text + fitted_terms(found) : text;
 }

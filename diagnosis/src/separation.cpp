@@ -86,7 +86,7 @@ Hypothesis machine_of(const Hypothesis& hypothesis) {
   for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
     const std::string& name = hypothesis.free[i].name;
     const std::string term = name.substr(0, name.rfind('.'));
-    if (std::none_of(rest.terms.begin(), rest.terms.end(), [&](const PlacedTerm& placed) {
+    if (std::none_of(rest.terms.begin(), rest.terms.end(), [&](const ModelTerm& placed) {
           return placed.settings.name == term || placed.settings.name.starts_with(term + ".");
         }))
       continue;

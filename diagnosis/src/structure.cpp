@@ -123,10 +123,10 @@ DynamicModel read_structure(const Config& table) {
     table.fail("influence",
                fmt::format("influence has {} numbers, expected {}", influence.size(), mass.rows()));
   mechanics.influence = VectorXd::Map(influence.data(), mass.rows());
-  std::vector<PlacedTerm> terms;
+  std::vector<ModelTerm> terms;
   for (const auto& spring : table.tables("spring")) {
     mechanics.add_spring(mechanics.read_spring(spring), model);
-    for (auto& term : read_placed(spring, model.connections.back().place))
+    for (auto& term : read_model_terms(spring, model.connections.back().component))
       terms.push_back(std::move(term));
     spring.reject_unknown_keys();
   }

@@ -2,14 +2,22 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include <rths/sim/composition.hpp>
 
 namespace rths::diagnosis {
 
-/// Units in which a place of a model computes, as multiples of m, N and s. The catalogue's bounds
-/// are those of a laboratory's machines; a circuit of millivolts or a tank of hours keeps within
-/// them if it counts in units of its own.
+/// A symbol of a unit and its power.
+struct UnitFactor {
+  std::string_view symbol;  ///< "m", "N", "1"
+  int power;                ///< negative behind the first stroke: in "W/m/K" both m and K divide
+};
+[[nodiscard]] std::vector<UnitFactor> factors_of(std::string_view unit);
+
+/// Units in which a component of a model computes, as multiples of m, N and s. The catalogue's
+/// bounds are those of a laboratory's machines; a circuit of millivolts or a tank of hours keeps
+/// within them if it counts in units of its own.
 struct UnitScales {
   double length = 1, force = 1, time = 1;
 
@@ -24,8 +32,5 @@ struct UnitScales {
 /// The same term as it computes in these units, with every parameter stated.
 /// @throws Error for an unknown kind or parameter   @setup
 [[nodiscard]] sim::TermSettings in_units(const sim::TermSettings& term, const UnitScales& scales);
-
-/// Position of a parameter in its kind's table. @throws Error if it has none of that name   @setup
-[[nodiscard]] const sim::Parameter& parameter_of(const sim::TermKind& kind, std::string_view name);
 
 }  // namespace rths::diagnosis

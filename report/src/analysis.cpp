@@ -35,39 +35,30 @@ double largest_magnitude(const std::vector<double>& values) {
   return largest;
 }
 
-/// The controller's view of a recording: one value per tick, up to the end of the test.
-class Ticks {
+// From the first row that counts to the first that counts no further: the node has left by then.
+double period_of(const std::vector<double>& time, const std::vector<double>& counter) {
+  const auto first = std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
+  const auto last = std::find(first, counter.end(), counter.back());
+  const double counts = last == counter.end() ? 0 : *last - *first;
+  if (!(counts > 0)) throw Error{"the recording holds no steps of the controller"};
+  const auto row = [&](auto at) { return static_cast<std::size_t>(at - counter.begin()); };
+  return (time[row(last)] - time[row(first)]) / counts;
+}
+
+/// Series of the controller's signals, one value per tick.
+class ControllerTicks {
  public:
-  explicit Ticks(const Reader& reader) : reader_{reader} {
-    counter_ = reader.signal("monitor.xpc.host.step");
-    const auto stop = at_each_count(counter_, reader.signal("opf.newTarget"));
-    const auto end = std::find_if(stop.begin(), stop.end(), [](double word) { return word < 0; });
-    count_ = static_cast<std::size_t>(end - stop.begin());
-    interval_ = period_of(reader.time(), counter_);
-  }
+  explicit ControllerTicks(const Reader& reader)
+      : ticks_{reader, "xpc"}, interval_{period_of(reader.time(), ticks_.counter())} {}
   [[nodiscard]] Series series(const std::string& signal) const {
-    auto values = at_each_count(counter_, reader_.signal(signal));
-    values.resize(std::min(values.size(), count_));
-    return {0, interval_, std::move(values)};
+    return {0, interval_, ticks_.values(signal)};
   }
   [[nodiscard]] double interval() const { return interval_; }
-  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] std::size_t count() const { return ticks_.count(); }
 
  private:
-  // From the first row that counts to the first that counts no further: the node has left by then.
-  static double period_of(const std::vector<double>& time, const std::vector<double>& counter) {
-    const auto first =
-        std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
-    const auto last = std::find(first, counter.end(), counter.back());
-    const double counts = last == counter.end() ? 0 : *last - *first;
-    if (!(counts > 0)) throw Error{"the recording holds no steps of the controller"};
-    const auto row = [&](auto at) { return static_cast<std::size_t>(at - counter.begin()); };
-    return (time[row(last)] - time[row(first)]) / counts;
-  }
-  const Reader& reader_;
-  std::vector<double> counter_;
-  std::size_t count_ = 0;
-  double interval_ = 0;
+  recording::NodeTicks ticks_;
+  double interval_;
 };
 
 WindowedTracking windowed_tracking(const Series& command, const Series& measured) {
@@ -94,7 +85,8 @@ WindowedTracking windowed_tracking(const Series& command, const Series& measured
   return tracking;
 }
 
-AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const std::string& axis) {
+AxisAnalysis analyse_axis(const Reader& run, const ControllerTicks& ticks,
+                          const std::string& axis) {
   AxisAnalysis result;
   result.name = axis;
   result.command = ticks.series("monitor.xpc.pc.command." + axis);
@@ -121,7 +113,7 @@ AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const std::stri
   return result;
 }
 
-void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks) {
+void add_raw_delay(AxisAnalysis& axis, const ControllerTicks& ticks) {
   const auto command = ticks.series("monitor.xpc.pc.command." + axis.name);
   const auto measured = ticks.series("monitor.xpc.displacement.out." + axis.name);
   const auto delay =
@@ -267,12 +259,12 @@ Analysis analyse(const std::filesystem::path& folder) {
   read_experiment(analysis, run);
   const auto late = run.meta_series("host_late");
   analysis.host_late = {0, late.interval, late.values};
-  const Ticks ticks{run};
+  const ControllerTicks ticks{run};
   analysis.control_rate = 1 / ticks.interval();
   for (const auto& axis : kAxes) {
     if (!run.has("monitor.xpc.pc.command." + axis)) continue;
     analysis.axes.push_back(analyse_axis(run, ticks, axis));
-    if (uncompensated) add_raw_delay(analysis.axes.back(), Ticks{*uncompensated});
+    if (uncompensated) add_raw_delay(analysis.axes.back(), ControllerTicks{*uncompensated});
   }
   analysis.steps = analyse_steps(run, analysis.host_late);
   analysis.duration = run.signal("opf.1.time.target").back();

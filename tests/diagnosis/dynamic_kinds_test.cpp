@@ -132,7 +132,7 @@ damping = [[10, -2], [-2, 2]]
 
   EXPECT_LT(test::relative_error(structure, masses), 1e-9);
   // Its springs were found in the matrix.
-  EXPECT_EQ(relation_->candidates().front().adds[0].place, "spring.1");
+  EXPECT_EQ(relation_->candidates().front().adds[0].component, "spring.1");
 }
 
 // Displacing the base and accelerating it are the same, seen from outside and from the base.
@@ -266,10 +266,11 @@ output = "output.y"
             "fit.csv: sampled every 0.01 s, but the model steps every 0.02 s");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\nhold = \"long\"\n"),
             "case.toml:15:8: hold is 'long', expected linear, zero or smooth");
-  EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\n"
-                           "[model.terms.\"input.w\".saturation]\nlimit_N = 2\n"),
-            "case.toml:15:1: there is no place 'input.w' for terms, expected one of \"input.u\", "
-            "\"output.y\", \"feedback.1\"");
+  EXPECT_EQ(
+      error(linear + "numerator = [1]\ndenominator = [1, 2]\n"
+                     "[model.terms.\"input.w\".saturation]\nlimit_N = 2\n"),
+      "case.toml:15:1: there is no component 'input.w' for terms, expected one of \"input.u\", "
+      "\"output.y\", \"feedback.1\"");
   const std::string structure = kForced + "[model]\nkind = \"structure\"\n";
   EXPECT_EQ(error(structure + "mass = [[1, 2], [0, 1]]\nstiffness = [[1, 0], [0, 1]]\n"),
             "case.toml:11:8: mass is not symmetric");

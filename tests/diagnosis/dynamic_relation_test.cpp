@@ -64,7 +64,7 @@ class Oscillator : public ::testing::Test {
     return test::prediction(*relation_, hypothesis, case_.records[0]);
   }
   MatrixXd measured() const { return relation_->prepare(case_.records[0])->measured; }
-  Hypothesis base_with(const std::vector<PlacedTerm>& terms) const {
+  Hypothesis base_with(const std::vector<ModelTerm>& terms) const {
     Hypothesis hypothesis = relation_->base();
     hypothesis.terms.insert(hypothesis.terms.end(), terms.begin(), terms.end());
     return hypothesis;

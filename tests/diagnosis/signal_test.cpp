@@ -130,7 +130,7 @@ TEST(NoiseSpectrum, DrawsWhatItHasSeen) {
   std::mt19937 random{7};
   std::normal_distribution<double> normal;
 
-  const VectorXd drawn = spectrum.source(100'000, kStep).draw([&] { return normal(random); });
+  const VectorXd drawn = spectrum.generator(100'000, kStep).draw([&] { return normal(random); });
 
   const Spectrum found = power_spectrum(drawn, 1024, kStep);
   for (const int bin : {5, 20, 80, 300}) {

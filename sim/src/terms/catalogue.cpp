@@ -41,4 +41,10 @@ const TermKind& term_kind(std::string_view name) {
               (meant ? " (did you mean '" + *meant + "'?)" : "")};
 }
 
+const Parameter& parameter_of(const TermKind& kind, std::string_view name) {
+  for (const auto& parameter : kind.parameters)
+    if (parameter.name == name) return parameter;
+  throw Error{"term '" + std::string{kind.name} + "' has no parameter '" + std::string{name} + "'"};
+}
+
 }  // namespace rths::sim

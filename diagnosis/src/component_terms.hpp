@@ -14,9 +14,9 @@
 
 namespace rths::diagnosis {
 
-/// Terms at one place of a model, as a composition on one axis in units of its own, and which of
-/// their parameters are free.
-class TermPlace {
+/// Terms at one component of a model, as a composition on one axis in units of its own, and which
+/// of their parameters are free.
+class ComponentTerms {
  public:
   struct Free {
     std::size_t parameter;  ///< of the composition
@@ -24,11 +24,11 @@ class TermPlace {
     double scale;           ///< SI per unit
   };
 
-  TermPlace() = default;
+  ComponentTerms() = default;
   /// @param terms  in SI; their names must differ
   /// @throws Error if they cannot stand here   @setup
-  TermPlace(const std::vector<sim::TermSettings>& terms, const UnitScales& scales,
-            double time_step);
+  ComponentTerms(const std::vector<sim::TermSettings>& terms, const UnitScales& scales,
+                 double time_step);
 
   [[nodiscard]] const sim::Composition& composition() const { return composition_; }
   [[nodiscard]] const UnitScales& scales() const { return scales_; }
@@ -55,12 +55,13 @@ class TermPlace {
 /// catalogue's terms move things, and as a force where they measure.
 /// @param signal  changed in place [SI]
 /// @param values  of the hypothesis' free parameters [SI]
-void pass(const TermPlace& chain, const std::vector<double>& values, double start,
+void pass(const ComponentTerms& chain, const std::vector<double>& values, double start,
           std::vector<double>& signal);
-void pass(const TermPlace& chain, const std::vector<sim::Dual>& values, double start,
+void pass(const ComponentTerms& chain, const std::vector<sim::Dual>& values, double start,
           std::vector<sim::Dual>& signal);
 
-/// The terms of a chain, ready for `TermPlace`: on one axis, the signal made a force in the middle.
+/// The terms of a chain, ready for `ComponentTerms`: on one axis, the signal made a force in the
+/// middle.
 [[nodiscard]] std::vector<sim::TermSettings> as_chain(std::vector<sim::TermSettings> terms);
 
 /// The terms of a connection whose linear spring and damper are known elsewhere. If one of them
