@@ -17,9 +17,9 @@ Predicted predicted_by(const MotionChannels& channels) {
   return channels.predicted == "displacement" ? Predicted::Displacement : Predicted::Acceleration;
 }
 
-Place place_of(Predicted predicted) {
-  if (predicted == Predicted::Force) return Place::Force;
-  return predicted == Predicted::Displacement ? Place::Actuator : Place::Accelerometer;
+Target target_of(Predicted predicted) {
+  if (predicted == Predicted::Force) return Target::Force;
+  return predicted == Predicted::Displacement ? Target::Actuator : Target::Accelerometer;
 }
 
 double peak(const VectorXd& signal) { return signal.size() > 0 ? signal.cwiseAbs().maxCoeff() : 0; }
@@ -121,7 +121,7 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
 }
 
 std::vector<Candidate> CompositionRelation::candidates() const {
-  auto candidates = candidates_of(place_of(predicted_by(setup_.channels)), setup_.base, scale_,
+  auto candidates = candidates_of(target_of(predicted_by(setup_.channels)), setup_.base, scale_,
                                   setup_.axes, setup_.without);
   // What differs forwards and backwards has a mean: where no offset is free, it would be taken for
   // one, and named in its place.
