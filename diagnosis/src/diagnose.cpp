@@ -212,11 +212,11 @@ const Investigation* first_where(const Investigations& all, const Condition& hol
 
 // Moves the causes of an investigation to the front.
 void put_first(const Investigation& shown, std::vector<Cause>& causes) {
-  const auto& steps = shown.selection.steps;
+  const auto& steps = shown.selection.rounds;
   std::stable_partition(causes.begin(), causes.end(), [&](const Cause& cause) {
-    return std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
-      return step.chosen.candidate.name == cause.name &&
-             step.chosen.candidate.channel == cause.channel;
+    return std::any_of(steps.begin(), steps.end(), [&](const SelectionRound& round) {
+      return round.chosen.candidate.name == cause.name &&
+             round.chosen.candidate.channel == cause.channel;
     });
   });
 }
@@ -234,7 +234,7 @@ void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
     if (found.get() != shown && (found->is_named() || found->is_unknown())) report(*found, verdict);
   report(*shown, verdict);
   verdict.where = where_of(*shown, c.map);
-  if (shown->is_named()) verdict.where.part = shown->selection.steps[0].chosen.candidate.part;
+  if (shown->is_named()) verdict.where.part = shown->selection.rounds[0].chosen.candidate.part;
   put_first(*shown, verdict.causes);
   for (const auto& found : all) verdict.fragment += fragment_of(*found);
   verdict.outcome = explained != nullptr ? Outcome::Missing

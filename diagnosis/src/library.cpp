@@ -315,6 +315,16 @@ bool are_met(const Entry& entry, const Hypothesis& base, const NaturalScale& sca
          !((needs & Entry::kNoServoLoop) != 0 && holds(base, kServoLoops));
 }
 
+double natural_size(std::string_view symbol, const NaturalScale& scale) {
+  if (symbol == "N") return scale.force;
+  if (symbol == "m") return scale.displacement;
+  if (symbol == "s") return scale.displacement / scale.velocity;
+  if (symbol == "J") return scale.force * scale.displacement;
+  if (symbol == "A") return scale.auxiliary;
+  if (symbol == sim::kChannelUnit) return scale.output;
+  return 1;
+}
+
 }  // namespace
 
 double natural_unit(std::string_view unit, const NaturalScale& scale) {
@@ -322,16 +332,8 @@ double natural_unit(std::string_view unit, const NaturalScale& scale) {
   if (unit == "kg") return scale.force / scale.acceleration;
   if (unit == "channel/s") return scale.output / scale.duration;
   double product = 1;
-  for (const auto& [symbol, power] : factors_of(unit)) {
-    double one = 1;
-    if (symbol == "N") one = scale.force;
-    if (symbol == "m") one = scale.displacement;
-    if (symbol == "s") one = scale.displacement / scale.velocity;
-    if (symbol == "J") one = scale.force * scale.displacement;
-    if (symbol == "A") one = scale.auxiliary;
-    if (symbol == sim::kChannelUnit) one = scale.output;
-    product *= std::pow(one, power);
-  }
+  for (const auto& [symbol, power] : factors_of(unit))
+    product *= std::pow(natural_size(symbol, scale), power);
   return product;
 }
 

@@ -65,7 +65,8 @@ struct Entry {
   };
   unsigned needs;
   std::vector<ParameterSpecification> parameters;
-  std::string_view title = "";  ///< empty: that of the kind
+  // NOLINTNEXTLINE(readability-redundant-member-init): entries may omit it
+  std::string_view title = {};  ///< empty: that of the kind
 };
 
 [[nodiscard]] std::span<const Entry> library();

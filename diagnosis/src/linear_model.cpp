@@ -14,9 +14,9 @@ using Eigen::VectorXd;
 // y = (b₀ sᵐ + … + bₘ) / (a₀ sⁿ + … + aₙ) u, its coefficients as parameters.
 struct Transfer {
   std::size_t input = 0, output = 0;
-  Index numerator = 0, denominator = 0;  // where they stand among the parameters
+  Index numerator = 0, denominator = 0;  // index of their first coefficient among the parameters
   Index zeros = 0, poles = 0;            // m, n
-  std::optional<Index> feedthrough;      // where it may be added
+  std::optional<Index> feedthrough;      // index of a feedthrough that may be missing
 };
 
 std::size_t index_of(std::vector<std::string>& roles, const std::string& role) {
@@ -38,7 +38,7 @@ Index add_coefficients(const Config& table, const std::string& key, const std::s
   for (const double value : numbers)
     model.parameters.push_back(
         {fmt::format("{}{}.{}", prefix, key, ++number), "1", value, "coefficient_error", {}});
-  // One of all coefficients is but a choice of unit.
+  // One of all coefficients only sets the unit, so it cannot be wrong.
   if (key == "denominator") model.parameters[static_cast<std::size_t>(first)].error.clear();
   return first;
 }
@@ -53,7 +53,7 @@ Transfer read_transfer(const Config& table, const std::string& prefix, DynamicMo
   transfer.poles = static_cast<Index>(table.numbers("denominator").size()) - 1;
   if (transfer.zeros > transfer.poles)
     table.fail("numerator", fmt::format("numerator is of order {}, denominator of order {}: "
-                                        "expected no more than that",
+                                        "expected at most the denominator's order",
                                         transfer.zeros, transfer.poles));
   if (transfer.zeros < transfer.poles) {
     transfer.feedthrough = static_cast<Index>(model.parameters.size());

@@ -50,7 +50,7 @@ void read_inputs(const Config& table, Mechanics& mechanics, DynamicModel& model)
       mechanics.drives.push_back({Mechanics::Input::BaseDisplacement, 0, plant_input});
       model.plant_inputs.push_back({channel, 1});
     } else {
-      table.fail(role, fmt::format("'{}' is no input, expected {}", table.text(role), kInputs));
+      table.fail(role, fmt::format("'{}' is not an input, expected {}", table.text(role), kInputs));
     }
   }
 }
@@ -59,7 +59,8 @@ void read_outputs(const Config& table, Mechanics& mechanics, DynamicModel& model
   for (const auto& [role, words] : read_assignments(table)) {
     const auto kind = output_called(words[0]);
     if (!kind || words.size() != 2)
-      table.fail(role, fmt::format("'{}' is no output, expected {}", table.text(role), kOutputs));
+      table.fail(role,
+                 fmt::format("'{}' is not an output, expected {}", table.text(role), kOutputs));
     const bool of_spring =
         *kind == Mechanics::Output::Deformation || *kind == Mechanics::Output::SpringForce;
     const std::size_t most =
@@ -70,9 +71,76 @@ void read_outputs(const Config& table, Mechanics& mechanics, DynamicModel& model
   }
 }
 
-// Of the ground's displacement.
-double ground_part(const Spring& spring) {
+// Share of the ground's displacement in the deformation of a spring.
+double ground_share(const Spring& spring) {
   return (spring.to == 0 ? 1.0 : 0.0) - (spring.from == 0 ? 1.0 : 0.0);
+}
+
+void put_springs(const Mechanics& mechanics, const MatrixXd& inverse_mass, LinearSystem& system) {
+  const Index n = mechanics.masses;
+  for (Index i = 0; i < static_cast<Index>(mechanics.springs.size()); ++i) {
+    const RowVectorXd row = mechanics.stretch(mechanics.springs[static_cast<std::size_t>(i)]);
+    system.p.row(i).head(n) = row;
+    system.r.row(i).tail(n) = row;
+    system.e.col(i).tail(n) = -inverse_mass * row.transpose();
+  }
+}
+
+// @returns acceleration of the coordinates' origin, by input
+VectorXd put_inputs(const Mechanics& mechanics, const MatrixXd& inverse_mass,
+                    LinearSystem& system) {
+  const Index n = mechanics.masses, forces = static_cast<Index>(mechanics.springs.size());
+  VectorXd base = VectorXd::Zero(system.b.cols());
+  for (const auto& [kind, mass, plant_input] : mechanics.drives) {
+    const auto input = static_cast<Index>(plant_input);
+    if (kind == Mechanics::Input::Force) {
+      system.b.col(input).tail(n) += inverse_mass.col(mass);
+    } else if (kind == Mechanics::Input::BaseAcceleration) {
+      system.b.col(input).tail(n) -= mechanics.influence;
+      base[input] = 1;
+    } else {
+      for (Index i = 0; i < forces; ++i) {
+        const double share = ground_share(mechanics.springs[static_cast<std::size_t>(i)]);
+        system.q(i, input) = share;
+        system.s(i, input + 1) = share;
+        system.b.col(input).tail(n) += system.e.col(i).tail(n) * (share * system.stiffness[i]);
+        system.b.col(input + 1).tail(n) += system.e.col(i).tail(n) * (share * system.damping[i]);
+      }
+    }
+  }
+  return base;
+}
+
+void put_outputs(const Mechanics& mechanics, const VectorXd& base, LinearSystem& system) {
+  using Output = Mechanics::Output;
+  const Index n = mechanics.masses;
+  for (Index i = 0; i < system.c.rows(); ++i) {
+    const auto& [kind, index] = mechanics.readings[static_cast<std::size_t>(i)];
+    switch (kind) {
+      case Output::Displacement:
+        system.c(i, index) = 1;
+        break;
+      case Output::Velocity:
+        system.c(i, n + index) = 1;
+        break;
+      case Output::Acceleration:
+        system.c.row(i) = system.a.row(n + index);
+        system.d.row(i) = system.b.row(n + index) + mechanics.influence[index] * base.transpose();
+        system.h.row(i) = system.e.row(n + index);
+        break;
+      case Output::Deformation:
+        system.c.row(i) = system.p.row(index);
+        system.d.row(i) = system.q.row(index);
+        break;
+      case Output::SpringForce:
+        system.c.row(i) = system.stiffness[index] * system.p.row(index) +
+                          system.damping[index] * system.r.row(index);
+        system.d.row(i) = system.stiffness[index] * system.q.row(index) +
+                          system.damping[index] * system.s.row(index);
+        system.h(i, index) = 1;
+        break;
+    }
+  }
 }
 
 }  // namespace
@@ -88,7 +156,7 @@ void Mechanics::read(const Config& table, DynamicModel& model) {
   if (uses(Input::BaseAcceleration) && uses(Input::BaseDisplacement))
     throw Error{
         fmt::format("{}: the base is given by its acceleration and by its displacement, "
-                    "expected one of them",
+                    "expected only one of them",
                     inputs.where())};
   model.name = uses(Input::Force) ? "force to motion" : "base to structure";
 }
@@ -124,66 +192,19 @@ Spring Mechanics::read_spring(const Config& table) const {
 
 // States: displacements x, then velocities v.
 LinearSystem Mechanics::system(const Matrices& matrices, std::size_t plant_inputs) const {
-  const Index n = masses, forces = static_cast<Index>(springs.size());
-  LinearSystem system = LinearSystem::zeros(2 * n, static_cast<Index>(plant_inputs),
-                                            static_cast<Index>(readings.size()), forces);
+  const Index n = masses;
+  LinearSystem system =
+      LinearSystem::zeros(2 * n, static_cast<Index>(plant_inputs),
+                          static_cast<Index>(readings.size()), static_cast<Index>(springs.size()));
   const MatrixXd inverse = matrices.mass.inverse();
   system.a.topRightCorner(n, n).setIdentity();
   system.a.bottomLeftCorner(n, n) = -inverse * matrices.stiffness;
   system.a.bottomRightCorner(n, n) = -inverse * matrices.damping;
   system.stiffness = matrices.spring_stiffness;
   system.damping = matrices.spring_damping;
-  for (Index i = 0; i < forces; ++i) {
-    const RowVectorXd row = stretch(springs[static_cast<std::size_t>(i)]);
-    system.p.row(i).head(n) = row;
-    system.r.row(i).tail(n) = row;
-    system.e.col(i).tail(n) = -inverse * row.transpose();
-  }
-  VectorXd base = VectorXd::Zero(system.b.cols());  // acceleration of the coordinates' origin
-  for (const auto& [kind, mass, plant_input] : drives) {
-    const auto input = static_cast<Index>(plant_input);
-    if (kind == Input::Force) {
-      system.b.col(input).tail(n) += inverse.col(mass);
-    } else if (kind == Input::BaseAcceleration) {
-      system.b.col(input).tail(n) -= influence;
-      base[input] = 1;
-    } else {
-      for (Index i = 0; i < forces; ++i) {
-        const double part = ground_part(springs[static_cast<std::size_t>(i)]);
-        system.q(i, input) = part;
-        system.s(i, input + 1) = part;
-        system.b.col(input).tail(n) += system.e.col(i).tail(n) * (part * system.stiffness[i]);
-        system.b.col(input + 1).tail(n) += system.e.col(i).tail(n) * (part * system.damping[i]);
-      }
-    }
-  }
-  for (Index i = 0; i < system.c.rows(); ++i) {
-    const auto& [kind, index] = readings[static_cast<std::size_t>(i)];
-    switch (kind) {
-      case Output::Displacement:
-        system.c(i, index) = 1;
-        break;
-      case Output::Velocity:
-        system.c(i, n + index) = 1;
-        break;
-      case Output::Acceleration:
-        system.c.row(i) = system.a.row(n + index);
-        system.d.row(i) = system.b.row(n + index) + influence[index] * base.transpose();
-        system.h.row(i) = system.e.row(n + index);
-        break;
-      case Output::Deformation:
-        system.c.row(i) = system.p.row(index);
-        system.d.row(i) = system.q.row(index);
-        break;
-      case Output::SpringForce:
-        system.c.row(i) = system.stiffness[index] * system.p.row(index) +
-                          system.damping[index] * system.r.row(index);
-        system.d.row(i) = system.stiffness[index] * system.q.row(index) +
-                          system.damping[index] * system.s.row(index);
-        system.h(i, index) = 1;
-        break;
-    }
-  }
+  put_springs(*this, inverse, system);
+  const VectorXd base = put_inputs(*this, inverse, system);
+  put_outputs(*this, base, system);
   return system;
 }
 

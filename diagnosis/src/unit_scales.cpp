@@ -26,7 +26,7 @@ double scale_of(const UnitScales& scales, std::string_view symbol) {
     if (symbol == name) return scale;
   for (const std::string_view plain : {"-", "1", "rad", "K", "degC"})
     if (symbol == plain) return 1;
-  throw Error{fmt::format("unit '{}' of a term's parameter is not known", symbol)};
+  throw Error{fmt::format("unit '{}' of a term's parameter is unknown", symbol)};
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ TEST(Diagnosis, SaysUnknownWhenTheNameIsTakenAway) {
                             "position_dependent_friction", "bouc_wen", "asymmetric_hysteresis"}});
 
   EXPECT_TRUE(verdict.outcome == Outcome::Unknown || verdict.has_remainder) << verdict.sentence;
-  EXPECT_NE(verdict.next_test.find("visits velocity"), std::string::npos) << verdict.next_test;
+  EXPECT_NE(verdict.next_test.find("covers velocity"), std::string::npos) << verdict.next_test;
 }
 
 TEST(Diagnosis, SeesCoarseStepsInTheSamples) {

@@ -257,8 +257,8 @@ input = "input.u"
 output = "output.y"
 )";
   EXPECT_EQ(error(linear + "numerator = [1, 2, 3]\ndenominator = [1, 2]\n"),
-            "case.toml:13:13: numerator is of order 2, denominator of order 1: expected no more "
-            "than that");
+            "case.toml:13:13: numerator is of order 2, denominator of order 1: expected at most "
+            "the denominator's order");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [0, 2]\n"),
             "case.toml:14:15: denominator must begin with a number that is not 0: that of the "
             "highest power");

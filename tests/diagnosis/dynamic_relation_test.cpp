@@ -185,7 +185,7 @@ TEST_F(Oscillator, SaysWhatIsWrongInItsTable) {
   EXPECT_EQ(error_with("\"force.1\"", "\"force.2\""),
             "case.toml:18:13: '2' is no mass, expected 1 to 1");
   EXPECT_EQ(error_with("\"displacement.1\"", "\"place.1\"")
-                .find("case.toml:20:14: 'place.1' is no output, expected displacement.<mass>"),
+                .find("case.toml:20:14: 'place.1' is not an output, expected displacement.<mass>"),
             0U);
   EXPECT_EQ(error_with("[0, 1]", "[0, 3]"),
             "case.toml:14:11: between must be two different numbers from 0, the ground, to 1, the "
