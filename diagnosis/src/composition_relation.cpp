@@ -145,7 +145,7 @@ std::unique_ptr<Drive> CompositionRelation::prepare(const Record& record) const 
 }
 
 int CompositionRelation::rotations() const {
-  // Noise of an acceleration by differences has no stationary point at which it could be cut.
+  // The acceleration follows from a displacement by differences: a cut in its noise is not allowed.
   return predicted_by(setup_.channels) == Predicted::Acceleration ? 1 : 4;
 }
 

@@ -155,15 +155,15 @@ bool CompositionSimulator::run(const VectorXd& values, const std::vector<Index>&
                                MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const {
   derivatives.clear();
   if (!predict(values, prediction)) return false;
-  MatrixXd beside;
+  MatrixXd shifted;
   for (const Index i : wanted) {
     constexpr double kStep = 1e-4;  // of a parameter's scale
     const FreeParameter& free = free_[static_cast<std::size_t>(i)];
     VectorXd moved = values;
     const double step = (values[i] + kStep * free.scale > free.high ? -kStep : kStep) * free.scale;
     moved[i] += step;
-    if (!predict(moved, beside)) return false;
-    derivatives.push_back((beside - prediction) / step);
+    if (!predict(moved, shifted)) return false;
+    derivatives.push_back((shifted - prediction) / step);
   }
   return true;
 }
