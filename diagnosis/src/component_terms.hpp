@@ -64,7 +64,7 @@ void pass(const ComponentTerms& chain, const std::vector<sim::Dual>& values, dou
 /// spring that turns the signal from a displacement into a force.
 [[nodiscard]] std::vector<sim::TermSettings> as_chain(std::vector<sim::TermSettings> terms);
 
-/// Terms of a connection whose linear spring and damper belong to the linear model.
+/// Terms of a connection whose linear spring and damper belong to the linear system.
 struct ConnectionTerms {
   std::vector<sim::TermSettings> terms;
   /// The terms include the spring and damper. A term that changes the motion (play) must act on

@@ -36,7 +36,7 @@ class ConnectionForce {
   }
 
   /// Force of a trial step from the committed state [SI], without the linear spring and damper,
-  /// which belong to the linear model.
+  /// which belong to the linear system.
   Real trial(const Real& displacement, const Real& velocity, const Real& acceleration,
              double time) {
     std::copy(state_.begin(), state_.end(), trial_state_.begin());

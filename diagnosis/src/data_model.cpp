@@ -36,7 +36,7 @@ std::vector<std::string> drivers_of(const std::string& output, const Record& rec
 // A term added to a prediction.
 struct AddedTerm {
   Index output;
-  Index displacement, velocity, acceleration;  // indices of the linear model's inputs
+  Index displacement, velocity, acceleration;  // indices of the linear system's inputs
 };
 
 class DataReader {
