@@ -17,10 +17,10 @@ using recording::NodeTicks;
 using recording::Reader;
 
 constexpr const char* kAxes[] = {"long", "lat"};
-// A lead-rubber bearing at 1 m/s is through its yield displacement of 3 mm in 3 ms: coarser steps
-// than that leave a trace in the force that is no physics. Slow tests need no fine ones.
+// A lead-rubber bearing at 1 m/s passes its yield displacement of 3 mm in 3 ms. Steps longer than
+// that cause numerical errors in the force. Slow tests do not need short steps.
 constexpr double kFineRate = 500, kUsualRate = 250;  // [Hz]
-constexpr double kFurthest = 2e-3;                   // that a bearing moves in a step [m]
+constexpr double kFurthest = 2e-3;                   // travel of a bearing in a step [m]
 
 NodeTicks ticks_of(const Reader& run, const std::string& node) {
   NodeTicks ticks{run, node};
@@ -35,8 +35,8 @@ double interval_of(const Reader& run, const NodeTicks& ticks) {
   return (time[ticks.count() - 1] - time[0]) / static_cast<double>(ticks.count() - 1);
 }
 
-// How many ticks one node has counted more than another when both are at the same instant: nodes
-// start one after the other, and a row may catch one of them between two ticks.
+// Difference of two nodes' tick counters at the same instant: nodes start one after the other. The
+// median removes rows that were recorded between the ticks of the two nodes.
 std::ptrdiff_t lead(const NodeTicks& node, const NodeTicks& other) {
   std::vector<double> differences;
   for (std::size_t row = 0; row < node.counter().size(); ++row)
@@ -48,7 +48,7 @@ std::ptrdiff_t lead(const NodeTicks& node, const NodeTicks& other) {
   return std::lround(*middle);
 }
 
-// Shifted in time by whole samples; its ends stay.
+// Shifts in time by whole samples; repeats the value at the ends.
 std::vector<double> shifted(const std::vector<double>& values, std::ptrdiff_t by,
                             std::size_t count) {
   std::vector<double> result(count);
@@ -59,7 +59,7 @@ std::vector<double> shifted(const std::vector<double>& values, std::ptrdiff_t by
   return result;
 }
 
-// Until the first target comes, the loop is open and the machine stands still.
+// Until the first target arrives, the loop is open and the machine is at rest.
 std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const NodeTicks& machine) {
   constexpr std::size_t kFewest = 500;  // samples
   const auto word = machine.values("opf.newTarget");
@@ -94,13 +94,14 @@ Record record_of(const Reader& run, const std::string& name, Use use) {
   record.use = use;
   record.time_step = interval_of(run, machine);
   for (const char* axis : kAxes) add_axis(record, run, machine, controller, axis);
-  if (record.channels.empty()) throw Error{"no axis has a command, 'monitor.xpc.pc.command.*'"};
+  if (record.channels.empty())
+    throw Error{"no axis has a command, expected 'monitor.xpc.pc.command.*'"};
   record.channels.push_back({"vertical_force", "N", machine.values("srmd.vert.force.fbk")});
   record.quiet = quiet_stretch(machine);
   return record;
 }
 
-// Largest velocity in the mean of a few samples, which the noise has little part in [m/s].
+// Largest velocity, averaged over a few samples to suppress noise [m/s].
 double fastest(const Case& c) {
   constexpr std::size_t kSpan = 10;
   double largest = 0;
@@ -118,7 +119,7 @@ Model model_of(const Reader& run) {
   const std::string text = run.config(recording::kModelText);
   if (text.empty())
     throw Error{
-        fmt::format("it does not say what the simulation assumed (/config/{}): run the "
+        fmt::format("it contains no model of the simulation (/config/{}): run the "
                     "experiment again",
                     recording::kModelText)};
   return read_model(Config::parse(text, recording::kModelText));
@@ -132,7 +133,7 @@ std::string name_of(const Reader& run, const std::filesystem::path& file) {
   return config.text("name", file.stem().string());
 }
 
-// Errors of a recording name its file.
+// Adds the file's name to errors.
 template <class Read>
 auto of_file(const std::filesystem::path& file, Read read) {
   try {

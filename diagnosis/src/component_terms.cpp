@@ -69,8 +69,7 @@ std::vector<sim::TermSettings> as_chain(std::vector<sim::TermSettings> terms) {
     const sim::Stage stage = sim::term_kind(term.kind).stage;
     if (stage != sim::Stage::Actuator && stage != sim::Stage::Motion && stage != sim::Stage::Sensor)
       throw Error{fmt::format(
-          "'{}' is a force; on a signal there may be terms of the stages actuator, motion and "
-          "sensor",
+          "'{}' is a force; a signal takes terms of the stages actuator, motion and sensor",
           term.kind)};
     term = on_one_axis(std::move(term));
   }
@@ -86,7 +85,7 @@ ConnectionTerms as_connection(std::vector<sim::TermSettings> terms) {
     if (stage == sim::Stage::Actuator || stage == sim::Stage::Sensor ||
         stage == sim::Stage::Vertical)
       throw Error{
-          fmt::format("'{}' is no force between two points; there may be terms of the "
+          fmt::format("'{}' is not a force between two points; a connection takes terms of the "
                       "stages motion, modifier, restoring and machine",
                       term.kind)};
     result.holds_linear |= stage == sim::Stage::Motion;

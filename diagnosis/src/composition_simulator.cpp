@@ -26,7 +26,7 @@ void load(const MotionDrive& drive, Index step, sim::Quantities<double>& q) {
   q.auxiliary = at(drive.auxiliary, step);
 }
 
-// Between two steps: the cubic that has their displacements and velocities.
+// Between two steps: the cubic through their displacements and velocities.
 void load_between(const MotionDrive& drive, Index step, double share, sim::Quantities<double>& q) {
   load(drive, step, q);
   if (step == 0 || share >= 1) return;
@@ -45,7 +45,7 @@ void load_between(const MotionDrive& drive, Index step, double share, sim::Quant
   }
 }
 
-// A specimen behind a spring is solved for step by step, with what it was the step before.
+// A specimen behind a spring is solved step by step, with its force of the step before.
 bool is_mount(const ModelTerm& term) {
   return term.settings.kind == "support_flexibility" || term.settings.kind == "mount_slack";
 }
@@ -64,16 +64,16 @@ CompositionSimulator::CompositionSimulator(const Hypothesis& hypothesis, const M
                                            Predicted predicted,
                                            const std::vector<std::size_t>& axes)
     : drive_{drive}, predicted_{predicted}, axes_{axes}, free_{hypothesis.free} {
-  // A bearing's force costs far more than what the machine and the load cell make of it.
+  // A bearing's force costs far more time than the effect of the machine and the load cell on it.
   const bool splits = predicted == Predicted::Force &&
                       std::none_of(hypothesis.terms.begin(), hypothesis.terms.end(), is_vertical);
   std::array<std::vector<sim::TermSettings>, 2> terms;
   for (const auto& term : hypothesis.terms)
     terms[splits && is_after_specimen(term) ? 1 : 0].push_back(term.settings);
   for (const auto& term : terms[0]) specimen_signature_ += term.kind + "/" + term.name + " ";
-  constexpr int kPartsOfMounted = 2;
+  constexpr int kSubstepsOfMounted = 2;
   if (std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), is_mount))
-    substeps_ = kPartsOfMounted;
+    substeps_ = kSubstepsOfMounted;
   compositions_[0] = sim::Composition{terms[0], drive.model_step / substeps_};
   compositions_[1] = sim::Composition{terms[1], drive.model_step};
   for (const auto& free : hypothesis.free) {
@@ -94,9 +94,9 @@ void CompositionSimulator::run_first(const std::vector<double>& parameters, Axes
   std::vector<double> state(compositions_[0].states());
   for (Index step = 0; step < steps; ++step) {
     sim::Quantities<double> q;
-    for (int part = 1; part <= substeps_; ++part) {
+    for (int substep = 1; substep <= substeps_; ++substep) {
       q = {};
-      load_between(drive_, step, static_cast<double>(part) / substeps_, q);
+      load_between(drive_, step, static_cast<double>(substep) / substeps_, q);
       if (predicted_ == Predicted::Displacement) {
         const Index before = std::max<Index>(0, step - 1);
         compositions_[0].set_specimen_force(
@@ -149,21 +149,21 @@ bool CompositionSimulator::predict(const VectorXd& values, MatrixXd& prediction)
   return true;
 }
 
-// Differences cost a fifth of exact derivatives here: a step is mostly one rate equation, and what
-// their error of 1e-4 does to a fit is far below the noise.
+// Differences take a fifth of the time of exact derivatives here: a step is mostly one rate
+// equation. The effect of their error of 1e-4 on a fit is far below the noise.
 bool CompositionSimulator::run(const VectorXd& values, const std::vector<Index>& wanted,
                                MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const {
   derivatives.clear();
   if (!predict(values, prediction)) return false;
-  MatrixXd beside;
+  MatrixXd shifted;
   for (const Index i : wanted) {
-    constexpr double kStep = 1e-4;  // of what is a change that matters
+    constexpr double kStep = 1e-4;  // of a parameter's scale
     const FreeParameter& free = free_[static_cast<std::size_t>(i)];
     VectorXd moved = values;
     const double step = (values[i] + kStep * free.scale > free.high ? -kStep : kStep) * free.scale;
     moved[i] += step;
-    if (!predict(moved, beside)) return false;
-    derivatives.push_back((beside - prediction) / step);
+    if (!predict(moved, shifted)) return false;
+    derivatives.push_back((shifted - prediction) / step);
   }
   return true;
 }

@@ -118,7 +118,7 @@ void correct(const Investigation& found, Case& c) {
   }
 }
 
-// Rounding is seen in the samples themselves; what it adds to the noise is no physics.
+// Rounding is identified in the samples. Its contribution to the noise is not physics.
 std::vector<std::pair<std::string, double>> rounding_of(const std::vector<Lattice>& lattices) {
   std::vector<std::pair<std::string, double>> added;
   for (const auto& lattice : lattices)
@@ -155,7 +155,7 @@ void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
   }
 }
 
-// How many causes they make: one for each family of channels.
+// Number of causes: one for each family of channels.
 std::size_t lattices_named(const std::vector<Lattice>& lattices) {
   std::set<std::string> families;
   for (const auto& lattice : lattices)
@@ -166,7 +166,7 @@ std::size_t lattices_named(const std::vector<Lattice>& lattices) {
 void add_limits(const Case& c, const SensorNoise& noise, const Investigations& all,
                 Verdict& verdict) {
   verdict.noise_model = noise.source();
-  verdict.limits.push_back("The noise is taken from " + noise.source() + ".");
+  verdict.limits.push_back("Source of the noise: " + noise.source() + ".");
   const Record& record = *moving_records(c)[0];
   const auto lacks = [&](const char* family) {
     return std::none_of(record.channels.begin(), record.channels.end(),
@@ -175,19 +175,19 @@ void add_limits(const Case& c, const SensorNoise& noise, const Investigations& a
   if (is_composition(c.model.kind)) {
     if (lacks("acceleration."))
       verdict.limits.emplace_back(
-          "No acceleration was recorded: inertia and the accelerometer's own "
-          "faults rest on displacement alone.");
+          "No acceleration was recorded: estimates of inertia use displacement alone, and the "
+          "accelerometer's faults are not checked.");
     if (lacks("vertical_force") && c.model.kind != "servo_axis")
       verdict.limits.emplace_back(
-          "No vertical force was recorded: what depends on it cannot be told "
-          "from what does not.");
+          "No vertical force was recorded: effects that depend on it cannot be distinguished from "
+          "others.");
     if (lacks("temperature") && c.model.kind == "bearing")
       verdict.limits.emplace_back("No temperature was recorded.");
     if (lacks("command."))
-      verdict.limits.emplace_back("No command was recorded: actuators were not looked at.");
+      verdict.limits.emplace_back("No command was recorded: actuators were not checked.");
   }
   if (verdict.proof_record.empty())
-    verdict.limits.emplace_back("No record was left to prove anything on.");
+    verdict.limits.emplace_back("No record was held out for a proof.");
   for (const auto& found : all) {
     double u = 0, v = 0;
     const Drive& drive = found->problem->drive(0);
@@ -260,20 +260,20 @@ Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   Verdict verdict;
   verdict.case_name = c.name;
   Investigations all;
-  const auto look_at = [&](std::unique_ptr<Relation> relation) {
+  const auto examine = [&](std::unique_ptr<Relation> relation) {
     if (relation) all.push_back(investigate(std::move(relation), c, noise, options.seed));
   };
   if (is_composition(c.model.kind)) {
-    look_at(accelerometer_relation(c, options));
+    examine(accelerometer_relation(c, options));
     if (!all.empty() && all[0]->is_named() && is_acceleration(*all[0])) correct(*all[0], c);
-    look_at(actuator_relation(c, options));
-    look_at(force_relation(c, options));
+    examine(actuator_relation(c, options));
+    examine(force_relation(c, options));
   } else {
-    look_at(dynamic_relation(c, options));
+    examine(dynamic_relation(c, options));
   }
   if (all.empty())
-    throw Error{fmt::format("{}: a model of kind '{}' relates none of the channels to another",
-                            c.name, c.model.kind)};
+    throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
+                            c.model.kind)};
   conclude(all, c, verdict);
   propose_next_test(all, c, verdict);
   if (!lattices.empty()) {

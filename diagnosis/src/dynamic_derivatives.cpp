@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a dynamic model predicts, and how that changes with its free parameters.
+// Predictions of a dynamic model, and their derivatives with respect to its free parameters.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ using sim::Dual;
 
 namespace {
 
-constexpr double kDifference = 1e-5;  // of a parameter of the linear part, to differentiate by
+constexpr double kDifference = 1e-5;  // relative step of a parameter of the linear system
 
 }  // namespace
 
@@ -50,7 +50,7 @@ bool DynamicSimulator::run(const VectorXd& values, const std::vector<Index>& wan
   return true;
 }
 
-// Whether these parameters are of terms behind the plant.
+// Whether these parameters belong to terms at the outputs.
 bool DynamicSimulator::only_at_outputs(const std::vector<Index>& lanes) const {
   const auto follows_any = [&](const ComponentTerms& terms) {
     return std::any_of(terms.free().begin(), terms.free().end(), [&](const auto& bound) {

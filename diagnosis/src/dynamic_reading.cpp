@@ -31,9 +31,9 @@ bool is_free(const Config& table) {
 }  // namespace
 
 std::vector<ModelTerm> read_model_terms(const Config& table, const std::string& component) {
-  std::vector<ModelTerm> placed;
-  for (auto& term : sim::read_terms(table)) placed.push_back({std::move(term), component});
-  return placed;
+  std::vector<ModelTerm> terms;
+  for (auto& term : sim::read_terms(table)) terms.push_back({std::move(term), component});
+  return terms;
 }
 
 void read_common(const Config& table, DynamicModel& model) {
@@ -49,8 +49,8 @@ void read_common(const Config& table, DynamicModel& model) {
       terms.fail(component,
                  fmt::format("there is no component '{}' for terms, expected one of \"{}\"",
                              component, fmt::join(components, "\", \"")));
-    const auto placed = read_model_terms(terms.table(component), component);
-    model.terms.insert(model.terms.end(), placed.begin(), placed.end());
+    const auto own = read_model_terms(terms.table(component), component);
+    model.terms.insert(model.terms.end(), own.begin(), own.end());
   }
   finish(table);
 }
@@ -63,16 +63,16 @@ std::vector<Assignment> read_assignments(const Config& table) {
     for (std::string word; std::getline(text, word, '.');) assignments.back().words.push_back(word);
     if (assignments.back().words.empty()) table.fail(key, fmt::format("{} is empty", key));
   }
-  if (assignments.empty()) throw Error{fmt::format("{}: nothing is assigned", table.where())};
+  if (assignments.empty()) throw Error{fmt::format("{}: the table is empty", table.where())};
   return assignments;
 }
 
 Eigen::Index read_index(const Config& table, const std::string& key, const std::string& word,
-                        std::size_t most, const std::string& what) {
+                        std::size_t most, const std::string& name) {
   std::size_t number = 0;
   const auto [end, trouble] = std::from_chars(word.data(), word.data() + word.size(), number);
   if (trouble != std::errc{} || end != word.data() + word.size() || number < 1 || number > most)
-    table.fail(key, fmt::format("'{}' is no {}, expected 1 to {}", word, what, most));
+    table.fail(key, fmt::format("'{}' is not a {}, expected 1 to {}", word, name, most));
   return static_cast<Eigen::Index>(number) - 1;
 }
 

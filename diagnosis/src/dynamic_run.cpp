@@ -29,7 +29,7 @@ void pass_if(const std::optional<ComponentTerms>& chain, const std::vector<Real>
   if (chain) pass(*chain, values, start, signal);
 }
 
-// What the linear part takes in, by sample.
+// Inputs of the linear system, by sample.
 template <class Real>
 std::vector<std::vector<Real>> plant_inputs(const DynamicSetup& setup,
                                             const DynamicSignals& signals,
@@ -85,7 +85,7 @@ class FreeRun {
     for (std::size_t i = 0; i < outputs.size(); ++i) outputs[i][size(sample)] = y_[i];
   }
 
-  // From one sample to the next.
+  // Advances from one sample to the next.
   void advance(Index sample, double time) {
     for (int substep = 0; substep < setup_.substeps; ++substep) {
       for (std::size_t i = 0; i < inputs_.size(); ++i) {
@@ -116,7 +116,7 @@ class FreeRun {
     return ConnectionForces<Real>{std::move(forces)};
   }
 
-  // Motion of the connections without the forces of this step's end.
+  // Computes the motion of the connections without the forces at the end of this step.
   void set_motion(const std::vector<Real>& state, const std::vector<Real>& u) {
     std::fill(free_displacement_.begin(), free_displacement_.end(), Real{});
     std::fill(free_velocity_.begin(), free_velocity_.end(), Real{});

@@ -43,7 +43,7 @@ class DynamicSimulator : public Simulator {
   [[nodiscard]] ComponentTerms* terms_of(const std::string& component);
   /// Binds the free parameters of terms.
   void bind_terms(const Hypothesis& hypothesis);
-  /// Binds the free parameters of the linear model.
+  /// Binds the free parameters of the linear system.
   void bind_model(const Hypothesis& hypothesis);
   [[nodiscard]] int substeps_needed(const Hypothesis& hypothesis, const DynamicSizes& sizes) const;
   [[nodiscard]] Eigen::VectorXd plant_values(const Eigen::VectorXd& values) const;
@@ -58,7 +58,7 @@ class DynamicSimulator : public Simulator {
   const DynamicModel& model_;
   const DynamicSignals& signals_;
   DynamicSetup setup_;
-  std::vector<Bound> bound_;  ///< free parameters of the linear model
+  std::vector<Bound> bound_;  ///< free parameters of the linear system
 };
 
 [[nodiscard]] std::vector<double> plain(const Eigen::VectorXd& values);

@@ -35,13 +35,13 @@ double band_limited(double distance) {
   return sinc * bessel_i0(kWindowShape * std::sqrt(1 - ratio * ratio)) / bessel_i0(kWindowShape);
 }
 
-std::vector<double> weights_at(Hold hold, double part) {
-  if (hold == Hold::Linear) return {1 - part, part};
+std::vector<double> weights_at(Hold hold, double fraction) {
+  if (hold == Hold::Linear) return {1 - fraction, fraction};
   std::vector<double> weights;
   double sum = 0;
-  for (int i = 1 - kReach; i <= kReach; ++i) weights.push_back(band_limited(part - i));
+  for (int i = 1 - kReach; i <= kReach; ++i) weights.push_back(band_limited(fraction - i));
   for (const double weight : weights) sum += weight;
-  for (double& weight : weights) weight /= sum;  // a constant stays what it is
+  for (double& weight : weights) weight /= sum;  // preserves constants
   return weights;
 }
 
@@ -51,7 +51,7 @@ Eigen::MatrixXd joined(const MatrixXd& a, const MatrixXd& b) {
   return both;
 }
 
-// All matrices of steps.
+// All matrices of a step.
 constexpr auto members() {
   return std::array{&StepMatrices<double>::phi,       &StepMatrices<double>::b0,
                     &StepMatrices<double>::b1,        &StepMatrices<double>::e_before,
@@ -96,12 +96,12 @@ template struct SmallMatrix<sim::Dual>;
 
 namespace {
 
-// What a drive does to the state within a step, if it is constant, grows as τ or as τ², 0 ≤ τ ≤ 1.
+// Effect on the state of an input within a step: constant, and growing as τ or τ², 0 ≤ τ ≤ 1.
 struct Moments {
   MatrixXd phi, constant, linear, square;
 };
 
-// The exponential of the system with what drives it as more states: its value and its slopes.
+// The matrix exponential of the system with the input and its two integrals as further states.
 Moments moments_of(const MatrixXd& a, const MatrixXd& drive, double length) {
   const Index n = a.rows(), w = drive.cols();
   MatrixXd whole = MatrixXd::Zero(n + 3 * w, n + 3 * w);

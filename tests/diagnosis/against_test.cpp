@@ -86,12 +86,12 @@ TEST_F(AgainstTest, CutsOffWhatIsNotPredicted) {
 TEST_F(AgainstTest, SaysWhatASimulationLacks) {
   EXPECT_EQ(error_with("t,force.long\n0,0\n1,1\n"),
             "has no column 'time', expected the seconds of each row");
-  EXPECT_EQ(error_with("time,force.long\n0,0\n0,1\n"), "'time' does not grow from row to row");
+  EXPECT_EQ(error_with("time,force.long\n0,0\n0,1\n"), "'time' does not increase from row to row");
   EXPECT_EQ(error_with("time,F\n0,0\n1,1\n"),
-            "predicts nothing that was measured, expected columns named as command.long, "
+            "predicts no measured channel, expected columns named command.long, "
             "displacement.long, force.long");
   EXPECT_EQ(error_with("time,force.long\n5,0\n6,1\n"),
-            "lasts from 5 to 6 s, expected a part of 0 to 1 s");
+            "covers 5 to 6 s, expected an overlap with 0 to 1 s");
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
 
 TEST_F(RecordTest, RefusesASpanThatHoldsNothing) {
   EXPECT_EQ(error(std::string{kFit} + "span_s = [7, 8]\n"),
-            "case.toml:10:10: fewer than two samples lie in it; the recording goes from 0 to "
+            "case.toml:10:10: it contains fewer than two samples; the recording covers 0 to "
             "0.04 s");
   EXPECT_EQ(error(std::string{kFit} + "span_s = [2, 1]\n"),
             "case.toml:10:10: span_s must be [from, to]");
@@ -64,7 +64,7 @@ TEST_F(RecordTest, RefusesASpanThatHoldsNothing) {
 TEST_F(RecordTest, RefusesOneNameForTwoRecords) {
   const std::string named = std::string{kFit} + "name = \"a\"\n";
 
-  EXPECT_EQ(error(named + named), "case.toml:14:8: two records are called 'a'");
+  EXPECT_EQ(error(named + named), "case.toml:14:8: two records are named 'a'");
 }
 
 TEST_F(RecordTest, TakesWhatWasNotRecordedFromTheCase) {
@@ -109,7 +109,7 @@ TEST_F(RecordTest, TakesChannelsFromSeveralFiles) {
                 .find("log.csv: force.long has 2 samples, others have 5"),
             std::string::npos);
   EXPECT_EQ(error(kFit, "time = \"t [s]\"\nforce.long = \"1 [kN] load.txt\"\n"),
-            "case.toml:4:14: 'load.txt' stands behind the unit, expected nothing or \"in file\"");
+            "case.toml:4:14: 'load.txt' follows the unit, expected nothing or \"in file\"");
 }
 
 TEST_F(RecordTest, KnowsThatAControllerHoldsItsOutput) {
@@ -254,8 +254,9 @@ TEST_F(BinaryRecordTest, SaysWhichSampleIsMissing) {
   const std::string record = "[[record]]\nfile = \"log.mat\"\nuse = \"fit\"\n";
 
   EXPECT_EQ(error(record, kColumns),
-            "log.mat: force.long has no number in sample 2 and 1 others: fill what is missing, or "
-            "leave it out by span_s");
+            "log.mat: force.long is NaN or infinite in sample 2 and 1 others: fill the gap, or "
+            "exclude it "
+            "by span_s");
 }
 
 }  // namespace

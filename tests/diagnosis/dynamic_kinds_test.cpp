@@ -263,7 +263,7 @@ output = "output.y"
             "case.toml:14:15: denominator must begin with a number that is not 0: that of the "
             "highest power");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\ntime_step_s = 0.02\n"),
-            "fit.csv: sampled every 0.01 s, but the model steps every 0.02 s");
+            "fit.csv: sampled every 0.01 s, but the model has a time step of 0.02 s");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\nhold = \"long\"\n"),
             "case.toml:15:8: hold is 'long', expected linear, zero or smooth");
   EXPECT_EQ(

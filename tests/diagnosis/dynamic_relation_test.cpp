@@ -183,7 +183,7 @@ TEST_F(Oscillator, SaysWhatIsWrongInItsTable) {
   };
 
   EXPECT_EQ(error_with("\"force.1\"", "\"force.2\""),
-            "case.toml:18:13: '2' is no mass, expected 1 to 1");
+            "case.toml:18:13: '2' is not a mass, expected 1 to 1");
   EXPECT_EQ(error_with("\"displacement.1\"", "\"place.1\"")
                 .find("case.toml:20:14: 'place.1' is not an output, expected displacement.<mass>"),
             0U);
