@@ -212,9 +212,9 @@ const Investigation* first_where(const Investigations& all, const Condition& hol
 
 // Moves the causes of an investigation to the front.
 void put_first(const Investigation& shown, std::vector<Cause>& causes) {
-  const auto& steps = shown.selection.rounds;
+  const auto& rounds = shown.selection.rounds;
   std::stable_partition(causes.begin(), causes.end(), [&](const Cause& cause) {
-    return std::any_of(steps.begin(), steps.end(), [&](const SelectionRound& round) {
+    return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& round) {
       return round.chosen.candidate.name == cause.name &&
              round.chosen.candidate.channel == cause.channel;
     });

@@ -311,8 +311,7 @@ VectorXd from_row(const MatrixXd& jacobian, Index column, Index cut, const Drive
   return g;
 }
 
-// Tries 40 times of change on one record. @param parameter  overwritten with that of the best
-// change
+// Tries 40 times of change on one record. Sets `parameter` to the name of the best one's parameter.
 Change best_change(const VectorXd& w, const MatrixXd& J, const Complement& complement,
                    const Drive& drive, const Hypothesis& hypothesis, std::string& parameter) {
   Change best;

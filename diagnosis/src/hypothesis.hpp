@@ -21,12 +21,11 @@ struct ModelTerm {
 
 /// A parameter that a fit may change.
 struct FreeParameter {
-  std::string name;  ///< "bouc_wen.eta": of a term, or of the model itself: "mass.1"
-  std::string unit;  ///< SI
-  double low, high;  ///< bounds
-  double scale;      ///< size of a significant change, > 0
-  bool is_tolerance =
-      false;  ///< of the recording, not of the model: a candidate may widen its bounds
+  std::string name;           ///< "bouc_wen.eta": of a term, or of the model itself: "mass.1"
+  std::string unit;           ///< SI
+  double low, high;           ///< bounds
+  double scale;               ///< size of a significant change, > 0
+  bool is_tolerance = false;  ///< of the recording, not the model: a candidate may widen it
 };
 
 /// A model that may explain the records: its terms, and values of its free parameters. All other

@@ -45,7 +45,7 @@ struct Mechanics {
   };
   /// Displacement between the ends of a spring, by mass.
   [[nodiscard]] Eigen::RowVectorXd stretch(const Spring& spring) const;
-  /// Adds a component for terms between two masses, called by their numbers.
+  /// Adds a spring, and a component for terms at it.
   void add_spring(const Spring& spring, DynamicModel& model);
   /// [[spring]] between = [0, 1]
   [[nodiscard]] Spring read_spring(const Config& table) const;

@@ -107,7 +107,7 @@ class Proposal {
     if (form.find("periodic force") != std::string::npos)
       return run(kNothingMoving, "shows whether the force comes from outside");
     if (form.find("change of") != std::string::npos)
-      return run(kSameAgain, "shows whether it changes again, and at what amplitude");
+      return run(kSameAgain, "shows whether it changes again, and at which amplitude");
     return false;
   }
 

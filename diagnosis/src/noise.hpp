@@ -41,9 +41,7 @@ class SensorNoise {
   [[nodiscard]] NoiseGenerator generator_like(const Record& record) const;
   /// Whether the noise was recorded at rest: only then its colour is known.
   [[nodiscard]] bool was_seen_at_rest() const { return was_seen_at_rest_; }
-  [[nodiscard]] const std::string& source() const {
-    return source_;
-  }  ///< where the numbers come from, for the limits
+  [[nodiscard]] const std::string& source() const { return source_; }  ///< for the limits
 
  private:
   std::map<std::string, NoiseSpectrum> by_role_;
