@@ -32,7 +32,7 @@ std::vector<std::string> names_of_library() {
   return names;
 }
 
-// What may be wrong with the numbers of a model of the user's own.
+// Adds the errors that parameters of a user's own model may have.
 void add_names_of_model(const Case& c, std::vector<std::string>& names) {
   for (const char* kind : {"bearing", "platen", "servo_axis"})
     if (c.model.kind == kind) return;

@@ -16,17 +16,15 @@ namespace {
 // previous step.
 constexpr std::size_t kSharedStates = 2 * kHorizontalAxes;
 
-std::size_t parameter_of(const TermKind& kind, const std::string& name) {
-  for (std::size_t i = 0; i < kind.parameters.size(); ++i)
-    if (kind.parameters[i].name == name) return i;
-  throw Error{fmt::format("term '{}' has no parameter '{}'", kind.name, name)};
+std::size_t index_of_parameter(const TermKind& kind, const std::string& name) {
+  return static_cast<std::size_t>(&parameter_of(kind, name) - kind.parameters.data());
 }
 
 std::vector<double> parameters_of(const TermKind& kind, const TermSettings& settings) {
   std::vector<double> values;
   for (const auto& parameter : kind.parameters) values.push_back(parameter.absent);
   for (const auto& [name, value] : settings.parameters) {
-    const std::size_t i = parameter_of(kind, name);
+    const std::size_t i = index_of_parameter(kind, name);
     const Parameter& parameter = kind.parameters[i];
     if (!(value >= parameter.low && value <= parameter.high))
       throw Error{fmt::format("term '{}': {} is {}, expected {} to {}", name_of(settings),
@@ -136,7 +134,7 @@ std::size_t Composition::parameter_index(const std::string& term,
                                          const std::string& parameter) const {
   for (const auto& candidate : terms_)
     if (candidate.name == term)
-      return candidate.first_parameter + parameter_of(*candidate.kind, parameter);
+      return candidate.first_parameter + index_of_parameter(*candidate.kind, parameter);
   throw Error{fmt::format("there is no term '{}' in this composition", term)};
 }
 

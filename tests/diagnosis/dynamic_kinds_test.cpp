@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same system described in several ways answers alike, and as closed forms do.
+// Equivalent descriptions of a system have the same response, which agrees with closed forms.
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -68,7 +68,7 @@ class Kinds : public ::testing::Test {
   std::unique_ptr<Relation> relation_;
 };
 
-TEST_F(Kinds, ATransferFunctionAnswersAsItsOscillator) {
+TEST_F(Kinds, ATransferFunctionHasTheResponseOfItsOscillator) {
   const MatrixXd oscillator = answer(kForced + kOscillator);
 
   const MatrixXd transfer = answer(kForced + R"(
@@ -83,7 +83,7 @@ denominator = [2.0, 8.0, 800.0]
   EXPECT_LT(test::relative_error(transfer, oscillator), 1e-9);
 }
 
-TEST_F(Kinds, AStateSpaceAnswersAsItsOscillator) {
+TEST_F(Kinds, AStateSpaceHasTheResponseOfItsOscillator) {
   const MatrixXd oscillator = answer(kForced + kOscillator);
 
   const MatrixXd space = answer(kForced + R"(
@@ -99,7 +99,7 @@ C = [[1, 0]]
   EXPECT_LT(test::relative_error(space, oscillator), 1e-9);
 }
 
-TEST_F(Kinds, AStructureAnswersAsItsMassesAndSprings) {
+TEST_F(Kinds, AStructureHasTheResponseOfItsMassesAndSprings) {
   const std::string channels = records(
       "acceleration.long = \"u [m/s2]\"\noutput.floor = \"y [m]\"\noutput.roof = \"y [m/s2]\"\n");
   const std::string ends = R"(
@@ -131,12 +131,12 @@ damping = [[10, -2], [-2, 2]]
 )" + ends);
 
   EXPECT_LT(test::relative_error(structure, masses), 1e-9);
-  // Its springs were found in the matrix.
-  EXPECT_EQ(relation_->candidates().front().adds[0].place, "spring.1");
+  // The springs are derived from the stiffness matrix.
+  EXPECT_EQ(relation_->candidates().front().adds[0].component, "spring.1");
 }
 
-// Displacing the base and accelerating it are the same, seen from outside and from the base.
-TEST_F(Kinds, ABaseThatIsDisplacedShakesAsOneThatIsAccelerated) {
+// A displaced base is equivalent to an accelerated one, in absolute and in relative motion.
+TEST_F(Kinds, ADisplacedBaseHasTheResponseOfAnAcceleratedBase) {
   std::vector<double> ground, acceleration;
   for (std::size_t i = 0; i < 1500; ++i) {
     const double t = static_cast<double>(i) * kStep, w = 2 * std::numbers::pi * 1.3;
@@ -159,7 +159,7 @@ TEST_F(Kinds, ABaseThatIsDisplacedShakesAsOneThatIsAccelerated) {
       answer(records("acceleration.long = \"a [m/s2]\"\noutput.y = \"y [m]\"\n") + model +
              "\"acceleration.long\" = \"base_acceleration\"\n");
 
-  // Lines between samples: (ω Δt)²/12 = 6e-4 of the force.
+  // Linear interpolation between samples: (ω Δt)²/12 = 6e-4 of the force.
   EXPECT_LT(test::relative_error(displaced, accelerated), 3e-3);
 }
 
@@ -183,7 +183,7 @@ denominator = [1.0, -1.6, 0.8]
   EXPECT_LT(test::relative_error(predicted, expected), 1e-9);
 }
 
-// In the steady state a sine comes out with the gain and phase of the transfer function.
+// The steady-state response to a sine has the gain and phase of the transfer function.
 TEST_F(Kinds, ATransferFunctionHasItsFrequencyResponse) {
   constexpr double kFrequency = 2.5;
   const double w = 2 * std::numbers::pi * kFrequency;
@@ -206,11 +206,11 @@ denominator = [2.0, 8.0, 800.0]
   VectorXd expected(1000);
   for (Index i = 0; i < expected.size(); ++i)
     expected[i] = std::imag(gain * std::exp(s * kStep * static_cast<double>(i + 2500)));
-  // Parts of a step are lines: (ω Δt/4)²/12 = 1.3e-4.
+  // Linear interpolation in substeps: (ω Δt/4)²/12 = 1.3e-4.
   EXPECT_LT(test::relative_error(predicted.middleRows(2500, 1000), expected), 3e-4);
 }
 
-TEST_F(Kinds, AStartThatIsNotKnownIsFound) {
+TEST_F(Kinds, AnUnknownStartStateIsFound) {
   const MatrixXd whole = answer(kForced + kOscillator);
   const std::vector<double> late(u_.begin() + 700, u_.end());
   const std::vector<double> measured(whole.data() + 700, whole.data() + whole.rows());
@@ -226,7 +226,7 @@ TEST_F(Kinds, AStartThatIsNotKnownIsFound) {
   EXPECT_LT(test::relative_error(found, expected), 1e-6);
 }
 
-TEST_F(Kinds, DataWithATermBesideItIsTheirSum) {
+TEST_F(Kinds, DataWithAnAddedTermIsTheirSum) {
   std::vector<double> predicted, displacement;
   for (std::size_t i = 0; i < 400; ++i) {
     displacement.push_back(0.05 * std::sin(0.07 * static_cast<double>(i)));
@@ -250,26 +250,27 @@ TEST_F(Kinds, DataWithATermBesideItIsTheirSum) {
   EXPECT_LT(test::relative_error(with_term, expected), 1e-12);
 }
 
-TEST_F(Kinds, SayWhatIsWrongInTheirTables) {
+TEST_F(Kinds, ReportErrorsInTheirTables) {
   const std::string linear = kForced + R"([model]
 kind = "linear"
 input = "input.u"
 output = "output.y"
 )";
   EXPECT_EQ(error(linear + "numerator = [1, 2, 3]\ndenominator = [1, 2]\n"),
-            "case.toml:13:13: numerator is of order 2, denominator of order 1: expected no more "
-            "than that");
+            "case.toml:13:13: numerator is of order 2, denominator of order 1: expected at most "
+            "the denominator's order");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [0, 2]\n"),
             "case.toml:14:15: denominator must begin with a number that is not 0: that of the "
             "highest power");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\ntime_step_s = 0.02\n"),
-            "fit.csv: sampled every 0.01 s, but the model steps every 0.02 s");
+            "fit.csv: sampled every 0.01 s, but the model has a time step of 0.02 s");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\nhold = \"long\"\n"),
             "case.toml:15:8: hold is 'long', expected linear, zero or smooth");
-  EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\n"
-                           "[model.terms.\"input.w\".saturation]\nlimit_N = 2\n"),
-            "case.toml:15:1: there is no place 'input.w' for terms, expected one of \"input.u\", "
-            "\"output.y\", \"feedback.1\"");
+  EXPECT_EQ(
+      error(linear + "numerator = [1]\ndenominator = [1, 2]\n"
+                     "[model.terms.\"input.w\".saturation]\nlimit_N = 2\n"),
+      "case.toml:15:1: there is no component 'input.w' for terms, expected one of \"input.u\", "
+      "\"output.y\", \"feedback.1\"");
   const std::string structure = kForced + "[model]\nkind = \"structure\"\n";
   EXPECT_EQ(error(structure + "mass = [[1, 2], [0, 1]]\nstiffness = [[1, 0], [0, 1]]\n"),
             "case.toml:11:8: mass is not symmetric");

@@ -40,10 +40,10 @@ damping_N_s_per_m = 8
 
 class Oscillator : public ::testing::Test {
  protected:
-  // Of m x'' + c x' + k x + extra(x, x') = u.
+  // Solves m x'' + c x' + k x + extra(x, x') = u.
   template <class Extra>
   std::vector<double> answer(const std::vector<double>& u, Extra extra) const {
-    const auto force = test::on_lines(u, kStep);
+    const auto force = test::interpolated(u, kStep);
     const auto states = test::integrated(
         [&](double t, const VectorXd& x) {
           return VectorXd{{x[1], (force(t) - 8 * x[1] - 800 * x[0] - extra(x[0], x[1])) / 2.0}};
@@ -64,7 +64,7 @@ class Oscillator : public ::testing::Test {
     return test::prediction(*relation_, hypothesis, case_.records[0]);
   }
   MatrixXd measured() const { return relation_->prepare(case_.records[0])->measured; }
-  Hypothesis base_with(const std::vector<PlacedTerm>& terms) const {
+  Hypothesis base_with(const std::vector<ModelTerm>& terms) const {
     Hypothesis hypothesis = relation_->base();
     hypothesis.terms.insert(hypothesis.terms.end(), terms.begin(), terms.end());
     return hypothesis;
@@ -75,7 +75,7 @@ class Oscillator : public ::testing::Test {
   std::unique_ptr<Relation> relation_;
 };
 
-TEST_F(Oscillator, AnswersAStepAsTheClosedFormDoes) {
+TEST_F(Oscillator, HasTheStepResponseOfTheClosedForm) {
   const std::vector<double> u(500, 40.0);
   std::vector<double> y;
   const double decay = 8 / (2 * 2.0), damped = std::sqrt(800 / 2.0 - decay * decay);
@@ -91,7 +91,7 @@ TEST_F(Oscillator, AnswersAStepAsTheClosedFormDoes) {
   EXPECT_LT(test::relative_error(predicted(relation_->base()), measured()), 1e-12);
 }
 
-TEST_F(Oscillator, FollowsASpringThatStiffens) {
+TEST_F(Oscillator, FollowsAStiffeningSpring) {
   const auto u = test::random_signal(1, 3000, kStep, 0.3, 6, 30);
   const double cubic = 4e4;
   with(u, answer(u, [&](double x, double) { return cubic * x * x * x; }));
@@ -102,8 +102,8 @@ TEST_F(Oscillator, FollowsASpringThatStiffens) {
       measured());
 
   EXPECT_GT(linear, 0.2);
-  // Within a part of a step the force is taken for a line: (ω Δt/4)²/12 of it is lost, 1e-3 at the
-  // third harmonic of 15 Hz, where the spring is hardest.
+  // The force is linear within a substep, an error of (ω Δt/4)²/12: 1e-3 at the third harmonic of
+  // 15 Hz, where the spring is stiffest.
   EXPECT_LT(error, 2e-3);
 }
 
@@ -111,7 +111,7 @@ TEST_F(Oscillator, FollowsFrictionWithPresliding) {
   const auto u = test::random_signal(2, 3000, kStep, 0.3, 6, 30);
   // Dahl's ds = (dx − s |dx|)/z_s as a third state.
   const double friction = 6, presliding = 1e-3;
-  const auto force = test::on_lines(u, kStep);
+  const auto force = test::interpolated(u, kStep);
   const auto states = test::integrated(
       [&](double t, const VectorXd& x) {
         const double slip = (x[1] - x[2] * std::abs(x[1])) / presliding;
@@ -132,15 +132,15 @@ TEST_F(Oscillator, FollowsFrictionWithPresliding) {
   EXPECT_LT(error, 5e-3);
 }
 
-// Every candidate's derivatives against differences of the prediction itself.
-TEST_F(Oscillator, KnowsItsDerivatives) {
+// Compares every candidate's derivatives with differences of the prediction.
+TEST_F(Oscillator, HasTheDerivativesOfItsPrediction) {
   const auto u = test::random_signal(3, 1200, kStep, 0.3, 6, 30);
   with(u, answer(u, [](double, double) { return 0.0; }));
   const auto drive = relation_->prepare(case_.records[0]);
   const auto& base = relation_->base();
   int checked = 0;
   for (const auto& candidate : relation_->candidates()) {
-    // Differences see nothing of these, or only jumps.
+    // The differences of these are zero or jump.
     if (candidate.kind == "quantisation" || candidate.kind == "overflow") continue;
     const Hypothesis hypothesis = extended(base, candidate, candidate.starts[0]);
     const auto simulator = relation_->simulator(hypothesis, *drive);
@@ -159,7 +159,7 @@ TEST_F(Oscillator, KnowsItsDerivatives) {
       ASSERT_TRUE(simulator->run(values, {}, below, none));
       const MatrixXd difference = (above - below) / (2 * step);
       const auto& derivative = derivatives[static_cast<std::size_t>(i)];
-      // Where nothing depends on it there is nothing to compare.
+      // The prediction does not depend on the parameter.
       if (difference.norm() * step < 1e-12 * prediction.norm()) continue;
       EXPECT_LT(test::relative_error(derivative, difference), 0.02)
           << candidate.name << " at " << candidate.channel << ": "
@@ -170,7 +170,7 @@ TEST_F(Oscillator, KnowsItsDerivatives) {
   EXPECT_GT(checked, 100);
 }
 
-TEST_F(Oscillator, SaysWhatIsWrongInItsTable) {
+TEST_F(Oscillator, ReportsErrorsInItsTable) {
   const std::vector<double> u(100, 1.0);
   folder_.write("fit.csv", {{"u", u}, {"y", u}});
   const auto error_with = [&](const std::string& before, const std::string& after) {
@@ -183,10 +183,11 @@ TEST_F(Oscillator, SaysWhatIsWrongInItsTable) {
   };
 
   EXPECT_EQ(error_with("\"force.1\"", "\"force.2\""),
-            "case.toml:18:13: '2' is no mass, expected 1 to 1");
-  EXPECT_EQ(error_with("\"displacement.1\"", "\"place.1\"")
-                .find("case.toml:20:14: 'place.1' is no output, expected displacement.<mass>"),
-            0U);
+            "case.toml:18:13: '2' is not a mass, expected 1 to 1");
+  EXPECT_EQ(
+      error_with("\"displacement.1\"", "\"position.1\"")
+          .find("case.toml:20:14: 'position.1' is not an output, expected displacement.<mass>"),
+      0U);
   EXPECT_EQ(error_with("[0, 1]", "[0, 3]"),
             "case.toml:14:11: between must be two different numbers from 0, the ground, to 1, the "
             "last mass");

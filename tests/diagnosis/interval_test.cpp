@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Intervals are what they claim to be: over repetitions with other noise, those of 95 % hold the
-// truth about as often as that, and are no wider than they need to be.
+// Confidence intervals have their stated coverage: over repetitions with different noise, about 95
+// % contain the true value, and they are no wider than necessary.
 #include <rths/diagnosis/diagnose.hpp>
 
 #include <cmath>
@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kStep = 0.004, kLength = 20, kQuiet = 2;  // [s]
 constexpr double kStiffness = 2e5, kDamping = 3e3;         // [N/m], [N·s/m]
-constexpr double kDrag = 4e3;                              // what is missing [N·s²/m²]
+constexpr double kDrag = 4e3;                              // the missing term [N·s²/m²]
 constexpr double kForceNoise = 20, kMotionNoise = 2e-6;    // [N], [m]
 constexpr int kRepetitions = 20;
 
-// A spring, a damper and c |v| v, whose velocity is known as a formula.
+// A spring, a damper and c |v| v, with an analytic velocity.
 Record record_of(const std::string& name, Use use, double phase, std::mt19937& random) {
   std::normal_distribution<double> normal;
   Record record;
@@ -60,7 +60,7 @@ Case case_of(unsigned seed) {
   return c;
 }
 
-TEST(Intervals, HoldTheTruthAsOftenAsTheySayAndAreNoWiderThanThat) {
+TEST(Intervals, HaveTheirStatedCoverageAndAreNotTooWide) {
   // P(15 or fewer of 20 | 0.95) = 0.26 %, by the binomial distribution.
   constexpr int kFewest = 16;
   int held = 0;

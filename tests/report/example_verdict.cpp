@@ -215,9 +215,10 @@ Verdict missing_verdict() {
   v.confidence = 0.98;
   v.sentence =
       "Missing: Coulomb friction in the guides, Fc = 41.2 kN ± 0.7 kN (confidence 0.98); explains "
-      "97 % of what was unexplained; on the unseen record the error falls from 9.1 % to 0.6 % "
-      "(noise alone: 0.6 %). Could also be friction that follows the vertical load; an empty table "
-      "under a sine of 0.5 Hz at three vertical loads would tell (218 σ).";
+      "97 % of the systematic residual; on the unseen record the error falls from 9.1 % to 0.6 % "
+      "(noise floor 0.6 %). Could also be friction that follows the vertical load. Next test: "
+      "empty "
+      "table, sine of 0.5 Hz at three vertical loads (218 σ).";
   v.traces = {trace("northridge.csv", 0, truth, absorbed_law, after),
               trace("petrolia.csv", 1.1, truth, absorbed_law, after)};
   v.where = where_of(v.traces[0], motion(0));
@@ -236,7 +237,7 @@ Verdict missing_verdict() {
                 {"transducer_backlash", "Play of the transducer", 6.2, 5.0, 7.3},
                 {"quadratic_drag", "Quadratic drag", 1.3, 0.7, 1.9},
                 {"platen_inertia", "Inertia of the platen", 0.01, -0.04, 0.06}};
-  v.limits = {"No vertical force was recorded: friction that follows it cannot be told apart.",
+  v.limits = {"No vertical force was recorded: friction that follows it cannot be distinguished.",
               "Displacements above 0.17 m were never visited.",
               "The noise was taken from a stretch at rest of 1.1 s."};
   v.next_test = "empty table, sine of 0.5 Hz, ±120 mm, at vertical loads of 0.5, 1 and 1.6";
@@ -251,8 +252,9 @@ Verdict none_verdict() {
   v.outcome = Outcome::None;
   v.confidence = 0.97;
   v.sentence =
-      "Nothing is missing: what the simulation leaves unexplained on the unseen record is noise "
-      "(error 0.6 %, noise alone 0.6 %; confidence 0.97).";
+      "Nothing is missing: the residual on the unseen record is noise (error 0.6 %, noise floor "
+      "0.6 "
+      "%; confidence 0.97).";
   v.traces = {trace("petrolia.csv", 1.1, base_law, base_law, base_law)};
   v.fit = {{"petrolia.csv", "held_out", 0.0061, 0.0061, 0.0061, 0.0060, 1.01, 1.01}};
   v.residual_white = true;
@@ -271,9 +273,10 @@ Verdict unknown_verdict() {
   v.confidence = 0.94;
   v.has_remainder = true;
   v.sentence =
-      "Something is missing that has no name here: a force that depends on displacement, f(u), "
-      "holds 93 % of what is unexplained (confidence 0.94); a triangle of 20 mm/s on the empty "
-      "table would tell whether it is the machine's.";
+      "Unknown: no term of the catalogue explains the residual; a force that depends on "
+      "displacement, f(u), explains 93 % of it (confidence 0.94). Next test: a triangle of 20 mm/s "
+      "on "
+      "the empty table shows whether it is the machine's.";
   v.traces = {trace("northridge.csv", 0, truth, base_law, base_law),
               trace("petrolia.csv", 1.1, truth, base_law, base_law)};
   v.where = where_of(v.traces[0], motion(0));
@@ -291,7 +294,7 @@ Verdict unknown_verdict() {
   v.residual_correlation = {};
   for (int lag = 1; lag <= 40; ++lag)
     v.residual_correlation.push_back(0.8 * std::exp(-lag / 25.0) * std::cos(lag / 4.0));
-  v.limits = {"No acceleration was recorded: inertia cannot be told from stiffness."};
+  v.limits = {"No acceleration was recorded: inertia cannot be distinguished from stiffness."};
   v.next_test = "empty table, triangle of 20 mm/s";
   return v;
 }

@@ -39,4 +39,10 @@ const TermKind& term_kind(std::string_view name) {
               did_you_mean(std::string{name}, known)};
 }
 
+const Parameter& parameter_of(const TermKind& kind, std::string_view name) {
+  for (const auto& parameter : kind.parameters)
+    if (parameter.name == name) return parameter;
+  throw Error{"term '" + std::string{kind.name} + "' has no parameter '" + std::string{name} + "'"};
+}
+
 }  // namespace rths::sim

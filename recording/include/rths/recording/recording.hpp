@@ -116,6 +116,23 @@ class Reader {
 [[nodiscard]] std::vector<double> at_each_count(const std::vector<double>& counter,
                                                 const std::vector<double>& signal);
 
+/// One value per tick of a node, up to the end of the test. The reader must outlive it.   @setup
+class NodeTicks {
+ public:
+  /// @param node  "srmd", "xpc"   @throws Error if the recording lacks the node's counter
+  NodeTicks(const Reader& run, const std::string& node);
+  [[nodiscard]] std::size_t count() const { return count_; }
+  /// The node's counter in each row.
+  [[nodiscard]] const std::vector<double>& counter() const { return counter_; }
+  /// @throws Error if the recording lacks the signal
+  [[nodiscard]] std::vector<double> values(const std::string& signal) const;
+
+ private:
+  const Reader& run_;
+  std::vector<double> counter_;
+  std::size_t count_ = 0;
+};
+
 /// True if the file begins as an HDF5 file does.
 [[nodiscard]] bool is_hdf5(const std::filesystem::path& file);
 /// Adds attributes to /meta of a finished recording. @throws Error

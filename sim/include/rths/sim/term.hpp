@@ -124,5 +124,7 @@ struct TermKind {
 
 /// @throws Error naming the nearest known kind   @setup
 [[nodiscard]] const TermKind& term_kind(std::string_view name);
+/// @throws Error if the kind has no parameter of this name   @setup
+[[nodiscard]] const Parameter& parameter_of(const TermKind& kind, std::string_view name);
 
 }  // namespace rths::sim
