@@ -375,6 +375,12 @@ TEST_P(KillsOf, AWriterCauseNoTornLostOrHangingRead) {
   std::sort(tally.repair.begin(), tally.repair.end());
   const double p99 = tally.repair[static_cast<std::size_t>(0.99 * (kills - 1))];
   RecordProperty("kills", tally.kills);
+  RecordProperty("stopped", tally.stops);
+  RecordProperty("reads", std::to_string(tally.reads));
+  RecordProperty("torn", std::to_string(tally.torn));
+  RecordProperty("hung", std::to_string(tally.hung));
+  RecordProperty("lost", std::to_string(tally.lost));
+  RecordProperty("repair_p99_ms", std::to_string(1e3 * p99));
   std::printf(
       "seed %u, %d kills (%d stopped before), %ld reads, torn %ld, hung %ld, lost %ld, "
       "repair p99 %.2f ms\n",

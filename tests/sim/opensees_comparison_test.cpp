@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The same bearing here and in OpenSees, along the same paths. Where both implement the same law,
 // their forces must agree; intended differences are measured.
+#include <cmath>
 #include <cstdio>
 #include <ostream>
 
@@ -47,6 +48,8 @@ TEST_P(OpenseesBearing, AgreesWithOurs) {
     const auto found = test::nrmse(ours, theirs);
 
     print_line(row.name, path.name, path.time_step, found);
+    RecordProperty(path.name + "_shear_percent", std::to_string(100 * found.shear));
+    RecordProperty(path.name + "_axial_percent", std::to_string(100 * found.axial));
     EXPECT_LE(found.shear, row.bound) << path.name;
     EXPECT_LE(found.axial, row.bound) << path.name;
   }
@@ -64,6 +67,8 @@ TEST_F(Opensees, ComesNearerToOursAsItsStepGetsShorter) {
       const auto found = test::nrmse(test::our_forces(row.bearing, path),
                                      test::opensees_forces(row.bearing, path));
       print_line(row.name, path.name, step, found);
+      RecordProperty("record_at_" + std::to_string(std::lround(1e6 * step)) + "_us_shear_percent",
+                     std::to_string(100 * found.shear));
       differences.push_back(found.shear);
     }
     for (std::size_t i = 1; i < differences.size(); ++i)

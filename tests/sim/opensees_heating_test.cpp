@@ -129,12 +129,19 @@ void compare(const test::Path& path, test::Forces (*select)(const test::Forces&)
   const auto by_work = select(law_along(path, HeatInput::Work));
 
   const double written_down = test::nrmse(again, theirs).shear;
+  const double heated_by_work = test::nrmse(by_work, again).shear;
+  const double ours_from_that = test::nrmse(ours, by_work).shear;
 
   std::printf(
       "  %-11s OpenSees to its law reimplemented %7.4f %%; that law to itself heated by work "
       "%7.4f %%; the latter to ours %7.4f %%\n",
-      path.name.c_str(), 100 * written_down, 100 * test::nrmse(by_work, again).shear,
-      100 * test::nrmse(ours, by_work).shear);
+      path.name.c_str(), 100 * written_down, 100 * heated_by_work, 100 * ours_from_that);
+  const auto record = [&](const char* name, double share) {
+    testing::Test::RecordProperty(path.name + "_" + name, std::to_string(100 * share));
+  };
+  record("law_again_percent", written_down);
+  record("by_work_percent", heated_by_work);
+  record("ours_percent", ours_from_that);
   EXPECT_LE(written_down, 0.005) << path.name;
 }
 
