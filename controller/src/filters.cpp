@@ -6,8 +6,9 @@
 #include <numbers>
 #include <string>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::controller {
@@ -64,7 +65,7 @@ EndSlope::EndSlope(int length, double period) {
     X.row(i) << 1, t, t * t;
   }
   const Eigen::MatrixXd pseudo_inverse =
-      X.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(length, length));
+      algebra::solve_least_squares(X, Eigen::MatrixXd{Eigen::MatrixXd::Identity(length, length)});
   for (int i = 0; i < length; ++i) weights_.push_back(pseudo_inverse(1, i));
   samples_.assign(static_cast<std::size_t>(length), 0.0);
 }

@@ -7,8 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/LU>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
@@ -44,7 +46,7 @@ std::optional<Solution> solve_subset(const Features& X, const Eigen::VectorXd& y
   Eigen::MatrixXd subset(X.rows(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t i = 0; i < columns.size(); ++i)
     subset.col(static_cast<Eigen::Index>(i)) = X.col(columns[i]);
-  const Eigen::VectorXd found = subset.colPivHouseholderQr().solve(y);
+  const Eigen::VectorXd found = algebra::solve_least_squares(subset, y);
   Solution solution = Solution::Zero();
   for (std::size_t i = 0; i < columns.size(); ++i)
     solution[columns[i]] = found[static_cast<Eigen::Index>(i)];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dynamic_start.hpp"
 
-#include <Eigen/QR>
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::diagnosis {
 
@@ -27,10 +27,8 @@ VectorXd fitted_start(const StepMatrices<double>& steps, int substeps, const Mat
     for (int substep = 0; substep < substeps; ++substep) seen = seen * phi;
   }
   // State directions with little effect on the outputs stay at rest.
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver;
-  solver.setThreshold(1e-6);
   VectorXd scale = response.colwise().norm().transpose().cwiseMax(1e-300);
-  solver.compute(response * scale.cwiseInverse().asDiagonal());
+  const algebra::MinimumNormSolver solver{response * scale.cwiseInverse().asDiagonal(), 1e-6};
   for (int i = 0; i < kIterations; ++i) {
     const MatrixXd now = predicted(start);
     if (now.rows() < rows) break;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <unsupported/Eigen/MatrixFunctions>
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -109,7 +109,7 @@ Moments moments_of(const MatrixXd& a, const MatrixXd& drive, double length) {
   whole.block(0, n, n, w) = drive * length;
   whole.block(n, n + w, w, w).setIdentity();
   whole.block(n + w, n + 2 * w, w, w).setIdentity();
-  const MatrixXd after = whole.exp();
+  const MatrixXd after = algebra::exponential(whole);
   return {after.topLeftCorner(n, n), after.block(0, n, n, w), after.block(0, n + w, n, w),
           2 * after.block(0, n + 2 * w, n, w)};
 }

@@ -6,10 +6,11 @@
 #include <functional>
 #include <numeric>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <fmt/format.h>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/diagnosis/signal.hpp>
 
 #include "scores.hpp"
@@ -232,9 +233,9 @@ Regression regress(const VectorXd& w1, const MatrixXd& nuisance1, const MatrixXd
   const double size = normal.diagonal().head(m).mean();
   normal.diagonal().head(m).array() += 1e-3 * size + 0.5;
   normal.diagonal().tail(n).array() += 1e-3;
-  const Eigen::LDLT<MatrixXd> factors{normal};
+  const algebra::SymmetricFactors factors{normal};
   const VectorXd c = factors.solve(X1.transpose() * w1);
-  const MatrixXd inverse = factors.solve(MatrixXd::Identity(m + n, m + n));
+  const MatrixXd inverse = factors.inverse();
   return {c.head(m), inverse.diagonal().head(m).cwiseMax(0).cwiseSqrt(),
           w2.squaredNorm() - (w2 - X2 * c).squaredNorm()};
 }

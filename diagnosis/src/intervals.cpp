@@ -3,7 +3,9 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
 
 #include "investigation.hpp"
 
@@ -45,7 +47,7 @@ struct Minimum {
     // Keeps the matrix regular; undetermined parameters get the width of their bounds.
     MatrixXd normal = jacobian.transpose() * jacobian;
     normal.diagonal().array() += 1e-9 * normal.diagonal().maxCoeff();
-    inverse = normal.inverse();
+    inverse = algebra::inverse(normal);
   }
   [[nodiscard]] bool exists() const { return jacobian.size() > 0; }
   // One Gauss-Newton step.

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::diagnosis {
@@ -103,7 +104,8 @@ class Minimiser {
     while (!free.empty()) {
       // `way` of the fixed parameters is known.
       const VectorXd pull = gradient + damped * fixed_part(way, free);
-      const VectorXd solution = damped(free, free).ldlt().solve(-pull(free));
+      const VectorXd solution =
+          algebra::solve_symmetric(MatrixXd{damped(free, free)}, VectorXd{-pull(free)});
       way(free) = solution;
       Index worst = -1;
       double excess = 0;
@@ -166,13 +168,11 @@ MatrixXd covariance(const Fit& fit, Index block) {
   const MatrixXd& J = fit.jacobian;
   const VectorXd scale = J.colwise().norm().cwiseMax(1e-300).cwiseInverse();
   const MatrixXd H = scale.asDiagonal() * (J.transpose() * J) * scale.asDiagonal();
-  const Eigen::LDLT<MatrixXd> factors{H};
+  const algebra::SymmetricFactors factors{H};
   constexpr double kLeastPivot = 1e-12;  // of columns of unit length
-  if (!(factors.vectorD().minCoeff() > kLeastPivot))
+  if (!(factors.smallest_pivot() > kLeastPivot))
     throw Error{"covariance: the data do not separate the parameters"};
-  const MatrixXd inverse = scale.asDiagonal() *
-                           factors.solve(MatrixXd::Identity(H.rows(), H.cols())) *
-                           scale.asDiagonal();
+  const MatrixXd inverse = scale.asDiagonal() * factors.inverse() * scale.asDiagonal();
   const double mean_square =
       fit.sum_of_squares / static_cast<double>(std::max<Index>(1, J.rows() - J.cols()));
   const MatrixXd robust = sandwich(J, fit.residual, inverse, block);

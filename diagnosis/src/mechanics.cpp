@@ -6,8 +6,9 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <Eigen/LU>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::diagnosis {
@@ -196,7 +197,7 @@ LinearSystem Mechanics::system(const Matrices& matrices, std::size_t plant_input
   LinearSystem system =
       LinearSystem::zeros(2 * n, static_cast<Index>(plant_inputs),
                           static_cast<Index>(readings.size()), static_cast<Index>(springs.size()));
-  const MatrixXd inverse = matrices.mass.inverse();
+  const MatrixXd inverse = algebra::inverse(matrices.mass);
   system.a.topRightCorner(n, n).setIdentity();
   system.a.bottomLeftCorner(n, n) = -inverse * matrices.stiffness;
   system.a.bottomRightCorner(n, n) = -inverse * matrices.damping;

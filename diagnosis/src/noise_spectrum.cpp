@@ -4,8 +4,9 @@
 #include <complex>
 #include <numbers>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 #include <rths/diagnosis/signal.hpp>
 
@@ -64,7 +65,7 @@ void smooth_few(const std::vector<double>& counts, const std::vector<double>& fr
     design.row(i) << weight, weight * x, weight * x * x, weight * x * x * x;
     log_density[i] = weight * std::log(density[k]);
   }
-  const VectorXd cubic = design.colPivHouseholderQr().solve(log_density);
+  const VectorXd cubic = algebra::solve_least_squares(design, log_density);
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (counts[k] >= kFew) continue;

@@ -5,8 +5,9 @@
 #include <numeric>
 #include <optional>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -33,7 +34,7 @@ double gain_of(const MatrixXd& columns, const VectorXd& residual, double absent,
     if (length[i] > 1e-9 * residual.norm()) used.push_back(i);
   if (used.empty()) return 0;
   const MatrixXd unit = columns(Eigen::all, used) * length(used).cwiseInverse().asDiagonal();
-  const VectorXd weights = unit.colPivHouseholderQr().solve(residual);
+  const VectorXd weights = algebra::solve_least_squares(unit, residual);
   // A size that may only grow explains nothing with the wrong sign.
   if (columns.cols() == 1 && absent - weights[0] / length[used[0]] < low) return 0;
   return 0.5 * (residual.squaredNorm() - (residual - unit * weights).squaredNorm());
@@ -49,13 +50,13 @@ Complement::Complement(const MatrixXd& columns) {
     if (length > 0) scaled.col(i) /= length;
   }
   // By the small Gram matrix, because the columns are long and few.
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen{scaled.transpose() * scaled};
-  const VectorXd& values = eigen.eigenvalues();
+  const algebra::Modes eigen = algebra::symmetric_modes(scaled.transpose() * scaled);
+  const VectorXd& values = eigen.values;
   const double least = kRankCut * values[values.size() - 1];
   std::vector<Index> used;
   for (Index i = 0; i < values.size(); ++i)
     if (values[i] > least) used.push_back(i);
-  basis_ = scaled * eigen.eigenvectors()(Eigen::all, used) *
+  basis_ = scaled * eigen.vectors(Eigen::all, used) *
            values(used).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -31,7 +33,8 @@ struct Normal {
     square += difference.squaredNorm();
   }
   [[nodiscard]] double remainder() const {  // of the difference, after the fit [nat]
-    const double fitted = slope.size() > 0 ? slope.dot(curvature.ldlt().solve(slope)) : 0;
+    const double fitted =
+        slope.size() > 0 ? slope.dot(algebra::solve_symmetric(curvature, slope)) : 0;
     return std::max(0.0, (square - fitted) / 2);
   }
 };
@@ -60,8 +63,8 @@ Hypothesis settled(const Investigation& found, Hypothesis hypothesis, Rows& rows
   MatrixXd curvature = rows.jacobian.transpose() * rows.jacobian;
   curvature.diagonal().array() += 1 / (kFarthest * kFarthest);
   VectorXd values =
-      result.values -
-      scale.cwiseProduct(curvature.ldlt().solve(rows.jacobian.transpose() * rows.residual));
+      result.values - scale.cwiseProduct(algebra::solve_symmetric(
+                          curvature, VectorXd{rows.jacobian.transpose() * rows.residual}));
   for (Index i = 0; i < values.size(); ++i) {
     const auto& free = result.free[static_cast<std::size_t>(i)];
     values[i] = std::clamp(values[i], free.low, free.high);

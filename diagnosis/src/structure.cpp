@@ -2,7 +2,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
 
 #include "mechanics.hpp"
 
@@ -109,8 +111,7 @@ DynamicModel read_structure(const Config& table) {
   DynamicModel model;
   Mechanics mechanics;
   const MatrixXd mass = read_symmetric(table, "mass", 0);
-  if (mass.rows() == 0 || mass.ldlt().info() != Eigen::Success || !mass.ldlt().isPositive() ||
-      mass.ldlt().vectorD().minCoeff() <= 0)
+  if (mass.rows() == 0 || !algebra::SymmetricFactors{mass}.is_positive_definite())
     table.fail("mass", "mass is not positive definite");
   mechanics.masses = mass.rows();
   const MatrixXd stiffness = read_symmetric(table, "stiffness", mass.rows());

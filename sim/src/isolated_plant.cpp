@@ -5,9 +5,9 @@
 #include <numbers>
 #include <numeric>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
@@ -42,12 +42,11 @@ StickMatrices stick_matrices(const VectorXd& m, double frequency, double damping
   MatrixXd K = unit_stiffness(static_cast<int>(m.size()));
   const MatrixXd M = m.asDiagonal();
   const double omega = 2 * std::numbers::pi * frequency;
-  const double unit_eigenvalue =
-      Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>{K, M}.eigenvalues()[0];
+  const double unit_eigenvalue = algebra::generalized_modes(K, M).values[0];
   K *= omega * omega / unit_eigenvalue;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes{K, M};
-  const VectorXd c = 2 * damping_ratio * modes.eigenvalues().cwiseSqrt();
-  const MatrixXd MPhi = M * modes.eigenvectors();
+  const algebra::Modes modes = algebra::generalized_modes(K, M);
+  const VectorXd c = 2 * damping_ratio * modes.values.cwiseSqrt();
+  const MatrixXd MPhi = M * modes.vectors;
   return {K, MPhi * c.asDiagonal() * MPhi.transpose()};
 }
 

@@ -5,7 +5,8 @@
 #include <random>
 
 #include <gtest/gtest.h>
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <rths/core/error.hpp>
 

@@ -6,8 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/feed_forward.hpp>
 
@@ -132,7 +133,7 @@ TEST(Ats, FitsTheWindowAsADirectLeastSquaresDoes) {
     X.row(k) = row.head<3>();
     u[k] = row[3];
   }
-  const Eigen::Vector3d direct = X.colPivHouseholderQr().solve(u);
+  const Eigen::Vector3d direct = algebra::solve_least_squares(X, u);
   for (int i = 0; i < 3; ++i)
     EXPECT_NEAR(ats.coefficients()[i], direct[i], 1e-6 * std::abs(direct[i]));
 }

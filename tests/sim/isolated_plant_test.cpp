@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -20,8 +21,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 VectorXd frequencies(const MatrixXd& K, const MatrixXd& M) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes{K, M};
-  return modes.eigenvalues().cwiseMax(0).cwiseSqrt() / (2 * std::numbers::pi);
+  return algebra::generalized_modes(K, M).values.cwiseMax(0).cwiseSqrt() / (2 * std::numbers::pi);
 }
 
 MatrixXd with_bearings(const PlantMatrices& plant, double stiffness) {
@@ -56,12 +56,12 @@ TEST(IsolatedPlant, HasTheGivenFrequenciesOnAFixedBase) {
 
 TEST(IsolatedPlant, HasItsDampingRatioInEveryFixedBaseMode) {
   const PlantMatrices fixed = assemble(example_plant()).fixed_base();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes{fixed.K, fixed.M};
+  const algebra::Modes modes = algebra::generalized_modes(fixed.K, fixed.M);
 
-  const MatrixXd modal = modes.eigenvectors().transpose() * fixed.C * modes.eigenvectors();
+  const MatrixXd modal = modes.vectors.transpose() * fixed.C * modes.vectors;
 
   for (int i = 0; i < fixed.dofs(); ++i)
-    EXPECT_NEAR(modal(i, i) / (2 * std::sqrt(modes.eigenvalues()[i])), 0.04, 1e-9);
+    EXPECT_NEAR(modal(i, i) / (2 * std::sqrt(modes.values[i])), 0.04, 1e-9);
 }
 
 TEST(IsolatedPlant, HasTheIsolationFrequenciesOfItsDesign) {

@@ -5,8 +5,9 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::adapters {
@@ -42,9 +43,8 @@ double excitation(double time) {
 
 // Damping and mass must be positive semidefinite: negative eigenvalues, caused by noise, become 0.
 MatrixXd passive(const MatrixXd& matrix) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> modes{(matrix + matrix.transpose()) / 2};
-  return modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() *
-         modes.eigenvectors().transpose();
+  const algebra::Modes modes = algebra::symmetric_modes((matrix + matrix.transpose()) / 2);
+  return modes.vectors * modes.values.cwiseMax(0).asDiagonal() * modes.vectors.transpose();
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ void Identification::measure(const VectorXd& displacement, const VectorXd& force
 
 // cos and sin parts c, s of a signal c·cos ωt + s·sin ωt are the complex amplitude c − i·s.
 void Identification::finish_component() {
-  const MatrixXd fit = normal_.ldlt().solve(observed_);
+  const MatrixXd fit = algebra::solve_symmetric(normal_, observed_);
   for (std::size_t i = 0; i < kFrequencies; ++i) {
     const auto cosine = fit.row(2 + 2 * static_cast<Index>(i)).transpose();
     const auto sine = fit.row(3 + 2 * static_cast<Index>(i)).transpose();

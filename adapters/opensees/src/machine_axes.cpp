@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
 #include <Eigen/Geometry>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 
 #include "eigen_conversion.hpp"
@@ -71,12 +71,12 @@ MachineAxes::MachineAxes(const OpenSeesElement& element)
     for (Index i = 0; i < moved; ++i)
       jacobian_(i, i) = element.axes[static_cast<std::size_t>(i)].direction;
   static_cast<void>(set_position(VectorXd::Zero(moved)));
-  const auto decomposition = jacobian_.completeOrthogonalDecomposition();
+  const algebra::MinimumNormSolver decomposition{jacobian_};
   if (decomposition.rank() < moved)
     throw Error{
         fmt::format("element '{}': its actuators control {} of the {} components that they move",
                     element.name, decomposition.rank(), moved)};
-  inverse_ = decomposition.pseudoInverse();
+  inverse_ = decomposition.pseudo_inverse();
 }
 
 Components MachineAxes::platen(const VectorXd& moved) const {

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include <Eigen/Core>
-#include <Eigen/QR>
+
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::sim {
 namespace {
@@ -38,8 +39,8 @@ std::vector<FadingExponential> fading_exponentials(double power, double shortest
   Eigen::VectorXd share;
   // Least squares, repeated without the rate of the most negative weight until none is negative.
   while (true) {
-    share =
-        shares(times, rates, power).colPivHouseholderQr().solve(Eigen::VectorXd::Ones(kFitTimes));
+    share = algebra::solve_least_squares(shares(times, rates, power),
+                                         Eigen::VectorXd{Eigen::VectorXd::Ones(kFitTimes)});
     Eigen::Index worst = 0;
     if (share.minCoeff(&worst) >= 0) break;
     rates.erase(rates.begin() + worst);
