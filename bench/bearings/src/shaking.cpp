@@ -82,9 +82,9 @@ Shaking adversity(const Demand& demand, int steps) {
     auto& q = shaking[static_cast<std::size_t>(i)];
     q.time = (i + 1) * kTimeStep;
     const double size = demand.amplitude * std::pow(10.0, 3 * uniform());
-    const bool stands = i % 17 == 0, lifts = i % 5 == 0;
+    const bool rests = i % 17 == 0, lifts = i % 5 == 0;
     for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
-      q.displacement[axis] = stands ? before[axis] : size * uniform();
+      q.displacement[axis] = rests ? before[axis] : size * uniform();
       q.velocity[axis] = (q.displacement[axis] - before[axis]) / kTimeStep;
     }
     load(q, demand, lifts ? -0.5 : 1 + 2 * std::abs(uniform()));
