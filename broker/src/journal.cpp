@@ -61,8 +61,8 @@ void JournalWriter::group_across_hint(std::uint32_t base, std::span<const std::u
                                       std::uint32_t count) noexcept {
   append(EntryKind::Group, base, static_cast<std::uint32_t>(words.size()), count);
   while (!words.empty()) {
-    const auto room = static_cast<std::size_t>(stop_ - next_) * kWordsPerEntry;
-    const auto chunk = words.first(std::min(room, words.size()));
+    const auto capacity = static_cast<std::size_t>(stop_ - next_) * kWordsPerEntry;
+    const auto chunk = words.first(std::min(capacity, words.size()));
     publish_words(next_, chunk, tag(EntryKind::Data));
     advance_to(next_ + entries_of(chunk.size()));
     words = words.subspan(chunk.size());

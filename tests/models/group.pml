@@ -10,7 +10,7 @@
  * has a write before the record is written again, and gets every write once; at the end record,
  * memory and journal have the last complete write.
  * Errors on purpose: -DNO_ODD  -DNO_RECHECK  -DEVEN_FIRST  -DCOUNT_ANEW (with -DDEATHS=2)  -DMEMORY_FIRST
- *         -DMEMORY_UNCHECKED  -DPLAIN_IS_A_COUNT  -DNO_MEND  -DNO_FINISH  -DNO_JOURNAL
+ *         -DMEMORY_UNCHECKED  -DPLAIN_IS_A_COUNT  -DNO_REPAIR  -DNO_FINISH  -DNO_JOURNAL
  *         -DJOURNAL_TORN  -DJOURNAL_AGAIN  -DRELAXED_WORDS  -DRELAXED_ODD (both with -DWEAK)
  */
 #ifndef WRITES

@@ -9,7 +9,7 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-// Bumped when a reader of the document would take something for something else.
+// Incremented when existing readers would misread the document.
 constexpr int kFormat = 1;
 
 json document(const Times& times) { return {{"p50_ns", times.p50}, {"p99_ns", times.p99}}; }
@@ -26,7 +26,7 @@ std::string to_json(const OpenseesBenchReport& report) {
                      {"ratio_p50_95", {trip.ratio_interval.low, trip.ratio_interval.high}},
                      {"ratio_p99", trip.ratio_p99},
                      {"at_most", kMostOfBare},
-                     {"verdict", to_text(trip.verdict)}});
+                     {"verdict", to_text(trip.gate_result)}});
   const json document = {{"format", kFormat},
                          {"machine", json::parse(to_json(report.machine))},
                          {"cycles", report.cycles},
@@ -48,7 +48,7 @@ std::string to_text(const OpenseesBenchReport& report) {
         trip.through_ring.p50 / 1e3, trip.through_ring.p99 / 1e3, trip.bare.p50 / 1e3,
         trip.bare.p99 / 1e3, trip.ratio_p50,
         fmt::format("{:.2f} to {:.2f}", trip.ratio_interval.low, trip.ratio_interval.high),
-        trip.ratio_p99, to_text(trip.verdict));
+        trip.ratio_p99, to_text(trip.gate_result));
   for (const auto& trouble : report.troubles) text += trouble + "\n";
   return text + fmt::format("{}: at most {:g} times the bare ping-pong at the median\n",
                             to_text(report.result), kMostOfBare);

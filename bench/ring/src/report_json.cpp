@@ -8,7 +8,7 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-// Bumped when a reader of the document would take something for something else.
+// Incremented when existing readers would misread the document.
 constexpr int kFormat = 1;
 
 const char* name_of(Quantity quantity) {
@@ -47,7 +47,8 @@ void add_gate(json& out, const std::string& suffix, const std::optional<Gate>& g
 }
 
 json document(const RowResult& result) {
-  json out = {{"name", result.row.name}, {"bytes", result.row.bytes}, {"what", result.row.what}};
+  json out = {
+      {"name", result.row.name}, {"bytes", result.row.bytes}, {"what", result.row.description}};
   if (result.row.is_peers()) out["against"] = result.row.peer->against;
   if (!result.missing.empty()) {
     out["missing"] = result.missing;
@@ -65,7 +66,7 @@ json document(const RowResult& result) {
   }
   add_gate(out, "", result.row.gate);
   add_gate(out, "_p99", result.row.tail_gate);
-  out["verdict"] = to_text(result.verdict);
+  out["verdict"] = to_text(result.gate_result);
   return out;
 }
 
