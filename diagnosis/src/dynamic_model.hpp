@@ -16,7 +16,7 @@
 namespace rths::diagnosis {
 
 /// The linear system of a model, with inputs u, outputs y, and the forces f of terms in
-/// connections. A connection joins two points at the distance d:
+/// connections. A connection joins two points; d is their relative displacement:
 ///     x' = A x + B u + E f,  y = C x + D u + H f
 ///     d = P x + Q u,  d' = R x + S u,  d'' = T u
 /// A sampled system has x(t + Δt) in place of x'. Terms with a mass need d'', which is known only
@@ -50,8 +50,7 @@ struct Connection {
 struct ModelParameter {
   std::string name, unit;  ///< "spring.2.stiffness", "N/m"
   double value = 0;
-  std::string
-      error;  ///< its name in verdicts if its value is wrong: "stiffness_error"; empty: none
+  std::string error;  ///< name in verdicts of a wrong value: "stiffness_error"; empty: none
   /// Input and output that it joins directly: their sizes set its bounds.
   std::optional<std::pair<std::size_t, std::size_t>> joins;
 };

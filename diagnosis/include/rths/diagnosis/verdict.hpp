@@ -114,8 +114,8 @@ struct Trace {
   std::vector<double> excess;                           ///< share of the excess energy, by sample
 };
 
-/// A refitted parameter of the simulation. Left-out physics biases these parameters; `before` minus
-/// `after` is the bias.
+/// A refitted parameter of the simulation. Left-out physics biases these parameters: `before` and
+/// `after` show by how much.
 struct Refitted {
   std::string name, unit;  ///< unit: SI
   double stated = 0;       ///< in the case
