@@ -27,6 +27,8 @@ COLD = {  # no heating, friction independent of velocity
     "eqsb": ["friction_heating.enabled=false", "velocity_dep_sliding.enabled=false"],
     "tpfb": ["triple_pendulum.heat_share=0"] + [f"triple_pendulum.low_velocity_reduction_{i}=0" for i in (1, 2, 3)],
 }
+AXIAL_LISTED = {"LeadRubberXVerticalStiffness", "LeadRubberXFourEffects", "LeadRubberXAllEffects",
+                "LeadRubberXAllEffectsAndCooling", "LeadRubberXBeyondBuckling"}
 LOOPS = {"lprb": (0.210, 0.3), "eqsb": (0.152, 0.3), "tpfb": (0.584, 0.1)}  # amplitude [m], frequency [Hz]
 
 
@@ -37,10 +39,15 @@ def lowest_and_highest(floors, ratio, band):
 
 def of_diagnosis(verdict):
     """The figures of a verdict that pages quote."""
+    def half_width(interval):
+        return (interval[1] - interval[0]) / 2
     causes = [{"name": cause["name"], "part": cause["part"], "confidence": cause["confidence"],
-               "parameters": cause["parameters"],
+               "parameters": {name: values | {"half_width": half_width(values["ci95"])}
+                              for name, values in cause["parameters"].items()},
                "alternatives": [other["name"] for other in cause["alternatives"]]} for cause in verdict["causes"]]
+    explained = re.search(r"explains (\d+) %", verdict["sentence"])
     return {"verdict": verdict["verdict"], "sentence": verdict["sentence"], "confidence": verdict["confidence"],
+            "explained_percent": int(explained[1]) if explained else None,
             "part": verdict["where"]["part"], "causes": causes, "fit": verdict["fit"]}
 
 
@@ -130,8 +137,11 @@ def real_recordings(file):
 
 
 def opensees_comparison(file):
-    """NRMSE [%] of each row and path."""
-    return {"rows": {name.rsplit("/", 1)[-1].split(".")[0]: values for name, values in tests_of(file) if values}}
+    """NRMSE [%] of each row and path; the largest of axial force where the page lists no other."""
+    rows = {name.rsplit("/", 1)[-1].split(".")[0]: values for name, values in tests_of(file) if values}
+    largest = max(value for name, values in rows.items() if name not in AXIAL_LISTED
+                  for key, value in values.items() if key.endswith("_axial_percent"))
+    return {"largest_axial_percent": largest, "rows": rows}
 
 
 def main():

@@ -18,10 +18,10 @@ def machine():
 
 
 def commit():
-    """Short hash of the checked-out commit, with "-dirty" if tracked files differ from it."""
+    """Short hash of the checked-out commit, with "-dirty" if tracked files other than results and pages differ from it."""
     git = ["git", "-c", f"safe.directory={TREE}", "-C", str(TREE)]
     name = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True)
-    is_clean = subprocess.run([*git, "diff", "--quiet", "HEAD"]).returncode == 0
+    is_clean = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", ".", ":!benchmarks/results", ":!*.md"]).returncode == 0
     return name.stdout.strip() + ("" if is_clean else "-dirty")
 
 
