@@ -1,10 +1,11 @@
-# rths_add(<folder> [INTERNAL] SOURCES <files> [DEPENDS <targets>] [PRIVATE <targets>])
+# rths_add(<folder> [INTERNAL] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [PRIVATE <targets>])
 #
 # One folder, one target: library rths_<folder>, alias rths::<folder>, public headers below include/.
 # Each include/ is a separate root, so includes from a folder that is not in DEPENDS do not compile.
 # INTERNAL libraries are not installed; only programs of this project use them.
+# SEPARATE sources are never compiled together, because their third-party headers clash.
 function(rths_add folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL" "" "SOURCES;DEPENDS;PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;SEPARATE" "" "SOURCES;DEPENDS;PRIVATE")
   set(target rths_${folder})
   add_library(${target} ${arg_SOURCES})
   add_library(rths::${folder} ALIAS ${target})
@@ -14,6 +15,9 @@ function(rths_add folder)
   target_link_libraries(${target} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:rths_warnings>)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
+  if(NOT arg_SEPARATE)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${RTHS_UNITY} UNITY_BUILD_BATCH_SIZE 12)
+  endif()
   if(NOT arg_INTERNAL)
     install(TARGETS ${target} EXPORT rths FILE_SET HEADERS)
   endif()

@@ -10,6 +10,7 @@
 
 #include <rths/diagnosis/signal.hpp>
 
+#include "dynamic_drive.hpp"
 #include "test_motion.hpp"
 
 namespace rths::diagnosis {
@@ -34,10 +35,6 @@ constexpr double kSteadyShare = 0.02;  // of its mean: a channel that varies les
 constexpr double kHeldShare = 0.3;     // of its mean: change of such a channel
 constexpr double kQuasiStatic = 0.02;  // of the largest rate
 constexpr double kCircleRadius = 0.7;  // of the largest displacement
-
-VectorXd values_of(const Channel& channel) {
-  return VectorXd::Map(channel.values.data(), static_cast<Index>(channel.values.size()));
-}
 
 std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
 std::string member_of(const std::string& role) { return role.substr(role.find('.') + 1); }

@@ -30,11 +30,11 @@ VectorXd start_of(const DynamicModel& model, const Hypothesis& base, const Dynam
   return run.start(base.values, drive.measured, std::clamp<Index>(rows, 1, drive.rows()));
 }
 
-VectorXd values_of(const Channel& channel) {
+}  // namespace
+
+Eigen::VectorXd values_of(const Channel& channel) {
   return VectorXd::Map(channel.values.data(), static_cast<Index>(channel.values.size()));
 }
-
-}  // namespace
 
 const Channel& channel_of(const Record& record, const std::string& role) {
   const Channel* channel = record.find(role);

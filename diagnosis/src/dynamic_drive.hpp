@@ -31,6 +31,9 @@ class DynamicDrive : public Drive {
                                                        const DynamicDrive& drive,
                                                        const Record& noise);
 
+/// The samples of a channel [its unit].
+[[nodiscard]] Eigen::VectorXd values_of(const Channel& channel);
+
 /// @throws Error if the channel was not recorded
 [[nodiscard]] const Channel& channel_of(const Record& record, const std::string& role);
 

@@ -11,7 +11,7 @@ namespace rths::report {
 namespace {
 
 // Points of a curve: more than a screen can show. Many curves share the limit of a page.
-constexpr std::size_t kMostPoints = 6000, kMostPointsOfAll = 40'000;
+constexpr std::size_t kMostTracePoints = 6000, kMostPointsOfAll = 40'000;
 
 // A curve, thinned to at most `most` points.
 Json curve(const std::vector<double>& values, std::size_t most) {
@@ -40,8 +40,8 @@ std::string verdict_page(const diagnosis::Verdict& verdict) {
   Json data;
   data["verdict"] = verdict_numbers(verdict);
   data["traces"] = Json::array();
-  const std::size_t most =
-      std::min(kMostPoints, kMostPointsOfAll / std::max<std::size_t>(1, verdict.traces.size()));
+  const std::size_t most = std::min(
+      kMostTracePoints, kMostPointsOfAll / std::max<std::size_t>(1, verdict.traces.size()));
   for (const auto& trace : verdict.traces) data["traces"].push_back(trace_data(trace, most));
   return assemble(
       {web::kDiagnosisHtml,

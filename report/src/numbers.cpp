@@ -11,9 +11,7 @@ namespace rths::report {
 namespace {
 
 constexpr double kMostExcused = 0.01;  // fraction of the steps
-constexpr double kMilli = 1e3;         // s to ms, m to mm
 constexpr double kPercent = 100;
-constexpr double kPerKilo = 1e-3;  // N to kN
 
 // Bands for comparing spectra [Hz]: isolation and first modes of the buildings; the band of the
 // machine's errors and of vertical motion; higher frequencies.

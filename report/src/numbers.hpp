@@ -11,6 +11,9 @@ namespace rths::report {
 
 using Json = nlohmann::ordered_json;
 
+inline constexpr double kMilli = 1e3;     ///< s to ms, m to mm
+inline constexpr double kPerKilo = 1e-3;  ///< N to kN
+
 /// Every number of a report, in the units its keys name.
 [[nodiscard]] Json numbers_of(const Analysis& analysis);
 /// A report in a few lines for a terminal.

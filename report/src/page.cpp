@@ -10,11 +10,11 @@
 namespace rths::report {
 namespace {
 
-constexpr std::size_t kMostPoints = 4000;  // of a curve: more than a screen can show
-constexpr double kMilli = 1e3;
-constexpr double kPerKilo = 1e-3;
+constexpr std::size_t kMostCurvePoints = 4000;  // of a curve: more than a screen can show
 
-std::size_t stride_of(std::size_t count) { return (count + kMostPoints - 1) / kMostPoints; }
+std::size_t stride_of(std::size_t count) {
+  return (count + kMostCurvePoints - 1) / kMostCurvePoints;
+}
 
 std::vector<double> thinned(const std::vector<double>& values) {
   const std::size_t stride = std::max<std::size_t>(1, stride_of(values.size()));

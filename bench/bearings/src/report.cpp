@@ -11,12 +11,12 @@
 namespace rths::bench {
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 // Incremented when existing readers would misread the document.
 constexpr int kFormat = 1;
 
-json document(const StepTimes& times) {
+Json document(const StepTimes& times) {
   return {{"p50_ns", times.p50},
           {"p99_ns", times.p99},
           {"p999_ns", times.p999},
@@ -24,8 +24,8 @@ json document(const StepTimes& times) {
           {"worst_code_ns", times.worst_code}};
 }
 
-json document(const OpenseesTimes& times) {
-  json out = {{"element", times.element}};
+Json document(const OpenseesTimes& times) {
+  Json out = {{"element", times.element}};
   if (!times.missing.empty()) {
     out["not_measured"] = times.missing;
   } else {
@@ -36,7 +36,7 @@ json document(const OpenseesTimes& times) {
   return out;
 }
 
-json document(const BearingResult& result) {
+Json document(const BearingResult& result) {
   return {{"name", result.name},
           {"title", result.title},
           {"terms", result.terms},
@@ -44,7 +44,7 @@ json document(const BearingResult& result) {
           {"adversarial", document(result.adversarial)},
           {"dual_ratio", result.dual_ratio},
           {"one_of_486_ns", result.in_loop},
-          {"goal_p50_ns", result.goal > 0 ? json(result.goal) : json()},
+          {"goal_p50_ns", result.goal > 0 ? Json(result.goal) : Json()},
           {"verdict", to_text(result.gate_result)},
           {"opensees", document(result.opensees)}};
 }
@@ -70,10 +70,10 @@ std::string upper(std::string text) {
 }  // namespace
 
 std::string to_json(const BearingReport& report) {
-  json out = {{"format", kFormat},           {"result", to_text(report.result)},
+  Json out = {{"format", kFormat},           {"result", to_text(report.result)},
               {"troubles", report.troubles}, {"passes", report.passes},
-              {"steps", report.steps},       {"machine", json::parse(to_json(report.machine))},
-              {"bearings", json::array()}};
+              {"steps", report.steps},       {"machine", Json::parse(to_json(report.machine))},
+              {"bearings", Json::array()}};
   for (const auto& result : report.bearings) out["bearings"].push_back(document(result));
   return out.dump(2) + "\n";
 }

@@ -7,17 +7,17 @@
 namespace rths::bench {
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 // Incremented when existing readers would misread the document.
 constexpr int kFormat = 1;
 
-json document(const Times& times) { return {{"p50_ns", times.p50}, {"p99_ns", times.p99}}; }
+Json document(const Times& times) { return {{"p50_ns", times.p50}, {"p99_ns", times.p99}}; }
 
 }  // namespace
 
 std::string to_json(const OpenseesBenchReport& report) {
-  json trips = json::array();
+  Json trips = Json::array();
   for (const auto& trip : report.trips)
     trips.push_back({{"protocol", trip.protocol},
                      {"through_ring", document(trip.through_ring)},
@@ -27,8 +27,8 @@ std::string to_json(const OpenseesBenchReport& report) {
                      {"ratio_p99", trip.ratio_p99},
                      {"at_most", kMostOfBare},
                      {"verdict", to_text(trip.gate_result)}});
-  const json document = {{"format", kFormat},
-                         {"machine", json::parse(to_json(report.machine))},
+  const Json document = {{"format", kFormat},
+                         {"machine", Json::parse(to_json(report.machine))},
                          {"cycles", report.cycles},
                          {"round_trips", report.round_trips},
                          {"trips", trips},

@@ -16,7 +16,6 @@ namespace {
 constexpr uint32 kNoValue = 0xFFFF'FFFF;
 constexpr uint32 kRegisterBytes = 0x100, kManagementBytes = 0x2000;
 constexpr uint32 kSendBroadcast = 0x1000, kSendUnicast = 0x1800;
-constexpr uint32 kBroadcasts = 32, kNodes = 256;
 
 constexpr const char* kErrors[] = {"Success",
                                    "System Error",

@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "gt_unit.hpp"
+#include "monotonic_time.hpp"
 
 using namespace rths::scramnet;
 
@@ -16,12 +17,6 @@ constexpr uint32 kFresh = 0xFFFF'FFFF;         // a cursor that has not been use
 constexpr uint32 kLastSequence = 0x0FFF'FFFF;  // cursors and sequence numbers wrap after it
 constexpr std::uint64_t kKept = kGtQueueEntries - 1;
 constexpr std::int64_t kLongestSleepNs = 100'000'000;
-
-std::int64_t now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 // The position of a cursor: the latest one, not after the tail, with the cursor's lower 28 bits.
 std::uint64_t position_of(uint32 cursor, std::uint64_t tail) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gt_registers.hpp"
 
+#include "monotonic_time.hpp"
+
 #include <array>
 #include <ctime>
 
@@ -57,12 +59,6 @@ constexpr auto kStates = [] {
   states[SCGT_READ_BYPASS_ENABLE] = {kOwn | 5, 0, 1};
   return states;
 }();
-
-std::int64_t now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 }  // namespace
 

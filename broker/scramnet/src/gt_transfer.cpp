@@ -14,7 +14,6 @@ using namespace rths::scramnet;
 namespace {
 
 constexpr uint32 kPioFlags = SCGT_RW_PIO | SCGR_RW_PIO_8_BIT | SCGR_RW_PIO_16_BIT;
-constexpr uint32 kBroadcasts = 32, kNodes = 256;
 
 /// A transfer, rounded down to the width of an access.
 struct Transfer {

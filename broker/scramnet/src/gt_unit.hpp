@@ -9,6 +9,9 @@
 
 namespace rths::scramnet {
 
+inline constexpr uint32 kBroadcasts = 32;  ///< broadcast interrupts of a GT ring
+inline constexpr uint32 kNodes = 256;      ///< node ids of a GT ring
+
 /// The GT card of this process with a unit number.
 class GtUnit {
  public:

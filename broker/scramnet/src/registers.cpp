@@ -6,6 +6,7 @@
 
 #include "bits.hpp"
 #include "fifo.hpp"
+#include "monotonic_time.hpp"
 
 namespace rths::scramnet {
 namespace {
@@ -15,12 +16,6 @@ constexpr std::uint32_t kTimeout = 0x10;  // [240 ns]
 // Card sizes by size code [B]; code 0: none.
 constexpr std::array<std::uint64_t, 8> kSizes{0,        8U << 20,   4U << 20,   2U << 20,
                                               1U << 20, 512U << 10, 128U << 10, 4U << 10};
-
-std::int64_t now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 // Period of the counter [ps]; 0 in the modes that count events which plain stores do not show.
 std::int64_t tick_ps(std::uint32_t csr8_value, std::uint32_t csr9_value) {

@@ -157,11 +157,11 @@ struct LoadCompliance {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<RateSaturation>(), kind_of<ValveDeadband>(),
-                               kind_of<LoadCompliance>()};
+constexpr TermKind kActuatorLimitKinds[] = {kind_of<RateSaturation>(), kind_of<ValveDeadband>(),
+                                            kind_of<LoadCompliance>()};
 
 }  // namespace
 
-std::span<const TermKind> actuator_limit_kinds() { return kKinds; }
+std::span<const TermKind> actuator_limit_kinds() { return kActuatorLimitKinds; }
 
 }  // namespace rths::sim

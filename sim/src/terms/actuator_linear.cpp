@@ -162,11 +162,12 @@ struct OilColumnResonance : SecondOrderActuator {
                                               {"damping", "-", 0.001, 10, 0.1, 0.1}};
 };
 
-constexpr TermKind kKinds[] = {kind_of<ActuatorDelay>(), kind_of<ActuatorLag>(),
-                               kind_of<ActuatorBandwidth>(), kind_of<OilColumnResonance>()};
+constexpr TermKind kLinearActuatorKinds[] = {kind_of<ActuatorDelay>(), kind_of<ActuatorLag>(),
+                                             kind_of<ActuatorBandwidth>(),
+                                             kind_of<OilColumnResonance>()};
 
 }  // namespace
 
-std::span<const TermKind> linear_actuator_kinds() { return kKinds; }
+std::span<const TermKind> linear_actuator_kinds() { return kLinearActuatorKinds; }
 
 }  // namespace rths::sim

@@ -66,11 +66,11 @@ struct CurrentDependentDamping {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<CurrentDependentFriction>(),
-                               kind_of<CurrentDependentDamping>()};
+constexpr TermKind kControlledKinds[] = {kind_of<CurrentDependentFriction>(),
+                                         kind_of<CurrentDependentDamping>()};
 
 }  // namespace
 
-std::span<const TermKind> controlled_kinds() { return kKinds; }
+std::span<const TermKind> controlled_kinds() { return kControlledKinds; }
 
 }  // namespace rths::sim

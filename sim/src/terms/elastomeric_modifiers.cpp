@@ -137,13 +137,13 @@ struct AgeingTemperature {
   }
 };
 
-constexpr TermKind kKinds[] = {
+constexpr TermKind kElastomericModifierKinds[] = {
     kind_of<HorizontalStiffnessVariation>(), kind_of<AxialLoadStrength>(),
     kind_of<AxialLoadStiffness>(),           kind_of<Scragging>(),
     kind_of<RateDependentStrength>(),        kind_of<AgeingTemperature>()};
 
 }  // namespace
 
-std::span<const TermKind> elastomeric_modifier_kinds() { return kKinds; }
+std::span<const TermKind> elastomeric_modifier_kinds() { return kElastomericModifierKinds; }
 
 }  // namespace rths::sim

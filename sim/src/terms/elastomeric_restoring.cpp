@@ -130,12 +130,13 @@ struct ViscousDamping {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<LargeStrainStiffening>(),  kind_of<CubicStiffness>(),
-                               kind_of<AsymmetricStiffness>(),    kind_of<PDelta>(),
-                               kind_of<ViscoelasticRelaxation>(), kind_of<ViscousDamping>()};
+constexpr TermKind kElastomericRestoringKinds[] = {
+    kind_of<LargeStrainStiffening>(),  kind_of<CubicStiffness>(),
+    kind_of<AsymmetricStiffness>(),    kind_of<PDelta>(),
+    kind_of<ViscoelasticRelaxation>(), kind_of<ViscousDamping>()};
 
 }  // namespace
 
-std::span<const TermKind> elastomeric_restoring_kinds() { return kKinds; }
+std::span<const TermKind> elastomeric_restoring_kinds() { return kElastomericRestoringKinds; }
 
 }  // namespace rths::sim

@@ -132,11 +132,12 @@ struct ElastomericAxial {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<BucklingLoadVariation>(),
-                               kind_of<VerticalStiffnessVariation>(), kind_of<ElastomericAxial>()};
+constexpr TermKind kElastomericVerticalKinds[] = {kind_of<BucklingLoadVariation>(),
+                                                  kind_of<VerticalStiffnessVariation>(),
+                                                  kind_of<ElastomericAxial>()};
 
 }  // namespace
 
-std::span<const TermKind> elastomeric_vertical_kinds() { return kKinds; }
+std::span<const TermKind> elastomeric_vertical_kinds() { return kElastomericVerticalKinds; }
 
 }  // namespace rths::sim

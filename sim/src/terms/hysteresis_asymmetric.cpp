@@ -48,10 +48,10 @@ struct AsymmetricHysteresis {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<AsymmetricHysteresis>()};
+constexpr TermKind kAsymmetricKinds[] = {kind_of<AsymmetricHysteresis>()};
 
 }  // namespace
 
-std::span<const TermKind> asymmetric_kinds() { return kKinds; }
+std::span<const TermKind> asymmetric_kinds() { return kAsymmetricKinds; }
 
 }  // namespace rths::sim

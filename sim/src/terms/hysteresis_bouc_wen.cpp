@@ -291,11 +291,11 @@ struct BoucWenSlip {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<BoucWen>(), kind_of<BoucWenNagarajaiah>(),
-                               kind_of<BoucWenSlip>()};
+constexpr TermKind kBoucWenKinds[] = {kind_of<BoucWen>(), kind_of<BoucWenNagarajaiah>(),
+                                      kind_of<BoucWenSlip>()};
 
 }  // namespace
 
-std::span<const TermKind> bouc_wen_kinds() { return kKinds; }
+std::span<const TermKind> bouc_wen_kinds() { return kBoucWenKinds; }
 
 }  // namespace rths::sim

@@ -75,10 +75,10 @@ struct Iwan {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<Iwan>()};
+constexpr TermKind kIwanKinds[] = {kind_of<Iwan>()};
 
 }  // namespace
 
-std::span<const TermKind> iwan_kinds() { return kKinds; }
+std::span<const TermKind> iwan_kinds() { return kIwanKinds; }
 
 }  // namespace rths::sim

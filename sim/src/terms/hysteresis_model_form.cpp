@@ -71,10 +71,10 @@ struct Degradation {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<HysteresisShape>(), kind_of<Degradation>()};
+constexpr TermKind kModelFormKinds[] = {kind_of<HysteresisShape>(), kind_of<Degradation>()};
 
 }  // namespace
 
-std::span<const TermKind> model_form_kinds() { return kKinds; }
+std::span<const TermKind> model_form_kinds() { return kModelFormKinds; }
 
 }  // namespace rths::sim

@@ -33,10 +33,10 @@ struct Bilinear {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<Bilinear>()};
+constexpr TermKind kPlasticKinds[] = {kind_of<Bilinear>()};
 
 }  // namespace
 
-std::span<const TermKind> plastic_kinds() { return kKinds; }
+std::span<const TermKind> plastic_kinds() { return kPlasticKinds; }
 
 }  // namespace rths::sim

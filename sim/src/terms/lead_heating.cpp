@@ -162,10 +162,10 @@ struct LeadHeating {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<AdiabaticHeating>(), kind_of<LeadHeating>()};
+constexpr TermKind kLeadHeatingKinds[] = {kind_of<AdiabaticHeating>(), kind_of<LeadHeating>()};
 
 }  // namespace
 
-std::span<const TermKind> lead_heating_kinds() { return kKinds; }
+std::span<const TermKind> lead_heating_kinds() { return kLeadHeatingKinds; }
 
 }  // namespace rths::sim

@@ -110,12 +110,12 @@ struct Cogging {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<ViscousFriction>(), kind_of<AsymmetricViscous>(),
-                               kind_of<QuadraticDrag>(), kind_of<PlatenInertia>(),
-                               kind_of<Cogging>()};
+constexpr TermKind kDragKinds[] = {kind_of<ViscousFriction>(), kind_of<AsymmetricViscous>(),
+                                   kind_of<QuadraticDrag>(), kind_of<PlatenInertia>(),
+                                   kind_of<Cogging>()};
 
 }  // namespace
 
-std::span<const TermKind> drag_kinds() { return kKinds; }
+std::span<const TermKind> drag_kinds() { return kDragKinds; }
 
 }  // namespace rths::sim

@@ -128,12 +128,12 @@ struct PositionDependentFriction {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<CoulombFriction>(), kind_of<AsymmetricFriction>(),
-                               kind_of<LoadDependentFriction>(), kind_of<StribeckFriction>(),
-                               kind_of<PositionDependentFriction>()};
+constexpr TermKind kFrictionKinds[] = {
+    kind_of<CoulombFriction>(), kind_of<AsymmetricFriction>(), kind_of<LoadDependentFriction>(),
+    kind_of<StribeckFriction>(), kind_of<PositionDependentFriction>()};
 
 }  // namespace
 
-std::span<const TermKind> friction_kinds() { return kKinds; }
+std::span<const TermKind> friction_kinds() { return kFrictionKinds; }
 
 }  // namespace rths::sim

@@ -106,11 +106,11 @@ struct InputDeadZone {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<SupportFlexibility>(), kind_of<MountSlack>(),
-                               kind_of<TransducerBacklash>(), kind_of<InputDeadZone>()};
+constexpr TermKind kMountKinds[] = {kind_of<SupportFlexibility>(), kind_of<MountSlack>(),
+                                    kind_of<TransducerBacklash>(), kind_of<InputDeadZone>()};
 
 }  // namespace
 
-std::span<const TermKind> mount_kinds() { return kKinds; }
+std::span<const TermKind> mount_kinds() { return kMountKinds; }
 
 }  // namespace rths::sim

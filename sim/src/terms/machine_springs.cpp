@@ -96,11 +96,11 @@ struct GapContact {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<PolynomialStiffness>(), kind_of<PiecewiseStiffness>(),
-                               kind_of<PiecewiseDamping>(), kind_of<GapContact>()};
+constexpr TermKind kSpringKinds[] = {kind_of<PolynomialStiffness>(), kind_of<PiecewiseStiffness>(),
+                                     kind_of<PiecewiseDamping>(), kind_of<GapContact>()};
 
 }  // namespace
 
-std::span<const TermKind> spring_kinds() { return kKinds; }
+std::span<const TermKind> spring_kinds() { return kSpringKinds; }
 
 }  // namespace rths::sim

@@ -68,11 +68,11 @@ struct AccelerometerTilt {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<CrosstalkHorizontal>(), kind_of<CrosstalkVertical>(),
-                               kind_of<AccelerometerTilt>()};
+constexpr TermKind kSensorCrossKinds[] = {
+    kind_of<CrosstalkHorizontal>(), kind_of<CrosstalkVertical>(), kind_of<AccelerometerTilt>()};
 
 }  // namespace
 
-std::span<const TermKind> sensor_cross_kinds() { return kKinds; }
+std::span<const TermKind> sensor_cross_kinds() { return kSensorCrossKinds; }
 
 }  // namespace rths::sim

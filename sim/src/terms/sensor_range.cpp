@@ -62,10 +62,11 @@ struct Quantisation {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<Saturation>(), kind_of<Overflow>(), kind_of<Quantisation>()};
+constexpr TermKind kSensorRangeKinds[] = {kind_of<Saturation>(), kind_of<Overflow>(),
+                                          kind_of<Quantisation>()};
 
 }  // namespace
 
-std::span<const TermKind> sensor_range_kinds() { return kKinds; }
+std::span<const TermKind> sensor_range_kinds() { return kSensorRangeKinds; }
 
 }  // namespace rths::sim

@@ -94,11 +94,12 @@ struct Drift {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<Gain>(), kind_of<CubicDistortion>(),
-                               kind_of<AbsoluteValueSensor>(), kind_of<Offset>(), kind_of<Drift>()};
+constexpr TermKind kSensorScaleKinds[] = {kind_of<Gain>(), kind_of<CubicDistortion>(),
+                                          kind_of<AbsoluteValueSensor>(), kind_of<Offset>(),
+                                          kind_of<Drift>()};
 
 }  // namespace
 
-std::span<const TermKind> sensor_scale_kinds() { return kKinds; }
+std::span<const TermKind> sensor_scale_kinds() { return kSensorScaleKinds; }
 
 }  // namespace rths::sim

@@ -82,10 +82,11 @@ struct FilterLag {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<TimeSkew>(), kind_of<ClockDrift>(), kind_of<FilterLag>()};
+constexpr TermKind kSensorTimeKinds[] = {kind_of<TimeSkew>(), kind_of<ClockDrift>(),
+                                         kind_of<FilterLag>()};
 
 }  // namespace
 
-std::span<const TermKind> sensor_time_kinds() { return kKinds; }
+std::span<const TermKind> sensor_time_kinds() { return kSensorTimeKinds; }
 
 }  // namespace rths::sim

@@ -116,11 +116,12 @@ struct FrictionHeating {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<VelocityDepSliding>(), kind_of<PressureDepSliding>(),
-                               kind_of<PressureTanhSliding>(), kind_of<FrictionHeating>()};
+constexpr TermKind kSlidingModifierKinds[] = {
+    kind_of<VelocityDepSliding>(), kind_of<PressureDepSliding>(), kind_of<PressureTanhSliding>(),
+    kind_of<FrictionHeating>()};
 
 }  // namespace
 
-std::span<const TermKind> sliding_modifier_kinds() { return kKinds; }
+std::span<const TermKind> sliding_modifier_kinds() { return kSlidingModifierKinds; }
 
 }  // namespace rths::sim

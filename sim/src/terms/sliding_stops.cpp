@@ -55,10 +55,10 @@ struct MerSpring {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<MerSpring>(), kind_of<RimStop>()};
+constexpr TermKind kStopKinds[] = {kind_of<MerSpring>(), kind_of<RimStop>()};
 
 }  // namespace
 
-std::span<const TermKind> stop_kinds() { return kKinds; }
+std::span<const TermKind> stop_kinds() { return kStopKinds; }
 
 }  // namespace rths::sim

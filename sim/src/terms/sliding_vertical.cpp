@@ -57,10 +57,10 @@ struct MultilinearAxial {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<PendulumLift>(), kind_of<MultilinearAxial>()};
+constexpr TermKind kSlidingVerticalKinds[] = {kind_of<PendulumLift>(), kind_of<MultilinearAxial>()};
 
 }  // namespace
 
-std::span<const TermKind> sliding_vertical_kinds() { return kKinds; }
+std::span<const TermKind> sliding_vertical_kinds() { return kSlidingVerticalKinds; }
 
 }  // namespace rths::sim

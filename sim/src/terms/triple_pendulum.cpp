@@ -256,10 +256,10 @@ struct TriplePendulum {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<TriplePendulum>()};
+constexpr TermKind kTriplePendulumKinds[] = {kind_of<TriplePendulum>()};
 
 }  // namespace
 
-std::span<const TermKind> triple_pendulum_kinds() { return kKinds; }
+std::span<const TermKind> triple_pendulum_kinds() { return kTriplePendulumKinds; }
 
 }  // namespace rths::sim
