@@ -97,7 +97,7 @@ void map_states(const Seen& seen, const Drive& drive, const MapRange& range, Whe
     return cell_of(drive.displacement(row, output), u) * kStateCells +
            cell_of(drive.velocity(row, output), v);
   };
-  const Cells cells{seen, by_row(kStateCells * kStateCells, drive, cell)};
+  const Cells cells{seen, by_row(std::size_t{kStateCells} * kStateCells, drive, cell)};
   const auto inside = cells.place();
   const auto shares = cells.shares();
   for (std::size_t i = 0; i < inside.size(); ++i) {
