@@ -8,13 +8,13 @@
 namespace rths::broker {
 namespace {
 
-constexpr int kAttempts = 4;  // a running writer may move the hint meanwhile
+constexpr int kHintAttempts = 4;  // a running writer may move the hint meanwhile
 
 }  // namespace
 
 std::uint64_t end_of(const JournalView& journal) noexcept {
   std::uint64_t position = 0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kHintAttempts; ++attempt) {
     position = std::atomic_ref{journal.head->hint}.load(std::memory_order_acquire);
     JournalEntry entry;
     Fetched fetched = Fetched::Entry;

@@ -99,6 +99,8 @@ Header checked_header(const ipc::shared_memory_object& object, const std::string
   return header;
 }
 
+}  // namespace
+
 struct HeapDeleter {
   void operator()(std::byte* bytes) const {
     ::operator delete[](bytes, std::align_val_t{kPageBytes});
@@ -106,13 +108,11 @@ struct HeapDeleter {
 };
 using Heap = std::unique_ptr<std::byte[], HeapDeleter>;
 
-Heap zeroed_heap(std::uint64_t bytes) {
+static Heap zeroed_heap(std::uint64_t bytes) {
   Heap heap{static_cast<std::byte*>(::operator new[](bytes, std::align_val_t{kPageBytes}))};
   std::memset(heap.get(), 0, bytes);
   return heap;
 }
-
-}  // namespace
 
 // Either a shared object or private memory of this process.
 struct Segment::Memory {

@@ -37,7 +37,7 @@ constexpr double kQuasiStatic = 0.02;  // of the largest rate
 constexpr double kCircleRadius = 0.7;  // of the largest displacement
 
 std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
-std::string member_of(const std::string& role) { return role.substr(role.find('.') + 1); }
+std::string axis_name_of(const std::string& role) { return role.substr(role.find('.') + 1); }
 
 // Rounds down to two significant digits, as machines are set.
 double two_digits(double value) {
@@ -283,7 +283,7 @@ class Laboratory {
                                                      const std::string& driver,
                                                      const VectorXd& moved) const {
     if (role == driver) return moved;
-    if (member_of(role) != member_of(driver)) return std::nullopt;
+    if (axis_name_of(role) != axis_name_of(driver)) return std::nullopt;
     const bool is_displacement = driver.starts_with("displacement.");
     if (is_displacement && role.starts_with("velocity.")) return rate_of(moved, time_.step);
     if (is_displacement && role.starts_with("acceleration."))

@@ -12,11 +12,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kResidualOrder = 12;
-constexpr double kResidualRidge = 1e-9;  // of the variance: filters remove high frequencies
-constexpr double kSmoothingTime = 0.25;  // of the deviation [s]
-constexpr double kPieceTime = 3;         // shortest piece of one colour [s]
-constexpr Index kLeastPiece = 150;       // rows of one colour, at least
-constexpr double kLeastShare = 2e-3;     // of the output: smallest error of a measurement
+constexpr double kResidualRidge = 1e-9;    // of the variance: filters remove high frequencies
+constexpr double kSmoothingTime = 0.25;    // of the deviation [s]
+constexpr double kPieceTime = 3;           // shortest piece of one colour [s]
+constexpr Index kLeastPiece = 150;         // rows of one colour, at least
+constexpr double kLeastErrorShare = 2e-3;  // of the output: smallest error of a measurement
 
 // Commands and inputs are exact: no sensor measures them.
 bool is_measured(const std::string& role) {
@@ -282,7 +282,8 @@ ResidualNoise::ResidualNoise(const std::vector<MatrixXd>& draws, const Drive& dr
       outputs_.back().grow(std::sqrt(shrinkage(noise, half, piece, first_row_)));
     } else {
       const double square = draws.empty() ? 0 : variance_of(noise).mean();
-      outputs_.emplace_back(drive.rows(), std::max(std::sqrt(square), kLeastShare * size + 1e-300));
+      outputs_.emplace_back(drive.rows(),
+                            std::max(std::sqrt(square), kLeastErrorShare * size + 1e-300));
     }
   }
 }

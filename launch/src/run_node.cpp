@@ -23,7 +23,7 @@
 namespace rths::launch {
 namespace {
 
-constexpr int kPollPeriod = 20;                            // [ms]
+constexpr int kLauncherPollPeriod = 20;                    // [ms]
 constexpr auto kLongestGo = std::chrono::seconds{30};      // from ready to go
 constexpr auto kSilence = std::chrono::milliseconds{500};  // of a running peer
 
@@ -111,7 +111,7 @@ std::optional<TimePoint> wait_for_go(Launcher& launcher) {
   WallClock clock;
   const TimePoint deadline = clock.now() + kLongestGo;
   while (clock.now() < deadline && !launcher.vanished()) {
-    const auto line = launcher.receive_line(kPollPeriod);
+    const auto line = launcher.receive_line(kLauncherPollPeriod);
     if (!line) continue;
     if (line->rfind("go ", 0) == 0) return TimePoint{std::stoll(line->substr(3))};
     return std::nullopt;
@@ -172,7 +172,7 @@ Reason watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers, Duration lo
   std::optional<Reason> reason;
   TimePoint give_up{};
   while (!loop.finished()) {
-    const auto line = launcher.receive_line(kPollPeriod);
+    const auto line = launcher.receive_line(kLauncherPollPeriod);
     if (!reason) {
       reason = reason_to_stop(line, launcher, peers);
       give_up = clock.now() + longest_stop;
@@ -182,7 +182,8 @@ Reason watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers, Duration lo
       std::_Exit(2);
     }
     // Polling a closed pipe returns at once; avoid a busy loop.
-    if (launcher.vanished()) std::this_thread::sleep_for(std::chrono::milliseconds{kPollPeriod});
+    if (launcher.vanished())
+      std::this_thread::sleep_for(std::chrono::milliseconds{kLauncherPollPeriod});
   }
   return reason.value_or(Reason{"", true});
 }

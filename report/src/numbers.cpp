@@ -11,7 +11,6 @@ namespace rths::report {
 namespace {
 
 constexpr double kMostExcused = 0.01;  // fraction of the steps
-constexpr double kPercent = 100;
 
 // Bands for comparing spectra [Hz]: isolation and first modes of the buildings; the band of the
 // machine's errors and of vertical motion; higher frequencies.

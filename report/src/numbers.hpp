@@ -11,6 +11,7 @@ namespace rths::report {
 
 using Json = nlohmann::ordered_json;
 
+inline constexpr double kPercent = 100;   ///< fraction to %
 inline constexpr double kMilli = 1e3;     ///< s to ms, m to mm
 inline constexpr double kPerKilo = 1e-3;  ///< N to kN
 

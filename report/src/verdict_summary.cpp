@@ -8,12 +8,13 @@
 
 #include <rths/report/diagnosis.hpp>
 
+#include "numbers.hpp"
+
 namespace rths::report {
 namespace {
 
 using diagnosis::Verdict;
 
-constexpr double kPercent = 100;
 constexpr std::size_t kMostIntervals = 4;  // shown of each kind; verdict.json has all
 
 std::string intervals_text(const std::vector<std::pair<double, double>>& intervals,

@@ -81,8 +81,8 @@ Endpoint::Endpoint(Transport transport, const std::string& address, std::uint16_
   if (!listener_.is_open()) fail(name);
   // The next test may start at once.
   if (transport == Transport::Tcp) set(listener_.get(), SOL_SOCKET, SO_REUSEADDR);
-  if (bind(listener_.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) fail(name);
-  if (transport == Transport::Tcp && listen(listener_.get(), 1) != 0) fail(name);
+  if (::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) fail(name);
+  if (transport == Transport::Tcp && ::listen(listener_.get(), 1) != 0) fail(name);
 }
 
 std::optional<Endpoint> Endpoint::connect(Transport transport, const std::string& address,

@@ -17,7 +17,7 @@
 namespace rths::adapters {
 namespace {
 
-constexpr auto kCheckEvery = std::chrono::milliseconds{5};  // whether OpenSees has exited
+constexpr auto kExitPollPeriod = std::chrono::milliseconds{5};  // whether OpenSees has exited
 
 class OpenSees final : public Adapter {
  public:
@@ -194,7 +194,7 @@ void OpenSees::exchange(const StepData& step) {
 // OpenSees may still run its final commands, such as closing its recorders.
 Status OpenSees::finish(double time) {
   while (settings_.stops_time && !opensees_->has_finished())
-    std::this_thread::sleep_for(kCheckEvery);
+    std::this_thread::sleep_for(kExitPollPeriod);
   if (opensees_->has_finished()) handshake_.stop(time);
   return Status::Ok;
 }

@@ -12,7 +12,7 @@ namespace rths::adapters {
 namespace {
 
 constexpr auto kExitTime = std::chrono::milliseconds{100};  // of a process after its socket closed
-constexpr auto kLongestDelay = std::chrono::seconds{1};     // of its last message
+constexpr auto kLongestFarewell = std::chrono::seconds{1};  // of its last message
 constexpr auto kToFinish = std::chrono::seconds{1};
 
 }  // namespace
@@ -36,7 +36,7 @@ void OpenSeesProcess::require_running() {
   if (!script_ || !script_->has_ended()) return;
   if (const auto failure = script_->failure()) throw Error{*failure};
   if (!ended_) ended_ = WallClock{}.now();
-  if (WallClock{}.now() > *ended_ + kLongestDelay)
+  if (WallClock{}.now() > *ended_ + kLongestFarewell)
     throw Error{"OpenSees exited before its elements disconnected"};
 }
 

@@ -20,7 +20,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr auto kCheckEvery = std::chrono::milliseconds{20};  // whether OpenSees still runs
+constexpr auto kAlivePollPeriod = std::chrono::milliseconds{20};  // whether OpenSees still runs
 
 class OpenSeesSpecimen final : public Adapter {
  public:
@@ -94,7 +94,7 @@ void OpenSeesSpecimen::activate() {
     while (!elements_[i].connect()) {
       static_cast<void>(
           opensees_->time_left(settings_.script.connect_deadline, "has not opened its port for"));
-      std::this_thread::sleep_for(kCheckEvery);
+      std::this_thread::sleep_for(kAlivePollPeriod);
     }
     if (!settings_.elements[i].is_udp) opensees_->keep(elements_[i].descriptor());
   }
@@ -123,7 +123,7 @@ void OpenSeesSpecimen::wait_for_input() const {
   std::vector<pollfd> sockets;
   for (const auto& element : elements_)
     if (element.awaits_response()) sockets.push_back({element.descriptor(), POLLIN, 0});
-  poll(sockets.data(), sockets.size(), static_cast<int>(kCheckEvery.count()));
+  poll(sockets.data(), sockets.size(), static_cast<int>(kAlivePollPeriod.count()));
 }
 
 bool OpenSeesSpecimen::receive_responses() {

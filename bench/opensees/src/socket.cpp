@@ -17,7 +17,7 @@
 namespace rths::bench {
 namespace {
 
-constexpr timeval kTimeout{10, 0};
+constexpr timeval kSocketTimeout{10, 0};
 
 [[noreturn]] void fail(const char* problem) {
   throw Error{fmt::format("{}: {}", problem, std::strerror(errno))};
@@ -41,8 +41,8 @@ int open(Transport transport) {
   const int fd =
       socket(AF_INET, (transport == Transport::Tcp ? SOCK_STREAM : SOCK_DGRAM) | SOCK_CLOEXEC, 0);
   if (fd < 0) fail("cannot create a socket");
-  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &kTimeout, sizeof kTimeout);
-  setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &kTimeout, sizeof kTimeout);
+  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &kSocketTimeout, sizeof kSocketTimeout);
+  setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &kSocketTimeout, sizeof kSocketTimeout);
   return fd;
 }
 
@@ -81,7 +81,7 @@ Socket connect_to(Transport transport, std::uint16_t port, std::chrono::seconds 
       setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &kShort, sizeof kShort);
       is_connected =
           ::send(socket.get(), &hello, 1, 0) == 1 && recv(socket.get(), &answer, 1, 0) == 1;
-      setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &kTimeout, sizeof kTimeout);
+      setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &kSocketTimeout, sizeof kSocketTimeout);
     }
     if (is_connected) return socket;
     if (std::chrono::steady_clock::now() > deadline) fail("cannot connect");

@@ -18,7 +18,8 @@
 namespace rths::bench {
 namespace {
 
-constexpr auto kLongestWait = std::chrono::seconds{10};  // a message takes a few microseconds
+constexpr auto kLongestMessageWait =
+    std::chrono::seconds{10};  // a message takes a few microseconds
 
 void pin_to(int cpu) {
   cpu_set_t one;
@@ -101,7 +102,7 @@ void SpinLimit::check() {
   if (partner_ != nullptr) partner_->expect_alive();
   const auto now = std::chrono::steady_clock::now();
   if (rounds_ == kRoundsPerCheck) first_check_ = now;
-  if (now - first_check_ > kLongestWait) throw Error{"a message did not arrive"};
+  if (now - first_check_ > kLongestMessageWait) throw Error{"a message did not arrive"};
 }
 
 }  // namespace rths::bench
