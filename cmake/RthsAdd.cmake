@@ -23,18 +23,28 @@ function(rths_add folder)
   endif()
 endfunction()
 
-# rths_test(<folder> [PURE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>])
+# rths_test(<folder> [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>])
 #
 # The tests of a folder as one executable; each TEST is a ctest case. PURE tests are independent maths.
-# Under sanitizers, where processes start slowly, they run as four cases.
+# Under sanitizers, where processes start slowly, they run as four cases. If RTHS_TESTED names folders,
+# the others are neither built nor registered. The target rths_tested builds all that are registered.
 function(rths_test folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "PURE" "LABEL" "SOURCES;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "PURE;SEPARATE" "LABEL" "SOURCES;DEPENDS")
   set(target rths_${folder}_test)
   add_executable(${target} ${arg_SOURCES})
+  if(NOT arg_SEPARATE)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${RTHS_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+  endif()
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
                                           GTest::gtest_main)
-  # Faster compilation: tests use -O1, the tested libraries the optimization of the preset.
+  # Tests are built more often than they are run: what they test has the preset's optimization.
   target_compile_options(${target} PRIVATE -O1)
+  if(RTHS_TESTED AND NOT folder IN_LIST RTHS_TESTED)
+    set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL ON)
+    return()
+  endif()
+  add_dependencies(rths_tested ${target})
+  rths_list_test(${target} ${arg_SOURCES})
   if(NOT arg_LABEL)
     set(arg_LABEL unit)
   endif()
@@ -52,4 +62,13 @@ function(rths_test folder)
   endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60
                        PROPERTIES LABELS ${arg_LABEL} TIMEOUT 120 RUN_SERIAL ${alone})
+endfunction()
+
+# Adds "<folder of tests/> <target>" to tests.txt, from which `./lab test FOLDER` takes its targets.
+function(rths_list_test target)
+  list(GET ARGN 0 first)
+  get_filename_component(first ${first} ABSOLUTE)
+  file(RELATIVE_PATH first ${PROJECT_SOURCE_DIR}/tests ${first})
+  string(REGEX REPLACE "/.*" "" folder ${first})
+  file(APPEND ${CMAKE_BINARY_DIR}/tests.txt "${folder} ${target}\n")
 endfunction()

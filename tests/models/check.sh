@@ -14,8 +14,11 @@ cd "$folder"
 rm -f -- *.trail pan pan.*
 cp "$source/$model.pml" "$source/memory.pml" .
 spin -a "$@" "$model.pml" >spin.log || { cat spin.log; exit 1; }
+# A broken model fails early: compiling it with optimization would take longer than running it.
+optimization=-O1
+[ "$expected" = holds ] || optimization=-O0
 # At most 512 MiB; does not search for the shortest path to an error.
-"${CC:-cc}" -O1 -w -DSAFETY -DMEMLIM=512 -DVECTORSZ=2048 -o pan pan.c
+"${CC:-cc}" $optimization -w -DSAFETY -DMEMLIM=512 -DVECTORSZ=2048 -o pan pan.c
 ./pan -m200000 -w20 >pan.log || true
 grep -E '^pan:|errors:|states, stored|elapsed time' pan.log
 
