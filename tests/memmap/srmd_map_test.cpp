@@ -5,13 +5,11 @@
 
 #include <rths/memmap/map.hpp>
 
-#include "support/files.hpp"
+#include "memmap/srmd.hpp"
 #include "support/map_image.hpp"
 
 namespace rths::memmap {
 namespace {
-
-Map srmd() { return load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml"); }
 
 std::uint32_t word_of(const Map& map, const std::string& signal) {
   return map.entry(map.signal(signal)).signal->offset.value();
