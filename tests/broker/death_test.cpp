@@ -35,7 +35,7 @@ using test::small_map;
 using test::unique_ring;
 
 /// A latch, a line, and records of several lines.
-constexpr std::uint32_t kLengths[] = {5, 15, 100};
+constexpr std::uint32_t kGroupLengths[] = {5, 15, 100};
 constexpr LongwordOffset kLooseWord{500};
 constexpr TearGroupId kGroup{0};
 
@@ -159,7 +159,7 @@ TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
   EXPECT_EQ(followed, (std::vector<std::uint32_t>{1, 2}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Words, DeathOf, ::testing::ValuesIn(kLengths));
+INSTANTIATE_TEST_SUITE_P(Words, DeathOf, ::testing::ValuesIn(kGroupLengths));
 
 /// A shared ring, and its bytes, after a writer died.
 class DeadWriter : public ::testing::Test {
@@ -393,7 +393,7 @@ TEST_P(KillsOf, AWriterCauseNoTornLostOrHangingRead) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Words, KillsOf, ::testing::ValuesIn(kLengths));
+INSTANTIATE_TEST_SUITE_P(Words, KillsOf, ::testing::ValuesIn(kGroupLengths));
 
 }  // namespace
 }  // namespace rths::broker

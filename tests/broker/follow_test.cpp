@@ -16,10 +16,9 @@ namespace rths::broker {
 namespace {
 
 using std::chrono::milliseconds;
+using test::kControllerWord;
+using test::kMachineWord;
 using test::small_map;
-
-constexpr LongwordOffset kMachineWord{500};
-constexpr LongwordOffset kControllerWord{512};
 
 class FollowTest : public ::testing::Test {
  protected:

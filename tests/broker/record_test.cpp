@@ -12,7 +12,7 @@ namespace rths::broker {
 namespace {
 
 /// Lengths on both sides of every change of kind and of vector count.
-constexpr std::uint32_t kLengths[] = {1, 7, 8, 15, 16, 17, 31, 48, 100, 256};
+constexpr std::uint32_t kRecordLengths[] = {1, 7, 8, 15, 16, 17, 31, 48, 100, 256};
 
 struct alignas(128) Bytes {
   std::uint32_t words[32];
@@ -155,7 +155,7 @@ TEST_P(Record, IsNeverReadTorn) {
   EXPECT_EQ(read[0], kWrites);
 }
 
-INSTANTIATE_TEST_SUITE_P(Words, Record, ::testing::ValuesIn(kLengths));
+INSTANTIATE_TEST_SUITE_P(Words, Record, ::testing::ValuesIn(kRecordLengths));
 
 }  // namespace
 }  // namespace rths::broker

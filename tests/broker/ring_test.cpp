@@ -16,11 +16,11 @@
 namespace rths::broker {
 namespace {
 
+using test::kControllerWord;
+using test::kMachineWord;
 using test::small_map;
 
-constexpr LongwordOffset kMachineWord{500};
 constexpr LongwordOffset kGroupWord{3};
-constexpr LongwordOffset kControllerWord{512};
 
 TEST(Ring, ShowsAWriteToEveryNode) {
   Ring ring = Ring::in_process(small_map());

@@ -14,12 +14,12 @@ namespace rths::broker {
 namespace {
 
 using std::chrono::milliseconds;
+using test::kControllerWord;
+using test::kMachineWord;
 using test::RingRemoval;
 using test::small_map;
 using test::unique_ring;
 
-constexpr LongwordOffset kMachineWord{500};
-constexpr LongwordOffset kControllerWord{512};
 constexpr LongwordOffset kUnownedWord{505};
 
 /// A ring with a controller that journals its writes, and a plain pointer into the ring.
