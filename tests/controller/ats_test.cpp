@@ -13,15 +13,16 @@
 #include <rths/controller/feed_forward.hpp>
 
 #include "support/files.hpp"
+#include "support/period.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::controller {
 namespace {
 
-constexpr double kPeriod = 0.001;
+using test::kPeriod;
 
 /// Band-limited motion with its exact rates.
-struct Motion {
+struct BandLimitedMotion {
   [[nodiscard]] double at(double t) const { return sum(t, 0); }
   [[nodiscard]] double rate(double t) const { return sum(t, 1); }
   [[nodiscard]] double second_rate(double t) const { return sum(t, 2); }
@@ -61,7 +62,7 @@ struct Outcome {
 };
 
 Outcome follow(Ats& ats, PureDelay machine, double duration) {
-  const Motion motion;
+  const BandLimitedMotion motion;
   double measured = 0;
   double worst = 0;
   for (int i = 0; i * kPeriod < duration; ++i) {
@@ -106,7 +107,7 @@ TEST(Ats, FitsTheWindowAsADirectLeastSquaresDoes) {
   LowPass command_filter{6, 20, kPeriod};
   LowPass response_filter{6, 20, kPeriod};
   PureDelay machine{30};
-  const Motion motion;
+  const BandLimitedMotion motion;
   std::vector<Eigen::Vector4d> rows;  // x_m, its two differences, u_f
   double measured = 0;
   double previous = 0;
@@ -160,7 +161,7 @@ TEST(Ats, KeepsItsInitialCoefficientsBelowTheThreshold) {
 
 TEST(Ats, KeepsItsCoefficientsWhenAdaptationIsOff) {
   Ats ats{settings_with_initial_delay(0.025)};
-  const Motion motion;
+  const BandLimitedMotion motion;
 
   for (int i = 0; i < 5000; ++i)
     static_cast<void>(
@@ -193,7 +194,7 @@ TEST(Ats, LimitsTheChangePerSample) {
   auto settings = settings_with_initial_delay(0.020);
   settings.largest_change = {0.001, 1e-5, 1e-6};
   Ats ats{settings};
-  const Motion motion;
+  const BandLimitedMotion motion;
   PureDelay machine{60};
   double measured = 0;
   Eigen::Vector3d before = ats.coefficients();
@@ -239,7 +240,7 @@ TEST(Ats, RefusesSettingsThatCannotWork) {
 TEST(Ats, AdaptsToTheMachineWhileItIsSwitchedOff) {
   Ats ats{settings_with_initial_delay(0.020)};
   PureDelay machine{39};
-  const Motion motion;
+  const BandLimitedMotion motion;
   double measured = 0;
   for (int i = 0; i < 20'000; ++i) {
     const double t = i * kPeriod;
@@ -256,7 +257,7 @@ TEST(Ats, AdaptsToTheMachineWhileItIsSwitchedOff) {
 
 TEST(Ats, StepsInRealTime) {
   Ats ats{AtsSettings{}};
-  const Motion motion;
+  const BandLimitedMotion motion;
   double reference = 0;
   for (int i = 0; i < 1500; ++i) {
     const double t = i * kPeriod;

@@ -10,10 +10,13 @@
 #include <rths/controller/force_observer.hpp>
 #include <rths/sim/test_machine.hpp>
 
+#include "support/period.hpp"
+
 namespace rths {
 namespace {
 
-constexpr double kPeriod = 0.001;
+using test::kPeriod;
+
 constexpr int kSamples = 60'000;
 
 struct Measured {

@@ -7,12 +7,13 @@
 #include <rths/controller/filters.hpp>
 
 #include "support/files.hpp"
+#include "support/period.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::controller {
 namespace {
 
-constexpr double kPeriod = 0.001;
+using test::kPeriod;
 
 // Steady-state amplitude of a filtered sine.
 double gain_at(int order, double cutoff, double frequency) {

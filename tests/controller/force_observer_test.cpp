@@ -9,12 +9,14 @@
 #include <rths/core/constants.hpp>
 
 #include "support/files.hpp"
+#include "support/period.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::controller {
 namespace {
 
-constexpr double kPeriod = 0.001;
+using test::kPeriod;
+
 constexpr double kForceNoise = 5e3;                             // [N]
 constexpr double kAccelerationNoise = 5e-3 * kStandardGravity;  // 5 mg
 constexpr double kDisplacementNoise = 5e-5;                     // [m]

@@ -25,8 +25,8 @@ constexpr Family kFamilies[] = {
     {Polynomial::P3, 3, 3}, {Polynomial::D1, 1, 1}, {Polynomial::D2, 2, 2},
     {Polynomial::D3, 3, 3}, {Polynomial::DV, 3, 2}, {Polynomial::DVA, 2, 3}};
 
-/// Motion c₀ + c₁x + … of a given degree, with its rates.
-struct Motion {
+/// PolynomialMotion c₀ + c₁x + … of a given degree, with its rates.
+struct PolynomialMotion {
   int degree;
   [[nodiscard]] double at(double x) const { return sum(x, 0); }
   [[nodiscard]] double rate(double x) const { return sum(x, 1); }
@@ -46,7 +46,7 @@ struct Motion {
 };
 
 /// The weighted sum for a motion sampled in a branch's frame.
-Jet applied(const Weights& w, const Motion& motion, Branch branch, double xi) {
+Jet applied(const Weights& w, const PolynomialMotion& motion, Branch branch, double xi) {
   const double newest = branch == Branch::Predict ? 0 : 1;
   const double switch_at = branch == Branch::Predict ? xi - 1 : xi;
   Jet sum = w.switch_command * motion.at(switch_at) + w.acceleration * motion.second_rate(newest);
@@ -63,7 +63,7 @@ class PolynomialFamily : public ::testing::TestWithParam<Family> {
   static constexpr double kRounding = 1e-11;
 
   static void expect_reproduced(Branch branch, int degree, double xi) {
-    const Motion motion{degree};
+    const PolynomialMotion motion{degree};
     for (double x = branch == Branch::Predict ? 0.0 : xi; x <= 1.0; x += 0.05) {
       const Jet found = applied(weights(GetParam().polynomial, branch, x, xi), motion, branch, xi);
       EXPECT_NEAR(found.value, motion.at(x), kRounding) << "x " << x << " xi " << xi;
