@@ -26,8 +26,8 @@ std::string line_of(int tag, int dofs, const std::vector<std::string>& types) {
   return line;
 }
 
-std::string error_of(const OpfLayout& layout, const std::vector<std::string>& trial,
-                     const std::vector<std::string>& output = {}) {
+std::string control_points_error(const OpfLayout& layout, const std::vector<std::string>& trial,
+                                 const std::vector<std::string>& output = {}) {
   try {
     static_cast<void>(control_points(layout, trial, output));
   } catch (const Error& error) {
@@ -69,13 +69,15 @@ TEST_P(EachFacility, RefusesASignalTooFewOrTooMany) {
   const auto& [map, dofs, commands, feedbacks] = GetParam();
   const OpfLayout layout = layout_of(map);
   const std::string whole = line_of(1, dofs, commands);
-  EXPECT_NE(error_of(layout, {whole + " 1 time"}).find("trial control point 1 declares too many"),
+  EXPECT_NE(control_points_error(layout, {whole + " 1 time"})
+                .find("trial control point 1 declares too many"),
             std::string::npos);
   const std::string outputs = line_of(7, dofs, feedbacks);
   const std::string shortened = outputs.substr(0, outputs.rfind(' ', outputs.rfind(' ') - 1));
-  EXPECT_NE(error_of(layout, {whole}, {shortened}).find("output control point 7 declares too few"),
+  EXPECT_NE(control_points_error(layout, {whole}, {shortened})
+                .find("output control point 7 declares too few"),
             std::string::npos)
-      << error_of(layout, {whole}, {shortened});
+      << control_points_error(layout, {whole}, {shortened});
 }
 
 INSTANTIATE_TEST_SUITE_P(Maps, EachFacility, testing::ValuesIn(kFacilities),
@@ -83,12 +85,12 @@ INSTANTIATE_TEST_SUITE_P(Maps, EachFacility, testing::ValuesIn(kFacilities),
 
 TEST(ControlPoints, SayWhichOneDeclaresTooFew) {
   const OpfLayout layout = layout_of("flextest_osu");
-  EXPECT_EQ(error_of(layout, {"expControlPoint 1 1 disp"}),
+  EXPECT_EQ(control_points_error(layout, {"expControlPoint 1 1 disp"}),
             "trial control point 1 declares too few signals: '2 disp' (opf.2.displ.target) is the "
             "first of 1 missing signals; the map has 2 words there, 'opf.1.displ.target' to "
             "'opf.2.displ.target': all words after the difference would be misread");
   // The second begins with forces, so the first lacks a displacement.
-  const std::string message = error_of(layout, {}, {"4 1 disp", "5 1 force 2 force"});
+  const std::string message = control_points_error(layout, {}, {"4 1 disp", "5 1 force 2 force"});
   EXPECT_NE(message.find("output control point 4 declares too few signals: '2 disp' "
                          "(daq.2.displ.fbk) is missing, control point 5 begins with '1 force'"),
             std::string::npos)
@@ -96,13 +98,14 @@ TEST(ControlPoints, SayWhichOneDeclaresTooFew) {
 }
 
 TEST(ControlPoints, SayWhichSignalIsMisplaced) {
-  const std::string message = error_of(layout_of("flextest_osu"), {"1 2 disp 1 disp"});
+  const std::string message = control_points_error(layout_of("flextest_osu"), {"1 2 disp 1 disp"});
   EXPECT_NE(message.find("'2 disp' where '1 disp' (opf.1.displ.target) is expected"),
             std::string::npos)
       << message;
   // Sorted by quantity, not by axis.
-  EXPECT_NE(error_of(layout_of("srmd"), {"1 1 disp 1 vel"}).find("'1 vel' where '2 disp'"),
-            std::string::npos);
+  EXPECT_NE(
+      control_points_error(layout_of("srmd"), {"1 1 disp 1 vel"}).find("'1 vel' where '2 disp'"),
+      std::string::npos);
 }
 
 TEST(ControlPoints, ReadEverySpellingAndOption) {
@@ -121,21 +124,25 @@ TEST(ControlPoints, ReadEverySpellingAndOption) {
 
 TEST(ControlPoints, RefuseUnknownWords) {
   const OpfLayout layout = layout_of("flextest_ucb");
-  EXPECT_EQ(error_of(layout, {"1 1 strain"}),
+  EXPECT_EQ(control_points_error(layout, {"1 1 strain"}),
             "control point '1 1 strain': found 'strain', expected disp, vel, accel, force or time");
-  EXPECT_EQ(error_of(layout, {"1 zero disp"}),
+  EXPECT_EQ(control_points_error(layout, {"1 zero disp"}),
             "control point '1 zero disp': found 'zero', expected a degree of freedom: 1, d1 or ux");
-  EXPECT_NE(error_of(layout, {"1 1 disp -relIn"}).find("found '-relIn', expected -lim"),
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -relIn"}).find("found '-relIn', expected -lim"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -fact 25.4"}).find("found '-fact', expected no -fact"),
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -fact 25.4"})
+                .find("found '-fact', expected no -fact"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -lim nan nan"}).find("found 'nan'"), std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -lim"})
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -lim nan nan"}).find("found 'nan'"),
+            std::string::npos);
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -lim"})
                 .find("found the end of the line, expected the lower limit"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -lim 2 1"}).find("a lower limit above the upper limit"),
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -lim 2 1"})
+                .find("a lower limit above the upper limit"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1"}).find("expected at least one signal"), std::string::npos);
+  EXPECT_NE(control_points_error(layout, {"1"}).find("expected at least one signal"),
+            std::string::npos);
 }
 
 TEST(OpfLayout, RefusesAMapWithoutTheBlock) {

@@ -63,7 +63,7 @@ std::size_t received(Endpoint& endpoint, std::size_t length) {
 }
 
 TEST(Endpoint, JoinsTheSegmentsOfAStream) {
-  const std::uint16_t port = rths::test::free_port();
+  const std::uint16_t port = test::free_port();
   Endpoint endpoint{Transport::Tcp, "127.0.0.1", port};
   EXPECT_TRUE(endpoint.receive(44).empty());
   const Peer peer{Transport::Tcp, port};
@@ -80,7 +80,7 @@ TEST(Endpoint, JoinsTheSegmentsOfAStream) {
 }
 
 TEST(Endpoint, SplitsAndJoinsDatagramsAsOpenSeesDoes) {
-  const std::uint16_t port = rths::test::free_port();
+  const std::uint16_t port = test::free_port();
   Endpoint endpoint{Transport::Udp, "127.0.0.1", port};
   const Peer peer{Transport::Udp, port};
   peer.send_bytes(1, 'a');
@@ -95,7 +95,7 @@ TEST(Endpoint, SplitsAndJoinsDatagramsAsOpenSeesDoes) {
 }
 
 TEST(Endpoint, DetectsALostDatagram) {
-  const std::uint16_t port = rths::test::free_port();
+  const std::uint16_t port = test::free_port();
   Endpoint endpoint{Transport::Udp, "127.0.0.1", port};
   const Peer peer{Transport::Udp, port}, other{Transport::Udp, port};
   peer.send_bytes(1, 'a');
@@ -106,7 +106,7 @@ TEST(Endpoint, DetectsALostDatagram) {
 }
 
 TEST(Endpoint, DetectsAClosedConnection) {
-  const std::uint16_t port = rths::test::free_port();
+  const std::uint16_t port = test::free_port();
   Endpoint endpoint{Transport::Tcp, "127.0.0.1", port};
   Peer peer{Transport::Tcp, port};
   peer.send_bytes(44);
@@ -116,7 +116,7 @@ TEST(Endpoint, DetectsAClosedConnection) {
 }
 
 TEST(Endpoint, SaysWhyItCannotListen) {
-  const std::uint16_t port = rths::test::free_port();
+  const std::uint16_t port = test::free_port();
   const Endpoint endpoint{Transport::Tcp, "127.0.0.1", port};
   EXPECT_THROW((Endpoint{Transport::Tcp, "127.0.0.1", port}), Error);
   EXPECT_THROW((Endpoint{Transport::Tcp, "nowhere", port}), Error);

@@ -9,6 +9,8 @@
 
 #include <rths/core/error.hpp>
 
+#include "support/files.hpp"
+
 namespace rths::adapters {
 namespace {
 
@@ -46,16 +48,6 @@ std::vector<double> doubles_of(std::span<const std::byte> bytes) {
   return values;
 }
 
-template <class Action>
-std::string error_of(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(GenericClient, ReadsSizesFirst) {
   GenericClient client{"element 'column'", 2};
   EXPECT_EQ(client.expected(), 44U);
@@ -66,7 +58,7 @@ TEST(GenericClient, ReadsSizesFirst) {
 TEST(GenericClient, SaysWhatIsWrongWithTheSizes) {
   const auto error_for = [](const std::vector<std::byte>& message) {
     GenericClient client{"element 'column'", 2};
-    return error_of([&] { static_cast<void>(client.receive(message)); });
+    return test::error_of([&] { static_cast<void>(client.receive(message)); });
   };
   EXPECT_EQ(error_for(sizes(3, 256)),
             "element 'column': OpenSees lists 3 degrees of freedom, the experiment 2");
@@ -164,7 +156,7 @@ TEST(GenericClient, RefusesAMatrixThatDoesNotFit) {
   GenericClient client{"element", 3};
   ASSERT_EQ(client.receive(bytes_of(std::vector<std::int32_t>{3, 0, 0, 0, 0, 0, 0, 0, 3, 0, 8})),
             Message::Sizes);
-  EXPECT_EQ(error_of([&] { static_cast<void>(client.receive(request(8, {12}))); }),
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(client.receive(request(8, {12}))); }),
             "element: OpenSees requests a 3 x 3 matrix in messages of 8 numbers");
 }
 
@@ -172,10 +164,10 @@ TEST(GenericClient, RejectsUnknownCodesAndKeepsTheLastTrial) {
   GenericClient client{"element", 1};
   static_cast<void>(client.receive(sizes(1, 256)));
   static_cast<void>(client.receive(request(256, {3, 0.5, 0, 0, 0.01})));
-  EXPECT_EQ(error_of([&] { static_cast<void>(client.receive(request(256, {16}))); }),
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(client.receive(request(256, {16}))); }),
             "element: OpenSees sent code 16, expected 1 to 15 or 99");
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(error_of([&] {
+  EXPECT_EQ(test::error_of([&] {
               static_cast<void>(client.receive(request(256, {3, nan})));
             }),
             "element: a trial state holds NaN or infinity");

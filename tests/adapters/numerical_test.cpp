@@ -23,11 +23,11 @@ sim::GroundMotion pulse() {
   return motion;
 }
 
-NumericalSettings settings() {
+NumericalSettings numerical_settings() {
   NumericalSettings s;
   s.plant = sim::example_plant();
   s.motion = pulse();
-  s.bearing_initial_stiffness = rths::test::kInitialStiffness;
+  s.bearing_initial_stiffness = test::kInitialStiffness;
   s.duration = 0.5;
   return s;
 }
@@ -55,7 +55,7 @@ class Partner {
       Eigen::Vector2d u = Eigen::Vector2d::Zero();
       for (const auto& axis : axes_)
         u[axis == "long" ? 0 : 1] = bench.out("opf." + axis + ".displ.target");
-      const Eigen::Vector2d force = rths::test::moved(bearing_, u);
+      const Eigen::Vector2d force = test::moved(bearing_, u);
       for (const auto& axis : axes_)
         bench.in("daq." + axis + ".force.fbk") = force[axis == "long" ? 0 : 1];
       bench.in("daq.atTarget") = 1;
@@ -70,13 +70,13 @@ class Partner {
 
  private:
   std::vector<std::string> axes_;
-  sim::BearingRun bearing_{rths::test::plain_lead_rubber(), 0.01};
+  sim::BearingRun bearing_{test::plain_lead_rubber(), 0.01};
   double previous_ = 0;
   int countdown_ = 0;
 };
 
 TEST(Numerical, RunsTheHandshakeOncePerStep) {
-  const auto solver = make_numerical(settings());
+  const auto solver = make_numerical(numerical_settings());
   Partner partner{*solver, {"long", "lat"}};
   Status status = Status::Ok;
   for (int i = 0; i < 5000 && status == Status::Ok; ++i) status = partner.tick();
@@ -88,22 +88,22 @@ TEST(Numerical, RunsTheHandshakeOncePerStep) {
 }
 
 TEST(Numerical, GivesTheSameTargetsAsTheAnalysisAlone) {
-  const auto solver = make_numerical(settings());
+  const auto solver = make_numerical(numerical_settings());
   Partner partner{*solver, {"long", "lat"}};
-  sim::PlantAnalysis alone{sim::assemble(sim::example_plant()), pulse(),
-                           rths::test::kInitialStiffness, 0.01, -0.05};
-  sim::BearingRun bearing{rths::test::plain_lead_rubber(), 0.01};
+  sim::PlantAnalysis alone{sim::assemble(sim::example_plant()), pulse(), test::kInitialStiffness,
+                           0.01, -0.05};
+  sim::BearingRun bearing{test::plain_lead_rubber(), 0.01};
   for (int step = 0; step < 40; ++step) {
     while (partner.targets <= step) ASSERT_EQ(partner.tick(), Status::Ok);
     const Eigen::Vector2d u = alone.predict();
     EXPECT_EQ(partner.bench.out("opf.long.displ.target"), u[0]);
     EXPECT_EQ(partner.bench.out("opf.lat.displ.target"), u[1]);
-    alone.correct(rths::test::moved(bearing, u));
+    alone.correct(test::moved(bearing, u));
   }
 }
 
 TEST(Numerical, PostsNoTargetDuringTheInitialRest) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.rest = 0.3;
   const auto solver = make_numerical(s);
   test::Bench bench{*solver};
@@ -119,7 +119,7 @@ TEST(Numerical, PostsNoTargetDuringTheInitialRest) {
 }
 
 TEST(Numerical, StartsWithATargetForAnOlderController) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.handshake = Handshake::TargetFirst;
   const auto solver = make_numerical(s);
   test::Bench bench{*solver};  // atTarget is down
@@ -138,7 +138,7 @@ TEST(Numerical, StartsWithATargetForAnOlderController) {
 }
 
 TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
@@ -156,7 +156,7 @@ TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
 }
 
 TEST(Numerical, TakesTheModelledComputingTimeInVirtualTime) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
   const auto solver = make_numerical(s);
   test::Bench bench{*solver};
@@ -173,7 +173,7 @@ TEST(Numerical, TakesTheModelledComputingTimeInVirtualTime) {
 }
 
 TEST(Numerical, OverrunsWithTheGivenFrequency) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.duration = 5;
   s.computing_time = ComputingTime{0.003, 0.1, 0.25, 0.006, 9};
   const auto solver = make_numerical(s);
@@ -200,7 +200,7 @@ struct Silence {
 class DeadPartner : public ::testing::TestWithParam<Silence> {};
 
 TEST_P(DeadPartner, EndsTheWaitAtItsDeadlineWithOneClearLine) {
-  const auto solver = make_numerical(settings());
+  const auto solver = make_numerical(numerical_settings());
   test::Bench bench{*solver};
   double time = 0;
   bench.in("daq.atTarget") = 1;
@@ -224,7 +224,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& silence) { return std::string{silence.param.name}; });
 
 TEST(Numerical, SignalsTheStopBeforeItFinishes) {
-  const auto solver = make_numerical(settings());
+  const auto solver = make_numerical(numerical_settings());
   test::Bench bench{*solver};
   EXPECT_EQ(bench.step(0.001, true), Status::Ok);
   EXPECT_EQ(bench.out("opf.newTarget"), -1);
@@ -233,7 +233,7 @@ TEST(Numerical, SignalsTheStopBeforeItFinishes) {
 }
 
 TEST(Numerical, PlaysADisplacementHistory) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.duration = 0.05;
   s.history = DisplacementHistory{0.02, {0, 0.2, 0.4, 0.3}, {0, -0.1, 0, 0}};
   const auto solver = make_numerical(s);
@@ -249,7 +249,7 @@ TEST(Numerical, PlaysADisplacementHistory) {
 }
 
 TEST(Numerical, SendsTheVerticalForceToTheSpecimen) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.motion.vert_acceleration = s.motion.long_acceleration;
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
@@ -265,7 +265,7 @@ TEST(Numerical, SendsTheVerticalForceToTheSpecimen) {
 }
 
 TEST(Numerical, TestsOneAxisAlone) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.axes = {"lat"};
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"lat"}};
@@ -276,7 +276,7 @@ TEST(Numerical, TestsOneAxisAlone) {
 }
 
 TEST(Numerical, RefusesAnAxisThatItsModelLacks) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.axes = {"vert"};
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(make_numerical(s)); }),

@@ -17,7 +17,7 @@
 namespace rths::adapters {
 namespace {
 
-constexpr int kCount = 16, kSteps = 100, kFirstPort = 18'120;
+constexpr int kCount = 16, kAnalysisSteps = 100, kFirstPort = 18'120;
 
 std::string point(int i) { return fmt::format("p{}", i + 1); }
 double stiffness(int i) { return 1e5 * (i + 1); }  // [N/m]
@@ -74,7 +74,7 @@ OpenSeesSettings settings_of(const test::TemporaryFolder& folder, const std::str
   }
   settings.script.command = {python, (test::source_tree() / "tests/opensees/many.py").string(),
                              std::to_string(kFirstPort), std::to_string(kCount),
-                             std::to_string(kSteps)};
+                             std::to_string(kAnalysisSteps)};
   settings.script.log = folder.path() / "ring.log";
   return settings;
 }
@@ -124,7 +124,7 @@ std::vector<std::vector<double>> rows_of(std::istream&& in) {
   return rows;
 }
 
-using OpenSeesAdapter = rths::test::WithOpenSees<>;
+using OpenSeesAdapter = test::WithOpenSees<>;
 
 TEST_F(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
   const test::TemporaryFolder folder;
@@ -144,14 +144,14 @@ TEST_F(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
   EXPECT_EQ(status, Status::Done) << solving.message();
   // One target per step, except for the first, without motion: trials of different updates never
   // mix.
-  EXPECT_EQ(springs.targets(), kSteps - 1);
+  EXPECT_EQ(springs.targets(), kAnalysisSteps - 1);
   solver->deactivate();
 
   test::Running own{{python_, (test::source_tree() / "tests/opensees/many.py").string(), "inside",
-                     std::to_string(kCount), std::to_string(kSteps)}};
+                     std::to_string(kCount), std::to_string(kAnalysisSteps)}};
   const auto expected = rows_of(std::istringstream{own.wait(30).out});
   const auto found = rows_of(std::ifstream{folder.path() / "ring.log"});
-  ASSERT_EQ(expected.size(), static_cast<std::size_t>(kSteps));
+  ASSERT_EQ(expected.size(), static_cast<std::size_t>(kAnalysisSteps));
   ASSERT_EQ(found.size(), expected.size());
   for (int i = 0; i < kCount; ++i) {
     double difference = 0, size = 0;

@@ -25,11 +25,11 @@ struct Analysis {
 
 void PrintTo(const Analysis& analysis, std::ostream* out) { *out << analysis.name; }
 
-class RealOpenSees : public rths::test::WithOpenSees<> {
+class RealOpenSees : public test::WithOpenSees<> {
  protected:
   [[nodiscard]] std::vector<std::string> command(std::uint16_t port, Transport transport,
                                                  std::vector<std::string> arguments) const {
-    const auto script = rths::test::source_tree() / "tests/opensees/oscillator.py";
+    const auto script = test::source_tree() / "tests/opensees/oscillator.py";
     std::vector<std::string> words{python_, script.string(), std::to_string(port),
                                    transport == Transport::Tcp ? "tcp" : "udp"};
     words.insert(words.end(), arguments.begin(), arguments.end());
@@ -42,13 +42,13 @@ class Integrators : public RealOpenSees,
 
 TEST_P(Integrators, MovesTheSpringLikeItsOwn) {
   const auto& [transport, analysis] = GetParam();
-  test::SpringServer server{transport};
+  test_support::SpringServer server{transport};
   constexpr std::size_t kSteps = 3;
   std::vector<std::string> arguments{std::to_string(kSteps)};
   arguments.insert(arguments.end(), analysis.arguments.begin(), analysis.arguments.end());
-  rths::test::Running running{command(server.port(), transport, arguments)};
+  test::Running running{command(server.port(), transport, arguments)};
   const auto finished = running.wait(30);
-  const test::Received received = server.received();
+  const test_support::Received received = server.received();
 
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_EQ(received.error, "");
@@ -132,8 +132,8 @@ INSTANTIATE_TEST_SUITE_P(Analyses, Integrators,
 // step.
 TEST_F(RealOpenSees, DoesNotWaitForAcknowledgements) {
   constexpr double kSteps = 300, kStall = 0.044;
-  test::SpringServer server{Transport::Tcp};
-  rths::test::Running running{command(server.port(), Transport::Tcp, {"300", "AlphaOS", "0.9"})};
+  test_support::SpringServer server{Transport::Tcp};
+  test::Running running{command(server.port(), Transport::Tcp, {"300", "AlphaOS", "0.9"})};
   const auto finished = running.wait(30);
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_LT(finished.seconds, 0.5 * kSteps * kStall);

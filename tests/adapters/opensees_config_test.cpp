@@ -18,7 +18,7 @@ OpenSeesElement element_of(const std::string& lines) {
   return settings.elements.at(0);
 }
 
-std::string error_of(const std::string& lines) {
+std::string config_error(const std::string& lines) {
   try {
     static_cast<void>(element_of(lines));
   } catch (const Error& error) {
@@ -128,8 +128,9 @@ TEST(OpenSeesConfig, SaysWhatIsWrongAndWhere) {
          "\"rotation_y\", "
          "\"rotation_z\"]\n[[element.bearing.actuator]]\naxis = \"1\"\n",
          "an actuator needs two pins at different positions"}})
-    EXPECT_NE(error_of(lines).find(message), std::string::npos) << lines << "\n" << error_of(lines);
-  EXPECT_NE(error_of(dofs).find("none"), std::string::npos) << error_of(dofs);
+    EXPECT_NE(config_error(lines).find(message), std::string::npos) << lines << "\n"
+                                                                    << config_error(lines);
+  EXPECT_NE(config_error(dofs).find("none"), std::string::npos) << config_error(dofs);
 }
 
 TEST(OpenSeesAdapterWords, SaysWhichAxisALaboratoryLacks) {

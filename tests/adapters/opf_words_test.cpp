@@ -38,8 +38,8 @@ OpenSeesElement element_on(const std::string& axis) {
 }
 
 Specimen::Command command(double displacement, double velocity, double load = 0) {
-  const VectorXd d = VectorXd::Constant(1, displacement), v = VectorXd::Constant(1, velocity);
-  return {d, v, v, load};
+  return {VectorXd::Constant(1, displacement), VectorXd::Constant(1, velocity),
+          VectorXd::Constant(1, velocity), load};
 }
 
 std::vector<std::string> names(const std::vector<Port>& ports) {

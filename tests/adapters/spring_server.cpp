@@ -9,7 +9,7 @@
 
 #include "support/process.hpp"
 
-namespace rths::adapters::test {
+namespace rths::adapters::test_support {
 namespace {
 
 constexpr auto kPatience = std::chrono::seconds{10};
@@ -18,7 +18,7 @@ constexpr double kStiffness = 2.8;
 }  // namespace
 
 SpringServer::SpringServer(Transport transport)
-    : port_{rths::test::free_port()}, endpoint_{transport, "127.0.0.1", port_}, thread_{[this] {
+    : port_{test::free_port()}, endpoint_{transport, "127.0.0.1", port_}, thread_{[this] {
         serve();
       }} {}
 
@@ -58,4 +58,4 @@ Received SpringServer::received() {
   return received_;
 }
 
-}  // namespace rths::adapters::test
+}  // namespace rths::adapters::test_support

@@ -9,7 +9,7 @@
 #include "endpoint.hpp"
 #include "generic_client.hpp"
 
-namespace rths::adapters::test {
+namespace rths::adapters::test_support {
 
 /// Messages that a spring server received.
 struct Received {
@@ -33,4 +33,4 @@ class SpringServer {
   std::jthread thread_;  ///< last member: it uses the others
 };
 
-}  // namespace rths::adapters::test
+}  // namespace rths::adapters::test_support
