@@ -12,7 +12,7 @@ namespace {
 using nlohmann::json;
 using test::run_rths;
 
-std::vector<std::string> shortly(const std::vector<std::string>& more) {
+std::vector<std::string> short_bearings(const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"bench", "bearings", "--passes", "1", "--steps", "300"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
@@ -27,7 +27,7 @@ void expect_ordered_times(const json& times) {
 }
 
 TEST(BenchBearings, WritesOneJsonDocument) {
-  const auto run = run_rths(shortly({"--json", "--opensees", "/no/such/python"}));
+  const auto run = run_rths(short_bearings({"--json", "--opensees", "/no/such/python"}));
 
   ASSERT_GE(run.exit_code, 0) << run.err;
   ASSERT_LE(run.exit_code, 2) << run.err;
@@ -46,14 +46,14 @@ TEST(BenchBearings, WritesOneJsonDocument) {
 }
 
 TEST(BenchBearings, ReportsWhyOpenseesIsNotMeasured) {
-  const auto run = run_rths(shortly({"--opensees", "/no/such/python"}));
+  const auto run = run_rths(short_bearings({"--opensees", "/no/such/python"}));
 
   EXPECT_NE(run.out.find("not measured: /no/such/python"), std::string::npos) << run.out;
   EXPECT_EQ(run.err, "");
 }
 
 TEST(BenchBearings, ExitsWithTheCodeOfItsResult) {
-  const auto run = run_rths(shortly({"--json", "--opensees", "/no/such/python"}));
+  const auto run = run_rths(short_bearings({"--json", "--opensees", "/no/such/python"}));
 
   const std::string result = json::parse(run.out)["result"];
   EXPECT_EQ(run.exit_code, result == "pass" ? 0 : result == "inconclusive" ? 1 : 2);

@@ -21,7 +21,7 @@ using test::run_rths;
 // One short cycle: fast, and inconclusive.
 const std::vector<std::string> kShort{"bench", "ring", "--cycles", "1", "--round-trips", "200"};
 
-std::vector<std::string> shortly(const std::vector<std::string>& more) {
+std::vector<std::string> short_ring(const std::vector<std::string>& more) {
   std::vector<std::string> arguments = kShort;
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
@@ -37,7 +37,7 @@ void expect_measured_row(const json& row) {
 }
 
 TEST(BenchRing, WritesOneJsonDocument) {
-  const Finished run = run_rths(shortly({"--json", "--seed", "7"}), 110);
+  const Finished run = run_rths(short_ring({"--json", "--seed", "7"}), 110);
 
   ASSERT_EQ(run.exit_code, 1) << run.err;
   const json document = json::parse(run.out);
@@ -58,7 +58,7 @@ TEST(BenchRing, WritesOneJsonDocument) {
 }
 
 TEST(BenchRing, PrintsATableOfTheSelectedRowsAndThoseTheyNeed) {
-  const Finished run = run_rths(shortly({"--row", "message_queue_8"}));
+  const Finished run = run_rths(short_ring({"--row", "message_queue_8"}));
 
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_NE(run.out.find("message_queue_8"), std::string::npos);
@@ -69,7 +69,7 @@ TEST(BenchRing, PrintsATableOfTheSelectedRowsAndThoseTheyNeed) {
 }
 
 TEST(BenchRing, LeavesNoRingBehind) {
-  static_cast<void>(run_rths(shortly({"--row", "group_1024"})));
+  static_cast<void>(run_rths(short_ring({"--row", "group_1024"})));
 
   for (const auto& ring : broker::list_rings()) EXPECT_NE(ring.name.rfind("bench_", 0), 0U);
 }
@@ -77,7 +77,7 @@ TEST(BenchRing, LeavesNoRingBehind) {
 TEST(BenchRing, ContinuesWithItsStoredCycles) {
   const test::TemporaryFolder folder;
   const auto run = [&] {
-    return run_rths(shortly({"--json", "--row", "word", "--keep", folder.path().string()}));
+    return run_rths(short_ring({"--json", "--row", "word", "--keep", folder.path().string()}));
   };
 
   const Finished first = run();
@@ -92,7 +92,7 @@ TEST(BenchRing, RepeatsAnIncompleteCycle) {
   folder.write("cycle-00.json", "{\"round_trips\": 200, ");
 
   const Finished run =
-      run_rths(shortly({"--json", "--row", "word", "--keep", folder.path().string()}));
+      run_rths(short_ring({"--json", "--row", "word", "--keep", folder.path().string()}));
 
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_TRUE(json::accept(test::content_of(folder.path() / "cycle-00.json")));
