@@ -31,10 +31,11 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Hidden& 
     side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
     before = x;
     double force = kStiffness * x + kDamping * v + hidden.friction * side;
-    force += hidden.ripple * (t < test::kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
+    force +=
+        hidden.ripple * (t < test_support::kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
     return std::clamp(force, -hidden.saturation, hidden.saturation);
   };
-  return test::record_of(name, use, seed, guide, hidden.force_step);
+  return test_support::record_of(name, use, seed, guide, hidden.force_step);
 }
 
 Case case_of(const Hidden& hidden) {

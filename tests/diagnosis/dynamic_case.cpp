@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 
 std::vector<double> random_signal(unsigned seed, std::size_t samples, double time_step,
                                   double low_Hz, double high_Hz, double rms) {
@@ -104,4 +104,4 @@ double relative_error(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return (a - b).norm() / b.norm();
 }
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support

@@ -14,7 +14,7 @@
 #include "diagnosis/src/relation.hpp"
 #include "support/files.hpp"
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 
 /// Columns of a recording by name.
 using Columns = std::map<std::string, std::vector<double>>;
@@ -45,7 +45,7 @@ class CaseFolder {
   [[nodiscard]] Case load(const std::string& toml) const;
 
  private:
-  rths::test::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 /// The prediction of a hypothesis on a record.
@@ -55,4 +55,4 @@ class CaseFolder {
 /// Root mean square of the difference, over the root mean square of b.
 [[nodiscard]] double relative_error(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support

@@ -17,7 +17,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using test::Truth;
+using test_support::Truth;
 
 constexpr double kStep = 0.005;
 constexpr std::size_t kSamples = 2400, kRest = 400;
@@ -100,20 +100,20 @@ class UserSystem : public ::testing::TestWithParam<LeftOut> {
     double rms =
         0;  // of the first output in the first record: sets the effect's size in all records
     for (unsigned k = 0; k < std::size(kFiles); ++k) {
-      auto u = test::random_signal(10 + k, kSamples, kStep, 0.5, 12, kPush);
+      auto u = test_support::random_signal(10 + k, kSamples, kStep, 0.5, 12, kPush);
       std::fill_n(u.begin(), kRest, 0.0);
       Truth truth = chain;
       if (GetParam().in_system) GetParam().in_system(truth);
-      MatrixXd y = test::motion_of(truth, u, kStep);
-      const MatrixXd simulated = test::motion_of(chain, u, kStep);
+      MatrixXd y = test_support::motion_of(truth, u, kStep);
+      const MatrixXd simulated = test_support::motion_of(chain, u, kStep);
       if (k == 0) rms = std::sqrt(y.col(0).squaredNorm() / kSamples);
       if (GetParam().in_first_output) GetParam().in_first_output(y.col(0), rms);
-      test::Columns columns{{"u", u},
-                            {"simulated", {simulated.col(0).begin(), simulated.col(0).end()}}};
+      test_support::Columns columns{
+          {"u", u}, {"simulated", {simulated.col(0).begin(), simulated.col(0).end()}}};
       for (Index i = 0; i < y.cols(); ++i) {
         if (k == 0) deviations.push_back(kNoise * std::sqrt(y.col(i).squaredNorm() / kSamples));
-        auto values = test::noise(100 * k + static_cast<unsigned>(i), kSamples,
-                                  deviations[static_cast<std::size_t>(i)]);
+        auto values = test_support::noise(100 * k + static_cast<unsigned>(i), kSamples,
+                                          deviations[static_cast<std::size_t>(i)]);
         for (std::size_t j = 0; j < kSamples; ++j) values[j] += y(static_cast<Index>(j), i);
         columns[fmt::format("y{}", i + 1)] = values;
       }
@@ -146,7 +146,7 @@ class UserSystem : public ::testing::TestWithParam<LeftOut> {
     EXPECT_GT(proof.nrmse_before, 2 * proof.nrmse_after) << verdict.sentence;
   }
 
-  test::CaseFolder folder_;
+  test_support::CaseFolder folder_;
 };
 
 using MassesOnSprings = UserSystem;

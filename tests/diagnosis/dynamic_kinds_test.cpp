@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 0.01;
+constexpr double kKindsStep = 0.01;
 
 std::string records(const std::string& channels) {
   return R"(format = 1
@@ -48,21 +48,21 @@ const std::string kOscillator = kMassOnSpring + R"([model.inputs]
 
 class Kinds : public ::testing::Test {
  protected:
-  Kinds() : u_(test::random_signal(4, 1500, kStep, 0.3, 8, 30)) {
+  Kinds() : u_(test_support::random_signal(4, 1500, kKindsStep, 0.3, 8, 30)) {
     folder_.write("fit.csv", {{"u", u_}, {"y", u_}});
   }
   MatrixXd answer(const std::string& toml) {
     case_ = folder_.load(toml);
     relation_ = dynamic_relation(case_);
-    return test::prediction(*relation_, relation_->base(), case_.records[0]);
+    return test_support::prediction(*relation_, relation_->base(), case_.records[0]);
   }
   std::string error(const std::string& toml) {
-    const auto message = rths::test::error_of([&] { static_cast<void>(answer(toml)); });
+    const auto message = test::error_of([&] { static_cast<void>(answer(toml)); });
     const auto at = message.find("case.toml");
     return at == std::string::npos ? message : message.substr(at);
   }
 
-  test::CaseFolder folder_;
+  test_support::CaseFolder folder_;
   std::vector<double> u_;
   Case case_;
   std::unique_ptr<Relation> relation_;
@@ -80,7 +80,7 @@ numerator = [1.0]
 denominator = [2.0, 8.0, 800.0]
 )");
 
-  EXPECT_LT(test::relative_error(transfer, oscillator), 1e-9);
+  EXPECT_LT(test_support::relative_error(transfer, oscillator), 1e-9);
 }
 
 TEST_F(Kinds, AStateSpaceHasTheResponseOfItsOscillator) {
@@ -96,7 +96,7 @@ B = [[0], [0.5]]
 C = [[1, 0]]
 )");
 
-  EXPECT_LT(test::relative_error(space, oscillator), 1e-9);
+  EXPECT_LT(test_support::relative_error(space, oscillator), 1e-9);
 }
 
 TEST_F(Kinds, AStructureHasTheResponseOfItsMassesAndSprings) {
@@ -130,7 +130,7 @@ stiffness = [[1400, -500], [-500, 500]]
 damping = [[10, -2], [-2, 2]]
 )" + ends);
 
-  EXPECT_LT(test::relative_error(structure, masses), 1e-9);
+  EXPECT_LT(test_support::relative_error(structure, masses), 1e-9);
   // The springs are derived from the stiffness matrix.
   EXPECT_EQ(relation_->candidates().front().adds[0].component, "spring.1");
 }
@@ -139,7 +139,7 @@ damping = [[10, -2], [-2, 2]]
 TEST_F(Kinds, ADisplacedBaseHasTheResponseOfAnAcceleratedBase) {
   std::vector<double> ground, acceleration;
   for (std::size_t i = 0; i < 1500; ++i) {
-    const double t = static_cast<double>(i) * kStep, w = 2 * std::numbers::pi * 1.3;
+    const double t = static_cast<double>(i) * kKindsStep, w = 2 * std::numbers::pi * 1.3;
     const double swell = 1 - std::exp(-t * t), rate = 2 * t * std::exp(-t * t);
     const double bend = (2 - 4 * t * t) * std::exp(-t * t);
     ground.push_back(swell * std::sin(w * t));
@@ -160,7 +160,7 @@ TEST_F(Kinds, ADisplacedBaseHasTheResponseOfAnAcceleratedBase) {
              "\"acceleration.long\" = \"base_acceleration\"\n");
 
   // Linear interpolation between samples: (ω Δt)²/12 = 6e-4 of the force.
-  EXPECT_LT(test::relative_error(displaced, accelerated), 3e-3);
+  EXPECT_LT(test_support::relative_error(displaced, accelerated), 3e-3);
 }
 
 TEST_F(Kinds, ASystemInDiscreteTimeIsItsRecursion) {
@@ -180,7 +180,7 @@ denominator = [1.0, -1.6, 0.8]
     expected[i] = 1.6 * expected[i - 1] + 0.2 * u_[at - 1];
     if (i > 1) expected[i] += -0.8 * expected[i - 2] + 0.1 * u_[at - 2];
   }
-  EXPECT_LT(test::relative_error(predicted, expected), 1e-9);
+  EXPECT_LT(test_support::relative_error(predicted, expected), 1e-9);
 }
 
 // The steady-state response to a sine has the gain and phase of the transfer function.
@@ -188,7 +188,8 @@ TEST_F(Kinds, ATransferFunctionHasItsFrequencyResponse) {
   constexpr double kFrequency = 2.5;
   const double w = 2 * std::numbers::pi * kFrequency;
   std::vector<double> u;
-  for (std::size_t i = 0; i < 4000; ++i) u.push_back(std::sin(w * kStep * static_cast<double>(i)));
+  for (std::size_t i = 0; i < 4000; ++i)
+    u.push_back(std::sin(w * kKindsStep * static_cast<double>(i)));
   folder_.write("fit.csv", {{"u", u}, {"y", u}});
 
   const MatrixXd predicted = answer(kForced + R"(
@@ -205,9 +206,9 @@ denominator = [2.0, 8.0, 800.0]
   const auto gain = (0.3 * s + 7.0) / (2.0 * s * s + 8.0 * s + 800.0);
   VectorXd expected(1000);
   for (Index i = 0; i < expected.size(); ++i)
-    expected[i] = std::imag(gain * std::exp(s * kStep * static_cast<double>(i + 2500)));
+    expected[i] = std::imag(gain * std::exp(s * kKindsStep * static_cast<double>(i + 2500)));
   // Linear interpolation in substeps: (ω Δt/4)²/12 = 1.3e-4.
-  EXPECT_LT(test::relative_error(predicted.middleRows(2500, 1000), expected), 3e-4);
+  EXPECT_LT(test_support::relative_error(predicted.middleRows(2500, 1000), expected), 3e-4);
 }
 
 TEST_F(Kinds, AnUnknownStartStateIsFound) {
@@ -222,8 +223,8 @@ TEST_F(Kinds, AnUnknownStartStateIsFound) {
   const MatrixXd found = answer(kForced + free);
 
   const MatrixXd expected = whole.bottomRows(whole.rows() - 700);
-  EXPECT_GT(test::relative_error(at_rest, expected), 0.01);
-  EXPECT_LT(test::relative_error(found, expected), 1e-6);
+  EXPECT_GT(test_support::relative_error(at_rest, expected), 0.01);
+  EXPECT_LT(test_support::relative_error(found, expected), 1e-6);
 }
 
 TEST_F(Kinds, DataWithAnAddedTermIsTheirSum) {
@@ -237,7 +238,8 @@ TEST_F(Kinds, DataWithAnAddedTermIsTheirSum) {
                                "displacement.long = \"u [m]\"\nforce.long = \"y [N]\"\n"
                                "predicted.force.long = \"p [N]\"\n") +
                            "[model]\nkind = \"data\"\n";
-  EXPECT_LT(test::relative_error(answer(data), VectorXd::Map(predicted.data(), 400)), 1e-12);
+  EXPECT_LT(test_support::relative_error(answer(data), VectorXd::Map(predicted.data(), 400)),
+            1e-12);
 
   const MatrixXd with_term =
       answer(data + "[model.terms.\"added.1\".cubic_stiffness]\nstiffness_N_per_m3 = 1e6\n");
@@ -247,7 +249,7 @@ TEST_F(Kinds, DataWithAnAddedTermIsTheirSum) {
     const auto at = static_cast<std::size_t>(i);
     expected[i] = predicted[at] + 1e6 * std::pow(displacement[at], 3);
   }
-  EXPECT_LT(test::relative_error(with_term, expected), 1e-12);
+  EXPECT_LT(test_support::relative_error(with_term, expected), 1e-12);
 }
 
 TEST_F(Kinds, ReportErrorsInTheirTables) {

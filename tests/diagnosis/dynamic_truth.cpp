@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 namespace {
 
 using Eigen::Index;
@@ -77,4 +77,4 @@ Eigen::MatrixXd motion_of(const Truth& truth, const std::vector<double>& input, 
   return motion;
 }
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support

@@ -9,7 +9,7 @@
 
 #include "dynamic_case.hpp"
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 
 /// A chain of masses on springs. The first is on the ground, and a force acts on one mass. The
 /// chain has one effect that its simulation leaves out. Independent of the library.
@@ -33,4 +33,4 @@ struct Truth {
 [[nodiscard]] Eigen::MatrixXd motion_of(const Truth& truth, const std::vector<double>& input,
                                         double time_step);
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support

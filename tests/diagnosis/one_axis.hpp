@@ -6,7 +6,7 @@
 
 #include <rths/diagnosis/diagnose.hpp>
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 
 constexpr double kStep = 0.004, kLength = 40, kQuiet = 2;  // of a record [s]
 constexpr double kForceNoise = 20;                         // [N]
@@ -20,4 +20,4 @@ using Specimen = std::function<double(double, double, double)>;
 Record record_of(const std::string& name, Use use, unsigned seed, const Specimen& specimen,
                  double force_step = 0);
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support
