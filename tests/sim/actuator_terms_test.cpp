@@ -11,10 +11,9 @@
 namespace rths::sim {
 namespace {
 
-using test::spring;
-using test::Stepper;
-
-constexpr double kStep = 1e-3;
+using test_support::kStep;
+using test_support::spring;
+using test_support::Stepper;
 
 Quantities<double> sine(double omega, double t) {
   Quantities<double> q;

@@ -16,8 +16,8 @@
 namespace rths::sim {
 namespace {
 
-constexpr double kStiffness = 4e8;     // the default of stiffness_estimate
-constexpr double kFlexibility = 2e-9;  // typical
+constexpr double kStiffnessEstimate = 4e8;    // the default of stiffness_estimate
+constexpr double kTypicalFlexibility = 2e-9;  // typical
 
 TermSettings typical(std::string_view name) {
   TermSettings term{std::string{name}, "", {}};
@@ -35,7 +35,7 @@ struct Swing {
 // Two cycles, then rest.
 Swing swing(const std::vector<TermSettings>& terms, double time_step) {
   constexpr double kAmplitude = 0.15, kRate = std::numbers::pi, kMoving = 4, kAll = 8;
-  test::Stepper specimen{terms, time_step};
+  test_support::Stepper specimen{terms, time_step};
   Swing seen;
   double before = 0;
   for (double t = 0; t < kAll; t += time_step) {
@@ -60,11 +60,11 @@ Swing swing(const std::vector<TermSettings>& terms, double time_step) {
 // Specimens with velocity-dependent forces: at 0.1 ms, c/Δt would be a stiffness of 2e9 N/m or
 // more.
 std::vector<std::vector<TermSettings>> specimens() {
-  return {{test::spring(4e6), typical("viscous_damping")},
-          {test::spring(4e6), {"viscous_damping", "", {{"damping", 5e6}}}},
-          {test::spring(4e6), typical("piecewise_damping")},
+  return {{test_support::spring(4e6), typical("viscous_damping")},
+          {test_support::spring(4e6), {"viscous_damping", "", {{"damping", 5e6}}}},
+          {test_support::spring(4e6), typical("piecewise_damping")},
           {typical("bouc_wen"), typical("rate_dep_strength")},
-          {test::spring(4e6), typical("gap_contact")}};
+          {test_support::spring(4e6), typical("gap_contact")}};
 }
 
 void expect_as_steady_as_rigid(const std::vector<TermSettings>& specimen,
@@ -98,14 +98,15 @@ TEST(Compliance, IsStableInSeriesWithOthers) {
 // An error shrinks by |g| + √(g² + |g|) per step where the tangent is above the estimate:
 // g = χ(K − K_t)/(1 + χK), 1 at g = −1/3.
 TEST(Compliance, IsStableUpToTheDocumentedStiffness) {
-  const double limit = 4 * kStiffness / 3 + 1 / (3 * kFlexibility);
+  const double limit = 4 * kStiffnessEstimate / 3 + 1 / (3 * kTypicalFlexibility);
   for (const double fraction : {0.95, 1.05}) {
-    test::Stepper specimen{{test::spring(fraction * limit),
-                            {"support_flexibility", "", {{"flexibility", kFlexibility}}}},
-                           1e-3};
+    test_support::Stepper specimen{
+        {test_support::spring(fraction * limit),
+         {"support_flexibility", "", {{"flexibility", kTypicalFlexibility}}}},
+        1e-3};
     double force = 0;
     for (int i = 0; i < 1000; ++i) force = specimen.to(0.01).force[0];
-    const double expected = 0.01 / (kFlexibility + 1 / (fraction * limit));
+    const double expected = 0.01 / (kTypicalFlexibility + 1 / (fraction * limit));
     if (fraction < 1)
       EXPECT_NEAR(force, expected, 1e-6 * expected);
     else

@@ -8,9 +8,9 @@
 namespace rths::sim {
 namespace {
 
-using rths::test::error_of;
+using test::error_of;
 
-std::vector<TermSettings> read(const std::string& text) {
+std::vector<TermSettings> parsed_terms(const std::string& text) {
   return read_terms(Config::parse(text, "b.toml"));
 }
 
@@ -58,7 +58,7 @@ TEST(Composition, RefusesUnknownNamesAndValuesOutOfBounds) {
 }
 
 TEST(TermReader, ReadsTermsWithUnitsInTheirKeys) {
-  const auto terms = read("[bouc_wen]\ncharacteristic_strength_N = 1e6\nbeta = 0.9\n");
+  const auto terms = parsed_terms("[bouc_wen]\ncharacteristic_strength_N = 1e6\nbeta = 0.9\n");
 
   ASSERT_EQ(terms.size(), 1U);
   EXPECT_EQ(terms[0].kind, "bouc_wen");
@@ -68,7 +68,7 @@ TEST(TermReader, ReadsTermsWithUnitsInTheirKeys) {
 }
 
 TEST(TermReader, MakesATermOfEachAxisFromAnArray) {
-  const auto terms = read("[coulomb_friction]\nfriction_force_N = [5100, 8600]\n");
+  const auto terms = parsed_terms("[coulomb_friction]\nfriction_force_N = [5100, 8600]\n");
 
   ASSERT_EQ(terms.size(), 2U);
   EXPECT_EQ(terms[0].name, "coulomb_friction.long");
@@ -78,22 +78,22 @@ TEST(TermReader, MakesATermOfEachAxisFromAnArray) {
 }
 
 TEST(TermReader, LeavesOutDisabledTerms) {
-  EXPECT_TRUE(read("[bouc_wen]\nenabled = false\n").empty());
+  EXPECT_TRUE(parsed_terms("[bouc_wen]\nenabled = false\n").empty());
 }
 
 TEST(TermReader, ReportsTheLineOfAWrongKeyOrValue) {
-  EXPECT_EQ(error_of([] { read("[bouc_wen]\nbeta = 1.5\n"); }),
+  EXPECT_EQ(error_of([] { parsed_terms("[bouc_wen]\nbeta = 1.5\n"); }),
             "b.toml:2:8: beta is 1.5, expected 0 to 1");
-  EXPECT_EQ(error_of([] { read("[bouc_wen]\nbetta = 0.5\n"); }),
+  EXPECT_EQ(error_of([] { parsed_terms("[bouc_wen]\nbetta = 0.5\n"); }),
             "b.toml:2:9: unknown key 'betta' (did you mean 'beta'?)");
-  EXPECT_EQ(error_of([] { read("[x]\nkind = \"bouc_wem\"\n"); }),
+  EXPECT_EQ(error_of([] { parsed_terms("[x]\nkind = \"bouc_wem\"\n"); }),
             "b.toml:2:8: there is no term 'bouc_wem' (did you mean 'bouc_wen'?)");
-  EXPECT_EQ(error_of([] { read("[bouc_wen]\nbeta = [0.5, 0.5]\n"); }),
+  EXPECT_EQ(error_of([] { parsed_terms("[bouc_wen]\nbeta = [0.5, 0.5]\n"); }),
             "b.toml:2:8: beta is an array, but 'bouc_wen' couples both axes");
 }
 
 TEST(TermReader, ReportsTheLineOfWrongAxesAndChannels) {
-  const auto error = [](const std::string& text) { return error_of([&] { read(text); }); };
+  const auto error = [](const std::string& text) { return error_of([&] { parsed_terms(text); }); };
   EXPECT_EQ(error("[coulomb_friction]\naxes = []\n"),
             "b.toml:2:8: axes is empty, expected long, lat or both");
   EXPECT_EQ(error("[bouc_wen]\naxes = [\"long\"]\n"),

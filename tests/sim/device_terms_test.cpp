@@ -9,8 +9,8 @@
 namespace rths::sim {
 namespace {
 
-using test::Stepper;
-using test::Values;
+using test_support::Stepper;
+using test_support::Values;
 
 constexpr double kForward = 10e3, kBackward = 17e3, kForwardLength = 5e-3, kBackwardLength = 4e-3,
                  kPlay = 6e-3;

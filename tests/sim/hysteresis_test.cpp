@@ -9,8 +9,8 @@
 namespace rths::sim {
 namespace {
 
-using test::Stepper;
-using test::Values;
+using test_support::Stepper;
+using test_support::Values;
 
 constexpr double kStrength = 1e6, kYield = 3e-3;
 

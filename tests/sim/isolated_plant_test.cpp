@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include <rths/algebra/decompositions.hpp>
 #include <rths/sim/isolated_plant.hpp>

@@ -15,8 +15,8 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kStrength = 1.01e6;
-constexpr double kYieldDisplacement = 2.855e-3;
+constexpr double kPlugStrength = 1.01e6;
+constexpr double kPlugYield = 2.855e-3;
 constexpr double kDesignDisplacement = 0.210;
 constexpr double kSoftening = 0.0069;
 
@@ -39,17 +39,17 @@ struct Plug {
   }
 };
 
-TermSettings lead() {
+TermSettings lead_plug() {
   return {"bouc_wen",
           "",
-          {{"characteristic_strength", kStrength}, {"yield_displacement", kYieldDisplacement}}};
+          {{"characteristic_strength", kPlugStrength}, {"yield_displacement", kPlugYield}}};
 }
 
 // Moves the bearing along a line and calls `see` after each step.
 void run(const TermSettings& heating, double time_step, double duration,
          const std::function<double(double)>& displacement,
          const std::function<void(double, const Quantities<double>&)>& see, double origin = 0) {
-  const Composition bearing{{lead(), heating}, time_step};
+  const Composition bearing{{lead_plug(), heating}, time_step};
   std::vector<double> state(bearing.states());
   const auto steps = static_cast<int>(std::lround(duration / time_step));
   for (int i = 0; i <= steps; ++i) {
@@ -75,9 +75,9 @@ class Adiabatic : public testing::Test {
  protected:
   static void expect_decay(const TermSettings& heating, double softening) {
     const double dt = 1e-3, start = 0.5, half_cycle = 1;
-    const double b = softening * kStrength;
+    const double b = softening * kPlugStrength;
     double energy = 0, force = 0, before = 0, energy_at_turn = 0, path_at_turn = 0;
-    double path = kDesignDisplacement - kYieldDisplacement * std::log(2.0);
+    double path = kDesignDisplacement - kPlugYield * std::log(2.0);
     int turns = 0;
     run(heating, dt, start + 20 * half_cycle, cycles, [&](double t, const Quantities<double>& q) {
       energy += 0.5 * (force + q.force[0]) * (q.displacement[0] - before);
@@ -85,7 +85,7 @@ class Adiabatic : public testing::Test {
       before = q.displacement[0];
       if (std::abs(t - start - turns * half_cycle) > dt / 2) return;
       if (turns > 0) {
-        const double yield = kYieldDisplacement / (1 + b * path);
+        const double yield = kPlugYield / (1 + b * path);
         path += 2 * kDesignDisplacement - yield * (1.5 + std::log(2.0));
       }
       // The strength changes by 1 % during elastic unloading: 1 % of a reversal's path.
@@ -146,7 +146,7 @@ TEST(LeadHeating, RespondsToAConstantFluxAtItsEndsAsPublished) {
   for (const double radius : {0.05, 0.18}) {
     Plug plug;
     plug.radius = radius, plug.capacity = 1, plug.shims = 0, plug.softening = kThermometer;
-    const double flux = kStrength / plug.area();
+    const double flux = kPlugStrength / plug.area();
     run(
         plug.term(), 1e-2, 200, [](double t) { return t; },
         [&](double t, const Quantities<double>& q) {
@@ -162,7 +162,7 @@ TEST(LeadHeating, RespondsToAConstantFluxAtItsShimsAsPublished) {
   Plug plug;
   // The shims have so much steel that the ends are negligible.
   plug.capacity = 1, plug.shims = 10, plug.softening = kThermometer;
-  const double flux = kStrength / plug.area();
+  const double flux = kPlugStrength / plug.area();
   run(
       plug.term(), 1e-2, 200, [](double t) { return t; },
       [&](double t, const Quantities<double>& q) {
@@ -184,7 +184,7 @@ TEST(LeadHeating, StaysJustBelowThePublishedBalanceUnderConstantPower) {
   Plug plug;
   plug.softening = kThermometer;
   const double dt = 1e-3, speed = 0.3, heat = plug.capacity * plug.height;
-  const double rise = kStrength * speed / plug.area() / heat;  // [K/s]
+  const double rise = kPlugStrength * speed / plug.area() / heat;  // [K/s]
   double published = 0;
   run(
       plug.term(), dt, 20, [&](double t) { return speed * t; },
@@ -192,7 +192,7 @@ TEST(LeadHeating, StaysJustBelowThePublishedBalanceUnderConstantPower) {
         if (t > 1) {
           const double loss = rise * t - published;
           ASSERT_LT(temperature(q), published) << t;
-          const double way_to_yield = rise * kYieldDisplacement / speed;
+          const double way_to_yield = rise * kPlugYield / speed;
           ASSERT_GT(temperature(q), published - (4 / pi - 1) * loss - way_to_yield) << t;
         }
         const double tau = plug.diffusivity * (t + dt / 2) / (plug.radius * plug.radius);
@@ -240,7 +240,7 @@ TEST(LeadHeating, CoolsBetweenBurstsAsAHeatCapacityOnAHalfSpace) {
   const Plug plug = wide_plug();
   const double capacity = plug.capacity * plug.height;
   const double b = plug.conductivity / (capacity * std::sqrt(plug.diffusivity));
-  const double flux = kStrength * Bursts::kSpeed / plug.area();
+  const double flux = kPlugStrength * Bursts::kSpeed / plug.area();
   double hottest = 0, coolest_after = 1e9, now = 0;
   for (const double dt : {1e-3, 1e-2}) {
     run(plug.term(), dt, 60, Bursts::travel, [&](double t, const Quantities<double>& q) {
@@ -250,7 +250,7 @@ TEST(LeadHeating, CoolsBetweenBurstsAsAHeatCapacityOnAHalfSpace) {
       const double rise = flux / capacity * 4;  // of one burst without heat loss
       // Half a step's power, the path to yield, and the memory's 0.05 %.
       const double tolerance =
-          flux / capacity * (0.5 * dt + 2 * kYieldDisplacement / Bursts::kSpeed) + 2e-3 * rise;
+          flux / capacity * (0.5 * dt + 2 * kPlugYield / Bursts::kSpeed) + 2e-3 * rise;
       ASSERT_NEAR(now, Bursts::temperature(flux, capacity, b, t), tolerance) << dt << ", " << t;
     });
   }

@@ -79,7 +79,7 @@ class Hysteresis {
         state_(composition_.states(), 0.0) {}
 
   /// @param strength  relative to the cold strength [-]; the yield displacement is scaled by it
-  Horizontal<double> at(const test::PathPoint& point, double strength) {
+  Horizontal<double> at(const test_support::PathPoint& point, double strength) {
     parameters_[index_] = yield_displacement_ * strength;
     Quantities<double> q;
     q.displacement = {point.displacement_long, point.displacement_lat};
@@ -94,14 +94,14 @@ class Hysteresis {
   std::vector<double> parameters_, state_;
 };
 
-test::Forces law_along(const test::Path& path, HeatInput input) {
-  const LeadRubberDesign design = test::compared_design();
+test_support::Forces law_along(const test_support::Path& path, HeatInput input) {
+  const LeadRubberDesign design = test_support::compared_design();
   LeadPlug plug{design, path.time_step};
   Hysteresis hysteresis{design, path.time_step};
   const double rubber = post_yield_stiffness(design);
-  test::Forces forces;
+  test_support::Forces forces;
   for (std::size_t i = 1; i < path.points.size(); ++i) {
-    const test::PathPoint& point = path.points[i];
+    const test_support::PathPoint& point = path.points[i];
     const double strength = plug.strength();
     const double ratio = strength / design.characteristic_strength;
     const auto [zx, zy] = hysteresis.at(point, ratio);
@@ -116,21 +116,22 @@ test::Forces law_along(const test::Path& path, HeatInput input) {
 }
 
 // The last burst only: during the rest before it, OpenSees does not update the strength.
-test::Forces last_burst(const test::Forces& forces) {
+test_support::Forces last_burst(const test_support::Forces& forces) {
   const auto steps = static_cast<std::ptrdiff_t>(forces.size() / 10);
   return {forces.end() - steps, forces.end()};
 }
 
-void compare(const test::Path& path, test::Forces (*select)(const test::Forces&)) {
-  const test::TwoBearings bearing = test::heated_bearing();
-  const auto theirs = select(test::opensees_forces(bearing, path));
-  const auto ours = select(test::our_forces(bearing, path));
+void compare(const test_support::Path& path,
+             test_support::Forces (*select)(const test_support::Forces&)) {
+  const test_support::TwoBearings bearing = test_support::heated_bearing();
+  const auto theirs = select(test_support::opensees_forces(bearing, path));
+  const auto ours = select(test_support::our_forces(bearing, path));
   const auto again = select(law_along(path, HeatInput::Speed));
   const auto by_work = select(law_along(path, HeatInput::Work));
 
-  const double written_down = test::nrmse(again, theirs).shear;
-  const double heated_by_work = test::nrmse(by_work, again).shear;
-  const double ours_from_that = test::nrmse(ours, by_work).shear;
+  const double written_down = test_support::nrmse(again, theirs).shear;
+  const double heated_by_work = test_support::nrmse(by_work, again).shear;
+  const double ours_from_that = test_support::nrmse(ours, by_work).shear;
 
   std::printf(
       "  %-11s OpenSees to its law reimplemented %7.4f %%; that law to itself heated by work "
@@ -145,12 +146,12 @@ void compare(const test::Path& path, test::Forces (*select)(const test::Forces&)
   EXPECT_LE(written_down, 0.005) << path.name;
 }
 
-using OpenseesHeating = rths::test::WithOpenSees<>;
+using OpenseesHeating = test::WithOpenSees<>;
 
 TEST_F(OpenseesHeating, DiffersByHeatInputAndByCooling) {
-  for (const auto& path : test::all_paths(0.2, 5e-4))
-    compare(path, [](const test::Forces& forces) { return forces; });
-  compare(test::two_bursts(0.2, 5e-4), last_burst);
+  for (const auto& path : test_support::all_paths(0.2, 5e-4))
+    compare(path, [](const test_support::Forces& forces) { return forces; });
+  compare(test_support::two_bursts(0.2, 5e-4), last_burst);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "support/files.hpp"
 #include "support/lead_rubber.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
 
 constexpr double kOrbitDuration = 9;     // [s]
@@ -21,7 +21,7 @@ constexpr double kOrbitFrequency = 0.5;  // [Hz]
 constexpr double kEntry = 2;             // growth time of an orbit [s]
 constexpr double kRecordDuration = 25;   // [s]
 constexpr double kLoadPerGravity = 3;
-constexpr double kLeastLoad = 0.2;  // avoids uplift, which other paths test
+constexpr double kLeastLoadRatio = 0.2;  // avoids uplift, which other paths test
 
 // Smooth growth from 0 to 1.
 double entry(double time) {
@@ -92,15 +92,14 @@ Path spiral(double amplitude, double time_step) {
 
 Path recorded(double amplitude, double time_step) {
   const auto file =
-      rths::test::source_tree() / "examples/records" / "petrolia_1992_riodell_freefield.csv";
+      test::source_tree() / "examples/records" / "petrolia_1992_riodell_freefield.csv";
   GroundMotion motion;
   const auto h1 = read_column(file, 1), h2 = read_column(file, 2), v = read_column(file, 3);
   motion.time_step = h1.time_step;
   for (const double a : h1.values) motion.long_acceleration.push_back(a * kStandardGravity);
   for (const double a : h2.values) motion.lat_acceleration.push_back(a * kStandardGravity);
-  const auto response =
-      numerical_response(assemble(example_plant()), motion, rths::test::plain_lead_rubber(),
-                         time_step, kRecordDuration);
+  const auto response = numerical_response(assemble(example_plant()), motion,
+                                           test::plain_lead_rubber(), time_step, kRecordDuration);
   double peak = 0;
   for (std::size_t i = 0; i < response.displacement_long.size(); ++i)
     peak = std::max(peak, std::hypot(response.displacement_long[i], response.displacement_lat[i]));
@@ -112,7 +111,7 @@ Path recorded(double amplitude, double time_step) {
     point.displacement_long = scale * response.displacement_long[i];
     point.displacement_lat = scale * response.displacement_lat[i];
     const double acceleration = vertical.at(static_cast<double>(i + 1) * time_step)[0];
-    point.load = std::max(1 + kLoadPerGravity * acceleration, kLeastLoad);
+    point.load = std::max(1 + kLoadPerGravity * acceleration, kLeastLoadRatio);
     path.points.push_back(point);
   }
   differentiate(path);
@@ -151,4 +150,4 @@ std::vector<Path> all_paths(double amplitude, double time_step) {
   return paths;
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

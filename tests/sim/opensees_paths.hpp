@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
 /// Displacement, velocity and load of a bearing at one instant.
 struct PathPoint {
@@ -40,4 +40,4 @@ struct Path {
 /// The first four of these paths in a long run (RTHS_LONG); cloverleaf and record in a short run.
 [[nodiscard]] std::vector<Path> all_paths(double amplitude, double time_step);
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

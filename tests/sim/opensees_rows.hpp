@@ -8,7 +8,7 @@
 
 #include "opensees_run.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
 /// One row of the comparison.
 struct OpenseesRow {
@@ -24,6 +24,9 @@ struct OpenseesRow {
   std::string deviation = {};
 };
 
+/// Appends the elements of an array.
+void append(nlohmann::json& to, const nlohmann::json& more);
+
 /// The lead-rubber bearing of the rows.
 [[nodiscard]] LeadRubberDesign compared_design();
 /// The same bearing with heating as its only effect.
@@ -32,4 +35,4 @@ struct OpenseesRow {
 [[nodiscard]] std::vector<OpenseesRow> elastomeric_rows();
 [[nodiscard]] std::vector<OpenseesRow> sliding_rows();
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

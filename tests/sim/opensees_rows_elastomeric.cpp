@@ -3,7 +3,11 @@
 
 #include "opensees_rows.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
+
+void append(nlohmann::json& to, const nlohmann::json& more) {
+  for (const auto& word : more) to.push_back(word);
+}
 
 // A lead-rubber bearing of the paper's size, 1,010 kN and 4.2 MN/m after yield, but slender and
 // under a third of its critical load, so that effects of the load are visible.
@@ -24,11 +28,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kAxialLoad = 25e6;  // [N]
-
-void append(json& to, const json& more) {
-  for (const auto& word : more) to.push_back(word);
-}
+constexpr double kRubberLoad = 25e6;  // [N]
 
 // Flags of LeadRubberX in its order.
 json flags(const LeadRubberEffects& effects) {
@@ -82,7 +82,7 @@ OpenseesRow rubber_row(const std::string& name, const LeadRubberEffects& effects
   append(row.bearing.element,
          {d.lead_density, d.lead_specific_heat, d.steel_conductivity, d.steel_diffusivity});
   append(row.bearing.element, flags(effects));
-  row.bearing.axial_load = kAxialLoad;
+  row.bearing.axial_load = kRubberLoad;
   row.bearing.vertical_stiffness = vertical_stiffness(d);
   row.bearing.terms = as_theirs(terms_of(d, effects));
   row.swing = effects.cavitation ? 1 : 0;
@@ -167,7 +167,7 @@ OpenseesRow bouc_wen_element() {
                          0.5};
   append(row.bearing.element, {"-P", 1, "-T", 2, "-My", 2, "-Mz", 2, "-orient", 0, 0, 1, 1, 0, 0});
   row.bearing.materials = json::array({{"ENT", 1, 1e10}, {"Elastic", 2, 1e6}});
-  row.bearing.axial_load = kAxialLoad;
+  row.bearing.axial_load = kRubberLoad;
   row.bearing.vertical_stiffness = 1e10;
   row.bearing.terms = {{"bouc_wen",
                         "",
@@ -203,4 +203,4 @@ std::vector<OpenseesRow> elastomeric_rows() {
           frame_indifferent()};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

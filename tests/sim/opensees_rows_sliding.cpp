@@ -3,20 +3,16 @@
 
 #include "opensees_rows.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
 
 using nlohmann::json;
 
-constexpr double kAxialLoad = 9.7e6;          // [N]
+constexpr double kSliderLoad = 9.7e6;         // [N]
 constexpr double kInitialStiffness = 4e8;     // before sliding [N/m]
 constexpr double kVerticalStiffness = 1e10;   // [N/m]
 constexpr double kFast = 0.11, kSlow = 0.06;  // friction coefficients [-]
 constexpr double kRate = 30;                  // of the transition between them [s/m]
-
-void append(json& to, const json& more) {
-  for (const auto& word : more) to.push_back(word);
-}
 
 // The element is on a vertical spring without tension; iterations end at 1 mN.
 OpenseesRow slider(const std::string& name, json element, const json& friction) {
@@ -27,7 +23,7 @@ OpenseesRow slider(const std::string& name, json element, const json& friction) 
          {"-T", 2, "-My", 2, "-Mz", 2, "-orient", 0, 0, 1, 1, 0, 0, "-iter", 50, 1e-3});
   row.bearing.friction_models = json::array({friction});
   row.bearing.materials = json::array({{"ENT", 1, kVerticalStiffness}, {"Elastic", 2, 1e6}});
-  row.bearing.axial_load = kAxialLoad;
+  row.bearing.axial_load = kSliderLoad;
   row.bearing.vertical_stiffness = kVerticalStiffness;
   return row;
 }
@@ -73,7 +69,7 @@ OpenseesRow single_pendulum(const std::string& name, double amplitude) {
   auto row =
       slider(name, {"singleFPBearing", 1, kRadius, kInitialStiffness, "-P", 1}, kVelocityDependent);
   // Before sliding, OpenSees' stiffness is that of the whole bearing, ours that of friction alone.
-  row.bearing.terms = {pendulum(kRadius, kInitialStiffness - kAxialLoad / kRadius),
+  row.bearing.terms = {pendulum(kRadius, kInitialStiffness - kSliderLoad / kRadius),
                        velocity_dependent()};
   row.amplitude = amplitude;
   return row;
@@ -108,7 +104,7 @@ OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
   OpenseesRow row;
   row.name = name;
   row.amplitude = amplitude;
-  row.bearing.axial_load = kAxialLoad;
+  row.bearing.axial_load = kSliderLoad;
   row.bearing.vertical_stiffness = kVerticalStiffness;
   row.bearing.materials = json::array({{"ENT", 1, kVerticalStiffness}, {"Elastic", 2, 1e6}});
   row.bearing.element = {"TripleFrictionPendulum", 1, 2, 3, 1, 2, 2, 2};
@@ -126,7 +122,7 @@ OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
   }
   append(row.bearing.element, kLengths);
   append(row.bearing.element, kCapacities);
-  append(row.bearing.element, {kAxialLoad, kYield, kTension, kLeastLoad, kTolerance});
+  append(row.bearing.element, {kSliderLoad, kYield, kTension, kLeastLoad, kTolerance});
   row.bearing.terms = {term};
   return row;
 }
@@ -198,4 +194,4 @@ std::vector<OpenseesRow> sliding_rows() {
           triple_pendulum("TripleFrictionPendulumAtStops", 0.58)};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -10,7 +10,7 @@
 #include "support/opensees.hpp"
 #include "support/process.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
 
 constexpr double kTimeout = 100;  // of one analysis [s]
@@ -58,7 +58,7 @@ double difference(const Forces& a, const Forces& b, std::size_t column) {
 }  // namespace
 
 Forces opensees_forces(const TwoBearings& bearing, const Path& path) {
-  const rths::test::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto forces = folder.path() / "forces.csv";
   write_motion(folder.path() / "motion.csv", bearing, path);
   const nlohmann::json said = {{"element", bearing.element},
@@ -68,9 +68,8 @@ Forces opensees_forces(const TwoBearings& bearing, const Path& path) {
                                {"motion", (folder.path() / "motion.csv").string()},
                                {"forces", forces.string()}};
   const auto file = folder.write("case.json", said.dump());
-  const auto script = rths::test::source_tree() / "bench/bearings/opensees/bearing.py";
-  rths::test::Running running{
-      {rths::test::opensees_python().value(), script.string(), file.string()}};
+  const auto script = test::source_tree() / "bench/bearings/opensees/bearing.py";
+  test::Running running{{test::opensees_python().value(), script.string(), file.string()}};
   const auto finished = running.wait(kTimeout);
   if (finished.exit_code != 0) throw std::runtime_error{"OpenSees: " + finished.err};
   auto read = read_forces(forces);
@@ -111,4 +110,4 @@ Nrmse nrmse(const Forces& ours, const Forces& reference) {
   return result;
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -11,7 +11,7 @@
 
 #include "opensees_paths.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
 /// The same bearing as an OpenSees element and as a composition.
 struct TwoBearings {
@@ -38,4 +38,4 @@ struct Nrmse {
 };
 [[nodiscard]] Nrmse nrmse(const Forces& ours, const Forces& reference);
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

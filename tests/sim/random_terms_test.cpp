@@ -18,7 +18,7 @@ namespace rths::sim {
 namespace {
 
 constexpr unsigned kSets = 10;  // of parameters, per kind
-constexpr int kSteps = 1000;
+constexpr int kRandomSteps = 1000;
 
 class AnyTerm : public testing::TestWithParam<TermKind> {
  protected:
@@ -31,22 +31,22 @@ class AnyTerm : public testing::TestWithParam<TermKind> {
     return std::clamp(p.typical * std::pow(10, 2 * even(random) - 1), p.low, p.high);
   }
   // Invalid bearings (radii in the wrong order) are refused and drawn again.
-  static test::TermCase drawn_case(unsigned seed) {
+  static test_support::TermCase drawn_case(unsigned seed) {
     std::mt19937 random{seed};
     for (int attempt = 0; attempt < 1000; ++attempt) {
-      auto c = test::case_of(GetParam());
+      auto c = test_support::case_of(GetParam());
       c.term.parameters.clear();
       for (const auto& p : GetParam().parameters)
         c.term.parameters.emplace_back(p.name, drawn(p, random));
       try {
-        static_cast<void>(test::composition_of(c));
+        static_cast<void>(test_support::composition_of(c));
         return c;
       } catch (const Error&) {
       }
     }
     throw std::logic_error{"no valid parameters found"};
   }
-  static std::string described(const test::TermCase& c, unsigned seed) {
+  static std::string described(const test_support::TermCase& c, unsigned seed) {
     std::string text = fmt::format("seed {}:", seed);
     for (const auto& [name, value] : c.term.parameters) text += fmt::format(" {} {}", name, value);
     return text;
@@ -54,7 +54,7 @@ class AnyTerm : public testing::TestWithParam<TermKind> {
 };
 
 // Steps of up to 40 of the bearing's yield displacements in random directions.
-Quantities<double> violent(std::mt19937& random, const test::Motion& motion, int i,
+Quantities<double> violent(std::mt19937& random, const test_support::Motion& motion, int i,
                            const Horizontal<double>& before) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> even;
@@ -75,11 +75,11 @@ TEST_P(AnyTerm, StaysFiniteUnderViolentMotion) {
   for (unsigned seed = 1; seed <= kSets; ++seed) {
     const auto c = drawn_case(seed);
     SCOPED_TRACE(described(c, seed));
-    const Composition composition = test::composition_of(c);
+    const Composition composition = test_support::composition_of(c);
     std::vector<double> state(composition.states());
     std::mt19937 random{seed};
     Horizontal<double> u{};
-    for (int i = 0; i < kSteps; ++i) {
+    for (int i = 0; i < kRandomSteps; ++i) {
       auto q = violent(random, c.motion, i, u);
       u = q.displacement;
       composition.advance(state, q);
@@ -97,12 +97,12 @@ TEST_P(AnyTerm, IsPassiveIfItDissipates) {
     SCOPED_TRACE(described(c, seed));
     c.companions.clear();
     c.motion.time_step = 1e-3;
-    const Composition composition = test::composition_of(c);
+    const Composition composition = test_support::composition_of(c);
     std::vector<double> state(composition.states());
     double work = 0, turnover = 0;
     Horizontal<double> f{}, u{};
-    for (int i = 0; i < 4 * kSteps; ++i) {
-      auto q = test::motion_at(c.motion, i);
+    for (int i = 0; i < 4 * kRandomSteps; ++i) {
+      auto q = test_support::motion_at(c.motion, i);
       // At constant load, because a pendulum's spring exchanges work with a varying load.
       q.axial_load = c.motion.axial_load;
       q.vertical_displacement = c.motion.vertical_offset;
@@ -133,11 +133,11 @@ TEST_P(AnyTerm, RotatesWithTheMotionIfItIsFrameIndifferent) {
     for (auto& [name, value] : c.term.parameters)
       if (name == "coupling") value = 1;
     SCOPED_TRACE(described(c, seed));
-    const Composition composition = test::composition_of(c);
+    const Composition composition = test_support::composition_of(c);
     std::vector<double> state(composition.states()), turned_state(composition.states());
     double largest = 0;
     for (int i = 0; i < c.motion.steps; ++i) {
-      auto q = test::motion_at(c.motion, i);
+      auto q = test_support::motion_at(c.motion, i);
       auto r = q;
       r.displacement = turned(q.displacement);
       r.velocity = turned(q.velocity);

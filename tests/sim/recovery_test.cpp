@@ -31,15 +31,15 @@ constexpr double kNormalQuantile = 1.959964;  // two-sided 95 %
 
 struct Problem {
   Composition composition;
-  test::Motion motion;
+  test_support::Motion motion;
   std::vector<std::size_t> free;  // indices into parameters()
   std::vector<Parameter> table;   // of the free ones
   VectorXd truth;
   VectorXd weight;  // of each output: 1/noise, or 0 for an output without noise
 };
 
-Problem problem_of(const test::TermCase& c) {
-  Problem problem{test::composition_of(c), c.motion, {}, {}, {}, {}};
+Problem problem_of(const test_support::TermCase& c) {
+  Problem problem{test_support::composition_of(c), c.motion, {}, {}, {}, {}};
   for (const auto& term : problem.composition.terms()) {
     if (term.name != "tested") continue;
     for (std::size_t k = 0; k < term.kind->parameters.size(); ++k) {
@@ -64,13 +64,14 @@ std::vector<double> parameters_with(const Problem& problem, const VectorXd& valu
 }
 
 VectorXd predict(const Problem& problem, const VectorXd& values) {
-  const auto outputs = test::outputs_of<double>(problem.composition,
-                                                parameters_with(problem, values), problem.motion);
+  const auto outputs = test_support::outputs_of<double>(
+      problem.composition, parameters_with(problem, values), problem.motion);
   return Eigen::Map<const VectorXd>(outputs.data(), static_cast<Eigen::Index>(outputs.size()));
 }
 
 MatrixXd jacobian(const Problem& problem, const VectorXd& values) {
-  MatrixXd J(static_cast<Eigen::Index>(problem.motion.steps) * test::kOutputs, values.size());
+  MatrixXd J(static_cast<Eigen::Index>(problem.motion.steps) * test_support::kOutputs,
+             values.size());
   const auto plain = parameters_with(problem, values);
   for (std::size_t first = 0; first < problem.free.size(); first += Dual::kLanes) {
     std::vector<Dual> duals(plain.begin(), plain.end());
@@ -79,7 +80,7 @@ MatrixXd jacobian(const Problem& problem, const VectorXd& values) {
       const std::size_t i = problem.free[first + lane];
       duals[i] = Dual::variable(plain[i], lane);
     }
-    const auto outputs = test::outputs_of<Dual>(problem.composition, duals, problem.motion);
+    const auto outputs = test_support::outputs_of<Dual>(problem.composition, duals, problem.motion);
     for (Eigen::Index row = 0; row < J.rows(); ++row)
       for (std::size_t lane = 0; lane < lanes; ++lane)
         J(row, static_cast<Eigen::Index>(first + lane)) =
@@ -92,9 +93,9 @@ MatrixXd jacobian(const Problem& problem, const VectorXd& values) {
 void choose_weights(Problem& problem, double noise) {
   const VectorXd y = predict(problem, problem.truth);
   const MatrixXd J = jacobian(problem, problem.truth);
-  problem.weight = VectorXd::Zero(test::kOutputs);
-  for (int output = 0; output < test::kOutputs; ++output) {
-    const auto rows = Eigen::seqN(output, problem.motion.steps, test::kOutputs);
+  problem.weight = VectorXd::Zero(test_support::kOutputs);
+  for (int output = 0; output < test_support::kOutputs; ++output) {
+    const auto rows = Eigen::seqN(output, problem.motion.steps, test_support::kOutputs);
     const double deviation = std::sqrt((y(rows).array() - y(rows).mean()).square().mean());
     if (J(rows, Eigen::all).norm() > 0 && deviation > 0)
       problem.weight[output] = 1 / (noise * deviation);
@@ -152,7 +153,7 @@ VectorXd noisy(const Problem& problem, VectorXd y, std::uint64_t seed) {
   std::mt19937_64 random{seed};
   std::normal_distribution<double> normal;
   for (Eigen::Index i = 0; i < y.size(); ++i) {
-    const double weight = problem.weight[i % test::kOutputs];
+    const double weight = problem.weight[i % test_support::kOutputs];
     const double draw = normal(random);
     if (weight > 0) y[i] += draw / weight;
   }
@@ -162,7 +163,7 @@ VectorXd noisy(const Problem& problem, VectorXd y, std::uint64_t seed) {
 class EveryKind : public testing::TestWithParam<TermKind> {};
 
 TEST_P(EveryKind, IsRecoveredFromNoisyData) {
-  const auto c = test::case_of(GetParam());
+  const auto c = test_support::case_of(GetParam());
   Problem problem = problem_of(c);
   ASSERT_FALSE(problem.free.empty());
   const auto [seeds, enough] = trials();

@@ -9,10 +9,9 @@
 namespace rths::sim {
 namespace {
 
-using test::Stepper;
-using test::Values;
-
-constexpr double kStep = 1e-3;
+using test_support::kStep;
+using test_support::Stepper;
+using test_support::Values;
 
 TermSettings on(Channel channel, const std::string& kind, const Values& values,
                 unsigned axes = kBothAxes) {

@@ -6,7 +6,10 @@
 
 #include <rths/sim/composition.hpp>
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
+
+/// Usual time step of a Stepper [s].
+inline constexpr double kStep = 1e-3;
 
 /// A composition with its state, advanced step by step.
 class Stepper {
@@ -46,4 +49,4 @@ using Values = std::vector<std::pair<std::string, double>>;
   return {"bouc_wen", "", {{"post_yield_stiffness", stiffness}}};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

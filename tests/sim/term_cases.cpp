@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
 
 struct Wave {
@@ -21,22 +21,23 @@ Wave wave(double amplitude, double frequency, double ratio, double t) {
           -a * w * w * std::sin(w * t) - b * ratio * ratio * w * w * std::sin(ratio * w * t)};
 }
 
-TermSettings bearing() {
+TermCase made_up(const TermKind& kind) {
+  TermCase c;
+  c.kind = kind.name;
+  if (kind.stage != Stage::Restoring && kind.stage != Stage::Vertical)
+    c.companions = {lead_rubber()};
+  return c;
+}
+
+}  // namespace
+
+TermSettings lead_rubber() {
   return {"bouc_wen",
           "",
           {{"characteristic_strength", 1.01e6},
            {"post_yield_stiffness", 4.238e6},
            {"yield_displacement", 2.855e-3}}};
 }
-
-TermCase made_up(const TermKind& kind) {
-  TermCase c;
-  c.kind = kind.name;
-  if (kind.stage != Stage::Restoring && kind.stage != Stage::Vertical) c.companions = {bearing()};
-  return c;
-}
-
-}  // namespace
 
 Quantities<double> motion_at(const Motion& motion, int i) {
   Quantities<double> q;
@@ -108,4 +109,4 @@ std::vector<Real> outputs_of(const Composition& composition, std::span<const Rea
 template std::vector<double> outputs_of(const Composition&, std::span<const double>, const Motion&);
 template std::vector<Dual> outputs_of(const Composition&, std::span<const Dual>, const Motion&);
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

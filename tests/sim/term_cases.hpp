@@ -8,7 +8,7 @@
 
 #include <rths/sim/composition.hpp>
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
 /// Test motion of the terms: a sum of sines with incommensurate frequencies per axis, so that
 /// directions and amplitudes vary. Load and vertical motion vary too.
@@ -40,6 +40,9 @@ struct TermCase {
   double start = 0.1;   ///< relative error of a fit's start values
 };
 
+/// The paper's lead-rubber bearing, a usual companion.
+[[nodiscard]] TermSettings lead_rubber();
+
 /// The case of a kind: from its group's file, or a default for its stage.
 [[nodiscard]] TermCase case_of(const TermKind& kind);
 
@@ -60,4 +63,4 @@ template <class Real>
 [[nodiscard]] std::vector<Real> outputs_of(const Composition& composition,
                                            std::span<const Real> parameters, const Motion& motion);
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

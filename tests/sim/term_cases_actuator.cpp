@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "term_cases.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
 namespace {
 
@@ -19,4 +19,4 @@ TermCase limited_loop() {
 
 std::vector<TermCase> actuator_cases() { return {limited_loop()}; }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "term_cases.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
-
-TermSettings bearing() {
-  return {"bouc_wen",
-          "",
-          {{"characteristic_strength", 1.01e6},
-           {"post_yield_stiffness", 4.238e6},
-           {"yield_displacement", 2.855e-3}}};
-}
 
 // A small bearing, so that displacements reach the minimum overlap.
 TermCase buckling() {
   TermCase c;
   c.kind = "buckling_load_variation";
   c.term.parameters = {{"critical_load", 6e7}, {"outer_diameter", 0.3}, {"residual_ratio", 0.35}};
-  c.companions = {bearing(), {"horizontal_stiffness_variation", "", {{"coefficient", 1}}}};
+  c.companions = {lead_rubber(), {"horizontal_stiffness_variation", "", {{"coefficient", 1}}}};
   return c;
 }
 
@@ -48,14 +40,14 @@ TermCase axial() {
 TermCase horizontal_stiffness() {
   TermCase c;
   c.kind = "horizontal_stiffness_variation";
-  c.companions = {bearing(), {"buckling_load_variation", "", {{"critical_load", 3e7}}}};
+  c.companions = {lead_rubber(), {"buckling_load_variation", "", {{"critical_load", 3e7}}}};
   return c;
 }
 
 TermCase ageing() {
   TermCase c;
   c.kind = "ageing_temperature";
-  c.companions = {bearing()};
+  c.companions = {lead_rubber()};
   c.motion.temperature = 20;
   return c;
 }
@@ -65,7 +57,7 @@ TermCase adiabatic() {
   TermCase c;
   c.kind = "adiabatic_heating";
   c.term.parameters = {{"cooling_time", 20}};
-  c.companions = {bearing()};
+  c.companions = {lead_rubber()};
   c.motion.time_step = 0.02;
   c.motion.steps = 1000;
   return c;
@@ -74,12 +66,12 @@ TermCase adiabatic() {
 // Dimensions are known from the drawing. Data determine only the ratio of softening to heat
 // capacity, and lead's capacity is well known. Of steel's conductivity and diffusivity, one is
 // fitted.
-TermCase heating() {
+TermCase lead_heating() {
   TermCase c;
   c.kind = "lead_heating";
   c.fixed = {"lead_radius",        "lead_height",       "shim_thickness",
              "lead_heat_capacity", "steel_diffusivity", "elastic_share"};
-  c.companions = {bearing()};
+  c.companions = {lead_rubber()};
   c.motion.time_step = 0.04;
   c.motion.steps = 1000;
   return c;
@@ -96,8 +88,8 @@ TermCase p_delta() {
 }  // namespace
 
 std::vector<TermCase> elastomeric_cases() {
-  return {buckling(), vertical_stiffness(), axial(),   horizontal_stiffness(),
-          ageing(),   adiabatic(),          heating(), p_delta()};
+  return {buckling(), vertical_stiffness(), axial(),        horizontal_stiffness(),
+          ageing(),   adiabatic(),          lead_heating(), p_delta()};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "term_cases.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
 std::vector<TermCase> hysteresis_cases() {
   // The reach defines the spline's knots; it is chosen, not fitted.
@@ -11,4 +11,4 @@ std::vector<TermCase> hysteresis_cases() {
   return {iwan};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "term_cases.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
-
-TermSettings bearing() {
-  return {"bouc_wen",
-          "",
-          {{"characteristic_strength", 1.01e6},
-           {"post_yield_stiffness", 4.238e6},
-           {"yield_displacement", 2.855e-3}}};
-}
 
 TermCase beside_bearing(const char* kind) {
   TermCase c;
   c.kind = kind;
-  c.companions = {bearing()};
+  c.companions = {lead_rubber()};
   return c;
 }
 
@@ -37,4 +29,4 @@ std::vector<TermCase> sensor_cases() {
   return {cubic, overflow, quantisation};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "term_cases.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
 
 TermSettings slider() {
@@ -26,7 +26,7 @@ TermCase vertical(const std::string& kind, std::vector<TermSettings> companions)
 }
 
 // Strong heating: the contact covers the middle of the surface most of the time.
-TermCase heating() {
+TermCase friction_heating() {
   // The friction depends only on the product of the share and the steel's properties over the
   // temperature scale. Steel properties and temperature law are tabulated.
   TermCase c = modifier("friction_heating",
@@ -66,10 +66,10 @@ std::vector<TermCase> sliding_cases() {
   return {modifier("velocity_dep_sliding", {}),
           modifier("pressure_dep_sliding", {"contact_area"}),
           modifier("pressure_tanh_sliding", {"contact_area"}),
-          heating(),
+          friction_heating(),
           multilinear(),
           lift(),
           triple_pendulum()};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -47,13 +47,13 @@ TEST_P(EveryTerm, HasValidParameters) {
 }
 
 TEST_P(EveryTerm, HasNoEffectByDefault) {
-  auto c = test::case_of(GetParam());
+  auto c = test_support::case_of(GetParam());
   const Composition alone{c.companions, c.motion.time_step};
   c.term.parameters.clear();
-  const Composition both = test::composition_of(c);
+  const Composition both = test_support::composition_of(c);
 
-  const auto without = test::outputs_of<double>(alone, alone.parameters(), c.motion);
-  const auto with_it = test::outputs_of<double>(both, both.parameters(), c.motion);
+  const auto without = test_support::outputs_of<double>(alone, alone.parameters(), c.motion);
+  const auto with_it = test_support::outputs_of<double>(both, both.parameters(), c.motion);
 
   for (std::size_t i = 0; i < without.size(); ++i)
     ASSERT_NEAR(with_it[i], without[i], 1e-12 * std::abs(without[i])) << "output " << i;
@@ -62,8 +62,8 @@ TEST_P(EveryTerm, HasNoEffectByDefault) {
 // Dual numbers against central differences, by RMS over all steps: at single steps a difference
 // across a kink may deviate.
 TEST_P(EveryTerm, HasExactDerivatives) {
-  const auto c = test::case_of(GetParam());
-  const Composition composition = test::composition_of(c);
+  const auto c = test_support::case_of(GetParam());
+  const Composition composition = test_support::composition_of(c);
   const auto p = composition.parameters();
   const auto& term = tested(composition);
   for (std::size_t k = 0; k < term.kind->parameters.size(); ++k) {
@@ -72,18 +72,18 @@ TEST_P(EveryTerm, HasExactDerivatives) {
     const std::size_t i = term.first_parameter + k;
     std::vector<Dual> duals(p.begin(), p.end());
     duals[i] = Dual::variable(p[i], 1);
-    const auto exact = test::outputs_of<Dual>(composition, duals, c.motion);
+    const auto exact = test_support::outputs_of<Dual>(composition, duals, c.motion);
     const double h = 1e-6 * std::max(std::abs(p[i]), 1e-3 * term.kind->parameters[k].typical);
-    const auto up = test::outputs_of<double>(composition, with(p, i, p[i] + h), c.motion);
-    const auto down = test::outputs_of<double>(composition, with(p, i, p[i] - h), c.motion);
-    for (std::size_t output = 0; output < test::kOutputs; ++output) {
+    const auto up = test_support::outputs_of<double>(composition, with(p, i, p[i] + h), c.motion);
+    const auto down = test_support::outputs_of<double>(composition, with(p, i, p[i] - h), c.motion);
+    for (std::size_t output = 0; output < test_support::kOutputs; ++output) {
       std::vector<double> slope, error;
-      for (std::size_t n = output; n < exact.size(); n += test::kOutputs) {
+      for (std::size_t n = output; n < exact.size(); n += test_support::kOutputs) {
         slope.push_back((up[n] - down[n]) / (2 * h));
         error.push_back(slope.back() - exact[n].derivative[1]);
       }
       double scale = 0;
-      for (std::size_t n = output; n < up.size(); n += test::kOutputs)
+      for (std::size_t n = output; n < up.size(); n += test_support::kOutputs)
         scale = std::max(scale, std::abs(up[n]));
       // Round-off of the difference: 1e-16 of the output over h.
       const double round_off = 1e-14 * scale / h * std::sqrt(static_cast<double>(slope.size()));
@@ -95,14 +95,14 @@ TEST_P(EveryTerm, HasExactDerivatives) {
 // A random walk with smooth velocity through all regimes of a term.
 TEST_P(EveryTerm, IsPassiveIfItDissipates) {
   if ((GetParam().traits & kDissipative) == 0) return;
-  auto c = test::case_of(GetParam());
+  auto c = test_support::case_of(GetParam());
   c.companions.clear();
   // A pendulum's spring N u/R is conservative only at constant N.
   const bool load_varies = GetParam().name.find("pendulum") == std::string_view::npos;
   const double dt = 1e-3;
   c.motion.time_step = dt;
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    const Composition composition = test::composition_of(c);
+    const Composition composition = test_support::composition_of(c);
     std::vector<double> state(composition.states());
     std::mt19937 random{seed};
     std::normal_distribution<double> normal;
@@ -141,8 +141,8 @@ TEST_P(EveryTerm, IsPassiveIfItDissipates) {
 
 TEST_P(EveryTerm, RotatesWithTheMotionIfItIsFrameIndifferent) {
   if ((GetParam().traits & kFrameIndifferent) == 0) return;
-  const auto c = test::case_of(GetParam());
-  const Composition composition = test::composition_of(c);
+  const auto c = test_support::case_of(GetParam());
+  const Composition composition = test_support::composition_of(c);
   const double angle = 0.7, cosine = std::cos(angle), sine = std::sin(angle);
   const auto turned = [&](const Horizontal<double>& x) {
     return Horizontal<double>{cosine * x[0] - sine * x[1], sine * x[0] + cosine * x[1]};
@@ -150,7 +150,7 @@ TEST_P(EveryTerm, RotatesWithTheMotionIfItIsFrameIndifferent) {
   std::vector<double> state(composition.states()), turned_state(composition.states());
   double largest = 0;
   for (int i = 0; i < c.motion.steps; ++i) {
-    Quantities<double> q = test::motion_at(c.motion, i);
+    Quantities<double> q = test_support::motion_at(c.motion, i);
     Quantities<double> r = q;
     r.displacement = turned(q.displacement);
     r.velocity = turned(q.velocity);
@@ -166,12 +166,12 @@ TEST_P(EveryTerm, RotatesWithTheMotionIfItIsFrameIndifferent) {
 }
 
 TEST_P(EveryTerm, StepsInRealTime) {
-  const auto c = test::case_of(GetParam());
-  const Composition composition = test::composition_of(c);
+  const auto c = test_support::case_of(GetParam());
+  const Composition composition = test_support::composition_of(c);
   std::vector<double> state(composition.states());
   const auto run = [&] {
     for (int i = 0; i < 100; ++i) {
-      Quantities<double> q = test::motion_at(c.motion, 7 * i);
+      Quantities<double> q = test_support::motion_at(c.motion, 7 * i);
       composition.advance(state, q);
     }
   };

@@ -9,18 +9,19 @@
 
 #include "support/files.hpp"
 #include "support/lead_rubber.hpp"
+#include "support/period.hpp"
 
 namespace rths::sim {
 namespace {
 
 using Eigen::Vector2d;
 using test::error_of;
+using test::kAxialLoad;
+using test::kPeriod;
 
-constexpr double kPeriod = 0.001;
-constexpr double kAxialLoad = 9.7e6;  // [N]
-constexpr double kStiffness = 1e7;    // of a linear specimen [N/m]
+constexpr double kSpecimenStiffness = 1e7;  // of a linear specimen [N/m]
 
-Bearing spring(double stiffness) {
+Bearing linear_specimen(double stiffness) {
   return {"spring", {{"polynomial_stiffness", "", {{"linear", stiffness}}}}, kAxialLoad};
 }
 
@@ -58,7 +59,7 @@ std::string refusal(const TestMachine& machine) {
 // Actuator terms change the platen's motion, mount terms the specimen's motion, machine terms the
 // table force, and sensor terms only the measurement.
 TEST(TestMachineTerms, OfASensorChangeOnlyTheMeasurement) {
-  const TestMachine machine = bare_machine(spring(kStiffness));
+  const TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
   const Seen without = pushed(machine, 0.1);
   TermSettings gain{"gain", "", {{"factor", 1.1}}};
   gain.channel = Channel::Displacement;
@@ -71,7 +72,7 @@ TEST(TestMachineTerms, OfASensorChangeOnlyTheMeasurement) {
 }
 
 TEST(TestMachineTerms, OfTheActuatorChangeThePlatensMotion) {
-  const TestMachine machine = bare_machine(spring(kStiffness));
+  const TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
 
   // At 5 mm/s the platen moves 30 mm in the 6 s of the test.
   const Seen with = pushed(machine, 0.1, {"rate_saturation", "", {{"velocity_limit", 5e-3}}});
@@ -81,18 +82,19 @@ TEST(TestMachineTerms, OfTheActuatorChangeThePlatensMotion) {
 }
 
 TEST(TestMachineTerms, OfTheActuatorReceiveTheSpecimensForce) {
-  const TestMachine machine = bare_machine(spring(kStiffness));
+  const TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
   const Seen without = pushed(machine, 0.1);
   constexpr double kCompliance = 1e-8;
 
   const Seen with = pushed(machine, 0.1, {"load_compliance", "", {{"compliance", kCompliance}}});
 
   // u = r − χ K u; the static errors of the two machines may differ by the dead band's 2 mm.
-  EXPECT_NEAR(with.displacement[0], without.displacement[0] / (1 + kCompliance * kStiffness), 2e-3);
+  EXPECT_NEAR(with.displacement[0],
+              without.displacement[0] / (1 + kCompliance * kSpecimenStiffness), 2e-3);
 }
 
 TEST(TestMachineTerms, OfTheMountActBetweenPlatenAndSpecimen) {
-  const TestMachine machine = bare_machine(spring(kStiffness));
+  const TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
   constexpr double kFlexibility = 2e-8, kGap = 4e-3, kHalfWidth = 3e-3;
 
   const Seen soft =
@@ -101,19 +103,20 @@ TEST(TestMachineTerms, OfTheMountActBetweenPlatenAndSpecimen) {
   const Seen dead = pushed(machine, 0.1, {"input_dead_zone", "", {{"half_width", kHalfWidth}}});
 
   EXPECT_NEAR(soft.specimen_force[0],
-              kStiffness * soft.displacement[0] / (1 + kFlexibility * kStiffness), 100);
-  EXPECT_LT(soft.specimen_force[0], 0.84 * kStiffness * soft.displacement[0]);
-  EXPECT_NEAR(dead.specimen_force[0], kStiffness * (dead.displacement[0] - kHalfWidth), 1);
+              kSpecimenStiffness * soft.displacement[0] / (1 + kFlexibility * kSpecimenStiffness),
+              100);
+  EXPECT_LT(soft.specimen_force[0], 0.84 * kSpecimenStiffness * soft.displacement[0]);
+  EXPECT_NEAR(dead.specimen_force[0], kSpecimenStiffness * (dead.displacement[0] - kHalfWidth), 1);
   // At rest the specimen may be anywhere within half the gap.
-  EXPECT_LE(std::abs(play.specimen_force[0] - kStiffness * play.displacement[0]),
-            kStiffness * kGap / 2 * (1 + 1e-9));
-  EXPECT_GT(std::abs(play.specimen_force[0] - kStiffness * play.displacement[0]),
-            kStiffness * kGap / 100);
+  EXPECT_LE(std::abs(play.specimen_force[0] - kSpecimenStiffness * play.displacement[0]),
+            kSpecimenStiffness * kGap / 2 * (1 + 1e-9));
+  EXPECT_GT(std::abs(play.specimen_force[0] - kSpecimenStiffness * play.displacement[0]),
+            kSpecimenStiffness * kGap / 100);
 }
 
 TEST(TestMachineTerms, MayShareANameWithATermOfTheSpecimen) {
   const TermSettings friction{"coulomb_friction", "", {{"friction_force", 1e4}}};
-  TestMachine machine = bare_machine(spring(kStiffness));
+  TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
   machine.specimen.terms.push_back(friction);
   machine.specimen.terms.push_back({"input_dead_zone", "", {{"half_width", 1e-3}}});
   machine.terms = {friction, {"input_dead_zone", "", {{"half_width", 1e-3}}}};
@@ -140,7 +143,7 @@ TEST(TestMachineTerms, OfTheMachineAddToTheTableForce) {
 }
 
 TEST(TestMachineTerms, OfInertiaAddToThePlatensMass) {
-  const TestMachine machine = bare_machine(spring(kStiffness));
+  const TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
   TestMachine heavy = machine;
   heavy.axes[0].effective_mass *= 3;
   TestMachine loaded = machine;
@@ -156,12 +159,12 @@ TEST(TestMachineTerms, OfInertiaAddToThePlatensMass) {
 
 TEST(TestMachineTerms, AreRefusedWhereTheirOwnerCannotHaveThem) {
   for (const char* kind : {"lead_heating", "bouc_wen", "elastomeric_axial"}) {
-    TestMachine machine = bare_machine(spring(kStiffness));
+    TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
     machine.terms = {{kind, "", {}}};
     EXPECT_NE(refusal(machine).find("belongs to the specimen (stage"), std::string::npos) << kind;
   }
   for (const char* kind : {"gain", "actuator_delay"}) {
-    Bearing specimen = spring(kStiffness);
+    Bearing specimen = linear_specimen(kSpecimenStiffness);
     specimen.terms.push_back({kind, "", {}});
     EXPECT_NE(refusal(bare_machine(specimen)).find("belongs to the machine (stage"),
               std::string::npos)
@@ -175,7 +178,7 @@ TEST(TestMachineTerms, AreRefusedWhereTheirOwnerCannotHaveThem) {
 // −0.22 1/s of 0.26 1/s for the stiffer specimen.
 TEST(TestMachine, DecaysAtTheRateOfItsLeakage) {
   for (const double stiffness : {1e8, 1e9}) {
-    TestMachine machine = bare_machine(spring(stiffness));
+    TestMachine machine = bare_machine(linear_specimen(stiffness));
     ServoAxis& axis = machine.axes[0];
     axis.dead_band = 1;
     machine.terms = {{"cogging", "", {{"force", 1e5}, {"pitch", 10}, {"phase", 1.5}}}};
@@ -199,21 +202,21 @@ TEST(TestMachine, DecaysAtTheRateOfItsLeakage) {
 }
 
 TEST(TestMachine, RefusesRatesTooFastForItsSubsteps) {
-  TestMachine machine = bare_machine(spring(1e12));
+  TestMachine machine = bare_machine(linear_specimen(1e12));
   EXPECT_NE(refusal(machine).find("the rate of the specimen on the platen"), std::string::npos);
 
-  machine = bare_machine(spring(kStiffness));
+  machine = bare_machine(linear_specimen(kSpecimenStiffness));
   machine.axes[0].valve_frequency = 5000;
   EXPECT_NE(refusal(machine).find("the rate of the spool"), std::string::npos);
 
-  machine = bare_machine(spring(kStiffness));
+  machine = bare_machine(linear_specimen(kSpecimenStiffness));
   machine.axes[0].effective_mass = 1;
   EXPECT_NE(refusal(machine).find("the rate of the oil column"), std::string::npos);
 }
 
 TEST(TestMachine, RefusesParametersOutOfRange) {
   const auto with = [](double ServoAxis::*member, double value) {
-    TestMachine machine = bare_machine(spring(kStiffness));
+    TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
     machine.axes[1].*member = value;
     return refusal(machine);
   };
@@ -224,7 +227,7 @@ TEST(TestMachine, RefusesParametersOutOfRange) {
             "test machine: leakage is -1e-10, expected 0 or more");
   EXPECT_NE(with(&ServoAxis::force_offset, std::nan("")).find("force_offset is nan"),
             std::string::npos);
-  TestMachine machine = bare_machine(spring(kStiffness));
+  TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
   machine.noise.force = -1;
   EXPECT_EQ(refusal(machine), "test machine: force_noise is -1, expected 0 or more");
 }

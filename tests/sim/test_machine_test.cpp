@@ -9,15 +9,15 @@
 
 #include "support/files.hpp"
 #include "support/lead_rubber.hpp"
+#include "support/period.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::sim {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kPeriod = 0.001;
-constexpr double kAxialLoad = 9.7e6;  // [N]
+using test::kAxialLoad;
+using test::kPeriod;
 
 TestMachine quiet_machine() {
   TestMachine machine = srmd_machine();

@@ -17,7 +17,7 @@
 namespace rths::sim {
 namespace {
 
-constexpr double kLoad = 9.7e6;  // [N]
+constexpr double kPendulumLoad = 9.7e6;  // [N]
 
 struct Dimensions {
   double inner_radius = 0.4, inner_capacity = 0.03, inner_friction = 0.02;
@@ -45,12 +45,12 @@ Composition bearing_of(const Dimensions& d, double time_step = 1e-3) {
 }
 
 double force_at(const Composition& bearing, std::vector<double>& state, double u,
-                double load = kLoad) {
+                double load = kPendulumLoad) {
   Quantities<double> q;
   q.displacement = {u, 0};
   q.axial_load = load;
   bearing.advance(state, q);
-  return q.force[0] / kLoad;
+  return q.force[0] / kPendulumLoad;
 }
 
 // The polygon derived from the physical surfaces; forces are divided by the load. At first both
@@ -159,11 +159,11 @@ TEST(TriplePendulum, IsTheSameInEveryDirection) {
     const double u = 0.4 * std::sin(0.005 * i);
     Quantities<double> q;
     q.displacement = {0.6 * u, 0.8 * u};
-    q.axial_load = kLoad;
+    q.axial_load = kPendulumLoad;
     bearing.advance(across, q);
-    const double expected = force_at(bearing, along, u) * kLoad;
-    ASSERT_NEAR(q.force[0], 0.6 * expected, 1e-8 * kLoad);
-    ASSERT_NEAR(q.force[1], 0.8 * expected, 1e-8 * kLoad);
+    const double expected = force_at(bearing, along, u) * kPendulumLoad;
+    ASSERT_NEAR(q.force[0], 0.6 * expected, 1e-8 * kPendulumLoad);
+    ASSERT_NEAR(q.force[1], 0.8 * expected, 1e-8 * kPendulumLoad);
   }
 }
 
@@ -174,7 +174,7 @@ TEST(TriplePendulum, HasNoForceInUpliftAndReturnsToItsLoop) {
     const double u = 1e-4 * i;
     const bool up = i > 1000 && i < 2000;
     const double expected = force_at(bearing, held, u);
-    const double force = force_at(bearing, lifted, u, up ? -1e5 : kLoad);
+    const double force = force_at(bearing, lifted, u, up ? -1e5 : kPendulumLoad);
     EXPECT_EQ(force, up ? 0 : expected);
   }
 }
@@ -233,7 +233,7 @@ TEST(TriplePendulum, HeatsEachSurfaceByItsOwnFriction) {
     std::vector<double> flux;
     double factor = 1;
     for (int i = 1; i <= steps; ++i) {
-      flux.push_back(d.friction[j] * factor * kLoad * v * d.radius[j] / both / area);
+      flux.push_back(d.friction[j] * factor * kPendulumLoad * v * d.radius[j] / both / area);
       double memory = 0;
       for (int k = 0; k < i; ++k)
         memory += flux[static_cast<std::size_t>(k)] * 2 *
@@ -250,7 +250,7 @@ TEST(TriplePendulum, HeatsEachSurfaceByItsOwnFriction) {
 TEST(TriplePendulum, RefusesImpossibleRadii) {
   Dimensions d;
   d.radius[1] = 0.3;
-  EXPECT_EQ(rths::test::error_of([&] { bearing_of(d); }),
+  EXPECT_EQ(test::error_of([&] { bearing_of(d); }),
             "triple_pendulum: radius_2_m and radius_3_m must be larger than radius_1_m, and that "
             "larger than 0");
 }
