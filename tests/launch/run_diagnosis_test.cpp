@@ -11,16 +11,16 @@
 #include <rths/recording/recording.hpp>
 
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/process.hpp"
 
 namespace rths::launch {
 namespace {
 
 using Json = nlohmann::json;
+using test::json_of;
 
 std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
-
-Json json_of(const std::filesystem::path& file) { return Json::parse(test::content_of(file)); }
 
 test::Finished run_example(const std::filesystem::path& out,
                            const std::vector<std::string>& options = {}) {
