@@ -25,7 +25,7 @@ constexpr Family kFamilies[] = {
     {Polynomial::P3, 3, 3}, {Polynomial::D1, 1, 1}, {Polynomial::D2, 2, 2},
     {Polynomial::D3, 3, 3}, {Polynomial::DV, 3, 2}, {Polynomial::DVA, 2, 3}};
 
-/// PolynomialMotion c₀ + c₁x + … of a given degree, with its rates.
+/// Motion c₀ + c₁x + … of a given degree, with its rates.
 struct PolynomialMotion {
   int degree;
   [[nodiscard]] double at(double x) const { return sum(x, 0); }
