@@ -37,8 +37,10 @@ function(rths_test folder)
   endif()
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
                                           GTest::gtest_main)
-  # Tests are built more often than they are run: what they test has the preset's optimization.
-  target_compile_options(${target} PRIVATE -O1)
+  # Tests are built more often than they are run: the libraries have the preset's optimization.
+  if(NOT RTHS_SANITIZER)
+    target_compile_options(${target} PRIVATE -O1)
+  endif()
   if(RTHS_TESTED AND NOT folder IN_LIST RTHS_TESTED)
     set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()

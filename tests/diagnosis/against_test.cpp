@@ -85,7 +85,7 @@ TEST_F(AgainstTest, CutsTheRecordToThePredictedSpan) {
 
 TEST_F(AgainstTest, ReportsErrorsInTheSimulation) {
   EXPECT_EQ(error_with("t,force.long\n0,0\n1,1\n"),
-            "has no column 'time', expected the seconds of each row");
+            "has no column 'time', expected the time of each row in seconds");
   EXPECT_EQ(error_with("time,force.long\n0,0\n0,1\n"), "'time' does not increase from row to row");
   EXPECT_EQ(error_with("time,F\n0,0\n1,1\n"),
             "predicts no measured channel, expected columns named command.long, "

@@ -75,7 +75,7 @@ TEST_F(RecordTest, ReadsConstantsFromTheCase) {
   EXPECT_EQ(c.records[0].find("auxiliary.current")->unit, "A");
   EXPECT_NEAR(c.records[0].find("temperature")->values[4], 293.15, 1e-9);
   EXPECT_EQ(error(std::string{kFit} + "[record.channels]\nauxiliary.current = \"= x [A]\"\n"),
-            "case.toml:11:21: 'x' is no number");
+            "case.toml:11:21: 'x' is not a number");
 }
 
 TEST_F(RecordTest, AppliesSignsAndFactorsOfUnits) {
