@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What one step of each part of the loop costs. A controller tick has a millisecond for all of it.
+// Times one step of each component of the loop. All of them share a controller tick of 1 ms.
 #include <cmath>
 #include <string>
 #include <vector>

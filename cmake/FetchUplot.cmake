@@ -1,5 +1,5 @@
-# uPlot draws the report's figures. It is not part of this repository: a PyPI package brings it, and
-# it is used only if it is the file that was reviewed, by its SHA-256.
+# uPlot draws the figures of the report. It comes from a PyPI package, not from this repository, and is
+# used only if its SHA-256 is that of the reviewed file.
 set(RTHS_UPLOT_PACKAGE uplot-python==1.1.1)
 set(RTHS_UPLOT_SCRIPT_SHA256 655bc8aa33781e8721c5af6b59f1699c03c9bda951aa74a6ab518ac20cc4326d)
 set(RTHS_UPLOT_STYLE_SHA256 3f121cd4a997b634e07a887658850018e475c26f0bddd874109a8d382c19de87)
@@ -18,11 +18,11 @@ endfunction()
 function(rths_run_for_uplot)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed OUTPUT_VARIABLE log ERROR_VARIABLE log)
   if(failed)
-    message(FATAL_ERROR "uPlot (${RTHS_UPLOT_PACKAGE}, from PyPI) cannot be had:\n${ARGN}\n${log}")
+    message(FATAL_ERROR "cannot fetch uPlot (${RTHS_UPLOT_PACKAGE}, from PyPI):\n${ARGN}\n${log}")
   endif()
 endfunction()
 
-# Sets RTHS_UPLOT_SCRIPT and RTHS_UPLOT_STYLE. Downloads once for all build folders of a checkout.
+# Sets RTHS_UPLOT_SCRIPT and RTHS_UPLOT_STYLE. Downloads once per checkout, for all build folders.
 function(fetch_uplot)
   get_filename_component(folder ${CMAKE_BINARY_DIR}/../uplot ABSOLUTE)
   set(script ${folder}/uplot/static/uPlot.iife.js)
@@ -39,8 +39,8 @@ function(fetch_uplot)
     file(REMOVE_RECURSE ${folder}/venv)
     rths_is_uplot(present ${script} ${style})
     if(NOT present)
-      message(FATAL_ERROR "${RTHS_UPLOT_PACKAGE} does not hold the uPlot that was reviewed: its "
-                          "SHA-256 differs from the one in cmake/FetchUplot.cmake")
+      message(FATAL_ERROR "${RTHS_UPLOT_PACKAGE}: the SHA-256 of uPlot differs from that of the reviewed "
+                          "file, expected that of cmake/FetchUplot.cmake")
     endif()
   endif()
   set(RTHS_UPLOT_SCRIPT ${script} PARENT_SCOPE)

@@ -1,10 +1,11 @@
-# rths_add(<folder> [INTERNAL] SOURCES <files> [DEPENDS <targets>] [PRIVATE <targets>])
+# rths_add(<folder> [INTERNAL] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [PRIVATE <targets>])
 #
 # One folder, one target: library rths_<folder>, alias rths::<folder>, public headers below include/.
-# Its include/ is its own root, so an arrow that is not in DEPENDS does not compile. What is INTERNAL
-# is not installed: only this project's own programs use it.
+# Each include/ is a separate root, so includes from a folder that is not in DEPENDS do not compile.
+# INTERNAL libraries are not installed; only programs of this project use them.
+# SEPARATE sources are never compiled together, because their third-party headers clash.
 function(rths_add folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL" "" "SOURCES;DEPENDS;PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;SEPARATE" "" "SOURCES;DEPENDS;PRIVATE")
   set(target rths_${folder})
   add_library(${target} ${arg_SOURCES})
   add_library(rths::${folder} ALIAS ${target})
@@ -14,24 +15,38 @@ function(rths_add folder)
   target_link_libraries(${target} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:rths_warnings>)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
+  if(NOT arg_SEPARATE)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${RTHS_UNITY} UNITY_BUILD_BATCH_SIZE 12)
+  endif()
   if(NOT arg_INTERNAL)
     install(TARGETS ${target} EXPORT rths FILE_SET HEADERS)
   endif()
 endfunction()
 
-# rths_test(<folder> [PURE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>])
+# rths_test(<folder> [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>])
 #
-# The tests of a folder as one executable; each TEST becomes a ctest case. Tests of PURE maths leave
-# nothing behind for each other: under sanitizers, where a process takes long to start, they are
-# four cases.
+# The tests of a folder as one executable; each TEST is a ctest case. PURE tests are independent maths.
+# Under sanitizers, where processes start slowly, they run as four cases. If RTHS_TESTED names folders,
+# the others are neither built nor registered. The target rths_tested builds all that are registered.
 function(rths_test folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "PURE" "LABEL" "SOURCES;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "PURE;SEPARATE" "LABEL" "SOURCES;DEPENDS")
   set(target rths_${folder}_test)
   add_executable(${target} ${arg_SOURCES})
+  if(NOT arg_SEPARATE)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${RTHS_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+  endif()
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
                                           GTest::gtest_main)
-  # Tests are built more often than they are run: what they test has the preset's optimization.
-  target_compile_options(${target} PRIVATE -O1)
+  # Tests are built more often than they are run: the libraries have the preset's optimization.
+  if(NOT RTHS_SANITIZER)
+    target_compile_options(${target} PRIVATE -O1)
+  endif()
+  if(RTHS_TESTED AND NOT folder IN_LIST RTHS_TESTED)
+    set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL ON)
+    return()
+  endif()
+  add_dependencies(rths_tested ${target})
+  rths_list_test(${target} ${arg_SOURCES})
   if(NOT arg_LABEL)
     set(arg_LABEL unit)
   endif()
@@ -49,4 +64,13 @@ function(rths_test folder)
   endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60
                        PROPERTIES LABELS ${arg_LABEL} TIMEOUT 120 RUN_SERIAL ${alone})
+endfunction()
+
+# Adds "<folder of tests/> <target>" to tests.txt, from which `./lab test FOLDER` takes its targets.
+function(rths_list_test target)
+  list(GET ARGN 0 first)
+  get_filename_component(first ${first} ABSOLUTE)
+  file(RELATIVE_PATH first ${PROJECT_SOURCE_DIR}/tests ${first})
+  string(REGEX REPLACE "/.*" "" folder ${first})
+  file(APPEND ${CMAKE_BINARY_DIR}/tests.txt "${folder} ${target}\n")
 endfunction()

@@ -1,5 +1,5 @@
-# Debian's packages that the libraries stand on; ./lab installs them. The installed package reads this
-# file too, so that whoever links to a library finds what it needs.
+# Debian packages required by the libraries; ./lab installs them. The installed CMake package also reads
+# this file, to find the dependencies of a library.
 find_package(Threads REQUIRED)
 find_package(Boost 1.74 REQUIRED)
 find_package(Eigen3 3.4 REQUIRED)

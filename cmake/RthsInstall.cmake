@@ -1,4 +1,4 @@
-# find_package(rths) gives rths::core … rths::report, each with what it depends on.
+# find_package(rths) provides rths::core … rths::report with their dependencies.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rths)

@@ -4,18 +4,20 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
-option(RTHS_WERROR "Treat warnings as errors: for those who work on rths, never for its users" OFF)
+option(RTHS_WERROR "Treat warnings as errors; for developers of rths only" OFF)
 option(RTHS_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
-option(RTHS_VECTOR_COPIES "Copy tear groups with vector instructions where there are any" ON)
-option(RTHS_BENCHMARKS "Build the benchmarks, and the peers that the ring is held against" OFF)
-set(RTHS_SANITIZER "" CACHE STRING "Sanitizers to build with, as -fsanitize takes them")
+option(RTHS_VECTOR_COPIES "Copy tear groups with vector instructions if the processor has them" ON)
+option(RTHS_UNITY "Compile a dozen sources of a library at once: a third of the time" OFF)
+option(RTHS_BENCHMARKS "Build the benchmarks, including the libraries that the ring is compared with" OFF)
+set(RTHS_TESTED "" CACHE STRING "Folders whose tests are built, as rths_test names them; empty: all")
+set(RTHS_SANITIZER "" CACHE STRING "Sanitizers, as the argument of -fsanitize")
 
-# Warnings are for this project's own sources and are not handed to those who link to it.
+# Warnings apply to sources of this project only, not to programs that link to it.
 add_library(rths_warnings INTERFACE)
 target_compile_options(rths_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wcast-align
   $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast>
-  # clang counts these to -Wconversion, g++ does not; of an index they say nothing worth knowing.
+  # Part of -Wconversion in clang, but not in g++; of little use for indices.
   $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>
   $<$<BOOL:${RTHS_WERROR}>:-Werror>)
 

@@ -10,16 +10,11 @@ function(rths_tests program expression property value)
   endforeach()
 endfunction()
 
-# Runs that several tests read: made once for each call of ctest.
-rths_tests(rths_page_test "^ShortRun\\." FIXTURES_SETUP short_run)
+# Tests that read shared runs.
 rths_tests(rths_page_test "^Page\\." FIXTURES_REQUIRED short_run)
-rths_tests(rths_diagnosed_run_test "^ExampleRun\\." FIXTURES_SETUP example_run)
-rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED example_run)
-rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\.(IsDiagnosedAgain|GivesTheSameBytes)" FIXTURES_REQUIRED short_run)
+rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED "example_run;short_run")
 
 # Tests with the highest cost start first [s].
-rths_tests(rths_diagnosed_run_test "^ExampleRun\\." COST 30)
-rths_tests(rths_page_test "^ShortRun\\." COST 30)
 rths_tests(rths_diagnosed_run_test "^(VerticalCoupling|DetunedTracking)\\." COST 18)
 rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." COST 8)
 rths_tests(rths_real_data_test "\\.(SilverboxHas|MrDamperHas)" COST 20)

@@ -103,7 +103,7 @@ Status AdapterRunner::read_inputs() noexcept {
   for (auto& transfer : reads_) {
     if (transfer.is_group) {
       if (node_.read_group(transfer.group, transfer.image) != Status::Ok) {
-        status = Status::Stale;  // the values of the last whole read stay
+        status = Status::Stale;  // keep the values of the last consistent read
         continue;
       }
     } else {
@@ -114,7 +114,7 @@ Status AdapterRunner::read_inputs() noexcept {
       if (std::isfinite(now))
         inputs_[value.index] = now;
       else
-        status = Status::Stale;  // a number that is none would poison whatever it reaches
+        status = Status::Stale;  // NaN would spread to every result
     }
   }
   return status;
@@ -124,7 +124,7 @@ Status AdapterRunner::write_outputs() noexcept {
   Status status = Status::Ok;
   for (auto& transfer : writes_) {
     for (const auto& value : transfer.values) {
-      // A finite number may still be one that its word cannot hold.
+      // A finite value may still overflow its word.
       const std::uint32_t word = value.codec.encode(outputs_[value.index]);
       if (std::isfinite(outputs_[value.index]) && std::isfinite(value.codec.decode(word)))
         transfer.image[value.word] = word;
@@ -137,7 +137,7 @@ Status AdapterRunner::write_outputs() noexcept {
   return status;
 }
 
-void AdapterRunner::tell_of_itself(Status status, const Timing& timing) noexcept {
+void AdapterRunner::write_own_monitors(Status status, const Timing& timing) noexcept {
   steps_ += timing.is_early ? 0 : 1;
   stale_ += status == Status::Stale ? 1 : 0;
   overruns_ += timing.duration > period_ ? 1 : 0;
@@ -158,32 +158,33 @@ Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) n
   step_.stopping = stopping;
   const Status result = adapter_.step(step_);
   status = worst(status, result);
-  tell_of_itself(status, timing);
+  write_own_monitors(status, timing);
   status = worst(status, write_outputs());
   node_.beat();
-  // An adapter's end is its own to declare: a stale word in its last step does not undo it.
+  // A stale input in the last step does not revoke the adapter's Done.
   return result == Status::Done && status != Status::Fault ? Status::Done : status;
 }
 
-// What was written since the last step is news at once, however much it was.
+// Writes since the last step end the wait at once; they are consumed together.
 void AdapterRunner::wait_for_inputs(TimePoint time) noexcept {
   constexpr int kMost = 1000;
   broker::Write write;
-  bool is_news = false;
+  bool was_written = false;
   for (int i = 0; i < kMost && waiter_->wait(TimePoint{0}, write) != Status::Late; ++i)
-    is_news = true;
-  if (!is_news) static_cast<void>(waiter_->wait(time, write));
+    was_written = true;
+  if (!was_written) static_cast<void>(waiter_->wait(time, write));
 }
 
 void AdapterRunner::wait_until(TimePoint time, Clock& clock) noexcept {
-  switch (adapter_.awaits()) {
-    case News::Inputs:
+  switch (adapter_.wakes_on()) {
+    case Wake::Inputs:
       if (waiter_) return wait_for_inputs(time);
       break;
-    case News::Outside:
-      if (const Duration left = time - clock.now(); left > Duration{0}) adapter_.wait_outside(left);
+    case Wake::External:
+      if (const Duration left = time - clock.now(); left > Duration{0})
+        adapter_.wait_external(left);
       return;
-    case News::None:
+    case Wake::None:
       break;
   }
   clock.sleep_until(time);

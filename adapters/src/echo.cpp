@@ -10,32 +10,32 @@ class Echo final : public Adapter {
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override;
-  [[nodiscard]] News awaits() const noexcept override {
-    return settings_.is_prompt ? News::Inputs : News::None;
+  [[nodiscard]] Wake wakes_on() const noexcept override {
+    return settings_.is_prompt ? Wake::Inputs : Wake::None;
   }
   void deactivate() noexcept override {}
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  /// Where a feedback comes from.
-  struct Source {
+  /// A feedback is a command times a factor.
+  struct Scaling {
     std::size_t command = kNone;
     double factor = 1;
   };
 
   EchoSettings settings_;
-  std::vector<Source> sources_;  ///< of each feedback
-  bool is_there_;
+  std::vector<Scaling> scalings_;  ///< of each feedback
+  bool is_at_target_;
 };
 
 Echo::Echo(EchoSettings settings)
-    : settings_{std::move(settings)}, is_there_{!settings_.is_down_when_idle} {
+    : settings_{std::move(settings)}, is_at_target_{!settings_.is_down_when_idle} {
   const auto& commands = settings_.layout.commands;
   for (const auto& feedback : settings_.layout.feedbacks) {
     const bool is_force = feedback.quantity == Quantity::Force;
     const OpfSignal* command = OpfLayout::find(
         commands, feedback.axis, is_force ? Quantity::Displacement : feedback.quantity);
-    sources_.push_back(
+    scalings_.push_back(
         {command == nullptr ? kNone : static_cast<std::size_t>(command - commands.data()),
          is_force ? settings_.stiffness : 1});
   }
@@ -55,12 +55,12 @@ std::vector<Port> Echo::ports() const {
 Status Echo::step(StepData& step) noexcept {
   const bool has_target = step.inputs[0] > 0;
   const auto commands = step.inputs.subspan(1);
-  for (std::size_t i = 0; has_target && i < sources_.size(); ++i)
-    if (sources_[i].command != kNone)
-      step.outputs[i] = sources_[i].factor * commands[sources_[i].command];
-  is_there_ = is_there_ || has_target;
-  step.outputs[sources_.size()] = has_target ? 1 : 0;
-  step.outputs[sources_.size() + 1] = is_there_ && !has_target ? 1 : 0;
+  for (std::size_t i = 0; has_target && i < scalings_.size(); ++i)
+    if (scalings_[i].command != kNone)
+      step.outputs[i] = scalings_[i].factor * commands[scalings_[i].command];
+  is_at_target_ = is_at_target_ || has_target;
+  step.outputs[scalings_.size()] = has_target ? 1 : 0;
+  step.outputs[scalings_.size() + 1] = is_at_target_ && !has_target ? 1 : 0;
   return step.stopping || step.inputs[0] < 0 ? Status::Done : Status::Ok;
 }
 

@@ -4,7 +4,7 @@
 namespace rths::adapters {
 namespace {
 
-constexpr double kFarewell = 0.02;  // [s] that newTarget stays at stop
+constexpr double kStopHold = 0.02;  // [s] that newTarget stays at −1
 
 }  // namespace
 
@@ -24,28 +24,28 @@ Status OpfHandshake::wait_for(bool flag, Phase next, const char* otherwise, doub
   return Status::Fault;
 }
 
-// The next phase may have come with the same look: a prompt controller raises atTarget with the
-// fall of switchPC. What atTarget says is then of this target: it was down when switchPC rose.
-Status OpfHandshake::look(bool at_target, bool switch_pc, double now) noexcept {
+// A fast controller may lower switchPC and raise atTarget between two updates, so one update
+// handles both. atTarget then refers to this target, because it was 0 when switchPC rose.
+Status OpfHandshake::update(bool at_target, bool switch_pc, double now) noexcept {
   if (phase_ == Phase::WaitForSwitch)
     return wait_for(switch_pc, Phase::WaitForRelease, "switchPC did not rise before the deadline",
                     now);
   if (phase_ == Phase::WaitForRelease) {
-    const Status status = wait_for(!switch_pc, Phase::WaitForTarget,
+    const Status status = wait_for(!switch_pc, Phase::WaitForAtTarget,
                                    "switchPC did not fall before the deadline", now);
     if (phase_ == Phase::WaitForRelease) return status;
   }
-  if (phase_ == Phase::WaitForTarget)
-    return wait_for(at_target, Phase::There, "atTarget did not rise before the deadline", now);
+  if (phase_ == Phase::WaitForAtTarget)
+    return wait_for(at_target, Phase::Ready, "atTarget did not rise before the deadline", now);
   return Status::Ok;
 }
 
-bool OpfHandshake::has_left(double now) const noexcept {
-  return is_leaving() && now - entered_ >= kFarewell;
+bool OpfHandshake::has_stopped(double now) const noexcept {
+  return is_stopping() && now - entered_ >= kStopHold;
 }
 
 double OpfHandshake::new_target() const noexcept {
-  if (phase_ == Phase::Leave) return -1;
+  if (phase_ == Phase::Stopping) return -1;
   return phase_ == Phase::WaitForSwitch ? 1 : 0;
 }
 

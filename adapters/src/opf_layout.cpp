@@ -23,11 +23,11 @@ std::optional<Quantity> quantity_named(const std::string& word) {
   return std::nullopt;
 }
 
-// "long.displ.target", or "displ.target" where there is one axis only.
+// "long.displ.target", or "displ.target" with a single axis.
 OpfSignal read_signal(const memmap::SignalEntry& entry, const std::string& ending) {
   const std::string& name = entry.signal->name;
   const auto fail = [&] {
-    throw Error{fmt::format("{}: '{}' is no word of OpenFresco's, expected <axis>.<quantity>.{}",
+    throw Error{fmt::format("{}: '{}' is not an OpenFresco signal, expected <axis>.<quantity>.{}",
                             entry.signal->where, entry.name, ending)};
   };
   const std::size_t end = name.rfind('.' + ending);
@@ -48,7 +48,7 @@ std::vector<memmap::SignalEntry> signals_of(const memmap::Map& map, const std::s
   return signals;
 }
 
-// Who counts words reads another one behind a gap.
+// OpenFresco counts words: a gap would shift all words after it.
 void require_no_gap(const memmap::Map& map, const std::vector<memmap::SignalEntry>& signals) {
   for (std::size_t i = 1; i < signals.size(); ++i)
     if (signals[i].signal->offset != advance(signals[i - 1].signal->offset, 1))

@@ -9,12 +9,12 @@
 #include <rths/bench/ring_bench.hpp>
 
 #include "commands.hpp"
-#include "verdict.hpp"
+#include "gate_exit.hpp"
 
 namespace rths::app {
 namespace {
 
-// A line that is written over and over on a terminal; silence anywhere else.
+// Overwrites one terminal line. The caller checks for a terminal.
 void show_row(int cycle, const std::string& row) {
   fmt::print(stderr, "\rcycle {}: {:<40}", cycle + 1, row);
 }

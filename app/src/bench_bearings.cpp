@@ -10,21 +10,21 @@
 #include <rths/bench/bearing_bench.hpp>
 
 #include "commands.hpp"
-#include "verdict.hpp"
+#include "gate_exit.hpp"
 
 namespace rths::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-void show(const std::string& what) { fmt::print(stderr, "\r{:<60}", what); }
+void show(const std::string& progress) { fmt::print(stderr, "\r{:<60}", progress); }
 
-// The Python that is asked for, that of the environment, or the one beside a build of the tree.
-std::string find_opensees(const std::string& asked, const fs::path& programs) {
-  if (!asked.empty()) return asked;
-  if (const char* named = std::getenv("RTHS_OPENSEES_PYTHON")) return named;
-  const fs::path made = programs / "../../opensees/bin/python";
-  return fs::exists(made) ? made.lexically_normal().string() : "";
+// The Python of the command line, else of the environment, else of the build folder.
+std::string find_opensees(const std::string& requested, const fs::path& programs) {
+  if (!requested.empty()) return requested;
+  if (const char* python = std::getenv("RTHS_OPENSEES_PYTHON")) return python;
+  const fs::path installed = programs / "../../opensees/bin/python";
+  return fs::exists(installed) ? installed.lexically_normal().string() : "";
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <rths/bench/opensees_bench.hpp>
 
 #include "commands.hpp"
-#include "verdict.hpp"
+#include "gate_exit.hpp"
 
 namespace rths::app {
 

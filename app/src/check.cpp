@@ -24,10 +24,10 @@ int check_recording(const std::string& file) {
   const recording::Reader reader{file};
   std::int64_t dropped = 0;
   for (const auto& [node, count] : reader.drops()) dropped += count;
-  fmt::print("{}: recording, {} rows of {} signals, {:.3f} s, {} events, {} steps not caught{}\n",
+  fmt::print("{}: recording, {} rows of {} signals, {:.3f} s, {} events, {} steps not recorded{}\n",
              file, reader.rows(), reader.names().size(),
              reader.rows() > 0 ? reader.time().back() : 0.0, reader.events().size(), dropped,
-             repaired ? "; its writer had not closed it, repaired" : "");
+             repaired ? "; was not closed by its writer, repaired" : "");
   return kOk;
 }
 
@@ -49,7 +49,7 @@ int check_diagram(const std::string& file) {
 int check_bearing(const std::string& file, const Config& config) {
   const double load = sim::weight_per_bearing(sim::example_plant());
   const auto bearing = sim::read_bearing(config, load);
-  fmt::print("{}: bearing '{}', {} terms, {:.4g} MN/m at first under {:.2f} MN\n", file,
+  fmt::print("{}: bearing '{}', {} terms, initial stiffness {:.4g} MN/m under {:.2f} MN\n", file,
              bearing.title, bearing.terms.size(), sim::initial_stiffness(bearing) / 1e6,
              load / 1e6);
   return kOk;
@@ -62,19 +62,19 @@ int check_toml(const std::string& file) {
   if (config.has("bearing")) return check_bearing(file, config);
   if (config.has("format")) return check_experiment(file);
   throw Error{file +
-              ": is TOML, but starts with none of ringmap (a map), diagram (a block diagram), "
-              "bearing and format (an experiment)"};
+              ": unknown kind of TOML file, expected one of the keys ringmap (map), diagram (block "
+              "diagram), bearing and format (experiment)"};
 }
 
 int check_motion(const std::string& file, const sim::RecordComponent& record, const char* kind) {
   double peak = 0;
   for (const double value : record.values) peak = std::max(peak, std::abs(value));
-  fmt::print("{}: {}, {} samples, {:g} s apart, peak {:g}\n", file, kind, record.values.size(),
+  fmt::print("{}: {}, {} samples, interval {:g} s, peak {:g}\n", file, kind, record.values.size(),
              record.time_step, peak);
   return kOk;
 }
 
-// The first line that holds more than white space, to tell the text formats apart.
+// The first line that is not blank; it distinguishes the text formats.
 std::string first_line(const std::string& file) {
   std::ifstream stream{file};
   if (!stream) throw Error{file + ": cannot be read"};
@@ -101,7 +101,7 @@ int check(const std::string& file) {
     return check_motion(file, sim::read_at2(file), "ground motion (.AT2)");
   if (line[0] != '#' ? looks_like_toml(line) : head.find("\n[") != std::string::npos)
     return check_toml(file);
-  return check_motion(file, sim::read_column(file, 1), "columns, the first of them");
+  return check_motion(file, sim::read_column(file, 1), "columns, first data column");
 }
 
 }  // namespace rths::app

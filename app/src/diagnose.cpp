@@ -15,16 +15,16 @@
 namespace rths::app {
 namespace {
 
-// Of a case's name, which may be any text, or of its folder if it has none.
-std::string folder_name(const diagnosis::Case& c, const std::string& source) {
+// The case's name without slashes; the name of its folder if that is no file name.
+std::string folder_name(const diagnosis::Case& c, const std::string& path) {
   std::string name = c.name;
   std::replace(name.begin(), name.end(), '/', '_');
   const bool is_name = !name.empty() && name != "." && name != "..";
-  return is_name ? name : std::filesystem::canonical(source).filename().string();
+  return is_name ? name : std::filesystem::canonical(path).filename().string();
 }
 
 diagnosis::Case load(const DiagnoseArguments& arguments) {
-  diagnosis::Case c = diagnosis::load_case(arguments.source);
+  diagnosis::Case c = diagnosis::load_case(arguments.case_or_recording);
   return arguments.against.empty() ? c
                                    : diagnosis::with_prediction(std::move(c), arguments.against);
 }
@@ -34,11 +34,12 @@ diagnosis::Case load(const DiagnoseArguments& arguments) {
 int diagnose(const DiagnoseArguments& arguments) {
   const diagnosis::Case c = load(arguments);
   diagnosis::Verdict verdict = diagnosis::diagnose(c, {arguments.without, arguments.seed});
-  // Specimen and machine of runs are models in this version.
-  verdict.synthetic = verdict.synthetic || std::filesystem::is_regular_file(arguments.source);
+  // In this version, specimen and machine of a run are models.
+  verdict.synthetic =
+      verdict.synthetic || std::filesystem::is_regular_file(arguments.case_or_recording);
   std::filesystem::path folder = arguments.out;
   if (folder.empty())
-    folder = std::filesystem::path{"out/diagnosis"} / folder_name(c, arguments.source);
+    folder = std::filesystem::path{"out/diagnosis"} / folder_name(c, arguments.case_or_recording);
   const auto written = report::write_diagnosis(verdict, folder);
   fmt::print("{}\nreport    {}\nnumbers   {}\n", report::verdict_summary(verdict),
              written.page.string(), written.numbers.string());

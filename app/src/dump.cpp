@@ -22,10 +22,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kLookEvery{1};
+constexpr milliseconds kScanPeriod{1};
 
-/// Prints values in the format asked for and says when it has printed enough. Seven digits: a word
-/// of the ring holds no more.
+/// Prints values in the requested format up to the requested number of lines. Seven digits are
+/// the precision of a word of the ring.
 class Printer {
  public:
   explicit Printer(const DumpArguments& arguments) : arguments_{arguments} {
@@ -49,14 +49,14 @@ class Printer {
   long lines_ = 0;
 };
 
-/// A word of the ring that is watched.
+/// A watched word and its last value.
 struct Watched {
   const memmap::SignalEntry* entry;
   memmap::Codec codec;
   std::optional<std::uint32_t> last;
 };
 
-// Prints what differs from the last look. Values are in the map's units, as its sheet has them.
+// Prints words that changed since the last scan, in the map's units.
 void print_changes(const broker::Node& node, std::vector<Watched>& watched, double time,
                    Printer& printer) {
   for (auto& word : watched) {
@@ -69,13 +69,13 @@ void print_changes(const broker::Node& node, std::vector<Watched>& watched, doub
 }
 
 int dump_ring(const DumpArguments& arguments) {
-  broker::Ring ring = broker::Ring::attach(arguments.source);
+  broker::Ring ring = broker::Ring::attach(arguments.ring_or_recording);
   const broker::Node node = ring.observe();
   std::vector<Watched> watched;
   for (const auto& entry : ring.map().signals())
     if (matches(entry.name, arguments.patterns))
       watched.push_back({&entry, memmap::Codec{*entry.signal}, std::nullopt});
-  if (watched.empty()) throw Error{"no signal of the ring has a name like that"};
+  if (watched.empty()) throw Error{"no signal of the ring matches"};
   Printer printer{arguments};
   const auto begun = steady_clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(steady_clock::now() - begun); };
@@ -83,14 +83,14 @@ int dump_ring(const DumpArguments& arguments) {
     print_changes(node, watched, elapsed().count(), printer);
     std::fflush(stdout);
     if (arguments.once || printer.enough()) return kOk;
-    std::this_thread::sleep_for(kLookEvery);
+    std::this_thread::sleep_for(kScanPeriod);
   } while (arguments.timeout_ms == 0 || elapsed() < milliseconds{arguments.timeout_ms});
-  // Whoever waits for a number of changes wants to know that they did not come.
+  // Fewer changes than requested: the condition is not met.
   return arguments.count > 0 ? kConditionNotMet : kOk;
 }
 
 int dump_recording(const DumpArguments& arguments) {
-  const recording::Reader reader{arguments.source};
+  const recording::Reader reader{arguments.ring_or_recording};
   struct Column {
     std::string name, unit;
     std::vector<double> values;
@@ -99,7 +99,7 @@ int dump_recording(const DumpArguments& arguments) {
   for (const auto& name : reader.names())
     if (matches(name, arguments.patterns))
       columns.push_back({name, reader.unit(name), reader.signal(name)});
-  if (columns.empty()) throw Error{"no signal of the recording has a name like that"};
+  if (columns.empty()) throw Error{"no signal of the recording matches"};
   Printer printer{arguments};
   for (std::size_t row = 0; row < reader.rows() && !printer.enough(); ++row)
     for (const auto& column : columns)
@@ -111,8 +111,8 @@ int dump_recording(const DumpArguments& arguments) {
 }  // namespace
 
 int dump(const DumpArguments& arguments) {
-  return std::filesystem::exists(arguments.source) ? dump_recording(arguments)
-                                                   : dump_ring(arguments);
+  return std::filesystem::exists(arguments.ring_or_recording) ? dump_recording(arguments)
+                                                              : dump_ring(arguments);
 }
 
 }  // namespace rths::app

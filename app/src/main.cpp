@@ -11,7 +11,7 @@
 namespace rths::app {
 namespace {
 
-/// The subcommand that was chosen, to be run once the command line is understood.
+/// The chosen subcommand; runs after the command line is parsed.
 using Chosen = std::function<int()>;
 
 Changes split_changes(const std::vector<std::string>& sets) {
@@ -25,7 +25,7 @@ Changes split_changes(const std::vector<std::string>& sets) {
   return changes;
 }
 
-/// Everything that options are parsed into; lives as long as the parser.
+/// Values of all options; must outlive the parser.
 struct Arguments {
   RunArguments run;
   NodeArguments node;
@@ -46,20 +46,21 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("run", "Run an experiment and write its recording and report");
   command->add_option("experiment", a.run.experiment, "Experiment file")->required();
   command
-      ->add_option("--clock", a.clock, "wall: in real time, a process per node; virtual: at once")
+      ->add_option("--clock", a.clock,
+                   "wall: real time, one process per node; virtual: deterministic, no waiting")
       ->check(CLI::IsMember({"wall", "virtual"}));
   command->add_option("--out", a.run.out, "Folder for the results [out/<name>]");
   command->add_option("--ring", a.run.ring, "Name of the ring [the experiment's]");
-  command->add_option("--set", a.sets, "Change a key of the experiment: key=value")
+  command->add_option("--set", a.sets, "Override a key of the experiment: key=value")
       ->take_all()
       ->allow_extra_args(false);
   command
       ->add_option("--improve", a.run.improvements,
-                   "improved.toml of a diagnosis: what the simulation assumes from now on")
+                   "improved.toml of a diagnosis, applied to the model of the simulation")
       ->check(CLI::ExistingFile)
       ->take_all()
       ->allow_extra_args(false);
-  command->add_flag("!--no-diagnosis", a.run.diagnoses, "Leave the diagnosis to `rths diagnose`");
+  command->add_flag("!--no-diagnosis", a.run.diagnoses, "Do not diagnose the recording at the end");
   command->callback([&] {
     a.run.virtual_time = a.clock == "virtual";
     a.run.changes = split_changes(a.sets);
@@ -68,7 +69,7 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
 }
 
 void add_node(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand("node", "One node of a run; the launcher starts these");
+  auto* command = app.add_subcommand("node", "Run one node; for the launcher");
   command->group("");
   command->add_option("experiment", a.node.experiment)->required();
   command->add_option("--node", a.node.node)->required();
@@ -84,39 +85,42 @@ void add_node(CLI::App& app, Arguments& a, Chosen& chosen) {
 void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand(
       "check",
-      "Check a map, diagram, bearing, experiment, motion or recording; its content decides");
+      "Check a map, diagram, bearing, experiment, motion or recording; its content decides which");
   command->add_option("file", a.file)->required();
   command->callback([&] { chosen = [&a] { return check(a.file); }; });
 }
 
 void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command =
-      app.add_subcommand("dump", "Show the words of a ring, or the rows of a recording");
-  command->add_option("source", a.dump.source, "Name of a ring, or a recording")->required();
-  command->add_option("signals", a.dump.patterns, "Names to show; * and ? match [all]");
+      app.add_subcommand("dump", "Print the words of a ring, or the rows of a recording");
+  command->add_option("source", a.dump.ring_or_recording, "Name of a ring, or file of a recording")
+      ->required();
+  command->add_option("signals", a.dump.patterns, "Signal names; * and ? as in a shell [all]");
   command->add_option("--format", a.dump.format)->check(CLI::IsMember({"text", "json", "csv"}));
-  command->add_flag("--once", a.dump.once, "A ring's values now, instead of its changes");
-  command->add_option("-n,--count", a.dump.count, "End after so many lines")
+  command->add_flag("--once", a.dump.once, "Print current values of a ring, not changes");
+  command->add_option("-n,--count", a.dump.count, "Stop after this number of lines")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("-T,--timeout", a.dump.timeout_ms, "End after so many milliseconds")
+  command->add_option("-T,--timeout", a.dump.timeout_ms, "Stop after this time [ms]")
       ->check(CLI::NonNegativeNumber);
   command->callback([&] { chosen = [&a] { return dump(a.dump); }; });
 }
 
 void add_who(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand("who", "Say who wrote the words of a ring last, and when");
-  command->add_option("ring", a.dump.source, "Name of a ring")->required();
-  command->add_option("signals", a.dump.patterns, "Names to show; * and ? match [all]");
-  command->callback([&] { chosen = [&a] { return who(a.dump.source, a.dump.patterns); }; });
+  auto* command = app.add_subcommand("who", "Print the last writer and write time of words");
+  command->add_option("ring", a.dump.ring_or_recording, "Name of a ring")->required();
+  command->add_option("signals", a.dump.patterns, "Signal names; * and ? as in a shell [all]");
+  command->callback(
+      [&] { chosen = [&a] { return who(a.dump.ring_or_recording, a.dump.patterns); }; });
 }
 
 void add_watch(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand(
-      "watch", "Journal what plain clients store; tell of stores into words that are not theirs");
+      "watch",
+      "Journal stores of clients that bypass the API; print stores into other nodes' words");
   command->add_option("ring", a.watch.ring, "Name of a ring")->required();
-  command->add_option("--period-us", a.watch.period_us, "Between two looks [50]")
+  command->add_option("--period-us", a.watch.period_us, "Time between two scans [50]")
       ->check(CLI::Range(1, 1'000'000));
-  command->add_option("-T,--timeout", a.watch.timeout_ms, "End after so many milliseconds")
+  command->add_option("-T,--timeout", a.watch.timeout_ms, "Stop after this time [ms]")
       ->check(CLI::NonNegativeNumber);
   command->callback([&] { chosen = [&a] { return watch(a.watch); }; });
 }
@@ -124,81 +128,88 @@ void add_watch(CLI::App& app, Arguments& a, Chosen& chosen) {
 void add_send(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("send", "Write words of a ring by name");
   command->add_option("ring", a.send.ring, "Name of a ring")->required();
-  command->add_option("assignments", a.send.assignments, "name=value, with a unit: 12.5mm")
+  command
+      ->add_option("assignments", a.send.assignments, "name=value, optionally with a unit: 12.5mm")
       ->required();
   command->callback([&] { chosen = [&a] { return send(a.send); }; });
 }
 
 void add_bench_bearings(CLI::App& bench, Arguments& a, Chosen& chosen) {
   auto* command = bench.add_subcommand(
-      "bearings", "What a step of a bearing takes, at worst as well, and beside OpenSees");
+      "bearings", "Median and worst time of one step of a bearing, compared with OpenSees");
   command->add_flag("--json", a.bearings.json, "One JSON document instead of tables");
-  command->add_option("--passes", a.bearings.passes, "How often to go through the motion")
+  command->add_option("--passes", a.bearings.passes, "Number of passes through the motion")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--steps", a.bearings.steps, "Of each pass, at 1 kHz")
+  command->add_option("--steps", a.bearings.steps, "Steps per pass, at 1 kHz")
       ->check(CLI::Range(100, 1'000'000))
       ->capture_default_str();
   command->add_option("--opensees", a.bearings.opensees,
-                      "Python that has OpenSees [RTHS_OPENSEES_PYTHON, or that of ./lab]");
+                      "Python with OpenSees [RTHS_OPENSEES_PYTHON, or that of ./lab]");
   command->callback([&] { chosen = [&a] { return bench_bearings(a.bearings); }; });
 }
 
 void add_bench_opensees(CLI::App& bench, Arguments& a, Chosen& chosen) {
   auto* command = bench.add_subcommand(
-      "opensees", "From an element of OpenSees to a specimen and back, beside a bare ping-pong");
+      "opensees",
+      "Round trip from an OpenSees element to a specimen, compared with a bare ping-pong");
   command->add_flag("--json", a.trips.json, "One JSON document instead of lines");
-  command->add_option("--cycles", a.trips.cycles, "How often to measure both")
+  command->add_option("--cycles", a.trips.cycles, "Number of measurement cycles")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--round-trips", a.trips.round_trips, "Of each kind in each cycle")
+  command->add_option("--round-trips", a.trips.round_trips, "Round trips per kind and cycle")
       ->check(CLI::Range(10, 1'000'000))
       ->capture_default_str();
   command->callback([&] { chosen = [&a] { return bench_opensees(a.trips); }; });
 }
 
 void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand("bench", "Measure on this machine");
+  auto* command = app.add_subcommand("bench", "Run a benchmark on this host");
   command->require_subcommand(1);
   auto* ring = command->add_subcommand(
       "ring",
-      "How fast a word gets through the ring, against the bare cache line and against peers");
+      "Latency and cost of the ring, compared with a bare cache line and with other libraries");
   ring->add_flag("--json", a.bench.json, "One JSON document instead of tables");
-  ring->add_option("--cycles", a.bench.cycles, "How often to measure every row")
+  ring->add_option("--cycles", a.bench.cycles, "Number of measurement cycles")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  ring->add_option("--row", a.bench.rows, "Only this row; may be repeated")
+  ring->add_option("--row", a.bench.rows, "Measure only this row; repeatable")
       ->check(CLI::IsMember(bench_rows()))
       ->take_all()
       ->allow_extra_args(false);
-  ring->add_option("--round-trips", a.bench.round_trips, "Of each row in each cycle")
+  ring->add_option("--round-trips", a.bench.round_trips, "Round trips per row and cycle")
       ->check(CLI::Range(100, 10'000'000))
       ->capture_default_str();
-  ring->add_option("--seed", a.bench.seed, "Of the 95 % intervals")->capture_default_str();
+  ring->add_option("--seed", a.bench.seed, "Seed of the bootstrap for 95 % intervals")
+      ->capture_default_str();
   ring->add_option("--keep", a.bench.keep,
-                   "Folder of finished cycles; those in it are not repeated");
+                   "Folder for finished cycles; cycles found there are not repeated");
   ring->callback([&] { chosen = [&a] { return bench_ring(a.bench); }; });
   add_bench_bearings(*command, a, chosen);
   add_bench_opensees(*command, a, chosen);
 }
 
 void add_loop(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand("loop", "Drive a bearing through a loop, and draw it");
-  command->add_option("bearing", a.loop.bearing, "Name (lprb, eqsb, tpfb), or a file")->required();
+  auto* command = app.add_subcommand("loop", "Drive a bearing through loops; print and draw them");
+  command->add_option("bearing", a.loop.bearing, "Built-in name (lprb, eqsb, tpfb) or file")
+      ->required();
   command->add_option("--amplitude-m", a.loop.amplitude)
       ->check(CLI::Range(1e-6, 10.0))
       ->capture_default_str();
   command->add_option("--frequency-Hz", a.loop.frequency)
       ->check(CLI::Range(1e-4, 20.0))
       ->capture_default_str();
-  command->add_option("--cycles", a.loop.cycles, "Full ones, after one that grows")
+  command
+      ->add_option("--cycles", a.loop.cycles,
+                   "Cycles at full amplitude, after one with growing amplitude")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--axial-load-N", a.loop.axial_load, "[a bearing's share of the plant]")
+  command
+      ->add_option("--axial-load-N", a.loop.axial_load, "[weight per bearing of the example plant]")
       ->check(CLI::Range(0.0, 1e9));
-  command->add_option("--svg", a.loop.svg, "Draw it into this file");
-  command->add_option("--csv", a.loop.csv, "Write the loop along one axis into this file");
-  command->add_option("--set", a.sets, "Change a term: term.key=value, term.enabled=false")
+  command->add_option("--svg", a.loop.svg, "Draw both loops into this SVG file");
+  command->add_option("--csv", a.loop.csv, "Write the loop along one axis to this CSV file");
+  command->add_option("--set", a.sets, "Override a term: term.key=value, term.enabled=false")
       ->take_all()
       ->allow_extra_args(false);
   command->callback([&] {
@@ -209,25 +220,28 @@ void add_loop(CLI::App& app, Arguments& a, Chosen& chosen) {
 
 void add_terms(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand(
-      "terms", "List what bearings, machines and sensors are composed of, with equations");
+      "terms", "List the terms of bearings, machines and sensors, with equations");
   command->add_option("names", a.terms.names, "Terms to list [all]");
-  command->add_flag("--markdown", a.terms.markdown, "As a page");
-  command->add_option("--draw", a.terms.draw, "Draw the effect of each into this folder instead");
+  command->add_flag("--markdown", a.terms.markdown, "Print Markdown");
+  command->add_option("--draw", a.terms.draw,
+                      "Draw the effect of each term into this folder, print nothing");
   command->callback([&] { chosen = [&a] { return terms(a.terms); }; });
 }
 
 void add_diagnose(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand(
-      "diagnose", "Find the physics that a simulation left out, or say that there is none");
-  command->add_option("case", a.diagnose.source, "Folder with a case.toml, or a recording of a run")
+      "diagnose", "Find the physics that a simulation omits, or report that none is missing");
+  command
+      ->add_option("case", a.diagnose.case_or_recording,
+                   "Folder with a case.toml, or a recording of a run")
       ->required();
   command->add_option("--out", a.diagnose.out, "Folder for the results [out/diagnosis/<name>]");
   command->add_option("--against", a.diagnose.against,
-                      "What another simulation predicted, instead of the model");
-  command->add_option("--without", a.diagnose.without, "Terms that may not be named, with commas")
+                      "Prediction of another simulation, instead of the model's");
+  command->add_option("--without", a.diagnose.without, "Terms to exclude, separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--seed", a.diagnose.seed, "Of draws of noise and of resampling")
+  command->add_option("--seed", a.diagnose.seed, "Seed of noise and resampling")
       ->capture_default_str();
   command->callback([&] { chosen = [&a] { return diagnose(a.diagnose); }; });
 }
@@ -238,19 +252,20 @@ void add_map(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* check_command = command->add_subcommand("check", "Check a map");
   check_command->add_option("map", a.file, "File, or name of a built-in map")->required();
   check_command->callback([&] { chosen = [&a] { return map_check(a.file); }; });
-  auto* gen = command->add_subcommand("gen", "Write a header for programs that use the map");
+  auto* gen = command->add_subcommand("gen", "Print a header for programs that use the map");
   gen->add_option("map", a.file, "File, or name of a built-in map")->required();
   gen->add_option("--lang", a.language)->check(CLI::IsMember({"c", "cpp"}));
   gen->callback([&] { chosen = [&a] { return map_gen(a.file, a.language); }; });
 }
 
 void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* report_command = app.add_subcommand("report", "Write the report of a run again");
+  auto* report_command = app.add_subcommand("report", "Rewrite the report of a run");
   report_command->add_option("folder", a.folder, "Folder of the run")->required();
   report_command->callback([&] { chosen = [&a] { return report(a.folder); }; });
-  app.add_subcommand("doctor", "List the rings of this host and what is wrong with them")
-      ->callback([&] { chosen = [] { return doctor(); }; });
-  app.add_subcommand("clean", "Remove rings that no living process is on")->callback([&] {
+  app.add_subcommand("doctor", "List the rings of this host and their faults")->callback([&] {
+    chosen = [] { return doctor(); };
+  });
+  app.add_subcommand("clean", "Remove rings that no running process uses")->callback([&] {
     chosen = [] { return clean(); };
   });
 }

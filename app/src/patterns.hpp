@@ -9,7 +9,7 @@
 
 namespace rths::app {
 
-/// True if a name is as one of the patterns says, * and ? as in a shell; also if there are none.
+/// True if a name matches a shell pattern (* and ?), or if there are no patterns.
 inline bool matches(const std::string& name, const std::vector<std::string>& patterns) {
   return patterns.empty() ||
          std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {

@@ -17,32 +17,31 @@ void describe(const broker::RingReport& ring) {
   fmt::print("{}: {} bytes, map '{}' version {} {}\n", ring.name, ring.bytes, ring.map_name,
              ring.map_version, ring.map_hash);
   for (const auto& occupant : ring.occupants)
-    fmt::print("  {:<12} process {:<8} {} ({} beats)\n", occupant.node, occupant.pid,
-               occupant.alive ? "alive" : "ended without leaving; its place is free",
+    fmt::print("  {:<12} process {:<8} {} ({} heartbeats)\n", occupant.node, occupant.pid,
+               occupant.alive ? "alive" : "ended without leaving; its slot is free",
                occupant.beats);
   for (const auto& group : ring.torn_groups)
     fmt::print(
-        "  partition '{}' was left in the middle of a write; readers get the last complete one, "
-        "and "
-        "the next node of its name mends it\n",
+        "  partition '{}' has an unfinished write; readers get the last complete one, and the next "
+        "node of the same name repairs it\n",
         group);
-  if (!ring.in_use()) fmt::print("  nobody is on it: 'rths clean' removes it\n");
+  if (!ring.in_use()) fmt::print("  no process uses it; 'rths clean' removes it\n");
 }
 
 }  // namespace
 
 int doctor() {
   const auto rings = broker::list_rings();
-  bool something_to_do = false;
+  bool any_unused = false;
   for (const auto& ring : rings) {
     describe(ring);
-    something_to_do = something_to_do || !ring.in_use();
+    any_unused = any_unused || !ring.in_use();
   }
   if (rings.empty()) fmt::print("no rings\n");
   const std::string missing = launch::missing_privileges();
   fmt::print("real time: {}\n",
-             missing.empty() ? "scheduling and locked memory are to be had" : missing);
-  return something_to_do ? kConditionNotMet : kOk;
+             missing.empty() ? "scheduling and memory locking are available" : missing);
+  return any_unused ? kConditionNotMet : kOk;
 }
 
 int clean() {
@@ -52,8 +51,7 @@ int clean() {
     if (!ring.foreign && broker::remove_ring(ring.name)) {
       fmt::print("removed {}\n", ring.name);
     } else {
-      fmt::print("left {}: {}\n", ring.name,
-                 ring.foreign ? ring.trouble : "it could not be removed");
+      fmt::print("kept {}: {}\n", ring.name, ring.foreign ? ring.trouble : "cannot be removed");
       result = kConditionNotMet;
     }
   }

@@ -22,17 +22,17 @@ namespace {
 
 constexpr int kBarWidth = 40;
 
-// A bar on a terminal; silence anywhere else.
+// Draws a progress bar. The caller checks for a terminal.
 void show_progress(const launch::Progress& progress) {
-  const double part = std::min(1.0, std::max(0.0, progress.model_time / progress.duration));
-  const int filled = static_cast<int>(part * kBarWidth);
+  const double fraction = std::min(1.0, std::max(0.0, progress.model_time / progress.duration));
+  const int filled = static_cast<int>(fraction * kBarWidth);
   fmt::print(stderr, "\r[{:=<{}}{: <{}}] {:6.2f} / {:.2f} s", "", filled, "", kBarWidth - filled,
-             part * progress.duration, progress.duration);
+             fraction * progress.duration, progress.duration);
 }
 
 void clear_progress() { fmt::print(stderr, "\r{: <70}\r", ""); }
 
-// The path as a TOML list of one text, wherever the experiment's file lies.
+// The files as a TOML list of absolute paths.
 std::string listed(const std::vector<std::string>& files) {
   std::string list;
   for (const auto& file : files) {
@@ -50,13 +50,13 @@ Changes changes_of(const RunArguments& arguments, const std::vector<std::string>
   return changes;
 }
 
-// What an earlier run left must not be taken for this one's.
+// Removes the results of an earlier run, which could be taken for this one's.
 void remove_results(const std::filesystem::path& folder,
                     const std::vector<std::string>& improvements) {
   for (const auto& file : improvements)
     if (std::filesystem::weakly_canonical(file) ==
         std::filesystem::weakly_canonical(folder / report::kFragmentFile))
-      throw Error{file + ": this run replaces it, expected another folder for its results (--out)"};
+      throw Error{file + ": this run replaces it, expected another folder for the results (--out)"};
   for (const char* file :
        {report::kRunFile, report::kUncompensatedFile, report::kNumericalFile, report::kImprovedFile,
         diagnosis::kHeldOutFile, report::kVerdictFile, report::kDiagnosisPage,
@@ -64,11 +64,11 @@ void remove_results(const std::filesystem::path& folder,
     std::filesystem::remove(folder / file);
 }
 
-// What the simulation left out of this test, as files; and what the simulation is with it in.
+// Writes the diagnosis of a run and, if it improves the model, the improved numerical result.
 diagnosis::Verdict diagnose_run(const RunArguments& arguments,
                                 const std::filesystem::path& folder) {
   diagnosis::Verdict verdict = diagnosis::diagnose(diagnosis::load_case(folder / report::kRunFile));
-  verdict.synthetic = true;  // specimen and machine are models in this version
+  verdict.synthetic = true;  // in this version, specimen and machine are models
   // In virtual time the same experiment gives the same bytes.
   if (arguments.virtual_time) verdict.seconds = std::numeric_limits<double>::quiet_NaN();
   const auto written = report::write_diagnosis(verdict, folder);
@@ -81,9 +81,8 @@ diagnosis::Verdict diagnose_run(const RunArguments& arguments,
   return verdict;
 }
 
-// The test is over and its recordings are whole: whatever keeps the diagnosis from an answer is
-// said, and the report is written without it.
-void find_what_is_missing(const RunArguments& arguments, const std::filesystem::path& folder) {
+// The recordings are complete, so a failed diagnosis is printed and does not stop the report.
+void diagnose_and_print(const RunArguments& arguments, const std::filesystem::path& folder) {
   try {
     const auto verdict = diagnose_run(arguments, folder);
     fmt::print("diagnosis {}\n{}\n", (folder / report::kDiagnosisPage).string(), verdict.sentence);
@@ -120,13 +119,13 @@ int run(const RunArguments& arguments) {
   if (on_terminal) clear_progress();
   const bool recorded = std::filesystem::exists(options.recording);
   fmt::print("recording {}\n",
-             recorded ? options.recording.string() : "none: no recorder took part");
+             recorded ? options.recording.string() : "none: the experiment has no recorder");
   if (!outcome.completed) {
     fmt::print(stderr, "rths: the run ended early: {}\n",
                outcome.interrupted ? "interrupted" : outcome.trouble);
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
-  // Without a controller there is no tracking to report on.
+  // The report is about tracking, so it needs a controller.
   const bool is_controlled =
       std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
                   [](const auto& plan) { return plan.adapter == "simulink_like"; });
@@ -134,9 +133,9 @@ int run(const RunArguments& arguments) {
   launch::run_uncompensated(experiment, options.recording, folder / report::kUncompensatedFile,
                             version());
   launch::run_numerical(experiment, folder / report::kNumericalFile);
-  const bool is_provable =
+  const bool has_held_out =
       launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
-  if (is_provable && arguments.diagnoses) find_what_is_missing(arguments, folder);
+  if (has_held_out && arguments.diagnoses) diagnose_and_print(arguments, folder);
   return print(report::make_report(folder));
 }
 

@@ -5,7 +5,7 @@
 
 namespace rths::app {
 
-/// Values in another unit, for a picture.
+/// Values times a factor, to change the unit for a drawing.
 inline std::vector<double> scaled(std::vector<double> values, double factor) {
   for (double& value : values) value *= factor;
   return values;

@@ -20,7 +20,7 @@ struct Assignment {
   std::uint32_t word;
 };
 
-// "12.5mm", "0.5", or the name of one of the signal's values. In SI.
+// Parses "12.5mm", "0.5", or the name of one of the signal's values; returns SI.
 double parse_value(const std::string& text, const memmap::SignalEntry& entry) {
   const memmap::Codec codec{*entry.signal};
   for (const auto& [name, value] : entry.signal->values)
@@ -30,14 +30,15 @@ double parse_value(const std::string& text, const memmap::SignalEntry& entry) {
   const auto [rest, problem] = std::from_chars(text.data(), end, number);
   if (problem != std::errc{})
     throw Error{fmt::format("{}={}: expected a number{}", entry.name, text,
-                            entry.signal->values.empty() ? "" : " or the name of a value")};
-  if (!std::isfinite(number)) throw Error{fmt::format("{}={}: is no number", entry.name, text)};
+                            entry.signal->values.empty() ? "" : " or a named value")};
+  if (!std::isfinite(number))
+    throw Error{fmt::format("{}={}: expected a finite number", entry.name, text)};
   if (rest == end) return codec.to_si(number);
   const auto unit = memmap::parse_unit(std::string{rest, end});
   const std::string si = memmap::parse_unit(entry.signal->unit).si;
   if (unit.si != si)
-    throw Error{fmt::format("{}={}: the signal is in {}, '{}' is not", entry.name, text,
-                            entry.signal->unit, std::string{rest, end})};
+    throw Error{fmt::format("{}={}: the unit '{}' does not convert to {}, the signal's unit",
+                            entry.name, text, std::string{rest, end}, entry.signal->unit)};
   return unit.scale * number + unit.offset;
 }
 
@@ -60,7 +61,7 @@ Assignment parse_assignment(const std::string& text, const memmap::Map& map) {
   const memmap::Codec codec{*entry.signal};
   const std::uint32_t word = codec.encode(si);
   if (!std::isfinite(codec.decode(word)))
-    throw Error{fmt::format("{}={}: is too large for its word", entry.name, value)};
+    throw Error{fmt::format("{}={}: too large for the type of the word", entry.name, value)};
   return {&entry, word};
 }
 
@@ -75,7 +76,7 @@ void write_all(broker::Ring& ring, const std::string& node,
     const TearGroupId group = ring.tear_group(entry->partition->name);
     std::vector<std::uint32_t> words(entry->partition->longwords);
     if (writer.read_group(group, words) != Status::Ok)
-      throw Error{fmt::format("partition '{}' is being written", entry->partition->name)};
+      throw Error{fmt::format("partition '{}': a write is in progress", entry->partition->name)};
     words[entry->signal->offset.value() - entry->partition->base.value()] = word;
     static_cast<void>(writer.write_group(group, words));
   }
@@ -85,7 +86,7 @@ void write_all(broker::Ring& ring, const std::string& node,
 
 int send(const SendArguments& arguments) {
   broker::Ring ring = broker::Ring::attach(arguments.ring);
-  // All of it is understood before any of it is written.
+  // Parses everything before it writes anything.
   std::map<std::string, std::vector<Assignment>> by_writer;
   for (const auto& text : arguments.assignments) {
     const Assignment assignment = parse_assignment(text, ring.map());

@@ -20,7 +20,7 @@ using sim::LoopHistory;
 using sim::TermKind;
 using Values = std::vector<double> LoopHistory::*;
 
-// What a picture may show: an output over the quantity that it belongs to.
+// One choice of axes for a drawing: an output over its input.
 struct View {
   Values x, y;
   double x_scale, y_scale;
@@ -45,7 +45,7 @@ double change(const std::vector<double>& without, const std::vector<double>& wit
   return difference / size;
 }
 
-// The view in which the term changes most; of an actuator, what becomes of its command.
+// The view in which the term changes most; for an actuator, displacement over command.
 const View& best_view(const TermKind& kind, const sim::Demonstration& shown) {
   const auto changed = [&](const View& view) {
     return change(shown.without.*view.y, shown.with.*view.y);
@@ -55,8 +55,9 @@ const View& best_view(const TermKind& kind, const sim::Demonstration& shown) {
                            [&](const View& a, const View& b) { return changed(a) < changed(b); });
 }
 
-// What the term does, and by itself what it adds, which beside the rest may be too small to see.
-std::string picture_of(const TermKind& kind) {
+// Draws the response with and without the term, and their difference, which can be too small to
+// see in the first panel.
+std::string drawing_of(const TermKind& kind) {
   const sim::Demonstration shown = sim::demonstrate(kind);
   const View& view = best_view(kind, shown);
   const auto x = scaled(shown.with.*view.x, view.x_scale);
@@ -110,7 +111,7 @@ int terms(const TermsArguments& arguments) {
     std::filesystem::create_directories(arguments.draw);
     for (const auto& kind : kinds)
       write_file(std::filesystem::path{arguments.draw} / fmt::format("{}.svg", kind.name),
-                 picture_of(kind));
+                 drawing_of(kind));
     return kOk;
   }
   for (const auto& kind : kinds)

@@ -15,15 +15,15 @@ namespace {
 using std::chrono::steady_clock;
 
 std::string listed(const std::vector<std::string>& names) {
-  return names.empty() ? "nobody who shows itself" : fmt::format("{}", fmt::join(names, ", "));
+  return names.empty() ? "an unknown process" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-// Address, value, whose word it is, and who may have done it.
-void tell(const broker::PlainStore& store, TimePoint begun) {
-  fmt::print("({:.3f}) longword {} (byte {}) = {:#010x}: {} word; stored without a journal by {}\n",
+// Prints address, value, owner of the word, and the processes that may have stored it.
+void print_store(const broker::PlainStore& store, TimePoint begun) {
+  fmt::print("({:.3f}) longword {} (byte {}) = {:#010x}: {}; stored without a journal by {}\n",
              to_seconds(store.seen - begun), store.offset.value(),
              to_byte_offset(store.offset).value(), store.value,
-             store.owner.empty() ? "nobody's" : store.owner + "'s", listed(store.others));
+             store.owner.empty() ? "no owner" : "owner " + store.owner, listed(store.others));
   std::fflush(stdout);
 }
 
@@ -38,7 +38,7 @@ int watch(const WatchArguments& arguments) {
   do {
     for (const auto& store : watch.look()) {
       if (store.allowed) continue;
-      tell(store, begun);
+      print_store(store, begun);
       found = true;
     }
     std::this_thread::sleep_for(std::chrono::microseconds{arguments.period_us});

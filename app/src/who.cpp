@@ -18,13 +18,14 @@ std::string ago(TimePoint time, TimePoint now) {
   return fmt::format("{:.3f} ms", std::max(0.0, milliseconds));
 }
 
-// "srmd, 0.210 to 1.200 ms ago": between two entries of its journal that carry the time.
+// "by srmd, 0.210 to 1.200 ms ago": the write lies between two journal entries with a time.
 std::string describe(const broker::LastWrite& last, TimePoint now) {
   const bool bounded_below = last.not_before.count() != 0;
   const bool bounded_above = last.not_after.count() != 0;
   if (!last.value)
-    return bounded_above ? fmt::format("{}'s, older than {}", last.node, ago(last.not_after, now))
-                         : fmt::format("{}'s, who has not written it", last.node);
+    return bounded_above ? fmt::format("belongs to {}, not written in the last {}", last.node,
+                                       ago(last.not_after, now))
+                         : fmt::format("belongs to {}, no write in its journal", last.node);
   const std::string newest = bounded_above ? ago(last.not_after, now) : "0 ms";
   return bounded_below
              ? fmt::format("by {}, {} to {} ago", last.node, newest, ago(last.not_before, now))
@@ -46,7 +47,7 @@ int who(const std::string& name, const std::vector<std::string>& patterns) {
                entry.signal->unit == "1" ? "" : entry.signal->unit,
                describe(ring.last_write(offset), WallClock{}.now()));
   }
-  if (!any) throw Error{"no signal of the ring has a name like that"};
+  if (!any) throw Error{"no signal of the ring matches"};
   return kOk;
 }
 

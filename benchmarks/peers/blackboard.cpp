@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The algorithm of iceoryx2's blackboard, written again: two cells and a counter of writes. The
-// writer fills the cell that is not shown and counts; a reader copies the cell that is shown and
-// confirms by a compare-exchange that the counter still is what it was. The confirmation makes
-// every read a write: readers need the memory writable, and take the counter's line from the
-// writer.
+// The algorithm of iceoryx2's blackboard, reimplemented: two cells and a counter of writes. The
+// writer fills the inactive cell and increments the counter. A reader copies the active cell and
+// checks by a compare-exchange that the counter is unchanged. So every read also writes: readers
+// need writable memory and take the counter's cache line from the writer.
 #include <atomic>
 #include <cstddef>
 #include <vector>
@@ -19,9 +18,9 @@ namespace {
 
 constexpr std::uint32_t kLargest = 1024;  // [bytes]
 
-/// One value, packed as there: counter and cells share lines.
+/// One value, packed as in iceoryx2: counter and cells share lines.
 struct Board {
-  std::atomic<std::uint64_t> write_cell{1};  ///< the cell to be written next is its remainder
+  std::atomic<std::uint64_t> write_cell{1};  ///< the next cell to write is this modulo 2
   std::byte cells[2 * kLargest] = {};
 };
 
@@ -36,7 +35,7 @@ void store(Board& board, const void* value, std::size_t bytes) {
   board.write_cell.fetch_add(1, std::memory_order_release);
 }
 
-// One attempt; false if the writer came in between.
+// Tries once; false if the writer interfered.
 bool load(Board& board, void* value, std::size_t bytes) {
   std::uint64_t count = board.write_cell.load(std::memory_order_acquire);
   std::memcpy(value, board.cells + (count - 1) % 2 * bytes, bytes);

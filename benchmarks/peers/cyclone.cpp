@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cyclone DDS over the loopback device, each side asleep on a waitset until a sample comes.
+// Cyclone DDS over the loopback device; each side sleeps on a waitset until a sample arrives.
 #include <stdlib.h>
 
 #include <array>
@@ -18,10 +18,10 @@
 namespace rths::peers {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds{10};
+constexpr auto kTimeout = std::chrono::seconds{10};
 constexpr dds_duration_t kLongestSleep = DDS_SECS(5);
 
-// On the loopback device and nowhere else; another domain than the one that everybody takes.
+// Only on the loopback device, in a domain other than the default.
 constexpr const char* kConfiguration =
     "<Domain><General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces>"
     "<AllowMulticast>false</AllowMulticast></General><Discovery><Peers>"
@@ -63,7 +63,7 @@ class TopicEnd {
   }
   [[nodiscard]] bool arrived(std::uint32_t number) {
     if (dds_waitset_wait(arrival_, nullptr, 0, kLongestSleep) == 0)
-      throw Error{"a message did not come"};
+      throw Error{"a message did not arrive"};
     std::array<void*, 1> samples{};
     dds_sample_info_t info{};
     const dds_return_t count = checked(dds_take(reader_, samples.data(), &info, 1, 1));
@@ -81,11 +81,12 @@ class TopicEnd {
                                     nullptr));
   }
   void await_other_side() const {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    const auto deadline = std::chrono::steady_clock::now() + kTimeout;
     dds_publication_matched_status_t readers{};
     dds_subscription_matched_status_t writers{};
     while (readers.current_count == 0 || writers.current_count == 0) {
-      if (std::chrono::steady_clock::now() > deadline) throw Error{"the two sides did not meet"};
+      if (std::chrono::steady_clock::now() > deadline)
+        throw Error{"the two sides did not discover each other"};
       std::this_thread::sleep_for(std::chrono::milliseconds{1});
       dds_get_publication_matched_status(writer_, &readers);
       dds_get_subscription_matched_status(reader_, &writers);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// iceoryx 2: publish and subscribe through shared memory that a daemon, RouDi, hands out. RouDi is
-// started and stopped here.
+// iceoryx 2: publish and subscribe through shared memory from a daemon, RouDi. This program starts
+// and stops RouDi.
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -24,9 +24,9 @@
 namespace rths::peers {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds{10};  // with discovery
+constexpr auto kTimeout = std::chrono::seconds{10};  // of discovery
 
-/// The daemon, for as long as this object lives.
+/// The daemon; the destructor stops it.
 class RouDi {
  public:
   RouDi() {
@@ -36,7 +36,7 @@ class RouDi {
     const int nowhere = open("/dev/null", O_WRONLY);
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
-    // Monitoring would shut out a side that is measured and has no time to say that it lives.
+    // Monitoring would remove a measured side, which sends no keep-alive messages.
     execlp("iox-roudi", "iox-roudi", "--monitoring-mode", "off", nullptr);
     _exit(127);
   }
@@ -47,12 +47,12 @@ class RouDi {
   RouDi(const RouDi&) = delete;
   RouDi& operator=(const RouDi&) = delete;
 
-  /// @throws Error if there is none, or one ran before and this one gave way
+  /// Waits for the daemon's start. @throws Error if it has ended, also because another one runs
   void settle() const {
     constexpr auto kStart = std::chrono::milliseconds{300};
     std::this_thread::sleep_for(kStart);
     if (waitpid(pid_, nullptr, WNOHANG) != 0)
-      throw Error{"RouDi did not start: is iox-roudi installed, or another one running?"};
+      throw Error{"RouDi did not start: iox-roudi is not installed or another one is running"};
   }
 
  private:
@@ -76,10 +76,11 @@ class TopicEnd {
         publisher_{service_of(side)},
         subscriber_{service_of(bench::other(side))},
         bytes_{bytes} {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    const auto deadline = std::chrono::steady_clock::now() + kTimeout;
     while (!publisher_.hasSubscribers() ||
            subscriber_.getSubscriptionState() != iox::SubscribeState::SUBSCRIBED) {
-      if (std::chrono::steady_clock::now() > deadline) throw Error{"the two sides did not meet"};
+      if (std::chrono::steady_clock::now() > deadline)
+        throw Error{"the two sides did not discover each other"};
       std::this_thread::sleep_for(std::chrono::milliseconds{1});
     }
   }
@@ -104,11 +105,11 @@ class TopicEnd {
   std::uint32_t bytes_;
 };
 
-// Ends this process in the one way in which iceoryx tells RouDi: by the destructors of its statics.
-// RouDi aborts, and leaves its memory behind, if it finds somebody gone who has not told it.
+// Ends this process by `exit`: the destructors of iceoryx's statics deregister it. RouDi aborts,
+// and leaves its memory behind, if it finds that a process ended without deregistering.
 [[noreturn]] void leave_roudi() { std::exit(0); }
 
-/// The end of a process that has nothing else to do.
+/// An end that also ends its process on the far side.
 class LastEnd : public TopicEnd {
  public:
   LastEnd(bench::Side side, std::uint32_t bytes) : TopicEnd{side, bytes}, side_{side} {}

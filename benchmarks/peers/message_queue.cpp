@@ -17,7 +17,7 @@ namespace ipc = boost::interprocess;
 
 constexpr std::size_t kDepth = 8;
 
-/// The two queues; their names are gone when the measurement is over.
+/// The two queues; the destructor removes their names.
 class Queues {
  public:
   explicit Queues(std::size_t bytes)
@@ -31,7 +31,7 @@ class Queues {
   Queues(const Queues&) = delete;
   Queues& operator=(const Queues&) = delete;
 
-  /// The one that a side writes to.
+  /// The queue that a side writes to.
   [[nodiscard]] ipc::message_queue& of(bench::Side writer) {
     return writer == bench::Side::Near ? near_ : far_;
   }

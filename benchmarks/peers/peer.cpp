@@ -38,17 +38,17 @@ bench::Times measure(int argc, char** argv, const Tasks& tasks) {
 }  // namespace
 
 int run_peer(int argc, char** argv, const Tasks& tasks) {
-  // It is of no use to anybody but the command that started it.
+  // Ends with the command that started it.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  nlohmann::json said;
+  nlohmann::json result;
   try {
     const bench::Times times = measure(argc, argv, tasks);
-    said = {{"p50_ns", times.p50}, {"p99_ns", times.p99}};
+    result = {{"p50_ns", times.p50}, {"p99_ns", times.p99}};
   } catch (const std::exception& error) {
-    said = {{"error", error.what()}};
+    result = {{"error", error.what()}};
   }
-  std::printf("%s\n", said.dump().c_str());
-  return said.contains("error") ? 1 : 0;
+  std::printf("%s\n", result.dump().c_str());
+  return result.contains("error") ? 1 : 0;
 }
 
 std::uint32_t number_of(const void* message, std::size_t bytes) {

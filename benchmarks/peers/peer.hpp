@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A peer: another way to pass data between two processes, as a program of its own, so that nothing
-// of it is in the command. It is called as
+// A peer: another way to pass data between two processes, as a separate program, so that the
+// command does not link its library. It is called as
 //
 //     rths_peer_<name> TASK BYTES ROUND_TRIPS NEAR_CPU FAR_CPU
 //
-// and says {"p50_ns": …, "p99_ns": …} or {"error": "…"} in one line on standard output.
+// and prints {"p50_ns": …, "p99_ns": …} or {"error": "…"} in one line on standard output.
 #pragma once
 
 #include <cstddef>
@@ -19,19 +19,19 @@
 
 namespace rths::peers {
 
-/// What the command asks for.
+/// A measurement that the command requests.
 struct Request {
   std::uint32_t bytes = 0;
   bench::Setup setup;
 };
 
-/// What a peer can be asked to measure, by name. May throw.
+/// The tasks of a peer, by name. May throw.
 using Tasks = std::map<std::string, std::function<bench::Times(const Request&)>>;
 
-/// `main` of a peer: reads the request, measures, says the result.
+/// `main` of a peer: reads the request, measures, prints the result.
 [[nodiscard]] int run_peer(int argc, char** argv, const Tasks& tasks);
 
-/// Writes a number to the first and last four bytes of a message; they are the same if it has four.
+/// Writes a number to the first and last four bytes of a message; with four bytes they coincide.
 inline void mark(void* message, std::size_t bytes, std::uint32_t number) {
   std::memcpy(message, &number, sizeof number);
   std::memcpy(static_cast<std::byte*>(message) + bytes - sizeof number, &number, sizeof number);

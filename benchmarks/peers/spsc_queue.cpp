@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// boost::lockfree::spsc_queue, one in each direction, laid into shared memory.
+// boost::lockfree::spsc_queue, one in each direction, in shared memory.
 #include <array>
 
 #include <rths/bench/stream.hpp>
@@ -53,7 +53,7 @@ class QueueEnd {
   typename Queues<bytes>::Message sent_{}, received_{};
 };
 
-// In shared pages from birth to death: both processes see it at one address.
+// Constructed and destroyed in shared pages, which both processes have at one address.
 template <std::size_t bytes, class Measure>
 bench::Times with_queues(Measure measure) {
   const bench::SharedPages pages{sizeof(Queues<bytes>)};

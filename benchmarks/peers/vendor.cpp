@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// No peer but ourselves, as programs for the cards see us: words stored and loaded through the
-// pointer that the vendor's library gives.
+// Our own ring through the vendor's API: words stored and loaded through the pointer that the
+// vendor's library returns.
 #include <unistd.h>
 
 #include <cstdlib>

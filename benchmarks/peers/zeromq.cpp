@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// ZeroMQ: a PAIR of sockets over ipc, each side asleep until a message comes.
+// ZeroMQ: a PAIR of sockets over ipc; each side sleeps until a message arrives.
 #include <unistd.h>
 
 #include <string>
@@ -15,7 +15,7 @@
 namespace rths::peers {
 namespace {
 
-constexpr int kPatience = 5'000;  // [ms]
+constexpr int kTimeout = 5'000;  // [ms]
 
 class SocketEnd {
  public:
@@ -23,7 +23,7 @@ class SocketEnd {
       : context_{zmq_ctx_new()}, socket_{zmq_socket(context_, ZMQ_PAIR)}, message_(bytes) {
     constexpr int kDiscard = 0;
     zmq_setsockopt(socket_, ZMQ_LINGER, &kDiscard, sizeof kDiscard);
-    zmq_setsockopt(socket_, ZMQ_RCVTIMEO, &kPatience, sizeof kPatience);
+    zmq_setsockopt(socket_, ZMQ_RCVTIMEO, &kTimeout, sizeof kTimeout);
     const int problem = side == bench::Side::Near ? zmq_bind(socket_, endpoint.c_str())
                                                   : zmq_connect(socket_, endpoint.c_str());
     if (problem != 0) throw Error{zmq_strerror(zmq_errno())};
@@ -53,7 +53,7 @@ class SocketEnd {
 };
 
 bench::Times measure(const Request& request) {
-  // A name that is no file: nothing of it is left behind.
+  // An abstract name: leaves no file behind.
   const std::string endpoint = "ipc://@rths_peer_zeromq_" + std::to_string(getpid());
   return bench::round_trips(request.setup, [&](bench::Side side) {
     return SocketEnd{endpoint, side, request.bytes};

@@ -16,7 +16,7 @@ namespace rths::broker {
 namespace {
 
 constexpr const char* kObjectFolder = "/dev/shm";
-constexpr auto kPatience = std::chrono::milliseconds{100};  // with a ring that is being made
+constexpr auto kInventoryTimeout = std::chrono::milliseconds{100};  // for a ring in creation
 
 void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& report) {
   for (Slot& slot : segment.slots()) {
@@ -48,7 +48,7 @@ RingReport inspect(const std::string& name, std::uint64_t bytes) {
   report.name = name;
   report.bytes = bytes;
   try {
-    const auto segment = Segment::attach_shared(name, kPatience);
+    const auto segment = Segment::attach_shared(name, kInventoryTimeout);
     const memmap::Map map = segment->map();
     report.bytes = segment->header().memory_at + segment->header().memory_bytes;
     report.map_name = map.description().name;

@@ -8,19 +8,19 @@
 namespace rths::broker {
 namespace {
 
-constexpr int kLooks = 4;  // at a hint that a running writer moves meanwhile
+constexpr int kHintAttempts = 4;  // a running writer may move the hint meanwhile
 
 }  // namespace
 
-std::uint64_t end_of(const JournalPlace& place) noexcept {
+std::uint64_t end_of(const JournalView& journal) noexcept {
   std::uint64_t position = 0;
-  for (int look = 0; look < kLooks; ++look) {
-    position = std::atomic_ref{place.head->hint}.load(std::memory_order_acquire);
+  for (int attempt = 0; attempt < kHintAttempts; ++attempt) {
+    position = std::atomic_ref{journal.head->hint}.load(std::memory_order_acquire);
     JournalEntry entry;
     Fetched fetched = Fetched::Entry;
-    // Two hints apart is where the end must be; beyond that the writer is running away from us.
+    // The end is within two hint intervals, unless the writer moved on: then it tries again.
     for (std::uint64_t i = 0; i < 2 * kHintEvery && fetched == Fetched::Entry; ++i) {
-      fetched = fetch_at(place, position, entry);
+      fetched = fetch_at(journal, position, entry);
       if (fetched == Fetched::Entry) ++position;
     }
     if (fetched == Fetched::NotYet) break;
@@ -28,55 +28,55 @@ std::uint64_t end_of(const JournalPlace& place) noexcept {
   return position;
 }
 
-std::uint64_t begin_of(const JournalPlace& place) noexcept {
-  const std::uint64_t end = end_of(place);
-  const std::uint64_t length = std::uint64_t{1} << place.bits;
+std::uint64_t begin_of(const JournalView& journal) noexcept {
+  const std::uint64_t end = end_of(journal);
+  const std::uint64_t length = std::uint64_t{1} << journal.bits;
   return end > length ? end - length : 0;
 }
 
-JournalWriter::JournalWriter(const JournalPlace& place) noexcept : place_{place} {
-  begin_at(end_of(place));
-  // A predecessor may have died before it left one; with two such the end would be out of sight.
-  std::atomic_ref{place_.head->hint}.store(position(), std::memory_order_release);
+JournalWriter::JournalWriter(const JournalView& journal) noexcept : journal_{journal} {
+  begin_at(end_of(journal));
+  // A predecessor may have died before its hint; after two such the end would not be found.
+  std::atomic_ref{journal_.head->hint}.store(position(), std::memory_order_release);
 }
 
 void JournalWriter::begin_at(std::uint64_t position) noexcept {
-  const std::uint64_t index = position & ((std::uint64_t{1} << place_.bits) - 1);
+  const std::uint64_t index = position & ((std::uint64_t{1} << journal_.bits) - 1);
   lap_begin_ = position - index;
-  next_ = place_.entries + index;
-  stop_ = place_.entries + (index / kHintEvery + 1) * kHintEvery;
-  lap_tag_ = place_.lap(position) << 4U;
+  next_ = journal_.entries + index;
+  stop_ = journal_.entries + (index / kHintEvery + 1) * kHintEvery;
+  lap_tag_ = journal_.lap(position) << 4U;
   word_half_ = halves(0, tag(EntryKind::Word));
 }
 
-void JournalWriter::turn() noexcept {
-  std::atomic_ref{place_.head->hint}.store(position(), std::memory_order_release);
+void JournalWriter::publish_hint() noexcept {
+  std::atomic_ref{journal_.head->hint}.store(position(), std::memory_order_release);
   begin_at(position());
-  // What comes after the next hint: long since read by all who will, and in nobody's cache.
-  const JournalEntry& ahead = place_.slot(position() + kHintEvery);
-  detail::ask_for_lines(reinterpret_cast<const std::uint32_t*>(&ahead), kHintEvery * sizeof ahead);
+  // Prefetches the entries behind the next hint, which are old and in no cache.
+  const JournalEntry& ahead = journal_.slot(position() + kHintEvery);
+  detail::prefetch_lines(reinterpret_cast<const std::uint32_t*>(&ahead), kHintEvery * sizeof ahead);
 }
 
-void JournalWriter::group_over_a_hint(std::uint32_t base, std::span<const std::uint32_t> words,
+void JournalWriter::group_across_hint(std::uint32_t base, std::span<const std::uint32_t> words,
                                       std::uint32_t count) noexcept {
   append(EntryKind::Group, base, static_cast<std::uint32_t>(words.size()), count);
   while (!words.empty()) {
-    const auto room = static_cast<std::size_t>(stop_ - next_) * kWordsPerEntry;
-    const auto part = words.first(std::min(room, words.size()));
-    publish_words(next_, part, tag(EntryKind::Data));
-    pass(next_ + entries_of(part.size()));
-    words = words.subspan(part.size());
+    const auto capacity = static_cast<std::size_t>(stop_ - next_) * kWordsPerEntry;
+    const auto chunk = words.first(std::min(capacity, words.size()));
+    publish_words(next_, chunk, tag(EntryKind::Data));
+    advance_to(next_ + entries_of(chunk.size()));
+    words = words.subspan(chunk.size());
   }
 }
 
-bool read_journalled_group(const JournalPlace& place, std::uint64_t position, std::uint32_t base,
+bool read_journalled_group(const JournalView& journal, std::uint64_t position, std::uint32_t base,
                            std::span<std::uint32_t> words) noexcept {
   JournalEntry entry;
-  if (fetch_at(place, position, entry) != Fetched::Entry || entry.kind() != EntryKind::Group ||
+  if (fetch_at(journal, position, entry) != Fetched::Entry || entry.kind() != EntryKind::Group ||
       entry.a != base || entry.b != words.size())
     return false;
   for (std::size_t i = 0; i < words.size(); i += kWordsPerEntry) {
-    if (fetch_at(place, ++position, entry) != Fetched::Entry || entry.kind() != EntryKind::Data)
+    if (fetch_at(journal, ++position, entry) != Fetched::Entry || entry.kind() != EntryKind::Data)
       return false;
     const std::uint32_t three[] = {entry.a, entry.b, entry.c};
     std::copy_n(three, std::min<std::size_t>(kWordsPerEntry, words.size() - i),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reading journals. How they are written is in detail/journal_writer.hpp.
+// Reads journals; detail/journal_writer.hpp writes them.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@ namespace rths::broker {
   return sizeof(JournalHead) + (sizeof(JournalEntry) << bits);
 }
 
-/// The entry in a slot as one write left it; its tag is 0 if there is none, or one is just coming.
+/// Reads an entry atomically; the tag is 0 if there is none or one is being published.
 inline JournalEntry fetch(const JournalEntry& from) noexcept {
 #ifdef RTHS_ONE_STORE
   std::atomic_signal_fence(std::memory_order_seq_cst);
   const __m128i bits = _mm_load_si128(reinterpret_cast<const __m128i*>(&from));
   std::atomic_signal_fence(std::memory_order_seq_cst);
-  // By way of memory it would take longer to look than to be told.
+  // Extracts the halves in registers: a copy through memory would be slower.
   const auto ab = static_cast<std::uint64_t>(_mm_cvtsi128_si64(bits));
   const auto ct = static_cast<std::uint64_t>(_mm_cvtsi128_si64(_mm_unpackhi_epi64(bits, bits)));
   return {low_half(ab), high_half(ab), low_half(ct), high_half(ct)};
@@ -38,27 +38,27 @@ inline JournalEntry fetch(const JournalEntry& from) noexcept {
 
 enum class Fetched { Entry, NotYet, Gone };
 
-/// Reads the entry at a position. Gone: the writer has lapped it.
-inline Fetched fetch_at(const JournalPlace& place, std::uint64_t position,
+/// Reads the entry at a position. Gone: the writer has overwritten it.
+inline Fetched fetch_at(const JournalView& journal, std::uint64_t position,
                         JournalEntry& entry) noexcept {
-  entry = fetch(place.slot(position));
-  const std::uint32_t expected = place.lap(position);
+  entry = fetch(journal.slot(position));
+  const std::uint32_t expected = journal.lap(position);
   const std::uint32_t found = entry.tag >> 4U;
   if (found == expected) return Fetched::Entry;
   if (entry.tag == 0) return Fetched::NotYet;
-  // Of two laps less than half of all laps apart, which one is ahead.
+  // Laps wrap: a difference below half of all laps means that the entry found is newer.
   const std::uint32_t ahead = (found - expected) & ((1U << kLapBits) - 1);
   return ahead < (1U << (kLapBits - 1)) ? Fetched::Gone : Fetched::NotYet;
 }
 
-/// The first position not written yet, or one close behind it while the writer is at work.
-[[nodiscard]] std::uint64_t end_of(const JournalPlace& place) noexcept;
+/// The first position that is not written yet, or shortly before it while the writer is running.
+[[nodiscard]] std::uint64_t end_of(const JournalView& journal) noexcept;
 
-/// The oldest position that is still there, or shortly was.
-[[nodiscard]] std::uint64_t begin_of(const JournalPlace& place) noexcept;
+/// The oldest position that is not overwritten, or shortly before it while the writer is running.
+[[nodiscard]] std::uint64_t begin_of(const JournalView& journal) noexcept;
 
-/// Reads a group that was journalled at a position. False if it is no longer, or not yet, there.
-[[nodiscard]] bool read_journalled_group(const JournalPlace& place, std::uint64_t position,
+/// Reads the group at a position. False if it was overwritten or is not complete.
+[[nodiscard]] bool read_journalled_group(const JournalView& journal, std::uint64_t position,
                                          std::uint32_t base,
                                          std::span<std::uint32_t> words) noexcept;
 

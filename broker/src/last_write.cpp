@@ -10,18 +10,18 @@ TimePoint time_in(const JournalEntry& entry) {
   return TimePoint{static_cast<std::int64_t>(halves(entry.a, entry.b))};
 }
 
-// A journal from its newest entry to its oldest, until the write of a word and the time before it
-// are found.
+// Searches a journal from its newest to its oldest entry for the last write of a word and the time
+// before it.
 class Search {
  public:
-  Search(const JournalPlace& place, LongwordOffset offset) : place_{place}, offset_{offset} {}
+  Search(const JournalView& journal, LongwordOffset offset) : journal_{journal}, offset_{offset} {}
 
   void run(LastWrite& found) {
-    const std::uint64_t end = end_of(place_);
-    const std::uint64_t begin = begin_of(place_);
+    const std::uint64_t end = end_of(journal_);
+    const std::uint64_t begin = begin_of(journal_);
     for (std::uint64_t position = end; position > begin; --position) {
       JournalEntry entry;
-      if (fetch_at(place_, position - 1, entry) != Fetched::Entry) return;
+      if (fetch_at(journal_, position - 1, entry) != Fetched::Entry) return;
       if (entry.kind() == EntryKind::Time) {
         (found.value ? found.not_before : found.not_after) = time_in(entry);
         if (found.value) return;
@@ -39,11 +39,11 @@ class Search {
                         offset_.value() < entry.a + entry.b;
     if (!inside) return std::nullopt;
     std::vector<std::uint32_t> words(entry.b);
-    if (!read_journalled_group(place_, position, entry.a, words)) return std::nullopt;
+    if (!read_journalled_group(journal_, position, entry.a, words)) return std::nullopt;
     return words[offset_.value() - entry.a];
   }
 
-  JournalPlace place_;
+  JournalView journal_;
   LongwordOffset offset_;
 };
 
@@ -54,7 +54,7 @@ LastWrite Ring::last_write(LongwordOffset offset) {
   const auto* partition = map_->partition_at(offset);
   if (partition == nullptr) return found;
   found.node = partition->node;
-  Search{segment_->journal(node_place(*map_, map_->node(partition->node))), offset}.run(found);
+  Search{segment_->journal(node_index(*map_, map_->node(partition->node))), offset}.run(found);
   return found;
 }
 

@@ -7,7 +7,7 @@
 
 #include <rths/memmap/codec.hpp>
 
-#include "card_room.hpp"
+#include "card_layout.hpp"
 #include "journal.hpp"
 #include "process.hpp"
 #include "record.hpp"
@@ -15,7 +15,7 @@
 namespace rths::broker {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 256U << 20U;  // of any part: twice the largest memory
+constexpr std::uint64_t kMostBytes = 256U << 20U;  // of any section: twice the largest memory
 constexpr std::uint32_t kFewestBits = 6;
 constexpr std::uint32_t kMostBits = 24;
 constexpr std::uint64_t kGroupsAt = kWakeAt + sizeof(Wake);
@@ -31,7 +31,7 @@ std::uint64_t journal_stride(const Header& h) {
   return round_up(journal_bytes(static_cast<std::uint32_t>(h.journal_bits)), kPageBytes);
 }
 
-// A journal holds at least a few writes of the largest group of its map.
+// A journal has space for at least a few writes of the largest group of its map.
 std::uint32_t enough_bits(const memmap::Map& map, std::uint32_t bits) {
   std::uint64_t largest = 0;
   for (const auto& partition : map.partitions())
@@ -47,15 +47,15 @@ void fill_groups(std::byte* base, const Header& header, const memmap::Map& map) 
   for (const auto& partition : map.partitions()) {
     if (!partition.tear_group) continue;
     *group++ = {partition.base.value(), partition.longwords,
-                node_place(map, map.node(partition.node)), record_at, 0};
-    keep_no_longer(reinterpret_cast<std::uint32_t*>(base + header.records_at + record_at));
+                node_index(map, map.node(partition.node)), record_at, 0};
+    disable_record(reinterpret_cast<std::uint32_t*>(base + header.records_at + record_at));
     record_at += static_cast<std::uint32_t>(record_bytes(partition.longwords));
   }
 }
 
 }  // namespace
 
-std::uint32_t node_place(const memmap::Map& map, NodeId node) {
+std::uint32_t node_index(const memmap::Map& map, NodeId node) {
   const auto& nodes = map.description().nodes;
   const auto found = std::find_if(nodes.begin(), nodes.end(),
                                   [&](const auto& candidate) { return candidate.id == node; });
@@ -84,7 +84,7 @@ Header plan_layout(const memmap::Map& map, const std::string& map_text,
   header.journal_bits = enough_bits(map, journal_bits);
   header.journal_count = map.description().nodes.size();
   header.cards_at = journal_at(header, static_cast<std::uint32_t>(header.journal_count));
-  header.card_bytes = card_room(header.memory_bytes);
+  header.card_bytes = card_size(header.memory_bytes);
   header.card_count = kMaxSlots;
   return header;
 }
@@ -95,7 +95,7 @@ std::uint64_t total_bytes(const Header& header) {
 
 std::uint64_t common_bytes(const Header& header) { return header.journals_at; }
 
-bool parts_are_in_order(const Header& h) {
+bool layout_is_valid(const Header& h) {
   for (const std::uint64_t size : {h.group_count, h.group_count * sizeof(Group), h.records_bytes,
                                    h.map_text_bytes, h.memory_bytes, h.journal_count})
     if (size > kMostBytes) return false;
@@ -106,7 +106,7 @@ bool parts_are_in_order(const Header& h) {
          h.journals_at == h.memory_at + h.memory_bytes && h.journal_bits >= kFewestBits &&
          h.journal_bits <= kMostBits &&
          h.cards_at == journal_at(h, static_cast<std::uint32_t>(h.journal_count)) &&
-         h.card_bytes == card_room(h.memory_bytes) && h.card_count == kMaxSlots;
+         h.card_bytes == card_size(h.memory_bytes) && h.card_count == kMaxSlots;
 }
 
 std::uint64_t journal_at(const Header& header, std::uint32_t index) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The hot path. One writer per longword. A word is a release store; a group is a record that is
-// read whole, and its words. Then either goes into its writer's journal.
+// The hot path. One writer per longword. Writing a word is a release store; writing a group stores
+// its record, then its words. Then the writer appends either to its journal.
 #include <atomic>
 #include <utility>
 
@@ -11,16 +11,16 @@
 #include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
 
-#include "mend.hpp"
 #include "process.hpp"
 #include "record.hpp"
+#include "repair.hpp"
 #include "segment.hpp"
 
 namespace rths::broker {
 namespace {
 
 constexpr int kAttempts = 64;
-constexpr std::uint32_t kNothingRead = ~0U;  // odd, of no keeper: no record of several lines has it
+constexpr std::uint32_t kNothingRead = ~0U;  // odd and disabled: no valid count of a bulk record
 
 std::uint64_t now() noexcept { return static_cast<std::uint64_t>(WallClock{}.now().count()); }
 
@@ -29,7 +29,7 @@ std::atomic_ref<T> shared(T& word) noexcept {
   return std::atomic_ref<T>{word};
 }
 
-// A slot becomes ours by one compare-exchange.
+// Claims a slot by one compare-exchange.
 bool take(Slot& slot, Claim holder) {
   if (!shared(slot.claim).compare_exchange_strong(holder, own_claim())) return false;
   shared(slot.node).store(kNotYet);
@@ -37,8 +37,8 @@ bool take(Slot& slot, Claim holder) {
   return true;
 }
 
-// First the place of our own predecessor that died, then a free one. That a node of another name
-// died stays to be seen, unless there is no other place.
+// Claims the slot of a dead predecessor of this node, else a free slot, else any dead one: the
+// slots of other dead nodes stay visible as long as possible.
 std::uint32_t claim_slot(Segment& segment, std::uint32_t node) {
   const auto claim_where = [&](auto fits) -> std::optional<std::uint32_t> {
     for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
@@ -59,8 +59,8 @@ std::uint32_t claim_slot(Segment& segment, std::uint32_t node) {
   throw Error{fmt::format("the ring is full: {} processes are on it", kMaxSlots)};
 }
 
-// Of two processes that become the same node at once, both see the other here, and both give way.
-std::optional<int> rival_of(Segment& segment, const Slot& own, NodeId id) {
+// If two processes join as the same node at once, each finds the other here, and both give up.
+std::optional<int> conflicting_process(Segment& segment, const Slot& own, NodeId id) {
   for (Slot& slot : segment.slots()) {
     const Claim holder = shared(slot.claim).load();
     const bool same = shared(slot.node).load() == id.value();
@@ -77,9 +77,9 @@ struct Node::GroupAccess {
   std::uint32_t* words;
   std::uint32_t longwords;
   bool own;
-  std::uint32_t count = 0;  ///< of the last write, if it is our own
-  /// What was read last of a record of several lines. While its count stands, the others are left
-  /// alone: a writer has to fetch back every line that somebody looked at.
+  std::uint32_t count = 0;  ///< of the last write, if the group is this node's
+  /// Last read of a bulk record. While its count is unchanged, a read touches no other line of the
+  /// record, since the writer must fetch back every line that a reader touches.
   std::uint32_t read_count = kNothingRead;
   std::vector<std::uint32_t> read = {};
 };
@@ -89,10 +89,10 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
       words_{segment.words()},
       slot_{claim_slot(segment, id ? id->value() : kObserver)} {
   shared(segment.slots()[slot_].plain)
-      .store(!id && plain ? 1 : 0);  // a node's only when it is ready
+      .store(!id && plain ? 1 : 0);  // become_plain() sets it for a node of the map
   shared(segment.slots()[slot_].node).store(id ? id->value() : kObserver);
   if (id) {
-    if (const auto rival = rival_of(segment, segment.slots()[slot_], *id)) {
+    if (const auto rival = conflicting_process(segment, segment.slots()[slot_], *id)) {
       leave();
       throw Error{fmt::format("node '{}' is already on the ring, as process {}", map.node_name(*id),
                               *rival)};
@@ -102,7 +102,7 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
     segment.populate();
     for (std::uint64_t i = 0; i < segment.header().group_count; ++i) {
       Group& group = segment.groups()[i];
-      const bool own = id && group.journal == node_place(map, *id);
+      const bool own = id && group.journal == node_index(map, *id);
       groups_.push_back(
           {&group, segment.record(group), segment.words() + group.base, group.longwords, own});
       if (record_kind(group.longwords) == RecordKind::Bulk)
@@ -115,33 +115,33 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
   }
 }
 
-// What is a node's own, and what a predecessor may have left unfinished. A plain node leaves the
-// journal alone unless there is something of that kind: somebody may be keeping it for it.
+// Sets up the node's own words and completes what a dead predecessor left unfinished. A plain node
+// writes to the journal only for that: a watch may be journalling on its behalf.
 void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
-  const JournalPlace place = segment_->journal(node_place(map, id));
+  const JournalView journal = segment_->journal(node_index(map, id));
   register_as_writer();
   std::vector<Group*> unjournalled;
   for (auto& access : groups_) {
     if (!access.own) continue;
-    if (mend_group(*segment_, *access.group, place)) unjournalled.push_back(access.group);
+    if (repair_group(*segment_, *access.group, journal)) unjournalled.push_back(access.group);
     access.count = count_of(access.record);
   }
   if (!unjournalled.empty()) {
-    JournalWriter journal{place};
-    for (Group* group : unjournalled) journal_mended_group(*segment_, *group, journal);
+    JournalWriter writer{journal};
+    for (Group* group : unjournalled) journal_repaired_group(*segment_, *group, writer);
     wake_sleepers(segment_->wake());
   }
   if (plain) return become_plain();
   for (const auto& partition : map.partitions())
     if (!partition.tear_group && map.node(partition.node) == id)
       own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
-  writer_.reset(new Writer{words_, {0, 0}, &segment_->wake(), JournalWriter{place}});
+  writer_.reset(new Writer{words_, {0, 0}, &segment_->wake(), JournalWriter{journal}});
   writer_->journal.time(now());
 }
 
 void Node::become_plain() noexcept {
   for (auto& access : groups_) {
-    if (access.own) keep_no_longer(access.record);
+    if (access.own) disable_record(access.record);
     access.own = false;
   }
   shared(segment_->slots()[slot_].plain).store(1);
@@ -182,8 +182,8 @@ std::uint32_t Node::read(LongwordOffset offset) const noexcept {
   return shared(words_[offset.value()]).load(std::memory_order_acquire);
 }
 
-// Another range than the time before, or none of this node's.
-Status Node::write_elsewhere(LongwordOffset offset, std::uint32_t word) noexcept {
+// The offset is not in the range of the last write: finds its range among the node's own.
+Status Node::write_other_range(LongwordOffset offset, std::uint32_t word) noexcept {
   for (const auto& range : own_) {
     if (!range.has(offset.value())) continue;
     writer_->range = range;
@@ -208,9 +208,9 @@ Status Node::read_group(TearGroupId id, std::span<std::uint32_t> words) const no
       store_words(access.read.data(), words);
       return Status::Ok;
     }
-    if ((count & kPlain) != 0) break;
+    if ((count & kDisabled) != 0) break;
   }
-  // Its writer stands still in the middle, or is very busy; or it is none of ours.
+  // The writer is stopped or dead in the middle of a write, or writes very often, or is plain.
   for (int attempt = 0; attempt < kAttempts; ++attempt)
     if (read_memory(access.record, access.words, words) || read_record(access.record, words))
       return Status::Ok;

@@ -10,8 +10,8 @@
 namespace rths::broker {
 namespace {
 
-// Field 22 of /proc/<pid>/stat, counted behind the command name, which may itself hold spaces.
-// A zombie has ended: its memory is gone, only its exit status waits to be collected.
+// Reads field 22 of /proc/<pid>/stat, counted from behind the command name, which may have spaces.
+// A zombie counts as ended: its memory is released.
 Claim claim_of(int pid) {
   std::ifstream file{"/proc/" + std::to_string(pid) + "/stat"};
   std::string line;

@@ -5,12 +5,11 @@
 
 namespace rths::broker {
 
-/// A process in 64 bits: its id and when it started, so that a reused id is another process.
-/// 0 is nobody.
+/// A process as 64 bits: its id and its start time, which distinguishes a reused id. 0: none.
 using Claim = std::uint64_t;
 
 [[nodiscard]] Claim own_claim();
-/// The kernel's word on whether that process still runs; never a time-out.
+/// True if the process still runs, from the kernel's process table; uses no time-out.
 [[nodiscard]] bool is_alive(Claim claim);
 [[nodiscard]] constexpr int pid_of(Claim claim) noexcept {
   return static_cast<int>(claim & 0xFFFF'FFFF);

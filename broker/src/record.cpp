@@ -61,10 +61,10 @@ std::vector<Copy> copies() {
   return all;
 }
 
-constexpr std::size_t kMostLines = 32;  // that a processor asks for at once and still has later
+constexpr std::size_t kMostLines = 32;  // a processor can prefetch these without evicting them
 
-// Processors that do not know these hints do nothing.
-void ask_for_lines(const std::uint32_t* begin, std::size_t bytes) noexcept {
+// Processors without these instructions execute them as no-ops.
+void prefetch_lines(const std::uint32_t* begin, std::size_t bytes) noexcept {
   const auto* line = reinterpret_cast<const char*>(begin);
   for (const char* end = line + std::min(bytes, kMostLines * kLineBytes); line < end;
        line += kLineBytes)
@@ -75,8 +75,8 @@ void ask_for_lines(const std::uint32_t* begin, std::size_t bytes) noexcept {
 #endif
 }
 
-void pass_on_lines([[maybe_unused]] const std::uint32_t* begin,
-                   [[maybe_unused]] std::size_t bytes) noexcept {
+void demote_lines([[maybe_unused]] const std::uint32_t* begin,
+                  [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(__x86_64__)
   const auto* line = reinterpret_cast<const char*>(begin);
   for (const char* end = line + bytes; line < end; line += kLineBytes)

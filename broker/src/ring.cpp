@@ -12,7 +12,7 @@
 namespace rths::broker {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds{2};  // with a creator that is still at work
+constexpr auto kCreatorTimeout = std::chrono::seconds{2};  // for a ring in creation
 
 void remove_if_abandoned(const std::string& name) {
   const auto report = inspect_ring(name);
@@ -41,7 +41,9 @@ Ring Ring::create(const std::string& name, const memmap::Map& map, std::uint32_t
   return Ring{Segment::create_shared(name, map, journal_bits)};
 }
 
-Ring Ring::attach(const std::string& name) { return Ring{Segment::attach_shared(name, kPatience)}; }
+Ring Ring::attach(const std::string& name) {
+  return Ring{Segment::attach_shared(name, kCreatorTimeout)};
+}
 
 Ring Ring::in_process(const memmap::Map& map, std::uint32_t journal_bits) {
   return Ring{Segment::create_in_process(map, journal_bits)};
@@ -52,7 +54,7 @@ const memmap::Map& Ring::map() const { return *map_; }
 Node Ring::join(const std::string& node, std::uint64_t map_hash) {
   const std::uint64_t ring_hash = segment_->header().map_hash;
   if (map_hash != 0 && map_hash != ring_hash)
-    throw Error{fmt::format("node '{}' was built for map {}, the ring holds map '{}' {}", node,
+    throw Error{fmt::format("node '{}' was built for map {}, the ring has map '{}' {}", node,
                             memmap::hash_text(map_hash), map_->description().name,
                             memmap::hash_text(ring_hash))};
   return Node{*segment_, *map_, map_->node(node)};
@@ -71,7 +73,7 @@ TearGroupId Ring::tear_group(const std::string& partition) const {
     if (candidate.tear_group && candidate.name == partition) return TearGroupId{index};
     index += candidate.tear_group ? 1 : 0;
   }
-  throw Error{fmt::format("partition '{}' of map '{}' is no tear group", partition,
+  throw Error{fmt::format("partition '{}' of map '{}' is not a tear group", partition,
                           map_->description().name)};
 }
 

@@ -17,7 +17,7 @@
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
 
-#include "card_room.hpp"
+#include "card_layout.hpp"
 #include "process.hpp"
 
 namespace rths::broker {
@@ -28,12 +28,13 @@ using std::chrono::steady_clock;
 
 constexpr auto kReadyPoll = std::chrono::milliseconds{1};
 
-// Anybody may have made an object of that name: nothing in it is believed before it is checked.
-std::string trouble_with(const Header& header, std::uint64_t object_bytes) {
-  if (header.magic != kMagic) return "it is no rths ring";
-  if (!parts_are_in_order(header)) return "its header is damaged";
+// Any program may have created an object of that name, so everything in it is checked before use.
+std::string defect_of(const Header& header, std::uint64_t object_bytes) {
+  if (header.magic != kMagic) return "it is not an rths ring";
+  if (!layout_is_valid(header)) return "its header is damaged";
   if (total_bytes(header) != object_bytes)
-    return fmt::format("it has {} bytes, its header says {}", object_bytes, total_bytes(header));
+    return fmt::format("its size is {} bytes, its header expects {}", object_bytes,
+                       total_bytes(header));
   return "";
 }
 
@@ -42,9 +43,9 @@ bool object_has_header(const ipc::shared_memory_object& object) {
   return object.get_size(size) && size >= static_cast<ipc::offset_t>(sizeof(Header));
 }
 
-// Between the object's birth and `ready` its creator is at work, or has died doing it.
-bool becomes_ready(const ipc::shared_memory_object& object, std::chrono::milliseconds patience) {
-  for (const auto deadline = steady_clock::now() + patience;;) {
+// Until `ready` is set, the creator is initialising the object, or has died doing so.
+bool wait_until_ready(const ipc::shared_memory_object& object, std::chrono::milliseconds timeout) {
+  for (const auto deadline = steady_clock::now() + timeout;;) {
     if (object_has_header(object)) {
       ipc::mapped_region region{object, ipc::read_write, 0, sizeof(Header)};
       auto& header = *static_cast<Header*>(region.get_address());
@@ -56,26 +57,26 @@ bool becomes_ready(const ipc::shared_memory_object& object, std::chrono::millise
   }
 }
 
-// Room is taken now: a page that is not to be had would kill whoever touches it first.
-void take_room(const ipc::shared_memory_object& object, std::uint64_t begin, std::uint64_t bytes) {
+// Reserves the pages now: a page that is missing later would kill the process that touches it.
+void reserve_space(const ipc::shared_memory_object& object, std::uint64_t begin,
+                   std::uint64_t bytes) {
   const int problem = posix_fallocate(object.get_mapping_handle().handle, static_cast<off_t>(begin),
                                       static_cast<off_t>(bytes));
   if (problem != 0) throw Error{std::strerror(problem)};
 }
 
-// Only a memory larger than any SCRAMNet+ card's stays sparse: nobody uses all of a GT card's 128
-// MB.
-std::uint64_t room_at_once(const Header& header) {
+// A memory larger than any SCRAMNet+ card's stays sparse: no program uses all 128 MB of a GT card.
+std::uint64_t reserved_bytes(const Header& header) {
   return header.memory_bytes > kLargestPlusMemory ? header.memory_at : common_bytes(header);
 }
 
-ipc::mapped_region map_part(const ipc::shared_memory_object& object, std::uint64_t begin,
-                            std::uint64_t bytes) {
+ipc::mapped_region map_range(const ipc::shared_memory_object& object, std::uint64_t begin,
+                             std::uint64_t bytes) {
   return {object, ipc::read_write, static_cast<ipc::offset_t>(begin), bytes};
 }
 
-// Of which room was taken: so that no page is first touched while it is written in real time. A
-// kernel that cannot do it does nothing.
+// Maps reserved pages now, so that no real-time write is the first touch of a page. A kernel that
+// does not support it does nothing.
 void populate_pages(const ipc::mapped_region& region, std::uint64_t bytes) {
   madvise(region.get_address(), bytes, MADV_POPULATE_WRITE);
 }
@@ -85,18 +86,20 @@ std::uint64_t size_of(const ipc::shared_memory_object& object) {
   return object.get_size(size) ? static_cast<std::uint64_t>(size) : 0;
 }
 
-// What the header says, once it is known to be true.
+// Reads and checks the header.
 Header checked_header(const ipc::shared_memory_object& object, const std::string& name) {
-  const ipc::mapped_region region = map_part(object, 0, sizeof(Header));
+  const ipc::mapped_region region = map_range(object, 0, sizeof(Header));
   const Header header = *static_cast<const Header*>(region.get_address());
   if (header.magic == kMagic && header.layout_version != kLayoutVersion)
     throw ForeignRing{
         fmt::format("ring '{}' cannot be used: its layout is version {}, this program's is {}",
                     name, header.layout_version, kLayoutVersion)};
-  if (const std::string trouble = trouble_with(header, size_of(object)); !trouble.empty())
+  if (const std::string trouble = defect_of(header, size_of(object)); !trouble.empty())
     throw Error{fmt::format("ring '{}' cannot be used: {}", name, trouble)};
   return header;
 }
+
+}  // namespace
 
 struct HeapDeleter {
   void operator()(std::byte* bytes) const {
@@ -105,15 +108,13 @@ struct HeapDeleter {
 };
 using Heap = std::unique_ptr<std::byte[], HeapDeleter>;
 
-Heap zeroed_heap(std::uint64_t bytes) {
+static Heap zeroed_heap(std::uint64_t bytes) {
   Heap heap{static_cast<std::byte*>(::operator new[](bytes, std::align_val_t{kPageBytes}))};
   std::memset(heap.get(), 0, bytes);
   return heap;
 }
 
-}  // namespace
-
-// Either an object that others see too, or memory of this process alone.
+// Either a shared object or private memory of this process.
 struct Segment::Memory {
   ipc::shared_memory_object object;
   ipc::mapped_region common;
@@ -131,8 +132,8 @@ struct Segment::Memory {
       return journal_heaps[index].get();
     }
     if (journals[index].get_size() == 0) {
-      take_room(object, begin, bytes);
-      journals[index] = map_part(object, begin, bytes);
+      reserve_space(object, begin, bytes);
+      journals[index] = map_range(object, begin, bytes);
       populate_pages(journals[index], bytes);
     }
     return static_cast<std::byte*>(journals[index].get_address());
@@ -151,7 +152,7 @@ Segment::~Segment() {
 
 void Segment::populate() {
   if (!memory_->is_shared || populated_) return;
-  populate_pages(memory_->common, room_at_once(header()));
+  populate_pages(memory_->common, reserved_bytes(header()));
   populated_ = true;
 }
 
@@ -163,7 +164,7 @@ Slot* Segment::slot_of(NodeId node) noexcept {
   return nullptr;
 }
 
-JournalPlace Segment::journal(std::uint32_t index) {
+JournalView Segment::journal(std::uint32_t index) {
   const auto bits = static_cast<std::uint32_t>(header().journal_bits);
   std::byte* begin = memory_->journal(index, journal_at(header(), index), journal_bytes(bits));
   return {reinterpret_cast<JournalHead*>(begin),
@@ -177,7 +178,7 @@ memmap::Map Segment::map() {
       plan_layout(map, map.to_toml(), static_cast<std::uint32_t>(h.journal_bits));
   if (h.map_hash != expected.map_hash || total_bytes(h) != total_bytes(expected) ||
       h.group_count != expected.group_count || h.journal_count != expected.journal_count)
-    throw Error{"the map in the ring is not the one that the ring was made from"};
+    throw Error{"the map in the ring does not match the ring's header"};
   return map;
 }
 
@@ -197,8 +198,8 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
                                                ipc::read_write, permissions};
     made = true;
     memory->object.truncate(static_cast<ipc::offset_t>(total_bytes(header)));
-    take_room(memory->object, 0, room_at_once(header));
-    memory->common = map_part(memory->object, 0, common_bytes(header));
+    reserve_space(memory->object, 0, reserved_bytes(header));
+    memory->common = map_range(memory->object, 0, common_bytes(header));
   } catch (const std::exception& error) {
     if (made) ipc::shared_memory_object::remove(object_name(name).c_str());
     throw Error{fmt::format("ring '{}' ({} bytes of shared memory) cannot be created: {}", name,
@@ -209,17 +210,17 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
 }
 
 std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
-                                                std::chrono::milliseconds patience) {
+                                                std::chrono::milliseconds timeout) {
   auto memory = std::make_unique<Memory>();
   memory->is_shared = true;
   try {
     memory->object =
         ipc::shared_memory_object{ipc::open_only, object_name(name).c_str(), ipc::read_write};
-    if (!becomes_ready(memory->object, patience))
-      throw Error{fmt::format(
-          "ring '{}' was never finished by its creator; 'rths clean' removes it", name)};
+    if (!wait_until_ready(memory->object, timeout))
+      throw Error{
+          fmt::format("ring '{}' was not completed by its creator; 'rths clean' removes it", name)};
     const Header header = checked_header(memory->object, name);
-    memory->common = map_part(memory->object, 0, common_bytes(header));
+    memory->common = map_range(memory->object, 0, common_bytes(header));
   } catch (const ipc::interprocess_exception& error) {
     throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
   }

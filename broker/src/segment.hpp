@@ -17,24 +17,24 @@
 
 namespace rths::broker {
 
-/// A ring that another version of this program or another user may be using.
+/// A ring of another layout version or of another user, which may be in use.
 class ForeignRing : public Error {
  public:
   using Error::Error;
 };
 
-/// The bytes of a ring, wherever they come from, and where its parts lie in them.
+/// The memory of a ring, shared or private, and the addresses of its sections.
 class Segment {
  public:
-  /// Shared memory under a name, filled from the map, with the creator in slot 0.
-  /// @throws Error if the name is taken or there is no room; then nothing is left behind
+  /// Creates named shared memory, initialised from the map, with the creator in slot 0.
+  /// @throws Error if the name is taken or memory is short; leaves no object then
   static std::unique_ptr<Segment> create_shared(const std::string& name, const memmap::Map& map,
                                                 std::uint32_t journal_bits);
-  /// @param patience  for a creator that is still at work
-  /// @throws ForeignRing if it may not be opened or is of another layout version; Error if it is no
-  ///         ring or damaged
+  /// @param timeout  of the wait for a creator that is not finished
+  /// @throws ForeignRing if the object may not be opened or its layout version differs; Error if it
+  ///         is not a ring or is damaged
   static std::unique_ptr<Segment> attach_shared(const std::string& name,
-                                                std::chrono::milliseconds patience);
+                                                std::chrono::milliseconds timeout);
   static std::unique_ptr<Segment> create_in_process(const memmap::Map& map,
                                                     std::uint32_t journal_bits);
 
@@ -46,9 +46,9 @@ class Segment {
   [[nodiscard]] std::span<Slot, kMaxSlots> slots() {
     return std::span<Slot, kMaxSlots>{at<Slot>(sizeof(Header)), kMaxSlots};
   }
-  /// Takes the pages that every process maps into this one's table, for which there is room. @setup
+  /// Maps all reserved pages of the common section into this process's page table. @setup
   void populate();
-  /// The slot of a node that is, or was, on the ring; null if there is none.   @realtime
+  /// The slot of a node that is on the ring or vanished from it; null if none.   @realtime
   [[nodiscard]] Slot* slot_of(NodeId node) noexcept;
   [[nodiscard]] Group* groups() { return at<Group>(header().groups_at); }
   [[nodiscard]] std::uint32_t* words() { return at<std::uint32_t>(header().memory_at); }
@@ -56,10 +56,10 @@ class Segment {
   [[nodiscard]] std::uint32_t* record(const Group& group) {
     return at<std::uint32_t>(header().records_at + group.record_at);
   }
-  /// A node's journal, by the node's place in the map. Takes room for it and maps it when it is
-  /// first asked for. @throws Error if there is no room   @setup
-  [[nodiscard]] JournalPlace journal(std::uint32_t index);
-  /// The map that the ring was made from. @throws Error if the two do not fit each other
+  /// The journal of a node, by the node's index in the map. The first call reserves space for it
+  /// and maps it. @throws Error if memory is short   @setup
+  [[nodiscard]] JournalView journal(std::uint32_t index);
+  /// The map of the ring. @throws Error if it does not match the ring's header
   [[nodiscard]] memmap::Map map();
 
  private:
@@ -72,7 +72,7 @@ class Segment {
   std::unique_ptr<Memory> memory_;
   std::byte* base_;
   bool populated_ = false;
-  bool created_;  ///< here: the creator's slot is free again when this object goes
+  bool created_;  ///< by this object: the destructor frees the creator's slot
 };
 
 /// Name of the shared-memory object of a ring.

@@ -22,8 +22,8 @@ long futex(std::uint32_t& word, int operation, std::uint32_t value,
   return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
 }
 
-/// @returns how many it woke
-long call(Wake& wake) noexcept {
+/// @returns the number of processes woken
+long wake_up(Wake& wake) noexcept {
   std::atomic_ref{wake.calls}.fetch_add(1);
   return futex(wake.calls, FUTEX_WAKE, INT_MAX, nullptr);
 }
@@ -34,26 +34,26 @@ void register_as_writer() {
   static_cast<void>(membarrier(MEMBARRIER_CMD_REGISTER_GLOBAL_EXPEDITED));
 }
 
-// A bit that nobody is behind is that of a process that died in its sleep. It may also be that of
-// one that is only just lying down, for the second time already: then the second call keeps it up.
+// If no process woke, the bits are those of processes that died while they slept. A bit may also
+// belong to a process that is just about to sleep again: the second wake-up keeps it awake.
 void wake_all(Wake& wake) noexcept {
   const std::uint32_t seen = std::atomic_ref{wake.sleepers}.load(std::memory_order_relaxed);
-  if (call(wake) != 0) return;
+  if (wake_up(wake) != 0) return;
   std::atomic_ref{wake.sleepers}.fetch_and(~seen);
-  call(wake);
+  wake_up(wake);
 }
 
-Drowsy::Drowsy(Wake& wake, std::uint32_t slot) noexcept
+Sleeper::Sleeper(Wake& wake, std::uint32_t slot) noexcept
     : wake_{wake}, bit_{1U << slot}, calls_{std::atomic_ref{wake.calls}.load()} {
   std::atomic_ref{wake_.sleepers}.fetch_or(bit_);
-  // Every processor passes a fence here: whoever wrote before has made it visible, whoever writes
-  // after sees the bit. A kernel that has no such thing may let one oversleep.
+  // Makes every processor execute a fence: earlier writes are visible, later writers see the bit.
+  // Without kernel support a wake-up may be missed.
   static_cast<void>(membarrier(MEMBARRIER_CMD_GLOBAL_EXPEDITED));
 }
 
-Drowsy::~Drowsy() { std::atomic_ref{wake_.sleepers}.fetch_and(~bit_); }
+Sleeper::~Sleeper() { std::atomic_ref{wake_.sleepers}.fetch_and(~bit_); }
 
-void Drowsy::sleep(Duration most) noexcept {
+void Sleeper::sleep(Duration most) noexcept {
   constexpr std::int64_t kSecond = 1'000'000'000;
   const timespec timeout{most.count() / kSecond, most.count() % kSecond};
   futex(wake_.calls, FUTEX_WAIT, calls_, &timeout);

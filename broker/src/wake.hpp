@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sleeping until somebody writes. The fence that this needs is on the sleeper's side; the writer's
-// is in detail/wake.hpp.
+// Sleeps until the next write. The sleeper executes the fence that this needs; the writer's side is
+// in detail/wake.hpp.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,19 @@
 
 namespace rths::broker {
 
-/// Makes this process's writes visible to the fence of other processes' sleepers. Once, before the
-/// first write.
+/// Includes this process in the fences of sleepers. Called once, before the first write.
 void register_as_writer();
 
-/// Says, for as long as it lives, that a slot is about to sleep: from its construction on, every
-/// write that a look afterwards does not show will wake it.
-class Drowsy {
+/// Marks a slot as sleeping during its lifetime. After construction, poll once more: every write
+/// that this poll does not find will wake the sleeper.
+class Sleeper {
  public:
-  Drowsy(Wake& wake, std::uint32_t slot) noexcept;
-  ~Drowsy();
-  Drowsy(const Drowsy&) = delete;
-  Drowsy& operator=(const Drowsy&) = delete;
+  Sleeper(Wake& wake, std::uint32_t slot) noexcept;
+  ~Sleeper();
+  Sleeper(const Sleeper&) = delete;
+  Sleeper& operator=(const Sleeper&) = delete;
 
-  /// Sleeps until somebody writes, `most` has passed, or for no reason.
+  /// Sleeps until the next write, at most for `most`; may wake without a reason.
   void sleep(Duration most) noexcept;
 
  private:

@@ -16,38 +16,38 @@ namespace rths::broker {
 namespace {
 
 constexpr std::size_t kChunkWords = 16;  // compared at once: a cache line
-// A writer may be kept from running between a word and its journal, and then it is no stranger.
-constexpr Duration kPatience = std::chrono::milliseconds{100};
+// The scheduler may stop a writer between a word and its journal entry; such a store is no error.
+constexpr Duration kConfirmation = std::chrono::milliseconds{100};
 
 }  // namespace
 
 struct Watch::State {
-  /// A node of the map, and how its words are known.
+  /// A node of the map.
   struct Member {
     std::string name;
     NodeId id;
-    Follower follower;  ///< from the beginning: what a node writes as soon as it joins is its own
-    Claim plain = 0;    ///< of the process that is this node by a plain pointer
-    std::optional<JournalWriter> on_behalf = std::nullopt;  ///< meanwhile
+    Follower follower;  ///< from the start, to see also the first writes after joining
+    Claim plain = 0;    ///< process that is this node as a plain client; 0: none
+    std::optional<JournalWriter> on_behalf = std::nullopt;  ///< writes a plain client's journal
   };
 
   Ring& ring;
   Segment& segment;
-  Node place;
+  Node observer;
   std::vector<Member> members;
-  std::vector<std::uint32_t> expected;  ///< what each word should be
-  struct Doubt {
+  std::vector<std::uint32_t> expected;  ///< value of each word by the journals
+  struct Suspect {
     std::uint32_t value;
     TimePoint since;
   };
-  std::map<std::uint32_t, Doubt> doubted;  ///< by word
+  std::map<std::uint32_t, Suspect> suspects;  ///< by word
 
-  void take_attendance();
+  void update_members();
   void read_journals();
   void journal(Member& owner, std::uint32_t offset, std::uint32_t value);
   void compare(std::vector<PlainStore>& found);
-  void judge(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
-  /// The process that is this node by a plain pointer, 0: none.
+  void check_word(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
+  /// The process that is this node as a plain client; 0: none.
   [[nodiscard]] Claim plain_holder(NodeId id);
   [[nodiscard]] std::vector<std::string> plain_clients();
   [[nodiscard]] std::uint32_t word(std::uint32_t offset) {
@@ -62,14 +62,14 @@ Claim Watch::State::plain_holder(NodeId id) {
   return is_alive(claim) ? claim : 0;
 }
 
-// Who comes or goes is known by the look after.
-void Watch::State::take_attendance() {
+// A node that joins or leaves is noticed at the next look.
+void Watch::State::update_members() {
   for (auto& member : members) {
     const Claim plain = plain_holder(member.id);
     if (plain == member.plain) continue;
     member.plain = plain;
     member.on_behalf.reset();
-    if (plain != 0) member.on_behalf.emplace(segment.journal(node_place(ring.map(), member.id)));
+    if (plain != 0) member.on_behalf.emplace(segment.journal(node_index(ring.map(), member.id)));
   }
 }
 
@@ -80,7 +80,7 @@ void Watch::State::read_journals() {
       const Followed followed = member.follower.next(write);
       if (followed == Followed::Nothing) break;
       if (followed == Followed::Lost && member.on_behalf) continue;  // our own entries
-      if (followed == Followed::Lost) {  // whatever it was, it was the owner's
+      if (followed == Followed::Lost) {  // accept all words of the owner
         for (const auto& partition : ring.map().partitions())
           if (partition.node == member.name)
             for (std::uint32_t i = 0; i < partition.longwords; ++i)
@@ -113,8 +113,8 @@ std::vector<std::string> Watch::State::plain_clients() {
   return names;
 }
 
-void Watch::State::judge(std::uint32_t offset, std::uint32_t value,
-                         std::vector<PlainStore>& found) {
+void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
+                              std::vector<PlainStore>& found) {
   const auto* partition = ring.map().partition_at(LongwordOffset{offset});
   PlainStore store{
       LongwordOffset{offset}, value, partition == nullptr ? "" : partition->node, false, {},
@@ -125,12 +125,12 @@ void Watch::State::judge(std::uint32_t offset, std::uint32_t value,
     journal(*owner, offset, value);
     store.allowed = true;
   } else {
-    const auto [doubt, is_new] = doubted.try_emplace(offset, Doubt{value, store.seen});
-    if (doubt->second.value != value) doubt->second = {value, store.seen};
-    if (is_new || store.seen - doubt->second.since < kPatience) return;
+    const auto [suspect, is_new] = suspects.try_emplace(offset, Suspect{value, store.seen});
+    if (suspect->second.value != value) suspect->second = {value, store.seen};
+    if (is_new || store.seen - suspect->second.since < kConfirmation) return;
     store.others = plain_clients();
   }
-  doubted.erase(offset);
+  suspects.erase(offset);
   expected[offset] = value;
   found.push_back(std::move(store));
 }
@@ -138,14 +138,14 @@ void Watch::State::judge(std::uint32_t offset, std::uint32_t value,
 void Watch::State::compare(std::vector<PlainStore>& found) {
   for (std::uint32_t begin = 0; begin < expected.size(); begin += kChunkWords) {
     const auto length = std::min<std::size_t>(kChunkWords, expected.size() - begin);
-    // Which words differ is looked up one by one, and only where some do.
+    // Compares word by word only in a chunk that differs.
     if (std::memcmp(segment.words() + begin, expected.data() + begin, 4 * length) == 0) continue;
     for (std::uint32_t i = begin; i < begin + length; ++i) {
       const std::uint32_t now = word(i);
       if (now == expected[i])
-        doubted.erase(i);
+        suspects.erase(i);
       else
-        judge(i, now, found);
+        check_word(i, now, found);
     }
   }
 }
@@ -157,7 +157,7 @@ Watch::Watch(Ring& ring) : state_{new State{ring, ring.segment(), ring.observe()
   for (const auto& node : ring.map().description().nodes)
     state_->members.push_back({node.name, node.id, ring.follow(node.name)});
   register_as_writer();
-  state_->take_attendance();
+  state_->update_members();
   for (std::uint32_t i = 0; i < end; ++i) state_->expected.push_back(state_->word(i));
 }
 
@@ -165,7 +165,7 @@ Watch::~Watch() = default;
 
 std::vector<PlainStore> Watch::look() {
   std::vector<PlainStore> found;
-  state_->take_attendance();
+  state_->update_members();
   const auto now = static_cast<std::uint64_t>(WallClock{}.now().count());
   for (auto& member : state_->members)
     if (member.on_behalf) member.on_behalf->time(now);

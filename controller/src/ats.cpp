@@ -23,7 +23,8 @@ AtsSettings checked(const AtsSettings& settings) {
   return settings;
 }
 
-// Columns differ by powers of the frequency; scaled to equal length the solution keeps its digits.
+// The columns differ by powers of the frequency; scaling them to equal length keeps the solution's
+// precision.
 Eigen::Vector3d solve_scaled(const Eigen::Matrix3d& A, const Eigen::Vector3d& b) {
   const Eigen::Vector3d scale = A.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::Matrix3d scaled = scale.asDiagonal() * A * scale.asDiagonal();
@@ -49,8 +50,8 @@ void Ats::remember(const Sample& sample) noexcept {
   next_ = (next_ + 1) % samples_.size();
 }
 
-// Summed afresh every time, 60 samples in a fraction of a microsecond: running sums would keep the
-// rounding of every spike they ever held.
+// Sums all samples each time (60 samples in a fraction of a microsecond): running sums would
+// accumulate rounding errors after a spike.
 void Ats::adapt_coefficients() noexcept {
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -74,7 +75,7 @@ double Ats::step(const Eigen::Vector3d& command, double measured, double share,
                  bool adapt) noexcept {
   const double response = response_filter_(measured);
   triggered_ = triggered_ || std::abs(response) > settings_.threshold;
-  if (triggered_ && adapt) adapt_coefficients();  // this sample is not part of its own fit
+  if (triggered_ && adapt) adapt_coefficients();  // the fit uses earlier samples only
 
   const double reference = (1 - share) * command[0] + share * a_.dot(command);
 

@@ -13,7 +13,7 @@ struct Overlap {
   std::span<const double> reference, measured;
 };
 
-// The parts that meet when the measured signal is moved `shift` samples earlier.
+// The overlapping ranges when the measured signal is moved `shift` samples earlier.
 Overlap overlap(std::span<const double> reference, std::span<const double> measured, long shift) {
   const auto moved = static_cast<std::size_t>(std::abs(shift));
   const std::size_t length = reference.size() - moved;
@@ -51,7 +51,7 @@ double vertex(double before, double at, double after) {
   return bend == 0 ? 0 : std::clamp(0.5 * (before - after) / bend, -0.5, 0.5);
 }
 
-// Shift with the largest score, between samples; the ends of the search have no neighbours.
+// Shift with the largest score, refined between samples except at the ends of the search.
 double best_shift(const std::vector<double>& scores, long search) {
   const auto best = std::max_element(scores.begin(), scores.end());
   const auto index = best - scores.begin();
@@ -74,7 +74,7 @@ DelayIdentification identify_delay(std::span<const double> reference,
   const long shifts = std::lround(search / time_step);
   if (reference.size() != measured.size()) throw Error{"delay: the two signals differ in length"};
   if (shifts < 1 || reference.size() < static_cast<std::size_t>(4 * shifts))
-    throw Error{"delay: the signals are too short for the shifts to be searched"};
+    throw Error{"delay: the signals are too short for the range of shifts"};
   std::vector<double> correlations;
   std::vector<double> closeness;
   for (long shift = -shifts; shift <= shifts; ++shift) {
@@ -84,7 +84,7 @@ DelayIdentification identify_delay(std::span<const double> reference,
   }
   if (std::any_of(correlations.begin(), correlations.end(),
                   [](double c) { return !std::isfinite(c); }))
-    throw Error{"delay: a signal does not move"};
+    throw Error{"delay: a signal is constant"};
   return {best_shift(correlations, shifts) * time_step, best_shift(closeness, shifts) * time_step};
 }
 

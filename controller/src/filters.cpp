@@ -6,8 +6,9 @@
 #include <numbers>
 #include <string>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::controller {
@@ -43,7 +44,7 @@ MovingAverage::MovingAverage(int length) {
   samples_.assign(static_cast<std::size_t>(length), 0.0);
 }
 
-// Summed afresh each time: a running sum would keep the rounding of everything it ever held.
+// Sums all samples each time: a running sum would accumulate rounding errors.
 double MovingAverage::operator()(double input) noexcept {
   samples_[next_] = input;
   next_ = (next_ + 1) % samples_.size();
@@ -56,14 +57,15 @@ double MovingAverage::operator()(double input) noexcept {
 EndSlope::EndSlope(int length, double period) {
   if (length < 3) throw Error{"slope filter: expected a length of at least 3"};
   if (!(period > 0)) throw Error{"slope filter: the period must be positive"};
-  // Row of the pseudo-inverse that gives the linear coefficient at τ = 0, τ = −i·period.
+  // Least-squares parabola over τ = −i·period. Its slope at τ = 0 is row 1 of the pseudo-inverse
+  // times the samples.
   Eigen::MatrixXd X(length, 3);
   for (int i = 0; i < length; ++i) {
     const double t = -i * period;
     X.row(i) << 1, t, t * t;
   }
   const Eigen::MatrixXd pseudo_inverse =
-      X.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(length, length));
+      algebra::solve_least_squares(X, Eigen::MatrixXd{Eigen::MatrixXd::Identity(length, length)});
   for (int i = 0; i < length; ++i) weights_.push_back(pseudo_inverse(1, i));
   samples_.assign(static_cast<std::size_t>(length), 0.0);
 }

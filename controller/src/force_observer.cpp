@@ -7,20 +7,22 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/LU>
 
+#include <rths/algebra/decompositions.hpp>
+#include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::controller {
 namespace {
 
-constexpr double kStandardGravity = 9.80665;                // [m/s²], CGPM 1901
 constexpr double kKilonewtonPerG = 1e3 / kStandardGravity;  // [kg]
 constexpr double kKilonewtonSecondPerCentimetre = 1e5;      // [N·s/m]
 constexpr double kNormal95 = 1.959964;  // two-sided 95 % of a normal distribution
 
-constexpr double kSlowPart =
-    0.03;  // of a run's largest speed: below, a noisy velocity's sign is a guess
+constexpr double kSlowFraction =
+    0.03;  // of a run's largest speed: below, the sign of a noisy velocity is uncertain
 
 enum Term { kMass, kCoulomb, kViscous, kOffset, kTerms };
 
@@ -36,7 +38,7 @@ Eigen::RowVector4d features(double velocity, double acceleration, double exponen
   return {acceleration, direction, speed * direction, 1.0};
 }
 
-// Least squares over the terms that `kept` has bits for; the others are zero.
+// Least squares over the terms whose bits are set in `kept`; the others are zero.
 std::optional<Solution> solve_subset(const Features& X, const Eigen::VectorXd& y, unsigned kept) {
   std::vector<int> columns;
   for (int term = 0; term < kTerms; ++term)
@@ -44,7 +46,7 @@ std::optional<Solution> solve_subset(const Features& X, const Eigen::VectorXd& y
   Eigen::MatrixXd subset(X.rows(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t i = 0; i < columns.size(); ++i)
     subset.col(static_cast<Eigen::Index>(i)) = X.col(columns[i]);
-  const Eigen::VectorXd found = subset.colPivHouseholderQr().solve(y);
+  const Eigen::VectorXd found = algebra::solve_least_squares(subset, y);
   Solution solution = Solution::Zero();
   for (std::size_t i = 0; i < columns.size(); ++i)
     solution[columns[i]] = found[static_cast<Eigen::Index>(i)];
@@ -52,7 +54,7 @@ std::optional<Solution> solve_subset(const Features& X, const Eigen::VectorXd& y
   return solution;
 }
 
-// Three constraints have eight active sets: trying them all is exact. The offset is always free.
+// Exact: three constraints have eight active sets, and all are tried. The offset is always free.
 Solution constrained_least_squares(const Features& X, const Eigen::VectorXd& y) {
   Solution best = Solution::Zero();
   double best_error = std::numeric_limits<double>::infinity();
@@ -127,7 +129,7 @@ ForceIdentification identify_machine_force(std::span<const double> displacement,
   ForceIdentification result;
   result.machine.exponent = exponent;
   const auto velocity = causal_velocity(displacement, period, slope_length);
-  const double slow = kSlowPart * largest_magnitude(velocity);
+  const double slow = kSlowFraction * largest_magnitude(velocity);
   Features X(static_cast<Eigen::Index>(force.size()), kTerms);
   Eigen::VectorXd y(static_cast<Eigen::Index>(force.size()));
   Eigen::Index rows = 0;

@@ -40,7 +40,7 @@ Weights lagrange(int order, Jet x) {
   return w;
 }
 
-// The command at −1+ξ takes the newest target's place, older targets at −1, −2, −3.
+// Through the command at −1+ξ, which replaces the newest target, and older targets at −1, −2, −3.
 Weights predict_from_command(int order, Jet x, double xi) {
   Weights w;
   switch (order) {
@@ -63,7 +63,7 @@ Weights predict_from_command(int order, Jet x, double xi) {
 }
 
 // From the command at ξ to the newest target at 1. The target at 0 is left out on purpose: the
-// curve that led to the command already holds it.
+// preceding prediction already passes through it.
 Weights correct_from_command(int order, Jet x, double xi) {
   Weights w;
   switch (order) {
@@ -142,7 +142,7 @@ const char* to_text(Polynomial polynomial) noexcept {
 Weights weights(Polynomial polynomial, Branch branch, double x, double xi) noexcept {
   const Jet jet{x, 1, 0};
   const bool predicting = branch == Branch::Predict;
-  // In the corrector's frame the newest target stands at 1 instead of 0.
+  // In the corrector's frame the newest target is at 1 instead of 0.
   const Jet from_newest = predicting ? jet : jet - 1;
   const auto command_family = [&](int order) {
     return predicting ? predict_from_command(order, jet, xi) : correct_from_command(order, jet, xi);

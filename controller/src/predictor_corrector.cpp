@@ -9,7 +9,7 @@
 namespace rths::controller {
 namespace {
 
-constexpr double kSmallestIncrement = 0.001;  // keeps a command that stood still from standing on
+constexpr double kSmallestIncrement = 0.001;  // lets a held command start moving again
 constexpr double kWarnedDelayRatio = 0.6;
 constexpr double kRefusedDelayRatio = 0.8;
 
@@ -26,9 +26,10 @@ PredictorCorrector::PredictorCorrector(const PredictorCorrectorSettings& setting
   require(settings.axes >= 1, "expected at least one axis");
   require(settings.substeps >= 10, "expected at least 10 substeps per integration step");
   require(settings.slow_down_from > 0 && settings.slow_down_from < 1,
-          "slow-down must begin inside the step, between 0 and 1");
+          "slow-down must begin within the step, between 0 and 1");
   require(ramp_ > 1, "slow-down begins so late that it ends within one substep");
-  require(settings.largest_xi > 0 && settings.largest_xi < 1, "the cap on xi must lie in 0 to 1");
+  require(settings.largest_xi > 0 && settings.largest_xi < 1,
+          "the cap on xi must lie between 0 and 1");
   require(settings.simulation_step > 0 && settings.integration_step > 0,
           "the steps must be positive");
   for (auto& targets : history_) targets.setZero(settings.axes);
@@ -88,7 +89,7 @@ void PredictorCorrector::start_at(const Eigen::VectorXd& setpoint) noexcept {
 void PredictorCorrector::enter_correct(const Target& target) noexcept {
   state_ = PcState::Correct;
   xi_ = std::min(counter_ / settings_.substeps, settings_.largest_xi);
-  // A capped ξ takes the counter back with it, so that the command goes on from where it is.
+  // If ξ is capped, the counter is set back too, so that the command stays continuous.
   counter_ = std::min(counter_, xi_ * settings_.substeps);
   switch_command_ = command_;
   shift_history(target);

@@ -20,8 +20,8 @@ TargetExchange::TargetExchange(std::vector<int> delay_substeps,
     if (delay < 0 || judge_delay(delay, settings) == DelayVerdict::Refused)
       throw Error{"predictor-corrector: a sampling delay of " + std::to_string(delay) +
                   " substeps in a step of " + std::to_string(settings.substeps) +
-                  " leaves the integrator no time; expected less than 0.8 of the step, and less "
-                  "than where a late target holds the command"};
+                  " leaves the integrator no time; expected less than 0.8 of the step and less "
+                  "than the hold point"};
   const auto axes = static_cast<Eigen::Index>(delay_substeps_.size());
   held_displacement_.setZero(axes);
   held_force_.setZero(axes);
@@ -42,8 +42,8 @@ bool TargetExchange::begin(double new_target_word) noexcept {
   return rises;
 }
 
-// With a delay the sample falls into the next Predict or AutoSlowDown. Crossing is what counts, not
-// equality: after a slow-down the counter is no whole number.
+// With a delay the sample falls into the next Predict or AutoSlowDown. The test is ≥, not
+// equality, because the counter is fractional after a slow-down.
 bool TargetExchange::is_due(const PredictorCorrector& command, int delay) const noexcept {
   if (delay == 0) return command.counter() >= command.settings().substeps;
   const bool beyond_target =

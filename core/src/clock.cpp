@@ -19,7 +19,7 @@ TimePoint WallClock::now() const noexcept {
 
 void WallClock::sleep_until(TimePoint time) noexcept {
   const timespec ts{time.count() / kNanosecondsPerSecond, time.count() % kNanosecondsPerSecond};
-  // Interrupted sleeps are resumed; the absolute time bounds them all.
+  // Resumes an interrupted sleep. The absolute wake-up time bounds the loop.
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &ts, nullptr) == EINTR) {
   }
 }

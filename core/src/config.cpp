@@ -13,8 +13,8 @@ namespace rths {
 namespace {
 
 std::string kind_of(const ConfigValue& value) {
-  constexpr const char* kKinds[] = {"a truth value", "an integer", "a number",
-                                    "a text",        "an array",   "a table"};
+  constexpr const char* kKinds[] = {"a boolean", "an integer", "a number",
+                                    "a string",  "an array",   "a table"};
   return kKinds[value.value.index()];
 }
 
@@ -89,6 +89,11 @@ std::optional<std::string> nearest(const std::string& word,
   return best;
 }
 
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
+  const auto meant = nearest(word, candidates);
+  return meant ? fmt::format(" (did you mean '{}'?)", *meant) : "";
+}
+
 Config::Config(ConfigValue::Table table, std::string where, std::filesystem::path directory)
     : table_{std::move(table)}, where_{std::move(where)}, directory_{std::move(directory)} {}
 
@@ -110,9 +115,10 @@ const ConfigValue* Config::find(const std::string& key) const {
 const ConfigValue& Config::require(const std::string& key) const {
   if (const ConfigValue* found = find(key)) return *found;
   for (const auto& [present, value] : table_) {
-    if (asked_.count(present) == 0 && nearest(present, {key}))
-      throw Error{
-          fmt::format("{}: unknown key '{}' (did you mean '{}'?)", value.where, present, key)};
+    if (asked_.count(present) > 0) continue;
+    const std::string hint = did_you_mean(present, {key});
+    if (!hint.empty())
+      throw Error{fmt::format("{}: unknown key '{}'{}", value.where, present, hint)};
   }
   throw Error{fmt::format("{}: '{}' is missing", where_, key)};
 }
@@ -142,7 +148,7 @@ std::int64_t Config::integer(const std::string& key) const {
 }
 
 std::string Config::text(const std::string& key) const {
-  return as<std::string>(key, require(key), "a text");
+  return as<std::string>(key, require(key), "a string");
 }
 
 std::vector<double> Config::numbers(const std::string& key) const {
@@ -154,8 +160,8 @@ std::vector<double> Config::numbers(const std::string& key) const {
 
 std::vector<std::string> Config::texts(const std::string& key) const {
   std::vector<std::string> result;
-  for (const auto& item : as<ConfigValue::Array>(key, require(key), "an array of texts"))
-    result.push_back(as<std::string>(key, item, "a text"));
+  for (const auto& item : as<ConfigValue::Array>(key, require(key), "an array of strings"))
+    result.push_back(as<std::string>(key, item, "a string"));
   return result;
 }
 
@@ -249,9 +255,8 @@ void Config::fail(const std::string& key, const std::string& message) const {
 void Config::reject_unknown_keys() const {
   for (const auto& [key, value] : table_) {
     if (asked_.count(key) > 0) continue;
-    const auto meant = nearest(key, {asked_.begin(), asked_.end()});
     throw Error{fmt::format("{}: unknown key '{}'{}", value.where, key,
-                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+                            did_you_mean(key, {asked_.begin(), asked_.end()}))};
   }
 }
 

@@ -7,7 +7,7 @@
 namespace rths {
 
 void assertion_failed(const char* claim, const char* file, int line) noexcept {
-  std::fprintf(stderr, "%s:%d: this should never be false: %s\n", file, line, claim);
+  std::fprintf(stderr, "%s:%d: assertion failed: %s\n", file, line, claim);
   std::abort();
 }
 

@@ -41,7 +41,7 @@ ConfigValue convert(const toml::node& node, const std::string& name) {
   if (const auto whole = node.value_exact<std::int64_t>()) return {*whole, where};
   if (const auto real = node.value_exact<double>()) return {*real, where};
   if (const auto text = node.value_exact<std::string>()) return {*text, where};
-  throw Error{where + ": dates and times are not used here"};
+  throw Error{where + ": dates and times are not supported"};
 }
 
 toml::table written_table(const ConfigValue::Table& table);

@@ -5,14 +5,14 @@
 
 namespace rths {
 
-/// The whole file. @throws Error if it cannot be read
+/// Content of a file. @throws Error if the file cannot be read
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
 
-/// Reads TOML text into our own values; the only place that knows the TOML library.
+/// Reads TOML text. Only toml_text.cpp uses the TOML library.
 /// @throws Error "name:line:column: …"
 [[nodiscard]] ConfigValue::Table parse_toml(std::string_view text, const std::string& name);
 
-/// The inverse: text that `parse_toml` reads back.
+/// Writes TOML text that `parse_toml` reads back.
 [[nodiscard]] std::string write_toml(const ConfigValue::Table& table);
 
 }  // namespace rths

@@ -20,7 +20,7 @@ constexpr double kRoundOff = 1e-6;  // of a time step
 
 bool is_prediction(const Channel& channel) { return channel.role.rfind(kPrefix, 0) == 0; }
 
-// What a column may be called: "force.long", "predicted.force.long", "srmd.long.force.fbk".
+// Accepted names of a column: "force.long", "predicted.force.long", "srmd.long.force.fbk".
 std::vector<std::string> names_of(const std::string& role) {
   std::vector<std::string> names{role, kPrefix + role};
   const auto dot = role.find('.');
@@ -47,21 +47,21 @@ const std::vector<double>& time_of(const Table& table, const std::string& file) 
     const auto& time = column.values;
     if (time.size() < 2 ||
         std::adjacent_find(time.begin(), time.end(), std::greater_equal<>{}) != time.end())
-      throw Error{file + ": 'time' does not grow from row to row"};
+      throw Error{file + ": 'time' does not increase from row to row"};
     return time;
   }
-  throw Error{file + ": has no column 'time', expected the seconds of each row"};
+  throw Error{file + ": has no column 'time', expected the time of each row in seconds"};
 }
 
-// Cuts off what the simulation does not reach.
-void keep(Record& record, double from, double to) {
+// Cuts the record to the span of the simulation.
+void cut(Record& record, double from, double to) {
   const double slack = kRoundOff * record.time_step;
   const auto at = [&](double time) { return (time - record.start) / record.time_step; };
   const auto last_sample = static_cast<double>(record.samples()) - 1;
   const double first = std::max(0.0, std::ceil(at(from - slack)));
   const double last = std::min(last_sample, std::floor(at(to + slack)));
   if (last - first < 1)
-    throw Error{fmt::format("lasts from {:g} to {:g} s, expected a part of {:g} to {:g} s", from,
+    throw Error{fmt::format("covers {:g} to {:g} s, expected an overlap with {:g} to {:g} s", from,
                             to, record.start, record.start + last_sample * record.time_step)};
   const auto begin = static_cast<std::size_t>(first), end = static_cast<std::size_t>(last) + 1;
   for (auto& channel : record.channels)
@@ -74,7 +74,7 @@ void keep(Record& record, double from, double to) {
   if (record.quiet->first == record.quiet->second) record.quiet.reset();
 }
 
-// Straight lines from value to value, at the times of a record.
+// Linear interpolation at the times of a record.
 std::vector<double> at_times_of(const Record& record, const std::vector<double>& time,
                                 const std::vector<double>& values) {
   std::vector<double> result;
@@ -84,8 +84,8 @@ std::vector<double> at_times_of(const Record& record, const std::vector<double>&
     const auto next =
         std::max<std::ptrdiff_t>(1, std::lower_bound(time.begin(), time.end(), t) - time.begin());
     const auto k = static_cast<std::size_t>(next);
-    const double part = (t - time[k - 1]) / (time[k] - time[k - 1]);
-    result.push_back(values[k - 1] + part * (values[k] - values[k - 1]));
+    const double fraction = (t - time[k - 1]) / (time[k] - time[k - 1]);
+    result.push_back(values[k - 1] + fraction * (values[k] - values[k - 1]));
   }
   return result;
 }
@@ -97,15 +97,15 @@ void add_predictions(Record& record, const Table& table, const std::vector<doubl
   for (const auto& channel : record.channels) {
     if (is_prediction(channel)) continue;
     roles += (roles.empty() ? "" : ", ") + channel.role;
-    // What drove the test is no prediction of it.
+    // A command is an input of the test, not a prediction.
     const auto* values = column_of(table, channel.role);
     if (values == nullptr || channel.role.rfind("command.", 0) == 0) continue;
     predictions.push_back(
         {kPrefix + channel.role, channel.unit, at_times_of(record, time, *values)});
   }
   if (predictions.empty())
-    throw Error{fmt::format("{}: predicts nothing that was measured, expected columns named as {}",
-                            file, roles)};
+    throw Error{
+        fmt::format("{}: predicts no measured channel, expected columns named {}", file, roles)};
   auto& channels = record.channels;
   channels.erase(std::remove_if(channels.begin(), channels.end(), is_prediction), channels.end());
   channels.insert(channels.end(), predictions.begin(), predictions.end());
@@ -122,7 +122,7 @@ Case with_prediction(Case c, const std::filesystem::path& simulation) {
   if (fit == c.records.end()) throw Error{c.name + ": has no record to fit"};
   Record record = *fit;
   try {
-    keep(record, time.front(), time.back());
+    cut(record, time.front(), time.back());
   } catch (const Error& error) {
     throw Error{file + ": " + error.what()};
   }
@@ -131,7 +131,7 @@ Case with_prediction(Case c, const std::filesystem::path& simulation) {
   for (auto& other : c.records)
     if (other.use == Use::Reference) records.push_back(std::move(other));
   c.records = std::move(records);
-  c.model = {};  // kind "data": what it predicts is in the record
+  c.model = {};  // kind "data": the record contains the predictions
   return c;
 }
 

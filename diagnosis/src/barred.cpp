@@ -32,7 +32,7 @@ std::vector<std::string> names_of_library() {
   return names;
 }
 
-// What may be wrong with the numbers of a model of the user's own.
+// Adds the errors that parameters of a user's own model may have.
 void add_names_of_model(const Case& c, std::vector<std::string>& names) {
   for (const char* kind : {"bearing", "platen", "servo_axis"})
     if (c.model.kind == kind) return;
@@ -47,9 +47,7 @@ void reject_unknown_terms(const std::vector<std::string>& without, const Case& c
   add_names_of_model(c, known);
   for (const auto& name : without) {
     if (holds(known, name)) continue;
-    const auto meant = nearest(name, known);
-    throw Error{fmt::format("without: there is no term '{}'{}", name,
-                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+    throw Error{fmt::format("without: there is no term '{}'{}", name, did_you_mean(name, known))};
   }
 }
 

@@ -8,12 +8,11 @@
 
 namespace rths::diagnosis {
 
-/// Checks that terms which may not be named are known: kinds of the catalogue, or names as verdicts
-/// have them.
-/// @throws Error for the first that is neither, with the nearest that is   @setup
+/// Checks that excluded terms exist: each must be a kind of the catalogue or a name in verdicts.
+/// @throws Error for the first unknown name, with the nearest known one   @setup
 void reject_unknown_terms(const std::vector<std::string>& without, const Case& c);
 
-/// Whether a name or its kind is among them.
+/// Returns whether a name or its kind is excluded.
 [[nodiscard]] bool is_barred(const std::vector<std::string>& without, const std::string& name,
                              const std::string& kind);
 

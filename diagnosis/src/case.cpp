@@ -54,14 +54,14 @@ std::vector<std::pair<std::string, double>> read_noise(const Config& table) {
     const auto [deviation, unit] = deviation_of(table, role);
     if (const auto trouble = trouble_with(role, unit)) table.fail(role, *trouble);
     if (!(deviation > 0))
-      table.fail(
-          role, fmt::format("{} is no standard deviation, expected more than 0", table.text(role)));
+      table.fail(role,
+                 fmt::format("standard deviation is {}, expected more than 0", table.text(role)));
     noise.emplace_back(role, deviation);
   }
   return noise;
 }
 
-// Slices of one file bear its name; what comes second is told apart.
+// Slices of one file have its name; later ones get a number.
 void name(std::vector<Record>& records, const std::vector<Config>& tables) {
   for (std::size_t i = 0; i < records.size(); ++i) {
     const auto is_taken = [&](const std::string& wanted) {
@@ -71,7 +71,7 @@ void name(std::vector<Record>& records, const std::vector<Config>& tables) {
     const std::string wanted = records[i].name;
     if (!is_taken(wanted)) continue;
     if (tables[i].has("name"))
-      tables[i].fail("name", fmt::format("two records are called '{}'", wanted));
+      tables[i].fail("name", fmt::format("two records are named '{}'", wanted));
     for (int count = 2; is_taken(records[i].name); ++count)
       records[i].name = fmt::format("{} ({})", wanted, count);
   }

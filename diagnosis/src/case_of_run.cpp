@@ -13,46 +13,31 @@ namespace rths::diagnosis {
 namespace {
 
 using recording::at_each_count;
+using recording::NodeTicks;
 using recording::Reader;
 
 constexpr const char* kAxes[] = {"long", "lat"};
-// A lead-rubber bearing at 1 m/s is through its yield displacement of 3 mm in 3 ms: coarser steps
-// than that leave a trace in the force that is no physics. Slow tests need no fine ones.
+// A lead-rubber bearing at 1 m/s passes its yield displacement of 3 mm in 3 ms. Steps longer than
+// that cause numerical errors in the force. Slow tests do not need short steps.
 constexpr double kFineRate = 500, kUsualRate = 250;  // [Hz]
-constexpr double kFurthest = 2e-3;                   // that a bearing moves in a step [m]
+constexpr double kFurthest = 2e-3;                   // travel of a bearing in a step [m]
 
-/// Values of each tick of a node, up to the end of the test, whenever the recorder looked.
-class Ticks {
- public:
-  Ticks(const Reader& run, const std::string& node)
-      : run_{run}, counter_{run.signal("monitor." + node + ".host.step")} {
-    const auto stop = at_each_count(counter_, run.signal("opf.newTarget"));
-    const auto end = std::find_if(stop.begin(), stop.end(), [](double word) { return word < 0; });
-    count_ = static_cast<std::size_t>(end - stop.begin());
-    if (count_ < 2) throw Error{fmt::format("the recording holds no steps of node '{}'", node)};
-  }
-  [[nodiscard]] std::size_t count() const { return count_; }
-  [[nodiscard]] const std::vector<double>& counter() const { return counter_; }
-  [[nodiscard]] std::vector<double> values(const std::string& signal) const {
-    auto values = at_each_count(counter_, run_.signal(signal));
-    values.resize(count_);
-    return values;
-  }
-  /// Mean time from tick to tick [s].
-  [[nodiscard]] double interval() const {
-    const auto time = at_each_count(counter_, run_.time());
-    return (time[count_ - 1] - time[0]) / static_cast<double>(count_ - 1);
-  }
+NodeTicks ticks_of(const Reader& run, const std::string& node) {
+  NodeTicks ticks{run, node};
+  if (ticks.count() < 2)
+    throw Error{fmt::format("the recording holds no steps of node '{}'", node)};
+  return ticks;
+}
 
- private:
-  const Reader& run_;
-  std::vector<double> counter_;
-  std::size_t count_ = 0;
-};
+// Mean time from tick to tick [s].
+double interval_of(const Reader& run, const NodeTicks& ticks) {
+  const auto time = at_each_count(ticks.counter(), run.time());
+  return (time[ticks.count() - 1] - time[0]) / static_cast<double>(ticks.count() - 1);
+}
 
-// How many ticks one node has counted more than another when both are at the same instant: nodes
-// start one after the other, and a row may catch one of them between two ticks.
-std::ptrdiff_t lead(const Ticks& node, const Ticks& other) {
+// Difference of two nodes' tick counters at the same instant: nodes start one after the other. The
+// median removes rows that were recorded between the ticks of the two nodes.
+std::ptrdiff_t lead(const NodeTicks& node, const NodeTicks& other) {
   std::vector<double> differences;
   for (std::size_t row = 0; row < node.counter().size(); ++row)
     if (node.counter()[row] >= 1 && other.counter()[row] >= 1)
@@ -63,7 +48,7 @@ std::ptrdiff_t lead(const Ticks& node, const Ticks& other) {
   return std::lround(*middle);
 }
 
-// Shifted in time by whole samples; its ends stay.
+// Shifts in time by whole samples; repeats the value at the ends.
 std::vector<double> shifted(const std::vector<double>& values, std::ptrdiff_t by,
                             std::size_t count) {
   std::vector<double> result(count);
@@ -74,8 +59,8 @@ std::vector<double> shifted(const std::vector<double>& values, std::ptrdiff_t by
   return result;
 }
 
-// Until the first target comes, the loop is open and the machine stands still.
-std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const Ticks& machine) {
+// Until the first target arrives, the loop is open and the machine is at rest.
+std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const NodeTicks& machine) {
   constexpr std::size_t kFewest = 500;  // samples
   const auto word = machine.values("opf.newTarget");
   const auto first =
@@ -85,8 +70,8 @@ std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const Ticks& ma
   return std::pair{std::size_t{0}, end};
 }
 
-void add_axis(Record& record, const Reader& run, const Ticks& machine, const Ticks& controller,
-              const std::string& axis) {
+void add_axis(Record& record, const Reader& run, const NodeTicks& machine,
+              const NodeTicks& controller, const std::string& axis) {
   const std::string command = "monitor.xpc.pc.command." + axis;
   if (!run.has(command)) return;
   const auto measured = [&](const char* role, const char* unit, const char* word) {
@@ -102,20 +87,21 @@ void add_axis(Record& record, const Reader& run, const Ticks& machine, const Tic
 }
 
 Record record_of(const Reader& run, const std::string& name, Use use) {
-  const Ticks machine{run, "srmd"};
-  const Ticks controller{run, "xpc"};
+  const NodeTicks machine = ticks_of(run, "srmd");
+  const NodeTicks controller = ticks_of(run, "xpc");
   Record record;
   record.name = name;
   record.use = use;
-  record.time_step = machine.interval();
+  record.time_step = interval_of(run, machine);
   for (const char* axis : kAxes) add_axis(record, run, machine, controller, axis);
-  if (record.channels.empty()) throw Error{"no axis has a command, 'monitor.xpc.pc.command.*'"};
+  if (record.channels.empty())
+    throw Error{"no axis has a command, expected 'monitor.xpc.pc.command.*'"};
   record.channels.push_back({"vertical_force", "N", machine.values("srmd.vert.force.fbk")});
   record.quiet = quiet_stretch(machine);
   return record;
 }
 
-// Largest velocity in the mean of a few samples, which the noise has little part in [m/s].
+// Largest velocity, averaged over a few samples to suppress noise [m/s].
 double fastest(const Case& c) {
   constexpr std::size_t kSpan = 10;
   double largest = 0;
@@ -133,7 +119,7 @@ Model model_of(const Reader& run) {
   const std::string text = run.config(recording::kModelText);
   if (text.empty())
     throw Error{
-        fmt::format("it does not say what the simulation assumed (/config/{}): run the "
+        fmt::format("it contains no model of the simulation (/config/{}): run the "
                     "experiment again",
                     recording::kModelText)};
   return read_model(Config::parse(text, recording::kModelText));
@@ -147,7 +133,7 @@ std::string name_of(const Reader& run, const std::filesystem::path& file) {
   return config.text("name", file.stem().string());
 }
 
-// Errors of a recording name its file.
+// Adds the file's name to errors.
 template <class Read>
 auto of_file(const std::filesystem::path& file, Read read) {
   try {
@@ -170,17 +156,11 @@ Case case_of_run(const std::filesystem::path& file) {
     result.model = model_of(run);
     result.records.push_back(record_of(run, file.filename().string(), Use::Fit));
   });
-  struct Companion {
-    const char* file;
-    Use use;
-  };
-  for (const auto& [name, use] : {Companion{kHeldOutFile, Use::HeldOut}}) {
-    const auto companion = file.parent_path() / name;
-    if (companion == file || !std::filesystem::exists(companion)) continue;
-    of_file(companion, [&, use = use, name = name] {
-      result.records.push_back(record_of(Reader{companion}, name, use));
+  const auto held_out = file.parent_path() / kHeldOutFile;
+  if (held_out != file && std::filesystem::exists(held_out))
+    of_file(held_out, [&] {
+      result.records.push_back(record_of(Reader{held_out}, kHeldOutFile, Use::HeldOut));
     });
-  }
   if (fastest(result) / kUsualRate > kFurthest) result.comparison.model_rate = kFineRate;
   return result;
 }

@@ -21,7 +21,7 @@ void read_time(const Config& channels, Files& files, Raw& raw) {
   raw.time = files.column(channels, source, raw.file);
 }
 
-// Tables in tables: displacement.long, predicted.force.long.
+// Reads nested tables: displacement.long, predicted.force.long.
 void read_channels(const Config& table, const std::string& prefix, Files& files, Raw& raw) {
   for (const auto& key : table.keys()) {
     const std::string role = prefix + key;
@@ -41,7 +41,7 @@ void read_channels(const Config& table, const std::string& prefix, Files& files,
   }
 }
 
-// Constants are as long as what was recorded; all of that must be equally long.
+// Extends constants to the length of the columns, which must all be equal.
 void complete(Raw& raw, const Config& channels) {
   if (raw.channels.empty()) channels.fail("time", "[channels] names no channel");
   std::size_t rows = raw.time.size();
@@ -55,8 +55,8 @@ void complete(Raw& raw, const Config& channels) {
                               channel.values.size(), rows)};
 }
 
-// What a controller puts out stays until its next sample: in the middle of two samples it is the
-// first of them, at a sample the mean of what it was and what it becomes.
+// A controller holds its output until the next sample. At a sample, the channel becomes the mean of
+// the held values before and after it.
 void hold(Raw& raw, const Config& channels) {
   for (const auto& role : channels.texts("held", {})) {
     const auto held = std::find_if(raw.channels.begin(), raw.channels.end(),
@@ -73,7 +73,7 @@ void hold(Raw& raw, const Config& channels) {
 }
 
 template <class T>
-void keep(std::vector<T>& values, std::ptrdiff_t from, std::ptrdiff_t to) {
+void cut(std::vector<T>& values, std::ptrdiff_t from, std::ptrdiff_t to) {
   values = {values.begin() + from, values.begin() + to};
 }
 
@@ -100,11 +100,11 @@ void cut_out(Raw& raw, double from, double to) {
   const auto first = std::find_if(raw.time.begin(), raw.time.end(), inside);
   const auto last = std::find_if(raw.time.rbegin(), raw.time.rend(), inside).base();
   if (last - first < 2)
-    throw Error{fmt::format("fewer than two samples lie in it; the recording goes from {} to {} s",
+    throw Error{fmt::format("it contains fewer than two samples; the recording covers {} to {} s",
                             raw.time.front(), raw.time.back())};
   const auto begin = first - raw.time.begin(), end = last - raw.time.begin();
-  for (auto& channel : raw.channels) keep(channel.values, begin, end);
-  keep(raw.time, begin, end);
+  for (auto& channel : raw.channels) cut(channel.values, begin, end);
+  cut(raw.time, begin, end);
 }
 
 void resample(Raw& raw, double rate) {
@@ -115,17 +115,17 @@ void resample(Raw& raw, double rate) {
                               i + 1, old[i], old[i - 1])};
   const auto count = static_cast<std::size_t>((old.back() - old.front()) * rate + 1e-9) + 1;
   raw.time.resize(count);
-  std::vector<std::pair<std::size_t, double>> places(count);  // sample before, share of the next
+  std::vector<std::pair<std::size_t, double>> weights(count);  // sample before, share of the next
   for (std::size_t k = 0, i = 0; k < count; ++k) {
     const double t = old.front() + static_cast<double>(k) / rate;
     while (i + 2 < old.size() && old[i + 1] <= t) ++i;
     raw.time[k] = t;
-    places[k] = {i, (t - old[i]) / (old[i + 1] - old[i])};
+    weights[k] = {i, (t - old[i]) / (old[i + 1] - old[i])};
   }
   for (auto& channel : raw.channels) {
     std::vector<double> values;
     values.reserve(count);
-    for (const auto& [i, share] : places)
+    for (const auto& [i, share] : weights)
       values.push_back((1 - share) * channel.values[i] + share * channel.values[i + 1]);
     channel.values = std::move(values);
   }

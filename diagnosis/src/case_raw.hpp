@@ -11,10 +11,10 @@
 
 namespace rths::diagnosis {
 
-inline constexpr double kPrintedTime = 1e-6;  ///< decimals that time stamps are printed with [s]
-inline constexpr double kLowestRate = 1e-6, kHighestRate = 1e9;  ///< of sampling [Hz]
+inline constexpr double kPrintedTime = 1e-6;  ///< resolution of printed time stamps [s]
+inline constexpr double kLowestRate = 1e-6, kHighestRate = 1e9;  ///< sampling rate [Hz]
 
-/// What a record's file holds, before it is cut out and spaced equally.
+/// Contents of a record's file, before cutting and resampling.
 struct Raw {
   std::string file;
   std::vector<double> time;  ///< [s]
@@ -23,14 +23,14 @@ struct Raw {
 };
 
 /// Reads the channels that a record names.
-/// @throws Error with the place of a channel that cannot be read   @setup
+/// @throws Error with the position of a channel that cannot be read   @setup
 [[nodiscard]] Raw read_raw(const Config& channels, Files& files, const std::string& file);
 
-/// Keeps what lies from `from` to `to` [s], both included.
-/// @throws Error, without a place, if that is nothing   @setup
+/// Keeps the samples from `from` to `to` [s], both included.
+/// @throws Error, without a position, if fewer than two samples remain   @setup
 void cut_out(Raw& raw, double from, double to);
 
-/// Straight lines between samples that are not equally spaced.
+/// Resamples at equal spacing by linear interpolation.
 /// @param rate  [Hz]   @throws Error if time does not increase   @setup
 void resample(Raw& raw, double rate);
 

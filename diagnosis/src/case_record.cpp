@@ -15,15 +15,15 @@ namespace {
 
 constexpr double kTimeTolerance = 0.02;  // of a step
 
-void require_finite(const std::vector<double>& values, const std::string& what,
+void require_finite(const std::vector<double>& values, const std::string& name,
                     const std::string& file) {
   const auto is_bad = [](double value) { return !std::isfinite(value); };
   const auto bad = std::find_if(values.begin(), values.end(), is_bad);
   if (bad == values.end()) return;
   const auto count = std::count_if(bad, values.end(), is_bad);
   throw Error{fmt::format(
-      "{}: {} has no number in sample {}{}: fill what is missing, or leave it out by span_s", file,
-      what, bad - values.begin() + 1, count == 1 ? "" : fmt::format(" and {} others", count - 1))};
+      "{}: {} is NaN or infinite in sample {}{}: fill the gap, or exclude it by span_s", file, name,
+      bad - values.begin() + 1, count == 1 ? "" : fmt::format(" and {} others", count - 1))};
 }
 
 void require_finite(const Raw& raw) {
@@ -31,7 +31,7 @@ void require_finite(const Raw& raw) {
   for (const auto& channel : raw.channels) require_finite(channel.values, channel.role, raw.file);
 }
 
-// Time stamps must be equally spaced, as well as printed decimals can say it.
+// Time stamps must be equally spaced, within the resolution of printed decimals.
 void take_spacing(const Raw& raw, Record& record) {
   const auto& time = raw.time;
   if (time.size() < 2) throw Error{fmt::format("{}: fewer than two samples", raw.file)};
@@ -43,7 +43,7 @@ void take_spacing(const Raw& raw, Record& record) {
         std::abs(time[i] - expected) > kTimeTolerance * record.time_step + kPrintedTime)
       throw Error{fmt::format(
           "{}: row {} is at {} s, expected {} s: samples are not equally spaced; give rate_Hz "
-          "instead of time if only the stamps are wrong, or resample_Hz",
+          "instead of time if only the time stamps are wrong, or resample_Hz",
           raw.file, i + 1, time[i], expected)};
   }
 }

@@ -8,8 +8,8 @@
 namespace rths::diagnosis {
 
 /// Reads one [[record]].
-/// @param channels  [channels] of the case, which the record's own may change
-/// @throws Error with the place in case.toml or in the recording   @setup
+/// @param channels  [channels] of the case; the record's own keys override it
+/// @throws Error with the position in case.toml or in the recording   @setup
 [[nodiscard]] Record read_record(const Config& table, const Config& channels, Files& files);
 
 }  // namespace rths::diagnosis

@@ -20,23 +20,22 @@ std::string trimmed(std::string_view text) {
   return std::string{text};
 }
 
-// " in load.csv" behind the unit.
+// " in load.csv" after the unit.
 std::string read_file(const Config& table, const std::string& key, const std::string& rest) {
   constexpr std::string_view kIn = "in ";
   if (rest.empty()) return "";
   if (!rest.starts_with(kIn) || rest.size() == kIn.size())
-    table.fail(key,
-               fmt::format("'{}' stands behind the unit, expected nothing or \"in file\"", rest));
+    table.fail(key, fmt::format("'{}' follows the unit, expected nothing or \"in file\"", rest));
   return trimmed(std::string_view{rest}.substr(kIn.size()));
 }
 
 // "before [unit] behind"
-struct Parts {
+struct Segments {
   std::string before, whole, behind;
   memmap::Unit unit{"1", 1, 0};
 };
 
-Parts parts_of(const Config& table, const std::string& key) {
+Segments segments_of(const Config& table, const std::string& key) {
   const std::string text = table.text(key);
   const auto close = text.rfind(']');
   const auto open = close == std::string::npos ? close : text.rfind('[', close);
@@ -52,7 +51,7 @@ double number_of(const Config& table, const std::string& key, const std::string&
   double value = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (problem != std::errc{} || end != text.data() + text.size())
-    table.fail(key, fmt::format("'{}' is no number", text));
+    table.fail(key, fmt::format("'{}' is not a number", text));
   return value;
 }
 
@@ -65,20 +64,20 @@ bool has(const Table& table, const std::string& name) {
 }  // namespace
 
 Source source_of(const Config& table, const std::string& key) {
-  const Parts parts = parts_of(table, key);
-  Source source{key,          parts.before, parts.whole,
-                std::nullopt, parts.unit,   read_file(table, key, parts.behind)};
-  if (parts.before.empty())
+  const Segments text = segments_of(table, key);
+  Source source{key,          text.before, text.whole,
+                std::nullopt, text.unit,   read_file(table, key, text.behind)};
+  if (text.before.empty())
     table.fail(key, fmt::format("'{}' names no column, {}", table.text(key), kExpected));
-  if (parts.before.front() != '=') return source;
-  const double number = number_of(table, key, trimmed(parts.before.substr(1)));
-  source.number = parts.unit.scale * number + parts.unit.offset;
+  if (text.before.front() != '=') return source;
+  const double number = number_of(table, key, trimmed(text.before.substr(1)));
+  source.number = text.unit.scale * number + text.unit.offset;
   return source;
 }
 
 std::pair<double, std::string> deviation_of(const Config& table, const std::string& key) {
-  const Parts parts = parts_of(table, key);
-  return {number_of(table, key, parts.before) * parts.unit.scale, parts.unit.si};
+  const Segments text = segments_of(table, key);
+  return {number_of(table, key, text.before) * text.unit.scale, text.unit.si};
 }
 
 const Table& Files::at(const std::filesystem::path& file) {
@@ -91,9 +90,9 @@ std::vector<double> Files::column(const Config& table, const Source& source,
                                   const std::filesystem::path& file) {
   return table.placed(source.key, [&] {
     const Table& columns = at(source.file.empty() ? file : table.resolve(source.file));
-    const bool turned =
+    const bool is_negated =
         source.column.front() == '-' && !has(columns, source.column) && !has(columns, source.whole);
-    const std::size_t sign = turned ? 1 : 0;
+    const std::size_t sign = is_negated ? 1 : 0;
     const std::string whole = source.whole.substr(sign);
     const auto& raw =
         columns.column_with_gaps(has(columns, whole) ? whole : trimmed(source.column.substr(sign)));
@@ -101,7 +100,7 @@ std::vector<double> Files::column(const Config& table, const Source& source,
     values.reserve(raw.size());
     for (const double value : raw) {
       const double si = source.unit.scale * value + source.unit.offset;
-      values.push_back(turned ? -si : si);
+      values.push_back(is_negated ? -si : si);
     }
     return values;
   });

@@ -14,33 +14,33 @@
 
 namespace rths::diagnosis {
 
-/// Where the numbers of a channel come from, as case.toml says it:
+/// Source of a channel's numbers. Forms in case.toml:
 ///     "F [kN]"                a column of the record's file and its unit
-///     "-F [kN]"               the same with its sign turned
-///     "F [35.15065 N]"        a unit may have a factor
-///     "= 0.25 [A]"            nothing that was recorded, but known: the same number throughout
+///     "-F [kN]"               the same with the opposite sign
+///     "F [35.15065 N]"        a unit with a factor
+///     "= 0.25 [A]"            a known constant that was not recorded
 ///     "F [kN] in load.csv"    a column of another file
 struct Source {
   std::string key;  ///< in case.toml, for messages
   std::string column;
-  std::string whole;             ///< column and unit as they are written: some files name them so
+  std::string whole;             ///< column and unit as written: the name in some files
   std::optional<double> number;  ///< instead of a column [SI]
   memmap::Unit unit{"1", 1, 0};
-  std::string file;  ///< empty: that of the record
+  std::string file;  ///< empty: the record's file
 };
 
-/// @throws Error with the place of `key`   @setup
+/// @throws Error with the position of `key`   @setup
 [[nodiscard]] Source source_of(const Config& table, const std::string& key);
 /// "2.5 [kN]": a standard deviation [SI] and its SI unit.
-/// @throws Error with the place of `key`   @setup
+/// @throws Error with the position of `key`   @setup
 [[nodiscard]] std::pair<double, std::string> deviation_of(const Config& table,
                                                           const std::string& key);
 
-/// Files that have been read: several records may be slices of one.
+/// Cache of files: several records may be slices of one file.
 class Files {
  public:
   [[nodiscard]] const recording::Table& at(const std::filesystem::path& file);
-  /// A column in SI units. @throws Error with the place of the source's key   @setup
+  /// A column in SI units. @throws Error with the position of the source's key   @setup
   [[nodiscard]] std::vector<double> column(const Config& table, const Source& source,
                                            const std::filesystem::path& file);
 

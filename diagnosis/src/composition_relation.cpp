@@ -17,14 +17,14 @@ Predicted predicted_by(const MotionChannels& channels) {
   return channels.predicted == "displacement" ? Predicted::Displacement : Predicted::Acceleration;
 }
 
-Place place_of(Predicted predicted) {
-  if (predicted == Predicted::Force) return Place::Force;
-  return predicted == Predicted::Displacement ? Place::Actuator : Place::Accelerometer;
+Target target_of(Predicted predicted) {
+  if (predicted == Predicted::Force) return Target::Force;
+  return predicted == Predicted::Displacement ? Target::Actuator : Target::Accelerometer;
 }
 
 double peak(const VectorXd& signal) { return signal.size() > 0 ? signal.cwiseAbs().maxCoeff() : 0; }
 
-// Of what an actuator did, not of what it was told: a limit is seen in that.
+// Of the measured motion, not of the command: only the measurement shows a limit.
 double peak_rate(const MotionDrive& drive) {
   double most = 0;
   for (Eigen::Index output = 0; output < drive.measured.cols(); ++output)
@@ -48,17 +48,17 @@ void widen(NaturalScale& scale, const MotionDrive& drive, const std::vector<std:
   scale.has_temperature = scale.has_temperature || drive.temperature.size() > 0;
 }
 
-// A signal turned round in time, but for its end, which filters have spoilt.
-VectorXd turned(const VectorXd& signal, Eigen::Index valid, Eigen::Index turn) {
+// A signal rotated in time. The end, which filters distort, stays in place.
+VectorXd rotated(const VectorXd& signal, Eigen::Index valid, Eigen::Index offset) {
   VectorXd result = signal;
   valid = std::min(valid, signal.size());
-  result.head(valid - turn) = signal.segment(turn, valid - turn);
-  result.segment(valid - turn, turn) = signal.head(turn);
+  result.head(valid - offset) = signal.segment(offset, valid - offset);
+  result.segment(valid - offset, offset) = signal.head(offset);
   return result;
 }
 
-// The drive with noise in it, which is turned round by some rows so that one draw serves several
-// times. As in every drive, motions have no mean over what is at rest.
+// Adds noise to a drive. Rotating the noise by some rows makes several realisations of one draw. As
+// in every drive, motions have zero mean while at rest.
 class Disturbance {
  public:
   Disturbance(const Record& record, const MotionDrive& noise)
@@ -72,10 +72,10 @@ class Disturbance {
   [[nodiscard]] std::unique_ptr<Drive> of(const MotionDrive& drive, Eigen::Index rows) const {
     auto sum = std::make_unique<MotionDrive>(drive);
     sum->known.reset();
-    const Eigen::Index turn = rows * noise_.thinning;
-    const auto add = [&](VectorXd& to, const VectorXd& what, bool is_motion) {
-      if (to.size() == 0 || to.size() != what.size()) return;
-      VectorXd noise = turned(what, valid_, turn);
+    const Eigen::Index offset = rows * noise_.thinning;
+    const auto add = [&](VectorXd& to, const VectorXd& from, bool is_motion) {
+      if (to.size() == 0 || to.size() != from.size()) return;
+      VectorXd noise = rotated(from, valid_, offset);
       if (is_motion && quiet_ > 0) noise.array() -= noise.segment(from_, quiet_).mean();
       to += noise;
     };
@@ -87,7 +87,7 @@ class Disturbance {
     }
     add(sum->axial_load, noise_.axial_load, false);
     for (Eigen::Index output = 0; output < sum->measured.cols(); ++output)
-      sum->measured.col(output) += turned(noise_.measured.col(output), noise_.all_rows, rows);
+      sum->measured.col(output) += rotated(noise_.measured.col(output), noise_.all_rows, rows);
     return sum;
   }
 
@@ -121,10 +121,10 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
 }
 
 std::vector<Candidate> CompositionRelation::candidates() const {
-  auto candidates = candidates_of(place_of(predicted_by(setup_.channels)), setup_.base, scale_,
+  auto candidates = candidates_of(target_of(predicted_by(setup_.channels)), setup_.base, scale_,
                                   setup_.axes, setup_.without);
-  // What differs forwards and backwards has a mean: where no offset is free, it would be taken for
-  // one, and named in its place.
+  // A term that differs forwards and backwards has a mean. Where no offset is free, it would be
+  // named instead of one.
   if (!setup_.has_free_offsets)
     for (auto& candidate : candidates) {
       if (candidate.name == "asymmetric_friction") candidate.after = {"coulomb_friction"};
@@ -144,8 +144,8 @@ std::unique_ptr<Drive> CompositionRelation::prepare(const Record& record) const 
   return motion_drive(record, setup_.channels, setup_.axes, setup_.pace);
 }
 
-int CompositionRelation::turns() const {
-  // An acceleration is what differences leave of a displacement: its noise cannot be cut anywhere.
+int CompositionRelation::rotations() const {
+  // The acceleration follows from a displacement by differences: a cut in its noise is not allowed.
   return predicted_by(setup_.channels) == Predicted::Acceleration ? 1 : 4;
 }
 
@@ -154,9 +154,9 @@ std::vector<std::unique_ptr<Drive>> CompositionRelation::disturbed(const Drive& 
   const auto more = motion_drive(noise, setup_.channels, setup_.axes, setup_.pace);
   const Disturbance disturbance{noise, *more};
   std::vector<std::unique_ptr<Drive>> all;
-  for (int turn = 0; turn < turns(); ++turn)
+  for (int i = 0; i < rotations(); ++i)
     all.push_back(
-        disturbance.of(dynamic_cast<const MotionDrive&>(drive), turn * more->all_rows / turns()));
+        disturbance.of(dynamic_cast<const MotionDrive&>(drive), i * more->all_rows / rotations()));
   return all;
 }
 

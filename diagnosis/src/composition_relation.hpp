@@ -9,24 +9,24 @@
 
 namespace rths::diagnosis {
 
-/// What makes one relation of compositions another.
+/// Settings of a relation of compositions.
 struct CompositionSetup {
   std::string name;  ///< "motion to force"
   Part part = Part::Bearing;
   MotionChannels channels;
   Pace pace;
-  std::vector<std::size_t> axes;  ///< that are predicted: 0 long, 1 lat
+  std::vector<std::size_t> axes;  ///< predicted: 0 long, 1 lat
   bool has_free_offsets = false;
   Hypothesis base;
-  std::vector<std::string> without;  ///< kinds that are no candidates
+  std::vector<std::string> without;  ///< excluded kinds
 };
 
-/// A relation in which terms, one after the other, make what is measured of a motion: the bearing
-/// and the machine around it (motion → force), an actuator (command → displacement), an
+/// A relation that predicts a measurement from a motion by terms, one after the other. It models
+/// the bearing and its machine (motion → force), an actuator (command → displacement), or an
 /// accelerometer (displacement → acceleration).
 class CompositionRelation final : public Relation {
  public:
-  /// @param records  whose size sets the scales   @throws Error if one lacks a channel
+  /// @param records  set the natural scales   @throws Error if one lacks a channel
   CompositionRelation(CompositionSetup setup, const std::vector<const Record*>& records);
 
   [[nodiscard]] const std::string& name() const override { return setup_.name; }
@@ -45,7 +45,7 @@ class CompositionRelation final : public Relation {
                                                      const Drive& drive) const override;
 
  private:
-  [[nodiscard]] int turns() const;  ///< how often one draw of noise serves
+  [[nodiscard]] int rotations() const;  ///< realisations made of one draw of noise
 
   CompositionSetup setup_;
   std::vector<std::pair<std::string, std::string>> outputs_;

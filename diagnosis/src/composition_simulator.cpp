@@ -26,7 +26,7 @@ void load(const MotionDrive& drive, Index step, sim::Quantities<double>& q) {
   q.auxiliary = at(drive.auxiliary, step);
 }
 
-// Between two steps: the cubic that has their displacements and velocities.
+// Between two steps: the cubic through their displacements and velocities.
 void load_between(const MotionDrive& drive, Index step, double share, sim::Quantities<double>& q) {
   load(drive, step, q);
   if (step == 0 || share >= 1) return;
@@ -45,16 +45,16 @@ void load_between(const MotionDrive& drive, Index step, double share, sim::Quant
   }
 }
 
-// A specimen behind a spring is solved for step by step, with what it was the step before.
-bool is_mount(const PlacedTerm& term) {
+// A specimen behind a spring is solved step by step, with its force of the step before.
+bool is_mount(const ModelTerm& term) {
   return term.settings.kind == "support_flexibility" || term.settings.kind == "mount_slack";
 }
 
-bool is_vertical(const PlacedTerm& term) {
+bool is_vertical(const ModelTerm& term) {
   return sim::term_kind(term.settings.kind).stage == sim::Stage::Vertical;
 }
 
-bool is_after_specimen(const PlacedTerm& term) {
+bool is_after_specimen(const ModelTerm& term) {
   return sim::term_kind(term.settings.kind).stage > sim::Stage::Restoring;
 }
 
@@ -64,25 +64,25 @@ CompositionSimulator::CompositionSimulator(const Hypothesis& hypothesis, const M
                                            Predicted predicted,
                                            const std::vector<std::size_t>& axes)
     : drive_{drive}, predicted_{predicted}, axes_{axes}, free_{hypothesis.free} {
-  // A bearing's force costs far more than what the machine and the load cell make of it.
+  // A bearing's force costs far more time than the effect of the machine and the load cell on it.
   const bool splits = predicted == Predicted::Force &&
                       std::none_of(hypothesis.terms.begin(), hypothesis.terms.end(), is_vertical);
   std::array<std::vector<sim::TermSettings>, 2> terms;
   for (const auto& term : hypothesis.terms)
     terms[splits && is_after_specimen(term) ? 1 : 0].push_back(term.settings);
   for (const auto& term : terms[0]) specimen_signature_ += term.kind + "/" + term.name + " ";
-  constexpr int kPartsOfMounted = 2;
+  constexpr int kSubstepsOfMounted = 2;
   if (std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), is_mount))
-    parts_ = kPartsOfMounted;
-  compositions_[0] = sim::Composition{terms[0], drive.model_step / parts_};
+    substeps_ = kSubstepsOfMounted;
+  compositions_[0] = sim::Composition{terms[0], drive.model_step / substeps_};
   compositions_[1] = sim::Composition{terms[1], drive.model_step};
   for (const auto& free : hypothesis.free) {
     const auto [meant, parameter] = meant_by(free.name, hypothesis.terms);
-    places_.emplace_back();
+    indices_.emplace_back();
     for (const std::size_t i : meant) {
       const auto& term = hypothesis.terms[i];
       const std::size_t half = splits && is_after_specimen(term) ? 1 : 0;
-      places_.back().push_back(
+      indices_.back().push_back(
           {half, compositions_[half].parameter_index(term.settings.name, parameter)});
     }
   }
@@ -94,9 +94,9 @@ void CompositionSimulator::run_first(const std::vector<double>& parameters, Axes
   std::vector<double> state(compositions_[0].states());
   for (Index step = 0; step < steps; ++step) {
     sim::Quantities<double> q;
-    for (int part = 1; part <= parts_; ++part) {
+    for (int substep = 1; substep <= substeps_; ++substep) {
       q = {};
-      load_between(drive_, step, static_cast<double>(part) / parts_, q);
+      load_between(drive_, step, static_cast<double>(substep) / substeps_, q);
       if (predicted_ == Predicted::Displacement) {
         const Index before = std::max<Index>(0, step - 1);
         compositions_[0].set_specimen_force(
@@ -136,9 +136,9 @@ bool CompositionSimulator::predict(const VectorXd& values, MatrixXd& prediction)
   for (std::size_t half = 0; half < 2; ++half)
     parameters[half].assign(compositions_[half].parameters().begin(),
                             compositions_[half].parameters().end());
-  for (std::size_t i = 0; i < places_.size(); ++i)
-    for (const auto& [half, place] : places_[i])
-      parameters[half][place] = values[static_cast<Index>(i)];
+  for (std::size_t i = 0; i < indices_.size(); ++i)
+    for (const auto& [half, index] : indices_[i])
+      parameters[half][index] = values[static_cast<Index>(i)];
   Axes output = specimen(parameters[0]);
   if (!compositions_[1].terms().empty()) run_second(parameters[1], output);
   prediction.resize(drive_.rows(), static_cast<Index>(axes_.size()));
@@ -149,21 +149,21 @@ bool CompositionSimulator::predict(const VectorXd& values, MatrixXd& prediction)
   return true;
 }
 
-// Differences cost a fifth of exact derivatives here: a step is mostly one rate equation, and what
-// their error of 1e-4 does to a fit is far below the noise.
+// Differences take a fifth of the time of exact derivatives here: a step is mostly one rate
+// equation. The effect of their error of 1e-4 on a fit is far below the noise.
 bool CompositionSimulator::run(const VectorXd& values, const std::vector<Index>& wanted,
                                MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const {
   derivatives.clear();
   if (!predict(values, prediction)) return false;
-  MatrixXd beside;
+  MatrixXd shifted;
   for (const Index i : wanted) {
-    constexpr double kStep = 1e-4;  // of what is a change that matters
+    constexpr double kStep = 1e-4;  // of a parameter's scale
     const FreeParameter& free = free_[static_cast<std::size_t>(i)];
     VectorXd moved = values;
     const double step = (values[i] + kStep * free.scale > free.high ? -kStep : kStep) * free.scale;
     moved[i] += step;
-    if (!predict(moved, beside)) return false;
-    derivatives.push_back((beside - prediction) / step);
+    if (!predict(moved, shifted)) return false;
+    derivatives.push_back((shifted - prediction) / step);
   }
   return true;
 }

@@ -5,10 +5,10 @@
 
 namespace rths::diagnosis {
 
-/// Which of the quantities of a composition is compared.
+/// The predicted quantity of a composition.
 enum class Predicted { Force, Displacement, Acceleration };
 
-/// Runs a composition along a drive; derivatives by differences.
+/// Runs a composition along a drive. Derivatives are differences.
 class CompositionSimulator final : public Simulator {
  public:
   CompositionSimulator(const Hypothesis& hypothesis, const MotionDrive& drive, Predicted predicted,
@@ -22,21 +22,21 @@ class CompositionSimulator final : public Simulator {
   [[nodiscard]] bool predict(const Eigen::VectorXd& values, Eigen::MatrixXd& prediction) const;
   void run_first(const std::vector<double>& parameters, Axes& output) const;
   void run_second(const std::vector<double>& parameters, Axes& force) const;
-  /// The first half's output, which is run only if its parameters are not those of the last time.
+  /// The first half's output. It runs only if its parameters have changed since the last call.
   [[nodiscard]] const Axes& specimen(const std::vector<double>& parameters) const;
 
-  struct Spot {
+  struct ParameterIndex {
     std::size_t half, parameter;
   };
 
-  std::array<sim::Composition, 2> compositions_;  ///< the specimen; the machine and sensors
-  int parts_ = 1;                                 ///< of a step of the model, for the specimen
+  std::array<sim::Composition, 2> compositions_;  ///< 0: specimen; 1: machine and sensors
+  int substeps_ = 1;                              ///< of a step of the model, for the specimen
   std::string specimen_signature_;                ///< kinds and names of the first half
   const MotionDrive& drive_;
   Predicted predicted_;
   std::vector<std::size_t> axes_;
   std::vector<FreeParameter> free_;
-  std::vector<std::vector<Spot>> places_;  ///< of each free parameter
+  std::vector<std::vector<ParameterIndex>> indices_;  ///< of each free parameter
 };
 
 }  // namespace rths::diagnosis

@@ -9,25 +9,25 @@
 
 namespace rths::diagnosis {
 
-/// Force of one connection's terms, which may be tried before it is kept.
+/// Force of one connection's terms. A trial step can be repeated before it is committed.
 template <class Real>
 class ConnectionForce {
  public:
-  ConnectionForce(const ConnectionPlace& place, const std::vector<Real>& values,
+  ConnectionForce(const ConnectionWithTerms& connection, const std::vector<Real>& values,
                   const Real& stiffness, const Real& damping)
-      : place_{&place},
-        parameters_{place.terms.parameters(values)},
-        state_(place.terms.composition().states()),
-        tried_(state_.size()) {
-    const UnitScales& scales = place.terms.scales();
+      : connection_{&connection},
+        parameters_{connection.terms.parameters(values)},
+        state_(connection.terms.composition().states()),
+        trial_state_(state_.size()) {
+    const UnitScales& scales = connection.terms.scales();
     into_length_ = 1 / scales.length;
     into_velocity_ = scales.time / scales.length;
     into_acceleration_ = into_velocity_ * scales.time;
     force_ = scales.force;
-    if (!place.holds_linear) return;
+    if (!connection.holds_linear) return;
     stiffness_ = stiffness;
     damping_ = damping;
-    const auto& composition = place.terms.composition();
+    const auto& composition = connection.terms.composition();
     const auto set = [&](std::string_view term, const char* name, const Real& value) {
       parameters_[composition.parameter_index(std::string{term}, name)] = value;
     };
@@ -35,33 +35,33 @@ class ConnectionForce {
     set(kLinearDamper, "damping", damping * (1 / scales.of("N*s/m")));
   }
 
-  /// At a displacement and velocity [SI], from what was kept last. Beyond the linear spring and
-  /// damper, which the linear part has.
-  Real tried(const Real& displacement, const Real& velocity, const Real& acceleration,
+  /// Force of a trial step from the committed state [SI], without the linear spring and damper,
+  /// which belong to the linear system.
+  Real trial(const Real& displacement, const Real& velocity, const Real& acceleration,
              double time) {
-    std::copy(state_.begin(), state_.end(), tried_.begin());
+    std::copy(state_.begin(), state_.end(), trial_state_.begin());
     quantities_ = {};
-    quantities_.time = time / place_->terms.scales().time;
+    quantities_.time = time / connection_->terms.scales().time;
     quantities_.displacement[0] = displacement * into_length_;
     quantities_.velocity[0] = velocity * into_velocity_;
     quantities_.acceleration[0] = acceleration * into_acceleration_;
-    place_->terms.composition().advance(parameters_, tried_, quantities_);
+    connection_->terms.composition().advance(parameters_, trial_state_, quantities_);
     Real force = quantities_.force[0] * force_;
-    if (place_->holds_linear) force -= stiffness_ * displacement + damping_ * velocity;
+    if (connection_->holds_linear) force -= stiffness_ * displacement + damping_ * velocity;
     return force;
   }
-  void keep() { state_.swap(tried_); }
+  void commit() { state_.swap(trial_state_); }
 
  private:
-  const ConnectionPlace* place_;
-  std::vector<Real> parameters_, state_, tried_;
+  const ConnectionWithTerms* connection_;
+  std::vector<Real> parameters_, state_, trial_state_;
   double into_length_, into_velocity_, into_acceleration_, force_;
   Real stiffness_{}, damping_{};
   sim::Quantities<Real> quantities_;
 };
 
-/// Forces at the end of a step that depend on the motion there, which depends on them. Solved
-/// connection by connection with secants; what they do to each other comes with the next turn.
+/// Forces at the end of a step. They depend on the motion there, which depends on them. Secant
+/// iterations solve each connection; their interaction enters in the next iteration.
 template <class Real>
 class ConnectionForces {
  public:
@@ -79,17 +79,18 @@ class ConnectionForces {
   [[nodiscard]] const std::vector<Real>& before() const { return last_; }  ///< one step earlier
   [[nodiscard]] std::size_t size() const { return connections_.size(); }
 
-  /// Where the motion is given.
+  /// Sets the forces at a given motion.
   void start(const std::vector<Real>& displacement, const std::vector<Real>& velocity,
              const std::vector<Real>& acceleration, double time) {
     for (std::size_t i = 0; i < size(); ++i) {
-      force[i] = connections_[i].tried(displacement[i], velocity[i], acceleration[i], time);
-      connections_[i].keep();
+      force[i] = connections_[i].trial(displacement[i], velocity[i], acceleration[i], time);
+      connections_[i].commit();
     }
     last_ = force;
   }
 
-  /// @param move  fills in the motion at the end of the step for given forces there
+  /// Solves for the forces at the end of a step.
+  /// @param move  computes the motion at the end of the step for given forces there
   /// @param yield  ∂d/∂f of each connection
   template <class Move>
   void solve(const Move& move, const std::vector<double>& yield, std::vector<Real>& displacement,
@@ -98,28 +99,28 @@ class ConnectionForces {
         std::all_of(yield.begin(), yield.end(), [](double each) { return each == 0; });
     for (std::size_t i = 0; i < size(); ++i) guess_[i] = force[i] + (force[i] - last_[i]);
     last_ = force;
-    const int turns = is_explicit ? 1 : kMostTurns;
-    for (int turn = 1;; ++turn) {
+    const int most = is_explicit ? 1 : kMostIterations;
+    for (int iteration = 1;; ++iteration) {
       move(guess_.data(), displacement, velocity);
       bool settled = true;
       for (std::size_t i = 0; i < size(); ++i) {
-        force[i] = connections_[i].tried(displacement[i], velocity[i], acceleration[i], time);
-        settled &= improve(i, yield[i], sim::value_of(displacement[i]), turn > 1);
+        force[i] = connections_[i].trial(displacement[i], velocity[i], acceleration[i], time);
+        settled &= improve(i, yield[i], sim::value_of(displacement[i]), iteration > 1);
       }
-      if ((settled && turn > 1) || turn == turns) break;
+      if ((settled && iteration > 1) || iteration == most) break;
     }
-    for (auto& connection : connections_) connection.keep();
+    for (auto& connection : connections_) connection.commit();
   }
 
  private:
-  static constexpr int kMostTurns = 6;
+  static constexpr int kMostIterations = 6;
   static constexpr double kTolerance = 1e-8;  // of the largest force so far
 
-  struct Tried {
+  struct Trial {
     double displacement = 0, force = 0;
   };
 
-  // A better guess from the force that the last one gave. @returns whether that was good enough
+  // Improves the guess by the force at the last one. @returns whether the last one was close enough
   bool improve(std::size_t i, double yield, double displacement, bool has_before) {
     const double value = sim::value_of(force[i]);
     peak_[i] = std::max(peak_[i], std::abs(value));
@@ -136,7 +137,7 @@ class ConnectionForces {
   std::vector<ConnectionForce<Real>> connections_;
   std::vector<Real> last_, guess_;
   std::vector<double> slope_, peak_;
-  std::vector<Tried> before_;
+  std::vector<Trial> before_;
 };
 
 }  // namespace rths::diagnosis

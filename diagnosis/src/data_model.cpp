@@ -19,8 +19,8 @@ std::string member_of(const std::string& role) {
   return dot == std::string::npos ? "" : role.substr(dot);
 }
 
-// What may move a term that is missing beside the prediction of this output: the motion along it
-// if that was measured, else everything that goes in, else the prediction itself.
+// Signals that may drive a term missing in the prediction of this output. These are the
+// displacement along it if it was measured, otherwise all inputs, otherwise the prediction itself.
 std::vector<std::string> drivers_of(const std::string& output, const Record& record) {
   const std::string along = "displacement" + member_of(output);
   if (output != along && record.find(along) != nullptr) return {along};
@@ -33,10 +33,10 @@ std::vector<std::string> drivers_of(const std::string& output, const Record& rec
   return drivers;
 }
 
-// A term beside a prediction.
-struct Beside {
+// A term added to a prediction.
+struct AddedTerm {
   Index output;
-  Index displacement, velocity, acceleration;  // among the linear part's inputs
+  Index displacement, velocity, acceleration;  // indices of the linear system's inputs
 };
 
 class DataReader {
@@ -47,16 +47,16 @@ class DataReader {
   }
 
   DynamicModel model;
-  std::vector<Beside> beside;
+  std::vector<AddedTerm> added;
 
  private:
   void add(const std::string& output) {
     if (record_.find(output) == nullptr)
-      throw Error{fmt::format("{}: {} is predicted, but was not recorded", record_.name, output)};
+      throw Error{fmt::format("{}: {} is predicted but was not recorded", record_.name, output)};
     model.outputs.push_back(output);
-    const std::size_t place = model.outputs.size() - 1;
-    // The prediction itself is the input of that number.
-    model.inputs.insert(model.inputs.begin() + static_cast<std::ptrdiff_t>(place),
+    const std::size_t index = model.outputs.size() - 1;
+    // The prediction is the input with the output's index.
+    model.inputs.insert(model.inputs.begin() + static_cast<std::ptrdiff_t>(index),
                         std::string{kPredicted} + output);
   }
 
@@ -67,7 +67,7 @@ class DataReader {
     return static_cast<Index>(model.plant_inputs.size()) - 1;
   }
 
-  // A rate that was measured, or that of the displacement.
+  // The measured rate; if there is none, the rate of the displacement.
   Index rate(const std::string& driver, const char* family, int order) {
     const std::string measured = family + member_of(driver);
     const bool is_there = driver.starts_with("displacement.") && record_.find(measured) != nullptr;
@@ -80,12 +80,12 @@ class DataReader {
     for (std::size_t i = 0; i < model.outputs.size(); ++i) {
       const auto drivers = drivers_of(model.outputs[i], record_);
       for (const auto& driver : drivers) {
-        beside.push_back({static_cast<Index>(i), plant_input(driver, 0),
-                          rate(driver, "velocity", 1), rate(driver, "acceleration", 2)});
-        const std::string place = fmt::format("added.{}", beside.size());
-        model.connections.push_back({place,
-                                     fmt::format("in {}, moved by {}", model.outputs[i], driver),
-                                     drivers.size() == 1 ? model.outputs[i] : place,
+        added.push_back({static_cast<Index>(i), plant_input(driver, 0), rate(driver, "velocity", 1),
+                         rate(driver, "acceleration", 2)});
+        const std::string component = fmt::format("added.{}", added.size());
+        model.connections.push_back({component,
+                                     fmt::format("in {}, driven by {}", model.outputs[i], driver),
+                                     drivers.size() == 1 ? model.outputs[i] : component,
                                      {},
                                      i});
       }
@@ -111,12 +111,11 @@ DynamicModel read_data(const Config& table, const Record& record) {
   model.has_terms_on_inputs = false;
   const auto outputs = static_cast<Index>(model.outputs.size());
   const auto inputs = static_cast<Index>(model.plant_inputs.size());
-  model.linear = [beside = reader.beside, outputs, inputs](const Eigen::VectorXd&) {
-    LinearSystem system =
-        LinearSystem::zeros(0, inputs, outputs, static_cast<Index>(beside.size()));
+  model.linear = [added = reader.added, outputs, inputs](const Eigen::VectorXd&) {
+    LinearSystem system = LinearSystem::zeros(0, inputs, outputs, static_cast<Index>(added.size()));
     system.d.leftCols(outputs).setIdentity();
-    for (Index i = 0; i < static_cast<Index>(beside.size()); ++i) {
-      const Beside& term = beside[static_cast<std::size_t>(i)];
+    for (Index i = 0; i < static_cast<Index>(added.size()); ++i) {
+      const AddedTerm& term = added[static_cast<std::size_t>(i)];
       system.q(i, term.displacement) = 1;
       system.s(i, term.velocity) = 1;
       system.t(i, term.acceleration) = 1;

@@ -10,6 +10,7 @@
 
 #include <rths/diagnosis/signal.hpp>
 
+#include "dynamic_drive.hpp"
 #include "test_motion.hpp"
 
 namespace rths::diagnosis {
@@ -20,28 +21,25 @@ using Eigen::VectorXd;
 
 constexpr double kUsualDuration = 30;      // [s]
 constexpr double kLongDuration = 120;      // [s]
-constexpr double kFewestRows = 1000;       // of a test of something slow
+constexpr double kFewestRows = 1000;       // of a test of a slow system
 constexpr double kMostRows = 4'000;        // of a usual test
-constexpr double kMostRowsOfLong = 8'000;  // of the long one
-constexpr double kMostRepeated = 60'000;   // of a record that is run again
+constexpr double kMostRowsOfLong = 8'000;  // of the long test
+constexpr double kMostRepeated = 60'000;   // of a repeated record
 constexpr double kRestShare = 0.06;        // of a test, at its beginning
-constexpr double kFewestPeriods = 4;       // of a sine, in a test
-constexpr double kCutoffShare = 0.15;      // of the rate of rows: what is faster is filtered away
-constexpr double kSmoothShare = 0.36;      // of the rate of rows: rates of noise are no rates
-constexpr double kHoldTime = 4;            // [s]
-constexpr double kSteadyShare = 0.02;      // of its mean: a state that varies less is held
-constexpr double kHeldShare = 0.3;         // by which such a state may be changed
-constexpr double kQuasiStatic = 0.02;      // of the largest rate
-constexpr double kCircleRadius = 0.7;      // of the largest displacement
-
-VectorXd values_of(const Channel& channel) {
-  return VectorXd::Map(channel.values.data(), static_cast<Index>(channel.values.size()));
-}
+constexpr double kFewestPeriods = 4;       // of a sine in a test
+constexpr double kCutoffShare =
+    0.15;  // of the row rate: the comparison filters out higher frequencies
+constexpr double kSmoothShare = 0.36;  // of the row rate: keeps noise out of the rates
+constexpr double kHoldTime = 4;        // [s]
+constexpr double kSteadyShare = 0.02;  // of its mean: a channel that varies less is held constant
+constexpr double kHeldShare = 0.3;     // of its mean: change of such a channel
+constexpr double kQuasiStatic = 0.02;  // of the largest rate
+constexpr double kCircleRadius = 0.7;  // of the largest displacement
 
 std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
-std::string member_of(const std::string& role) { return role.substr(role.find('.') + 1); }
+std::string axis_name_of(const std::string& role) { return role.substr(role.find('.') + 1); }
 
-// Nobody sets a machine to more.
+// Rounds down to two significant digits, as machines are set.
 double two_digits(double value) {
   if (!(value > 0)) return value;
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
@@ -55,7 +53,7 @@ std::string quantity(double value, const std::string& unit) {
   return fmt::format("{:.3g}{}", value, unit.empty() || unit == "1" ? "" : " " + unit);
 }
 
-// How far a channel went.
+// Largest values of a channel and its rates.
 struct Visited {
   double amplitude = 0, rate = 0, second_rate = 0;
 };
@@ -84,7 +82,7 @@ Visited visited_by(const Problem& problem, const std::string& role) {
   return most;
 }
 
-// Makes records like those of a problem, with motions of its own.
+// Makes records like those of a problem, with other motions.
 class Laboratory {
  public:
   explicit Laboratory(const Problem& problem)
@@ -94,7 +92,7 @@ class Laboratory {
     amplitude_ = kReach * most.amplitude;
     rate_ = kReach * most.rate;
     second_rate_ = kReach * most.second_rate;
-    // As fast as the model runs on the records, which is all that predictions need.
+    // The rate of the model on the records: predictions need no more.
     time_.step = std::max(like_.time_step, problem.drive(0).time_step / 4);
     set_duration(kUsualDuration, kMostRows);
   }
@@ -110,7 +108,7 @@ class Laboratory {
     add_repeats();
     set_duration(kLongDuration, kMostRowsOfLong);
     const double slow = frequency_at(0.3 * amplitude_, 0.2 * rate_);
-    add(fmt::format("sine of {:.3g} Hz, ±{}", slow, size(0.3)), sine(time_, part(0.3), slow));
+    add(fmt::format("sine of {:.3g} Hz, ±{}", slow, size(0.3)), sine(time_, amplitude(0.3), slow));
     return std::move(designs_);
   }
 
@@ -121,12 +119,12 @@ class Laboratory {
     time_.rest = kRestShare * time_.duration;
   }
 
-  [[nodiscard]] double part(double share) const { return two_digits(share * amplitude_); }
+  [[nodiscard]] double amplitude(double share) const { return two_digits(share * amplitude_); }
   [[nodiscard]] std::string size(double share) const {
-    return quantity(part(share), like_.find(drivers_[0])->unit);
+    return quantity(amplitude(share), like_.find(drivers_[0])->unit);
   }
-  // What reaches a rate at an amplitude, as far as it is compared, still has some periods, and asks
-  // no more acceleration of a machine than it gave.
+  // Frequency of a sine with this amplitude and rate. Limits: the acceleration that the machine has
+  // reached, a minimum number of periods, and the bandwidth of the comparison.
   [[nodiscard]] double frequency_at(double amplitude, double rate) const {
     const double wanted =
         std::min(rate / amplitude, std::sqrt(second_rate_ / amplitude)) / (2 * std::numbers::pi);
@@ -138,11 +136,11 @@ class Laboratory {
     for (const double share : {1.0, 0.3, 0.1}) {
       double last = 0;
       for (const double pace : {1.0, 0.2, 0.04}) {
-        const double frequency = frequency_at(part(share), pace * rate_);
+        const double frequency = frequency_at(amplitude(share), pace * rate_);
         if (frequency == last) continue;
         last = frequency;
         add(fmt::format("sine of {:.3g} Hz, ±{}", frequency, size(share)),
-            sine(time_, part(share), frequency));
+            sine(time_, amplitude(share), frequency));
       }
     }
   }
@@ -151,36 +149,37 @@ class Laboratory {
     const std::string unit = like_.find(drivers_[0])->unit;
     for (const double pace : {0.5, 0.1, kQuasiStatic}) {
       const double velocity = two_digits(pace * rate_);
-      if (time_.moving() * velocity < 4 * part(1)) continue;
+      if (time_.moving() * velocity < 4 * amplitude(1)) continue;
       const char* name = pace == kQuasiStatic ? "quasi-static push with reversals" : "triangle";
       add(fmt::format("{} at {}, ±{}", name, quantity(velocity, unit + "/s"), size(1)),
-          triangle(time_, part(1), velocity));
+          triangle(time_, amplitude(1), velocity));
     }
     const double velocity = two_digits(0.5 * rate_);
     const double hold = std::min(kHoldTime, time_.moving() / 6);
     add(fmt::format("ramps at {} to ±{}, held for {:.3g} s", quantity(velocity, unit + "/s"),
                     size(1), hold),
-        ramps_and_holds(time_, part(1), velocity, hold));
+        ramps_and_holds(time_, amplitude(1), velocity, hold));
   }
 
   void add_mixed() {
-    const double half = frequency_at(part(1), 0.5 * rate_), full = frequency_at(part(1), rate_);
+    const double half = frequency_at(amplitude(1), 0.5 * rate_),
+                 full = frequency_at(amplitude(1), rate_);
     constexpr int kSteps = 5, kBursts = 3;
-    add(fmt::format("sine of {:.3g} Hz, its amplitude rising in {} steps to ±{}", half, kSteps,
+    add(fmt::format("sine of {:.3g} Hz, amplitude rising in {} steps to ±{}", half, kSteps,
                     size(1)),
-        staircase(time_, part(1), half, kSteps));
+        staircase(time_, amplitude(1), half, kSteps));
     for (const double share : {0.3, 0.1}) {
-      const double to = frequency_at(part(share), rate_), from = two_digits(to / 20);
+      const double to = frequency_at(amplitude(share), rate_), from = two_digits(to / 20);
       add(fmt::format("sine sweep from {:.3g} to {:.3g} Hz, ±{}", from, to, size(share)),
-          sweep(time_, part(share), from, to));
+          sweep(time_, amplitude(share), from, to));
     }
     add(fmt::format("{} bursts of a sine of {:.3g} Hz, ±{}, with rests between them", kBursts, full,
                     size(1)),
-        bursts(time_, part(1), full, kBursts));
+        bursts(time_, amplitude(1), full, kBursts));
     add(kNothingMoving, VectorXd::Zero(time_.samples()));
   }
 
-  // A sine while something else stands at three levels.
+  // A sine while another channel is held at three levels.
   void add_levels() {
     for (const auto& channel : like_.channels) {
       if (channel.role != "vertical_force" && !channel.role.starts_with("auxiliary.")) continue;
@@ -188,11 +187,11 @@ class Laboratory {
       double reach = kReach / 2 * (x.maxCoeff() - x.minCoeff());
       const double mean = x.mean();
       if (reach < kSteadyShare * std::abs(mean)) reach = kHeldShare * std::abs(mean);
-      const double frequency = frequency_at(part(0.8), 0.5 * rate_);
+      const double frequency = frequency_at(amplitude(0.8), 0.5 * rate_);
       add(fmt::format("sine of {:.3g} Hz, ±{}, at {} of {}, {} and {}", frequency, size(0.8),
                       channel.role, quantity(mean - reach, channel.unit),
                       quantity(mean, channel.unit), quantity(mean + reach, channel.unit)),
-          sine(time_, part(0.8), frequency));
+          sine(time_, amplitude(0.8), frequency));
       if (Channel* level = channel_of(designs_.back().record, channel.role))
         for (Index k = 0; k < time_.samples(); ++k) {
           const double third =
@@ -204,17 +203,18 @@ class Laboratory {
 
   void add_second_axis() {
     if (drivers_.size() < 2 || family_of(drivers_[0]) != family_of(drivers_[1])) return;
-    if (family_of(drivers_[0]) == "input") return;  // may be anything
-    const double frequency = frequency_at(part(kCircleRadius), 0.5 * rate_);
+    if (family_of(drivers_[0]) == "input") return;  // not necessarily axes
+    const double frequency = frequency_at(amplitude(kCircleRadius), 0.5 * rate_);
     const double quarter = std::numbers::pi / 2;
     add(fmt::format("circle of {} in both axes, {:.3g} Hz", size(kCircleRadius), frequency),
-        sine(time_, part(kCircleRadius), frequency),
-        sine(time_, part(kCircleRadius), frequency, quarter));
+        sine(time_, amplitude(kCircleRadius), frequency),
+        sine(time_, amplitude(kCircleRadius), frequency, quarter));
     add(fmt::format("sine of {:.3g} Hz, ±{} in both axes", frequency, size(kCircleRadius)),
-        sine(time_, part(kCircleRadius), frequency), sine(time_, part(kCircleRadius), frequency));
+        sine(time_, amplitude(kCircleRadius), frequency),
+        sine(time_, amplitude(kCircleRadius), frequency));
   }
 
-  // All so far, on the empty table.
+  // Repeats the tests so far on the empty table.
   void add_empty() {
     for (std::size_t i = 0, count = designs_.size(); i < count; ++i) {
       Design empty = designs_[i];
@@ -224,7 +224,7 @@ class Laboratory {
     }
   }
 
-  // What was run already, larger and smaller.
+  // Repeats the recorded motion, larger and smaller.
   void add_repeats() {
     for (const double factor : {kReach, 0.5}) {
       Record record = like_;
@@ -236,7 +236,7 @@ class Laboratory {
           for (double& value : output->values) value *= factor;
       if (static_cast<double>(record.samples()) > kMostRepeated) continue;
       designs_.push_back(
-          {fmt::format("{} {} again, {:.3g} times as large", kSameAgain, like_.name, factor),
+          {fmt::format("{} {} repeated, {:.3g} times as large", kSameAgain, like_.name, factor),
            std::move(record)});
     }
   }
@@ -262,27 +262,35 @@ class Laboratory {
     designs_.push_back({fmt::format("{}, {:.3g} s", text, time_.duration), std::move(record)});
   }
 
-  // What a channel of the records would be under a motion.
+  // The signal of a channel of the records under a motion.
   [[nodiscard]] VectorXd signal_of(const std::string& role, const VectorXd& motion,
                                    const VectorXd& second) const {
     const VectorXd still = VectorXd::Zero(time_.samples());
     for (std::size_t i = 0; i < drivers_.size(); ++i) {
-      const std::string& driver = drivers_[i];
       const VectorXd& moved = i == 0 ? motion : i == 1 && second.size() > 0 ? second : still;
-      if (role == driver) return moved;
-      if (member_of(role) != member_of(driver)) continue;
-      if (driver.starts_with("displacement.") && role.starts_with("velocity."))
-        return rate_of(moved, time_.step);
-      if (driver.starts_with("displacement.") && role.starts_with("acceleration."))
-        return second_rate_of(moved, time_.step);
-      if (role.starts_with("force.") && !is_output(role)) return load_of(role, driver) * moved;
+      if (const auto signal = signal_along(role, drivers_[i], moved)) return *signal;
     }
     const Channel& recorded = *like_.find(role);
     if (!is_output(role)) return VectorXd::Constant(time_.samples(), values_of(recorded).mean());
-    // Models ask how large an output is at most, and where it begins.
+    // Models need the peak and the first value of an output.
     VectorXd sized = still;
     sized[sized.size() - 1] = values_of(recorded).cwiseAbs().maxCoeff();
     return sized;
+  }
+
+  // The signal of a channel that follows a driver; none if it does not.
+  [[nodiscard]] std::optional<VectorXd> signal_along(const std::string& role,
+                                                     const std::string& driver,
+                                                     const VectorXd& moved) const {
+    if (role == driver) return moved;
+    if (axis_name_of(role) != axis_name_of(driver)) return std::nullopt;
+    const bool is_displacement = driver.starts_with("displacement.");
+    if (is_displacement && role.starts_with("velocity.")) return rate_of(moved, time_.step);
+    if (is_displacement && role.starts_with("acceleration."))
+      return second_rate_of(moved, time_.step);
+    if (role.starts_with("force.") && !is_output(role))
+      return VectorXd{load_of(role, driver) * moved};
+    return std::nullopt;
   }
 
   [[nodiscard]] bool is_output(const std::string& role) const {
@@ -291,7 +299,7 @@ class Laboratory {
                        [&](const auto& output) { return output.first == role; });
   }
 
-  // Force per motion, of an actuator that works against it.
+  // Force per motion of an actuator with a load.
   [[nodiscard]] double load_of(const std::string& force, const std::string& driver) const {
     const VectorXd u = values_of(*like_.find(driver)), f = values_of(*like_.find(force));
     const double square = (u.array() - u.mean()).square().sum();

@@ -8,23 +8,23 @@
 
 namespace rths::diagnosis {
 
-/// Tests stay within what was visited times this: in amplitude, rate and acceleration.
+/// Factor on the recorded amplitude, rate and acceleration that limits proposed tests.
 inline constexpr double kReach = 1.25;
 
-/// How the text of some of them begins.
-inline constexpr const char* kNothingMoving = "nothing moving";
+/// First words of the text of some tests.
+inline constexpr const char* kNothingMoving = "no motion";
 inline constexpr const char* kSameAgain = "the motion of";
 
-/// A test that could be run: a record of its motion, without noise, and what to say of it. What
-/// would be measured is not in it.
+/// A test that could be run: a record of its motion without noise, and its description. The record
+/// contains no measurements.
 struct Design {
   std::string text;  ///< "sine of 0.5 Hz, ±120 mm, 30 s"
   Record record;
-  bool is_empty = false;  ///< without the specimen
+  bool is_empty = false;  ///< no specimen in the machine
 };
 
-/// Tests of the catalogue that suit the channels which drive a relation; none if nothing does.
-/// @param is_removable  there is a specimen that can be taken out of the machine
+/// Tests of the catalogue for the channels that drive a relation; none if it has no driver.
+/// @param is_removable  the machine has a specimen that can be removed
 [[nodiscard]] std::vector<Design> designs_for(const Problem& problem, bool is_removable);
 
 }  // namespace rths::diagnosis

@@ -2,6 +2,7 @@
 #include <rths/diagnosis/diagnose.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -33,60 +34,91 @@ bool is_acceleration(const Investigation& found) {
   return found.relation->outputs()[0].first.starts_with("acceleration");
 }
 
-// Takes the faults that an accelerometer was found to have out of its channel, so that what
-// follows does not see them: a = T⁻¹(y) by iteration, the faults being small.
+using PerAxis = std::array<double, sim::kHorizontalAxes>;
+
+// The channels of one record that the correction of accelerometers uses, by axis; null: none.
+struct AccelerometerChannels {
+  std::array<Channel*, sim::kHorizontalAxes> acceleration{};
+  std::array<const Channel*, sim::kHorizontalAxes> displacement{};
+
+  explicit AccelerometerChannels(Record& record) {
+    for (auto& channel : record.channels)
+      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+        const char* name = axis == 0 ? "long" : "lat";
+        if (channel.role == fmt::format("acceleration.{}", name)) acceleration[axis] = &channel;
+        if (channel.role == fmt::format("displacement.{}", name)) displacement[axis] = &channel;
+      }
+  }
+  [[nodiscard]] std::vector<PerAxis> measured(std::size_t samples) const {
+    std::vector<PerAxis> values(samples);
+    for (std::size_t k = 0; k < samples; ++k)
+      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+        values[k][axis] = acceleration[axis] != nullptr ? acceleration[axis]->values[k] : 0;
+    return values;
+  }
+  void set(const std::vector<PerAxis>& corrected) const {
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+      if (acceleration[axis] != nullptr)
+        for (std::size_t k = 0; k < corrected.size(); ++k)
+          acceleration[axis]->values[k] = corrected[k][axis];
+  }
+};
+
+// Parameters of a composition of a hypothesis' terms at its values.
+std::vector<double> parameters_at(const Hypothesis& hypothesis,
+                                  const sim::Composition& composition) {
+  std::vector<double> parameters(composition.parameters().begin(), composition.parameters().end());
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
+    const std::string& name = hypothesis.free[i].name;
+    const auto dot = name.rfind('.');
+    const std::string prefix = name.substr(0, dot);
+    for (const auto& term : composition.terms())
+      if (term.name == prefix || term.name.starts_with(prefix + "."))
+        parameters[composition.parameter_index(term.name, name.substr(dot + 1))] =
+            hypothesis.values[static_cast<Eigen::Index>(i)];
+  }
+  return parameters;
+}
+
+// One iteration of a = T⁻¹(y): adds the difference between y and T(a) to a.
+void improve(std::vector<PerAxis>& a, const std::vector<PerAxis>& y, const Record& record,
+             const AccelerometerChannels& channels, const sim::Composition& composition,
+             const std::vector<double>& parameters) {
+  std::vector<double> state(composition.states());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    sim::Quantities<double> q;
+    q.time = record.start + static_cast<double>(k) * record.time_step;
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+      q.acceleration[axis] = a[k][axis];
+      if (channels.displacement[axis] != nullptr)
+        q.displacement[axis] = channels.displacement[axis]->values[k];
+    }
+    composition.advance(parameters, state, q);
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+      a[k][axis] += y[k][axis] - q.acceleration[axis];
+  }
+}
+
+// Removes the faults T of an accelerometer from its channel y, so that later relations see
+// corrected accelerations: a = T⁻¹(y) by iteration, since the faults are small.
 void correct(const Investigation& found, Case& c) {
+  constexpr int kRounds = 3;
   const Hypothesis& named = found.selection.named;
   std::vector<sim::TermSettings> terms;
   for (const auto& term : named.terms) terms.push_back(term.settings);
   for (auto& record : c.records) {
-    Channel* measured[sim::kHorizontalAxes]{};
-    const Channel* displacement[sim::kHorizontalAxes]{};
-    for (auto& channel : record.channels)
-      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
-        const char* name = axis == 0 ? "long" : "lat";
-        if (channel.role == fmt::format("acceleration.{}", name)) measured[axis] = &channel;
-        if (channel.role == fmt::format("displacement.{}", name)) displacement[axis] = &channel;
-      }
+    const AccelerometerChannels channels{record};
     const sim::Composition composition{terms, record.time_step};
-    std::vector<double> parameters(composition.parameters().begin(),
-                                   composition.parameters().end());
-    for (std::size_t i = 0; i < named.free.size(); ++i) {
-      const auto dot = named.free[i].name.rfind('.');
-      for (const auto& term : composition.terms()) {
-        const std::string prefix = named.free[i].name.substr(0, dot);
-        if (term.name != prefix && !term.name.starts_with(prefix + ".")) continue;
-        parameters[composition.parameter_index(term.name, named.free[i].name.substr(dot + 1))] =
-            named.values[static_cast<Eigen::Index>(i)];
-      }
-    }
-    constexpr int kRounds = 3;
-    std::vector<std::array<double, sim::kHorizontalAxes>> a(record.samples());
-    for (std::size_t k = 0; k < a.size(); ++k)
-      for (std::size_t axis = 0; axis < a[k].size(); ++axis)
-        a[k][axis] = measured[axis] != nullptr ? measured[axis]->values[k] : 0;
-    const auto y = a;
-    for (int round = 0; round < kRounds; ++round) {
-      std::vector<double> state(composition.states());
-      for (std::size_t k = 0; k < a.size(); ++k) {
-        sim::Quantities<double> q;
-        q.time = record.start + static_cast<double>(k) * record.time_step;
-        for (std::size_t axis = 0; axis < a[k].size(); ++axis) {
-          q.acceleration[axis] = a[k][axis];
-          if (displacement[axis] != nullptr) q.displacement[axis] = displacement[axis]->values[k];
-        }
-        composition.advance(parameters, state, q);
-        for (std::size_t axis = 0; axis < a[k].size(); ++axis)
-          a[k][axis] += y[k][axis] - q.acceleration[axis];
-      }
-    }
-    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
-      if (measured[axis] != nullptr)
-        for (std::size_t k = 0; k < a.size(); ++k) measured[axis]->values[k] = a[k][axis];
+    const auto parameters = parameters_at(named, composition);
+    const auto measured = channels.measured(record.samples());
+    auto corrected = measured;
+    for (int round = 0; round < kRounds; ++round)
+      improve(corrected, measured, record, channels, composition, parameters);
+    channels.set(corrected);
   }
 }
 
-// Rounding is seen in the samples themselves; what it adds to the noise is no physics.
+// Rounding is identified in the samples. Its contribution to the noise is not physics.
 std::vector<std::pair<std::string, double>> rounding_of(const std::vector<Lattice>& lattices) {
   std::vector<std::pair<std::string, double>> added;
   for (const auto& lattice : lattices)
@@ -123,7 +155,7 @@ void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
   }
 }
 
-// How many causes they make: one for each family of channels.
+// Number of causes: one for each family of channels.
 std::size_t lattices_named(const std::vector<Lattice>& lattices) {
   std::set<std::string> families;
   for (const auto& lattice : lattices)
@@ -134,7 +166,7 @@ std::size_t lattices_named(const std::vector<Lattice>& lattices) {
 void add_limits(const Case& c, const SensorNoise& noise, const Investigations& all,
                 Verdict& verdict) {
   verdict.noise_model = noise.source();
-  verdict.limits.push_back("The noise is taken from " + noise.source() + ".");
+  verdict.limits.push_back("Source of the noise: " + noise.source() + ".");
   const Record& record = *moving_records(c)[0];
   const auto lacks = [&](const char* family) {
     return std::none_of(record.channels.begin(), record.channels.end(),
@@ -143,19 +175,19 @@ void add_limits(const Case& c, const SensorNoise& noise, const Investigations& a
   if (is_composition(c.model.kind)) {
     if (lacks("acceleration."))
       verdict.limits.emplace_back(
-          "No acceleration was recorded: inertia and the accelerometer's own "
-          "faults rest on displacement alone.");
+          "No acceleration was recorded: estimates of inertia use displacement alone, and the "
+          "accelerometer's faults are not checked.");
     if (lacks("vertical_force") && c.model.kind != "servo_axis")
       verdict.limits.emplace_back(
-          "No vertical force was recorded: what depends on it cannot be told "
-          "from what does not.");
+          "No vertical force was recorded: effects that depend on it cannot be distinguished from "
+          "others.");
     if (lacks("temperature") && c.model.kind == "bearing")
       verdict.limits.emplace_back("No temperature was recorded.");
     if (lacks("command."))
-      verdict.limits.emplace_back("No command was recorded: actuators were not looked at.");
+      verdict.limits.emplace_back("No command was recorded: actuators were not checked.");
   }
   if (verdict.proof_record.empty())
-    verdict.limits.emplace_back("No record was left to prove anything on.");
+    verdict.limits.emplace_back("No record was held out for a proof.");
   for (const auto& found : all) {
     double u = 0, v = 0;
     const Drive& drive = found->problem->drive(0);
@@ -168,34 +200,48 @@ void add_limits(const Case& c, const SensorNoise& noise, const Investigations& a
   }
 }
 
-// Missing before unknown before none; a relation that is further up the chain is reported first.
+// An investigation that found a cause and leaves nothing unknown.
+bool is_explained(const Investigation& found) { return found.is_named() && !found.is_unknown(); }
+
+template <class Condition>
+const Investigation* first_where(const Investigations& all, const Condition& holds) {
+  const auto first =
+      std::find_if(all.begin(), all.end(), [&](const auto& found) { return holds(*found); });
+  return first == all.end() ? nullptr : first->get();
+}
+
+// Moves the causes of an investigation to the front.
+void put_first(const Investigation& shown, std::vector<Cause>& causes) {
+  const auto& rounds = shown.selection.rounds;
+  std::stable_partition(causes.begin(), causes.end(), [&](const Cause& cause) {
+    return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& round) {
+      return round.chosen.candidate.name == cause.name &&
+             round.chosen.candidate.channel == cause.channel;
+    });
+  });
+}
+
+// Missing takes precedence over unknown, unknown over none; a relation further up the chain is
+// reported first.
 void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
-  bool is_unknown = false;
-  const Investigation* shown = all.back().get();
-  for (auto found = all.rbegin(); found != all.rend(); ++found)
-    if ((*found)->is_unknown()) is_unknown = true, shown = found->get();
-  for (auto found = all.rbegin(); found != all.rend(); ++found)
-    if ((*found)->is_named() && !(*found)->is_unknown()) shown = found->get();
+  const Investigation* explained = first_where(all, is_explained);
+  const Investigation* unknown =
+      first_where(all, [](const Investigation& found) { return found.is_unknown(); });
+  const Investigation* shown = explained != nullptr ? explained
+                               : unknown != nullptr ? unknown
+                                                    : all.back().get();
   for (const auto& found : all)
     if (found.get() != shown && (found->is_named() || found->is_unknown())) report(*found, verdict);
   report(*shown, verdict);
   verdict.where = where_of(*shown, c.map);
-  if (shown->is_named()) verdict.where.part = shown->selection.steps[0].chosen.candidate.part;
-  // The relation that is shown comes first.
-  std::stable_partition(verdict.causes.begin(), verdict.causes.end(), [&](const Cause& cause) {
-    return std::any_of(shown->selection.steps.begin(), shown->selection.steps.end(),
-                       [&](const Step& step) {
-                         return step.chosen.candidate.name == cause.name &&
-                                step.chosen.candidate.channel == cause.channel;
-                       });
-  });
+  if (shown->is_named()) verdict.where.part = shown->selection.rounds[0].chosen.candidate.part;
+  put_first(*shown, verdict.causes);
   for (const auto& found : all) verdict.fragment += fragment_of(*found);
-  verdict.outcome = Outcome::None;
-  if (is_unknown) verdict.outcome = Outcome::Unknown;
-  for (const auto& found : all)
-    if (found->is_named() && !found->is_unknown()) verdict.outcome = Outcome::Missing;
-  verdict.has_remainder =
-      verdict.outcome == Outcome::Missing && (is_unknown || shown->selection.has_remainder());
+  verdict.outcome = explained != nullptr ? Outcome::Missing
+                    : unknown != nullptr ? Outcome::Unknown
+                                         : Outcome::None;
+  verdict.has_remainder = verdict.outcome == Outcome::Missing &&
+                          (unknown != nullptr || shown->selection.has_remainder());
 }
 
 }  // namespace
@@ -214,20 +260,20 @@ Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   Verdict verdict;
   verdict.case_name = c.name;
   Investigations all;
-  const auto look_at = [&](std::unique_ptr<Relation> relation) {
+  const auto examine = [&](std::unique_ptr<Relation> relation) {
     if (relation) all.push_back(investigate(std::move(relation), c, noise, options.seed));
   };
   if (is_composition(c.model.kind)) {
-    look_at(accelerometer_relation(c, options));
+    examine(accelerometer_relation(c, options));
     if (!all.empty() && all[0]->is_named() && is_acceleration(*all[0])) correct(*all[0], c);
-    look_at(actuator_relation(c, options));
-    look_at(force_relation(c, options));
+    examine(actuator_relation(c, options));
+    examine(force_relation(c, options));
   } else {
-    look_at(dynamic_relation(c, options));
+    examine(dynamic_relation(c, options));
   }
   if (all.empty())
-    throw Error{fmt::format("{}: a model of kind '{}' relates none of the channels to another",
-                            c.name, c.model.kind)};
+    throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
+                            c.model.kind)};
   conclude(all, c, verdict);
   propose_next_test(all, c, verdict);
   if (!lattices.empty()) {

@@ -19,10 +19,10 @@ struct TermSite {
   Part part;
   UnitScales scales;
   Natural natural;
-  bool is_only_one;  // of its sort: a term needs no place in its name
+  bool is_only_one;  // of its type: its terms are named without the component
 };
 
-// All starts: those of one choice with those of the others.
+// All combinations of the choices' starts.
 std::vector<VectorXd> start_grid(const std::vector<const ParameterChoice*>& free,
                                  const std::vector<FreeParameter>& parameters,
                                  const Natural& natural) {
@@ -30,17 +30,17 @@ std::vector<VectorXd> start_grid(const std::vector<const ParameterChoice*>& free
   for (std::size_t i = 0; i < free.size(); ++i) {
     std::vector<VectorXd> more;
     for (const VectorXd& start : starts)
-      for (const double part : free[i]->starts) {
+      for (const double start_size : free[i]->starts) {
         more.push_back(start);
-        more.back()[static_cast<Index>(i)] = std::clamp(part * size_of(free[i]->unit, natural),
-                                                        parameters[i].low, parameters[i].high);
+        more.back()[static_cast<Index>(i)] = std::clamp(
+            start_size * size_of(free[i]->unit, natural), parameters[i].low, parameters[i].high);
       }
     starts = std::move(more);
   }
   return starts;
 }
 
-// A shape far from where its effect is felt is no shape, and costs time.
+// Limits a shape to the range in which it has an effect; a wider search only takes time.
 void confine(const ParameterChoice& choice, double size, FreeParameter& parameter) {
   constexpr double kWithin = 10;
   const auto [least, most] = std::minmax_element(choice.starts.begin(), choice.starts.end());
@@ -48,41 +48,40 @@ void confine(const ParameterChoice& choice, double size, FreeParameter& paramete
   parameter.high = std::min(parameter.high, *most * size * kWithin);
 }
 
-Candidate candidate_of(const KindChoice& kind, const TermSite& place) {
+Candidate candidate_of(const KindChoice& kind, const TermSite& site) {
   const sim::TermKind& term = sim::term_kind(kind.kind);
   Candidate candidate;
   candidate.name = candidate.kind = kind.kind;
-  candidate.title = fmt::format("{} {}", term.title, place.title);
+  candidate.title = fmt::format("{} {}", term.title, site.title);
   candidate.equation = term.equation;
-  candidate.part = place.part;
-  candidate.channel = place.channel;
-  PlacedTerm placed{{kind.kind, "", {}}, place.name};
-  placed.settings.name = place.is_only_one ? kind.kind : place.name + "." + kind.kind;
+  candidate.part = site.part;
+  candidate.channel = site.channel;
+  ModelTerm added{{kind.kind, "", {}}, site.name};
+  added.settings.name = site.is_only_one ? kind.kind : site.name + "." + kind.kind;
   std::vector<const ParameterChoice*> free;
   for (const auto& choice : kind.choices) {
     const sim::Parameter& parameter = parameter_of(term, choice.name);
-    const double size = size_of(choice.unit, place.natural);
-    const double unit = place.scales.of(parameter.unit);
-    placed.settings.parameters.emplace_back(
+    const double size = size_of(choice.unit, site.natural);
+    const double unit = site.scales.of(parameter.unit);
+    added.settings.parameters.emplace_back(
         choice.name,
         std::clamp(choice.starts[0] * size, parameter.low * unit, parameter.high * unit));
     if (choice.role == ParameterChoice::Stated) continue;
-    candidate.frees.push_back(free_parameter(placed.settings.name + "." + choice.name, parameter,
-                                             place.scales,
-                                             0.1 * std::abs(choice.starts[0]) * size));
+    candidate.frees.push_back(free_parameter(added.settings.name + "." + choice.name, parameter,
+                                             site.scales, 0.1 * std::abs(choice.starts[0]) * size));
     if (choice.role == ParameterChoice::Shape) confine(choice, size, candidate.frees.back());
     free.push_back(&choice);
   }
-  candidate.starts = start_grid(free, candidate.frees, place.natural);
+  candidate.starts = start_grid(free, candidate.frees, site.natural);
   candidate.price = static_cast<int>(free.size());
   candidate.after = candidate.contains = kind.after;
-  candidate.adds.push_back(std::move(placed));
+  candidate.adds.push_back(std::move(added));
   return candidate;
 }
 
-bool stands_already(const Hypothesis& base, const std::string& kind, const std::string& place) {
-  return std::any_of(base.terms.begin(), base.terms.end(), [&](const PlacedTerm& placed) {
-    return placed.settings.kind == kind && placed.place == place;
+bool is_in_model(const Hypothesis& base, const std::string& kind, const std::string& component) {
+  return std::any_of(base.terms.begin(), base.terms.end(), [&](const ModelTerm& term) {
+    return term.settings.kind == kind && term.component == component;
   });
 }
 
@@ -91,7 +90,7 @@ bool is_free(const Hypothesis& base, const std::string& name) {
                      [&](const FreeParameter& free) { return free.name == name; });
 }
 
-// Where the model has no such thing, a term that needs it means nothing.
+// Whether the connection has the mass or spring that the term needs.
 bool is_possible(const std::string& kind, const ConnectionSize& size) {
   if (kind == "platen_inertia") return size.acceleration > 0;
   return size.has_spring || sim::term_kind(kind).stage != sim::Stage::Motion;
@@ -103,14 +102,14 @@ std::vector<KindChoice> possible_kinds(const ConnectionSize& size) {
   return kinds;
 }
 
-void add_place(const std::vector<KindChoice>& kinds, const TermSite& place, const Hypothesis& base,
-               std::vector<Candidate>& candidates) {
+void add_candidates(const std::vector<KindChoice>& kinds, const TermSite& site,
+                    const Hypothesis& base, std::vector<Candidate>& candidates) {
   for (const auto& kind : kinds) {
-    if (stands_already(base, kind.kind, place.name)) continue;
-    // A linear damper that may be fitted needs no other beside it.
-    if (std::string_view{kind.kind} == "viscous_friction" && is_free(base, place.name + ".damping"))
+    if (is_in_model(base, kind.kind, site.name)) continue;
+    // A fitted linear damper makes a second one redundant.
+    if (std::string_view{kind.kind} == "viscous_friction" && is_free(base, site.name + ".damping"))
       continue;
-    candidates.push_back(candidate_of(kind, place));
+    candidates.push_back(candidate_of(kind, site));
   }
 }
 
@@ -123,8 +122,8 @@ Natural natural_of_connection(const ConnectionSize& size, double time_step) {
   return {size.displacement, size.velocity, size.acceleration, size.force, 0, 0, time_step, period};
 }
 
-// A number of the linear part that is not what the simulation took it for.
-Candidate wrong_number(const ModelParameter& parameter, const DynamicSizes& sizes) {
+// A parameter of the linear system with a wrong value.
+Candidate wrong_parameter(const ModelParameter& parameter, const DynamicSizes& sizes) {
   Candidate candidate;
   candidate.name = parameter.error;
   candidate.title = fmt::format("{} is wrong", parameter.name);
@@ -164,21 +163,22 @@ std::vector<Candidate> dynamic_candidates(const DynamicModel& model, const Dynam
   for (std::size_t i = 0; i < model.connections.size(); ++i) {
     const ConnectionSize& size = sizes.connections[i];
     if (!(size.displacement > 0 && size.velocity > 0 && size.force > 0)) continue;
-    add_place(possible_kinds(size),
-              {model.connections[i].place, model.connections[i].title, model.connections[i].seen,
-               Part::Structure, sizes.of_connection(size),
-               natural_of_connection(size, sizes.time_step), model.connections.size() == 1},
-              base, candidates);
+    add_candidates(possible_kinds(size),
+                   {model.connections[i].component, model.connections[i].title,
+                    model.connections[i].seen, Part::Structure, sizes.of_connection(size),
+                    natural_of_connection(size, sizes.time_step), model.connections.size() == 1},
+                   base, candidates);
   }
   const auto add_signals = [&](const std::vector<std::string>& roles,
                                const std::vector<SignalSize>& signal_sizes,
                                const std::vector<KindChoice>& kinds, Part part) {
     for (std::size_t i = 0; i < roles.size(); ++i)
       if (signal_sizes[i].peak > 0)
-        add_place(kinds,
-                  {roles[i], "at " + roles[i], roles[i], part, sizes.of_signal(signal_sizes[i]),
-                   natural_of_signal(signal_sizes[i], sizes.time_step), false},
-                  base, candidates);
+        add_candidates(
+            kinds,
+            {roles[i], "at " + roles[i], roles[i], part, sizes.of_signal(signal_sizes[i]),
+             natural_of_signal(signal_sizes[i], sizes.time_step), false},
+            base, candidates);
   };
   if (model.has_terms_on_inputs)
     add_signals(model.inputs, sizes.inputs, input_kinds(), Part::Actuator);
@@ -186,7 +186,7 @@ std::vector<Candidate> dynamic_candidates(const DynamicModel& model, const Dynam
   for (const auto& parameter : model.parameters)
     if (!parameter.error.empty() && (parameter.value != 0 || parameter.joins) &&
         !is_free(base, parameter.name))
-      candidates.push_back(wrong_number(parameter, sizes));
+      candidates.push_back(wrong_parameter(parameter, sizes));
   return candidates;
 }
 

@@ -8,13 +8,14 @@
 
 namespace rths::diagnosis {
 
-/// What a simulation of a dynamic system may have left out: terms at its inputs, between its
-/// points and at its outputs, and numbers of its linear part that were not fitted.
+/// Candidates for a dynamic system: terms at its inputs, between its points and at its outputs, and
+/// parameters of its linear system that were not fitted.
 [[nodiscard]] std::vector<Candidate> dynamic_candidates(const DynamicModel& model,
                                                         const DynamicSizes& sizes,
                                                         const Hypothesis& base);
 
-/// A free parameter of a term at a place, in the catalogue's bounds.
+/// A free parameter of a term, within the catalogue's bounds.
+/// @param size  a change that matters [SI]; 0: a tenth of the typical value
 [[nodiscard]] FreeParameter free_parameter(const std::string& name, const sim::Parameter& parameter,
                                            const UnitScales& scales, double size);
 

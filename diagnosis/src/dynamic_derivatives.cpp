@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a dynamic model predicts, and how that changes with its free parameters.
+// Predictions of a dynamic model, and their derivatives with respect to its free parameters.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@ using sim::Dual;
 
 namespace {
 
-constexpr double kDifference = 1e-5;  // of a parameter of the linear part, to differentiate by
+constexpr double kDifference = 1e-5;  // relative step of a parameter of the linear system
 
 }  // namespace
 
@@ -29,7 +29,7 @@ MatrixXd as_columns(const std::vector<std::vector<double>>& outputs) {
 
 bool DynamicSimulator::run(const VectorXd& values, const std::vector<Index>& wanted,
                            MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const {
-  const Steps<double> plain_steps = steps(plant_values(values));
+  const StepMatrices<double> plain_steps = steps(plant_values(values));
   derivatives.assign(wanted.size(), {});
   if (wanted.empty()) {
     const auto outputs = run_freely(setup_, signals_, plain_steps, plain(values));
@@ -50,10 +50,10 @@ bool DynamicSimulator::run(const VectorXd& values, const std::vector<Index>& wan
   return true;
 }
 
-// Whether these parameters are of terms behind the plant.
+// Whether these parameters belong to terms at the outputs.
 bool DynamicSimulator::only_at_outputs(const std::vector<Index>& lanes) const {
-  const auto follows_any = [&](const TermPlace& place) {
-    return std::any_of(place.free().begin(), place.free().end(), [&](const auto& bound) {
+  const auto follows_any = [&](const ComponentTerms& terms) {
+    return std::any_of(terms.free().begin(), terms.free().end(), [&](const auto& bound) {
       return std::find(lanes.begin(), lanes.end(), bound.free) != lanes.end();
     });
   };
@@ -64,10 +64,10 @@ bool DynamicSimulator::only_at_outputs(const std::vector<Index>& lanes) const {
 }
 
 bool DynamicSimulator::run_lanes(const VectorXd& values, const std::vector<Index>& lanes,
-                                 const Steps<double>& plain_steps, MatrixXd& prediction,
+                                 const StepMatrices<double>& plain_steps, MatrixXd& prediction,
                                  std::vector<MatrixXd>& derivatives) const {
   std::vector<Dual> duals(values.begin(), values.end());
-  std::vector<StepLane> differences;
+  std::vector<LaneMatrices> differences;
   for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
     duals[static_cast<std::size_t>(lanes[lane])].derivative[lane] = 1;
     for (const auto& [free, parameter, scale] : bound_) {

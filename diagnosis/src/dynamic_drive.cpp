@@ -18,11 +18,11 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double kStartShare = 0.1;      // of a record, that tells its first state
+constexpr double kStartShare = 0.1;      // of a record: determines its first state
 constexpr double kDiverged = 1e6;        // of the largest measurement
 constexpr double kRateTolerance = 1e-3;  // of a sampled system's time step
 
-// The state that fits what settles, or else the first of the record.
+// The state that fits the settling time, or if there is none the beginning of the record.
 VectorXd start_of(const DynamicModel& model, const Hypothesis& base, const DynamicDrive& drive) {
   const DynamicSimulator run{model, base, nullptr, drive.time_step, drive.signals};
   const auto most = static_cast<Index>(kStartShare * static_cast<double>(drive.rows()));
@@ -30,11 +30,11 @@ VectorXd start_of(const DynamicModel& model, const Hypothesis& base, const Dynam
   return run.start(base.values, drive.measured, std::clamp<Index>(rows, 1, drive.rows()));
 }
 
-VectorXd values_of(const Channel& channel) {
+}  // namespace
+
+Eigen::VectorXd values_of(const Channel& channel) {
   return VectorXd::Map(channel.values.data(), static_cast<Index>(channel.values.size()));
 }
-
-}  // namespace
 
 const Channel& channel_of(const Record& record, const std::string& role) {
   const Channel* channel = record.find(role);
@@ -48,8 +48,8 @@ std::unique_ptr<DynamicDrive> dynamic_drive(const DynamicModel& model, const Hyp
                                             const Record& record) {
   if (model.sampled_every > 0 &&
       std::abs(record.time_step / model.sampled_every - 1) > kRateTolerance)
-    throw Error{fmt::format("{}: sampled every {} s, but the model steps every {} s", record.name,
-                            record.time_step, model.sampled_every)};
+    throw Error{fmt::format("{}: sampled every {} s, but the model has a time step of {} s",
+                            record.name, record.time_step, model.sampled_every)};
   auto drive = std::make_unique<DynamicDrive>();
   drive->start = drive->signals.start = record.start;
   drive->time_step = record.time_step;

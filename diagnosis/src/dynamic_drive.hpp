@@ -13,25 +13,28 @@
 
 namespace rths::diagnosis {
 
-/// A record as a dynamic model looks at it.
+/// A record prepared for a dynamic model.
 class DynamicDrive : public Drive {
  public:
   DynamicSignals signals;
 };
 
-/// @param base  what the simulation assumed: tells the first state where it is free
-/// @throws Error if the record lacks a channel of the model, or is sampled at another rate than a
-///         model in discrete time   @setup
+/// @param base  the simulation as stated: determines the first state if that is free
+/// @throws Error if the record lacks a channel of the model, or its sampling rate differs from that
+///         of a model in discrete time   @setup
 [[nodiscard]] std::unique_ptr<DynamicDrive> dynamic_drive(const DynamicModel& model,
                                                           const Hypothesis& base,
                                                           const Record& record);
 
-/// The same with noise on its channels.
+/// The drive with noise added to its channels.
 [[nodiscard]] std::unique_ptr<DynamicDrive> with_noise(const DynamicModel& model,
                                                        const DynamicDrive& drive,
                                                        const Record& noise);
 
-/// @throws Error if it was not recorded
+/// The samples of a channel [its unit].
+[[nodiscard]] Eigen::VectorXd values_of(const Channel& channel);
+
+/// @throws Error if the channel was not recorded
 [[nodiscard]] const Channel& channel_of(const Record& record, const std::string& role);
 
 }  // namespace rths::diagnosis

@@ -39,9 +39,9 @@ double size_of(NaturalUnit unit, const Natural& n) {
   return 1;
 }
 
-// Sizes begin at a few hundredths of what the place carries: large enough to show, small enough to
-// leave the rest of the model where it is. Shapes begin where their effect is felt on most of the
-// record.
+// Sizes begin at a few hundredths of the component's force or displacement: large enough to be
+// visible, small enough not to change the rest of the model. Shapes begin at values that have an
+// effect on most of the record.
 const std::vector<KindChoice>& connection_kinds() {
   static const std::vector<KindChoice> kinds = {
       {"transducer_backlash", {{"gap", NaturalUnit::Displacement, {0.05, 0.3}}}},
@@ -92,9 +92,9 @@ const std::vector<KindChoice>& connection_kinds() {
 
 namespace {
 
-// What may be wrong with any signal, with others before and behind.
-std::vector<KindChoice> with_those_of_signals(std::vector<KindChoice> before,
-                                              const std::vector<KindChoice>& behind) {
+// Kinds for any signal, between those for the signal's own type.
+std::vector<KindChoice> with_signal_kinds(std::vector<KindChoice> before,
+                                          const std::vector<KindChoice>& behind) {
   const std::vector<KindChoice> either = {
       {"transducer_backlash", {{"gap", NaturalUnit::Rms, {0.1, 0.6}}}},
       {"input_dead_zone", {{"half_width", NaturalUnit::Rms, {0.05, 0.3}}}},
@@ -112,25 +112,25 @@ std::vector<KindChoice> with_those_of_signals(std::vector<KindChoice> before,
 }  // namespace
 
 const std::vector<KindChoice>& input_kinds() {
-  static const auto kinds = with_those_of_signals(
-      {{"actuator_delay", {{"delay", NaturalUnit::TimeStep, {1.5, 8}}}},
-       {"first_order_lag", {{"time_constant", NaturalUnit::TimeStep, {1.5, 8}}}},
-       {"actuator_bandwidth",
-        {{"time_constant", NaturalUnit::TimeStep, {1.5, 6}},
-         {"damping", NaturalUnit::One, {0.8}, ParameterChoice::Shape}}},
-       {"rate_saturation", {{"velocity_limit", NaturalUnit::Rate, {0.3, 0.7}}}}},
-      {{"saturation", {{"limit", NaturalUnit::Peak, {0.8, 0.45}}}},
-       {"overflow", {{"limit", NaturalUnit::Peak, {0.85, 0.5}}}}});
+  static const auto kinds =
+      with_signal_kinds({{"actuator_delay", {{"delay", NaturalUnit::TimeStep, {1.5, 8}}}},
+                         {"first_order_lag", {{"time_constant", NaturalUnit::TimeStep, {1.5, 8}}}},
+                         {"actuator_bandwidth",
+                          {{"time_constant", NaturalUnit::TimeStep, {1.5, 6}},
+                           {"damping", NaturalUnit::One, {0.8}, ParameterChoice::Shape}}},
+                         {"rate_saturation", {{"velocity_limit", NaturalUnit::Rate, {0.3, 0.7}}}}},
+                        {{"saturation", {{"limit", NaturalUnit::Peak, {0.8, 0.45}}}},
+                         {"overflow", {{"limit", NaturalUnit::Peak, {0.85, 0.5}}}}});
   return kinds;
 }
 
 const std::vector<KindChoice>& output_kinds() {
-  static const auto kinds = with_those_of_signals(
-      {}, {{"drift", {{"rate", NaturalUnit::Rate, {1e-3}}}},
-           {"time_skew", {{"skew", NaturalUnit::TimeStep, {1.5, 8}}}},
-           {"filter_lag", {{"time_constant", NaturalUnit::TimeStep, {1.5, 8}}}},
-           {"saturation", {{"limit", NaturalUnit::Peak, {0.97, 0.6}}}},
-           {"overflow", {{"limit", NaturalUnit::Peak, {1, 1.5}}}}});
+  static const auto kinds =
+      with_signal_kinds({}, {{"drift", {{"rate", NaturalUnit::Rate, {1e-3}}}},
+                             {"time_skew", {{"skew", NaturalUnit::TimeStep, {1.5, 8}}}},
+                             {"filter_lag", {{"time_constant", NaturalUnit::TimeStep, {1.5, 8}}}},
+                             {"saturation", {{"limit", NaturalUnit::Peak, {0.97, 0.6}}}},
+                             {"overflow", {{"limit", NaturalUnit::Peak, {1, 1.5}}}}});
   return kinds;
 }
 

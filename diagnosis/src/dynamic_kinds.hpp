@@ -6,7 +6,7 @@
 
 namespace rths::diagnosis {
 
-/// Sizes of a place in a dynamic model, which parameters of terms there are a part of.
+/// Natural sizes of a component of a dynamic model: units of its terms' parameters [SI].
 struct Natural {
   double displacement, velocity, acceleration, force, peak, rms, time_step, period;
 };
@@ -23,23 +23,23 @@ enum class NaturalUnit {
   Mass,     ///< force per acceleration
   Peak,     ///< of the signal
   Rms,
-  Rate,  ///< largest, of the signal
+  Rate,  ///< largest rate of the signal
   TimeStep,
-  Period,  ///< of what moves there
+  Period,  ///< of the component's motion
   One
 };
 [[nodiscard]] double size_of(NaturalUnit unit, const Natural& natural);
 
-/// A parameter that a candidate frees, or states.
+/// A parameter that a candidate frees or fixes.
 struct ParameterChoice {
   enum Role {
-    Size,   ///< 0, or 1 for a gain: the term has no effect
-    Shape,  ///< how it acts: within a tenth to ten times its starts
-    Stated  ///< not free: the first start is what it is
+    Size,   ///< the term has no effect at 0, or for a gain at 1
+    Shape,  ///< form of the effect: from a tenth to ten times its starts
+    Stated  ///< not free: has the first start as its value
   };
   const char* name;
   NaturalUnit unit;
-  std::vector<double> starts;  ///< parts of its unit
+  std::vector<double> starts;  ///< in its natural unit
   Role role = Size;
 };
 
@@ -47,10 +47,11 @@ struct ParameterChoice {
 struct KindChoice {
   const char* kind;
   std::vector<ParameterChoice> choices;
-  std::vector<std::string> after = {};  ///< simpler kinds, which are named first
+  /// Simpler kinds, which are named first.
+  std::vector<std::string> after = {};  // NOLINT(readability-redundant-member-init)
 };
 
-/// Between two points of a model, on its inputs, and on its outputs.
+/// Kinds between two points of a model, on its inputs, and on its outputs.
 [[nodiscard]] const std::vector<KindChoice>& connection_kinds();
 [[nodiscard]] const std::vector<KindChoice>& input_kinds();
 [[nodiscard]] const std::vector<KindChoice>& output_kinds();

@@ -20,7 +20,7 @@ double largest(const std::vector<double>& values) {
   return size;
 }
 
-// How far connections move if the simulation is run as it is stated.
+// Largest motions of the connections in a run of the simulation as stated.
 void measure_motion(const DynamicModel& model, const Hypothesis& base, const Record& record,
                     DynamicSizes& sizes) {
   const auto drive = dynamic_drive(model, base, record);
@@ -28,7 +28,7 @@ void measure_motion(const DynamicModel& model, const Hypothesis& base, const Rec
   const auto motion = run.motion(base.values);
   const std::size_t count = model.connections.size();
   if (motion.empty() && count > 0)
-    throw Error{fmt::format("{}: the model as it is stated diverges", record.name)};
+    throw Error{fmt::format("{}: the model as stated diverges", record.name)};
   for (std::size_t i = 0; i < count; ++i) {
     ConnectionSize& size = sizes.connections[i];
     size.displacement = std::max(size.displacement, largest(motion[i]));

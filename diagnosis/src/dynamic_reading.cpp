@@ -30,26 +30,27 @@ bool is_free(const Config& table) {
 
 }  // namespace
 
-std::vector<PlacedTerm> read_placed(const Config& table, const std::string& place) {
-  std::vector<PlacedTerm> placed;
-  for (auto& term : sim::read_terms(table)) placed.push_back({std::move(term), place});
-  return placed;
+std::vector<ModelTerm> read_model_terms(const Config& table, const std::string& component) {
+  std::vector<ModelTerm> terms;
+  for (auto& term : sim::read_terms(table)) terms.push_back({std::move(term), component});
+  return terms;
 }
 
 void read_common(const Config& table, DynamicModel& model) {
   model.hold = read_hold(table);
   model.has_free_start = is_free(table);
-  model.parts = static_cast<int>(table.integer_in("steps_per_sample", 0, 1024, 0));
-  std::vector<std::string> places = model.inputs;
-  places.insert(places.end(), model.outputs.begin(), model.outputs.end());
-  for (const auto& connection : model.connections) places.push_back(connection.place);
+  model.substeps = static_cast<int>(table.integer_in("steps_per_sample", 0, 1024, 0));
+  std::vector<std::string> components = model.inputs;
+  components.insert(components.end(), model.outputs.begin(), model.outputs.end());
+  for (const auto& connection : model.connections) components.push_back(connection.component);
   const Config terms = table.table_or_empty("terms");
-  for (const auto& place : terms.keys()) {
-    if (std::find(places.begin(), places.end(), place) == places.end())
-      terms.fail(place, fmt::format("there is no place '{}' for terms, expected one of \"{}\"",
-                                    place, fmt::join(places, "\", \"")));
-    const auto placed = read_placed(terms.table(place), place);
-    model.terms.insert(model.terms.end(), placed.begin(), placed.end());
+  for (const auto& component : terms.keys()) {
+    if (std::find(components.begin(), components.end(), component) == components.end())
+      terms.fail(component,
+                 fmt::format("there is no component '{}' for terms, expected one of \"{}\"",
+                             component, fmt::join(components, "\", \"")));
+    const auto own = read_model_terms(terms.table(component), component);
+    model.terms.insert(model.terms.end(), own.begin(), own.end());
   }
   finish(table);
 }
@@ -62,16 +63,16 @@ std::vector<Assignment> read_assignments(const Config& table) {
     for (std::string word; std::getline(text, word, '.');) assignments.back().words.push_back(word);
     if (assignments.back().words.empty()) table.fail(key, fmt::format("{} is empty", key));
   }
-  if (assignments.empty()) throw Error{fmt::format("{}: nothing is assigned", table.where())};
+  if (assignments.empty()) throw Error{fmt::format("{}: the table is empty", table.where())};
   return assignments;
 }
 
-Eigen::Index read_place(const Config& table, const std::string& key, const std::string& word,
-                        std::size_t most, const std::string& what) {
+Eigen::Index read_index(const Config& table, const std::string& key, const std::string& word,
+                        std::size_t most, const std::string& name) {
   std::size_t number = 0;
   const auto [end, trouble] = std::from_chars(word.data(), word.data() + word.size(), number);
   if (trouble != std::errc{} || end != word.data() + word.size() || number < 1 || number > most)
-    table.fail(key, fmt::format("'{}' is no {}, expected 1 to {}", word, what, most));
+    table.fail(key, fmt::format("'{}' is not a {}, expected 1 to {}", word, name, most));
   return static_cast<Eigen::Index>(number) - 1;
 }
 

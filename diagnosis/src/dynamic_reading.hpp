@@ -8,31 +8,34 @@
 
 namespace rths::diagnosis {
 
-// What readers of dynamic models have in common. Errors: file:line:column.
+// Shared by the readers of dynamic models. Errors: file:line:column.
 
-/// `hold`, `initial`, `steps_per_sample`, and [model.terms]: by place, what the simulation had.
+/// Reads `hold`, `initial`, `steps_per_sample`, and [model.terms]: the simulation's terms, by
+/// component.
 void read_common(const Config& table, DynamicModel& model);
 
-/// Terms in the tables of `table`, put at a place.
-[[nodiscard]] std::vector<PlacedTerm> read_placed(const Config& table, const std::string& place);
+/// Reads the terms in the tables of `table`, which act on a component.
+[[nodiscard]] std::vector<ModelTerm> read_model_terms(const Config& table,
+                                                      const std::string& component);
 
 /// A key and its text, "output.y" = "displacement.1".
 struct Assignment {
   std::string key;
-  std::vector<std::string> words;  ///< parts of the text between dots
+  std::vector<std::string> words;  ///< of the text, between dots
 };
-/// All of [model.inputs] or [model.outputs]. @throws Error if it is missing or empty
+/// All of [model.inputs] or [model.outputs]. @throws Error if the table is missing or empty
 [[nodiscard]] std::vector<Assignment> read_assignments(const Config& table);
 
-/// A number from 1 to `most` in the text at `key`.
-[[nodiscard]] Eigen::Index read_place(const Config& table, const std::string& key,
+/// Reads the text at `key` as a number from 1 to `most`; returns an index from 0.
+/// @param name  of the numbered object, for messages
+[[nodiscard]] Eigen::Index read_index(const Config& table, const std::string& key,
                                       const std::string& word, std::size_t most,
-                                      const std::string& what);
+                                      const std::string& name);
 
-/// A matrix as rows of numbers, or the CSV file that holds them.
+/// Reads a matrix from rows of numbers or from a CSV file.
 [[nodiscard]] Eigen::MatrixXd read_matrix(const Config& table, const std::string& key);
 
-/// Asks for what is read elsewhere, then rejects unknown keys.
+/// Marks the keys that are read elsewhere as known, then rejects unknown keys.
 void finish(const Config& table);
 
 }  // namespace rths::diagnosis

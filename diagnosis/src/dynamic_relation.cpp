@@ -17,13 +17,14 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kWithin = 10;  // default bounds of a number of the model: a tenth to ten times
+constexpr double kWithin =
+    10;  // default bounds of a parameter: from a tenth to ten times its value
 
 std::vector<const Record*> records_to_fit(const Case& c) {
   std::vector<const Record*> records;
   for (const auto& record : c.records)
     if (record.use == Use::Fit) records.push_back(&record);
-  if (records.empty()) throw Error{fmt::format("{}: no record is to be fitted", c.name)};
+  if (records.empty()) throw Error{fmt::format("{}: there is no record to fit", c.name)};
   return records;
 }
 
@@ -33,7 +34,8 @@ DynamicModel read_model(const Case& c) {
   if (c.model.kind == "structure") return read_structure(c.model.table);
   if (c.model.kind == "linear") return read_linear(c.model.table);
   if (c.model.kind == "data") return read_data(c.model.table, *records_to_fit(c).front());
-  throw Error{fmt::format("{}: a model of kind '{}' is no dynamic system", c.name, c.model.kind)};
+  throw Error{
+      fmt::format("{}: a model of kind '{}' is not a dynamic system", c.name, c.model.kind)};
 }
 
 struct Freed {
@@ -44,7 +46,8 @@ struct Freed {
 Freed freed_of_model(const ModelParameter& parameter, const FittedParameter& fitted) {
   const double value = parameter.value;
   if (value == 0 && !fitted.bounds)
-    throw Error{fmt::format("'{}' is 0 and may be fitted, expected bounds for it", fitted.name)};
+    throw Error{
+        fmt::format("'{}' is fitted and its value is 0, expected bounds for it", fitted.name)};
   return {{fitted.name, parameter.unit, std::min(value / kWithin, value * kWithin),
            std::max(value / kWithin, value * kWithin), 0.1 * std::abs(value)},
           value};
@@ -81,7 +84,7 @@ class DynamicRelation : public Relation {
       outputs_.emplace_back(role, channel_of(*records.front(), role).unit);
     base_.terms = model_.terms;
     for (const auto& fitted : c.model.fitted) {
-      // Offsets of outputs differ from record to record: they are taken out of each.
+      // Offsets of outputs differ from record to record: each record's offset is removed.
       if (take_offset(fitted.name)) continue;
       const Freed one =
           c.model.table.placed("fitted", [&] { return freed(model_, base_, fitted); });
@@ -123,15 +126,15 @@ class DynamicRelation : public Relation {
   }
   std::vector<std::unique_ptr<Drive>> disturbed(const Drive& drive,
                                                 const Record& noise) const override {
-    constexpr std::ptrdiff_t kTurns = 3;
+    constexpr std::ptrdiff_t kRotations = 3;
     std::vector<std::unique_ptr<Drive>> all;
-    for (std::ptrdiff_t turn = 0; turn < kTurns; ++turn) {
-      Record turned = noise;
-      for (auto& channel : turned.channels) {
+    for (std::ptrdiff_t i = 0; i < kRotations; ++i) {
+      Record rotated = noise;
+      for (auto& channel : rotated.channels) {
         auto& x = channel.values;
-        std::rotate(x.begin(), x.begin() + turn * std::ssize(x) / kTurns, x.end());
+        std::rotate(x.begin(), x.begin() + i * std::ssize(x) / kRotations, x.end());
       }
-      all.push_back(with_noise(model_, dynamic_cast<const DynamicDrive&>(drive), turned));
+      all.push_back(with_noise(model_, dynamic_cast<const DynamicDrive&>(drive), rotated));
     }
     return all;
   }
@@ -144,20 +147,20 @@ class DynamicRelation : public Relation {
  private:
   // Whether a fitted parameter is the offset of an output.
   bool take_offset(const std::string& name) {
-    const auto is_it = [&](const PlacedTerm& term) {
-      const bool at_output = std::find(model_.outputs.begin(), model_.outputs.end(), term.place) !=
-                             model_.outputs.end();
+    const auto is_offset = [&](const ModelTerm& term) {
+      const bool at_output = std::find(model_.outputs.begin(), model_.outputs.end(),
+                                       term.component) != model_.outputs.end();
       const std::string own = term.settings.name + ".offset";
       return at_output && term.settings.kind == "offset" &&
-             (name == own || name == term.place + "." + own);
+             (name == own || name == term.component + "." + own);
     };
-    const bool found = std::erase_if(base_.terms, is_it) > 0;
+    const bool found = std::erase_if(base_.terms, is_offset) > 0;
     has_free_offsets_ |= found;
     return found;
   }
 
   DynamicModel model_;
-  std::vector<std::string> without_;  // may not be named
+  std::vector<std::string> without_;  // excluded from candidates
   std::vector<std::pair<std::string, std::string>> outputs_;
   Hypothesis base_;
   bool has_free_offsets_ = false;

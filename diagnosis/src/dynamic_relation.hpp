@@ -9,10 +9,10 @@
 
 namespace rths::diagnosis {
 
-/// Inputs → outputs of a general dynamic system, run freely: models of the kinds
+/// Inputs → outputs of a general dynamic system, in a free run: models of the kinds
 /// mass_spring_damper, structure, linear and data. Formats: docs/diagnosis_models.md.
-/// @throws Error file:line:column if [model] is no such system, or Error if a record that is to be
-///         fitted lacks a channel   @setup
+/// @throws Error file:line:column if [model] is not such a system; Error if a record to fit lacks a
+///         channel   @setup
 [[nodiscard]] std::unique_ptr<Relation> dynamic_relation(const Case& c,
                                                          const DiagnosisOptions& options = {});
 

@@ -24,12 +24,12 @@ std::vector<Real> rate_of_samples(const std::vector<Real>& signal, double time_s
 }
 
 template <class Real>
-void pass_if(const std::optional<TermPlace>& chain, const std::vector<Real>& values, double start,
-             std::vector<Real>& signal) {
+void pass_if(const std::optional<ComponentTerms>& chain, const std::vector<Real>& values,
+             double start, std::vector<Real>& signal) {
   if (chain) pass(*chain, values, start, signal);
 }
 
-// What the linear part takes in, by sample.
+// Inputs of the linear system, by sample.
 template <class Real>
 std::vector<std::vector<Real>> plant_inputs(const DynamicSetup& setup,
                                             const DynamicSignals& signals,
@@ -50,8 +50,8 @@ std::vector<std::vector<Real>> plant_inputs(const DynamicSetup& setup,
 template <class Real, class Entry>
 class FreeRun {
  public:
-  FreeRun(const DynamicSetup& setup, const DynamicSignals& signals, const Steps<Entry>& steps,
-          const std::vector<Real>& values)
+  FreeRun(const DynamicSetup& setup, const DynamicSignals& signals,
+          const StepMatrices<Entry>& steps, const std::vector<Real>& values)
       : setup_{setup},
         steps_{steps},
         inputs_{plant_inputs(setup, signals, values)},
@@ -85,16 +85,16 @@ class FreeRun {
     for (std::size_t i = 0; i < outputs.size(); ++i) outputs[i][size(sample)] = y_[i];
   }
 
-  // From one sample to the next.
+  // Advances from one sample to the next.
   void advance(Index sample, double time) {
-    for (int part = 0; part < setup_.parts; ++part) {
+    for (int substep = 0; substep < setup_.substeps; ++substep) {
       for (std::size_t i = 0; i < inputs_.size(); ++i) {
         u0_[i] = between(inputs_[i], sample, setup_.between.before,
-                         setup_.between.start[static_cast<std::size_t>(part)]);
+                         setup_.between.start[static_cast<std::size_t>(substep)]);
         u1_[i] = between(inputs_[i], sample, setup_.between.before,
-                         setup_.between.end[static_cast<std::size_t>(part)]);
+                         setup_.between.end[static_cast<std::size_t>(substep)]);
       }
-      step(time + setup_.time_step * (part + 1) / setup_.parts);
+      step(time + setup_.time_step * (substep + 1) / setup_.substeps);
     }
   }
 
@@ -106,7 +106,8 @@ class FreeRun {
   static std::size_t size(Index i) { return static_cast<std::size_t>(i); }
   static Index index(std::size_t i) { return static_cast<Index>(i); }
 
-  static ConnectionForces<Real> forces_of(const DynamicSetup& setup, const Steps<Entry>& steps,
+  static ConnectionForces<Real> forces_of(const DynamicSetup& setup,
+                                          const StepMatrices<Entry>& steps,
                                           const std::vector<Real>& values) {
     std::vector<ConnectionForce<Real>> forces;
     for (std::size_t i = 0; i < setup.connections.size(); ++i)
@@ -115,7 +116,7 @@ class FreeRun {
     return ConnectionForces<Real>{std::move(forces)};
   }
 
-  // Motion of the connections without the forces of this step's end.
+  // Computes the motion of the connections without the forces at the end of this step.
   void set_motion(const std::vector<Real>& state, const std::vector<Real>& u) {
     std::fill(free_displacement_.begin(), free_displacement_.end(), Real{});
     std::fill(free_velocity_.begin(), free_velocity_.end(), Real{});
@@ -149,7 +150,7 @@ class FreeRun {
   }
 
   const DynamicSetup& setup_;
-  const Steps<Entry>& steps_;
+  const StepMatrices<Entry>& steps_;
   std::vector<std::vector<Real>> inputs_;
   ConnectionForces<Real> forces_;
   std::vector<Real> state_, next_, u0_, u1_, y_;
@@ -160,7 +161,7 @@ class FreeRun {
 template <class Real, class Entry>
 std::vector<std::vector<Real>> plant_outputs(const DynamicSetup& setup,
                                              const DynamicSignals& signals,
-                                             const Steps<Entry>& steps,
+                                             const StepMatrices<Entry>& steps,
                                              const std::vector<Real>& values,
                                              std::vector<std::vector<double>>* motion) {
   const std::size_t samples = signals.inputs.empty() ? 0 : signals.inputs[0].size();
@@ -196,7 +197,7 @@ void pass_outputs(const DynamicSetup& setup, const DynamicSignals& signals,
 
 template <class Real, class Entry>
 std::vector<std::vector<Real>> run_freely(const DynamicSetup& setup, const DynamicSignals& signals,
-                                          const Steps<Entry>& steps,
+                                          const StepMatrices<Entry>& steps,
                                           const std::vector<Real>& values,
                                           std::vector<std::vector<double>>* motion) {
   auto outputs = plant_outputs(setup, signals, steps, values, motion);
@@ -206,7 +207,7 @@ std::vector<std::vector<Real>> run_freely(const DynamicSetup& setup, const Dynam
 
 std::vector<std::vector<sim::Dual>> through_outputs(const DynamicSetup& setup,
                                                     const DynamicSignals& signals,
-                                                    const Steps<double>& steps,
+                                                    const StepMatrices<double>& steps,
                                                     const std::vector<sim::Dual>& values) {
   std::vector<double> plain;
   for (const auto& value : values) plain.push_back(value.value);
@@ -218,13 +219,13 @@ std::vector<std::vector<sim::Dual>> through_outputs(const DynamicSetup& setup,
 }
 
 template std::vector<std::vector<double>> run_freely<double, double>(
-    const DynamicSetup&, const DynamicSignals&, const Steps<double>&, const std::vector<double>&,
-    std::vector<std::vector<double>>*);
+    const DynamicSetup&, const DynamicSignals&, const StepMatrices<double>&,
+    const std::vector<double>&, std::vector<std::vector<double>>*);
 template std::vector<std::vector<sim::Dual>> run_freely<sim::Dual, double>(
-    const DynamicSetup&, const DynamicSignals&, const Steps<double>&, const std::vector<sim::Dual>&,
-    std::vector<std::vector<double>>*);
+    const DynamicSetup&, const DynamicSignals&, const StepMatrices<double>&,
+    const std::vector<sim::Dual>&, std::vector<std::vector<double>>*);
 template std::vector<std::vector<sim::Dual>> run_freely<sim::Dual, sim::Dual>(
-    const DynamicSetup&, const DynamicSignals&, const Steps<sim::Dual>&,
+    const DynamicSetup&, const DynamicSignals&, const StepMatrices<sim::Dual>&,
     const std::vector<sim::Dual>&, std::vector<std::vector<double>>*);
 
 }  // namespace rths::diagnosis

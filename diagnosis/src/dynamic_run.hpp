@@ -6,62 +6,62 @@
 
 #include <Eigen/Core>
 
+#include "component_terms.hpp"
 #include "dynamic_steps.hpp"
-#include "term_place.hpp"
 
 namespace rths::diagnosis {
 
-/// Terms of a connection, and whether its linear spring and damper are among them.
-struct ConnectionPlace {
+/// A connection with its terms.
+struct ConnectionWithTerms {
   std::size_t connection = 0;  ///< of the model
-  TermPlace terms;
-  bool holds_linear = false;
+  ComponentTerms terms;
+  bool holds_linear = false;  ///< the terms include its linear spring and damper
 };
 
-/// A model with terms in place, on some record: all that a free run needs but numbers.
+/// A model with its terms, for one record: the data of a free run except the values of parameters.
 struct DynamicSetup {
-  std::vector<std::optional<TermPlace>> inputs;  ///< chains, by input of the model
+  std::vector<std::optional<ComponentTerms>> inputs;  ///< chains, by input of the model
   std::vector<PlantInput> plant_inputs;
-  std::vector<ConnectionPlace> connections;  ///< those that have terms
-  std::vector<std::optional<TermPlace>> outputs;
+  std::vector<ConnectionWithTerms> connections;  ///< with terms
+  std::vector<std::optional<ComponentTerms>> outputs;
   Interpolation between;
-  int parts = 1;         ///< of a sample's step
+  int substeps = 1;      ///< per sample
   double time_step = 0;  ///< between samples [s]
 };
 
-/// What drives a free run.
+/// Inputs of a free run.
 struct DynamicSignals {
   double start = 0;                         ///< [s]
   std::vector<std::vector<double>> inputs;  ///< by input of the model
   Eigen::VectorXd start_state;
-  double limit = 0;  ///< an output beyond it has diverged
+  double limit = 0;  ///< larger outputs count as diverged
 };
 
-/// Runs a model freely: outputs from inputs, nothing else.
-/// @param steps  of a part, with the connections of the setup only
+/// Runs a model freely: computes the outputs from the inputs alone.
+/// @param steps  of a substep, with only the connections of the setup
 /// @param values  of the hypothesis' free parameters
 /// @param motion  if not null: displacement of each connection, then velocity of each, then
-///                acceleration as far as it is known, by sample
-/// @returns by output, by sample; empty if it diverges
+///                acceleration if known, by sample
+/// @returns outputs, by sample; empty if the run diverges
 template <class Real, class Entry>
 [[nodiscard]] std::vector<std::vector<Real>> run_freely(
-    const DynamicSetup& setup, const DynamicSignals& signals, const Steps<Entry>& steps,
+    const DynamicSetup& setup, const DynamicSignals& signals, const StepMatrices<Entry>& steps,
     const std::vector<Real>& values, std::vector<std::vector<double>>* motion = nullptr);
 
-/// The same where derivatives are wanted with respect to terms at the outputs only: the rest need
-/// not carry them.
+/// Runs a model freely, with derivatives only with respect to terms at the outputs: the rest runs
+/// without derivatives, which is faster.
 [[nodiscard]] std::vector<std::vector<sim::Dual>> through_outputs(
-    const DynamicSetup& setup, const DynamicSignals& signals, const Steps<double>& steps,
+    const DynamicSetup& setup, const DynamicSignals& signals, const StepMatrices<double>& steps,
     const std::vector<sim::Dual>& values);
 
 extern template std::vector<std::vector<double>> run_freely<double, double>(
-    const DynamicSetup&, const DynamicSignals&, const Steps<double>&, const std::vector<double>&,
-    std::vector<std::vector<double>>*);
+    const DynamicSetup&, const DynamicSignals&, const StepMatrices<double>&,
+    const std::vector<double>&, std::vector<std::vector<double>>*);
 extern template std::vector<std::vector<sim::Dual>> run_freely<sim::Dual, double>(
-    const DynamicSetup&, const DynamicSignals&, const Steps<double>&, const std::vector<sim::Dual>&,
-    std::vector<std::vector<double>>*);
+    const DynamicSetup&, const DynamicSignals&, const StepMatrices<double>&,
+    const std::vector<sim::Dual>&, std::vector<std::vector<double>>*);
 extern template std::vector<std::vector<sim::Dual>> run_freely<sim::Dual, sim::Dual>(
-    const DynamicSetup&, const DynamicSignals&, const Steps<sim::Dual>&,
+    const DynamicSetup&, const DynamicSignals&, const StepMatrices<sim::Dual>&,
     const std::vector<sim::Dual>&, std::vector<std::vector<double>>*);
 
 }  // namespace rths::diagnosis

@@ -17,32 +17,33 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::vector<sim::TermSettings> terms_at(const Hypothesis& hypothesis, const std::string& place) {
+std::vector<sim::TermSettings> terms_at(const Hypothesis& hypothesis,
+                                        const std::string& component) {
   std::vector<sim::TermSettings> terms;
-  for (const auto& placed : hypothesis.terms)
-    if (placed.place == place) terms.push_back(placed.settings);
+  for (const auto& term : hypothesis.terms)
+    if (term.component == component) terms.push_back(term.settings);
   return terms;
 }
 
-void check_places(const DynamicModel& model, const Hypothesis& hypothesis) {
-  for (const auto& placed : hypothesis.terms) {
-    const auto is_here = [&](const auto& role) { return role == placed.place; };
+void check_components(const DynamicModel& model, const Hypothesis& hypothesis) {
+  for (const auto& term : hypothesis.terms) {
+    const auto is_here = [&](const auto& role) { return role == term.component; };
     const bool known =
         std::any_of(model.inputs.begin(), model.inputs.end(), is_here) ||
         std::any_of(model.outputs.begin(), model.outputs.end(), is_here) ||
         std::any_of(model.connections.begin(), model.connections.end(),
-                    [&](const Connection& connection) { return is_here(connection.place); });
+                    [&](const Connection& connection) { return is_here(connection.component); });
     if (!known)
-      throw Error{fmt::format("term '{}' is at '{}', which the model does not have",
-                              placed.settings.kind, placed.place)};
+      throw Error{fmt::format("term '{}' acts on '{}', which the model does not have",
+                              term.settings.kind, term.component)};
   }
 }
 
-std::vector<std::optional<TermPlace>> chains(const Hypothesis& hypothesis,
-                                             const std::vector<std::string>& roles,
-                                             const std::vector<SignalSize>* signal_sizes,
-                                             const DynamicSizes* sizes, double time_step) {
-  std::vector<std::optional<TermPlace>> result;
+std::vector<std::optional<ComponentTerms>> chains(const Hypothesis& hypothesis,
+                                                  const std::vector<std::string>& roles,
+                                                  const std::vector<SignalSize>* signal_sizes,
+                                                  const DynamicSizes* sizes, double time_step) {
+  std::vector<std::optional<ComponentTerms>> result;
   for (std::size_t i = 0; i < roles.size(); ++i) {
     auto terms = terms_at(hypothesis, roles[i]);
     if (terms.empty()) {
@@ -51,7 +52,7 @@ std::vector<std::optional<TermPlace>> chains(const Hypothesis& hypothesis,
     }
     const UnitScales scales =
         sizes != nullptr ? sizes->of_signal((*signal_sizes)[i]) : UnitScales{};
-    result.emplace_back(TermPlace{as_chain(std::move(terms)), scales, time_step});
+    result.emplace_back(ComponentTerms{as_chain(std::move(terms)), scales, time_step});
   }
   return result;
 }
@@ -62,58 +63,68 @@ DynamicSimulator::DynamicSimulator(const DynamicModel& model, const Hypothesis& 
                                    const DynamicSizes* sizes, double time_step,
                                    const DynamicSignals& signals)
     : model_{model}, signals_{signals} {
-  check_places(model, hypothesis);
+  check_components(model, hypothesis);
   setup_.time_step = time_step;
   setup_.plant_inputs = model.plant_inputs;
-  bind(hypothesis);
-  place_terms(hypothesis, sizes);
+  bind_model(hypothesis);
+  attach_terms(hypothesis, sizes);
   const bool can_divide = model.sampled_every == 0 && system(model.values()).a.rows() > 0;
   if (can_divide) {
     const bool is_smooth = model.hold == Hold::Smooth;
-    if (is_smooth) setup_.parts = 4;
-    if (sizes != nullptr) setup_.parts = std::max(setup_.parts, parts_needed(hypothesis, *sizes));
-    if (model.parts > 0) setup_.parts = model.parts;
-    place_terms(hypothesis, sizes);
+    if (is_smooth) setup_.substeps = 4;
+    if (sizes != nullptr)
+      setup_.substeps = std::max(setup_.substeps, substeps_needed(hypothesis, *sizes));
+    if (model.substeps > 0) setup_.substeps = model.substeps;
+    attach_terms(hypothesis, sizes);
   }
-  setup_.between = interpolation(model.hold, setup_.parts);
+  setup_.between = interpolation(model.hold, setup_.substeps);
 }
 
-// Also binds their free parameters.
-void DynamicSimulator::place_terms(const Hypothesis& hypothesis, const DynamicSizes* sizes) {
+void DynamicSimulator::attach_terms(const Hypothesis& hypothesis, const DynamicSizes* sizes) {
   setup_.inputs = chains(hypothesis, model_.inputs, sizes != nullptr ? &sizes->inputs : nullptr,
                          sizes, setup_.time_step);
   setup_.outputs = chains(hypothesis, model_.outputs, sizes != nullptr ? &sizes->outputs : nullptr,
                           sizes, setup_.time_step);
+  attach_to_connections(hypothesis, sizes);
+  bind_terms(hypothesis);
+}
+
+void DynamicSimulator::attach_to_connections(const Hypothesis& hypothesis,
+                                             const DynamicSizes* sizes) {
   setup_.connections.clear();
   for (std::size_t i = 0; i < model_.connections.size(); ++i) {
-    auto terms = terms_at(hypothesis, model_.connections[i].place);
+    auto terms = terms_at(hypothesis, model_.connections[i].component);
     if (terms.empty() && sizes != nullptr) continue;
     auto connection = as_connection(std::move(terms));
     const UnitScales scales =
         sizes != nullptr ? sizes->of_connection(sizes->connections[i]) : UnitScales{};
     setup_.connections.push_back(
-        {i, TermPlace{connection.terms, scales, setup_.time_step / setup_.parts},
+        {i, ComponentTerms{connection.terms, scales, setup_.time_step / setup_.substeps},
          connection.holds_linear});
-  }
-  const auto place_of = [&](const std::string& name) -> TermPlace* {
-    for (std::size_t i = 0; i < model_.inputs.size(); ++i)
-      if (model_.inputs[i] == name) return &*setup_.inputs[i];
-    for (std::size_t i = 0; i < model_.outputs.size(); ++i)
-      if (model_.outputs[i] == name) return &*setup_.outputs[i];
-    for (auto& connection : setup_.connections)
-      if (model_.connections[connection.connection].place == name) return &connection.terms;
-    return nullptr;
-  };
-  for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
-    const auto at = find_parameter(model_, hypothesis.terms, hypothesis.free[i].name);
-    if (at.of_model) continue;
-    const auto& [settings, place] = hypothesis.terms[at.term];
-    place_of(place)->bind(settings.name.empty() ? settings.kind : settings.name, at.parameter,
-                          static_cast<Index>(i));
   }
 }
 
-void DynamicSimulator::bind(const Hypothesis& hypothesis) {
+ComponentTerms* DynamicSimulator::terms_of(const std::string& component) {
+  for (std::size_t i = 0; i < model_.inputs.size(); ++i)
+    if (model_.inputs[i] == component) return &*setup_.inputs[i];
+  for (std::size_t i = 0; i < model_.outputs.size(); ++i)
+    if (model_.outputs[i] == component) return &*setup_.outputs[i];
+  for (auto& connection : setup_.connections)
+    if (model_.connections[connection.connection].component == component) return &connection.terms;
+  return nullptr;
+}
+
+void DynamicSimulator::bind_terms(const Hypothesis& hypothesis) {
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
+    const auto at = find_parameter(model_, hypothesis.terms, hypothesis.free[i].name);
+    if (at.of_model) continue;
+    const auto& [settings, component] = hypothesis.terms[at.term];
+    terms_of(component)->bind(settings.name.empty() ? settings.kind : settings.name, at.parameter,
+                              static_cast<Index>(i));
+  }
+}
+
+void DynamicSimulator::bind_model(const Hypothesis& hypothesis) {
   for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
     const auto at = find_parameter(model_, hypothesis.terms, hypothesis.free[i].name);
     if (at.of_model)
@@ -122,10 +133,11 @@ void DynamicSimulator::bind(const Hypothesis& hypothesis) {
   }
 }
 
-// A step must not be long for the third harmonic of the motion, nor for what swings on the stiffest
-// that a term can be.
-int DynamicSimulator::parts_needed(const Hypothesis& hypothesis, const DynamicSizes& sizes) const {
-  constexpr double kLongest = 0.5;   // for what swings [rad]
+// A substep resolves the third harmonic of the motion, and the oscillation on a term's largest
+// secant stiffness.
+int DynamicSimulator::substeps_needed(const Hypothesis& hypothesis,
+                                      const DynamicSizes& sizes) const {
+  constexpr double kLongest = 0.5;   // for the oscillation [rad]
   constexpr double kHarmonic = 0.4;  // for the third harmonic [rad]
   constexpr int kMost = 64;
   const LinearSystem linear = system(plant_values(hypothesis.values));
@@ -133,26 +145,26 @@ int DynamicSimulator::parts_needed(const Hypothesis& hypothesis, const DynamicSi
   double fastest = 0;   // squared [rad²/s²]
   double harmonic = 0;  // [rad/s]
   for (std::size_t c = 0; c < setup_.connections.size(); ++c) {
-    const TermPlace& place = setup_.connections[c].terms;
-    const auto parameters = place.parameters(values);
+    const ComponentTerms& terms = setup_.connections[c].terms;
+    const auto parameters = terms.parameters(values);
     const auto i = static_cast<Index>(c);
     const double mobility = std::abs((linear.r * linear.e)(i, i));
     const ConnectionSize& size = sizes.connections[setup_.connections[c].connection];
     const double reach = size.displacement;
     if (reach > 0) harmonic = std::max(harmonic, 3 * size.velocity / reach);
     for (double way = 1e-4 * reach; way <= reach; way *= 10) {
-      std::vector<double> state(place.composition().states());
+      std::vector<double> state(terms.composition().states());
       sim::Quantities<double> q;
-      q.displacement[0] = way / place.scales().length;
-      place.composition().advance(parameters, state, q);
-      fastest = std::max(fastest, mobility * std::abs(q.force[0]) * place.scales().force / way);
+      q.displacement[0] = way / terms.scales().length;
+      terms.composition().advance(parameters, state, q);
+      fastest = std::max(fastest, mobility * std::abs(q.force[0]) * terms.scales().force / way);
     }
   }
-  int parts = 1;
+  int substeps = 1;
   const double needed =
       setup_.time_step * std::max(std::sqrt(fastest) / kLongest, harmonic / kHarmonic);
-  while (parts < kMost && needed > parts) parts *= 2;
-  return parts;
+  while (substeps < kMost && needed > substeps) substeps *= 2;
+  return substeps;
 }
 
 VectorXd DynamicSimulator::plant_values(const VectorXd& values) const {
@@ -161,7 +173,7 @@ VectorXd DynamicSimulator::plant_values(const VectorXd& values) const {
   return plant;
 }
 
-// With those connections only that have terms.
+// With only the connections that have terms.
 LinearSystem DynamicSimulator::system(const VectorXd& plant) const {
   LinearSystem all = model_.linear(plant);
   LinearSystem chosen = all;
@@ -190,17 +202,17 @@ LinearSystem DynamicSimulator::system(const VectorXd& plant) const {
   return chosen;
 }
 
-Steps<double> DynamicSimulator::steps(const VectorXd& plant) const {
-  return steps_of(system(plant), setup_.time_step / setup_.parts, model_.sampled_every > 0);
+StepMatrices<double> DynamicSimulator::steps(const VectorXd& plant) const {
+  return step_matrices(system(plant), setup_.time_step / setup_.substeps, model_.sampled_every > 0);
 }
 
 VectorXd DynamicSimulator::start(const VectorXd& values, const MatrixXd& measured,
                                  Index rows) const {
-  const Steps<double> linear = steps(plant_values(values));
+  const StepMatrices<double> linear = steps(plant_values(values));
   DynamicSignals first = signals_;
   for (auto& input : first.inputs)
     input.resize(std::min(input.size(), static_cast<std::size_t>(rows)));
-  return fitted_start(linear, setup_.parts, measured, rows, [&](const VectorXd& state) {
+  return fitted_start(linear, setup_.substeps, measured, rows, [&](const VectorXd& state) {
     first.start_state = state;
     const auto outputs = run_freely(setup_, first, linear, plain(values));
     return outputs.empty() ? MatrixXd{} : as_columns(outputs);

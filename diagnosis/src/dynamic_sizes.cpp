@@ -6,7 +6,7 @@
 
 namespace rths::diagnosis {
 
-// A scale is 1 wherever the catalogue's bounds leave room, so that numbers stay what users know.
+// A scale is 1 if the size is within the catalogue's bounds, so that users see SI values.
 double DynamicSizes::time_scale() const { return scale_for(time_step, 1e-4, 1e-2, 1e-3); }
 
 UnitScales DynamicSizes::of_signal(const SignalSize& size) const {

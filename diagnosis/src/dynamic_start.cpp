@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dynamic_start.hpp"
 
-#include <Eigen/QR>
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::diagnosis {
 
@@ -9,9 +9,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-VectorXd fitted_start(const Steps<double>& steps, int parts, const MatrixXd& measured, Index rows,
-                      const std::function<MatrixXd(const VectorXd&)>& predicted) {
-  constexpr int kTurns = 3;
+VectorXd fitted_start(const StepMatrices<double>& steps, int substeps, const MatrixXd& measured,
+                      Index rows, const std::function<MatrixXd(const VectorXd&)>& predicted) {
+  constexpr int kIterations = 3;
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto as_matrix = [](const SmallMatrix<double>& small) {
     return MatrixXd{Eigen::Map<const RowMajor>(small.entries.data(), small.rows, small.columns)};
@@ -19,19 +19,17 @@ VectorXd fitted_start(const Steps<double>& steps, int parts, const MatrixXd& mea
   const Index n = steps.phi.rows, outputs = measured.cols();
   VectorXd start = VectorXd::Zero(n);
   if (n == 0) return start;
-  // What a start makes of the outputs: C Φᵏ.
+  // Response of the outputs to a start state: C Φᵏ.
   MatrixXd response(rows * outputs, n), seen = as_matrix(steps.c);
   const MatrixXd phi = as_matrix(steps.phi);
   for (Index row = 0; row < rows; ++row) {
     response.middleRows(row * outputs, outputs) = seen;
-    for (int part = 0; part < parts; ++part) seen = seen * phi;
+    for (int substep = 0; substep < substeps; ++substep) seen = seen * phi;
   }
-  // Directions that the outputs hardly show are left at rest.
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver;
-  solver.setThreshold(1e-6);
+  // State directions with little effect on the outputs stay at rest.
   VectorXd scale = response.colwise().norm().transpose().cwiseMax(1e-300);
-  solver.compute(response * scale.cwiseInverse().asDiagonal());
-  for (int turn = 0; turn < kTurns; ++turn) {
+  const algebra::MinimumNormSolver solver{response * scale.cwiseInverse().asDiagonal(), 1e-6};
+  for (int i = 0; i < kIterations; ++i) {
     const MatrixXd now = predicted(start);
     if (now.rows() < rows) break;
     VectorXd off(rows * outputs);

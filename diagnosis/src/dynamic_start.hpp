@@ -9,13 +9,13 @@
 
 namespace rths::diagnosis {
 
-/// The state at the first sample that makes the first rows of a prediction fit best, found as if
-/// the model were linear; what its terms change of that, in a few turns.
-/// @param steps  from sample to sample, `parts` each
-/// @param predicted  by start state; empty if it diverges
-/// @returns zero where there is none
+/// The state at the first sample that best fits the first rows of a measurement. Linear least
+/// squares without the terms, iterated a few times to include their effect.
+/// @param steps  of a substep; there are `substeps` per sample
+/// @param predicted  prediction for a start state; empty if it diverges
+/// @returns zero if the first prediction diverges; empty if the model has no states
 [[nodiscard]] Eigen::VectorXd fitted_start(
-    const Steps<double>& steps, int parts, const Eigen::MatrixXd& measured, Eigen::Index rows,
-    const std::function<Eigen::MatrixXd(const Eigen::VectorXd&)>& predicted);
+    const StepMatrices<double>& steps, int substeps, const Eigen::MatrixXd& measured,
+    Eigen::Index rows, const std::function<Eigen::MatrixXd(const Eigen::VectorXd&)>& predicted);
 
 }  // namespace rths::diagnosis

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <unsupported/Eigen/MatrixFunctions>
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -35,13 +35,13 @@ double band_limited(double distance) {
   return sinc * bessel_i0(kWindowShape * std::sqrt(1 - ratio * ratio)) / bessel_i0(kWindowShape);
 }
 
-std::vector<double> weights_at(Hold hold, double part) {
-  if (hold == Hold::Linear) return {1 - part, part};
+std::vector<double> weights_at(Hold hold, double fraction) {
+  if (hold == Hold::Linear) return {1 - fraction, fraction};
   std::vector<double> weights;
   double sum = 0;
-  for (int i = 1 - kReach; i <= kReach; ++i) weights.push_back(band_limited(part - i));
+  for (int i = 1 - kReach; i <= kReach; ++i) weights.push_back(band_limited(fraction - i));
   for (const double weight : weights) sum += weight;
-  for (double& weight : weights) weight /= sum;  // a constant stays what it is
+  for (double& weight : weights) weight /= sum;  // preserves constants
   return weights;
 }
 
@@ -51,23 +51,27 @@ Eigen::MatrixXd joined(const MatrixXd& a, const MatrixXd& b) {
   return both;
 }
 
-// All matrices of steps.
+// All matrices of a step.
 constexpr auto members() {
-  return std::array{&Steps<double>::phi,      &Steps<double>::b0,    &Steps<double>::b1,
-                    &Steps<double>::e_before, &Steps<double>::e0,    &Steps<double>::e1,
-                    &Steps<double>::c,        &Steps<double>::d,     &Steps<double>::h,
-                    &Steps<double>::p,        &Steps<double>::q,     &Steps<double>::r,
-                    &Steps<double>::s,        &Steps<double>::t,     &Steps<double>::stiffness,
-                    &Steps<double>::damping,  &Steps<double>::yield, &Steps<double>::yield_rate};
+  return std::array{&StepMatrices<double>::phi,       &StepMatrices<double>::b0,
+                    &StepMatrices<double>::b1,        &StepMatrices<double>::e_before,
+                    &StepMatrices<double>::e0,        &StepMatrices<double>::e1,
+                    &StepMatrices<double>::c,         &StepMatrices<double>::d,
+                    &StepMatrices<double>::h,         &StepMatrices<double>::p,
+                    &StepMatrices<double>::q,         &StepMatrices<double>::r,
+                    &StepMatrices<double>::s,         &StepMatrices<double>::t,
+                    &StepMatrices<double>::stiffness, &StepMatrices<double>::damping,
+                    &StepMatrices<double>::yield,     &StepMatrices<double>::yield_rate};
 }
 constexpr auto dual_members() {
   using Dual = sim::Dual;
-  return std::array{&Steps<Dual>::phi,      &Steps<Dual>::b0,    &Steps<Dual>::b1,
-                    &Steps<Dual>::e_before, &Steps<Dual>::e0,    &Steps<Dual>::e1,
-                    &Steps<Dual>::c,        &Steps<Dual>::d,     &Steps<Dual>::h,
-                    &Steps<Dual>::p,        &Steps<Dual>::q,     &Steps<Dual>::r,
-                    &Steps<Dual>::s,        &Steps<Dual>::t,     &Steps<Dual>::stiffness,
-                    &Steps<Dual>::damping,  &Steps<Dual>::yield, &Steps<Dual>::yield_rate};
+  return std::array{
+      &StepMatrices<Dual>::phi,      &StepMatrices<Dual>::b0,    &StepMatrices<Dual>::b1,
+      &StepMatrices<Dual>::e_before, &StepMatrices<Dual>::e0,    &StepMatrices<Dual>::e1,
+      &StepMatrices<Dual>::c,        &StepMatrices<Dual>::d,     &StepMatrices<Dual>::h,
+      &StepMatrices<Dual>::p,        &StepMatrices<Dual>::q,     &StepMatrices<Dual>::r,
+      &StepMatrices<Dual>::s,        &StepMatrices<Dual>::t,     &StepMatrices<Dual>::stiffness,
+      &StepMatrices<Dual>::damping,  &StepMatrices<Dual>::yield, &StepMatrices<Dual>::yield_rate};
 }
 
 }  // namespace
@@ -92,12 +96,12 @@ template struct SmallMatrix<sim::Dual>;
 
 namespace {
 
-// What a drive does to the state within a step, if it is constant, grows as τ or as τ², 0 ≤ τ ≤ 1.
+// Effect on the state of an input within a step: constant, and growing as τ or τ², 0 ≤ τ ≤ 1.
 struct Moments {
   MatrixXd phi, constant, linear, square;
 };
 
-// The exponential of the system with what drives it as more states: its value and its slopes.
+// The matrix exponential of the system with the input and its two integrals as further states.
 Moments moments_of(const MatrixXd& a, const MatrixXd& drive, double length) {
   const Index n = a.rows(), w = drive.cols();
   MatrixXd whole = MatrixXd::Zero(n + 3 * w, n + 3 * w);
@@ -105,14 +109,14 @@ Moments moments_of(const MatrixXd& a, const MatrixXd& drive, double length) {
   whole.block(0, n, n, w) = drive * length;
   whole.block(n, n + w, w, w).setIdentity();
   whole.block(n + w, n + 2 * w, w, w).setIdentity();
-  const MatrixXd after = whole.exp();
+  const MatrixXd after = algebra::exponential(whole);
   return {after.topLeftCorner(n, n), after.block(0, n, n, w), after.block(0, n + w, n, w),
           2 * after.block(0, n + 2 * w, n, w)};
 }
 
 }  // namespace
 
-Steps<double> steps_of(const LinearSystem& system, double length, bool sampled) {
+StepMatrices<double> step_matrices(const LinearSystem& system, double length, bool sampled) {
   const Index n = system.a.rows(), inputs = system.b.cols(), forces = system.e.cols();
   const MatrixXd drive = joined(system.b, system.e);
   const MatrixXd none = MatrixXd::Zero(n, drive.cols());
@@ -121,7 +125,7 @@ Steps<double> steps_of(const LinearSystem& system, double length, bool sampled) 
   const MatrixXd start = moments.constant - moments.linear;
   const MatrixXd bend = 0.5 * (moments.square - moments.linear).rightCols(forces);
   const MatrixXd e1 = moments.linear.rightCols(forces) + bend;
-  Steps<double> steps;
+  StepMatrices<double> steps;
   steps.phi = SmallMatrix<double>{moments.phi};
   steps.b0 = SmallMatrix<double>{start.leftCols(inputs)};
   steps.b1 = SmallMatrix<double>{moments.linear.leftCols(inputs)};
@@ -143,15 +147,16 @@ Steps<double> steps_of(const LinearSystem& system, double length, bool sampled) 
   return steps;
 }
 
-Steps<sim::Dual> with_lanes(const Steps<double>& steps, const std::vector<StepLane>& lanes) {
-  Steps<sim::Dual> result;
+StepMatrices<sim::Dual> with_lanes(const StepMatrices<double>& steps,
+                                   const std::vector<LaneMatrices>& lanes) {
+  StepMatrices<sim::Dual> result;
   for (std::size_t m = 0; m < members().size(); ++m) {
     const SmallMatrix<double>& values = steps.*members()[m];
     SmallMatrix<sim::Dual>& duals = result.*dual_members()[m];
     duals.rows = values.rows;
     duals.columns = values.columns;
     duals.entries.assign(values.entries.begin(), values.entries.end());
-    for (const StepLane& lane : lanes)
+    for (const LaneMatrices& lane : lanes)
       for (std::size_t i = 0; i < values.entries.size(); ++i)
         duals.entries[i].derivative[lane.lane] =
             ((lane.above.*members()[m]).entries[i] - (lane.below.*members()[m]).entries[i]) /
@@ -161,17 +166,17 @@ Steps<sim::Dual> with_lanes(const Steps<double>& steps, const std::vector<StepLa
   return result;
 }
 
-Interpolation interpolation(Hold hold, int parts) {
+Interpolation interpolation(Hold hold, int substeps) {
   Interpolation result;
   result.before = hold == Hold::Smooth ? kReach - 1 : 0;
-  for (int i = 0; i < parts; ++i) {
+  for (int i = 0; i < substeps; ++i) {
     if (hold == Hold::Zero) {
       result.start.push_back({1});
       result.end.push_back({1});
       continue;
     }
-    result.start.push_back(weights_at(hold, static_cast<double>(i) / parts));
-    result.end.push_back(weights_at(hold, static_cast<double>(i + 1) / parts));
+    result.start.push_back(weights_at(hold, static_cast<double>(i) / substeps));
+    result.end.push_back(weights_at(hold, static_cast<double>(i + 1) / substeps));
   }
   return result;
 }

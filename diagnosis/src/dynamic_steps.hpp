@@ -15,12 +15,12 @@ namespace rths::diagnosis {
 /// A small dense matrix whose entries may carry derivatives.
 template <class Real>
 struct SmallMatrix {
-  struct Place {
+  struct Position {
     Eigen::Index row, column;
   };
   Eigen::Index rows = 0, columns = 0;
-  std::vector<Real> entries;  ///< row by row
-  std::vector<Place> filled;  ///< those that are not zero, nor have a derivative
+  std::vector<Real> entries;     ///< row by row
+  std::vector<Position> filled;  ///< of entries with a non-zero value or derivative
 
   SmallMatrix() = default;
   explicit SmallMatrix(const Eigen::MatrixXd& values);
@@ -52,38 +52,39 @@ void add_product(const SmallMatrix<Entry>& a, const Real* x, Real* y) {
   for (const auto& [row, column] : a.filled) add_product(y[row], a(row, column), x[column]);
 }
 
-/// A linear system over one step, exact for inputs on a line from its start (0) to its end (1), and
-/// for forces on a parabola through those of the step before (−), its start and its end:
+/// A linear system over one step. Exact for inputs that vary linearly from its start (0) to its end
+/// (1), and for forces on a parabola through the previous step (−), the start and the end:
 ///     x₁ = Φ x₀ + B₀ u₀ + B₁ u₁ + E₋ f₋ + E₀ f₀ + E₁ f₁
 template <class Entry>
-struct Steps {
+struct StepMatrices {
   SmallMatrix<Entry> phi, b0, b1, e_before, e0, e1;
   SmallMatrix<Entry> c, d, h, p, q, r, s, t;  ///< as of LinearSystem
   SmallMatrix<Entry> stiffness, damping;      ///< of the connections, columns
   SmallMatrix<Entry> yield, yield_rate;  ///< ∂d₁/∂f₁ = P E₁, ∂d'₁/∂f₁ = R E₁
 };
 
-/// @param length  of a step [s]; of a sampled system it must be its own
-[[nodiscard]] Steps<double> steps_of(const LinearSystem& system, double length, bool sampled);
+/// @param length  of a step [s]; for a sampled system, its time step
+[[nodiscard]] StepMatrices<double> step_matrices(const LinearSystem& system, double length,
+                                                 bool sampled);
 
-/// With derivatives: of each lane, the steps a little above and below a parameter's value, and
-/// their distance. No lane: no derivative.
-struct StepLane {
+/// Step matrices slightly above and below a parameter's value, for the derivative in one lane.
+struct LaneMatrices {
   std::size_t lane;
-  Steps<double> above, below;
-  double distance;
+  StepMatrices<double> above, below;
+  double distance;  ///< of the two values
 };
-[[nodiscard]] Steps<sim::Dual> with_lanes(const Steps<double>& steps,
-                                          const std::vector<StepLane>& lanes);
+/// Adds derivatives by central differences. Lanes that are not listed have none.
+[[nodiscard]] StepMatrices<sim::Dual> with_lanes(const StepMatrices<double>& steps,
+                                                 const std::vector<LaneMatrices>& lanes);
 
-/// How a signal between samples is made of samples: weights of those around, by part of a step.
+/// Interpolation of a signal between samples: weights of the samples around, by substep.
 struct Interpolation {
-  Eigen::Index before = 0;  ///< samples that the first weight is ahead of this one
-  std::vector<std::vector<double>> start, end;  ///< of the signal, at the ends of each part
+  Eigen::Index before = 0;  ///< offset of the first weight before the current sample [samples]
+  std::vector<std::vector<double>> start, end;  ///< weights at the ends of each substep
 };
-[[nodiscard]] Interpolation interpolation(Hold hold, int parts);
+[[nodiscard]] Interpolation interpolation(Hold hold, int substeps);
 
-/// The signal at the start or the end of a part. Beyond its ends it rests.
+/// The signal at the start or the end of a substep. Beyond its ends it is constant.
 template <class Real>
 [[nodiscard]] Real between(const std::vector<Real>& signal, Eigen::Index sample,
                            Eigen::Index before, const std::vector<double>& weights) {

@@ -44,7 +44,7 @@ std::vector<double> Cells::shares() const {
   return shares;
 }
 
-// Small excesses are lost in the noise one by one, but not all of them together: every cell counts.
+// Small excesses are below the noise one by one but not in their sum, so every cell counts.
 std::vector<bool> Cells::place() const {
   constexpr double kShare = 0.8;  // of the excess
   double total = 0;
@@ -66,7 +66,7 @@ std::vector<bool> Cells::place() const {
 std::function<Energies(const MatrixXd&)> by_row(
     std::size_t cells, const Drive& drive,
     const std::function<std::size_t(Index, Index)>& cell_of) {
-  // Worked out once, for many signals.
+  // Computed once for many signals.
   std::vector<std::size_t> cell;
   const Index outputs = drive.measured.cols();
   for (Index row = drive.first_row; row < drive.rows(); ++row)
@@ -126,24 +126,24 @@ Eigen::VectorXcd Bands::transformed(const VectorXd& signal) const {
 
 namespace {
 
-// Takes from signals what others, which are no excess, can make of them.
+// Removes from signals their components along other signals, which are not excess.
 class Projection {
  public:
   void add(MatrixXd signal) {
-    take_from(signal);
+    remove_from(signal);
     const double size = signal.norm();
-    if (size > 0) taken_.push_back(signal / size);
+    if (size > 0) basis_.push_back(signal / size);
   }
-  void take_from(MatrixXd& signal) const {
-    for (const auto& one : taken_) signal -= one * one.cwiseProduct(signal).sum();
+  void remove_from(MatrixXd& signal) const {
+    for (const auto& one : basis_) signal -= one * one.cwiseProduct(signal).sum();
   }
 
  private:
-  std::vector<MatrixXd> taken_;  // orthonormal
+  std::vector<MatrixXd> basis_;  // orthonormal
 };
 
-// A short predictor from the autocovariance (Yule 1927, Walker 1931). It makes white what has most
-// of the energy and blows up nothing of the rest, as longer ones do.
+// A short predictor from the autocovariance (Yule 1927, Walker 1931). It whitens the frequencies
+// with most of the energy. Longer predictors amplify the others.
 AutoRegression predictor(const std::vector<VectorXd>& signals, int order) {
   VectorXd covariance = VectorXd::Zero(order + 1);
   double count = 0;
@@ -155,26 +155,27 @@ AutoRegression predictor(const std::vector<VectorXd>& signals, int order) {
   }
   covariance /= std::max(count, 1.0);
   AutoRegression model{VectorXd::Zero(order), 1};
-  double left = covariance[0];
-  for (int m = 0; m < order && left > 0; ++m) {
+  double variance = covariance[0];
+  for (int m = 0; m < order && variance > 0; ++m) {
     double reflection = covariance[m + 1];
     for (int k = 0; k < m; ++k) reflection -= model.coefficients[k] * covariance[m - k];
-    reflection /= left;
+    reflection /= variance;
     const VectorXd before = model.coefficients;
     model.coefficients[m] = reflection;
     for (int k = 0; k < m; ++k) model.coefficients[k] -= reflection * before[m - 1 - k];
-    left *= 1 - reflection * reflection;
+    variance *= 1 - reflection * reflection;
   }
-  if (left > 0) model.deviation = std::sqrt(left);
+  if (variance > 0) model.deviation = std::sqrt(variance);
   return model;
 }
 
-class Colour {
+// Divides by the size of the noise at each time, then whitens by its mean colour.
+class Whitening {
  public:
-  explicit Colour(const Problem& problem)
+  explicit Whitening(const Problem& problem)
       : first_row_{problem.drive(0).first_row}, deviation_{problem.noise(0).deviation()} {
     if (!problem.has_colour()) return;
-    // What differences make of a displacement rises too steeply for a few lags.
+    // The noise of differences of a displacement rises too steeply for a few lags.
     const bool is_steep = problem.relation().outputs()[0].first.starts_with("acceleration.");
     order_ = is_steep ? 12 : 4;
     for (Index output = 0; output < deviation_.cols(); ++output) {
@@ -190,7 +191,7 @@ class Colour {
       const auto output = static_cast<Index>(i);
       white.col(output) = colours_[i].whitened(white.col(output));
     }
-    // What came before the first row is not known.
+    // Rows before the first one are not known.
     white.topRows(std::min(first_row_ + order_, white.rows())).setZero();
     return white;
   }
@@ -199,10 +200,10 @@ class Colour {
   Index first_row_;
   int order_ = 0;
   MatrixXd deviation_;
-  std::vector<AutoRegression> colours_;  // of every output; none if it is not known
+  std::vector<AutoRegression> colours_;  // of every output; none if not known
 };
 
-// Noise whose colour is not known is taken for white, of the size that is known.
+// Noise of unknown colour counts as white, of the known size.
 std::vector<MatrixXd> white_noise(const Drive& drive, std::size_t draws) {
   std::mt19937_64 random{1};
   std::normal_distribution<double> normal;
@@ -219,7 +220,7 @@ std::vector<MatrixXd> white_noise(const Drive& drive, std::size_t draws) {
 
 Seen seen_at(const Problem& problem, const Hypothesis& hypothesis) {
   const Drive& drive = problem.drive(0);
-  std::vector<Index> all;  // but what may move by a little only
+  std::vector<Index> all;  // free parameters, without tolerances
   for (std::size_t i = 0; i < hypothesis.free.size(); ++i)
     if (!hypothesis.free[i].is_tolerance) all.push_back(static_cast<Index>(i));
   MatrixXd prediction;
@@ -228,7 +229,7 @@ Seen seen_at(const Problem& problem, const Hypothesis& hypothesis) {
            .simulator(hypothesis, drive)
            ->run(hypothesis.values, all, prediction, derivatives))
     throw Error{problem.record(0).name + ": the model has no prediction"};
-  const Colour white{problem};
+  const Whitening white{problem};
   Projection projection;
   if (problem.relation().has_free_offsets())
     for (Index output = 0; output < prediction.cols(); ++output) {
@@ -242,8 +243,8 @@ Seen seen_at(const Problem& problem, const Hypothesis& hypothesis) {
     for (const auto& draw : problem.draws(0)) seen.noise.push_back(white(draw));
   else
     seen.noise = white_noise(drive, problem.draws(0).size());
-  projection.take_from(seen.residual);
-  for (auto& noise : seen.noise) projection.take_from(noise);
+  projection.remove_from(seen.residual);
+  for (auto& noise : seen.noise) projection.remove_from(noise);
   return seen;
 }
 

@@ -7,24 +7,24 @@
 
 namespace rths::diagnosis {
 
-/// A residual, and draws of what of it is noise: rows × outputs each.
+/// A residual, and realisations of its noise: rows × outputs each.
 struct Seen {
   Eigen::MatrixXd residual;
   std::vector<Eigen::MatrixXd> noise;
 };
 
-/// What neither the hypothesis' free parameters nor free offsets can make of a problem's first
-/// record: divided by the size of the noise at each time, but by one colour at all times, so that
-/// what is seen at one compares with another.
+/// The residual of a problem's first record that neither the hypothesis' free parameters nor free
+/// offsets can explain. It is divided by the size of the noise at each time. One filter whitens it
+/// at all times, so that residuals at different times are comparable.
 /// @throws Error if there is no prediction
 [[nodiscard]] Seen seen_at(const Problem& problem, const Hypothesis& hypothesis);
 
 using Energies = std::vector<double>;  ///< by cell
 
-/// Energy and what noise has of it, cell by cell.
+/// Energy of a residual and expected energy of its noise, by cell.
 class Cells {
  public:
-  /// @param energies  of a signal, in every cell
+  /// @param energies  returns the energies of a signal, by cell
   Cells(const Seen& seen, const std::function<Energies(const Eigen::MatrixXd&)>& energies);
 
   [[nodiscard]] std::size_t size() const { return energy_.size(); }
@@ -32,9 +32,9 @@ class Cells {
   [[nodiscard]] double beyond_noise(std::size_t cell) const {
     return energy_[cell] - expected_[cell];
   }
-  /// Part of a cell's energy that is not noise: 0 … 1.
+  /// Fraction of a cell's energy that is not noise: 0 … 1.
   [[nodiscard]] double signal_share(std::size_t cell) const;
-  /// Shares of all that is beyond the noise and beyond its scatter.
+  /// Shares of the energy that is beyond the noise and its scatter.
   [[nodiscard]] std::vector<double> shares() const;
   /// The smallest set of cells that holds most of the excess.
   [[nodiscard]] std::vector<bool> place() const;
@@ -43,18 +43,19 @@ class Cells {
   Energies energy_, expected_, scatter_;
 };
 
-/// Energies in the cells that rows and outputs fall into. Cells beyond the last are left out.
+/// Energies by cell of rows and outputs. Cells beyond the last are ignored.
 [[nodiscard]] std::function<Energies(const Eigen::MatrixXd&)> by_row(
     std::size_t cells, const Drive& drive,
     const std::function<std::size_t(Eigen::Index row, Eigen::Index output)>& cell_of);
 
-/// Energies in bands of frequency, of signals padded to twice their length.
+/// Energies by frequency band, of signals padded to twice their length.
 class Bands {
  public:
   /// @param edges  [Hz]
   Bands(const std::vector<double>& edges, const Drive& drive);
   [[nodiscard]] Energies energies(const Eigen::MatrixXd& signal) const;
-  /// Each band times a weight, and nothing beyond them.
+  /// The signal with each band multiplied by a weight, and without the frequencies outside the
+  /// bands.
   [[nodiscard]] Eigen::MatrixXd weighed(const Eigen::MatrixXd& signal,
                                         std::vector<double> weights) const;
 

@@ -7,11 +7,11 @@
 namespace rths::diagnosis {
 namespace {
 
-constexpr std::size_t kManyRecords = 4;  // from which on they score each other
-constexpr double kPieces = 10;           // of a record that scores itself
+constexpr std::size_t kManyRecords = 4;  // at least so many score each other
+constexpr double kPieces = 10;           // per record that scores itself
 constexpr double kLongestPiece = 4;      // [s]
 
-// Every other piece of a record.
+// Weights that select every other piece of a record.
 Eigen::ArrayXd every_other_piece(const Drive& drive, bool odd) {
   const double length = static_cast<double>(drive.rows()) * drive.time_step;
   const double piece = std::min(kLongestPiece, length / kPieces);

@@ -7,18 +7,19 @@
 
 namespace rths::diagnosis {
 
-/// Which records find, and which one proves.
+/// Records for the selection, and records for the proof.
 struct Split {
-  std::vector<const Record*> records;  ///< of the problem: those that find
-  std::vector<const Record*> held;     ///< never touched before the proof
-  bool by_record = false;              ///< the folds are records, not pieces of one
+  std::vector<const Record*> records;  ///< of the problem: fitted and scored
+  std::vector<const Record*> held;     ///< not used before the proof
+  bool by_record = false;              ///< each fold is a whole record, not pieces of one
 };
 
-/// With two held-out records or more, all but the last of them score what was fitted. With one, or
-/// none, the records that are fitted score each other, or their pieces do.
+/// Splits the records of a case. Of exactly two held-out records, the first scores the fits if
+/// fewer than four records are fitted. Otherwise the fitted records, or their pieces, score each
+/// other.
 [[nodiscard]] Split split_of(const Case& c);
 
-/// Folds of the split's problem.
+/// Folds of the problem of a split.
 [[nodiscard]] Folds folds_of(const Split& split, const Problem& problem);
 
 }  // namespace rths::diagnosis

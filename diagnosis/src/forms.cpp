@@ -6,10 +6,11 @@
 #include <functional>
 #include <numeric>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <fmt/format.h>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/diagnosis/signal.hpp>
 
 #include "scores.hpp"
@@ -21,7 +22,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Hat functions over a range: what is linear between equally spaced knots.
+// Hat functions over a range: piecewise linear between equally spaced knots.
 struct Hats {
   double low, high;
   Index count;
@@ -29,24 +30,24 @@ struct Hats {
   [[nodiscard]] MatrixXd operator()(const VectorXd& x) const {
     MatrixXd basis = MatrixXd::Zero(x.size(), count);
     for (Index i = 0; i < x.size(); ++i) {
-      const double place = std::clamp((x[i] - low) / (high - low), 0.0, 1.0 - 1e-12) *
-                           static_cast<double>(count - 1);
-      const auto k = static_cast<Index>(place);
-      basis(i, k) = 1 - (place - static_cast<double>(k));
-      basis(i, k + 1) = place - static_cast<double>(k);
+      const double position = std::clamp((x[i] - low) / (high - low), 0.0, 1.0 - 1e-12) *
+                              static_cast<double>(count - 1);
+      const auto k = static_cast<Index>(position);
+      basis(i, k) = 1 - (position - static_cast<double>(k));
+      basis(i, k + 1) = position - static_cast<double>(k);
     }
     return basis;
   }
 };
 
-// What forms are made of, in units of their peaks over all records.
+// Arguments of forms, divided by their peaks over all records.
 struct Signals {
   VectorXd u, v, other_u, other_v, load, control;
 };
 
 struct Form {
   std::string name;
-  std::string abscissa;  // u, v, N, I: what a curve is drawn over; empty: no curve
+  std::string abscissa;  // u, v, N or I of the curve; empty: no curve
   std::function<MatrixXd(const Signals&)> design;
 };
 
@@ -57,7 +58,7 @@ VectorXd sign_of(const VectorXd& v) {
   return v.unaryExpr([](double x) { return std::tanh(x / 0.01); });
 }
 
-// Curves over a state, and with it as a factor of friction, viscosity and stiffness.
+// Curves over a state, and friction, viscosity and stiffness with a factor that depends on it.
 void add_state(const std::string& symbol, VectorXd Signals::*state, std::vector<Form>& all) {
   const Hats range{0, 1, 9};
   all.push_back({"f(" + symbol + ")", symbol, [=](const Signals& s) { return range(s.*state); }});
@@ -111,10 +112,11 @@ std::vector<Form> forms(bool has_other, bool has_load, bool has_control) {
   return all;
 }
 
-// The residual of one output on a fold, with everything that belongs to it.
-class Sight {
+// Residual of a hypothesis on a fold, its derivatives, and the ranges of the recorded states.
+class ResidualView {
  public:
-  Sight(const Supposition& supposition, const Fold& fold) : supposition_{supposition}, fold_{fold} {
+  ResidualView(const Supposition& supposition, const Fold& fold)
+      : supposition_{supposition}, fold_{fold} {
     std::vector<Index> all(supposition.hypothesis().free.size());
     std::iota(all.begin(), all.end(), Index{0});
     static_cast<void>(
@@ -148,7 +150,7 @@ class Sight {
     return abscissa == "v" ? v_ : u_;
   }
 
-  // Rows of an output: residual, nuisance tangents and the whitened columns of a form.
+  // Rows of one output: residual, derivatives of the fitted parameters, whitened columns of a form.
   void of_output(Index output, const Form* form, VectorXd& residual, MatrixXd& nuisance,
                  MatrixXd& columns) const {
     const Problem& problem = supposition_.problem();
@@ -166,10 +168,10 @@ class Sight {
     nuisance = jacobian_(rows, Eigen::all);
     if (form == nullptr) return;
     columns.resize(static_cast<Index>(rows.size()), designs[0].cols());
-    Index at = 0;
+    Index row = 0;
     for (const auto& design : designs) {
-      columns.middleRows(at, design.rows()) = design;
-      at += design.rows();
+      columns.middleRows(row, design.rows()) = design;
+      row += design.rows();
     }
   }
 
@@ -212,10 +214,10 @@ class Sight {
   Range load_, control_;
 };
 
-// Ridge regression on one fold, judged on the other.
+// Ridge regression on one fold, scored on the other.
 struct Regression {
   VectorXd weights, deviation;
-  double gain = 0;  // fall of the other fold's sum of squares
+  double gain = 0;  // decrease of the other fold's sum of squares
 };
 
 Regression regress(const VectorXd& w1, const MatrixXd& nuisance1, const MatrixXd& columns1,
@@ -231,29 +233,29 @@ Regression regress(const VectorXd& w1, const MatrixXd& nuisance1, const MatrixXd
   const double size = normal.diagonal().head(m).mean();
   normal.diagonal().head(m).array() += 1e-3 * size + 0.5;
   normal.diagonal().tail(n).array() += 1e-3;
-  const Eigen::LDLT<MatrixXd> factors{normal};
+  const algebra::SymmetricFactors factors{normal};
   const VectorXd c = factors.solve(X1.transpose() * w1);
-  const MatrixXd inverse = factors.solve(MatrixXd::Identity(m + n, m + n));
+  const MatrixXd inverse = factors.inverse();
   return {c.head(m), inverse.diagonal().head(m).cwiseMax(0).cwiseSqrt(),
           w2.squaredNorm() - (w2 - X2 * c).squaredNorm()};
 }
 
-Description curve_of(const Form& form, const Regression& best, const Sight& sight, double share,
-                     const std::string& unit) {
+Description curve_of(const Form& form, const Regression& best, const ResidualView& view,
+                     double share) {
   Description description{form.name, share, "", {}, {}, {}};
   if (form.abscissa.empty()) return description;
-  const Sight::Range* state = form.abscissa == "N"   ? &sight.load()
-                              : form.abscissa == "I" ? &sight.control()
-                                                     : nullptr;
+  const ResidualView::Range* state = form.abscissa == "N"   ? &view.load()
+                                     : form.abscissa == "I" ? &view.control()
+                                                            : nullptr;
   const Index m = best.weights.size();
   for (Index i = 0; i < m; ++i) {
     double x = 2 * static_cast<double>(i) / static_cast<double>(m - 1) - 1;
     if (form.abscissa == "v")
-      x = 0.05 * std::sinh(x * kBentReach) * sight.reach("v");
+      x = 0.05 * std::sinh(x * kBentReach) * view.reach("v");
     else if (state != nullptr)
       x = state->low + (x + 1) / 2 * (state->high - state->low);
     else
-      x *= sight.reach("u");
+      x *= view.reach("u");
     description.x.push_back(x);
     description.y.push_back(best.weights[i]);
     description.band.push_back(best.deviation[i]);
@@ -261,11 +263,10 @@ Description curve_of(const Form& form, const Regression& best, const Sight& sigh
   description.x_label = form.abscissa == "v" ? "velocity [m/s]"
                         : state != nullptr   ? state->label
                                              : "displacement [m]";
-  static_cast<void>(unit);
   return description;
 }
 
-// Energy of the strongest line of the spectrum that both folds have, over the excess.
+// Adds the strongest spectral line that both folds have; its share is its energy over the excess.
 void add_line(const VectorXd& w1, const VectorXd& w2, double time_step, double excess,
               std::vector<Description>& found) {
   constexpr int kWindow = 512;
@@ -297,7 +298,40 @@ void add_line(const VectorXd& w1, const VectorXd& w2, double time_step, double e
                    {}});
 }
 
-// A parameter that changes at a time, on each record by itself.
+// The sudden change of one parameter that explains most of a residual.
+struct Change {
+  double explained = 0;  // energy
+  double time = 0;       // [s]
+};
+
+// The part of a parameter's derivative from row `cut` of each output on.
+VectorXd from_row(const MatrixXd& jacobian, Index column, Index cut, const Drive& drive) {
+  VectorXd g = jacobian.col(column);
+  for (Index output = 0; output < drive.measured.cols(); ++output)
+    g.segment(output * drive.rows(), cut).setZero();
+  return g;
+}
+
+// Tries 40 times of change on one record. Sets `parameter` to the name of the best one's parameter.
+Change best_change(const VectorXd& w, const MatrixXd& J, const Complement& complement,
+                   const Drive& drive, const Hypothesis& hypothesis, std::string& parameter) {
+  Change best;
+  for (int k = 0; k < 40; ++k) {
+    const auto cut = static_cast<Index>((0.12 + 0.0165 * k) * static_cast<double>(drive.rows()));
+    for (Index j = 0; j < J.cols(); ++j) {
+      VectorXd g = from_row(J, j, cut, drive);
+      complement.take_out(g);
+      const double square = g.squaredNorm();
+      const double explained = square > 0 ? std::pow(g.dot(w), 2) / square : 0;
+      if (explained <= best.explained) continue;
+      best = {explained, drive.start + static_cast<double>(cut) * drive.time_step};
+      parameter = hypothesis.free[static_cast<std::size_t>(j)].name;
+    }
+  }
+  return best;
+}
+
+// Adds the sudden change of a parameter that explains most, found on each record separately.
 void add_change(const Supposition& supposition, const Folds& folds,
                 std::vector<Description>& found) {
   const auto& hypothesis = supposition.hypothesis();
@@ -312,26 +346,11 @@ void add_change(const Supposition& supposition, const Folds& folds,
     if (!supposition.evaluate(whole({share.record}), hypothesis.values, all, w, J)) return;
     const Complement complement{J};
     complement.take_out(w);
-    const Drive& drive = supposition.problem().drive(share.record);
-    const Index rows = drive.rows(), outputs = drive.measured.cols();
-    double best = 0, time = 0;
-    for (int k = 0; k < 40; ++k) {
-      const auto cut = static_cast<Index>((0.12 + 0.0165 * k) * static_cast<double>(rows));
-      for (Index j = 0; j < J.cols(); ++j) {
-        VectorXd g = J.col(j);
-        for (Index output = 0; output < outputs; ++output) g.segment(output * rows, cut).setZero();
-        complement.take_out(g);
-        const double square = g.squaredNorm();
-        const double explained = square > 0 ? std::pow(g.dot(w), 2) / square : 0;
-        if (explained <= best) continue;
-        best = explained;
-        time = drive.start + static_cast<double>(cut) * drive.time_step;
-        parameter = hypothesis.free[static_cast<std::size_t>(j)].name;
-      }
-    }
-    gain += best;
+    const Change best = best_change(w, J, complement, supposition.problem().drive(share.record),
+                                    hypothesis, parameter);
+    gain += best.explained;
     excess += w.squaredNorm() - static_cast<double>(w.size());
-    times.push_back(time);
+    times.push_back(best.time);
   }
   if (times.size() < 2 || !(excess > 0)) return;
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
@@ -347,7 +366,7 @@ std::vector<Description> describe(const Supposition& supposition, const Folds& f
   const Problem& problem = supposition.problem();
   const Drive& any = problem.drive(0);
   if (any.displacement.size() == 0) return found;
-  const Sight first{supposition, folds.first}, second{supposition, folds.second};
+  const ResidualView first{supposition, folds.first}, second{supposition, folds.second};
   const Index outputs = any.measured.cols();
   VectorXd w1, w2, all1, all2;
   MatrixXd J1, J2, X1, X2;
@@ -367,14 +386,14 @@ std::vector<Description> describe(const Supposition& supposition, const Folds& f
       gain += one.gain;
       if (output == 0 || one.gain > best.gain) best = one;
     }
-    found.push_back(
-        curve_of(form, best, first, gain / excess, problem.relation().outputs()[0].second));
+    found.push_back(curve_of(form, best, first, gain / excess));
   }
   first.of_output(0, nullptr, w1, J1, X1);
   second.of_output(0, nullptr, w2, J2, X2);
   add_line(w1, w2, any.time_step, excess / static_cast<double>(outputs), found);
   add_change(supposition, folds, found);
-  // A surface holds every curve over one of its sides: it has to explain more than that.
+  // A surface contains every curve over one of its arguments, so it must explain more than the
+  // curve.
   const auto worth = [](const Description& one) {
     constexpr double kPriceOfSurface = 0.02;
     const bool is_surface = one.form == "g(u, v)" || one.form == "f(u_long, u_lat)";

@@ -33,7 +33,7 @@ bool may_extend(const Hypothesis& hypothesis, const Candidate& candidate) {
   const Hypothesis result = extended(hypothesis, candidate, candidate.starts[0]);
   const auto is_known = [&](const FreeParameter& free) {
     const auto dot = std::min(free.name.rfind('.'), free.name.size());
-    return std::all_of(result.terms.begin(), result.terms.end(), [&](const PlacedTerm& term) {
+    return std::all_of(result.terms.begin(), result.terms.end(), [&](const ModelTerm& term) {
       if (term.settings.name != free.name.substr(0, dot)) return true;
       const auto& known = sim::term_kind(term.settings.kind).parameters;
       return std::any_of(known.begin(), known.end(), [&](const auto& parameter) {

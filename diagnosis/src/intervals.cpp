@@ -3,7 +3,9 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
 
 #include "investigation.hpp"
 
@@ -20,12 +22,12 @@ bool is_on_bound(const Hypothesis& hypothesis, Index i) {
   return value <= free.low + near || value >= free.high - near;
 }
 
-// A fit about its minimum, in units of the parameters' scales.
+// Linearised fit at its minimum, in units of the parameters' scales.
 struct Minimum {
   VectorXd residual;
   MatrixXd jacobian;
   MatrixXd inverse;  // of JᵀJ
-  VectorXd alone;    // variance of what lies on a bound and moves without the others; else 0
+  VectorXd alone;    // variance of a parameter on its bound, without the others; else 0
 
   Minimum(const Problem& problem, const Fold& fold, const Hypothesis& hypothesis) {
     std::vector<Index> all(hypothesis.free.size());
@@ -42,19 +44,19 @@ struct Minimum {
       alone[i] = 1 / std::max(jacobian.col(i).squaredNorm(), 1e-300);
       jacobian.col(i).setZero();
     }
-    // Parameters that the records do not fix get the width of what is allowed.
+    // Keeps the matrix regular; undetermined parameters get the width of their bounds.
     MatrixXd normal = jacobian.transpose() * jacobian;
     normal.diagonal().array() += 1e-9 * normal.diagonal().maxCoeff();
-    inverse = normal.inverse();
+    inverse = algebra::inverse(normal);
   }
   [[nodiscard]] bool exists() const { return jacobian.size() > 0; }
   // One Gauss-Newton step.
-  [[nodiscard]] VectorXd step(const VectorXd& of) const {
-    return -inverse * (jacobian.transpose() * of);
+  [[nodiscard]] VectorXd step(const VectorXd& rows) const {
+    return -inverse * (jacobian.transpose() * rows);
   }
 };
 
-// What draws of the noise, of the measured motion too, do to the parameters: mean squares.
+// Mean squares of the parameter changes that noise draws cause, of the measured motion too.
 VectorXd scatter(const Investigation& found, const Minimum& minimum) {
   const Problem& problem = *found.problem;
   VectorXd squares = VectorXd::Zero(minimum.inverse.rows());

@@ -16,8 +16,8 @@ bool Investigation::is_unknown() const {
   constexpr double kExplained = 0.85;
   if (!selection.has_remainder() || (is_named() && selection.explained() >= kExplained))
     return false;
-  // Noise that is a little larger than it was at rest (by less than 0.2, where nothing is missing)
-  // is no physics: it must have a form.
+  // Noise may exceed its level at rest (by less than 0.2 in cases where nothing is missing). So a
+  // small excess counts only if it has a form.
   constexpr double kPlain = 0.25, kFormShare = 0.3;
   const double rest = selection.variance_named - 1;
   return rest > kPlain || (!descriptions.empty() && descriptions[0].share > kFormShare);

@@ -7,7 +7,7 @@
 namespace rths::diagnosis {
 namespace {
 
-constexpr double kCoarse = 5e-3;   // of the standard deviation: a step from which on it matters
+constexpr double kCoarse = 5e-3;   // of the standard deviation: smallest step that matters
 constexpr double kRepeats = 0.25;  // of the samples
 constexpr double kOnSteps = 0.97;  // of the changes
 

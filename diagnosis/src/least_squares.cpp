@@ -5,8 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::diagnosis {
@@ -25,7 +26,7 @@ void check(const FitProblem& p) {
     throw Error{"least squares: the start lies outside the bounds"};
 }
 
-// A point of the fit, in parameters over their scale.
+// A point of the fit, in parameters divided by their scales.
 struct Point {
   VectorXd x, residual;
   MatrixXd jacobian;
@@ -42,7 +43,7 @@ class Minimiser {
     if (!evaluate(at_, true)) throw Error{"least squares: no residual at the start"};
   }
 
-  // @returns false if there is nowhere to go
+  // @returns false if no step reduces the cost
   bool step() {
     const VectorXd gradient = at_.jacobian.transpose() * at_.residual;
     const MatrixXd H = at_.jacobian.transpose() * at_.jacobian;
@@ -50,13 +51,13 @@ class Minimiser {
       Point next;
       next.x = at_.x + best_step(gradient, H);
       const VectorXd way = next.x - at_.x;
-      const double promised = -(gradient.dot(way) + 0.5 * way.dot(H * way));
-      if (!(promised > problem_.tolerance * kLeastPromise * at_.cost)) return false;
+      const double predicted = -(gradient.dot(way) + 0.5 * way.dot(H * way));
+      if (!(predicted > problem_.tolerance * kLeastDecrease * at_.cost)) return false;
       if (evaluate(next, false) && next.cost < at_.cost) {
-        const double kept = (at_.cost - next.cost) / promised;
-        damping_ = std::clamp(kept > 0.75   ? damping_ / 10
-                              : kept < 0.25 ? damping_ * 4
-                                            : damping_,
+        const double ratio = (at_.cost - next.cost) / predicted;
+        damping_ = std::clamp(ratio > 0.75   ? damping_ / 10
+                              : ratio < 0.25 ? damping_ * 4
+                                             : damping_,
                               kLeastDamping, kMostDamping);
         gain_ = at_.cost - next.cost;
         at_ = std::move(next);
@@ -66,7 +67,7 @@ class Minimiser {
     }
     return false;
   }
-  [[nodiscard]] bool has_arrived() const { return gain_ <= problem_.tolerance * at_.cost; }
+  [[nodiscard]] bool has_converged() const { return gain_ <= problem_.tolerance * at_.cost; }
 
   [[nodiscard]] Fit result(bool converged) const {
     return {parameters(at_), 2 * at_.cost,
@@ -76,7 +77,7 @@ class Minimiser {
  private:
   static constexpr int kMostAttempts = 10;
   static constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e6;
-  static constexpr double kLeastPromise = 1e-2;  // of the tolerance: not worth a step
+  static constexpr double kLeastDecrease = 1e-2;  // of the tolerance: smallest predicted decrease
 
   [[nodiscard]] VectorXd parameters(const Point& point) const {
     return point.x.cwiseProduct(problem_.scale).cwiseMax(problem_.low).cwiseMin(problem_.high);
@@ -91,24 +92,20 @@ class Minimiser {
     return std::isfinite(point.cost) && (!wants_jacobian || point.jacobian.allFinite());
   }
 
-  // Least of the damped quadratic model within the bounds: what would leave them is put on them,
-  // one by one, and the rest solved for again.
+  // Minimum of the damped quadratic model within the bounds. The parameter that exceeds its bound
+  // most is fixed on the bound, and the others are solved for again.
   [[nodiscard]] VectorXd best_step(const VectorXd& gradient, const MatrixXd& H) const {
     const Index n = gradient.size();
     const double largest = std::max(H.diagonal().maxCoeff(), 1e-300);
     MatrixXd damped = H;
     damped.diagonal() += damping_ * H.diagonal().cwiseMax(1e-12 * largest);
     VectorXd way = VectorXd::Zero(n);
-    std::vector<Index> free;
-    for (Index i = 0; i < n; ++i) {
-      const bool is_held =
-          (at_.x[i] <= low_[i] && gradient[i] > 0) || (at_.x[i] >= high_[i] && gradient[i] < 0);
-      if (!is_held) free.push_back(i);
-    }
+    std::vector<Index> free = free_parameters(gradient);
     while (!free.empty()) {
-      // `way` of those that are put on their bounds is known.
+      // `way` of the fixed parameters is known.
       const VectorXd pull = gradient + damped * fixed_part(way, free);
-      const VectorXd solution = damped(free, free).ldlt().solve(-pull(free));
+      const VectorXd solution =
+          algebra::solve_symmetric(MatrixXd{damped(free, free)}, VectorXd{-pull(free)});
       way(free) = solution;
       Index worst = -1;
       double excess = 0;
@@ -123,6 +120,16 @@ class Minimiser {
       free.erase(free.begin() + worst);
     }
     return way;
+  }
+  // Parameters that are not on a bound and pushed against it.
+  [[nodiscard]] std::vector<Index> free_parameters(const VectorXd& gradient) const {
+    std::vector<Index> free;
+    for (Index i = 0; i < gradient.size(); ++i) {
+      const bool is_held =
+          (at_.x[i] <= low_[i] && gradient[i] > 0) || (at_.x[i] >= high_[i] && gradient[i] < 0);
+      if (!is_held) free.push_back(i);
+    }
+    return free;
   }
   static VectorXd fixed_part(const VectorXd& way, const std::vector<Index>& free) {
     VectorXd fixed = way;
@@ -142,7 +149,7 @@ Fit least_squares(const FitProblem& p) {
   check(p);
   Minimiser minimiser{p};
   for (int i = 0; i < p.most_iterations; ++i)
-    if (!minimiser.step() || minimiser.has_arrived()) return minimiser.result(true);
+    if (!minimiser.step() || minimiser.has_converged()) return minimiser.result(true);
   return minimiser.result(false);
 }
 
@@ -161,13 +168,11 @@ MatrixXd covariance(const Fit& fit, Index block) {
   const MatrixXd& J = fit.jacobian;
   const VectorXd scale = J.colwise().norm().cwiseMax(1e-300).cwiseInverse();
   const MatrixXd H = scale.asDiagonal() * (J.transpose() * J) * scale.asDiagonal();
-  const Eigen::LDLT<MatrixXd> factors{H};
+  const algebra::SymmetricFactors factors{H};
   constexpr double kLeastPivot = 1e-12;  // of columns of unit length
-  if (!(factors.vectorD().minCoeff() > kLeastPivot))
-    throw Error{"covariance: the parameters cannot be told apart"};
-  const MatrixXd inverse = scale.asDiagonal() *
-                           factors.solve(MatrixXd::Identity(H.rows(), H.cols())) *
-                           scale.asDiagonal();
+  if (!(factors.smallest_pivot() > kLeastPivot))
+    throw Error{"covariance: the data do not separate the parameters"};
+  const MatrixXd inverse = scale.asDiagonal() * factors.inverse() * scale.asDiagonal();
   const double mean_square =
       fit.sum_of_squares / static_cast<double>(std::max<Index>(1, J.rows() - J.cols()));
   const MatrixXd robust = sandwich(J, fit.residual, inverse, block);

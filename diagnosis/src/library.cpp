@@ -9,6 +9,7 @@
 #include <rths/core/error.hpp>
 
 #include "motion_drive.hpp"
+#include "unit_scales.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -29,24 +30,24 @@ constexpr int kPriceOfRule = 4;
 
 template <class Names>
 bool holds(const Hypothesis& base, const Names& kinds) {
-  return std::any_of(base.terms.begin(), base.terms.end(), [&](const PlacedTerm& term) {
+  return std::any_of(base.terms.begin(), base.terms.end(), [&](const ModelTerm& term) {
     return std::find(std::begin(kinds), std::end(kinds), term.settings.kind) != std::end(kinds);
   });
 }
 
 sim::Channel channel_of(const Entry& entry) {
-  if (entry.place == Place::Actuator) return sim::Channel::Displacement;
-  return entry.place == Place::Accelerometer ? sim::Channel::Acceleration : sim::Channel::Force;
+  if (entry.target == Target::Actuator) return sim::Channel::Displacement;
+  return entry.target == Target::Accelerometer ? sim::Channel::Acceleration : sim::Channel::Force;
 }
 
 const char* channel_name(const Entry& entry) {
-  if (entry.place == Place::Actuator) return "displacement";
-  return entry.place == Place::Accelerometer ? "acceleration" : "force";
+  if (entry.target == Target::Actuator) return "displacement";
+  return entry.target == Target::Accelerometer ? "acceleration" : "force";
 }
 
 bool is_on_channel(const TermKind& kind) { return (kind.traits & sim::kPerChannel) != 0; }
 
-// Whether a kind's name says nothing without the channel that it is on.
+// Whether a kind's name needs the channel to be clear.
 bool needs_channel_in_name(std::string_view kind) {
   return !kind.starts_with("absolute") && !kind.starts_with("crosstalk") &&
          !kind.starts_with("accelerometer");
@@ -66,13 +67,7 @@ Part part_of(const TermKind& kind) {
   }
 }
 
-const sim::Parameter& parameter_of(const TermKind& kind, std::string_view name) {
-  for (const auto& parameter : kind.parameters)
-    if (parameter.name == name) return parameter;
-  throw Error{fmt::format("library: '{}' has no parameter '{}'", kind.name, name)};
-}
-
-// Makes one candidate of one entry.
+// Makes the candidate of an entry.
 class Builder {
  public:
   Builder(const Entry& entry, const Hypothesis& base, const NaturalScale& scale,
@@ -93,15 +88,15 @@ class Builder {
     const auto there = in_model();
     const bool must_be_there = (entry_.needs & Entry::kKindInModel) != 0;
     if ((entry_.needs & Entry::kInstead) != 0)
-      put_instead();
+      replace_kind();
     else if (!there.empty() && (entry_.needs & Entry::kBeside) == 0)
-      free_what_is_there(there);
+      free_existing(there);
     else if (!must_be_there)
       add();
     if (candidate_.frees.empty()) return {};
     candidate_.price = static_cast<int>(candidate_.frees.size());
     candidate_.is_rule = (entry_.needs & Entry::kRule) != 0;
-    // Nobody doubts the rule if something else explains as much.
+    // The rule is blamed only if nothing else explains as much.
     if (candidate_.is_rule) candidate_.price += kPriceOfRule;
     candidate_.is_hidden = (entry_.needs & Entry::kHidden) != 0;
     for (const auto& [more, less] : kSpecialCases)
@@ -123,7 +118,7 @@ class Builder {
       return !free.is_tolerance && (name == free.name || free.name == without_axis(name));
     });
   }
-  // "friction.long.force" is meant by "friction.force" too.
+  // "friction.force" refers to "friction.long.force" too.
   static std::string without_axis(const std::string& name) {
     std::string plain = name;
     for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
@@ -138,49 +133,46 @@ class Builder {
     return natural_unit(parameter.unit, scale_);
   }
 
-  [[nodiscard]] FreeParameter free(const std::string& name, const Knob& knob) const {
-    const sim::Parameter& parameter = parameter_of(kind_, knob.parameter);
+  [[nodiscard]] FreeParameter free(const std::string& name,
+                                   const ParameterSpecification& specification) const {
+    const sim::Parameter& parameter = parameter_of(kind_, specification.parameter);
     const double natural = unit(parameter);
     FreeParameter result{name, std::string{parameter.unit}, parameter.low, parameter.high, 1};
     if (result.unit.starts_with(sim::kChannelUnit))
       result.unit.replace(0, sim::kChannelUnit.size(),
-                          entry_.place == Place::Actuator        ? "m"
-                          : entry_.place == Place::Accelerometer ? "m/s2"
-                                                                 : "N");
-    if (knob.low < knob.high) {
-      result.low = std::max(result.low, knob.low * natural);
-      result.high = std::min(result.high, knob.high * natural);
+                          entry_.target == Target::Actuator        ? "m"
+                          : entry_.target == Target::Accelerometer ? "m/s2"
+                                                                   : "N");
+    if (specification.low < specification.high) {
+      result.low = std::max(result.low, specification.low * natural);
+      result.high = std::min(result.high, specification.high * natural);
     }
-    const double away = std::abs(knob.starts[0] * natural - parameter.absent);
-    result.scale = knob.role == Knob::Role::Shape ? std::abs(knob.starts[0] * natural) / 2 : away;
+    const double away = std::abs(specification.starts[0] * natural - parameter.absent);
+    result.scale = specification.role == ParameterSpecification::Role::Shape
+                       ? std::abs(specification.starts[0] * natural) / 2
+                       : away;
     if (!(result.scale > 0)) result.scale = 0.1 * natural;
     return result;
   }
 
-  void free_what_is_there(const std::vector<const sim::TermSettings*>& there) {
+  // Frees parameters of terms that the model has.
+  void free_existing(const std::vector<const sim::TermSettings*>& there) {
     std::vector<double> values;
-    std::vector<const Knob*> absent;  // there is the term, but not this effect of it
+    // Parameters at which the term lacks an effect.
+    std::vector<const ParameterSpecification*> absent;
     for (const auto* term : there)
-      for (const auto& knob : entry_.knobs) {
-        if (knob.role == Knob::Role::Fixed) continue;
-        const std::string name = fmt::format("{}.{}", term->name, knob.parameter);
+      for (const auto& specification : entry_.parameters) {
+        if (specification.role == ParameterSpecification::Role::Fixed) continue;
+        const std::string name = fmt::format("{}.{}", term->name, specification.parameter);
         if (is_free(name)) continue;
-        FreeParameter parameter = free(name, knob);
-        double value = parameter_of(kind_, knob.parameter).absent;
-        for (const auto& [key, number] : term->parameters)
-          if (key == knob.parameter) value = number;
-        if (!entry_.name.empty() && value == parameter_of(kind_, knob.parameter).absent) {
+        FreeParameter parameter = free(name, specification);
+        const double value = value_in(*term, specification);
+        if (!entry_.name.empty() && value == parameter_of(kind_, specification.parameter).absent) {
           candidate_.frees.push_back(parameter);
-          absent.push_back(&knob);
+          absent.push_back(&specification);
           continue;
         }
-        const double outside = 1.5;  // bounds that leave what was assumed inside
-        parameter.low = std::min(parameter.low, value / outside);
-        parameter.high = std::max(parameter.high, value * outside);
-        const auto& limits = parameter_of(kind_, knob.parameter);
-        parameter.low = std::max(parameter.low, limits.low);
-        parameter.high = std::min(parameter.high, limits.high);
-        if (value != 0) parameter.scale = 0.05 * std::abs(value);
+        center_on(value, specification, parameter);
         candidate_.frees.push_back(parameter);
         values.push_back(value);
       }
@@ -188,18 +180,34 @@ class Builder {
     candidate_.starts = {
         Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))};
   }
+  [[nodiscard]] double value_in(const sim::TermSettings& term,
+                                const ParameterSpecification& specification) const {
+    double value = parameter_of(kind_, specification.parameter).absent;
+    for (const auto& [key, number] : term.parameters)
+      if (key == specification.parameter) value = number;
+    return value;
+  }
+  // Widens the bounds so that they include the value in the model, and scales the parameter by it.
+  void center_on(double value, const ParameterSpecification& specification,
+                 FreeParameter& parameter) const {
+    const double outside = 1.5;
+    parameter.low = std::min(parameter.low, value / outside);
+    parameter.high = std::max(parameter.high, value * outside);
+    const auto& limits = parameter_of(kind_, specification.parameter);
+    parameter.low = std::max(parameter.low, limits.low);
+    parameter.high = std::min(parameter.high, limits.high);
+    if (value != 0) parameter.scale = 0.05 * std::abs(value);
+  }
 
-  void put_instead() {
+  // Replaces the kind of the first term whose parameters the new kind has too.
+  void replace_kind() {
     for (const auto& term : base_.terms) {
       if (term.settings.kind != kRuled || !keeps_parameters(term.settings)) continue;
       candidate_.becomes.emplace_back(term.settings.name, kind_.name);
-      std::vector<const Knob*> knobs;
-      for (const auto& knob : entry_.knobs) {
-        candidate_.frees.push_back(
-            free(fmt::format("{}.{}", term.settings.name, knob.parameter), knob));
-        knobs.push_back(&knob);
-      }
-      return choose_starts(knobs);
+      std::vector<const ParameterSpecification*> specifications;
+      for (const auto& specification : entry_.parameters)
+        specify(term.settings.name, specification, specifications);
+      return choose_starts(specifications);
     }
   }
   [[nodiscard]] bool keeps_parameters(const sim::TermSettings& settings) const {
@@ -209,64 +217,73 @@ class Builder {
                              [&](const auto& own) { return own.name == given.first; });
         });
   }
+  // Frees a parameter of a term.
+  void specify(const std::string& term, const ParameterSpecification& specification,
+               std::vector<const ParameterSpecification*>& specifications) {
+    candidate_.frees.push_back(
+        free(fmt::format("{}.{}", term, specification.parameter), specification));
+    specifications.push_back(&specification);
+  }
 
+  // Adds a term, or one for each axis if a parameter differs between them.
   void add() {
-    const bool splits = axes_.size() > 1 && (kind_.traits & sim::kPerAxis) != 0 &&
-                        std::any_of(entry_.knobs.begin(), entry_.knobs.end(),
-                                    [](const Knob& knob) { return knob.each_axis; });
+    const bool splits =
+        axes_.size() > 1 && (kind_.traits & sim::kPerAxis) != 0 &&
+        std::any_of(entry_.parameters.begin(), entry_.parameters.end(),
+                    [](const auto& specification) { return specification.each_axis; });
+    add_terms(splits);
+    std::vector<const ParameterSpecification*> specifications;
+    for (const auto& specification : entry_.parameters) {
+      if (specification.role == ParameterSpecification::Role::Fixed) continue;
+      if (splits && specification.each_axis)
+        for (const auto& term : candidate_.adds)
+          specify(term.settings.name, specification, specifications);
+      else
+        specify(candidate_.name, specification, specifications);
+    }
+    choose_starts(specifications);
+  }
+  void add_terms(bool splits) {
     sim::TermSettings settings;
     settings.kind = kind_.name;
     settings.name = candidate_.name;
     if (is_on_channel(kind_)) settings.channel = channel_of(entry_);
     if (axes_.size() == 1 && (kind_.traits & sim::kPerAxis) != 0) settings.axes = 1U << axes_[0];
-    for (const auto& knob : entry_.knobs)
-      if (knob.role == Knob::Role::Fixed)
+    for (const auto& specification : entry_.parameters)
+      if (specification.role == ParameterSpecification::Role::Fixed)
         settings.parameters.emplace_back(
-            knob.parameter, knob.starts[0] * unit(parameter_of(kind_, knob.parameter)));
+            specification.parameter,
+            specification.starts[0] * unit(parameter_of(kind_, specification.parameter)));
     if (!splits) {
       candidate_.adds.push_back({settings, ""});
-    } else {
-      for (const std::size_t axis : axes_) {
-        sim::TermSettings one = settings;
-        one.name += "." + axis_name(axis);
-        one.axes = 1U << axis;
-        candidate_.adds.push_back({one, ""});
-      }
+      return;
     }
-    std::vector<const Knob*> knobs;
-    for (const auto& knob : entry_.knobs) {
-      if (knob.role == Knob::Role::Fixed) continue;
-      if (splits && knob.each_axis) {
-        for (const auto& term : candidate_.adds) {
-          candidate_.frees.push_back(
-              free(fmt::format("{}.{}", term.settings.name, knob.parameter), knob));
-          knobs.push_back(&knob);
-        }
-      } else {
-        candidate_.frees.push_back(free(fmt::format("{}.{}", settings.name, knob.parameter), knob));
-        knobs.push_back(&knob);
-      }
+    for (const std::size_t axis : axes_) {
+      sim::TermSettings one = settings;
+      one.name += "." + axis_name(axis);
+      one.axes = 1U << axis;
+      candidate_.adds.push_back({one, ""});
     }
-    choose_starts(knobs);
   }
 
   // Every combination of the parameters' starts.
-  void choose_starts(const std::vector<const Knob*>& knobs) {
+  void choose_starts(const std::vector<const ParameterSpecification*>& specifications) {
     std::vector<Eigen::VectorXd> starts{
-        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(knobs.size()))};
-    for (std::size_t i = 0; i < knobs.size(); ++i) {
+        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(specifications.size()))};
+    for (std::size_t i = 0; i < specifications.size(); ++i) {
       std::vector<Eigen::VectorXd> longer;
-      // What both axes have starts alike on both.
-      const bool is_twin = i > 0 && knobs[i] == knobs[i - 1];
-      const int count = is_twin ? 1 : knobs[i]->start_count;
+      // A parameter of both axes has the same start on both.
+      const bool is_twin = i > 0 && specifications[i] == specifications[i - 1];
+      const int count = is_twin ? 1 : specifications[i]->start_count;
       for (const auto& start : starts)
         for (int k = 0; k < count; ++k) {
           Eigen::VectorXd next = start;
           const auto j = static_cast<Eigen::Index>(i);
-          const double natural = unit(parameter_of(kind_, knobs[i]->parameter));
-          next[j] = is_twin ? start[j - 1]
-                            : std::clamp(knobs[i]->starts[static_cast<std::size_t>(k)] * natural,
-                                         candidate_.frees[i].low, candidate_.frees[i].high);
+          const double natural = unit(parameter_of(kind_, specifications[i]->parameter));
+          next[j] =
+              is_twin ? start[j - 1]
+                      : std::clamp(specifications[i]->starts[static_cast<std::size_t>(k)] * natural,
+                                   candidate_.frees[i].low, candidate_.frees[i].high);
           longer.push_back(next);
         }
       starts = std::move(longer);
@@ -298,6 +315,16 @@ bool are_met(const Entry& entry, const Hypothesis& base, const NaturalScale& sca
          !((needs & Entry::kNoServoLoop) != 0 && holds(base, kServoLoops));
 }
 
+double natural_size(std::string_view symbol, const NaturalScale& scale) {
+  if (symbol == "N") return scale.force;
+  if (symbol == "m") return scale.displacement;
+  if (symbol == "s") return scale.displacement / scale.velocity;
+  if (symbol == "J") return scale.force * scale.displacement;
+  if (symbol == "A") return scale.auxiliary;
+  if (symbol == sim::kChannelUnit) return scale.output;
+  return 1;
+}
+
 }  // namespace
 
 double natural_unit(std::string_view unit, const NaturalScale& scale) {
@@ -305,39 +332,18 @@ double natural_unit(std::string_view unit, const NaturalScale& scale) {
   if (unit == "kg") return scale.force / scale.acceleration;
   if (unit == "channel/s") return scale.output / scale.duration;
   double product = 1;
-  int sign = 1;
-  for (std::size_t i = 0; i < unit.size();) {
-    if (unit[i] == '*' || unit[i] == '/') {
-      // In "W/m/K" everything behind the first stroke divides.
-      if (unit[i] == '/') sign = -1;
-      ++i;
-      continue;
-    }
-    std::size_t end = i;
-    while (end < unit.size() && std::isalpha(static_cast<unsigned char>(unit[end])) != 0) ++end;
-    const std::string_view symbol = unit.substr(i, end - i);
-    int power = 1;
-    while (end < unit.size() && std::isdigit(static_cast<unsigned char>(unit[end])) != 0)
-      power = unit[end++] - '0';
-    double one = 1;
-    if (symbol == "N") one = scale.force;
-    if (symbol == "m") one = scale.displacement;
-    if (symbol == "s") one = scale.displacement / scale.velocity;
-    if (symbol == "J") one = scale.force * scale.displacement;
-    if (symbol == "A") one = scale.auxiliary;
-    if (symbol == sim::kChannelUnit) one = scale.output;
-    product *= std::pow(one, sign * power);
-    i = std::max(end, i + 1);
-  }
+  for (const auto& [symbol, power] : factors_of(unit))
+    product *= std::pow(natural_size(symbol, scale), power);
   return product;
 }
 
-std::vector<Candidate> candidates_of(Place place, const Hypothesis& base, const NaturalScale& scale,
+std::vector<Candidate> candidates_of(Target target, const Hypothesis& base,
+                                     const NaturalScale& scale,
                                      const std::vector<std::size_t>& axes,
                                      const std::vector<std::string>& without) {
   std::vector<Candidate> result;
   for (const auto& entry : library()) {
-    if (entry.place != place || !are_met(entry, base, scale, axes)) continue;
+    if (entry.target != target || !are_met(entry, base, scale, axes)) continue;
     for (auto& candidate : Builder{entry, base, scale, axes}.build()) {
       const bool barred = std::any_of(without.begin(), without.end(), [&](const auto& name) {
         return name == candidate.name || name == candidate.kind;
@@ -349,10 +355,10 @@ std::vector<Candidate> candidates_of(Place place, const Hypothesis& base, const 
 }
 
 std::pair<std::vector<std::size_t>, std::string> meant_by(const std::string& parameter,
-                                                          const std::vector<PlacedTerm>& terms) {
+                                                          const std::vector<ModelTerm>& terms) {
   const auto dot = parameter.rfind('.');
   if (dot == std::string::npos)
-    throw Error{fmt::format("'{}' names no parameter, expected term.parameter", parameter)};
+    throw Error{fmt::format("'{}' is not a parameter, expected term.parameter", parameter)};
   const std::string term = parameter.substr(0, dot);
   std::pair<std::vector<std::size_t>, std::string> meant{{}, parameter.substr(dot + 1)};
   for (std::size_t i = 0; i < terms.size(); ++i) {

@@ -12,39 +12,39 @@
 
 namespace rths::diagnosis {
 
-/// What is large and small in a recording: units to measure a term's parameters by, so that one
-/// library serves a bearing of 1.5 MN and a guide of 20 N.
+/// Typical sizes in a recording. They are the units of a term's parameters in the library, so that
+/// one library serves a bearing of 1.5 MN and a guide of 20 N.
 struct NaturalScale {
   double displacement = 1;  ///< peak [m]
   double velocity = 1;      ///< peak [m/s]
   double acceleration = 1;  ///< peak [m/s²]
-  double force = 1;         ///< peak of what is predicted [N]
+  double force = 1;         ///< peak of the predicted force [N]
   double axial_load = 0;    ///< mean; 0: not recorded [N]
   double duration = 1;      ///< [s]
-  double output = 1;        ///< peak of the channel that is predicted [its unit]
+  double output = 1;        ///< peak of the predicted channel [its unit]
   double auxiliary = 0;     ///< peak; 0: not recorded
   bool has_temperature = false;
 };
 
-/// Where a kind of the catalogue is looked for.
-enum class Place { Force, Actuator, Accelerometer };
+/// Relation in which a kind of the catalogue is searched for.
+enum class Target { Force, Actuator, Accelerometer };
 
-/// A parameter of a kind as the library uses it. Values are in natural units, but for those in
-/// seconds or without a unit.
-struct Knob {
+/// How the library fits a parameter of a kind. Values are in natural units, except those in seconds
+/// or without a unit.
+struct ParameterSpecification {
   std::string_view parameter;
   enum class Role { Size, Shape, Fixed } role = Role::Size;
-  std::array<double, 3> starts{};  ///< where fits begin; of Fixed: the value
+  std::array<double, 3> starts{};  ///< initial values of fits; of Fixed: the value
   int start_count = 1;
   double low = 0, high = 0;  ///< bounds; low = high: those of the catalogue
-  bool each_axis = false;    ///< one for each axis
+  bool each_axis = false;    ///< one value for each axis
 };
 
-/// One kind that may be missing.
+/// A kind of term that may be missing.
 struct Entry {
   std::string_view kind;
   std::string_view name;  ///< in verdicts; empty: that of the kind
-  Place place;
+  Target target;
   enum Needs : unsigned {
     kNothing = 0,
     kAxialLoad = 1,
@@ -52,38 +52,39 @@ struct Entry {
     kTemperature = 4,
     kAuxiliary = 8,
     kAcceleration = 16,
-    kHysteresis = 32,  ///< in the model: something that the modifier modifies
+    kHysteresis = 32,  ///< a hysteretic term in the model, for a modifier
     kSlider = 64,
-    kKindInModel = 128,   ///< a parameter of something that is there is not what was assumed
-    kNoHysteresis = 256,  ///< in the model
-    kLoadCell = 512,      ///< the forces of actuators are known
-    kNoServoLoop = 1024,  ///< in the model: an actuator whose loop has limits of its own
+    kKindInModel = 128,   ///< a term of this kind in the model, with a wrong parameter
+    kNoHysteresis = 256,  ///< no hysteretic term in the model
+    kLoadCell = 512,      ///< recorded forces of the actuators
+    kNoServoLoop = 1024,  ///< no actuator in the model whose loop has limits of its own
     kHidden = 2048,       ///< (no need) see Candidate::is_hidden
-    kRule = 4096,         ///< bouc_wen in the model, whose rule is not what was assumed
-    kInstead = 8192,      ///< (no need) takes bouc_wen's place, with its parameters and more
-    kBeside = 16384       ///< (no need) one more of a kind that is there
+    kRule = 4096,         ///< bouc_wen in the model, with a wrong hysteresis rule
+    kInstead = 8192,      ///< (no need) replaces bouc_wen, with its parameters and more
+    kBeside = 16384       ///< (no need) a second term of a kind that the model has
   };
   unsigned needs;
-  std::vector<Knob> knobs;
+  std::vector<ParameterSpecification> parameters;
+  // NOLINTNEXTLINE(readability-redundant-member-init): entries may omit it
   std::string_view title = {};  ///< empty: that of the kind
 };
 
 [[nodiscard]] std::span<const Entry> library();
 
-/// Size of a parameter's natural unit, from its unit in the catalogue.
+/// SI value of a parameter's natural unit, from its unit in the catalogue.
 [[nodiscard]] double natural_unit(std::string_view unit, const NaturalScale& scale);
 
-/// Those entries that are not in the model yet and whose needs the recording meets.
-/// @param axes  that are predicted
-/// @param without  kinds that are left out
-[[nodiscard]] std::vector<Candidate> candidates_of(Place place, const Hypothesis& base,
+/// Candidates of all entries that are not in the model yet and whose needs the recording meets.
+/// @param axes  predicted axes
+/// @param without  kinds that may not be named
+[[nodiscard]] std::vector<Candidate> candidates_of(Target target, const Hypothesis& base,
                                                    const NaturalScale& scale,
                                                    const std::vector<std::size_t>& axes,
                                                    const std::vector<std::string>& without);
 
-/// Positions of those terms that a parameter's name means, and the parameter's own name: a term
-/// "friction", or "friction.long" and "friction.lat".
+/// Indices of the terms to which a parameter's name refers, and the parameter's own name. The name
+/// "friction.force" refers to the term "friction", or to "friction.long" and "friction.lat".
 [[nodiscard]] std::pair<std::vector<std::size_t>, std::string> meant_by(
-    const std::string& parameter, const std::vector<PlacedTerm>& terms);
+    const std::string& parameter, const std::vector<ModelTerm>& terms);
 
 }  // namespace rths::diagnosis

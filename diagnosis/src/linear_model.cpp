@@ -14,12 +14,12 @@ using Eigen::VectorXd;
 // y = (b₀ sᵐ + … + bₘ) / (a₀ sⁿ + … + aₙ) u, its coefficients as parameters.
 struct Transfer {
   std::size_t input = 0, output = 0;
-  Index numerator = 0, denominator = 0;  // where they stand among the parameters
+  Index numerator = 0, denominator = 0;  // index of their first coefficient among the parameters
   Index zeros = 0, poles = 0;            // m, n
-  std::optional<Index> feedthrough;      // where it may be added
+  std::optional<Index> feedthrough;      // index of a feedthrough that may be missing
 };
 
-std::size_t place_of(std::vector<std::string>& roles, const std::string& role) {
+std::size_t index_of(std::vector<std::string>& roles, const std::string& role) {
   const auto found = std::find(roles.begin(), roles.end(), role);
   if (found != roles.end()) return static_cast<std::size_t>(found - roles.begin());
   roles.push_back(role);
@@ -38,22 +38,22 @@ Index add_coefficients(const Config& table, const std::string& key, const std::s
   for (const double value : numbers)
     model.parameters.push_back(
         {fmt::format("{}{}.{}", prefix, key, ++number), "1", value, "coefficient_error", {}});
-  // One of all coefficients is but a choice of unit.
+  // One of all coefficients only sets the unit, so it cannot be wrong.
   if (key == "denominator") model.parameters[static_cast<std::size_t>(first)].error.clear();
   return first;
 }
 
 Transfer read_transfer(const Config& table, const std::string& prefix, DynamicModel& model) {
   Transfer transfer;
-  transfer.input = place_of(model.inputs, table.text("input"));
-  transfer.output = place_of(model.outputs, table.text("output"));
+  transfer.input = index_of(model.inputs, table.text("input"));
+  transfer.output = index_of(model.outputs, table.text("output"));
   transfer.numerator = add_coefficients(table, "numerator", prefix, model);
   transfer.zeros = static_cast<Index>(table.numbers("numerator").size()) - 1;
   transfer.denominator = add_coefficients(table, "denominator", prefix, model);
   transfer.poles = static_cast<Index>(table.numbers("denominator").size()) - 1;
   if (transfer.zeros > transfer.poles)
     table.fail("numerator", fmt::format("numerator is of order {}, denominator of order {}: "
-                                        "expected no more than that",
+                                        "expected at most the denominator's order",
                                         transfer.zeros, transfer.poles));
   if (transfer.zeros < transfer.poles) {
     transfer.feedthrough = static_cast<Index>(model.parameters.size());

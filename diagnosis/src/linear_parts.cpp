@@ -10,9 +10,9 @@ using Eigen::Index;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-// Terms may stand between an output and an input, as a spring stands between a mass and the
-// ground: they see the output and its rate, and take their force from the input. An output that
-// depends on an input at once leaves no such place.
+// A connection for terms from an output to an input, as a spring connects a mass to the ground. The
+// terms act on the output and its rate; their force is subtracted from the input. An output with
+// direct feedthrough has no such connection.
 struct Feedback {
   Index output, input;
 };
@@ -42,11 +42,11 @@ std::vector<Feedback> feedbacks_of(DynamicModel& model, const LinearSystem& syst
           feedbacks.size() == kMost)
         continue;
       feedbacks.push_back({output, input});
-      const std::string place = fmt::format("feedback.{}", feedbacks.size());
+      const std::string component = fmt::format("feedback.{}", feedbacks.size());
       model.connections.push_back(
-          {place,
+          {component,
            fmt::format("from {} back to {}", model.outputs[from], model.inputs[to]),
-           system.b.cols() == 1 ? model.outputs[from] : place,
+           system.b.cols() == 1 ? model.outputs[from] : component,
            to,
            {}});
     }
@@ -55,7 +55,7 @@ std::vector<Feedback> feedbacks_of(DynamicModel& model, const LinearSystem& syst
 
 }  // namespace
 
-void finish_linear(const Config& table, BareSystem bare, DynamicModel& model) {
+void finish_linear(const Config& table, const BareSystem& bare, DynamicModel& model) {
   for (std::size_t i = 0; i < model.inputs.size(); ++i) model.plant_inputs.push_back({i, 0});
   model.name = "input to output";
   model.sampled_every = table.number_in("time_step_s", 0, 1e9, 0.0);

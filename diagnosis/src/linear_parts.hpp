@@ -7,12 +7,12 @@
 
 namespace rths::diagnosis {
 
-/// A linear system at values of its parameters, with room for that many connections.
+/// Makes a linear system from values of its parameters, with empty rows for connections.
 using BareSystem = std::function<LinearSystem(const Eigen::VectorXd&, Eigen::Index connections)>;
 
-/// Completes a linear model whose inputs, outputs and parameters are known: places for terms
-/// between outputs and inputs, time step, and what all models have in common.
-void finish_linear(const Config& table, BareSystem bare, DynamicModel& model);
+/// Completes a linear model that has its inputs, outputs and parameters: connections for terms
+/// between outputs and inputs, time step, and the keys common to all models.
+void finish_linear(const Config& table, const BareSystem& bare, DynamicModel& model);
 
 [[nodiscard]] DynamicModel read_state_space(const Config& table);
 

@@ -12,17 +12,20 @@ using Eigen::VectorXd;
 
 // [[model.spring]] between = [0, 1], stiffness_N_per_m, damping_N_s_per_m, and tables of terms.
 void read_spring(const Config& table, Mechanics& mechanics, DynamicModel& model,
-                 std::vector<PlacedTerm>& terms) {
+                 std::vector<ModelTerm>& terms) {
   mechanics.add_spring(mechanics.read_spring(table), model);
-  const std::string& place = model.connections.back().place;
-  model.parameters.push_back(
-      {place + ".stiffness", "N/m", table.number("stiffness_N_per_m", 0.0), "stiffness_error", {}});
-  model.parameters.push_back({place + ".damping",
+  const std::string& component = model.connections.back().component;
+  model.parameters.push_back({component + ".stiffness",
+                              "N/m",
+                              table.number("stiffness_N_per_m", 0.0),
+                              "stiffness_error",
+                              {}});
+  model.parameters.push_back({component + ".damping",
                               "N*s/m",
                               table.number_in("damping_N_s_per_m", 0, 1e30, 0.0),
                               "damping_error",
                               {}});
-  for (auto& term : read_placed(table, place)) terms.push_back(std::move(term));
+  for (auto& term : read_model_terms(table, component)) terms.push_back(std::move(term));
   table.reject_unknown_keys();
 }
 
@@ -56,7 +59,7 @@ DynamicModel read_mass_spring_damper(const Config& table) {
   if (masses.empty()) table.fail("masses_kg", "masses_kg is empty");
   mechanics.masses = static_cast<Index>(masses.size());
   mechanics.influence = VectorXd::Ones(mechanics.masses);
-  std::vector<PlacedTerm> terms;
+  std::vector<ModelTerm> terms;
   for (const auto& spring : table.tables("spring")) read_spring(spring, mechanics, model, terms);
   mechanics.read(table, model);
   read_common(table, model);

@@ -10,12 +10,13 @@
 
 namespace rths::diagnosis {
 
-/// What stands between two masses, 0: the ground.
+/// A spring between two masses; 0 is the ground.
 struct Spring {
   Eigen::Index from = 0, to = 0;
 };
 
-/// Masses, and where the outside takes hold of them: M x'' + C x' + K x = what inputs do.
+/// Masses, springs, inputs and outputs of a structure: M x'' + C x' + K x = forces of the inputs.
+/// If the base is displaced, motion is absolute; otherwise it is relative to the base.
 struct Mechanics {
   enum class Input { Force, BaseAcceleration, BaseDisplacement };
   enum class Output { Displacement, Velocity, Acceleration, Deformation, SpringForce };
@@ -27,25 +28,24 @@ struct Mechanics {
   };
   struct Reading {
     Output kind;
-    Eigen::Index place;  ///< of the mass, or of the spring
+    Eigen::Index index;  ///< of the mass, or of the spring
   };
   Eigen::Index masses = 0;
   std::vector<Spring> springs;
   std::vector<Drive> drives;
   std::vector<Reading> readings;
-  Eigen::VectorXd influence;  ///< how much each mass feels of the base's acceleration
-  /// If the base is displaced, motion is absolute; else relative to the base.
+  Eigen::VectorXd influence;  ///< share of the base acceleration that acts on each mass
 
   /// Reads [model.inputs] and [model.outputs] into this and the model.
   void read(const Config& table, DynamicModel& model);
 
   struct Matrices {
     Eigen::MatrixXd mass, damping, stiffness;
-    Eigen::VectorXd spring_stiffness, spring_damping;  ///< of what is between two masses
+    Eigen::VectorXd spring_stiffness, spring_damping;  ///< of each spring
   };
   /// Displacement between the ends of a spring, by mass.
   [[nodiscard]] Eigen::RowVectorXd stretch(const Spring& spring) const;
-  /// Adds a place for terms between two masses, called by their numbers.
+  /// Adds a spring, and a component for terms at it.
   void add_spring(const Spring& spring, DynamicModel& model);
   /// [[spring]] between = [0, 1]
   [[nodiscard]] Spring read_spring(const Config& table) const;

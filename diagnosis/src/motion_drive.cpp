@@ -45,7 +45,7 @@ VectorXd without_rest(VectorXd signal, const Record& record) {
   return signal.array() - level;
 }
 
-// White part of the noise, from what no motion can do from one sample to the next.
+// Standard deviation of the white noise, from differences of neighbouring samples.
 double jitter(const VectorXd& signal, const Record& record) {
   Index from = 0, count = signal.size();
   if (record.quiet) {
@@ -67,7 +67,7 @@ VectorXd fused_motion(const Record& record, const VectorXd& displacement,
                record.time_step);
 }
 
-// One step of the model for several samples of the record.
+// Filters and thins samples of the record to steps of the model.
 class Thinner {
  public:
   Thinner(const Record& record, const Pace& pace)
@@ -89,12 +89,12 @@ void take_motion(const Record& record, const MotionChannels& channels, std::size
   const std::string& name = axis_name(axis);
   VectorXd motion = without_rest(column(record, channels.motion + "." + name), record);
   if (motion.size() == 0)
-    throw Error{fmt::format("{}: {}.{} is not recorded, which the model is driven by", record.name,
+    throw Error{fmt::format("{}: {}.{} is not recorded, but the model is driven by it", record.name,
                             channels.motion, name)};
   const VectorXd acceleration = without_rest(column(record, "acceleration." + name), record);
   const bool fuses = channels.fuses_acceleration && acceleration.size() > 0;
   if (fuses) motion = fused_motion(record, motion, acceleration);
-  // Differences lose what is fast: they are taken before samples are.
+  // Differences damp high frequencies, so they are taken before thinning.
   drive.motion[axis] = thinner(motion);
   drive.rate[axis] = thinner(rate_of(motion, record.time_step));
   drive.second_rate[axis] =
@@ -105,7 +105,7 @@ VectorXd predicted_channel(const Record& record, const MotionChannels& channels,
   const std::string& name = axis_name(axis);
   VectorXd signal = column(record, channels.predicted + "." + name);
   if (signal.size() == 0)
-    throw Error{fmt::format("{}: {}.{} is not recorded, which the model predicts", record.name,
+    throw Error{fmt::format("{}: {}.{} is not recorded, but the model predicts it", record.name,
                             channels.predicted, name)};
   if (channels.predicted != "force") signal = without_rest(signal, record);
   const VectorXd acceleration = without_rest(column(record, "acceleration." + name), record);
@@ -117,8 +117,8 @@ VectorXd predicted_channel(const Record& record, const MotionChannels& channels,
 }  // namespace
 
 const std::string& axis_name(std::size_t axis) {
-  static const std::string kNames[] = {"long", "lat"};
-  return kNames[axis];
+  static const std::string names[] = {"long", "lat"};
+  return names[axis];
 }
 
 VectorXd MotionDrive::compared(const VectorXd& signal) const {
@@ -134,7 +134,7 @@ std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChan
   drive->model_step = thinner.model_step();
   drive->thinning =
       std::max(1, static_cast<int>(std::round(1 / (drive->model_step * pace.compare_rate))));
-  // A record that is sampled no faster than it is compared has nothing to be filtered away.
+  // A record sampled no faster than the comparison rate needs no filter.
   drive->cutoff = pace.cutoff < 0.45 / drive->model_step ? pace.cutoff : 0;
   if (drive->cutoff == 0) drive->thinning = 1;
   drive->start = record.start;
@@ -162,7 +162,7 @@ std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChan
     const auto output = static_cast<Index>(i);
     drive->measured.col(output) =
         drive->compared(thinner(predicted_channel(record, channels, axes[i])));
-    // Of the platen: of an actuator that is what is predicted.
+    // State of the platen; for an actuator, the predicted quantity itself.
     const bool is_actuator = channels.predicted == "displacement";
     drive->displacement.col(output) = is_actuator ? VectorXd{drive->measured.col(output)}
                                                   : drive->compared(drive->motion[axes[i]]);

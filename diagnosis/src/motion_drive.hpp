@@ -13,26 +13,26 @@ namespace rths::diagnosis {
 
 using Axes = std::array<Eigen::VectorXd, sim::kHorizontalAxes>;  ///< long, lat
 
-/// How fast a composition is run and compared.
+/// Rates at which a composition runs and is compared.
 struct Pace {
   double model_rate;    ///< at most [Hz]
-  double cutoff;        ///< of the filter that prediction and measurement take [Hz]
+  double cutoff;        ///< of the filter of prediction and measurement [Hz]
   double compare_rate;  ///< at most [Hz]
 };
 
-/// What moves a composition, at its own rate: one number per step, empty where not recorded.
+/// Signals that drive a composition, at its rate: one number per step, empty if not recorded.
 class MotionDrive final : public Drive {
  public:
-  double model_step = 0;           ///< [s]
-  int thinning = 1;                ///< steps per row
-  double cutoff = 0;               ///< [Hz]; 0: not filtered
-  Eigen::Index all_rows = 0;       ///< before the last ones are dropped, which the filters spoil
-  Axes motion, rate, second_rate;  ///< [m], [m/s], [m/s²]
-  Axes specimen_force;             ///< known beforehand, of actuators that yield under it [N]
+  double model_step = 0;                    ///< [s]
+  int thinning = 1;                         ///< steps per row
+  double cutoff = 0;                        ///< [Hz]; 0: not filtered
+  Eigen::Index all_rows = 0;                ///< rows not spoilt by the ends of the filters
+  Axes motion, rate, second_rate;           ///< [m], [m/s], [m/s²]
+  Axes specimen_force;                      ///< recorded; actuators may yield under it [N]
   Eigen::VectorXd axial_load, temperature;  ///< [N], [K]
-  Eigen::VectorXd auxiliary;                ///< first of what controls a device [its unit]
+  Eigen::VectorXd auxiliary;                ///< first channel that controls a device [its unit]
 
-  /// What a specimen made of this motion the last time: most suppositions leave it as it is.
+  /// Cache of the specimen's output for this motion: most suppositions do not change it.
   struct Known {
     std::string signature;
     std::vector<double> parameters;
@@ -40,20 +40,20 @@ class MotionDrive final : public Drive {
   };
   mutable std::optional<Known> known;
 
-  /// Takes one signal of the model's rate to the rows that are compared.
+  /// Filters and thins a signal at the model's rate to the compared rows.
   [[nodiscard]] Eigen::VectorXd compared(const Eigen::VectorXd& signal) const;
 };
 
-/// What is read from a record, and what is predicted of it.
+/// Channels of a record that drive a composition, and channels that it predicts.
 struct MotionChannels {
-  std::string motion;     ///< family that moves the composition: "displacement", "command"
-  std::string predicted;  ///< family that it predicts: "force", "displacement", "acceleration"
+  std::string motion;     ///< family that drives the composition: "displacement", "command"
+  std::string predicted;  ///< predicted family: "force", "displacement", "acceleration"
   bool fuses_acceleration = false;  ///< into the motion, where it was measured
-  bool fuses_prediction = false;    ///< into the displacement that is predicted
+  bool fuses_prediction = false;    ///< into the predicted displacement
 };
 
-/// Mean over the quiet stretch is taken out of motions; without one, nothing is.
-/// @param axes  those that both motion and prediction were recorded of
+/// Prepares a record. Motions have their mean over the quiet interval removed, if there is one.
+/// @param axes  axes of which both motion and prediction were recorded
 /// @throws Error if the record lacks the motion
 [[nodiscard]] std::unique_ptr<MotionDrive> motion_drive(const Record& record,
                                                         const MotionChannels& channels,

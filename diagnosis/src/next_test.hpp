@@ -8,13 +8,14 @@
 
 namespace rths::diagnosis {
 
-/// Says what to run next, if a cause of the verdict is tied with others or something has no name.
+/// Proposes the next test, if a cause of the verdict is tied with others or the residual has no
+/// name.
 ///
-/// Ties: the tests of the catalogue are predicted by those that are tied, as they were fitted, and
-/// whitened by the noise of the records. What a test tells is the log-likelihood by which the one
-/// beats the other on records and test together, beyond what it is on the records alone, the loser
-/// fitted anew (to first order); the mean of both ways round. Unknown: the test that spreads most
-/// evenly over the state that what is unexplained depends on.
+/// Ties: the tied candidates, as fitted, predict the tests of the catalogue. Their predictions are
+/// whitened with the noise of the records. A test is scored by its expected log-likelihood gain for
+/// the true candidate of two: on records and test together, less the gain on the records alone,
+/// with the wrong candidate refitted to first order. The score is the mean of both cases. Unknown:
+/// the test that covers most evenly the state on which the residual depends.
 void propose_next_test(const std::vector<std::unique_ptr<Investigation>>& all, const Case& c,
                        Verdict& verdict);
 

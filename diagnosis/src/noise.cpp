@@ -12,13 +12,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kResidualOrder = 12;
-constexpr double kResidualRidge = 1e-9;  // of the residual's: filters leave it no high frequencies
-constexpr double kSmoothingTime = 0.25;  // of the deviation in time [s]
-constexpr double kPieceTime = 3;         // of one colour [s], at least
-constexpr Index kLeastPiece = 150;       // rows of one colour
-constexpr double kLeastShare = 2e-3;     // of the output: what no measurement is better than
+constexpr double kResidualRidge = 1e-9;    // of the variance: filters remove high frequencies
+constexpr double kSmoothingTime = 0.25;    // of the deviation [s]
+constexpr double kPieceTime = 3;           // shortest piece of one colour [s]
+constexpr Index kLeastPiece = 150;         // rows of one colour, at least
+constexpr double kLeastErrorShare = 2e-3;  // of the output: smallest error of a measurement
 
-// Commands and inputs are what they are: nobody measured them.
+// Commands and inputs are exact: no sensor measures them.
 bool is_measured(const std::string& role) {
   return !role.starts_with("command.") && !role.starts_with("input.") &&
          !role.starts_with("predicted.") && !role.starts_with("auxiliary.");
@@ -28,8 +28,8 @@ VectorXd stretch_of(const Channel& channel, std::size_t from, std::size_t to) {
   return Eigen::Map<const VectorXd>(channel.values.data() + from, static_cast<Index>(to - from));
 }
 
-// White noise of a signal that is smooth otherwise, from its third differences; steps of a
-// quantised signal count as noise.
+// Standard deviation of the white noise on a smooth signal, from its third differences.
+// Quantisation steps count as noise.
 double jitter_of(const Channel& channel) {
   const auto& x = channel.values;
   std::vector<double> third;
@@ -46,10 +46,10 @@ double jitter_of(const Channel& channel) {
   return deviation;
 }
 
-// The same from the quietest part of the spectrum: what is fast, if only in some bands, is motion.
+// The same from the quietest tenth of the spectrum: motion fills only some bands.
 double floor_of(const Channel& channel, double time_step) {
   constexpr int kWindow = 256;
-  constexpr std::size_t kWindows = 8, kLowest = 3;  // bins that the window's own leakage reaches
+  constexpr std::size_t kWindows = 8, kLowest = 3;  // bins that leakage of the window reaches
   if (channel.values.size() < kWindows * kWindow) return jitter_of(channel);
   const Spectrum spectrum =
       power_spectrum(stretch_of(channel, 0, channel.values.size()), kWindow, time_step);
@@ -61,7 +61,7 @@ double floor_of(const Channel& channel, double time_step) {
 
 std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
 
-// What a channel did while nothing moved.
+// Samples of a channel at rest.
 struct Rest {
   std::vector<VectorXd> stretches;
   double square = 0, samples = 0;
@@ -99,8 +99,8 @@ VectorXd variance_of(const std::vector<VectorXd>& draws) {
   return variance;
 }
 
-// Sizes and colours fit the draws that they are taken from better than any other noise: how much
-// too small they are, from draws that they were not taken from.
+// Sizes and colours fit the draws that they are estimated from better than other draws. Returns the
+// factor on the variance that corrects this, from draws left out of the estimate.
 double shrinkage(const std::vector<VectorXd>& draws, Index half, Index piece, Index first_row) {
   constexpr std::size_t kEnough = 4, kLeftOut = 2;
   if (draws.size() < kEnough) return 1;
@@ -119,10 +119,40 @@ double shrinkage(const std::vector<VectorXd>& draws, Index half, Index piece, In
     }
   }
   if (!(count > 0) || !std::isfinite(sum)) return 1;
-  // All draws together are too small by less than those that were kept.
+  // The estimate from all draws is too small by less than that from the kept ones.
   const double share =
       static_cast<double>(draws.size() - kLeftOut) / static_cast<double>(draws.size());
   return std::max(1.0, 1 + share * (sum / count - 1));
+}
+
+std::map<std::string, Rest> rest_of(const std::vector<const Record*>& records) {
+  std::map<std::string, Rest> at_rest;
+  for (const Record* record : records)
+    for (const auto& channel : record->channels)
+      if (is_measured(channel.role) && record->quiet)
+        at_rest[channel.role].add(stretch_of(channel, record->quiet->first, record->quiet->second));
+  return at_rest;
+}
+
+// Stretches of all sensors of a family, divided by their deviations. Sensors of one family differ
+// only in size, so that together they determine the colour better.
+using Families = std::map<std::string, std::vector<VectorXd>>;
+Families families_of(const std::map<std::string, Rest>& at_rest) {
+  Families families;
+  for (const auto& [role, rest] : at_rest)
+    for (const auto& stretch : rest.stretches)
+      if (rest.deviation() > 0) families[family_of(role)].push_back(stretch / rest.deviation());
+  return families;
+}
+
+NoiseSpectrum spectrum_at_rest(const Rest& rest, const std::string& role, const Families& families,
+                               double time_step) {
+  if (!(rest.deviation() > 0)) return {};
+  return NoiseSpectrum{families.at(family_of(role)), time_step}.scaled(rest.deviation());
+}
+
+NoiseSpectrum spectrum_in_motion(const Channel& channel, double time_step) {
+  return {std::min(jitter_of(channel), floor_of(channel, time_step)), time_step};
 }
 
 }  // namespace
@@ -131,64 +161,50 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
                          const std::vector<std::pair<std::string, double>>& stated,
                          const std::vector<std::pair<std::string, double>>& added)
     : added_{added} {
-  // Sensors of one family are alike but for their size: together they tell more of its colour.
-  std::map<std::string, Rest> at_rest;
-  std::map<std::string, std::vector<VectorXd>> families;
-  for (const Record* record : records)
-    for (const auto& channel : record->channels)
-      if (is_measured(channel.role) && record->quiet)
-        at_rest[channel.role].add(stretch_of(channel, record->quiet->first, record->quiet->second));
-  for (const auto& [role, rest] : at_rest)
-    for (const auto& stretch : rest.stretches)
-      if (rest.deviation() > 0) families[family_of(role)].push_back(stretch / rest.deviation());
+  const auto at_rest = rest_of(records);
+  const auto families = families_of(at_rest);
   for (const Record* record : records)
     for (const auto& channel : record->channels) {
       if (!is_measured(channel.role) || by_role_.contains(channel.role)) continue;
       const auto rest = at_rest.find(channel.role);
-      if (rest != at_rest.end() && rest->second.is_enough()) {
-        was_seen_at_rest_ = true;
-        by_role_[channel.role] =
-            rest->second.deviation() > 0
-                ? NoiseSpectrum{families[family_of(channel.role)], record->time_step}.scaled(
-                      rest->second.deviation())
-                : NoiseSpectrum{};
-      } else {
-        by_role_[channel.role] = NoiseSpectrum{
-            std::min(jitter_of(channel), floor_of(channel, record->time_step)), record->time_step};
-      }
+      const bool is_seen = rest != at_rest.end() && rest->second.is_enough();
+      was_seen_at_rest_ = was_seen_at_rest_ || is_seen;
+      by_role_[channel.role] =
+          is_seen ? spectrum_at_rest(rest->second, channel.role, families, record->time_step)
+                  : spectrum_in_motion(channel, record->time_step);
     }
-  source_ = was_seen_at_rest_ ? "stretches in which nothing moves"
-                              : "what no motion does from one sample to the next";
+  source_ = was_seen_at_rest_ ? "intervals at rest"
+                              : "differences between samples that motion cannot cause";
+  if (was_seen_at_rest_) return;
   for (const auto& [role, deviation] : stated) {
-    if (was_seen_at_rest_) break;
     by_role_[role] = NoiseSpectrum{deviation, records[0]->time_step};
-    source_ = "the deviations that the case states";
+    source_ = "the standard deviations stated in the case";
   }
 }
 
-NoiseSource SensorNoise::source_like(const Record& record) const {
-  NoiseSource source;
-  source.empty_ = record;
-  for (auto& channel : source.empty_.channels) {
-    NoiseSource::Drawn drawn;
+NoiseGenerator SensorNoise::generator_like(const Record& record) const {
+  NoiseGenerator generator;
+  generator.empty_ = record;
+  for (auto& channel : generator.empty_.channels) {
+    NoiseGenerator::Drawn drawn;
     const auto known = by_role_.find(channel.role);
     if (known != by_role_.end())
-      drawn.source =
-          known->second.source(static_cast<Index>(channel.values.size()), record.time_step);
+      drawn.generator =
+          known->second.generator(static_cast<Index>(channel.values.size()), record.time_step);
     for (const auto& [role, deviation] : added_)
       if (role == channel.role) drawn.white.push_back(deviation);
-    source.drawn_.push_back(std::move(drawn));
+    generator.drawn_.push_back(std::move(drawn));
     std::fill(channel.values.begin(), channel.values.end(), 0.0);
   }
-  return source;
+  return generator;
 }
 
-Record NoiseSource::draw(std::mt19937_64& random) const {
+Record NoiseGenerator::draw(std::mt19937_64& random) const {
   Record noise = empty_;
   std::normal_distribution<double> normal;
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
     auto& values = noise.channels[i].values;
-    const VectorXd noisy = drawn_[i].source.draw([&] { return normal(random); });
+    const VectorXd noisy = drawn_[i].generator.draw([&] { return normal(random); });
     std::copy(noisy.begin(), noisy.end(), values.begin());
     for (const double deviation : drawn_[i].white)
       for (double& value : values) value += deviation * normal(random);
@@ -222,7 +238,7 @@ double VaryingNoise::log_size() const {
 }
 
 VaryingNoise VaryingNoise::steady(Index rows) const {
-  // By the size of what is new in each sample, which is what whitening divides by.
+  // Sorted by the deviation of the innovations, by which whitening divides.
   std::vector<std::pair<double, std::size_t>> sizes;
   std::vector<double> deviations;
   for (std::size_t i = 0; i < colours_.size(); ++i) {
@@ -266,7 +282,8 @@ ResidualNoise::ResidualNoise(const std::vector<MatrixXd>& draws, const Drive& dr
       outputs_.back().grow(std::sqrt(shrinkage(noise, half, piece, first_row_)));
     } else {
       const double square = draws.empty() ? 0 : variance_of(noise).mean();
-      outputs_.emplace_back(drive.rows(), std::max(std::sqrt(square), kLeastShare * size + 1e-300));
+      outputs_.emplace_back(drive.rows(),
+                            std::max(std::sqrt(square), kLeastErrorShare * size + 1e-300));
     }
   }
 }
@@ -300,7 +317,7 @@ MatrixXd ResidualNoise::whitened(const MatrixXd& residual) const {
 
 VectorXd ResidualNoise::whitened(const VectorXd& residual, Index output) const {
   VectorXd white = outputs_[static_cast<std::size_t>(output)].whitened(residual);
-  // What came before the first row is not known.
+  // The history before the first row is unknown.
   white.head(std::min(first_row_ + outputs_[0].order(), white.size())).setZero();
   return white;
 }

@@ -13,33 +13,33 @@
 
 namespace rths::diagnosis {
 
-/// Draws records of noise alone, of the length of another.
-class NoiseSource {
+/// Draws records that contain only noise, as long as a given record.
+class NoiseGenerator {
  public:
   [[nodiscard]] Record draw(std::mt19937_64& random) const;
 
  private:
   friend class SensorNoise;
   struct Drawn {
-    NoiseSpectrum::Source source;
-    std::vector<double> white;  ///< deviations of what is added
+    NoiseSpectrum::Generator generator;
+    std::vector<double> white;  ///< standard deviations of added white noise
   };
   Record empty_;
   std::vector<Drawn> drawn_;  ///< of every channel
 };
 
-/// What the sensors add to what they measure, channel by channel.
+/// Noise of the sensors, channel by channel.
 class SensorNoise {
  public:
-  /// From the best there is: quiet stretches and reference records, what case.toml states, else
-  /// what a signal cannot have done from one sample to the next.
-  /// @param added  white noise that shows only in motion, by role: rounding
+  /// Estimates the noise from quiet intervals and reference records; else takes the deviations in
+  /// case.toml; else estimates it from differences between samples that motion cannot cause.
+  /// @param added  white noise that is present only in motion, by role: rounding
   SensorNoise(const std::vector<const Record*>& records,
               const std::vector<std::pair<std::string, double>>& stated,
               const std::vector<std::pair<std::string, double>>& added = {});
 
-  [[nodiscard]] NoiseSource source_like(const Record& record) const;
-  /// Whether it was seen at rest: only then its colour is known.
+  [[nodiscard]] NoiseGenerator generator_like(const Record& record) const;
+  /// Whether the noise was recorded at rest: only then its colour is known.
   [[nodiscard]] bool was_seen_at_rest() const { return was_seen_at_rest_; }
   [[nodiscard]] const std::string& source() const { return source_; }  ///< for the limits
 
@@ -50,26 +50,26 @@ class SensorNoise {
   std::string source_;
 };
 
-/// Noise whose size and colour change slowly: what makes more of an error in its motion while it is
-/// stiff than while it flows.
+/// Noise whose size and colour change slowly. A bearing, for example, turns the same motion error
+/// into a larger force error while it is stiff than while it yields.
 class VaryingNoise {
  public:
   VaryingNoise() = default;
-  /// White, of one size.
+  /// White noise of constant size.
   VaryingNoise(Eigen::Index rows, double deviation);
-  /// @param draws  of the noise, of equal length   @param half  rows that sizes are smoothed over
-  /// @param piece  rows of one colour              @param least  size
+  /// @param draws  of the noise, of equal length   @param half  half width of smoothing [rows]
+  /// @param piece  rows of one colour              @param least  smallest size
   VaryingNoise(const std::vector<Eigen::VectorXd>& draws, Eigen::Index half, Eigen::Index piece,
                double least);
 
   /// Noise → white numbers of variance 1.
   [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& noise) const;
-  /// As it is in the piece of median size, throughout.
+  /// Constant noise, as in the piece of median size.
   [[nodiscard]] VaryingNoise steady(Eigen::Index rows) const;
   void grow(double factor) { deviation_ *= factor; }
   [[nodiscard]] const Eigen::VectorXd& deviation() const { return deviation_; }
   [[nodiscard]] Eigen::Index order() const;
-  /// Mean of ln of what is divided by.
+  /// Mean logarithm of the divisor of whitening.
   [[nodiscard]] double log_size() const;
 
  private:
@@ -78,15 +78,15 @@ class VaryingNoise {
   std::vector<AutoRegression> colours_;  ///< of every piece
 };
 
-/// How the noise of the sensors shows in the residual of a relation on one record: its size varies
-/// in time, for a stiff part makes more of an error in its motion than a soft one.
+/// Noise of the sensors in the residual of a relation on one record. Its size varies in time,
+/// because a stiff specimen turns the same motion error into a larger force error than a soft one.
 class ResidualNoise {
  public:
-  /// @param draws  residuals that noise alone makes, rows × outputs each
-  /// @param has_colour  whether they may be whitened by more than their size
+  /// @param draws  residuals due to noise alone, rows × outputs each
+  /// @param has_colour  false: whitening only divides by the size
   ResidualNoise(const std::vector<Eigen::MatrixXd>& draws, const Drive& drive, bool has_colour);
 
-  /// The same noise at its median size, for a record that was not recorded yet.
+  /// The same noise at its median size, for a test that was not run yet.
   [[nodiscard]] ResidualNoise steady(const Drive& drive) const;
 
   /// Residual → numbers that are white, of variance 1, if it is noise. Rows before
@@ -97,7 +97,7 @@ class ResidualNoise {
                                          Eigen::Index output) const;
   /// Rows × outputs.
   [[nodiscard]] Eigen::MatrixXd deviation() const;
-  /// Mean of ln of what residuals are divided by: how much noise there is.
+  /// Mean logarithm of the divisor of residuals: the level of the noise.
   [[nodiscard]] double log_size() const;
 
  private:

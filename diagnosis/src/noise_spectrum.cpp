@@ -4,8 +4,9 @@
 #include <complex>
 #include <numbers>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 #include <rths/diagnosis/signal.hpp>
 
@@ -46,8 +47,8 @@ void add_periodogram(const VectorXd& stretch, double time_step, std::vector<doub
   }
 }
 
-// Bands of few numbers scatter; there a cubic of log density over log frequency, through all bands,
-// says more.
+// Replaces the density of bands with few bins, which scatter, by a cubic of log density over log
+// frequency through all bands.
 void smooth_few(const std::vector<double>& counts, const std::vector<double>& frequency,
                 std::vector<double>& density) {
   constexpr double kFew = 40;
@@ -58,13 +59,13 @@ void smooth_few(const std::vector<double>& counts, const std::vector<double>& fr
   VectorXd log_density(n);
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    // Beyond some tens, a band's scatter is less than what a cubic misses of it.
+    // Above some tens of bins, the scatter of a band is smaller than the error of the cubic.
     const double weight = std::sqrt(std::min(counts[k], kFew));
     const double x = std::log(frequency[k] / frequency[counts.size() / 2]);
     design.row(i) << weight, weight * x, weight * x * x, weight * x * x * x;
     log_density[i] = weight * std::log(density[k]);
   }
-  const VectorXd cubic = design.colPivHouseholderQr().solve(log_density);
+  const VectorXd cubic = algebra::solve_least_squares(design, log_density);
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (counts[k] >= kFew) continue;
@@ -82,7 +83,7 @@ NoiseSpectrum::NoiseSpectrum(const std::vector<VectorXd>& stretches, double time
   Index longest = 0;
   for (const auto& stretch : stretches) longest = std::max(longest, stretch.size());
   if (longest < 16) throw Error{"noise model: too few samples at rest"};
-  // A window's main lobe reaches over two bins: below, the mean that was taken out is missed.
+  // The main lobe of the window spans two bins: below, removing the mean distorts the density.
   const double lowest = 1.5 / (static_cast<double>(longest) * time_step);
   const auto bands =
       static_cast<std::size_t>(kBandsPerOctave * std::log2(0.5 / time_step / lowest)) + 1;
@@ -110,7 +111,7 @@ double NoiseSpectrum::density(double frequency) const {
   if (frequency_.empty()) return 0;
   const auto above = std::upper_bound(frequency_.begin(), frequency_.end(), frequency);
   if (above == frequency_.begin()) {
-    // Drift goes on below what a short stretch can show.
+    // Drift continues below the lowest frequency of a short stretch.
     const bool is_white = frequency_.size() == 1;
     return density_.front() *
            (is_white ? 1 : std::min(frequency_.front() / std::max(frequency, 1e-9), kMostRise));
@@ -119,7 +120,7 @@ double NoiseSpectrum::density(double frequency) const {
   const auto i = static_cast<std::size_t>(above - frequency_.begin());
   const double share =
       std::log(frequency / frequency_[i - 1]) / std::log(frequency_[i] / frequency_[i - 1]);
-  // Between bands along a straight line of log density over log frequency.
+  // Linear interpolation of log density over log frequency.
   if (!(density_[i - 1] > 0) || !(density_[i] > 0)) return density_[i];
   return density_[i - 1] * std::pow(density_[i] / density_[i - 1], share);
 }
@@ -128,21 +129,21 @@ bool NoiseSpectrum::is_nothing() const {
   return std::none_of(density_.begin(), density_.end(), [](double d) { return d > 0; });
 }
 
-NoiseSpectrum::Source NoiseSpectrum::source(Index samples, double time_step) const {
-  Source source;
-  source.samples_ = samples;
-  source.length_ = fast_length(samples + samples % 2);
-  if (is_nothing()) return source;
-  const auto length = static_cast<double>(source.length_);
-  source.size_.resize(source.length_ / 2);
-  for (Index k = 1; k <= source.length_ / 2; ++k) {
+NoiseSpectrum::Generator NoiseSpectrum::generator(Index samples, double time_step) const {
+  Generator generator;
+  generator.samples_ = samples;
+  generator.length_ = fast_length(samples + samples % 2);
+  if (is_nothing()) return generator;
+  const auto length = static_cast<double>(generator.length_);
+  generator.size_.resize(generator.length_ / 2);
+  for (Index k = 1; k <= generator.length_ / 2; ++k) {
     const double f = static_cast<double>(k) / (length * time_step);
-    source.size_[k - 1] = std::sqrt(density(f) * length / (4 * time_step));
+    generator.size_[k - 1] = std::sqrt(density(f) * length / (4 * time_step));
   }
-  return source;
+  return generator;
 }
 
-VectorXd NoiseSpectrum::Source::draw(const std::function<double()>& random) const {
+VectorXd NoiseSpectrum::Generator::draw(const std::function<double()>& random) const {
   if (size_.size() == 0) return VectorXd::Zero(samples_);
   Eigen::VectorXcd bins(length_);
   bins.setZero();

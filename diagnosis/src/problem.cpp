@@ -23,7 +23,7 @@ std::vector<Index> all_of(const Hypothesis& hypothesis) {
   return all;
 }
 
-// What a constant of any size cannot make.
+// Removes the component along a constant.
 void take_out(const VectorXd& constant, Eigen::Ref<VectorXd> x) {
   const double square = constant.squaredNorm();
   if (square > 0) x -= constant * (constant.dot(x) / square);
@@ -35,58 +35,58 @@ Problem::Problem(const Relation& relation, const std::vector<const Record*>& rec
                  const SensorNoise& noise, std::uint64_t seed, std::size_t draws)
     : relation_{&relation}, has_colour_{noise.was_seen_at_rest()} {
   for (std::size_t i = 0; i < records.size(); ++i) {
-    Part part{records[i], relation.prepare(*records[i]), {}, {}, nullptr};
+    RecordData data{records[i], relation.prepare(*records[i]), {}, {}, nullptr};
     std::mt19937_64 random{seed * 1000 + i};
-    const NoiseSource source = noise.source_like(*records[i]);
-    while (part.disturbed.size() < draws)
-      for (auto& drive : relation.disturbed(*part.drive, source.draw(random)))
-        part.disturbed.push_back(std::move(drive));
-    // For a first fit these are enough.
-    part.draws = draws_of(part, relation.base(), kFewDraws);
-    part.noise = std::make_unique<ResidualNoise>(part.draws, *part.drive, has_colour_);
-    parts_.push_back(std::move(part));
+    const NoiseGenerator generator = noise.generator_like(*records[i]);
+    while (data.disturbed.size() < draws)
+      for (auto& drive : relation.disturbed(*data.drive, generator.draw(random)))
+        data.disturbed.push_back(std::move(drive));
+    // Few draws are enough for a first fit.
+    data.draws = draws_of(data, relation.base(), kFewDraws);
+    data.noise = std::make_unique<ResidualNoise>(data.draws, *data.drive, has_colour_);
+    records_.push_back(std::move(data));
   }
 }
 
 Problem::Problem(const Problem& like, const std::vector<const Record*>& tests)
     : relation_{like.relation_}, has_colour_{like.has_colour_} {
   for (const Record* test : tests) {
-    Part part{test, relation_->prepare(*test), {}, {}, nullptr};
-    part.noise = std::make_unique<ResidualNoise>(like.noise(0).steady(*part.drive));
-    parts_.push_back(std::move(part));
+    RecordData data{test, relation_->prepare(*test), {}, {}, nullptr};
+    data.noise = std::make_unique<ResidualNoise>(like.noise(0).steady(*data.drive));
+    records_.push_back(std::move(data));
   }
 }
 
-std::vector<MatrixXd> Problem::draws_of(const Part& part, const Hypothesis& hypothesis,
+std::vector<MatrixXd> Problem::draws_of(const RecordData& data, const Hypothesis& hypothesis,
                                         std::size_t most) const {
   std::vector<MatrixXd> none;
   MatrixXd still, moved;
-  if (!relation_->simulator(hypothesis, *part.drive)->run(hypothesis.values, {}, still, none))
-    throw Error{fmt::format("{}: the model has no prediction ({}); it diverges", part.record->name,
+  if (!relation_->simulator(hypothesis, *data.drive)->run(hypothesis.values, {}, still, none))
+    throw Error{fmt::format("{}: the model has no prediction ({}): it diverges", data.record->name,
                             relation_->name())};
   std::vector<MatrixXd> draws;
-  for (const auto& drive : part.disturbed) {
+  for (const auto& drive : data.disturbed) {
     if (draws.size() == most) break;
     if (!relation_->simulator(hypothesis, *drive)->run(hypothesis.values, {}, moved, none))
       continue;
-    draws.push_back((drive->measured - moved) - (part.drive->measured - still));
+    draws.push_back((drive->measured - moved) - (data.drive->measured - still));
   }
   return draws;
 }
 
 void Problem::renew_noise(const Hypothesis& hypothesis) {
-  for (auto& part : parts_) {
-    part.draws = draws_of(part, hypothesis, part.disturbed.size());
-    part.noise = std::make_unique<ResidualNoise>(part.draws, *part.drive, has_colour_);
+  for (auto& data : records_) {
+    data.draws = draws_of(data, hypothesis, data.disturbed.size());
+    data.noise = std::make_unique<ResidualNoise>(data.draws, *data.drive, has_colour_);
   }
 }
 
 double Problem::log_noise(const Hypothesis& hypothesis) const {
   double sum = 0;
-  for (const auto& part : parts_)
+  for (const auto& data : records_)
     sum +=
-        ResidualNoise{draws_of(part, hypothesis, kFewDraws), *part.drive, has_colour_}.log_size();
-  return sum / static_cast<double>(parts_.size());
+        ResidualNoise{draws_of(data, hypothesis, kFewDraws), *data.drive, has_colour_}.log_size();
+  return sum / static_cast<double>(records_.size());
 }
 
 Supposition::Supposition(const Problem& problem, Hypothesis hypothesis)
@@ -127,7 +127,7 @@ bool Supposition::stack(const Fold::Share& share, const VectorXd& values,
   const bool has_offsets = problem_->relation().has_free_offsets();
   const MatrixXd constants =
       has_offsets ? noise.whitened(MatrixXd::Ones(rows, outputs)) : MatrixXd{};
-  const auto place = [&](const MatrixXd& white, auto column) {
+  const auto put = [&](const MatrixXd& white, auto column) {
     for (Index output = 0; output < outputs; ++output) {
       VectorXd x = white.col(output);
       if (share.weight.size() > 0) x.array() *= share.weight;
@@ -139,9 +139,9 @@ bool Supposition::stack(const Fold::Share& share, const VectorXd& values,
       column.segment(first + output * rows, rows) = x;
     }
   };
-  place(noise.whitened(drive.measured - prediction), residual.col(0));
+  put(noise.whitened(drive.measured - prediction), residual.col(0));
   for (std::size_t i = 0; i < derivatives.size(); ++i)
-    place(noise.whitened(-derivatives[i]), jacobian.col(static_cast<Index>(i)));
+    put(noise.whitened(-derivatives[i]), jacobian.col(static_cast<Index>(i)));
   return true;
 }
 
@@ -208,7 +208,7 @@ std::vector<double> Supposition::blocks(const Fold& fold) const {
     const Drive& drive = problem_->drive(share.record);
     const Index rows = drive.rows(), outputs = drive.measured.cols();
     const double length = static_cast<double>(rows) * drive.time_step;
-    // Short records give at least some tens of blocks, so that there is something to resample.
+    // Short records are divided into some tens of blocks, for resampling.
     const double seconds = std::clamp(length / 30, 8 * drive.time_step, kBlock);
     const auto size = std::max<Index>(1, static_cast<Index>(seconds / drive.time_step));
     for (Index row = 0; row < rows; row += size) {

@@ -12,7 +12,7 @@
 
 namespace rths::diagnosis {
 
-/// A part of the records: some rows of some of them.
+/// A selection of rows from some of the records.
 struct Fold {
   struct Share {
     std::size_t record;
@@ -21,36 +21,36 @@ struct Fold {
   std::vector<Share> shares;
 };
 
-/// A relation, the records that it is checked on, and the noise in them.
+/// A relation, the records on which it is checked, and their noise.
 class Problem {
  public:
-  /// @param draws  of the noise, at least
+  /// @param draws  smallest number of noise draws
   /// @throws Error if a record lacks a channel that the relation needs
   Problem(const Relation& relation, const std::vector<const Record*>& records,
           const SensorNoise& noise, std::uint64_t seed, std::size_t draws = 8);
-  /// Tests that were not run yet, with the noise of another problem's first record at its median
-  /// size.
+  /// A problem of tests that were not run yet, with the noise of the first record of `like` at its
+  /// median size.
   Problem(const Problem& like, const std::vector<const Record*>& tests);
 
   [[nodiscard]] const Relation& relation() const { return *relation_; }
-  [[nodiscard]] std::size_t records() const { return parts_.size(); }
-  [[nodiscard]] const Record& record(std::size_t i) const { return *parts_[i].record; }
-  [[nodiscard]] const Drive& drive(std::size_t i) const { return *parts_[i].drive; }
-  [[nodiscard]] const ResidualNoise& noise(std::size_t i) const { return *parts_[i].noise; }
-  /// Residuals that noise alone makes, at the hypothesis of the last renewal.
+  [[nodiscard]] std::size_t records() const { return records_.size(); }
+  [[nodiscard]] const Record& record(std::size_t i) const { return *records_[i].record; }
+  [[nodiscard]] const Drive& drive(std::size_t i) const { return *records_[i].drive; }
+  [[nodiscard]] const ResidualNoise& noise(std::size_t i) const { return *records_[i].noise; }
+  /// Residuals due to noise alone, at the hypothesis of the last renewal.
   [[nodiscard]] const std::vector<Eigen::MatrixXd>& draws(std::size_t i) const {
-    return parts_[i].draws;
+    return records_[i].draws;
   }
   [[nodiscard]] bool has_colour() const { return has_colour_; }
 
-  /// Sends the sensors' noise through the model once more: at another hypothesis it shows
-  /// differently.
+  /// Computes the noise of the residual again for another hypothesis, by sending the sensors' noise
+  /// through its model.
   void renew_noise(const Hypothesis& hypothesis);
-  /// Mean of ln of what residuals would be divided by at a hypothesis, from a few of the draws.
+  /// Level of the residual noise at a hypothesis, see ResidualNoise::log_size; from a few draws.
   [[nodiscard]] double log_noise(const Hypothesis& hypothesis) const;
 
  private:
-  struct Part {
+  struct RecordData {
     const Record* record;
     std::unique_ptr<Drive> drive;
     std::vector<std::unique_ptr<Drive>> disturbed;
@@ -58,16 +58,17 @@ class Problem {
     std::unique_ptr<ResidualNoise> noise;
   };
 
-  [[nodiscard]] std::vector<Eigen::MatrixXd> draws_of(const Part& part,
+  [[nodiscard]] std::vector<Eigen::MatrixXd> draws_of(const RecordData& data,
                                                       const Hypothesis& hypothesis,
                                                       std::size_t most) const;
 
   const Relation* relation_;
   bool has_colour_;
-  std::vector<Part> parts_;
+  std::vector<RecordData> records_;
 };
 
-/// A hypothesis on the records of a problem: residuals that are white if it is right.
+/// A hypothesis applied to the records of a problem. Its whitened residuals are white if it is
+/// right.
 class Supposition {
  public:
   /// @throws Error if there is no prediction at the hypothesis' values
@@ -78,7 +79,7 @@ class Supposition {
 
   /// Prediction for a record at the hypothesis' values, rows × outputs; empty if there is none.
   [[nodiscard]] Eigen::MatrixXd prediction(std::size_t record) const;
-  /// Whitened residual of a record, offset taken out where it is free: rows × outputs.
+  /// Whitened residual of a record, without its offset if that is free: rows × outputs.
   [[nodiscard]] Eigen::MatrixXd whitened(std::size_t record) const;
   /// Residual and its derivatives, stacked over the shares of a fold, outputs and rows.
   /// @returns false if there is no prediction
@@ -104,8 +105,9 @@ class Supposition {
   std::vector<std::unique_ptr<Simulator>> simulators_;
 };
 
-/// Rows times outputs of a fold that count.
+/// Number of compared samples of a fold: rows times outputs.
 [[nodiscard]] double observations(const Problem& problem, const Fold& fold);
+/// All rows of some records.
 [[nodiscard]] Fold whole(const std::vector<std::size_t>& records);
 
 }  // namespace rths::diagnosis

@@ -14,30 +14,30 @@
 
 namespace rths::diagnosis {
 
-/// One record as a relation looks at it: what is predicted, at the rate at which it is compared,
-/// and the state of the tested part at those instants. What drives the prediction is the
-/// relation's.
+/// One record, prepared for a relation: the measured outputs at the rate of comparison, and the
+/// state of the tested part at those instants. Derived classes hold the signals that drive the
+/// prediction.
 class Drive {
  public:
   virtual ~Drive() = default;
 
   double start = 0, time_step = 0;  ///< of the rows [s]
-  Eigen::MatrixXd measured;         ///< rows × outputs, through the filter that predictions take
-  /// What the residual is mapped over: rows × outputs, empty if unknown [m], [m/s].
+  Eigen::MatrixXd measured;         ///< rows × outputs, filtered as predictions are
+  /// States over which the residual is mapped: rows × outputs, empty if unknown [m], [m/s].
   Eigen::MatrixXd displacement, velocity;
   std::vector<std::pair<std::string, Eigen::VectorXd>> states;  ///< "axial load [N]", by row
-  Eigen::Index first_row = 0;  ///< compared from here on: before it the state is unknown
+  Eigen::Index first_row = 0;  ///< first compared row: before it the state is unknown
 
   [[nodiscard]] Eigen::Index rows() const { return measured.rows(); }
 };
 
-/// A hypothesis made ready to run on one record.
+/// A hypothesis, prepared to run on one record.
 class Simulator {
  public:
   virtual ~Simulator() = default;
   /// Predicts the outputs.
   /// @param values  of the hypothesis' free parameters
-  /// @param wanted  free parameters that derivatives are wanted for
+  /// @param wanted  free parameters whose derivatives are computed
   /// @param prediction  rows × outputs
   /// @param derivatives  one for each wanted parameter, rows × outputs
   /// @returns false if there is no prediction at these values (it diverges)
@@ -47,30 +47,31 @@ class Simulator {
                                  std::vector<Eigen::MatrixXd>& derivatives) const = 0;
 };
 
-/// An equation that the channels of a recording must satisfy if the model holds, which is part of
-/// the laboratory and can be checked by itself: motion → force, command → motion, input → output.
+/// An equation that the channels of a recording satisfy if the model is right. Each relation covers
+/// one part of the laboratory and is checked separately: motion → force, command → motion,
+/// input → output.
 class Relation {
  public:
   virtual ~Relation() = default;
 
   [[nodiscard]] virtual const std::string& name() const = 0;  ///< "motion to force"
-  [[nodiscard]] virtual Part part() const = 0;                ///< guilty if no term is named
-  /// Roles of what is predicted: "force.long", and their units.
+  [[nodiscard]] virtual Part part() const = 0;                ///< blamed if no term is named
+  /// Roles of the predicted channels, "force.long", and their units.
   [[nodiscard]] virtual const std::vector<std::pair<std::string, std::string>>& outputs() const = 0;
-  /// Whether each record and output has an offset of its own that nobody minds.
+  /// Whether each record and output may have an offset of its own, which is not an error.
   [[nodiscard]] virtual bool has_free_offsets() const = 0;
-  [[nodiscard]] virtual const Hypothesis& base() const = 0;  ///< what the simulation assumed
-  /// What it may have left out, with what was found already. Scales and starts come from what the
-  /// records hold.
+  [[nodiscard]] virtual const Hypothesis& base() const = 0;  ///< assumptions of the simulation
+  /// Effects that the simulation may have left out. Scales and starting values come from the
+  /// records.
   [[nodiscard]] virtual std::vector<Candidate> candidates() const = 0;
-  /// Roles of the channels that a laboratory may choose; none: the prediction is given as data.
+  /// Roles of the channels that a laboratory can choose; none: the prediction is given as data.
   [[nodiscard]] virtual std::vector<std::string> drivers() const = 0;
 
   /// @throws Error if the record lacks a channel that the relation needs
   [[nodiscard]] virtual std::unique_ptr<Drive> prepare(const Record& record) const = 0;
-  /// The drive as it would be had the sensors' noise been larger by this, and by this turned round
-  /// in time: noise is as likely to come earlier or later.
-  /// @param noise  a record of noise alone: those channels of the drive's record that are noisy
+  /// The drive with additional noise, and with the same noise reversed in time, which is equally
+  /// likely.
+  /// @param noise  a record of noise alone, with the noisy channels of the drive's record
   [[nodiscard]] virtual std::vector<std::unique_ptr<Drive>> disturbed(
       const Drive& drive, const Record& noise) const = 0;
   /// The drive must outlive the simulator. @throws Error if terms or names do not fit the model

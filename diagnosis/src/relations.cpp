@@ -16,11 +16,11 @@ using sim::Stage;
 
 constexpr Pace kForcePace{250, 25, 62.5};
 constexpr Pace kActuatorPace{500, 45, 125};
-// Above a few hertz a displacement says nothing about an acceleration that the accelerometer does
-// not say better.
+// Above a few hertz, an accelerometer measures an acceleration better than the displacement implies
+// it.
 constexpr Pace kAccelerometerPace{250, 5, 15.625};
 
-// As the case wishes; rows are two and a half for each period of what the filter leaves.
+// The rates that the case states; 2.5 rows per period at the cutoff of the filter.
 Pace pace_of(const Case& c, Pace usual) {
   if (c.comparison.model_rate) usual.model_rate = *c.comparison.model_rate;
   if (c.comparison.cutoff) {
@@ -55,7 +55,7 @@ bool belongs_to(const sim::TermSettings& term, const std::string& predicted) {
          !(kind.stage == Stage::Sensor && term.channel != Channel::Force);
 }
 
-FreeParameter free_parameter(const FittedParameter& fitted, const std::vector<PlacedTerm>& terms,
+FreeParameter free_parameter(const FittedParameter& fitted, const std::vector<ModelTerm>& terms,
                              double& value) {
   const auto [meant, name] = meant_by(fitted.name, terms);
   const sim::TermSettings& term = terms[meant[0]].settings;
@@ -76,7 +76,7 @@ FreeParameter free_parameter(const FittedParameter& fitted, const std::vector<Pl
   throw Error{"fitted: term '" + term.kind + "' has no parameter '" + name + "'"};
 }
 
-// What of the model makes the predicted channel, and which of its parameters were fitted.
+// The terms of the model that predict a channel, and the parameters of them that were fitted.
 Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_offsets) {
   Hypothesis base;
   const auto all = sim::read_terms(c.model.table.without("bounds"));
@@ -85,12 +85,12 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
   std::vector<double> values;
   for (const auto& fitted : c.model.fitted) {
     const std::string term = fitted.name.substr(0, fitted.name.rfind('.'));
-    const auto is_it = [&](const PlacedTerm& placed) {
+    const auto is_it = [&](const ModelTerm& placed) {
       return placed.settings.name == term || placed.settings.name.starts_with(term + ".");
     };
     const auto found = std::find_if(base.terms.begin(), base.terms.end(), is_it);
     if (found == base.terms.end()) continue;
-    // Offsets differ from record to record: they are taken out of each.
+    // Offsets differ between records, so each record has its own removed.
     if (found->settings.kind == "offset") {
       has_free_offsets = true;
       continue;
@@ -101,15 +101,15 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
   }
   if (has_free_offsets)
     std::erase_if(base.terms,
-                  [](const PlacedTerm& placed) { return placed.settings.kind == "offset"; });
+                  [](const ModelTerm& placed) { return placed.settings.kind == "offset"; });
   base.values =
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
   return base;
 }
 
-// When within a sample's time a command took effect, or a reading was taken, is in no recording.
+// A recording does not tell when within a sample a command took effect or a reading was taken.
 void allow_half_a_sample(Hypothesis& base, double time_step) {
-  for (const auto& [settings, place] : base.terms) {
+  for (const auto& [settings, component] : base.terms) {
     const std::string name = settings.name + ".delay";
     const bool is_free = std::any_of(base.free.begin(), base.free.end(),
                                      [&](const auto& free) { return free.name == name; });

@@ -10,16 +10,16 @@
 
 namespace rths::diagnosis {
 
-/// Records that are fitted or proven on: not those that only tell the noise.
+/// Records for fitting and proof, without reference records.
 [[nodiscard]] std::vector<const Record*> moving_records(const Case& c);
 
 /// Displacement ↔ acceleration, for each axis that has both; null if none has.
 [[nodiscard]] std::unique_ptr<Relation> accelerometer_relation(const Case& c,
                                                                const DiagnosisOptions& options);
-/// Command → displacement; null if the case has no command, or its model no actuator.
+/// Command → displacement; null if the case has no command or its model has no actuator.
 [[nodiscard]] std::unique_ptr<Relation> actuator_relation(const Case& c,
                                                           const DiagnosisOptions& options);
-/// Motion → force; null if the model has nothing that makes a force.
+/// Motion → force; null for a model of a servo-hydraulic axis.
 [[nodiscard]] std::unique_ptr<Relation> force_relation(const Case& c,
                                                        const DiagnosisOptions& options);
 

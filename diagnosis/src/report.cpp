@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <optional>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -18,8 +20,9 @@ using Eigen::VectorXd;
 constexpr std::size_t kMostEvidence = 10;
 constexpr Index kMostPoints = 4000;  // of a trace
 
-Cause cause_of(const Step& step, const std::vector<Estimate>& estimates, double explained) {
-  const Candidate& candidate = step.chosen.candidate;
+Cause cause_of(const SelectionRound& round, const std::vector<Estimate>& estimates,
+               double explained) {
+  const Candidate& candidate = round.chosen.candidate;
   Cause cause;
   cause.name = candidate.name;
   cause.title = candidate.title;
@@ -27,13 +30,13 @@ Cause cause_of(const Step& step, const std::vector<Estimate>& estimates, double 
   cause.part = candidate.part;
   cause.is_rule = candidate.is_rule;
   cause.channel = candidate.channel;
-  // Among equals each has its share, whatever chance made of their order.
+  // Tied candidates share the confidence, whatever their order.
   cause.confidence =
-      std::max(step.chosen.confidence, 1 / (1 + static_cast<double>(step.tied.size())));
-  for (const auto& tied : step.tied)
+      std::max(round.chosen.confidence, 1 / (1 + static_cast<double>(round.tied.size())));
+  for (const auto& tied : round.tied)
     cause.alternatives.push_back({tied.candidate.name, tied.candidate.title,
-                                  tied.gain / std::max(step.chosen.gain, 1e-300), "", 0});
-  if (step.tied.empty()) cause.confidence = std::max(cause.confidence, 0.99);
+                                  tied.gain / std::max(round.chosen.gain, 1e-300), "", 0});
+  if (round.tied.empty()) cause.confidence = std::max(cause.confidence, 0.99);
   cause.explained = explained;
   for (const auto& wanted : candidate.frees)
     for (const auto& estimate : estimates)
@@ -65,10 +68,10 @@ void add_evidence(const Investigation& found, Verdict& verdict) {
     verdict.evidence.push_back({contender.candidate.name, contender.candidate.title,
                                 contender.gain / n, contender.low / n, contender.high / n});
   };
-  if (found.selection.steps.empty()) {
+  if (found.selection.rounds.empty()) {
     for (const auto& contender : found.selection.last) add(contender);
   } else {
-    const Step& first = found.selection.steps[0];
+    const SelectionRound& first = found.selection.rounds[0];
     std::vector<const Contender*> all{&first.chosen};
     for (const auto& contender : first.tied) all.push_back(&contender);
     for (const auto& contender : first.others) all.push_back(&contender);
@@ -94,7 +97,7 @@ void add_traces(const Investigation& found, const Problem& problem, std::size_t 
     trace.record = problem.record(record).name;
     trace.channel = outputs[k].first;
     trace.unit = outputs[k].second;
-    // Offsets are nobody's fault: the curves lie over each other.
+    // Free offsets are no error: each curve is shifted onto the measurement.
     const auto shift = [&](const MatrixXd& prediction) {
       return found.relation->has_free_offsets()
                  ? (drive.measured.col(output) - prediction.col(output)).mean()
@@ -115,27 +118,31 @@ void add_traces(const Investigation& found, const Problem& problem, std::size_t 
   }
 }
 
-// What the record of the proof says if the answer is changed and everything fitted again.
-void ablate(const Investigation& found, std::size_t record, Verdict& verdict) {
-  const auto error = [&](const Hypothesis& hypothesis) {
-    return nrmse(Supposition{*found.proof, hypothesis}, record);
-  };
-  const Step& step = found.selection.steps[0];
-  const Contender* rival = !step.tied.empty()     ? &step.tied[0]
-                           : !step.others.empty() ? &step.others[0]
-                                                  : nullptr;
-  if (rival != nullptr) {
-    Supposition other{*found.problem, rival->fitted};
-    try {
-      other.set_values(other.fit(found.folds.both, 6).parameters);
-      verdict.ablation.push_back(
-          {fmt::format("{} instead of {}", rival->candidate.name, step.chosen.candidate.name),
-           error(other.hypothesis())});
-    } catch (const std::exception&) {
-      // The rival has no prediction there.
-    }
+// Error of a rival on a record of the proof, after a refit; none if it has no prediction there.
+std::optional<double> error_of_rival(const Investigation& found, const Contender& rival,
+                                     std::size_t record) {
+  Supposition other{*found.problem, rival.fitted};
+  try {
+    other.set_values(other.fit(found.folds.both, 6).parameters);
+    return nrmse(Supposition{*found.proof, other.hypothesis()}, record);
+  } catch (const std::exception&) {
+    return std::nullopt;
   }
-  verdict.ablation.push_back({"without what is named", error(found.selection.base)});
+}
+
+// Adds the errors on the record of the proof if the answer is changed and everything is refitted.
+void ablate(const Investigation& found, std::size_t record, Verdict& verdict) {
+  const SelectionRound& first = found.selection.rounds[0];
+  const Contender* rival = !first.tied.empty()     ? &first.tied[0]
+                           : !first.others.empty() ? &first.others[0]
+                                                   : nullptr;
+  const auto error = rival != nullptr ? error_of_rival(found, *rival, record) : std::nullopt;
+  if (error)
+    verdict.ablation.push_back(
+        {fmt::format("{} instead of {}", rival->candidate.name, first.chosen.candidate.name),
+         *error});
+  verdict.ablation.push_back(
+      {"without the named causes", nrmse(Supposition{*found.proof, found.selection.base}, record)});
 }
 
 void prove(const Investigation& found, Verdict& verdict) {
@@ -162,8 +169,8 @@ void prove(const Investigation& found, Verdict& verdict) {
   verdict.residual_correlation.assign(correlation.begin(), correlation.end());
   constexpr double kNormal95 = 1.96;
   verdict.correlation_bound = kNormal95 / std::sqrt(n * static_cast<double>(white.cols()));
-  // Ljung & Box 1978; the colour of the noise is itself estimated, which a few times the quantile
-  // of 20 degrees of freedom allows for.
+  // Ljung & Box 1978. The colour of the noise is an estimate, so three times the quantile of 20
+  // degrees of freedom is allowed.
   constexpr double kQuantile99 = 37.6, kAllowance = 3;
   verdict.residual_white = portmanteau < kAllowance * kQuantile99;
   if (found.is_named()) ablate(found, last, verdict);
@@ -174,12 +181,12 @@ void prove(const Investigation& found, Verdict& verdict) {
 void report(const Investigation& found, Verdict& verdict) {
   const Selection& selection = found.selection;
   double total = 0;
-  for (const auto& step : selection.steps) total += std::max(0.0, step.chosen.gain);
+  for (const auto& round : selection.rounds) total += std::max(0.0, round.chosen.gain);
   const auto estimates = found.is_named() ? estimates_of(found) : std::vector<Estimate>{};
-  for (const auto& step : selection.steps)
+  for (const auto& round : selection.rounds)
     verdict.causes.push_back(cause_of(
-        step, estimates,
-        selection.explained() * std::max(0.0, step.chosen.gain) / std::max(total, 1e-300)));
+        round, estimates,
+        selection.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300)));
   add_evidence(found, verdict);
   for (const auto& description : found.descriptions) {
     constexpr double kLeastShare = 0.02;

@@ -6,13 +6,14 @@
 
 namespace rths::diagnosis {
 
-/// What is wrong with a role, or with its SI unit; nothing if it is right.
+/// The error in a role or in its SI unit, as a message; nothing if both are right.
 [[nodiscard]] std::optional<std::string> trouble_with(const std::string& role,
                                                       const std::string& si_unit);
 
-/// The kind of model that is meant: hyphens and blanks stand for underscores. Nothing: none is.
+/// The kind of model with this spelling; hyphens and blanks stand for underscores. Nothing:
+/// unknown.
 [[nodiscard]] std::optional<std::string> model_kind(std::string spelling);
-/// For messages: "bearing, platen, …".
+/// All kinds of models, for messages: "bearing, platen, …".
 [[nodiscard]] std::string model_kinds();
 
 }  // namespace rths::diagnosis

@@ -2,17 +2,16 @@
 #include "round.hpp"
 
 #include <algorithm>
-#include <exception>
 
 namespace rths::diagnosis {
 namespace {
 
-constexpr int kHeat = 3;  // iterations
-constexpr std::size_t kEntered = 10, kKept = 5, kMostKept = 10;
-constexpr double kEnteredShare = 0.02;  // of the best screened gain
-constexpr double kKeptShare = 0.35;     // of what the best fit of the heats won
-constexpr double kTriedGain = 6;        // [nat]: below it no candidate is worth a fit
-constexpr double kFar = 10;             // mean w²: so far off, the base's fit is a compromise
+constexpr int kTrialFit = 3;  // iterations
+constexpr std::size_t kTried = 10, kKept = 5, kMostKept = 10;
+constexpr double kTriedShare = 0.02;    // of the best screened gain
+constexpr double kKeptShare = 0.35;     // of the gain of the best trial fit
+constexpr double kLeastGain = 6;        // [nat]: below it a candidate is not fitted
+constexpr double kFar = 10;             // mean w²: above it, fits also start at the stated values
 constexpr double kReversedShare = 0.5;  // of the best gain on the second fold
 
 }  // namespace
@@ -24,66 +23,62 @@ Round::Round(Problem& problem, const Folds& folds, const Hypothesis& current,
   base_ = fitted(problem, current, folds.first, kLongFit);
   base_scores_ = scores(problem, base_, folds.second);
   const double base = 2 * sum(scores(problem, base_, folds.first));
-  std::vector<Entrant> entrants;
-  enter(base_, candidates, base, entrants);
+  std::vector<TrialFit> trials;
+  try_best(base_, candidates, base, trials);
   if (base > kFar * observations(problem, folds.first)) {
     Hypothesis as_stated = current;
     as_stated.values.head(stated.size()) = stated;
-    enter(as_stated, candidates, base, entrants);
+    try_best(as_stated, candidates, base, trials);
   }
-  keep_best(base, entrants);
-  for (auto& entrant : entrants) finish(entrant);
+  keep_best(base, trials);
+  for (auto& trial : trials) finish(trial);
   sort();
   allow_for_noise();
   reverse();
   rank();
 }
 
-// Screening is linear; effects are not. A few steps of a fit tell who is worth the rest.
-void Round::enter(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
-                  std::vector<Entrant>& entrants) const {
+// Screening is linear, effects are not. A few iterations show which candidates deserve a full fit.
+void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
+                     std::vector<TrialFit>& trials) const {
   const auto screened = screen(Supposition{problem_, from}, folds_.first, candidates);
-  for (std::size_t i = 0; i < std::min(screened.size(), kEntered); ++i) {
-    if (screened[i].gain < std::max(kTriedGain, kEnteredShare * screened[0].gain)) break;
-    Entrant entrant{screened[i].candidate, {}, base};
+  for (std::size_t i = 0; i < std::min(screened.size(), kTried); ++i) {
+    if (screened[i].gain < std::max(kLeastGain, kTriedShare * screened[0].gain)) break;
+    TrialFit trial{screened[i].candidate, {}, base};
     const std::size_t tries = std::min<std::size_t>(screened[i].starts.size(), 2);
     for (std::size_t k = 0; k < tries; ++k)
-      warm_up(extended(from, *entrant.candidate, screened[i].starts[k]), entrant);
-    if (!entrant.hypothesis.free.empty()) entrants.push_back(std::move(entrant));
+      fit_shortly(extended(from, *trial.candidate, screened[i].starts[k]), trial);
+    if (!trial.hypothesis.free.empty()) trials.push_back(std::move(trial));
   }
 }
 
-void Round::warm_up(Hypothesis hypothesis, Entrant& entrant) const {
-  try {
-    const Fit fit = Supposition{problem_, hypothesis}.fit(folds_.first, kHeat);
-    if (!(fit.sum_of_squares < entrant.least)) return;
-    entrant.least = fit.sum_of_squares;
-    hypothesis.values = fit.parameters;
-    entrant.hypothesis = std::move(hypothesis);
-  } catch (const std::exception&) {
-    // No prediction from this start.
-  }
+void Round::fit_shortly(Hypothesis hypothesis, TrialFit& trial) const {
+  const auto fit = fit_if_possible(problem_, hypothesis, folds_.first, kTrialFit);
+  if (!fit || !(fit->sum_of_squares < trial.least)) return;
+  trial.least = fit->sum_of_squares;
+  hypothesis.values = fit->parameters;
+  trial.hypothesis = std::move(hypothesis);
 }
 
-void Round::keep_best(double base, std::vector<Entrant>& entrants) {
-  std::stable_sort(entrants.begin(), entrants.end(),
-                   [](const Entrant& a, const Entrant& b) { return a.least < b.least; });
-  const double most = entrants.empty() ? 0 : base - entrants[0].least;
-  std::vector<Entrant> kept;
-  for (auto& entrant : entrants) {
-    const bool is_there = std::any_of(kept.begin(), kept.end(), [&](const Entrant& other) {
-      return other.candidate == entrant.candidate;
+void Round::keep_best(double base, std::vector<TrialFit>& trials) {
+  std::stable_sort(trials.begin(), trials.end(),
+                   [](const TrialFit& a, const TrialFit& b) { return a.least < b.least; });
+  const double most = trials.empty() ? 0 : base - trials[0].least;
+  std::vector<TrialFit> kept;
+  for (auto& trial : trials) {
+    const bool is_there = std::any_of(kept.begin(), kept.end(), [&](const TrialFit& other) {
+      return other.candidate == trial.candidate;
     });
-    const bool is_good = base - entrant.least > kKeptShare * most;
+    const bool is_good = base - trial.least > kKeptShare * most;
     if (kept.size() >= (is_good ? kMostKept : kKept)) break;
-    if (!is_there) kept.push_back(std::move(entrant));
+    if (!is_there) kept.push_back(std::move(trial));
   }
-  entrants = std::move(kept);
+  trials = std::move(kept);
 }
 
-void Round::finish(Entrant& entrant) {
-  Contender contender{*entrant.candidate, {}, 0, {}, 0, 0, 0};
-  contender.fitted = fitted(problem_, entrant.hypothesis, folds_.first, kLongFit - kHeat);
+void Round::finish(TrialFit& trial) {
+  Contender contender{*trial.candidate, {}, 0, {}, 0, 0, 0};
+  contender.fitted = fitted(problem_, trial.hypothesis, folds_.first, kLongFit - kTrialFit);
   score(contender);
   contenders_.push_back(std::move(contender));
 }
@@ -98,8 +93,8 @@ void Round::sort() {
                    [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
 }
 
-// What looks at one more channel has that channel's noise as well, and is compared with those
-// that have not in the largest noise that one of the better ones has.
+// A candidate that uses one more channel also has the noise of that channel. All candidates are
+// then compared in the largest noise that one of the better ones has.
 void Round::allow_for_noise() {
   constexpr double kGoodShare = 0.2, kMuchMore = 0.3;
   const double before = problem_.log_noise(base_);
@@ -121,7 +116,7 @@ void Round::allow_for_noise() {
   sort();
 }
 
-// Fitted on the second fold, scored on the first: for those that did well.
+// Fits the better candidates on the second fold and scores them on the first.
 void Round::reverse() {
   if (contenders_.empty()) return;
   const double best = contenders_[0].gain;
@@ -139,7 +134,7 @@ void Round::reverse() {
   sort();
 }
 
-// How often each is the best, were the records others.
+// Confidence: how often each is the best in resampled records.
 void Round::rank() {
   std::vector<std::vector<double>> sums;
   for (auto& contender : contenders_) {

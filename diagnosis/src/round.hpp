@@ -6,32 +6,33 @@
 
 namespace rths::diagnosis {
 
-/// One step of the forward selection: candidates are screened, the best of them fitted in heats,
-/// and those that are left fitted on one fold and scored on the other, both ways.
+/// One round of the forward selection. It screens the candidates, tries short fits of the best
+/// ones, fits the remaining ones on one fold and scores them on the other, then with the folds
+/// exchanged.
 class Round {
  public:
-  /// @param stated  values of the model's own free parameters as the case states them
+  /// @param stated  values of the model's own free parameters in the case
   Round(Problem& problem, const Folds& folds, const Hypothesis& current,
         const Eigen::VectorXd& stated, const std::vector<Candidate>& candidates,
         std::uint64_t seed);
 
-  /// What they are compared with, fitted on the first fold.
+  /// The hypothesis without any candidate, fitted on the first fold.
   [[nodiscard]] const Hypothesis& base() const { return base_; }
   [[nodiscard]] std::vector<Contender>& contenders() { return contenders_; }  ///< best first
 
  private:
   /// A candidate after a short fit from its best start.
-  struct Entrant {
+  struct TrialFit {
     const Candidate* candidate;
     Hypothesis hypothesis;
     double least;  ///< sum of squares on the first fold
   };
 
-  void enter(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
-             std::vector<Entrant>& entrants) const;
-  void warm_up(Hypothesis hypothesis, Entrant& entrant) const;
-  static void keep_best(double base, std::vector<Entrant>& entrants);
-  void finish(Entrant& entrant);
+  void try_best(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
+                std::vector<TrialFit>& trials) const;
+  void fit_shortly(Hypothesis hypothesis, TrialFit& trial) const;
+  static void keep_best(double base, std::vector<TrialFit>& trials);
+  void finish(TrialFit& trial);
   void score(Contender& contender) const;
   void sort();
   void allow_for_noise();

@@ -2,6 +2,7 @@
 #include "scores.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <random>
 
 namespace rths::diagnosis {
@@ -24,6 +25,15 @@ Hypothesis fitted(const Problem& problem, const Hypothesis& hypothesis, const Fo
   Hypothesis result = supposition.hypothesis();
   result.values = supposition.fit(fold, iterations).parameters;
   return result;
+}
+
+std::optional<Fit> fit_if_possible(const Problem& problem, const Hypothesis& hypothesis,
+                                   const Fold& fold, int iterations) {
+  try {
+    return Supposition{problem, hypothesis}.fit(fold, iterations);
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
 }
 
 std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold) {
@@ -51,10 +61,10 @@ std::vector<double> resampled_sums(const std::vector<double>& blocks, std::uint6
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
-  const auto place = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(place),
+  const auto index = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index),
                    values.end());
-  return values[place];
+  return values[index];
 }
 
 }  // namespace rths::diagnosis

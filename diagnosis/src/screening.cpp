@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -17,14 +19,14 @@ using Eigen::VectorXd;
 constexpr double kRankCut = 1e-6;  // of the largest singular value of columns of unit length
 
 constexpr double kUnbounded = 1e300;
-constexpr double kUnknown = -1;  // gain: as good as the best
+constexpr double kUnknown = -1;  // gain that only a fit can show: counts as the best
 
 struct Score {
   double gain;
   VectorXd start;
 };
 
-// The gain of the best combination of columns; none if it would have to go where it may not.
+// The gain of the best combination of columns; 0 if a single parameter would leave its bound `low`.
 double gain_of(const MatrixXd& columns, const VectorXd& residual, double absent, double low) {
   const VectorXd length = columns.colwise().norm();
   std::vector<Index> used;
@@ -32,8 +34,8 @@ double gain_of(const MatrixXd& columns, const VectorXd& residual, double absent,
     if (length[i] > 1e-9 * residual.norm()) used.push_back(i);
   if (used.empty()) return 0;
   const MatrixXd unit = columns(Eigen::all, used) * length(used).cwiseInverse().asDiagonal();
-  const VectorXd weights = unit.colPivHouseholderQr().solve(residual);
-  // Of a size that may only grow, the wrong sign explains nothing.
+  const VectorXd weights = algebra::solve_least_squares(unit, residual);
+  // A size that may only grow explains nothing with the wrong sign.
   if (columns.cols() == 1 && absent - weights[0] / length[used[0]] < low) return 0;
   return 0.5 * (residual.squaredNorm() - (residual - unit * weights).squaredNorm());
 }
@@ -47,14 +49,14 @@ Complement::Complement(const MatrixXd& columns) {
     const double length = scaled.col(i).norm();
     if (length > 0) scaled.col(i) /= length;
   }
-  // Through the small Gram matrix: the columns are long and few.
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen{scaled.transpose() * scaled};
-  const VectorXd values = eigen.eigenvalues();
+  // By the small Gram matrix, because the columns are long and few.
+  const algebra::Modes eigen = algebra::symmetric_modes(scaled.transpose() * scaled);
+  const VectorXd& values = eigen.values;
   const double least = kRankCut * values[values.size() - 1];
   std::vector<Index> used;
   for (Index i = 0; i < values.size(); ++i)
     if (values[i] > least) used.push_back(i);
-  basis_ = scaled * eigen.eigenvectors()(Eigen::all, used) *
+  basis_ = scaled * eigen.vectors(Eigen::all, used) *
            values(used).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
@@ -62,44 +64,68 @@ void Complement::take_out(Eigen::Ref<VectorXd> x) const {
   if (basis_.cols() > 0) x -= basis_ * (basis_.transpose() * x);
 }
 
+namespace {
+
+// Residual of the base on a fold, and the part of it that the fitted parameters cannot reproduce.
+struct BaseResidual {
+  const Supposition& base;
+  const Fold& fold;
+  const Complement& complement;
+  VectorXd whole, rest;
+};
+
+// Gain of a candidate from one start; none if there is no prediction.
+std::optional<double> gain_at(const BaseResidual& residual, const Candidate& candidate,
+                              const VectorXd& start) {
+  const Hypothesis& hypothesis = residual.base.hypothesis();
+  const Supposition beside{residual.base.problem(), extended(hypothesis, candidate, start)};
+  std::vector<Index> added(beside.hypothesis().free.size() - hypothesis.free.size());
+  std::iota(added.begin(), added.end(), static_cast<Index>(hypothesis.free.size()));
+  // A candidate that only widens a tolerance of the base is hidden by it.
+  if (added.empty() || candidate.is_hidden) return kUnknown;
+  VectorXd there;
+  MatrixXd columns;
+  if (!beside.evaluate(residual.fold, beside.hypothesis().values, added, there, columns))
+    return std::nullopt;
+  for (Index i = 0; i < columns.cols(); ++i) residual.complement.take_out(columns.col(i));
+  const double low = candidate.frees[0].low;
+  const double absent = candidate.adds.empty() ? start[0] : std::max(0.0, low);
+  const double gain = gain_of(columns, residual.rest, absent, low == 0 ? low : -kUnbounded);
+  if (!(low > 0)) return gain;
+  // An effect with a threshold has no slope at its absence, so the whole effect is tried as well.
+  MatrixXd whole_effect = there - residual.whole;
+  residual.complement.take_out(whole_effect.col(0));
+  return std::max(gain, gain_of(whole_effect, residual.rest, 0, -kUnbounded));
+}
+
+// Hidden candidates count as the best.
+void sort_by_gain(std::vector<Screened>& candidates) {
+  double best = 0;
+  for (const auto& screened : candidates) best = std::max(best, screened.gain);
+  for (auto& screened : candidates)
+    if (screened.gain == kUnknown) screened.gain = best;
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
+}
+
+}  // namespace
+
 std::vector<Screened> screen(const Supposition& base, const Fold& fold,
                              const std::vector<Candidate>& candidates) {
   const Hypothesis& hypothesis = base.hypothesis();
   std::vector<Index> all(hypothesis.free.size());
   std::iota(all.begin(), all.end(), Index{0});
-  VectorXd residual;
+  VectorXd whole;
   MatrixXd jacobian;
   std::vector<Screened> result;
-  if (!base.evaluate(fold, hypothesis.values, all, residual, jacobian)) return result;
+  if (!base.evaluate(fold, hypothesis.values, all, whole, jacobian)) return result;
   const Complement complement{jacobian};
-  const VectorXd raw = residual;
-  complement.take_out(residual);
+  BaseResidual residual{base, fold, complement, whole, whole};
+  complement.take_out(residual.rest);
   for (const auto& candidate : candidates) {
     std::vector<Score> scores;
-    for (const auto& start : candidate.starts) {
-      const Supposition beside{base.problem(), extended(hypothesis, candidate, start)};
-      std::vector<Index> added(beside.hypothesis().free.size() - all.size());
-      std::iota(added.begin(), added.end(), static_cast<Index>(all.size()));
-      // What only widens a tolerance of the base is hidden by it: a fit must tell.
-      if (added.empty() || candidate.is_hidden) {
-        scores.push_back({kUnknown, start});
-        continue;
-      }
-      VectorXd there;
-      MatrixXd columns;
-      if (!beside.evaluate(fold, beside.hypothesis().values, added, there, columns)) continue;
-      for (Index i = 0; i < columns.cols(); ++i) complement.take_out(columns.col(i));
-      const double low = candidate.frees[0].low;
-      const double absent = candidate.adds.empty() ? start[0] : std::max(0.0, low);
-      double gain = gain_of(columns, residual, absent, low == 0 ? low : -kUnbounded);
-      // What sets in at a threshold does not begin with its slope there.
-      if (low > 0) {
-        MatrixXd whole_effect = there - raw;
-        complement.take_out(whole_effect.col(0));
-        gain = std::max(gain, gain_of(whole_effect, residual, 0, -kUnbounded));
-      }
-      scores.push_back({gain, start});
-    }
+    for (const auto& start : candidate.starts)
+      if (const auto gain = gain_at(residual, candidate, start)) scores.push_back({*gain, start});
     if (scores.empty()) continue;
     std::stable_sort(scores.begin(), scores.end(),
                      [](const Score& a, const Score& b) { return a.gain > b.gain; });
@@ -107,12 +133,7 @@ std::vector<Screened> screen(const Supposition& base, const Fold& fold,
     for (const auto& score : scores) screened.starts.push_back(score.start);
     result.push_back(std::move(screened));
   }
-  double best = 0;
-  for (const auto& screened : result) best = std::max(best, screened.gain);
-  for (auto& screened : result)
-    if (screened.gain == kUnknown) screened.gain = best;
-  std::stable_sort(result.begin(), result.end(),
-                   [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
+  sort_by_gain(result);
   return result;
 }
 

@@ -7,7 +7,7 @@
 
 namespace rths::diagnosis {
 
-/// What is left of signals when everything that some columns can make is taken out.
+/// Removes from signals everything that a linear combination of some columns can reproduce.
 class Complement {
  public:
   explicit Complement(const Eigen::MatrixXd& columns);
@@ -17,16 +17,17 @@ class Complement {
   Eigen::MatrixXd basis_;  ///< orthonormal
 };
 
-/// How promising a candidate is, before it is fitted.
+/// Result of screening a candidate, before it is fitted.
 struct Screened {
   const Candidate* candidate;
   std::vector<Eigen::VectorXd> starts;  ///< best first
-  double gain = 0;  ///< log-likelihood that its linearised signature would win on the fold [nat]
+  double gain = 0;  ///< log-likelihood gain of its linearised signature on the fold [nat]
 };
 
-/// Score test (Rao 1948) of every candidate at every start: its signature, less what the free
-/// parameters of the base can make, against the residual, less the same. Best first.
-/// @param base  at its fit to the fold
+/// Score test (Rao 1948) of every candidate at every start. The test compares the candidate's
+/// signature with the residual, both without the part that the free parameters of the base can
+/// reproduce. Best first.
+/// @param base  fitted to the fold
 [[nodiscard]] std::vector<Screened> screen(const Supposition& base, const Fold& fold,
                                            const std::vector<Candidate>& candidates);
 

@@ -12,22 +12,22 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr std::ptrdiff_t kMostTerms = 4;   // besides rules
-constexpr double kAcceptedGain = 18;       // [nat] over both folds, and
-constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation, and
-constexpr double kAcceptedShare = 0.01;    // of the excess that the base had
-constexpr double kTieShare = 0.01;         // of the best gain: nobody prefers one for that
-constexpr double kMaterial = 2e-4;         // of the output's standard deviation: less is no physics
-constexpr double kWhite = 1.02;            // mean w² at which nothing is left to find
+constexpr double kAcceptedGain = 18;       // smallest gain [nat] over both folds,
+constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation,
+constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of the base
+constexpr double kTieShare = 0.01;         // of the best gain: smaller differences are ties
+constexpr double kMaterial = 2e-4;         // of the output's standard deviation: smallest change
+constexpr double kWhite = 1.02;            // mean w² of a residual that is noise
 
 bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed) {
   if (contender.gain <= accepted) return false;
-  // What shows at one instant only is often not among the resampled ones: then it has to be clear,
-  // and to cost nothing anywhere else.
+  // An effect at one instant is absent from many resampled records. It is accepted if its gain is
+  // large and it costs nothing elsewhere.
   const double low = quantile(resampled_sums(contender.differences, seed), 0.01);
   return low > 0 || (contender.gain > 20 * kAcceptedGain && low > -0.01 * contender.gain);
 }
 
-// Takes out those that wait for another that is acceptable as well.
+// Removes and returns candidates that must wait for another acceptable one, see Candidate::after.
 std::vector<Contender> held_back(std::vector<Contender>& contenders, double accepted,
                                  std::uint64_t seed) {
   const auto waits = [&](const Contender& contender) {
@@ -46,8 +46,8 @@ std::vector<Contender> held_back(std::vector<Contender>& contenders, double acce
   return waiting;
 }
 
-// The cheapest of those that cannot be told from the best.
-Step chosen(std::vector<Contender> contenders, std::uint64_t seed) {
+// Chooses the cheapest of the candidates that are not significantly worse than the best.
+SelectionRound chosen(std::vector<Contender> contenders, std::uint64_t seed) {
   const Contender& best = contenders[0];
   std::vector<bool> ties(contenders.size(), true);
   std::size_t cheapest = 0;
@@ -58,21 +58,21 @@ Step chosen(std::vector<Contender> contenders, std::uint64_t seed) {
     if (ties[i] && contenders[i].candidate.price < contenders[cheapest].candidate.price)
       cheapest = i;
   }
-  Step step;
-  step.chosen = std::move(contenders[cheapest]);
+  SelectionRound round;
+  round.chosen = std::move(contenders[cheapest]);
   for (std::size_t i = 0; i < contenders.size(); ++i) {
     if (i == cheapest) continue;
-    // What is the chosen one and something that does not show is not another answer.
+    // A candidate that contains the chosen one adds an effect that does not show: no alternative.
     const auto& contained = contenders[i].candidate.contains;
     const bool is_more = ties[i] && std::find(contained.begin(), contained.end(),
-                                              step.chosen.candidate.name) != contained.end();
-    if (is_more) step.chosen.confidence += contenders[i].confidence;
-    (ties[i] && !is_more ? step.tied : step.others).push_back(std::move(contenders[i]));
+                                              round.chosen.candidate.name) != contained.end();
+    if (is_more) round.chosen.confidence += contenders[i].confidence;
+    (ties[i] && !is_more ? round.tied : round.others).push_back(std::move(contenders[i]));
   }
-  return step;
+  return round;
 }
 
-// What the term changes of the prediction, over what the output varies by.
+// Change of the prediction due to a term, divided by the standard deviation of the output.
 double change_of(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
                  const Fold& fold) {
   const Supposition a{problem, before}, b{problem, after};
@@ -91,26 +91,28 @@ double change_of(const Problem& problem, const Hypothesis& before, const Hypothe
   return std::sqrt(change / std::max(size, 1e-300));
 }
 
-// Those of the candidates that are not named yet.
-std::vector<Candidate> left_of(std::vector<Candidate> candidates, const std::vector<Step>& steps,
+// The candidates that are not named yet.
+std::vector<Candidate> left_of(std::vector<Candidate> candidates,
+                               const std::vector<SelectionRound>& rounds,
                                const Hypothesis& current) {
   std::erase_if(candidates, [&](const Candidate& candidate) {
     return !may_extend(current, candidate) ||
-           std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
-             return step.chosen.candidate.name == candidate.name &&
-                    step.chosen.candidate.channel == candidate.channel;
+           std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& round) {
+             return round.chosen.candidate.name == candidate.name &&
+                    round.chosen.candidate.channel == candidate.channel;
            });
   });
   return candidates;
 }
 
-// The base with some of the steps, its values as they are now.
+// The base with the candidates of some rounds, with the current values.
 template <class Wanted>
-Hypothesis with_steps(const Hypothesis& base, const std::vector<Step>& steps, const Wanted& wanted,
-                      const Hypothesis& current) {
+Hypothesis with_rounds(const Hypothesis& base, const std::vector<SelectionRound>& rounds,
+                       const Wanted& wanted, const Hypothesis& current) {
   Hypothesis rest = base;
-  for (const Step& step : steps)
-    if (wanted(step)) rest = extended(rest, step.chosen.candidate, step.chosen.candidate.starts[0]);
+  for (const SelectionRound& round : rounds)
+    if (wanted(round))
+      rest = extended(rest, round.chosen.candidate, round.chosen.candidate.starts[0]);
   for (std::size_t i = 0; i < rest.free.size(); ++i)
     for (std::size_t k = 0; k < current.free.size(); ++k)
       if (rest.free[i].name == current.free[k].name)
@@ -118,20 +120,127 @@ Hypothesis with_steps(const Hypothesis& base, const std::vector<Step>& steps, co
   return rest;
 }
 
-bool is_rule(const Step& step) { return step.chosen.candidate.is_rule; }
+bool is_rule(const SelectionRound& round) { return round.chosen.candidate.is_rule; }
 
-// What was named in another step is no rival of this one.
-void drop_named(std::vector<Step>& steps) {
-  for (auto& step : steps) {
+// Removes ties with candidates that another round has named.
+void drop_named(std::vector<SelectionRound>& rounds) {
+  for (auto& round : rounds) {
     const auto is_named = [&](const Contender& tied) {
-      return std::any_of(steps.begin(), steps.end(), [&](const Step& other) {
+      return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& other) {
         return other.chosen.candidate.name == tied.candidate.name &&
                other.chosen.candidate.channel == tied.candidate.channel;
       });
     };
-    std::erase_if(step.tied, is_named);
+    std::erase_if(round.tied, is_named);
   }
 }
+
+class Selector {
+ public:
+  Selector(Problem& problem, const Folds& folds, std::uint64_t seed)
+      : problem_{problem}, folds_{folds}, seed_{seed}, stated_{problem.relation().base()} {}
+
+  Selection select() {
+    fit_base();
+    const auto candidates = problem_.relation().candidates();
+    bool goes_on = true;
+    while (goes_on && effects() < kMostTerms) goes_on = add_term(candidates);
+    drop_redundant();
+    drop_named(selection_.rounds);
+    std::stable_partition(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
+    fit_final();
+    return std::move(selection_);
+  }
+
+ private:
+  // Number of accepted candidates that are not rules.
+  [[nodiscard]] std::ptrdiff_t effects() const {
+    return std::count_if(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
+  }
+
+  void fit_base() {
+    // The noise of the residual depends on the fitted model, not on the stated one.
+    current_ = fitted(problem_, stated_, folds_.first, kShortFit);
+    problem_.renew_noise(current_);
+    selection_.base = fitted(problem_, current_, folds_.both, kLongFit);
+    current_ = fitted(problem_, current_, folds_.first, kShortFit);
+    // Excess of the base at its own noise, on rows that it was not fitted to.
+    excess_ = Supposition{problem_, current_}.variance(folds_.second) - 1;
+  }
+
+  // Runs one round. @returns whether another may follow
+  bool add_term(const std::vector<Candidate>& candidates) {
+    Round round{problem_,
+                folds_,
+                current_,
+                stated_.values,
+                left_of(candidates, selection_.rounds, current_),
+                seed_};
+    auto& contenders = round.contenders();
+    const double n = observations(problem_, folds_.both);
+    const double accepted = std::max(
+        {kAcceptedGain, kAcceptedDensity * n, kAcceptedShare * 0.5 * n * std::max(0.0, excess_)});
+    auto waiting = held_back(contenders, accepted, seed_);
+    if (contenders.empty() || !is_acceptable(contenders[0], accepted, seed_) ||
+        change_of(problem_, round.base(), contenders[0].fitted, folds_.second) < kMaterial) {
+      selection_.last = std::move(contenders);
+      return false;
+    }
+    selection_.rounds.push_back(chosen(std::move(contenders), seed_));
+    SelectionRound& added = selection_.rounds.back();
+    // Waiting candidates contain the chosen one as a special case, so they support it.
+    for (const auto& contender : waiting) added.chosen.confidence += contender.confidence;
+    added.others.insert(added.others.begin(), std::make_move_iterator(waiting.begin()),
+                        std::make_move_iterator(waiting.end()));
+    current_ = added.chosen.fitted;
+    problem_.renew_noise(current_);
+    const double variance = Supposition{problem_, current_}.variance(folds_.second);
+    if (!is_rule(added)) return !(variance < kWhite);
+    // Further terms are measured by the excess that the right rule leaves.
+    excess_ = variance - 1;
+    return true;
+  }
+
+  // Backward selection: removes candidates that later ones have made redundant.
+  void drop_redundant() {
+    auto& rounds = selection_.rounds;
+    for (std::size_t i = 0; rounds.size() > 1 && i < rounds.size();) {
+      const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[i]; };
+      const Hypothesis rest =
+          fitted(problem_, with_rounds(selection_.base, rounds, is_other, current_), folds_.first,
+                 kLongFit);
+      const auto cost =
+          minus(scores(problem_, rest, folds_.second), scores(problem_, current_, folds_.second));
+      if (quantile(resampled_sums(cost, seed_), 0.01) > 0 && sum(cost) > kAcceptedGain / 2) {
+        ++i;
+        continue;
+      }
+      rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(i));
+      current_ = rest;
+      i = 0;
+    }
+  }
+
+  void fit_final() {
+    selection_.named = fitted(problem_, current_, folds_.both, kLongFit);
+    problem_.renew_noise(selection_.named);
+    selection_.named = fitted(problem_, selection_.named, folds_.both, kShortFit);
+    selection_.base = fitted(problem_, selection_.base, folds_.both, kShortFit);
+    selection_.ruled = with_rounds(selection_.base, selection_.rounds, is_rule, selection_.named);
+    if (effects() < std::ssize(selection_.rounds))
+      selection_.ruled = fitted(problem_, selection_.ruled, folds_.both, kLongFit);
+    selection_.variance_base = Supposition{problem_, selection_.base}.variance(folds_.both);
+    selection_.variance_ruled = Supposition{problem_, selection_.ruled}.variance(folds_.both);
+    selection_.variance_named = Supposition{problem_, selection_.named}.variance(folds_.both);
+  }
+
+  Problem& problem_;
+  const Folds& folds_;
+  std::uint64_t seed_;
+  Hypothesis stated_, current_;
+  double excess_ = 0;  // mean w² − 1, before the terms that are still to be found
+  Selection selection_;
+};
 
 }  // namespace
 
@@ -140,7 +249,9 @@ double Selection::explained() const {
   return excess > 0 ? std::clamp((excess - (variance_named - 1)) / excess, 0.0, 1.0) : 0;
 }
 
-bool Selection::has_only_rules() const { return std::all_of(steps.begin(), steps.end(), is_rule); }
+bool Selection::has_only_rules() const {
+  return std::all_of(rounds.begin(), rounds.end(), is_rule);
+}
 
 bool Selection::has_remainder() const {
   const double rest = variance_named - 1;
@@ -148,78 +259,7 @@ bool Selection::has_remainder() const {
 }
 
 Selection select(Problem& problem, const Folds& folds, std::uint64_t seed) {
-  Selection selection;
-  const Hypothesis stated = problem.relation().base();
-  // The noise shows through the model as it fits, not as it was stated.
-  Hypothesis current = fitted(problem, stated, folds.first, kShortFit);
-  problem.renew_noise(current);
-  selection.base = fitted(problem, current, folds.both, kLongFit);
-  const double n = observations(problem, folds.both);
-  current = fitted(problem, current, folds.first, kShortFit);
-  // Of the base at its own noise, on rows that it was not fitted to.
-  double excess = Supposition{problem, current}.variance(folds.second) - 1;
-  const auto candidates = problem.relation().candidates();
-  const auto effects = [&] {
-    return std::count_if(selection.steps.begin(), selection.steps.end(), std::not_fn(is_rule));
-  };
-  while (effects() < kMostTerms) {
-    Round round{
-        problem, folds, current, stated.values, left_of(candidates, selection.steps, current),
-        seed};
-    auto& contenders = round.contenders();
-    const double accepted = std::max(
-        {kAcceptedGain, kAcceptedDensity * n, kAcceptedShare * 0.5 * n * std::max(0.0, excess)});
-    auto waiting = held_back(contenders, accepted, seed);
-    if (contenders.empty() || !is_acceptable(contenders[0], accepted, seed) ||
-        change_of(problem, round.base(), contenders[0].fitted, folds.second) < kMaterial) {
-      selection.last = std::move(contenders);
-      break;
-    }
-    selection.steps.push_back(chosen(std::move(contenders), seed));
-    // What contains it as a special case is no rival of it.
-    for (const auto& contender : waiting)
-      selection.steps.back().chosen.confidence += contender.confidence;
-    auto& others = selection.steps.back().others;
-    others.insert(others.begin(), std::make_move_iterator(waiting.begin()),
-                  std::make_move_iterator(waiting.end()));
-    current = selection.steps.back().chosen.fitted;
-    problem.renew_noise(current);
-    const double variance = Supposition{problem, current}.variance(folds.second);
-    // What else is missing is measured by what the right rule leaves.
-    if (is_rule(selection.steps.back()))
-      excess = variance - 1;
-    else if (variance < kWhite)
-      break;
-  }
-  // Backward: what the others have made superfluous.
-  for (std::size_t i = 0; selection.steps.size() > 1 && i < selection.steps.size();) {
-    const auto is_other = [&](const Step& step) { return &step != &selection.steps[i]; };
-    const Hypothesis rest =
-        fitted(problem, with_steps(selection.base, selection.steps, is_other, current), folds.first,
-               kLongFit);
-    const auto cost =
-        minus(scores(problem, rest, folds.second), scores(problem, current, folds.second));
-    if (quantile(resampled_sums(cost, seed), 0.01) > 0 && sum(cost) > kAcceptedGain / 2) {
-      ++i;
-      continue;
-    }
-    selection.steps.erase(selection.steps.begin() + static_cast<std::ptrdiff_t>(i));
-    current = rest;
-    i = 0;
-  }
-  drop_named(selection.steps);
-  std::stable_partition(selection.steps.begin(), selection.steps.end(), std::not_fn(is_rule));
-  selection.named = fitted(problem, current, folds.both, kLongFit);
-  problem.renew_noise(selection.named);
-  selection.named = fitted(problem, selection.named, folds.both, kShortFit);
-  selection.base = fitted(problem, selection.base, folds.both, kShortFit);
-  selection.ruled = with_steps(selection.base, selection.steps, is_rule, selection.named);
-  if (effects() < std::ssize(selection.steps))
-    selection.ruled = fitted(problem, selection.ruled, folds.both, kLongFit);
-  selection.variance_base = Supposition{problem, selection.base}.variance(folds.both);
-  selection.variance_ruled = Supposition{problem, selection.ruled}.variance(folds.both);
-  selection.variance_named = Supposition{problem, selection.named}.variance(folds.both);
-  return selection;
+  return Selector{problem, folds, seed}.select();
 }
 
 }  // namespace rths::diagnosis

@@ -9,10 +9,10 @@
 
 namespace rths::diagnosis {
 
-/// The records as the selection uses them: what is fitted on one fold is scored on the other.
+/// Rows for cross-validation: a fit on one fold is scored on the other.
 struct Folds {
   Fold first, second;
-  Fold both;  ///< what final parameters are fitted to
+  Fold both;  ///< for the fit of the final parameters
 };
 
 /// A candidate that was fitted on one fold and scored on the other, both ways.
@@ -25,33 +25,32 @@ struct Contender {
   double confidence = 0;            ///< share of resampled records in which it is the best
 };
 
-/// A step of the selection: the term that was taken, and those that were not.
-struct Step {
+/// Result of a round of the selection: the accepted candidate, and the others.
+struct SelectionRound {
   Contender chosen;
-  std::vector<Contender> tied;    ///< not significantly worse, or worse by little
+  std::vector<Contender> tied;  ///< not significantly worse, or worse by less than 1 % of the gain
   std::vector<Contender> others;  ///< the rest, best first
 };
 
-/// What a relation lacks.
+/// The terms that a relation lacks.
 struct Selection {
-  std::vector<Step> steps;      ///< terms that were taken, in order, rules of hysteresis last
-  std::vector<Contender> last;  ///< contenders of the step in which none was taken
-  Hypothesis base;              ///< fitted to both folds
-  Hypothesis ruled;             ///< the base with the rules alone
-  Hypothesis named;             ///< the base with all terms
-  double variance_base = 1;     ///< mean w² over both folds, with the noise at `named` [-]
+  std::vector<SelectionRound> rounds;  ///< accepted candidates, in order, hysteresis rules last
+  std::vector<Contender> last;         ///< of the round in which none was accepted
+  Hypothesis base;                     ///< fitted to both folds
+  Hypothesis ruled;                    ///< the base with the accepted hysteresis rules only
+  Hypothesis named;                    ///< the base with all accepted candidates
+  double variance_base = 1;            ///< mean w² over both folds, with the noise at `named` [-]
   double variance_ruled = 1;
   double variance_named = 1;
-  /// Whether nothing but the rule of hysteresis is named; so it is if nothing is.
+  /// Returns true if only hysteresis rules are named, or nothing.
   [[nodiscard]] bool has_only_rules() const;
-  /// Part of the excess that the named terms explain [-].
+  /// Fraction of the excess that the named terms explain [-].
   [[nodiscard]] double explained() const;
-  /// Whether something systematic is left.
+  /// Returns true if the final residual is systematic.
   [[nodiscard]] bool has_remainder() const;
 };
 
-/// Forward and backward selection with held-out scores. The problem's noise is renewed at the
-/// result.
+/// Forward and backward selection with held-out scores. Renews the problem's noise at the result.
 [[nodiscard]] Selection select(Problem& problem, const Folds& folds, std::uint64_t seed);
 
 }  // namespace rths::diagnosis

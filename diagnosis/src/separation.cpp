@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -13,9 +15,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kFarthest = 100;  // scales that a refit may move a parameter by
+constexpr double kFarthest = 100;  // largest change of a parameter by a refit [scales]
 
-// What is left of a difference of predictions after a fit of parameters to it.
+// Fits parameters to a difference of predictions, by normal equations.
 struct Normal {
   MatrixXd curvature;
   VectorXd slope;
@@ -30,8 +32,9 @@ struct Normal {
     slope += jacobian.transpose() * difference;
     square += difference.squaredNorm();
   }
-  [[nodiscard]] double left() const {  // [nat]
-    const double fitted = slope.size() > 0 ? slope.dot(curvature.ldlt().solve(slope)) : 0;
+  [[nodiscard]] double remainder() const {  // of the difference, after the fit [nat]
+    const double fitted =
+        slope.size() > 0 ? slope.dot(algebra::solve_symmetric(curvature, slope)) : 0;
     return std::max(0.0, (square - fitted) / 2);
   }
 };
@@ -48,7 +51,7 @@ VectorXd scales(const Hypothesis& hypothesis) {
   return scale;
 }
 
-// One step of Gauss and Newton: a rival was fitted to one fold only.
+// One Gauss-Newton step on both folds, because a rival was fitted to one fold only.
 Hypothesis settled(const Investigation& found, Hypothesis hypothesis, Rows& rows) {
   const Fold& both = found.folds.both;
   Supposition supposition{*found.problem, std::move(hypothesis)};
@@ -60,8 +63,8 @@ Hypothesis settled(const Investigation& found, Hypothesis hypothesis, Rows& rows
   MatrixXd curvature = rows.jacobian.transpose() * rows.jacobian;
   curvature.diagonal().array() += 1 / (kFarthest * kFarthest);
   VectorXd values =
-      result.values -
-      scale.cwiseProduct(curvature.ldlt().solve(rows.jacobian.transpose() * rows.residual));
+      result.values - scale.cwiseProduct(algebra::solve_symmetric(
+                          curvature, VectorXd{rows.jacobian.transpose() * rows.residual}));
   for (Index i = 0; i < values.size(); ++i) {
     const auto& free = result.free[static_cast<std::size_t>(i)];
     values[i] = std::clamp(values[i], free.low, free.high);
@@ -76,7 +79,7 @@ Hypothesis settled(const Investigation& found, Hypothesis hypothesis, Rows& rows
   return result;
 }
 
-// What of a hypothesis is left if the specimen is taken out.
+// The hypothesis without the terms of the specimen.
 Hypothesis machine_of(const Hypothesis& hypothesis) {
   Hypothesis rest;
   for (const auto& term : hypothesis.terms)
@@ -86,7 +89,7 @@ Hypothesis machine_of(const Hypothesis& hypothesis) {
   for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
     const std::string& name = hypothesis.free[i].name;
     const std::string term = name.substr(0, name.rfind('.'));
-    if (std::none_of(rest.terms.begin(), rest.terms.end(), [&](const PlacedTerm& placed) {
+    if (std::none_of(rest.terms.begin(), rest.terms.end(), [&](const ModelTerm& placed) {
           return placed.settings.name == term || placed.settings.name.starts_with(term + ".");
         }))
       continue;
@@ -97,10 +100,10 @@ Hypothesis machine_of(const Hypothesis& hypothesis) {
   return rest;
 }
 
-// Where its parameters stand among those of the hypothesis.
-std::vector<Index> positions(const Hypothesis& part, const Hypothesis& of) {
+// Indices of the parameters of a hypothesis among those of a larger one.
+std::vector<Index> positions(const Hypothesis& subset, const Hypothesis& of) {
   std::vector<Index> found;
-  for (const auto& free : part.free)
+  for (const auto& free : subset.free)
     for (std::size_t i = 0; i < of.free.size(); ++i)
       if (of.free[i].name == free.name) found.push_back(static_cast<Index>(i));
   return found;
@@ -160,7 +163,7 @@ double distance(Side& one, Side& other, std::size_t test) {
   return a.size() > 0 && a.size() == b.size() ? (a - b).norm() : 0;
 }
 
-double told(Side& one, Side& other, std::size_t test) {
+double expected_gain(Side& one, Side& other, std::size_t test) {
   if (!(distance(one, other, test) > 0)) return 0;
   if (one.records().residual.size() != other.records().residual.size()) return 0;
   const VectorXd before = one.records().residual - other.records().residual;
@@ -169,9 +172,9 @@ double told(Side& one, Side& other, std::size_t test) {
   for (Side* loser : {&one, &other}) {
     Normal normal;
     normal.add(loser->records().jacobian, before);
-    const double known = normal.left();
+    const double known = normal.remainder();
     normal.add(loser->jacobian(test), after);
-    sum += std::max(0.0, normal.left() - known);
+    sum += std::max(0.0, normal.remainder() - known);
   }
   return sum / 2;
 }

@@ -8,26 +8,26 @@
 
 namespace rths::diagnosis {
 
-/// Tests that were not run yet, as a problem.
+/// Proposed tests, as a problem.
 struct Tests {
-  /// @param like  tells the noise
+  /// @param like  problem whose noise the tests have
   Tests(const Problem& like, bool is_removable);
 
   std::vector<Design> designs;
   Problem problem;
 };
 
-/// Whitened residuals and their derivatives, by a change of each parameter that matters.
+/// Whitened residuals and their derivatives with respect to parameters divided by their scales.
 struct Rows {
   Eigen::VectorXd residual;
   Eigen::MatrixXd jacobian;
 };
 
-/// A hypothesis that is tied with another, fitted to an investigation's records, and what it makes
-/// of tests that were not run yet.
+/// A hypothesis that is tied with another: fitted to the records of an investigation, with its
+/// predictions of proposed tests.
 class Side {
  public:
-  /// @param tests  must outlive it
+  /// @param tests  must outlive this object
   Side(const Investigation& found, const Tests& tests, Hypothesis hypothesis);
 
   [[nodiscard]] const Rows& records() const { return records_; }
@@ -46,12 +46,12 @@ class Side {
   std::map<std::size_t, Eigen::MatrixXd> jacobians_;
 };
 
-/// How far two sides' predictions of a test differ before any refit [standard deviations].
+/// Difference of two sides' predictions of a test before any refit [standard deviations].
 [[nodiscard]] double distance(Side& one, Side& other, std::size_t test);
 
-/// Log-likelihood by which the right one of two sides is expected to beat the other on records and
-/// test, beyond what it is on the records alone, the loser fitted anew to first order: the mean of
-/// both ways round [nat].
-[[nodiscard]] double told(Side& one, Side& other, std::size_t test);
+/// Expected log-likelihood gain of the true side over the other, on records and test together, less
+/// the gain on the records alone. The wrong side is refitted to first order. Mean of both cases,
+/// each side true in turn [nat].
+[[nodiscard]] double expected_gain(Side& one, Side& other, std::size_t test);
 
 }  // namespace rths::diagnosis

@@ -17,9 +17,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kSettlingPeriods = 6;  // of the cut-off: what a filter forgets in
+constexpr int kSettlingPeriods = 6;  // of the cut-off: settling time of a filter
 
-// The signal with its odd reflection on both sides: value and slope go on without a step.
+// The signal with its odd reflection on both sides: value and slope continue without a step.
 VectorXd reflected(const VectorXd& x, Index margin) {
   const Index n = x.size();
   VectorXd longer(n + 2 * margin);
@@ -32,7 +32,7 @@ VectorXd reflected(const VectorXd& x, Index margin) {
 }
 
 void run(controller::LowPass filter, VectorXd& x) {
-  // The filter starts at rest: at the level of the first sample.
+  // The filter starts at rest, at the level of the first sample.
   const double level = x[0];
   for (double& value : x) value = level + filter(value - level);
 }
@@ -87,7 +87,7 @@ VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, doubl
                double time_step) {
   const Index n = displacement.size();
   if (acceleration.size() != n) throw Error{"fusing motion: the channels differ in length"};
-  // A transform goes round in a circle: a quarter more leads the end back to the beginning.
+  // A transform is periodic: a quarter more samples lead the end back to the beginning.
   const Index margin = fast_length(n + n / 4 + 1) - n;
   VectorXd u = VectorXd::Zero(n + margin), a = VectorXd::Zero(n + margin);
   u.head(n) = displacement;
@@ -135,6 +135,37 @@ VectorXd AutoRegression::coloured(const VectorXd& innovations) const {
   return x;
 }
 
+namespace {
+
+// Burg's reflection coefficient of order k + 1, from forward and backward prediction errors.
+double reflection_of(const std::vector<VectorXd>& forward, const std::vector<VectorXd>& backward,
+                     int k, double least) {
+  double product = 0, square = 0;
+  for (std::size_t i = 0; i < forward.size(); ++i) {
+    const Index n = forward[i].size() - k - 1;
+    if (n <= 0) continue;
+    const auto f = forward[i].tail(n);
+    const auto b = backward[i].segment(k, n);
+    product += 2 * f.dot(b);
+    square += f.squaredNorm() + b.squaredNorm() + 2 * least * static_cast<double>(n);
+  }
+  return square > 0 ? product / square : 0;
+}
+
+// Prediction errors of the next order.
+void reflect(std::vector<VectorXd>& forward, std::vector<VectorXd>& backward, int k,
+             double reflection) {
+  for (std::size_t i = 0; i < forward.size(); ++i) {
+    const Index n = forward[i].size() - k - 1;
+    if (n <= 0) continue;
+    const VectorXd f = forward[i].tail(n), b = backward[i].segment(k, n);
+    forward[i].tail(n) = f - reflection * b;
+    backward[i].segment(k + 1, n) = b - reflection * f;
+  }
+}
+
+}  // namespace
+
 AutoRegression auto_regression(const std::vector<VectorXd>& stretches, int order, double ridge) {
   std::vector<VectorXd> forward, backward;
   double variance = 0;
@@ -146,33 +177,18 @@ AutoRegression auto_regression(const std::vector<VectorXd>& stretches, int order
     variance += x.squaredNorm();
     samples += x.size();
   }
-  if (samples < 2 * order) throw Error{"noise model: too few samples at rest"};
+  if (samples < Index{2} * order) throw Error{"noise model: too few samples at rest"};
   variance /= static_cast<double>(samples);
   const double least = ridge * variance;
   variance += least;
   AutoRegression model{VectorXd::Zero(order), 0};
   for (int k = 0; k < order && variance > 0; ++k) {
-    double product = 0, square = 0;
-    for (std::size_t i = 0; i < forward.size(); ++i) {
-      const Index n = forward[i].size() - k - 1;
-      if (n <= 0) continue;
-      const auto f = forward[i].tail(n);
-      const auto b = backward[i].segment(k, n);
-      product += 2 * f.dot(b);
-      square += f.squaredNorm() + b.squaredNorm() + 2 * least * static_cast<double>(n);
-    }
-    const double reflection = square > 0 ? product / square : 0;
+    const double reflection = reflection_of(forward, backward, k, least);
     const VectorXd before = model.coefficients;
     model.coefficients[k] = reflection;
     for (int i = 0; i < k; ++i) model.coefficients[i] -= reflection * before[k - 1 - i];
     variance *= 1 - reflection * reflection;
-    for (std::size_t i = 0; i < forward.size(); ++i) {
-      const Index n = forward[i].size() - k - 1;
-      if (n <= 0) continue;
-      const VectorXd f = forward[i].tail(n), b = backward[i].segment(k, n);
-      forward[i].tail(n) = f - reflection * b;
-      backward[i].segment(k + 1, n) = b - reflection * f;
-    }
+    reflect(forward, backward, k, reflection);
   }
   model.deviation = std::sqrt(std::max(variance, 0.0));
   return model;
@@ -188,10 +204,10 @@ Spectrum power_spectrum(const VectorXd& signal, int window, double time_step) {
   const double mean = signal.mean();
   int windows = 0;
   for (Index first = 0; first + window <= signal.size(); first += window / 2, ++windows) {
-    const VectorXd part = (signal.segment(first, window).array() - mean) * weight.array();
-    Eigen::VectorXcd bins_of_part;
-    transformer().fwd(bins_of_part, part);
-    spectrum.density += bins_of_part.head(bins).cwiseAbs2();
+    const VectorXd windowed = (signal.segment(first, window).array() - mean) * weight.array();
+    Eigen::VectorXcd bins_of_window;
+    transformer().fwd(bins_of_window, windowed);
+    spectrum.density += bins_of_window.head(bins).cwiseAbs2();
   }
   spectrum.density *= 2 * time_step / (weight.squaredNorm() * windows);
   spectrum.density[0] /= 2;

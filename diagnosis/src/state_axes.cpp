@@ -35,7 +35,7 @@ void add_state_axes(const std::vector<std::size_t>& axes, bool predicts_force,
     add(fmt::format("acceleration.{} [m/s2]", axis_name(axis)), drive.second_rate[axis]);
     power += drive.specimen_force[axis].cwiseProduct(drive.rate[axis]);
   }
-  // Not through the filter, which overshoots where motion begins.
+  // Unfiltered: the filter overshoots where motion begins.
   const VectorXd energy = thinned(dissipated_energy(power, drive.model_step), drive.thinning);
   drive.states.emplace_back("dissipated energy [J]", energy.head(drive.measured.rows()));
 }

@@ -24,11 +24,11 @@ struct Dependence {
   std::string name;
 };
 
-bool holds(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
+bool holds(const std::string& text, const char* phrase) {
+  return text.find(phrase) != std::string::npos;
 }
 
-// What a form depends on; nothing: on time alone, or on what no test can choose.
+// States on which a form depends; none: on time alone, or on a state that no test can choose.
 Dependence dependence_of(const std::string& form) {
   using enum State;
   if (holds(form, "u of the other")) return {{OtherDisplacement}, "the other axis' displacement"};
@@ -43,7 +43,7 @@ Dependence dependence_of(const std::string& form) {
   return {{Displacement, Velocity}, "displacement and velocity"};
 }
 
-// The states of a drive, by row; where they are its outputs, those that are predicted.
+// States of a drive, by row; predicted ones if the states are its outputs.
 class States {
  public:
   States(const Problem& problem, const Hypothesis& named, std::size_t record, bool are_outputs)
@@ -101,7 +101,7 @@ struct Range {
   }
 };
 
-// Entropy of the time spent in the cells of some states, of what it is at most.
+// Entropy of the time spent in the cells of some states, divided by its maximum.
 double evenness(const States& states, const Dependence& on, const std::vector<Range>& ranges) {
   std::vector<double> cells(static_cast<std::size_t>(
       std::pow(static_cast<double>(kCells), static_cast<double>(on.states.size()))));

@@ -2,7 +2,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
 
 #include "mechanics.hpp"
 
@@ -26,12 +28,12 @@ MatrixXd read_symmetric(const Config& table, const std::string& key, Index size)
   return matrix;
 }
 
-// Which entries of a matrix are parameters: those that are not zero, on and above the diagonal.
+// An entry of a matrix that is a parameter: not zero, on or above the diagonal.
 struct Entry {
   Index row, column;
 };
 
-// One of the three matrices, as parameters: its entries, and a factor on all of it.
+// Parameters of one of the three matrices: its entries, and a factor on the whole matrix.
 class MatrixParameters {
  public:
   MatrixParameters() = default;
@@ -49,9 +51,9 @@ class MatrixParameters {
   }
   [[nodiscard]] MatrixXd at(const VectorXd& values) const {
     MatrixXd matrix = MatrixXd::Zero(size_, size_);
-    Index place = first_ + 1;
+    Index entry = first_ + 1;
     for (const auto& [row, column] : entries_)
-      matrix(row, column) = matrix(column, row) = values[first_] * values[place++];
+      matrix(row, column) = matrix(column, row) = values[first_] * values[entry++];
     return matrix;
   }
 
@@ -60,7 +62,7 @@ class MatrixParameters {
   std::vector<Entry> entries_;
 };
 
-// C = α M + β K, or a matrix.
+// C = α M + β K, or given as a matrix.
 struct Damping {
   bool is_rayleigh = false;
   Index first = 0;
@@ -86,7 +88,7 @@ Damping read_damping(const Config& table, Index size, DynamicModel& model) {
   return damping;
 }
 
-// Where no springs are named, they are where the stiffness matrix has them.
+// Adds a spring for every coupling of the stiffness matrix, if the case lists no springs.
 void find_springs(const MatrixXd& stiffness, Mechanics& mechanics, DynamicModel& model) {
   const double least = kSymmetry * stiffness.cwiseAbs().maxCoeff();
   const VectorXd to_ground = stiffness.rowwise().sum();
@@ -97,7 +99,7 @@ void find_springs(const MatrixXd& stiffness, Mechanics& mechanics, DynamicModel&
       if (std::abs(stiffness(i, j)) > least) mechanics.add_spring({i + 1, j + 1}, model);
 }
 
-// What of a matrix stands between the ends of a spring.
+// The entry of a matrix that belongs to a spring.
 double between(const MatrixXd& matrix, const Spring& spring) {
   if (spring.from > 0 && spring.to > 0) return -matrix(spring.from - 1, spring.to - 1);
   return matrix.row(spring.from + spring.to - 1).sum();
@@ -109,8 +111,7 @@ DynamicModel read_structure(const Config& table) {
   DynamicModel model;
   Mechanics mechanics;
   const MatrixXd mass = read_symmetric(table, "mass", 0);
-  if (mass.rows() == 0 || mass.ldlt().info() != Eigen::Success || !mass.ldlt().isPositive() ||
-      mass.ldlt().vectorD().minCoeff() <= 0)
+  if (mass.rows() == 0 || !algebra::SymmetricFactors{mass}.is_positive_definite())
     table.fail("mass", "mass is not positive definite");
   mechanics.masses = mass.rows();
   const MatrixXd stiffness = read_symmetric(table, "stiffness", mass.rows());
@@ -123,10 +124,10 @@ DynamicModel read_structure(const Config& table) {
     table.fail("influence",
                fmt::format("influence has {} numbers, expected {}", influence.size(), mass.rows()));
   mechanics.influence = VectorXd::Map(influence.data(), mass.rows());
-  std::vector<PlacedTerm> terms;
+  std::vector<ModelTerm> terms;
   for (const auto& spring : table.tables("spring")) {
     mechanics.add_spring(mechanics.read_spring(spring), model);
-    for (auto& term : read_placed(spring, model.connections.back().place))
+    for (auto& term : read_model_terms(spring, model.connections.back().component))
       terms.push_back(std::move(term));
     spring.reject_unknown_keys();
   }

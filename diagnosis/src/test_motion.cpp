@@ -65,11 +65,11 @@ VectorXd ramps_and_holds(const TestTime& time, double amplitude, double velocity
   return time.elapsed().unaryExpr([&](double t) {
     const double first = way / 2;
     if (t < first) return velocity * t;
-    const double place = std::fmod(t - first, 2 * half);
-    if (place < hold) return amplitude;
-    if (place < half) return amplitude - velocity * (place - hold);
-    if (place < half + hold) return -amplitude;
-    return -amplitude + velocity * (place - half - hold);
+    const double phase = std::fmod(t - first, 2 * half);
+    if (phase < hold) return amplitude;
+    if (phase < half) return amplitude - velocity * (phase - hold);
+    if (phase < half + hold) return -amplitude;
+    return -amplitude + velocity * (phase - half - hold);
   });
 }
 
@@ -77,9 +77,9 @@ VectorXd bursts(const TestTime& time, double amplitude, double frequency, int co
   const double length = time.moving() / count;
   const double moving = std::max(2.0, std::floor(length / 2 * frequency)) / frequency;
   return time.elapsed().unaryExpr([&](double t) {
-    const double place = std::fmod(t, length);
-    const double window = rise(place, 1 / frequency) * rise(moving - place, 1 / frequency);
-    return amplitude * window * std::sin(kTurn * frequency * place);
+    const double phase = std::fmod(t, length);
+    const double window = rise(phase, 1 / frequency) * rise(moving - phase, 1 / frequency);
+    return amplitude * window * std::sin(kTurn * frequency * phase);
   });
 }
 

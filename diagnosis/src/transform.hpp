@@ -6,7 +6,7 @@
 
 namespace rths::diagnosis {
 
-/// The next length that has no prime factors but 2, 3 and 5: transforms of others are slow.
+/// The next length with no prime factors but 2, 3 and 5: other transforms are slow.
 inline Eigen::Index fast_length(Eigen::Index length) {
   for (;; ++length) {
     Eigen::Index rest = length;
@@ -16,7 +16,7 @@ inline Eigen::Index fast_length(Eigen::Index length) {
   }
 }
 
-/// Keeps what it has worked out for the lengths that it has seen.
+/// The transform of this thread; it caches its tables by length.
 inline Eigen::FFT<double>& transformer() {
   static thread_local Eigen::FFT<double> kept;
   return kept;

@@ -11,13 +11,7 @@
 namespace rths::diagnosis {
 namespace {
 
-// A symbol with its power, "m3".
-double scale_of_factor(const UnitScales& scales, std::string_view factor) {
-  int power = 1;
-  if (!factor.empty() && factor.back() >= '0' && factor.back() <= '9' && factor.size() > 1) {
-    power = factor.back() - '0';
-    factor.remove_suffix(1);
-  }
+double scale_of(const UnitScales& scales, std::string_view symbol) {
   const double mass = scales.force * scales.time * scales.time / scales.length;
   const std::pair<std::string_view, double> known[] = {
       {"m", scales.length},
@@ -28,32 +22,38 @@ double scale_of_factor(const UnitScales& scales, std::string_view factor) {
       {"J", scales.force * scales.length},
       {"W", scales.force * scales.length / scales.time},
       {"Pa", scales.force / (scales.length * scales.length)}};
-  for (const auto& [symbol, scale] : known)
-    if (factor == symbol) return std::pow(scale, power);
+  for (const auto& [name, scale] : known)
+    if (symbol == name) return scale;
   for (const std::string_view plain : {"-", "1", "rad", "K", "degC"})
-    if (factor == plain) return 1;
-  throw Error{fmt::format("unit '{}' of a term's parameter is not known", factor)};
-}
-
-double scale_of_product(const UnitScales& scales, std::string_view product) {
-  double scale = 1;
-  while (!product.empty()) {
-    const auto end = std::min(product.find('*'), product.size());
-    scale *= scale_of_factor(scales, product.substr(0, end));
-    product.remove_prefix(std::min(end + 1, product.size()));
-  }
-  return scale;
+    if (symbol == plain) return 1;
+  throw Error{fmt::format("unit '{}' of a term's parameter is unknown", symbol)};
 }
 
 }  // namespace
 
+std::vector<UnitFactor> factors_of(std::string_view unit) {
+  std::vector<UnitFactor> factors;
+  int sign = 1;
+  while (!unit.empty()) {
+    const auto end = std::min(unit.find_first_of("*/"), unit.size());
+    std::string_view symbol = unit.substr(0, end);
+    int power = 1;
+    if (symbol.size() > 1 && symbol.back() >= '0' && symbol.back() <= '9') {
+      power = symbol.back() - '0';
+      symbol.remove_suffix(1);
+    }
+    factors.push_back({symbol, sign * power});
+    if (end < unit.size() && unit[end] == '/') sign = -1;
+    unit.remove_prefix(std::min(end + 1, unit.size()));
+  }
+  return factors;
+}
+
 double UnitScales::of(std::string_view unit) const {
-  auto end = std::min(unit.find('/'), unit.size());
-  double scale = scale_of_product(*this, unit.substr(0, end));
-  while (end < unit.size()) {
-    unit.remove_prefix(end + 1);
-    end = std::min(unit.find('/'), unit.size());
-    scale /= scale_of_product(*this, unit.substr(0, end));
+  double scale = 1;
+  for (const auto& [symbol, power] : factors_of(unit)) {
+    const double factor = std::pow(scale_of(*this, symbol), std::abs(power));
+    scale = power > 0 ? scale * factor : scale / factor;
   }
   return scale;
 }
@@ -61,12 +61,6 @@ double UnitScales::of(std::string_view unit) const {
 double scale_for(double size, double low, double high, double typical) {
   if (!(size > 0) || !std::isfinite(size) || (size >= low && size <= high)) return 1;
   return std::pow(10.0, std::round(std::log10(size / typical)));
-}
-
-const sim::Parameter& parameter_of(const sim::TermKind& kind, std::string_view name) {
-  for (const auto& parameter : kind.parameters)
-    if (parameter.name == name) return parameter;
-  throw Error{fmt::format("term '{}' has no parameter '{}'", kind.name, name)};
 }
 
 sim::TermSettings in_units(const sim::TermSettings& term, const UnitScales& scales) {

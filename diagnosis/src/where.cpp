@@ -64,8 +64,8 @@ void map_time(const Seen& seen, const Drive& drive, Where& where) {
   where.profiles.push_back(profile("time", "s", edges, cells));
 }
 
-// Maps frequency, and weighs each third octave by the part of it that is not noise (Wiener 1949):
-// what remains of the noise hides less of the rest.
+// Maps frequency, and weights each third octave by its fraction that is not noise (Wiener 1949), so
+// that the noise hides less of the mismatch. @returns the weighted residual
 Seen map_frequency(const Seen& seen, const Drive& drive, Where& where) {
   const std::vector<double> edges = third_octaves(std::min(26.0, 0.45 / drive.time_step));
   const Bands bands{edges, drive};
@@ -74,7 +74,7 @@ Seen map_frequency(const Seen& seen, const Drive& drive, Where& where) {
   where.profiles.push_back(profile("frequency", "Hz", edges, cells));
   std::vector<double> weights;
   for (std::size_t i = 0; i < cells.size(); ++i) weights.push_back(cells.signal_share(i));
-  // Nothing stands out: there is nothing to weigh.
+  // No band exceeds the noise: no weights.
   if (std::all_of(weights.begin(), weights.end(), [](double w) { return w == 0; })) return seen;
   Seen rest;
   rest.residual = bands.weighed(seen.residual, weights);
@@ -97,7 +97,7 @@ void map_states(const Seen& seen, const Drive& drive, const MapRange& range, Whe
     return cell_of(drive.displacement(row, output), u) * kStateCells +
            cell_of(drive.velocity(row, output), v);
   };
-  const Cells cells{seen, by_row(kStateCells * kStateCells, drive, cell)};
+  const Cells cells{seen, by_row(std::size_t{kStateCells} * kStateCells, drive, cell)};
   const auto inside = cells.place();
   const auto shares = cells.shares();
   for (std::size_t i = 0; i < inside.size(); ++i) {
@@ -133,7 +133,7 @@ void map_other_states(const Seen& seen, const Drive& drive, Where& where) {
   }
 }
 
-// All of the outputs, unless one of them has nearly all of the excess.
+// The output that has nearly all of the excess, or the family of all outputs.
 std::string channel_of(const Problem& problem, const Seen& seen) {
   constexpr double kNearlyAll = 0.9;
   const auto& outputs = problem.relation().outputs();
@@ -155,8 +155,8 @@ std::string channel_of(const Problem& problem, const Seen& seen) {
 }  // namespace
 
 Where where_of(const Investigation& found, const MapRange& range) {
-  // As before any name was known: the model as it was stated, but for a rule of hysteresis that
-  // hides what else there is, fitted to this record alone.
+  // The stated model without named terms, fitted to this record alone. A wrong hysteresis rule
+  // would hide other effects, so the right one is included.
   const Selection& selection = found.selection;
   const bool is_all = selection.has_only_rules() && !found.is_unknown();
   const Hypothesis& unnamed = is_all ? selection.base : selection.ruled;

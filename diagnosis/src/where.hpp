@@ -5,8 +5,8 @@
 
 namespace rths::diagnosis {
 
-/// Maps the energy of the first record's residual beyond what noise has, over time, frequency and
-/// state, without any of what was named.
+/// Maps the energy of the first record's residual beyond the noise over time, frequency and state.
+/// The residual is that of the model without the named terms.
 [[nodiscard]] Where where_of(const Investigation& found, const MapRange& range);
 
 /// Share of the excess energy at each row, for colours: rows × outputs, smoothed over a cell.

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
-"""The frame's left column as a model of its own, in kips and inches: a specimen that is moved by others.
+"""The frame's left column as a separate model, in kips and inches: a specimen that another solver moves.
 
 usage: column.py PORT [--element adapter|actuator] [--udp]
 
-The last element command waits until somebody connects to the port; from then on every step of the analysis takes a
-target from there.
+The last element command waits for a connection to the port. Each step of the analysis then takes a target from it.
 """
 import argparse
 
@@ -12,7 +11,7 @@ import openseespy.opensees as ops
 
 STIFFNESS, STRENGTH, HARDENING = 2.8, 4.2, 0.1  # [kip/in], [kip], [-]
 FOOT, TOP, PIN = 1, 2, 3
-RIGID = 2.8e7  # of what holds it where it is told to be [kip/in]: it stays behind by a ten-millionth
+RIGID = 2.8e7  # of the element that holds it at its target [kip/in]: the error is 1e-7 of the displacement
 
 parser = argparse.ArgumentParser()
 parser.add_argument("port", type=int)
@@ -39,7 +38,7 @@ ops.integrator("LoadControl", 1.0)
 ops.analysis("Static")
 if options.element == "adapter":
     ops.element("adapter", 2, "-node", TOP, "-dof", 1, "-stif", RIGID, options.port, *protocol)
-else:  # from the pin on the left to the top: longer is to the right
+else:  # from the pin on the left to the top: elongation moves the top to the right
     ops.element("actuator", 2, PIN, TOP, RIGID * 100.0, options.port, *protocol)
 while ops.analyze(1) == 0:
     pass

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""A seismically isolated plant in OpenSees: what one of its 486 bearings carries, on that bearing.
+"""A seismically isolated plant in OpenSees, divided by its 486 bearings: the share of one bearing.
 
 usage: isolated_plant.py MOTION.csv [--columns X Y] [--unit F] [--bearing ring|plasticity|bouc_wen] [--port N] [--udp]
            [--duration S] [--step S] [--integrator NAME [ARGUMENT …]] [--response FILE]
 
-The motion has a heading, its first column is time [s], and X and Y are columns of acceleration [F m/s2]; by default
-1 and 2, and 1. Three buildings are sticks of masses on a rigid mat. With `--bearing ring` the bearing is a specimen
-that is elsewhere: one `element genericClient`, all that an experimental bearing changes in a script; the others are
-OpenSees' own. Writes time, displacement of the mat [m] and its absolute acceleration [m/s2], x and y, at each step.
+The motion file has a heading, time [s] in its first column, and acceleration [F m/s2] in columns X and Y, counted
+from 0. Defaults: X 1, Y 2, F 1. Three buildings are sticks of masses on a rigid mat. With `--bearing ring`, the
+bearing is an external specimen, an `element genericClient`; a script needs no other change. The other choices are
+elements of OpenSees. Writes time, displacement of the mat [m] and its absolute acceleration [m/s2], x and y, at each
+step.
 """
 import argparse
 import csv
@@ -18,7 +19,7 @@ import openseespy.opensees as ops
 
 BEARINGS = 486
 MAT = 145e6  # [kg]
-STICKS = [  # masses [kg], first frequency along x and y on a fixed base [Hz]
+STICKS = [  # masses [kg], first fixed-base frequency along x and y [Hz]
     ([16e6, 16e6, 16e6, 14e6, 10e6], 4.4, 4.6),
     ([22e6, 20e6, 18e6, 12e6], 5.9, 6.3),
     ([60e6, 50e6, 45e6, 36e6], 7.6, 7.6),
@@ -37,13 +38,13 @@ parser.add_argument("--udp", action="store_true")
 parser.add_argument("--duration", type=float, default=30)
 parser.add_argument("--step", type=float, default=0.01)
 parser.add_argument("--integrator", nargs="+", default=["AlphaOS", "0.95"])
-parser.add_argument("--iterations", type=int, default=5, help="of a step, with an integrator that iterates")
+parser.add_argument("--iterations", type=int, default=5, help="per step, with an iterating integrator")
 parser.add_argument("--response")
 options = parser.parse_args()
 
 
 def storey_stiffness(masses, frequency):
-    """Equal for all storeys, so that the first mode has the frequency: by inverse iteration."""
+    """The storey stiffness, equal for all storeys, that gives the frequency of the first mode (inverse iteration)."""
     shape = [1.0] * len(masses)
     for _ in range(100):
         forces = [mass * x for mass, x in zip(masses, shape)]
@@ -113,7 +114,7 @@ shake()
 ops.constraints("Plain")
 ops.numberer("Plain")
 ops.system("FullGeneral")
-if "HS" in options.integrator[0]:  # iterates: each iteration is a move of the specimen
+if "HS" in options.integrator[0]:  # iterating: each iteration moves the specimen
     ops.test("FixedNumIter", options.iterations)
     ops.algorithm("Newton", "-initial")
 else:

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""A frame of one bay in kips, inches and seconds: one of its two columns is on a test machine.
+"""A one-bay frame in kips, inches and seconds, with one of its two columns on a test machine.
 
 usage: one_bay_frame.py MOTION.csv [--column ring|steel] [--port N] [--duration S] [--step S]
            [--integrator NAME [ARGUMENT …]] [--iterations N] [--response FILE]
 
-The motion has a heading; its first column is time [s], its second acceleration [m/s2]. With `--column ring` the left
-column is a specimen that is elsewhere, one `element genericClient`; with `steel` it is OpenSees' own. Writes time and the
-displacements of both columns' tops [in] at each step.
+The motion file has a heading, time [s] in its first column and acceleration [m/s2] in its second. With
+`--column ring`, the left column is an external specimen, an `element genericClient`. With `steel`, it is an element
+of OpenSees. Writes time and the displacements of both columns' tops [in] at each step.
 """
 import argparse
 import csv
@@ -27,7 +27,7 @@ parser.add_argument("--port", type=int, default=8090)
 parser.add_argument("--duration", type=float, default=30)
 parser.add_argument("--step", type=float, default=0.01)
 parser.add_argument("--integrator", nargs="+", default=["AlphaOS", "0.9"])
-parser.add_argument("--iterations", type=int, default=5, help="of a step, with an integrator that iterates")
+parser.add_argument("--iterations", type=int, default=5, help="per step, with an iterating integrator")
 parser.add_argument("--response")
 options = parser.parse_args()
 
@@ -65,7 +65,7 @@ ops.rayleigh(0.4, 0.0, 0.0, 0.0)  # about 2 % of the first mode
 ops.constraints("Plain")
 ops.numberer("Plain")
 ops.system("FullGeneral")
-if "HS" in options.integrator[0]:  # iterates: each iteration is a move of the specimen
+if "HS" in options.integrator[0]:  # iterating: each iteration moves the specimen
     ops.test("FixedNumIter", options.iterations)
     ops.algorithm("Newton", "-initial")
 else:

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * A program as it is written for SCRAMNet+ cards, in C: waits for numbers in one word, answers
- * with their sum in the next. Nothing in it knows that the ring is software. */
+ * A C program for SCRAMNet+ cards: waits for numbers in one word, writes their sum to another. It
+ * runs unchanged on a software ring. */
 #include <sched.h>
 #include <scrplus.h>
 #include <stdio.h>

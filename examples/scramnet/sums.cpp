@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The other node, in C++ with our own library: sends numbers, prints what comes back. The map says
-// who writes which word, and a write outside one's own partition is refused.
+// The other node, in C++ with this library: sends numbers and prints the sums. The map defines the
+// writer of each word; a write outside the node's own partition fails.
 #include <chrono>
 #include <cstdio>
 #include <thread>
@@ -16,10 +16,10 @@ using rths::LongwordOffset;
 
 constexpr LongwordOffset kNumber{0}, kAnswer{1}, kSum{2};
 constexpr std::uint32_t kLast = 10;
-constexpr auto kPatience = std::chrono::seconds{10};
+constexpr auto kDeadline = std::chrono::seconds{10};
 
-bool answers(const rths::broker::Node& node, std::uint32_t number) {
-  for (const auto deadline = std::chrono::steady_clock::now() + kPatience;
+bool is_answered(const rths::broker::Node& node, std::uint32_t number) {
+  for (const auto deadline = std::chrono::steady_clock::now() + kDeadline;
        node.read(kAnswer) != number;) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::yield();
@@ -32,7 +32,7 @@ int run(const char* ring_name, const char* map_file) {
   auto node = ring.join("sender", ring.map().hash());
   for (std::uint32_t number = 1; number <= kLast; ++number) {
     if (node.write(kNumber, number) != rths::Status::Ok) return 1;
-    if (!answers(node, number)) {
+    if (!is_answered(node, number)) {
       std::fprintf(stderr, "no answer to %u\n", number);
       return 1;
     }

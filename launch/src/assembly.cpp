@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "assembly.hpp"
-#include "script_places.hpp"
+#include "script_placeholders.hpp"
 
 #include <algorithm>
 
@@ -9,17 +9,18 @@
 #include <rths/adapters/echo.hpp>
 #include <rths/adapters/ideal_machine.hpp>
 #include <rths/adapters/recorder.hpp>
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::launch {
 namespace {
 
-constexpr std::uint32_t kPartitionAlignment = 16;  // longwords: a cache line has one writer
+constexpr std::uint32_t kPartitionAlignment = 16;  // longwords: one writer per cache line
 constexpr double kRecorderOverhang = 0.2;          // [s]
 constexpr NodeId kOperatorId{200};
-constexpr std::uint16_t kFirstExtraNodeId = 201;  // of nodes that no laboratory's map knows
+constexpr std::uint16_t kFirstExtraNodeId = 201;  // for nodes that are not in the laboratory's map
 
-// Time [s], accelerations long and lat [m/s²].
+// Columns: time [s], accelerations long and lat [m/s²].
 std::string text_of(const sim::GroundMotion& motion) {
   std::string text = "t_s,long_m_per_s2,lat_m_per_s2\n";
   for (std::size_t i = 0; i < motion.long_acceleration.size(); ++i)
@@ -28,17 +29,17 @@ std::string text_of(const sim::GroundMotion& motion) {
   return text;
 }
 
-void replace_all(std::string& text, std::string_view what, const std::string& by) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
-    text.replace(at, what.size(), by);
+void replace_all(std::string& text, std::string_view from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
 }
 
-// A script takes from the experiment what it is told to.
+// Replaces the placeholders in an argument of a script.
 std::string filled_in(std::string argument, const Experiment& e,
                       const std::filesystem::path& motion) {
-  replace_all(argument, kMotionPlace, std::filesystem::absolute(motion).string());
-  replace_all(argument, kStepPlace, fmt::format("{}", e.integration_step));
-  replace_all(argument, kDurationPlace, fmt::format("{}", e.duration));
+  replace_all(argument, kMotionPlaceholder, std::filesystem::absolute(motion).string());
+  replace_all(argument, kStepPlaceholder, fmt::format("{}", e.integration_step));
+  replace_all(argument, kDurationPlaceholder, fmt::format("{}", e.duration));
   return argument;
 }
 
@@ -48,16 +49,16 @@ std::unique_ptr<adapters::Adapter> make_echo(const memmap::Map& laboratory,
   return adapters::make_echo(settings);
 }
 
-// Its log and the motion it asks for stand beside the recording.
-void settle(const Experiment& e, const NodePlan& plan, const std::filesystem::path& recording,
-            adapters::OpenSeesScript& script) {
+// Fills in the arguments of a script. Its log and motion file lie beside the recording.
+void complete_script(const Experiment& e, const NodePlan& plan,
+                     const std::filesystem::path& recording, adapters::OpenSeesScript& script) {
   const auto beside = [&](const std::string& ending) {
     return recording.parent_path() / (recording.stem().string() + "." + plan.node + ending);
   };
   script.log = beside(".log");
   const auto motion = beside(".motion.csv");
   for (auto& argument : script.command) {
-    if (argument.find(kMotionPlace) != std::string::npos)
+    if (argument.find(kMotionPlaceholder) != std::string::npos)
       script.files = {{motion, text_of(e.motion)}};
     argument = filled_in(argument, e, motion);
   }
@@ -72,7 +73,7 @@ std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const memm
   settings.rest = e.rest;
   settings.wait_deadline = e.wait_deadline * e.rate;
   settings.stops_time = clock == ClockKind::Virtual;
-  settle(e, plan, recording, settings.script);
+  complete_script(e, plan, recording, settings.script);
   return adapters::make_opensees(settings);
 }
 
@@ -84,7 +85,7 @@ std::unique_ptr<adapters::Adapter> make_opensees_specimen(const Experiment& e,
   settings.layout = adapters::opf_layout(laboratory);
   settings.simulation_step = e.simulation_step();
   settings.stops_time = clock == ClockKind::Virtual;
-  settle(e, plan, recording, settings.script);
+  complete_script(e, plan, recording, settings.script);
   return adapters::make_opensees_specimen(settings);
 }
 
@@ -108,7 +109,7 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const memma
   if (plan.adapter == "simulink_like")
     return adapters::make_simulink_like(
         plan.diagram, {e.axes, e.integration_step, e.simulation_step(), e.retreat});
-  // Targets that are known are played, whoever found them.
+  // A given history needs no OpenSees: the numerical adapter imposes it.
   if (plan.adapter == "opensees" && !e.history)
     return make_opensees(e, laboratory, plan, clock, recording);
   adapters::NumericalSettings settings;
@@ -121,7 +122,7 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const memma
   settings.alpha = e.alpha;
   settings.duration = e.duration;
   settings.rest = e.rest;
-  // A step may lawfully take as long as it is stretched.
+  // The deadline scales with the rate.
   settings.wait_deadline = e.wait_deadline * e.rate;
   if (clock == ClockKind::Virtual || e.model_computing_time)
     settings.computing_time = e.computing_time;
@@ -136,9 +137,8 @@ void check_tuning(const NodePlan& plan, const std::vector<adapters::Port>& ports
   for (const auto& [name, value] : plan.tune) {
     static_cast<void>(value);
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const auto meant = nearest(name, known);
     throw Error{fmt::format("node '{}' has no parameter '{}'{}", plan.node, name,
-                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+                            did_you_mean(name, known))};
   }
 }
 
@@ -160,7 +160,7 @@ std::uint32_t first_free(const memmap::MapDescription& description) {
   return (end + kPartitionAlignment - 1) / kPartitionAlignment * kPartitionAlignment;
 }
 
-// A partition for the ports of one direction, behind everything else.
+// Appends a partition for the ports of one direction.
 void append_partition(memmap::MapDescription& description, const std::string& name,
                       const std::string& writer, adapters::Direction direction,
                       const std::vector<adapters::Port>& ports, const NodePlan& plan) {
@@ -216,7 +216,7 @@ std::unique_ptr<adapters::Adapter> make_recorder(const Experiment& experiment, C
   settings.file = recording.file;
   settings.info = {experiment.config, recording.meta, steps_per_row(experiment)};
   settings.own_thread = clock == ClockKind::Wall;
-  // Long enough to see the others come to rest.
+  // Records until the other nodes are at rest.
   settings.linger = experiment.retreat.hold + experiment.retreat.ramp + kRecorderOverhang;
   return adapters::make_recorder(map, settings);
 }
@@ -229,7 +229,7 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
   description.nodes.push_back({kOperator, kOperatorId, ""});
   std::vector<Station> stations;
   for (const auto& plan : experiment.nodes) {
-    // A recorder listens to everything there is, so it is built when the map is complete.
+    // A recorder reads all signals, so it is built when the map is complete.
     const bool records = plan.adapter == "recorder";
     stations.push_back(
         {plan,

@@ -10,31 +10,31 @@
 
 namespace rths::launch {
 
-/// An adapter and where and when it runs.
+/// An adapter with its node and schedule.
 struct Station {
   NodePlan plan;
   std::unique_ptr<adapters::Adapter> adapter;
 };
 
-/// Everything that takes part in a test: the stations, and the ring's map with a place for each of
-/// their monitors and parameters behind the laboratory's own words.
+/// The stations of a test and the map of its ring: the laboratory's words, then the monitors and
+/// parameters of each station.
 struct Assembly {
   memmap::Map map;
   std::vector<Station> stations;
 };
 
-/// Where a run's recording goes, and what is written into its /meta.
+/// File of the recording and the content of its /meta.
 struct RecordingPlan {
   std::filesystem::path file;
   recording::NamedTexts meta;
 };
 
-/// Builds all adapters of an experiment. Every process of a run does so and so finds the same map.
+/// Builds all adapters of an experiment. Every process of a run does so and gets the same map.
 /// @throws Error   @setup
 [[nodiscard]] Assembly assemble(const Experiment& experiment, ClockKind clock,
                                 const RecordingPlan& recording);
 
-/// Node of the map that may write parameters; nobody's program, a person's hand.
+/// Node that writes the parameters. No process of a run joins as this node; `rths send` does.
 inline constexpr const char* kOperator = "operator";
 
 }  // namespace rths::launch

@@ -16,11 +16,11 @@ namespace {
 
 bool is_enabled(const Config& term) { return term.flag("enabled", true); }
 
-constexpr std::string_view kOfMachine = "machine_";
+constexpr std::string_view kMachinePrefix = "machine_";
 
-// A specimen and a machine may have a term of the same name; a model has them side by side.
+// Specimen and machine can have terms of the same name; a model holds both.
 std::string free_name(const Config& model, const std::string& name) {
-  return model.has(name) ? std::string{kOfMachine} + name : name;
+  return model.has(name) ? std::string{kMachinePrefix} + name : name;
 }
 
 void add_terms(Config& model, const Config& terms) {
@@ -34,7 +34,7 @@ void add_terms(Config& model, const Config& terms) {
   }
 }
 
-// The machine's own equations have an inertia and an offset; in a model these are terms.
+// Inertia and force offset are parameters of the machine; in a model they are terms.
 void add_axes(Config& model, const sim::TestMachine& machine) {
   const auto add = [&](const std::string& wanted, const std::string& head, const char* key,
                        double sim::ServoAxis::*member) {
@@ -48,7 +48,7 @@ void add_axes(Config& model, const sim::TestMachine& machine) {
       &sim::ServoAxis::force_offset);
 }
 
-// "term.parameter": both must be there, or a fit would be silently without them.
+// Requires that the model has each "term.parameter"; a fit would silently omit a wrong name.
 void check_fitted(const Config& table, const Config& model) {
   std::vector<std::string> known;
   for (const auto& key : model.keys()) {
@@ -58,10 +58,9 @@ void check_fitted(const Config& table, const Config& model) {
   }
   for (const auto& name : table.texts("fitted", {})) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const auto meant = nearest(name, known);
+    const std::string hint = did_you_mean(name, known);
     table.fail("fitted", fmt::format("the model has no parameter '{}'{}", name,
-                                     meant ? fmt::format(" (did you mean '{}'?)", *meant)
-                                           : ", expected \"term.parameter\""));
+                                     hint.empty() ? ", expected \"term.parameter\"" : hint));
   }
 }
 
@@ -71,9 +70,10 @@ std::string quoted(const std::vector<std::string>& names) {
   return "[" + text + "]";
 }
 
-// What a diagnosis found in `part`. A term that it adds is there, whatever hid it.
-Config found_in(const Config& improvement, const char* part) {
-  Config terms = improvement.table_or_empty(part);
+// Terms of a diagnosis for "specimen" or "machine". Added terms are enabled even if the model
+// disables them.
+Config found_in(const Config& improvement, const char* side) {
+  Config terms = improvement.table_or_empty(side);
   for (const auto& name : terms.keys()) {
     if (!terms.is_table(name)) continue;
     Config term = terms.table(name);
@@ -83,26 +83,26 @@ Config found_in(const Config& improvement, const char* part) {
   return terms;
 }
 
-// What was fitted again of the machine has the names of the model. There its inertia is a term, and
-// terms whose names the specimen had taken have longer ones.
+// Converts refitted terms of the machine from names of the model. There, inertia is a term, and
+// terms whose names the specimen uses have a prefix.
 Config as_machine(const Config& found) {
   constexpr const char* kInertia = "platen_inertia";
   Config machine = found;
   for (const auto& name : found.keys()) {
     if (!found.is_table(name) || found.table(name).has("kind")) continue;
     const Config term = found.table(name);
-    const bool is_renamed = name.starts_with(kOfMachine);
+    const bool is_renamed = name.starts_with(kMachinePrefix);
     if (name != kInertia && !is_renamed) continue;
     machine = machine.without(name);
     if (is_renamed)
-      machine.set(name.substr(kOfMachine.size()), term);
+      machine.set(name.substr(kMachinePrefix.size()), term);
     else
       machine.set("effective_mass_kg", fmt::format("[{0}, {0}]", term.number("mass_kg")));
   }
   return machine;
 }
 
-// Each file of `improvement` is the improved.toml of a diagnosis; the last one's word counts.
+// Overlays the improved.toml files of `improvement`; later files override earlier ones.
 Config read_improvement(const Config& table) {
   Config improvement;
   for (const auto& file : table.texts("improvement", {})) {
@@ -111,14 +111,15 @@ Config read_improvement(const Config& table) {
                              .overlaid(found.table_or_empty("specimen"))
                              .overlaid(found.table_or_empty("machine"));
     if (terms.keys().empty())
-      throw Error{fmt::format("{}: has no term of a [specimen] or a [machine]", file)};
+      throw Error{
+          fmt::format("{}: found no term, expected a term in [specimen] or [machine]", file)};
     found.reject_unknown_keys();
     improvement = improvement.overlaid(found);
   }
   return improvement;
 }
 
-// Another bearing altogether, or the specimen's with changes.
+// Another bearing if `model` is given, otherwise the specimen with changes.
 Config bearing_of(const Config& changes, const Config& specimen) {
   if (!changes.has("model")) return specimen.overlaid(changes);
   const Config other = Config::load(find_file(changes, "model", "bearings"));

@@ -8,16 +8,16 @@
 
 namespace rths::launch {
 
-/// What the simulation takes the laboratory for.
+/// The model of specimen and machine that the simulation assumes.
 struct AssumedModel {
-  sim::Bearing bearing;  ///< in the specimen's place
-  std::string text;      ///< [model] of a case: bearing, machine and what was fitted, as TOML
+  sim::Bearing bearing;  ///< in place of the specimen
+  std::string text;      ///< [model] of a case as TOML: bearing, machine, fitted parameters
 };
 
-/// Reads [model]: its tables `specimen` and `machine` say where the simulation takes specimen and
-/// machine for something else than they are, `fitted` which of its parameters were fitted; the
-/// files of `improvement` have tables of the same names, which are laid over these.
-/// @param specimen  the bearing with what [specimen] changes of it
+/// Reads [model]. Its tables `specimen` and `machine` hold the differences between model and
+/// laboratory; `fitted` lists the fitted parameters. The files of `improvement` hold tables of the
+/// same names, which override these.
+/// @param specimen  the bearing with the changes of [specimen]
 /// @param machine  [machine]
 /// @param axial_load  on the bearing [N]
 /// @throws Error with the place of the first wrong key or value   @setup

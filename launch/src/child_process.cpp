@@ -29,7 +29,7 @@ struct Pipe {
 Pipe open_pipe() {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0)
-    throw Error{fmt::format("no pipe to a process: {}", std::strerror(errno))};
+    throw Error{fmt::format("cannot create a pipe to a process: {}", std::strerror(errno))};
   return {ends[0], ends[1]};
 }
 
@@ -59,7 +59,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments) {
   fcntl(output_, F_SETFL, O_NONBLOCK);
   if (problem != 0) {
     ended_ = true;
-    throw Error{fmt::format("a process cannot be started: {}", std::strerror(problem))};
+    throw Error{fmt::format("cannot start a process: {}", std::strerror(problem))};
   }
 }
 
@@ -93,10 +93,10 @@ std::string ChildProcess::ending() const {
 
 bool ChildProcess::succeeded() const { return WIFEXITED(status_) && WEXITSTATUS(status_) == 0; }
 
-void ChildProcess::say(const std::string& line) noexcept {
+void ChildProcess::send_line(const std::string& line) noexcept {
   if (ended_) return;
   const std::string text = line + "\n";
-  // A pipe holds far more than the few lines it ever gets; a broken one is noticed when reading.
+  // The pipe buffer is far larger than all lines together. Reading detects a broken pipe.
   static_cast<void>(!write(input_, text.data(), text.size()));
 }
 

@@ -7,29 +7,29 @@
 
 namespace rths::launch {
 
-/// A process of ours that listens on its standard input and answers on its standard output, line by
-/// line. Its standard error is ours.
+/// A child process that exchanges lines with this process through its standard input and output. It
+/// inherits standard error.
 class ChildProcess {
  public:
-  /// Starts this very program with other arguments. @throws Error if it cannot be started   @setup
+  /// Starts this program with other arguments. @throws Error if that fails   @setup
   explicit ChildProcess(const std::vector<std::string>& arguments);
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
-  /// Kills it if it still runs, and collects it.
+  /// Kills the process if it still runs, and reaps it.
   ~ChildProcess();
 
   [[nodiscard]] int pid() const { return pid_; }
-  /// To be polled for readability: a line has come, or the process has ended.
+  /// Descriptor to poll: readable when a line arrives or the process ends.
   [[nodiscard]] int output() const { return output_; }
   [[nodiscard]] bool ended() const { return ended_; }
-  /// How it ended, in words: "exited with 2", "was killed by signal 9".
+  /// How the process ended, as text: "exited with 2", "was killed by signal 9".
   [[nodiscard]] std::string ending() const;
   /// True if it exited with 0.
   [[nodiscard]] bool succeeded() const;
 
-  /// Sends a line; a process that has gone is not written to.
-  void say(const std::string& line) noexcept;
-  /// Next complete line, if one has come. Notices the process' end.
+  /// Sends a line; does nothing if the process has ended.
+  void send_line(const std::string& line) noexcept;
+  /// Returns the next complete line, if any. Detects the end of the process.
   [[nodiscard]] std::optional<std::string> read_line();
 
  private:

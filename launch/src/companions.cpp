@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a hybrid test is compared with: its own displacement history without compensation, the same
-// test under another earthquake, and the same plant without a specimen.
+// Companion runs of a hybrid test: the same displacement history without compensation, the same
+// test under another earthquake, and the purely numerical result.
 #include <rths/launch/run.hpp>
 
 #include <algorithm>
@@ -15,9 +15,8 @@
 namespace rths::launch {
 namespace {
 
-constexpr double kReferenceStep = 0.001;  // [s] of the purely numerical result
-
-constexpr std::uint64_t kSeedsApart = 1'000'003;  // of noise: seeds of experiments are near 1
+constexpr double kReferenceStep = 0.001;          // [s], of the purely numerical result
+constexpr std::uint64_t kSeedOffset = 1'000'003;  // beyond the small seeds of experiments
 
 constexpr const char* kDirections[] = {"long", "lat"};
 
@@ -25,9 +24,8 @@ std::vector<double> signal_or_zeros(const recording::Reader& reader, const std::
   return reader.has(name) ? reader.signal(name) : std::vector<double>(reader.rows(), 0.0);
 }
 
-// Targets as they came: one per integration step, read off where the solver's step count changes.
-// Number of the target that stands in each row. OpenSees counts them: its times begin anew after
-// its static analyses, and stand still while it iterates.
+// Index of the target in each row. For OpenSees it is the adapter's step count, because the time of
+// OpenSees restarts after static analyses and does not advance during iterations.
 std::vector<double> recorded_steps(const Experiment& experiment, const recording::Reader& reader) {
   for (const auto& plan : experiment.nodes)
     if (plan.adapter == "opensees") return reader.signal("monitor." + plan.node + ".step");
@@ -36,6 +34,7 @@ std::vector<double> recorded_steps(const Experiment& experiment, const recording
   return steps;
 }
 
+// One target per integration step, taken at the row where the index changes.
 adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
                                                const std::filesystem::path& file) {
   const recording::Reader reader{file};
@@ -49,7 +48,7 @@ adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
   for (std::size_t row = 0; row < steps.size(); ++row) {
     const auto step = static_cast<std::size_t>(std::lround(steps[row]));
     if (step < history.displacement_long.size()) continue;
-    // A row that was missed leaves its step out; the last known target stands in for it.
+    // A missing row repeats the last known target.
     history.displacement_long.resize(step + 1, history.displacement_long.back());
     history.displacement_lat.resize(step + 1, history.displacement_lat.back());
     history.displacement_long[step] = along[row];
@@ -58,7 +57,7 @@ adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
   return history;
 }
 
-// A map for results that no ring carried.
+// Writes results of an analysis as a recording, with a map made for them.
 class ResultMap {
  public:
   void add(const std::string& name, const char* unit, const std::vector<double>& values) {
@@ -117,14 +116,14 @@ sim::GroundMotion along_tested_axes(const Experiment& experiment) {
   return motion;
 }
 
-void run_beside(const Experiment& experiment, const std::filesystem::path& recording,
-                const std::string& version, const char* what) {
+void run_companion(const Experiment& experiment, const std::filesystem::path& recording,
+                   const std::string& version, const char* name) {
   RunOptions options;
   options.clock = ClockKind::Virtual;
   options.recording = recording;
   options.version = version;
   const RunOutcome outcome = run(experiment, options);
-  if (!outcome.completed) throw Error{fmt::format("{} failed: {}", what, outcome.trouble)};
+  if (!outcome.completed) throw Error{fmt::format("{} failed: {}", name, outcome.trouble)};
 }
 
 }  // namespace
@@ -139,7 +138,7 @@ bool run_uncompensated(const Experiment& experiment, const std::filesystem::path
   }
   if (!switched_off) return false;
   bare.history = recorded_targets(experiment, history);
-  run_beside(bare, recording, version, "the run without compensation");
+  run_companion(bare, recording, version, "the run without compensation");
   return true;
 }
 
@@ -148,9 +147,9 @@ bool run_held_out(const Experiment& experiment, const std::filesystem::path& rec
   if (!experiment.held_out) return false;
   Experiment second = experiment;
   second.motion = *experiment.held_out;
-  second.machine.seed += kSeedsApart;
-  second.computing_time.seed += kSeedsApart;
-  run_beside(second, recording, version, "the run under the second earthquake");
+  second.machine.seed += kSeedOffset;
+  second.computing_time.seed += kSeedOffset;
+  run_companion(second, recording, version, "the run under the second earthquake");
   return true;
 }
 

@@ -13,17 +13,17 @@
 #include <rths/launch/installed_files.hpp>
 
 #include "assumed_model.hpp"
-#include "script_places.hpp"
+#include "script_placeholders.hpp"
 
 namespace rths::launch {
 namespace {
 
 constexpr double kMillisecond = 1e-3;
-constexpr const char* kUsualSpecimen = "lprb";
-constexpr double kShortestTest = 1;  // [s]: less tells nothing about delays
+constexpr const char* kDefaultSpecimen = "lprb";
+constexpr double kShortestTest = 1;  // [s]: shorter tests cannot measure delays
 
-// When a node's step falls within a millisecond: the machine samples, then the controller answers,
-// then the recorder looks at both; the solver looks for its flags every quarter.
+// Order of steps within a millisecond: the machine samples, the controller answers, the recorder
+// reads both. The solver polls its flags four times per millisecond.
 struct KnownAdapter {
   const char* name;
   double period, phase;  // [s]
@@ -52,7 +52,7 @@ const KnownAdapter& adapter_named(const Config& table) {
   table.fail("adapter", fmt::format("there is no adapter '{}', expected one of {}", name, known));
 }
 
-// ats.enabled = 0 may be written with a dot, or in a table [… ats].
+// Reads parameters written with dots (ats.enabled = 0) or in tables ([… ats]).
 void read_tuning(const Config& table, const std::string& prefix, Tuning& tuning) {
   for (const auto& key : table.keys()) {
     if (table.is_table(key))
@@ -62,10 +62,10 @@ void read_tuning(const Config& table, const std::string& prefix, Tuning& tuning)
   }
 }
 
-// The Python that a script of OpenSees' is run with, unless its node names another.
-std::string usual_python() {
-  const char* named = std::getenv("RTHS_OPENSEES_PYTHON");
-  return named != nullptr ? named : "python3";
+// Default Python of OpenSees scripts.
+std::string default_python() {
+  const char* python = std::getenv("RTHS_OPENSEES_PYTHON");
+  return python != nullptr ? python : "python3";
 }
 
 adapters::OpenSeesScript read_script(const Config& table) {
@@ -74,21 +74,23 @@ adapters::OpenSeesScript read_script(const Config& table) {
       table.number_in("connect_deadline_s", 0.1, 1e5, opensees.connect_deadline);
   opensees.answer_deadline =
       table.number_in("answer_deadline_s", 0.1, 1e5, opensees.answer_deadline);
-  const std::string python = table.text("python", usual_python());
+  const std::string python = table.text("python", default_python());
   const auto arguments = table.texts("arguments", {});
   for (const auto& argument : arguments)
-    if (argument.starts_with("{") && argument != kMotionPlace && argument != kStepPlace &&
-        argument != kDurationPlace)
-      table.fail("arguments", fmt::format("'{}' stands for nothing, expected {}, {} or {}",
-                                          argument, kMotionPlace, kStepPlace, kDurationPlace));
+    if (argument.starts_with("{") && argument != kMotionPlaceholder &&
+        argument != kStepPlaceholder && argument != kDurationPlaceholder)
+      table.fail("arguments",
+                 fmt::format("unknown placeholder '{}', expected {}, {} or {}", argument,
+                             kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder));
   if (!table.has("script")) {
     for (const char* key : {"arguments", "python"})
-      if (table.has(key)) table.fail(key, fmt::format("{} without a script", key));
+      if (table.has(key))
+        table.fail(key, fmt::format("found {} without a script, expected script", key));
     return opensees;
   }
   const auto script = table.resolve(table.text("script"));
   if (!std::filesystem::exists(script))
-    table.fail("script", fmt::format("there is no file '{}'", script.string()));
+    table.fail("script", fmt::format("script is '{}', expected a file", script.string()));
   opensees.command = {python, script.string()};
   opensees.command.insert(opensees.command.end(), arguments.begin(), arguments.end());
   return opensees;
@@ -129,7 +131,7 @@ NodePlan read_node(const std::string& node, const Config& table, const sim::Bear
   }
   if (plan.adapter == "opensees") {
     plan.opensees = read_opensees(table, model);
-    // What comes with the news need not look for it as often.
+    // A prompt adapter steps on arrival of new data, so it needs fewer scheduled steps.
     if (plan.opensees->is_prompt) period = kMillisecond;
   }
   if (plan.adapter == "numerical") plan.handshake = adapters::read_handshake(table);
@@ -145,7 +147,7 @@ NodePlan read_node(const std::string& node, const Config& table, const sim::Bear
 std::vector<NodePlan> read_nodes(const Config& table, const sim::Bearing& model) {
   std::vector<NodePlan> nodes;
   for (const auto& node : table.keys()) nodes.push_back(read_node(node, table.table(node), model));
-  // Whoever listens starts before whoever speaks.
+  // Receivers start before senders.
   const auto rank = [](const NodePlan& plan) {
     return std::find_if(std::begin(kAdapters), std::end(kAdapters),
                         [&](const auto& known) { return plan.adapter == known.name; });
@@ -172,11 +174,10 @@ void read_steps(const Config& file, Experiment& experiment) {
   experiment.seed = static_cast<std::uint64_t>(file.integer_in("seed", 0, 1LL << 53, 1));
 }
 
-// A bearing by name, with the changes that the experiment makes to it; the machine; and what the
-// simulation takes both for.
+// Reads the bearing with the changes of the experiment, the machine, and the assumed model of both.
 void read_laboratory(const Config& file, Experiment& experiment) {
   const Config changes = file.table_or_empty("specimen");
-  const auto path = find_file(changes, "model", "bearings", kUsualSpecimen);
+  const auto path = find_file(changes, "model", "bearings", kDefaultSpecimen);
   const Config specimen = Config::load(path).overlaid(changes);
   static_cast<void>(specimen.text("model", ""));
   const double weight = sim::weight_per_bearing(experiment.plant);
@@ -213,26 +214,28 @@ void read_uncompensated(const Config& table, Experiment& experiment) {
     const auto plan = std::find_if(experiment.nodes.begin(), experiment.nodes.end(),
                                    [&](const auto& candidate) { return candidate.node == node; });
     if (plan == experiment.nodes.end())
-      table.fail(node,
-                 fmt::format("[uncompensated] names node '{}', which does not take part", node));
+      table.fail(
+          node,
+          fmt::format("[uncompensated] names node '{}', expected a node of the experiment", node));
     read_tuning(table.table(node), "", plan->uncompensated);
   }
 }
 
-// A second earthquake proves nothing if the script is shaken by the first again.
+// A script that reads its own motion would repeat the first earthquake, which proves nothing.
 void require_motion(const Config& file, const Experiment& experiment) {
   for (const auto& plan : experiment.nodes) {
     if (!plan.opensees) continue;
     const auto& words = plan.opensees->script.command;
-    if (std::none_of(words.begin(), words.end(),
-                     [](const auto& word) { return word.find(kMotionPlace) != std::string::npos; }))
-      file.fail("held_out", fmt::format("the script of node '{}' does not take its motion from "
-                                        "here, expected {} among its arguments",
-                                        plan.node, kMotionPlace));
+    if (std::none_of(words.begin(), words.end(), [](const auto& word) {
+          return word.find(kMotionPlaceholder) != std::string::npos;
+        }))
+      file.fail("held_out", fmt::format("the script of node '{}' ignores the motion of the "
+                                        "experiment, expected {} among its arguments",
+                                        plan.node, kMotionPlaceholder));
   }
 }
 
-// Two experiments that differ only in their noise must differ in it everywhere.
+// Experiments with different seeds differ in all their noise.
 void spread_seed(Experiment& experiment) {
   experiment.machine.seed = experiment.seed;
   experiment.machine.specimen = experiment.specimen;

@@ -13,7 +13,7 @@ namespace {
 constexpr Duration kPeriod = std::chrono::milliseconds{1};
 constexpr int kPeriodsPerInterval = 10;
 
-// Those that this run may use: its nodes run on any of them.
+// Processors that the nodes of this run may use.
 std::vector<int> processors() {
   std::vector<int> found;
   cpu_set_t allowed;
@@ -24,7 +24,7 @@ std::vector<int> processors() {
   return found;
 }
 
-void keep_to(int cpu) {
+void pin_to(int cpu) {
   cpu_set_t only;
   CPU_ZERO(&only);
   CPU_SET(static_cast<unsigned>(cpu), &only);
@@ -32,9 +32,10 @@ void keep_to(int cpu) {
 }
 
 template <class T>
-void raise(std::atomic<T>& to, T value) {
-  T before = to.load(std::memory_order_relaxed);
-  while (before < value && !to.compare_exchange_weak(before, value, std::memory_order_relaxed)) {
+void raise_to(std::atomic<T>& largest, T value) {
+  T before = largest.load(std::memory_order_relaxed);
+  while (before < value &&
+         !largest.compare_exchange_weak(before, value, std::memory_order_relaxed)) {
   }
 }
 
@@ -51,7 +52,7 @@ HostProbe::HostProbe(TimePoint epoch, double longest_run) : largest_(intervals_o
 HostProbe::~HostProbe() { static_cast<void>(finish()); }
 
 void HostProbe::run(int cpu, TimePoint epoch) {
-  keep_to(cpu);
+  pin_to(cpu);
   static_cast<void>(make_realtime(kProbePriority));
   WallClock clock;
   for (std::size_t tick = 0; !finish_.load(std::memory_order_relaxed); ++tick) {
@@ -59,8 +60,8 @@ void HostProbe::run(int cpu, TimePoint epoch) {
     clock.sleep_until(due);
     const std::size_t interval = tick / kPeriodsPerInterval;
     if (interval >= largest_.size()) return;
-    raise(largest_[interval], static_cast<float>(to_seconds(clock.now() - due)));
-    raise(used_, interval + 1);
+    raise_to(largest_[interval], static_cast<float>(to_seconds(clock.now() - due)));
+    raise_to(used_, interval + 1);
   }
 }
 

@@ -11,9 +11,9 @@
 
 namespace rths::launch {
 
-/// A thread on each processor of the run that does nothing but wake every millisecond and note how
-/// late the host let it: what a run on this host cannot be blamed for. One processor may be stopped
-/// while the others go on.
+/// Measures the wake-up latency of the host: an idle thread on each processor wakes every
+/// millisecond and records its lateness. Each processor needs its own thread, because the host can
+/// stop one while others run.
 class HostProbe {
  public:
   explicit HostProbe(TimePoint epoch, double longest_run);
@@ -21,13 +21,12 @@ class HostProbe {
   HostProbe(const HostProbe&) = delete;
   HostProbe& operator=(const HostProbe&) = delete;
 
-  /// Ends the threads. @returns the largest lateness of each 10 ms, of the processor that was
-  /// latest
+  /// Ends the threads. @returns the largest lateness in each 10 ms, over all processors
   [[nodiscard]] HostLateness finish();
 
  private:
   void run(int cpu, TimePoint epoch);
-  std::vector<std::atomic<float>> largest_;  ///< of each interval, of all processors [s]
+  std::vector<std::atomic<float>> largest_;  ///< per interval, over all processors [s]
   std::atomic<std::size_t> used_{0};         ///< intervals
   std::atomic<bool> finish_{false};
   std::vector<std::thread> threads_;

@@ -29,13 +29,13 @@ bool is_bare_name(const std::string& name) {
   return name.find('/') == std::string::npos && name.find('.') == std::string::npos;
 }
 
-std::filesystem::path find_named(const std::string& name_or_path, const char* what,
+std::filesystem::path find_named(const std::string& name_or_path, const char* kind,
                                  const std::string& folder) {
   if (!is_bare_name(name_or_path)) return name_or_path;
   auto file = installed(name_or_path, folder);
   if (std::filesystem::exists(file)) return file;
   if (std::filesystem::exists(name_or_path)) return name_or_path;
-  throw Error{fmt::format("there is no {} '{}', expected a file or one of: {}", what, name_or_path,
+  throw Error{fmt::format("there is no {} '{}', expected a file or one of: {}", kind, name_or_path,
                           built_in_names(folder))};
 }
 

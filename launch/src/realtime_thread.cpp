@@ -15,14 +15,14 @@ namespace rths::launch {
 
 std::string make_realtime(int priority) {
   std::string missing;
-  const auto lacks = [&](const std::string& what, int error) {
-    missing += (missing.empty() ? "" : ", ") + what + " (" + std::strerror(error) + ")";
+  const auto add = [&](const std::string& privilege, int error) {
+    missing += (missing.empty() ? "" : ", ") + privilege + " (" + std::strerror(error) + ")";
   };
   const sched_param parameters{priority};
   if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error != 0)
-    lacks("no real-time scheduling", error);
-  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) lacks("memory not locked", errno);
-  if (prctl(PR_SET_TIMERSLACK, 1UL) != 0) lacks("inexact timers", errno);
+    add("no real-time scheduling", error);
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) add("memory not locked", errno);
+  if (prctl(PR_SET_TIMERSLACK, 1UL) != 0) add("inexact timers", errno);
   return missing;
 }
 

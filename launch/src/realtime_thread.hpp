@@ -5,13 +5,13 @@
 
 namespace rths::launch {
 
-/// Makes the calling thread one that the host runs before others: real-time scheduling, locked
-/// memory, exact timers. The one place where that is done.
+/// Gives the calling thread real-time scheduling, locked memory and exact timers. Only this
+/// function does so. A missing privilege is not an error.
 /// @param priority  1…99
-/// @returns what could not be had, in words; empty if all could. Nothing fails for lack of it.
+/// @returns the missing privileges as text; empty if none
 [[nodiscard]] std::string make_realtime(int priority);
 
-/// Priorities within a run: the host probe above all, then those whose lateness costs most.
+/// Priorities within a run: the host probe has the highest, then the most time-critical adapters.
 inline constexpr int kProbePriority = 70;
 [[nodiscard]] int priority_of(const std::string& adapter);
 

@@ -28,13 +28,13 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
 }
 
 Duration longest_stop(const Experiment& experiment) {
-  constexpr double kToSeeTheOthersThrough = 1.0;  // [s]
-  return from_seconds(experiment.retreat.hold + experiment.retreat.ramp + kToSeeTheOthersThrough);
+  constexpr double kMarginForPeers = 1.0;  // [s]
+  return from_seconds(experiment.retreat.hold + experiment.retreat.ramp + kMarginForPeers);
 }
 
 namespace {
 
-// What is known only when a run is over.
+// Adds data that is available only after the run.
 void add_to_meta(const std::filesystem::path& file, const Experiment& experiment,
                  const RunOutcome& outcome, const WallRunResult& result) {
   std::string privileges;

@@ -11,29 +11,29 @@
 
 namespace rths::launch {
 
-/// What goes into /meta of a recording when it begins.
+/// Content of /meta at the start of a recording.
 [[nodiscard]] recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock,
                                                  const std::string& version);
 
-/// What a node may take from being told to stop until it is gone: its retreat, and a second to see
-/// the others through theirs.
+/// Longest time from a stop request to the exit of a node: its retreat, and a second for the
+/// retreats of its peers.
 [[nodiscard]] Duration longest_stop(const Experiment& experiment);
 
-/// @returns what went wrong, empty if nothing did
+/// @returns the fault, empty if none
 [[nodiscard]] std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                                               const RunOptions& options);
 
-/// The host's own lateness while a run lasted: the largest of each interval.
+/// Wake-up latency of the host during a run: the largest of each interval.
 struct HostLateness {
   double interval = 0;          ///< [s]
   std::vector<double> largest;  ///< [s]
 };
 
 struct WallRunResult {
-  std::string trouble;  ///< what went wrong, empty if nothing did
+  std::string trouble;  ///< empty if none
   bool interrupted = false;
   HostLateness lateness;
-  std::vector<std::string> privileges;  ///< what each node could not get, one line a node
+  std::vector<std::string> privileges;  ///< missing privileges, one line per node
 };
 [[nodiscard]] WallRunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
                                              const RunOptions& options);

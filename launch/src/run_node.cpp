@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A node of a run in a process of its own. The real-time thread runs the adapter; this, the main
-// thread, listens to the launcher, watches the peers, and tells the other to stop.
+// A node of a run in its own process. The real-time thread runs the adapter. The main thread reads
+// messages of the launcher, watches the peers, and stops the real-time thread.
 #include <poll.h>
 #include <unistd.h>
 
@@ -23,15 +23,15 @@
 namespace rths::launch {
 namespace {
 
-constexpr int kLookEvery = 20;                             // [ms]
+constexpr int kLauncherPollPeriod = 20;                    // [ms]
 constexpr auto kLongestGo = std::chrono::seconds{30};      // from ready to go
-constexpr auto kSilence = std::chrono::milliseconds{500};  // of a peer that is there
+constexpr auto kSilence = std::chrono::milliseconds{500};  // of a running peer
 
-// Lines from the launcher. It vanishes when its end of the pipe closes.
+// Exchanges lines with the launcher. The launcher has vanished when its end of the pipe closes.
 class Launcher {
  public:
-  // Two lines may come at once: what is here already goes first, and before any news of an end.
-  std::optional<std::string> listen(int timeout_ms) {
+  // Several lines can arrive at once: buffered lines come first, before the end of the pipe.
+  std::optional<std::string> receive_line(int timeout_ms) {
     if (auto line = take_line()) return line;
     pollfd descriptor{STDIN_FILENO, POLLIN, 0};
     if (poll(&descriptor, 1, timeout_ms) <= 0) return std::nullopt;
@@ -42,7 +42,7 @@ class Launcher {
     return take_line();
   }
   [[nodiscard]] bool vanished() const { return vanished_; }
-  static void say(const std::string& line) {
+  static void send_line(const std::string& line) {
     fmt::print("{}\n", line);
     std::fflush(stdout);
   }
@@ -60,14 +60,14 @@ class Launcher {
   bool vanished_ = false;
 };
 
-// Peers are dead when the kernel says so. One that lives but stands still is silent: its beats
-// stay, while ours go on.
+// Detects vanished and silent peers. A peer has vanished when the kernel reports the end of its
+// process. It is silent when its heartbeats stop while those of this node continue.
 class PeerWatch {
  public:
   PeerWatch(adapters::AdapterRunner& runner, const memmap::Map& map, const Experiment& experiment,
             const std::string& own_name)
       : node_{runner.node()}, own_{map.node(own_name)} {
-    // Whoever else comes and goes, to look or to tune, is nobody that a run depends on.
+    // Only nodes of the experiment count; others may join to observe or to tune.
     for (const auto& plan : experiment.nodes)
       if (std::count(runner.peers().begin(), runner.peers().end(), plan.node) > 0)
         peers_.push_back({plan.node, map.node(plan.node), 0, {}, 0});
@@ -86,7 +86,7 @@ class PeerWatch {
         peer.since = now;
         peer.own_beats = own_beats;
       }
-      // If the whole host stood still, so did we: only steps of our own count as silence.
+      // A stopped host also stops this node, so silence is counted in its own steps.
       if (now - peer.since > kSilence && own_beats > peer.own_beats + kStepsOfSilence)
         return fmt::format("{} (process {}) is silent", peer.name, presence.pid);
     }
@@ -111,7 +111,7 @@ std::optional<TimePoint> wait_for_go(Launcher& launcher) {
   WallClock clock;
   const TimePoint deadline = clock.now() + kLongestGo;
   while (clock.now() < deadline && !launcher.vanished()) {
-    const auto line = launcher.listen(kLookEvery);
+    const auto line = launcher.receive_line(kLauncherPollPeriod);
     if (!line) continue;
     if (line->rfind("go ", 0) == 0) return TimePoint{std::stoll(line->substr(3))};
     return std::nullopt;
@@ -119,7 +119,7 @@ std::optional<TimePoint> wait_for_go(Launcher& launcher) {
   return std::nullopt;
 }
 
-/// The real-time thread and what it left behind.
+/// The real-time thread and its result.
 class LoopThread {
  public:
   LoopThread(adapters::AdapterRunner& runner, TimePoint epoch, const NodePlan& plan)
@@ -139,7 +139,7 @@ class LoopThread {
   void stop() { stopping_.store(true, std::memory_order_relaxed); }
   [[nodiscard]] bool finished() const { return finished_.load(std::memory_order_acquire); }
   [[nodiscard]] const adapters::LoopEnd& end() const { return end_; }
-  /// What the host did not grant, in words.
+  /// Missing privileges, as text.
   [[nodiscard]] const std::string& missing() const { return missing_; }
 
  private:
@@ -147,16 +147,16 @@ class LoopThread {
   std::atomic<bool> finished_{false};
   adapters::LoopEnd end_;
   std::string missing_;
-  std::thread thread_;  ///< last: it uses all of the above
+  std::thread thread_;  ///< last, because it uses the members above
 };
 
-/// Why a node stopped before its own end: nothing if it did not.
+/// Why a node stopped.
 struct Reason {
-  std::string text;       ///< empty: the run is over, as it should be
-  bool is_known = false;  ///< to the launcher, whose word it is
+  std::string text;       ///< empty: the regular end of the run
+  bool is_known = false;  ///< the launcher gave the reason
 };
 
-// The launcher says so, or it is gone, or a peer is in trouble.
+// A stop request of the launcher, the end of the launcher, or a peer in trouble.
 std::optional<Reason> reason_to_stop(const std::optional<std::string>& line,
                                      const Launcher& launcher, PeerWatch& peers) {
   if (line && line->rfind("stop", 0) == 0)
@@ -166,58 +166,59 @@ std::optional<Reason> reason_to_stop(const std::optional<std::string>& line,
   return std::nullopt;
 }
 
-// Watches until the loop ends.
+// Waits until the loop ends; stops it if there is a reason.
 Reason watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers, Duration longest_stop) {
   const WallClock clock;
   std::optional<Reason> reason;
   TimePoint give_up{};
   while (!loop.finished()) {
-    const auto line = launcher.listen(kLookEvery);
+    const auto line = launcher.receive_line(kLauncherPollPeriod);
     if (!reason) {
       reason = reason_to_stop(line, launcher, peers);
       give_up = clock.now() + longest_stop;
       if (reason) loop.stop();
     } else if (clock.now() > give_up) {
-      fmt::print(stderr, "the control loop does not come to rest; ending the process\n");
+      fmt::print(stderr, "the control loop did not stop in time; ending the process\n");
       std::_Exit(2);
     }
-    // With its pipe closed a poll returns at once; the loop must not spin on it.
-    if (launcher.vanished()) std::this_thread::sleep_for(std::chrono::milliseconds{kLookEvery});
+    // Polling a closed pipe returns at once; avoid a busy loop.
+    if (launcher.vanished())
+      std::this_thread::sleep_for(std::chrono::milliseconds{kLauncherPollPeriod});
   }
   return reason.value_or(Reason{"", true});
 }
 
-// Tells the launcher, and whoever reads along, how the node ended.
+// Reports the end of the node to the launcher and on standard error.
 int conclude(const LoopThread& loop, const adapters::AdapterRunner& runner, const std::string& node,
              const Reason& reason, const adapters::Retreat& retreat) {
   const double time = to_seconds(loop.end().time);
-  if (!loop.missing().empty()) Launcher::say("note " + loop.missing());
+  if (!loop.missing().empty()) Launcher::send_line("note " + loop.missing());
   if (loop.end().status == Status::Fault) {
-    Launcher::say(fmt::format("fault {}", runner.message()));
+    Launcher::send_line(fmt::format("fault {}", runner.message()));
     fmt::print(stderr, "{}: {} at {:.3f} s\n", node, runner.message(), time);
     return 2;
   }
-  Launcher::say(reason.is_known ? "done" : "fault " + reason.text);
+  Launcher::send_line(reason.is_known ? "done" : "fault " + reason.text);
   if (reason.text.empty()) return 0;
   fmt::print(stderr, "{}: {}: held {:.1f} s, ramped to rest in {:.1f} s, ended at {:.3f} s\n", node,
              reason.text, retreat.hold, retreat.ramp, time);
   return 2;
 }
 
-// What an adapter leaves behind is part of how it ended.
+// A fault during deactivation is a fault of the node.
 int deactivate(adapters::Adapter& adapter, const std::string& node, int code) {
   try {
     adapter.deactivate();
     return code;
   } catch (const Error& error) {
-    Launcher::say(fmt::format("fault {}", error.what()));
+    Launcher::send_line(fmt::format("fault {}", error.what()));
     fmt::print(stderr, "{}: {}\n", node, error.what());
     return 2;
   }
 }
 
-// A person's signals reach every process of a run at once, the launcher among them; it brings all
-// nodes to rest together, and if it cannot, its pipe closes.
+// Signals of a terminal reach all processes of a run. The launcher handles them and brings all
+// nodes to rest; if it cannot, its pipe closes.
 void leave_signals_to_the_launcher() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) std::signal(signal, SIG_IGN);
 }
@@ -238,10 +239,10 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
                                  station->plan.schedule.period};
   station->adapter->activate();
   Launcher launcher;
-  Launcher::say("ready");
+  Launcher::send_line("ready");
   const auto epoch = wait_for_go(launcher);
   if (!epoch) {
-    fmt::print(stderr, "{}: was not told to start\n", node);
+    fmt::print(stderr, "{}: received no start message\n", node);
     return deactivate(*station->adapter, node, 2);
   }
   int code = 0;
@@ -252,8 +253,8 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
     code = conclude(loop, runner, node, reason, experiment.retreat);
   }
   code = deactivate(*station->adapter, node, code);
-  // In trouble it leaves its place on the ring taken, so that peers see that it did not leave in
-  // order, even if the launcher cannot tell them.
+  // After a fault, exits without leaving the ring, so that peers detect it even without the
+  // launcher.
   if (code != 0) std::_Exit(code);
   return code;
 }

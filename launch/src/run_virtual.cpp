@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A run in virtual time: every adapter in this process on a ring in plain memory, steps in the
-// order of their due times. Nothing here asks what time it is, so the same experiment gives the
-// same bits.
+// A run in virtual time: all adapters in this process, on a ring in private memory, stepped in the
+// order of their due times. Nothing reads a clock, so the same experiment gives the same bits.
 #include "run_modes.hpp"
 
 #include <algorithm>
@@ -15,7 +14,7 @@
 namespace rths::launch {
 namespace {
 
-constexpr Duration kProgressEvery = std::chrono::milliseconds{500};
+constexpr Duration kProgressPeriod = std::chrono::milliseconds{500};
 
 struct Runner {
   const Station* station;
@@ -68,7 +67,7 @@ class VirtualRun {
 
   void report_progress(Duration now) {
     if (!options_.progress || now < next_progress_) return;
-    next_progress_ = now + kProgressEvery;
+    next_progress_ = now + kProgressPeriod;
     options_.progress({to_seconds(now) / experiment_.rate, experiment_.duration});
   }
 
@@ -92,7 +91,8 @@ std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly
   if (!ends)
     throw Error{
         experiment.file.string() +
-        ": no node is a 'numerical' or an 'opensees', so a run in virtual time would never end"};
+        ": no node has the adapter 'numerical' or 'opensees', expected one to end a run in virtual "
+        "time"};
   std::string trouble = VirtualRun{experiment, assembly, options}.run();
   for (auto& station : assembly.stations) {
     try {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A run in real time: one process per node on a ring in shared memory, started together, watched,
-// and brought to rest together.
+// A run in real time: one process per node on a ring in shared memory. Starts, watches and stops
+// them together.
 #include <poll.h>
 
 #include <algorithm>
@@ -22,15 +22,15 @@ namespace {
 
 constexpr auto kReadyDeadline = std::chrono::seconds{20};
 constexpr auto kHeadStart = std::chrono::milliseconds{50};  // between "go" and the first step
-constexpr auto kRestMargin = std::chrono::seconds{1};       // beyond what a node may take
-constexpr int kLookEvery = 50;                              // [ms]
+constexpr auto kRestMargin = std::chrono::seconds{1};       // beyond the longest stop of a node
+constexpr int kPollPeriod = 50;                             // [ms]
 constexpr double kProbeMargin = 10;                         // [s] beyond the planned duration
 
-volatile std::sig_atomic_t interrupt_received = 0;  // NOLINT: a signal handler can reach no other
+volatile std::sig_atomic_t interrupt_received = 0;  // NOLINT: for the signal handler
 
 extern "C" void note_interrupt(int) { interrupt_received = 1; }
 
-/// Installs the handler for as long as it lives.
+/// Installs the signal handlers during its lifetime.
 class InterruptGuard {
  public:
   InterruptGuard() {
@@ -52,13 +52,13 @@ class InterruptGuard {
   struct sigaction previous_[std::size(kSignals)] = {};
 };
 
-/// Removes the ring's name when the run is over, however it ends.
+/// Removes the name of the ring at the end of the run.
 struct RingRemoval {
   std::string name;
   ~RingRemoval() { broker::remove_ring(name); }
 };
 
-// A specimen in OpenSees is ready when that has come.
+// An opensees_specimen is ready only after OpenSees has connected.
 Duration longest_start(const Experiment& experiment) {
   double longest = 0;
   for (const auto& plan : experiment.nodes)
@@ -90,9 +90,9 @@ class WallRun {
         wait_for_output();
       if (line == "ready") continue;
       if (interrupt_received != 0) return;
-      throw Error{
-          fmt::format("node '{}' did not become ready: it {}", node.node,
-                      node.process.ended() ? node.process.ending() : "was silent for too long")};
+      throw Error{fmt::format(
+          "node '{}' did not become ready: it {}", node.node,
+          node.process.ended() ? node.process.ending() : "sent no message before the deadline")};
     }
   }
 
@@ -102,14 +102,14 @@ class WallRun {
       return std::move(result_);
     }
     const TimePoint epoch = clock_.now() + kHeadStart;
-    for (auto& node : nodes_) node.process.say(fmt::format("go {}", epoch.count()));
+    for (auto& node : nodes_) node.process.send_line(fmt::format("go {}", epoch.count()));
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
     while (!all_ended()) {
       wait_for_output();
-      for (auto& node : nodes_) listen(node);
+      for (auto& node : nodes_) read_messages(node);
       if (interrupt_received != 0 && !stopping_) stop("interrupted");
       if (stopping_ && clock_.now() > *stopping_ + longest_stop(experiment_) + kRestMargin)
-        kill_the_rest();
+        kill_remaining();
       report_progress(epoch);
     }
     result_.interrupted = interrupt_received != 0;
@@ -133,7 +133,7 @@ class WallRun {
     std::vector<pollfd> descriptors;
     for (const auto& node : nodes_)
       if (!node.process.ended()) descriptors.push_back({node.process.output(), POLLIN, 0});
-    poll(descriptors.data(), descriptors.size(), kLookEvery);
+    poll(descriptors.data(), descriptors.size(), kPollPeriod);
   }
 
   [[nodiscard]] bool all_ended() const {
@@ -141,7 +141,7 @@ class WallRun {
                        [](const auto& node) { return node.process.ended(); });
   }
 
-  void listen(NodeProcess& node) {
+  void read_messages(NodeProcess& node) {
     if (node.process.ended()) return;
     while (const auto line = node.process.read_line()) {
       if (*line == "done") {
@@ -153,26 +153,26 @@ class WallRun {
         result_.privileges.push_back(node.node + ": " + line->substr(5));
       }
     }
-    // A node that was stopped for a reason ends in trouble too, and the reason is known.
-    const bool lawful = node.done && (stopped_for_a_reason_ || node.process.succeeded());
-    if (node.process.ended() && !lawful)
+    // A node stopped after a fault also exits with an error; the reason is already known.
+    const bool regular = node.done && (stopped_for_a_reason_ || node.process.succeeded());
+    if (node.process.ended() && !regular)
       fail(node, fmt::format(" (process {}) {}", node.process.pid(), node.process.ending()));
   }
 
-  void fail(const NodeProcess& node, const std::string& what) {
-    const std::string trouble = node.node + what;
+  void fail(const NodeProcess& node, const std::string& reason) {
+    const std::string trouble = node.node + reason;
     if (result_.trouble.empty()) result_.trouble = trouble;
     if (!stopping_) stop(trouble);
   }
 
-  // An empty reason is the lawful end of a run.
+  // An empty reason is the regular end of a run.
   void stop(const std::string& reason) {
     stopping_ = clock_.now();
     stopped_for_a_reason_ = !reason.empty();
-    for (auto& node : nodes_) node.process.say(reason.empty() ? "stop" : "stop " + reason);
+    for (auto& node : nodes_) node.process.send_line(reason.empty() ? "stop" : "stop " + reason);
   }
 
-  void kill_the_rest() {
+  void kill_remaining() {
     for (auto& node : nodes_)
       if (!node.process.ended()) {
         ::kill(node.process.pid(), SIGKILL);

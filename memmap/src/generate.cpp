@@ -56,7 +56,7 @@ constexpr const char* kCppPrelude = R"(#include <bit>
 
 namespace {0} {{
 
-/// Where a word stands, how its 32 bits are read, and how its unit converts to SI.
+/// Offset, number type and conversion to SI of one word.
 template <class Number>
 struct Word {{
   std::uint32_t offset;  ///< longword, counted from 0

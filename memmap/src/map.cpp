@@ -15,7 +15,7 @@
 namespace rths::memmap {
 namespace {
 
-// With a point or an exponent, so that it reads back as what it is.
+// With a point or an exponent, so that it reads back as a floating-point number.
 std::string number_toml(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
@@ -50,7 +50,7 @@ std::string partition_toml(const Partition& partition) {
   return text;
 }
 
-// Two spellings of one map have one canonical order.
+// Sorts nodes by id, partitions, signals and values by position: one order for all spellings.
 void sort_canonically(MapDescription& description) {
   const auto by_offset = [](const Signal& a, const Signal& b) { return a.offset < b.offset; };
   const auto by_base = [](const Partition& a, const Partition& b) { return a.base < b.base; };
@@ -103,9 +103,8 @@ SignalId Map::signal(const std::string& full_name) const {
   if (const auto found = find_signal(full_name)) return *found;
   std::vector<std::string> names;
   for (const auto& entry : signals_) names.push_back(entry.name);
-  const auto meant = nearest(full_name, names);
   throw Error{fmt::format("map '{}' has no signal '{}'{}", description_.name, full_name,
-                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+                          did_you_mean(full_name, names))};
 }
 
 NodeId Map::node(const std::string& name) const {

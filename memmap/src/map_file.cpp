@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads *.ringmap.toml into a MapDescription. What the words may say is checked in map.cpp.
+// Reads *.ringmap.toml into a MapDescription. map_rules.cpp checks the content.
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
@@ -19,7 +19,7 @@ WordType read_type(const Config& table) {
   table.fail("type", fmt::format("type is '{}', expected i32, u32 or f32", type));
 }
 
-// A place is given in the unit the laboratory's sheet uses: longwords, bytes, or 1-based locations.
+// Accepts the unit of the laboratory's sheet: longwords, bytes, or locations counted from 1.
 LongwordOffset read_offset(const Config& table) {
   const int given = table.has("offset") + table.has("byte_offset") + table.has("location");
   if (given != 1)
@@ -69,7 +69,7 @@ Signal read_signal(const Config& table) {
   return signal;
 }
 
-// `index = ["long", "lat"]` stands for one word each: long.displ.ref, lat.displ.ref.
+// `index = ["long", "lat"]` expands to one signal each: long.displ.ref, lat.displ.ref.
 void append_signals(const Config& table, std::vector<Signal>& signals) {
   const Signal first = read_signal(table);
   if (!table.has("index")) {

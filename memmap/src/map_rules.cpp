@@ -21,13 +21,13 @@ template <class... Args>
               fmt::format(message, std::forward<Args>(args)...)};
 }
 
-void check_name(const std::string& name, const std::string& what, const std::string& where) {
+void check_name(const std::string& name, const std::string& kind, const std::string& where) {
   const auto allowed = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
   };
   if (name.empty() || !std::all_of(name.begin(), name.end(), allowed) || name.front() == '.' ||
       name.back() == '.')
-    fail(where, "{} name '{}' is not made of letters, digits, '_' and inner '.'", what, name);
+    fail(where, "{} name is '{}', expected letters, digits, '_' and inner '.'", kind, name);
 }
 
 void check_nodes(const MapDescription& description) {
@@ -84,7 +84,7 @@ void check_integer_values(const Signal& signal) {
       fail(signal.where, "signal '{}': value {} = {} does not fit {}", signal.name, name, value,
            to_text(signal.type));
     if (i > 0 && value == signal.values[i - 1].second)
-      fail(signal.where, "signal '{}': '{}' and '{}' both are {}", signal.name,
+      fail(signal.where, "signal '{}': '{}' and '{}' are both {}", signal.name,
            signal.values[i - 1].first, name, value);
   }
 }
@@ -123,7 +123,7 @@ void check_signals(const Partition& partition, std::set<std::string>& names) {
     const Signal& signal = partition.signals[i];
     check_signal(signal, partition);
     if (i > 0 && signal.offset == partition.signals[i - 1].offset)
-      fail(signal.where, "signals '{}' and '{}' both are at longword {}",
+      fail(signal.where, "signals '{}' and '{}' are both at longword {}",
            partition.signals[i - 1].name, signal.name, signal.offset.value());
     if (!names.insert(partition.name + "." + signal.name).second)
       fail(signal.where, "there are two signals '{}.{}'", partition.name, signal.name);

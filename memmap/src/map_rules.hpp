@@ -5,8 +5,8 @@
 
 namespace rths::memmap {
 
-/// Every rule a memory map must keep. Partitions and signals come in order of offset.
-/// @throws Error with the place of the first word that breaks one
+/// Checks all rules of a memory map. Expects partitions and signals in order of offset.
+/// @throws Error "file:line:column: …" for the first rule that is broken
 void check_rules(const MapDescription& description);
 
 }  // namespace rths::memmap

@@ -12,13 +12,13 @@
 namespace rths::memmap {
 namespace {
 
-// The quantities a hybrid test deals in.
+// SI units of the quantities of a hybrid test.
 constexpr const char* kSiUnits[] = {"m",     "m/s",    "m/s2",  "N",   "N.m", "Pa", "s",    "s2",
                                     "kg",    "N/m",    "N.s/m", "K",   "W",   "V",  "A",    "rad",
                                     "rad/s", "rad/s2", "Hz",    "1",   "m2",  "m3", "m3/s", "kg/m3",
                                     "m/s3",  "N/s",    "Pa/s",  "V/s", "A/s", "T"};
 
-// UDUNITS has radians as pure numbers, so only the spelling tells an angle from a count.
+// UDUNITS treats radians as pure numbers; only the spelling distinguishes an angle from a count.
 bool is_angle(const std::string& unit) {
   return unit.find("rad") != std::string::npos || unit.find("deg") != std::string::npos ||
          unit.find("arc") != std::string::npos;
@@ -32,12 +32,13 @@ struct Freed {
 using UnitHandle = std::unique_ptr<ut_unit, Freed>;
 
 ut_system* unit_system() {
-  // Reading UDUNITS' database costs milliseconds, so it is read once per process.
+  // Reading the UDUNITS database takes milliseconds, so it is read once per process.
   static const std::unique_ptr<ut_system, Freed> system = [] {
     ut_set_error_message_handler(ut_ignore);
     return std::unique_ptr<ut_system, Freed>{ut_read_xml(nullptr)};
   }();
-  if (!system) throw Error{"the UDUNITS database cannot be read: is libudunits2 installed whole?"};
+  if (!system)
+    throw Error{"the UDUNITS database cannot be read: check the installation of libudunits2"};
   return system.get();
 }
 
@@ -47,7 +48,7 @@ UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), t
 
 Unit parse_unit(const std::string& text) {
   if (text == "g")
-    throw Error{"unit 'g' would be a gram; write 'gravity' for an acceleration, 'gram' for a mass"};
+    throw Error{"unit 'g' is ambiguous, expected 'gravity' (acceleration) or 'gram' (mass)"};
   const UnitHandle unit = parse(text.c_str());
   if (!unit) throw Error{fmt::format("unit '{}' does not parse", text)};
   for (const char* si : kSiUnits) {
@@ -56,10 +57,10 @@ Unit parse_unit(const std::string& text) {
     if (is_angle(si) && !is_angle(text)) continue;
     const std::unique_ptr<cv_converter, Freed> to_si{ut_get_converter(unit.get(), target.get())};
     const double offset = cv_convert_double(to_si.get(), 0.0);
-    if (!std::isfinite(offset)) continue;  // UDUNITS also converts to the reciprocal: ms to Hz
+    if (!std::isfinite(offset)) continue;  // UDUNITS also converts to reciprocals: ms to Hz
     return {si, cv_convert_double(to_si.get(), 1.0) - offset, offset};
   }
-  throw Error{fmt::format("unit '{}' is no quantity of a hybrid test", text)};
+  throw Error{fmt::format("the quantity of unit '{}' is not supported", text)};
 }
 
 }  // namespace rths::memmap

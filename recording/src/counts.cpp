@@ -26,4 +26,17 @@ std::vector<double> at_each_count(const std::vector<double>& counter,
   return values;
 }
 
+NodeTicks::NodeTicks(const Reader& run, const std::string& node)
+    : run_{run}, counter_{run.signal("monitor." + node + ".host.step")} {
+  const auto stop = at_each_count(counter_, run.signal("opf.newTarget"));
+  const auto end = std::find_if(stop.begin(), stop.end(), [](double word) { return word < 0; });
+  count_ = static_cast<std::size_t>(end - stop.begin());
+}
+
+std::vector<double> NodeTicks::values(const std::string& signal) const {
+  auto values = at_each_count(counter_, run_.signal(signal));
+  values.resize(std::min(values.size(), count_));
+  return values;
+}
+
 }  // namespace rths::recording

@@ -11,7 +11,7 @@ Handle text_type(std::size_t size) {
   return type;
 }
 
-// HDF5 has no empty fixed-length text; one byte, zero, stands for it.
+// HDF5 has no empty fixed-length text; one zero byte represents it.
 std::size_t stored_size(const std::string& text) { return text.empty() ? 1 : text.size(); }
 
 std::string trimmed(std::string text) {

@@ -13,14 +13,14 @@
 
 namespace rths::recording {
 
-/// An HDF5 identifier that closes itself.
+/// An HDF5 identifier, closed by the destructor.
 class Handle {
  public:
   using Closer = herr_t (*)(hid_t);
   Handle() = default;
-  /// @throws Error "<what> failed" if the library handed out no identifier
-  Handle(hid_t id, Closer closer, const std::string& what) : id_{id}, closer_{closer} {
-    if (id < 0) throw Error{what + " failed"};
+  /// @throws Error "<action> failed" if the identifier is negative
+  Handle(hid_t id, Closer closer, const std::string& action) : id_{id}, closer_{closer} {
+    if (id < 0) throw Error{action + " failed"};
   }
   Handle(Handle&& other) noexcept : id_{std::exchange(other.id_, -1)}, closer_{other.closer_} {}
   Handle& operator=(Handle&& other) noexcept {
@@ -38,18 +38,17 @@ class Handle {
   Closer closer_ = nullptr;
 };
 
-/// @throws Error "<what> failed" for a negative status
-inline void check(herr_t status, const std::string& what) {
-  if (status < 0) throw Error{what + " failed"};
+/// @throws Error "<action> failed" for a negative status
+inline void check(herr_t status, const std::string& action) {
+  if (status < 0) throw Error{action + " failed"};
 }
 
-/// What reads where nothing was ever written, after a crash or on a full disk: never a measurement.
+/// Fill values: read where a crash or a full disk prevented a write. Never a measurement.
 inline constexpr std::int64_t kNoTime = -1;
 inline constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
-/// Keeps the library from printing its own error stack, for our errors say what matters, and from
-/// writing once more when the program ends, for whatever should be closed has been. Before any
-/// other call of the library.
+/// Disables the library's error output, because `Error` reports failures, and its writes at exit,
+/// because the files are already closed. Call it before any other function of the library.
 inline void silence_hdf5() {
   H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

@@ -48,7 +48,7 @@ std::vector<T> read_all(const Handle& dataset) {
   return values;
 }
 
-// A crashed writer leaves a mark that only readers in SWMR mode look past.
+// Only readers in SWMR mode open a file with the mark of a crashed writer.
 Handle open_file(const std::filesystem::path& path) {
   silence_hdf5();
   hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -74,7 +74,7 @@ struct Reader::File {
   };
   std::map<std::string, Column> columns;
   std::vector<std::string> names;
-  /// The partition read last: signals of one partition tend to be asked for together.
+  /// The partition read last; callers tend to read signals of one partition together.
   std::string cached;
   std::vector<double> values;
 
@@ -90,7 +90,7 @@ struct Reader::File {
 void Reader::File::index_partition(const Handle& signals, const std::string& partition) {
   if (H5Lexists(signals.id(), partition.c_str(), H5P_DEFAULT) <= 0) return;
   const Handle dataset = open_dataset(signals.id(), partition);
-  // A crash may leave tables of unequal length: a row counts if all of them have it.
+  // After a crash, tables can differ in length; a row is valid if all tables have it.
   const Handle space{H5Dget_space(dataset.id()), H5Sclose, "HDF5 space"};
   hsize_t extent[2] = {0, 0};
   H5Sget_simple_extent_dims(space.id(), extent, nullptr);
@@ -115,7 +115,8 @@ Reader::Reader(const std::filesystem::path& path) : file_{std::make_unique<File>
   file_->file = open_file(path);
   silence_hdf5();
   if (H5Aexists(file_->file.id(), "recording_format") <= 0)
-    throw Error{path.string() + ": is an HDF5 file but no recording of a run"};
+    throw Error{path.string() +
+                ": found an HDF5 file of another kind, expected a recording of a run"};
   const std::string format = read_text_attribute(file_->file.id(), "recording_format");
   if (format != std::to_string(kRecordingFormat))
     throw Error{fmt::format("{}: recording format is {}, this program reads {}", path.string(),
@@ -123,7 +124,7 @@ Reader::Reader(const std::filesystem::path& path) : file_{std::make_unique<File>
   file_->map =
       memmap::parse_map(read_text_dataset(file_->file.id(), "map"), path.string() + ":map");
   for (const auto ns : read_all<std::int64_t>(open_dataset(file_->file.id(), "time"))) {
-    if (ns == kNoTime) break;  // a row that was begun, and that the file system did not take
+    if (ns == kNoTime) break;  // a row that the file system did not write completely
     file_->time.push_back(to_seconds(Duration{ns}));
   }
   const Handle signals = open_group(file_->file.id(), "signals");
@@ -144,9 +145,8 @@ bool Reader::has(const std::string& signal) const { return file_->columns.count(
 std::vector<double> Reader::signal(const std::string& name) const {
   const auto found = file_->columns.find(name);
   if (found == file_->columns.end()) {
-    const auto meant = nearest(name, file_->names);
-    throw Error{fmt::format("the recording has no signal '{}'{}", name,
-                            meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+    throw Error{
+        fmt::format("the recording has no signal '{}'{}", name, did_you_mean(name, file_->names))};
   }
   const auto& column = found->second;
   const auto& values = file_->load(column.partition);
@@ -218,7 +218,7 @@ bool is_hdf5(const std::filesystem::path& path) {
 void add_meta(const std::filesystem::path& path, const NamedTexts& meta) {
   silence_hdf5();
   const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
-                    path.string() + ": opening the recording to add to it"};
+                    path.string() + ": opening the recording to add data"};
   const Handle group = open_group(file.id(), "meta");
   for (const auto& [name, text] : meta) write_text_attribute(group.id(), name, text);
 }
@@ -227,7 +227,7 @@ void add_meta_series(const std::filesystem::path& path, const std::string& name,
                      const std::vector<double>& values) {
   silence_hdf5();
   const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
-                    path.string() + ": opening the recording to add to it"};
+                    path.string() + ": opening the recording to add data"};
   const Handle group = open_group(file.id(), "meta");
   const hsize_t count = values.size();
   const Handle space{H5Screate_simple(1, &count, nullptr), H5Sclose, "HDF5 space"};
@@ -245,17 +245,17 @@ bool repair(const std::filesystem::path& path) {
     H5Fclose(file);
     return false;
   }
-  if (WriterLock::is_held(path)) return false;  // its writer is at work: there is nothing to mend
-  // What h5clear does: a property without a name in the headers, but in the library.
+  if (WriterLock::is_held(path)) return false;  // it has a writer: nothing to repair
+  // As h5clear does. The property is in the library, but not in its headers.
   const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
   const hbool_t clear = true;
   check(H5Pset(access.id(), "clear_status_flags", &clear), "HDF5 properties");
   const hid_t opened = H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id());
-  if (opened < 0) return false;  // cut short by a full disk: only readers look past that
+  if (opened < 0) return false;  // truncated by a full disk: only readers open it
   const Handle file{opened, H5Fclose, path.string()};
-  // Killed in the middle of a batch, the file is longer than it says, and would be cut back to what
-  // it says when it is closed.
-  check(H5Fincrement_filesize(file.id(), 0), path.string() + ": mending the file's length");
+  // If the writer was killed during a batch, the file is longer than its recorded length, and
+  // closing it would truncate it.
+  check(H5Fincrement_filesize(file.id(), 0), path.string() + ": repairing the length of the file");
   return true;
 }
 

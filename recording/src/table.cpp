@@ -21,7 +21,8 @@ Table Table::load(const std::filesystem::path& file) {
   else
     table.columns_ = read_text_columns(file);
   if (table.columns_.empty())
-    throw Error{fmt::format("{}: holds no columns of numbers", file.string())};
+    throw Error{
+        fmt::format("{}: found no columns of numbers, expected at least one", file.string())};
   return table;
 }
 
@@ -33,8 +34,8 @@ const std::vector<double>& Table::column(const std::string& name) const {
 
 const Table::Column& Table::found(const std::string& name) const {
   if (name.size() > 1 && name[0] == '#') {
-    const auto place = std::strtoul(name.c_str() + 1, nullptr, 10);
-    if (place >= 1 && place <= columns_.size()) return columns_[place - 1];
+    const auto position = std::strtoul(name.c_str() + 1, nullptr, 10);
+    if (position >= 1 && position <= columns_.size()) return columns_[position - 1];
     throw Error{
         fmt::format("{}: there is no column {}, expected #1 to #{}", file_, name, columns_.size())};
   }
@@ -43,9 +44,7 @@ const Table::Column& Table::found(const std::string& name) const {
     if (column.name == name) return column;
     known.push_back(column.name);
   }
-  const auto meant = nearest(name, known);
-  throw Error{fmt::format("{}: there is no column '{}'{}", file_, name,
-                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+  throw Error{fmt::format("{}: there is no column '{}'{}", file_, name, did_you_mean(name, known))};
 }
 
 }  // namespace rths::recording

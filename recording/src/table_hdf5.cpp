@@ -21,7 +21,7 @@ bool is_number(hid_t dataset) {
   return kind == H5T_INTEGER || kind == H5T_FLOAT;
 }
 
-// HDF5 stores row by row; columns are wanted.
+// Adds the columns of a dataset, which HDF5 stores row by row.
 void add_dataset(hid_t file, const std::string& path, Columns& columns) {
   const Handle dataset{H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "reading " + path};
   const Handle space{H5Dget_space(dataset.id()), H5Sclose, "reading " + path};
@@ -32,7 +32,7 @@ void add_dataset(hid_t file, const std::string& path, Columns& columns) {
   std::vector<double> stored(size[0] * size[1]);
   check(H5Dread(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, stored.data()),
         "reading " + path);
-  // One long row is a column lying down.
+  // A single row is a column.
   if (size[0] == 1) std::swap(size[0], size[1]);
   std::vector<double> by_column(stored.size());
   for (hsize_t row = 0; row < size[0]; ++row)
@@ -56,7 +56,7 @@ Columns read_hdf5_columns(const std::filesystem::path& file) {
     const Handle opened{H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
                         file.string() + ": opening it as HDF5"};
     check(H5Ovisit(opened.id(), H5_INDEX_NAME, H5_ITER_NATIVE, collect, &paths),
-          file.string() + ": listing what it holds");
+          file.string() + ": listing the datasets");
     if (H5Lexists(opened.id(), "signals", H5P_DEFAULT) <= 0)
       for (const auto& path : paths) add_dataset(opened.id(), path, columns);
   }

@@ -13,7 +13,7 @@
 namespace rths::recording {
 namespace {
 
-constexpr int kDeepest = 4;  // structures in structures
+constexpr int kDeepest = 4;  // nested structures
 
 struct CloseFile {
   void operator()(mat_t* file) const { Mat_Close(file); }
@@ -80,7 +80,7 @@ void add_variable(const std::string& name, matvar_t& variable, int depth, Column
   }
   const auto values = numbers_of(variable);
   if (values.empty() || variable.rank != 2) return;
-  // A row is a column lying down.
+  // A single row is a column.
   const std::size_t rows = variable.dims[0] == 1 ? variable.dims[1] : variable.dims[0];
   add_array(columns, name, rows, values);
 }
@@ -93,7 +93,7 @@ bool is_mat(const std::filesystem::path& file) {
   stream.read(head.data(), head.size());
   for (const char* version : {"MATLAB 5.0 MAT-file", "MATLAB 7.3 MAT-file"})
     if (std::memcmp(head.data(), version, 19) == 0) return true;
-  // Version 4 has no name; its first word is a type below 5000 whose bytes no text begins with.
+  // Version 4 has no signature. Its first word is a type below 5000, unlike that of any text.
   std::uint32_t words[5];
   std::memcpy(words, head.data(), sizeof words);
   return stream.gcount() == 20 && words[0] < 5000 && words[3] <= 1 && words[4] > 0 &&

@@ -32,7 +32,7 @@ std::string_view unquoted(std::string_view text) {
   return quoted ? text.substr(1, text.size() - 2) : text;
 }
 
-// The separator of a line: the first of these that occurs in it, else blanks.
+// The separator of a line: the first of these that it contains, else blanks.
 char separator_of(std::string_view line) {
   for (const char candidate : {';', ',', '\t'})
     if (line.find(candidate) != std::string_view::npos) return candidate;
@@ -72,14 +72,15 @@ bool is_whole(std::string_view cell) {
   return !cell.empty() && cell.find_first_not_of(kDigits) == std::string_view::npos;
 }
 
-// "1,5": of no meaning here, where a comma parts columns.
+// True for "1,5": invalid, because the comma separates columns.
 bool has_decimal_comma(std::string_view cell) {
   return cell.find_first_of(kDigits) != std::string_view::npos &&
          cell.find(',') != std::string_view::npos &&
          cell.find_first_not_of("0123456789+-eE.,; \t") == std::string_view::npos;
 }
 
-// "0,005,1,5" parted at its commas: pairs of whole numbers, one of which begins as no number does.
+// True for "0,005,1,5" split at its commas: pairs of whole numbers; at least one second number has
+// a leading zero, as only a fraction does.
 bool are_halves(const std::vector<std::string_view>& row) {
   bool fraction = false;
   if (row.size() % 2 != 0) return false;
@@ -91,16 +92,16 @@ bool are_halves(const std::vector<std::string_view>& row) {
   return fraction;
 }
 
-std::vector<std::string_view> apart_from_commas(std::string_view line) {
+std::vector<std::string_view> split_except_commas(std::string_view line) {
   for (const char separator : {';', '\t'})
     if (line.find(separator) != std::string_view::npos) return cells(line, separator);
   return cells(line, ' ');
 }
 
-// "0,5;1,5": commas that part no columns.
+// True for "0,5;1,5": its commas separate no columns.
 bool separates_halves(std::string_view line) {
-  const auto parted = cells(line, ',');
-  return has_decimal_comma(line) && !std::all_of(parted.begin(), parted.end(), [](auto cell) {
+  const auto parts = cells(line, ',');
+  return has_decimal_comma(line) && !std::all_of(parts.begin(), parts.end(), [](auto cell) {
            return number(cell).has_value();
          });
 }
@@ -110,8 +111,8 @@ struct Line {
   std::string_view content;
 };
 
-// Numbers in at least half of its cells: what stands above the first such line are names, units and
-// what else a logger has to say.
+// True if at least half of the cells are numbers. The lines above the first such line hold names,
+// units and other text of the logger.
 bool is_row(const std::vector<std::string_view>& row) {
   const auto numbers =
       std::count_if(row.begin(), row.end(), [](auto cell) { return number(cell).has_value(); });
@@ -140,7 +141,8 @@ class TextReader {
   void begin(std::string_view line) {
     separator_ = separator_of(line);
     const auto first = cells(line, separator_);
-    if (separates_halves(line)) fail_on_commas(above_.empty() ? line : apart_from_commas(line)[0]);
+    if (separates_halves(line))
+      fail_on_commas(above_.empty() ? line : split_except_commas(line)[0]);
     if (!is_row(first)) {
       above_.push_back({line_, line});
       return;
@@ -149,7 +151,8 @@ class TextReader {
     add_row(first);
   }
 
-  // The first of the lines right above that have as many cells: units may stand below names.
+  // Names are in the topmost of the adjacent lines above with the same number of cells; lines below
+  // it hold units.
   void name_columns(std::size_t count) {
     std::vector<std::string_view> names;
     std::size_t line = line_;
@@ -168,12 +171,13 @@ class TextReader {
     for (auto column = columns.begin(); column != columns.end(); ++column)
       if (std::any_of(columns.begin(), column,
                       [&](const auto& other) { return other.name == column->name; }))
-        throw Error{fmt::format("{}:{}: two columns are called '{}'", file_, line, column->name)};
+        throw Error{fmt::format("{}:{}: two columns are named '{}', expected different names",
+                                file_, line, column->name)};
   }
 
-  [[noreturn]] void fail_on_commas(std::string_view what) const {
+  [[noreturn]] void fail_on_commas(std::string_view text) const {
     throw Error{fmt::format("{}:{}: '{}' looks like numbers with decimal commas, expected points",
-                            file_, line_, what)};
+                            file_, line_, text)};
   }
 
   void add_row(const std::vector<std::string_view>& row) {
@@ -187,8 +191,9 @@ class TextReader {
       if (!value && has_decimal_comma(row[i])) fail_on_commas(row[i]);
       const bool is_good = value && std::isfinite(*value);
       if (!is_good && columns[i].trouble.empty())
-        columns[i].trouble = fmt::format("{}:{}: '{}' in column '{}' is no finite number", file_,
-                                         line_, row[i], columns[i].name);
+        columns[i].trouble =
+            fmt::format("{}:{}: found '{}' in column '{}', expected a finite number", file_, line_,
+                        row[i], columns[i].name);
       columns[i].values.push_back(is_good ? *value : std::numeric_limits<double>::quiet_NaN());
     }
   }
@@ -214,7 +219,8 @@ Columns read_text_columns(const std::filesystem::path& file) {
     rest.remove_prefix(end + (rest.substr(end, 2) == "\r\n" ? 2 : 1));
   }
   if (reader.has_names_only())
-    throw Error{fmt::format("{}: holds names of columns, but no rows", file.string())};
+    throw Error{fmt::format("{}: found column names but no rows, expected at least one row",
+                            file.string())};
   return std::move(reader.columns);
 }
 

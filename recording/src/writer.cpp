@@ -11,7 +11,7 @@
 namespace rths::recording {
 namespace {
 
-constexpr hsize_t kRowsPerBatch = 100;  // 0.1 s at 1 kHz: what a crash may cost
+constexpr hsize_t kRowsPerBatch = 100;  // 0.1 s at 1 kHz: the largest loss after a crash
 constexpr hsize_t kRowsPerChunk = 1024;
 constexpr const char* kStepSuffix = ".host.step";
 
@@ -64,7 +64,7 @@ Handle create_group(hid_t file, const std::string& name) {
 }  // namespace
 
 struct Writer::File {
-  /// Where a partition's words stand in a row and in its table.
+  /// Columns and table of a partition.
   struct Block {
     Table table;
     std::vector<std::size_t> columns;  ///< positions in a row
@@ -72,7 +72,7 @@ struct Writer::File {
   };
   struct StepCounter {
     std::size_t column;
-    double per_row;  ///< steps the node takes per row
+    double per_row;  ///< steps of the node per row
     std::int64_t drops = 0;
     double last = 0;
   };
@@ -149,7 +149,7 @@ void Writer::File::create_events(const memmap::Map& map, const std::vector<Signa
   write_text_list_attribute(event_signal.dataset.id(), "names", names);
 }
 
-// Every node counts its steps in its monitors: rows that skip a count have missed it.
+// Each node counts its steps in a monitor; a skipped count is a step without a row.
 void Writer::File::create_drops(const memmap::Map& map, const std::vector<SignalId>& signals,
                                 const std::map<std::string, double>& steps_per_row) {
   std::vector<std::string> names;
@@ -187,7 +187,7 @@ void Writer::File::note_changes(Duration at, std::span<const double> row) {
   }
 }
 
-// The time of a row goes last: a row whose values could not be written does not count as one.
+// Writes the time last, so that a row without values does not count.
 void Writer::File::flush() {
   if (!time_buffer.empty()) {
     for (auto& block : blocks) {
@@ -212,7 +212,7 @@ void Writer::File::flush() {
   if (!counts.empty())
     check(H5Dwrite(drops.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, counts.data()),
           "writing drops");
-  // Flushing datasets alone leaves the file's end in memory, and after a crash nothing is readable.
+  // Flushing only datasets leaves the end of the file in memory: unreadable after a crash.
   check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flushing the recording (is the disk full?)");
 }
 
@@ -243,12 +243,12 @@ Writer::~Writer() {
   try {
     if (file_) close();
   } catch (const Error&) {  // NOLINT(bugprone-empty-catch)
-    // A destructor has nobody to tell; `close` is for those who want to know.
+    // A destructor cannot report errors; `close` does.
   }
 }
 
 void Writer::append(Duration time, std::span<const double> row) {
-  if (!file_) throw Error{"the recording was closed, or could not be written"};
+  if (!file_) throw Error{"the recording is closed, or a write failed"};
   file_->time_buffer.push_back(time.count());
   for (auto& block : file_->blocks)
     for (const auto column : block.columns) block.buffer.push_back(row[column]);
@@ -260,8 +260,8 @@ void Writer::flush() {
   try {
     file_->flush();
   } catch (const Error&) {
-    // As a crash would leave it: the last whole batch reads well. Closing would write again, in an
-    // order that is safe only if all of it succeeds.
+    // Abandons the file as a crash would; all batches up to the last complete one are readable.
+    // Closing would write again, in an order that is safe only if every write succeeds.
     static auto& abandoned = *new std::vector<std::unique_ptr<File>>;
     abandoned.push_back(std::move(file_));
     throw;

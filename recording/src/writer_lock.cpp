@@ -16,8 +16,8 @@ int open_to_lock(const std::filesystem::path& file) {
 
 }  // namespace
 
-// Shared, so that readers, whose library asks for the same, are let in; who would change the file
-// asks for it alone, and is not.
+// A shared lock admits readers, whose library also takes a shared lock. Writers need an exclusive
+// lock, which this one prevents.
 WriterLock::WriterLock(const std::filesystem::path& file) : descriptor_{open_to_lock(file)} {
   if (descriptor_ >= 0) flock(descriptor_, LOCK_SH | LOCK_NB);
 }

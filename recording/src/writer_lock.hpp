@@ -5,8 +5,8 @@
 
 namespace rths::recording {
 
-/// Says that a recording is being written, for as long as it lives; the kernel lets go of it when
-/// the process dies. The library's own lock ends where single-writer mode begins.
+/// Marks a recording as being written. The kernel releases the lock when the process ends. The
+/// library's own lock ends when single-writer mode begins.
 class WriterLock {
  public:
   WriterLock() = default;
@@ -15,7 +15,7 @@ class WriterLock {
   WriterLock& operator=(WriterLock&& other) noexcept;
   ~WriterLock();
 
-  /// True if somebody, this process included, holds the lock of a file.
+  /// True if a process, including this one, holds the lock of a file.
   [[nodiscard]] static bool is_held(const std::filesystem::path& file);
 
  private:

@@ -24,7 +24,7 @@ constexpr double kDelaySearch = 0.2;       // [s]
 constexpr double kWindow = 2.0;            // of windowed tracking [s]
 constexpr double kWindowStep = 0.25;       // [s]
 constexpr double kWindowSearch = 0.1;      // [s]
-constexpr double kQuietPart = 0.02;        // of the largest command: a window below has no delay
+constexpr double kQuietShare = 0.02;       // of the largest command: a smaller motion has no delay
 constexpr double kExcusedLateness = 1e-3;  // of the host: one controller tick [s]
 
 const std::vector<std::string> kAxes = {"long", "lat"};
@@ -35,39 +35,31 @@ double largest_magnitude(const std::vector<double>& values) {
   return largest;
 }
 
-/// The controller's view of a recording: one value per tick, up to the end of the test.
-class Ticks {
+// Tick interval between the first counted row and the first row of the final count, when the node
+// left.
+double period_of(const std::vector<double>& time, const std::vector<double>& counter) {
+  const auto first = std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
+  const auto last = std::find(first, counter.end(), counter.back());
+  const double counts = last == counter.end() ? 0 : *last - *first;
+  if (!(counts > 0)) throw Error{"the recording contains no steps of the controller"};
+  const auto row = [&](auto at) { return static_cast<std::size_t>(at - counter.begin()); };
+  return (time[row(last)] - time[row(first)]) / counts;
+}
+
+/// Series of the controller's signals, one value per tick.
+class ControllerTicks {
  public:
-  explicit Ticks(const Reader& reader) : reader_{reader} {
-    counter_ = reader.signal("monitor.xpc.host.step");
-    const auto stop = at_each_count(counter_, reader.signal("opf.newTarget"));
-    const auto end = std::find_if(stop.begin(), stop.end(), [](double word) { return word < 0; });
-    count_ = static_cast<std::size_t>(end - stop.begin());
-    interval_ = period_of(reader.time(), counter_);
-  }
+  explicit ControllerTicks(const Reader& reader)
+      : ticks_{reader, "xpc"}, interval_{period_of(reader.time(), ticks_.counter())} {}
   [[nodiscard]] Series series(const std::string& signal) const {
-    auto values = at_each_count(counter_, reader_.signal(signal));
-    values.resize(std::min(values.size(), count_));
-    return {0, interval_, std::move(values)};
+    return {0, interval_, ticks_.values(signal)};
   }
   [[nodiscard]] double interval() const { return interval_; }
-  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] std::size_t count() const { return ticks_.count(); }
 
  private:
-  // From the first row that counts to the first that counts no further: the node has left by then.
-  static double period_of(const std::vector<double>& time, const std::vector<double>& counter) {
-    const auto first =
-        std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
-    const auto last = std::find(first, counter.end(), counter.back());
-    const double counts = last == counter.end() ? 0 : *last - *first;
-    if (!(counts > 0)) throw Error{"the recording holds no steps of the controller"};
-    const auto row = [&](auto at) { return static_cast<std::size_t>(at - counter.begin()); };
-    return (time[row(last)] - time[row(first)]) / counts;
-  }
-  const Reader& reader_;
-  std::vector<double> counter_;
-  std::size_t count_ = 0;
-  double interval_ = 0;
+  recording::NodeTicks ticks_;
+  double interval_;
 };
 
 WindowedTracking windowed_tracking(const Series& command, const Series& measured) {
@@ -81,7 +73,7 @@ WindowedTracking windowed_tracking(const Series& command, const Series& measured
     const auto reference = std::span{command.values}.subspan(begin, length);
     const auto response = std::span{measured.values}.subspan(begin, length);
     const auto [low, high] = std::minmax_element(reference.begin(), reference.end());
-    const bool moves = *high - *low > kQuietPart * largest;
+    const bool moves = *high - *low > kQuietShare * largest;
     tracking.delay.values.push_back(
         moves ? controller::identify_delay(reference, response, command.interval, kWindowSearch)
                     .minimum_rms
@@ -94,7 +86,8 @@ WindowedTracking windowed_tracking(const Series& command, const Series& measured
   return tracking;
 }
 
-AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const std::string& axis) {
+AxisAnalysis analyse_axis(const Reader& run, const ControllerTicks& ticks,
+                          const std::string& axis) {
   AxisAnalysis result;
   result.name = axis;
   result.command = ticks.series("monitor.xpc.pc.command." + axis);
@@ -121,7 +114,7 @@ AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const std::stri
   return result;
 }
 
-void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks) {
+void add_raw_delay(AxisAnalysis& axis, const ControllerTicks& ticks) {
   const auto command = ticks.series("monitor.xpc.pc.command." + axis.name);
   const auto measured = ticks.series("monitor.xpc.displacement.out." + axis.name);
   const auto delay =
@@ -131,7 +124,7 @@ void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks) {
   axis.raw_nrms = controller::tracking_error(command.values, measured.values).nrms;
 }
 
-// True if the host's own lateness reached a controller tick anywhere in [from, to].
+// Returns true if the lateness of the host reached a controller tick in [from, to].
 bool host_was_late(const Series& host_late, double from, double to) {
   if (host_late.values.empty()) return false;
   const auto first = static_cast<std::size_t>(std::max(0.0, from / host_late.interval));
@@ -144,7 +137,7 @@ bool host_was_late(const Series& host_late, double from, double to) {
 StepAnalysis analyse_steps(const Reader& run, const Series& host_late) {
   StepAnalysis steps;
   const auto targets = run.signal("monitor.xpc.pc.targets");
-  // The account of a step is published when the next target closes it: shift by one.
+  // The times of a step are published with the next target, so they are shifted by one.
   const auto closed = [&](const char* signal) {
     auto values = at_each_count(targets, run.signal(signal));
     if (!values.empty()) values.erase(values.begin());
@@ -182,7 +175,7 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
   return nodes;
 }
 
-// Where the test's solver sent the specimen, against where a model in its place went.
+// Difference between the test's target and the displacement of a model instead of the specimen.
 double difference(const Reader& run, const NumericalAxis& model, double interval) {
   const auto steps = run.signal("monitor.opf.step");
   const auto time = at_each_count(steps, run.signal("opf.1.time.target"));
@@ -222,7 +215,7 @@ void add_companions(Analysis& analysis, const Reader& run, const Reader* numeric
   if (improved != nullptr) analysis.improved = numerical_axes(analysis, run, *improved);
 }
 
-// The experiment's own words: its name, its motion, its integration step.
+// Name, motion and integration step of the experiment.
 void read_experiment(Analysis& analysis, const Reader& run) {
   const auto meta = run.meta();
   const auto file = meta.find("experiment");
@@ -245,16 +238,16 @@ std::optional<Reader> open_if_there(const std::filesystem::path& file) {
 
 }  // namespace
 
-double percentile(std::vector<double> values, double part) {
+double percentile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
+  const auto index = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + index, values.end());
+  return values[static_cast<std::size_t>(index)];
 }
 
 Analysis analyse(const std::filesystem::path& folder) {
   const Reader run{folder / kRunFile};
-  if (run.rows() < 2) throw Error{(folder / kRunFile).string() + ": holds no motion"};
+  if (run.rows() < 2) throw Error{(folder / kRunFile).string() + ": contains no motion"};
   const auto uncompensated = open_if_there(folder / kUncompensatedFile);
   const auto numerical = open_if_there(folder / kNumericalFile);
   const auto improved = open_if_there(folder / kImprovedFile);
@@ -267,12 +260,12 @@ Analysis analyse(const std::filesystem::path& folder) {
   read_experiment(analysis, run);
   const auto late = run.meta_series("host_late");
   analysis.host_late = {0, late.interval, late.values};
-  const Ticks ticks{run};
+  const ControllerTicks ticks{run};
   analysis.control_rate = 1 / ticks.interval();
   for (const auto& axis : kAxes) {
     if (!run.has("monitor.xpc.pc.command." + axis)) continue;
     analysis.axes.push_back(analyse_axis(run, ticks, axis));
-    if (uncompensated) add_raw_delay(analysis.axes.back(), Ticks{*uncompensated});
+    if (uncompensated) add_raw_delay(analysis.axes.back(), ControllerTicks{*uncompensated});
   }
   analysis.steps = analyse_steps(run, analysis.host_late);
   analysis.duration = run.signal("opf.1.time.target").back();

@@ -18,11 +18,11 @@ struct Series {
   std::vector<double> values;
 };
 
-/// The value that a part of the values lies below, one of them; 0 if there are none.
-/// @param part  0 to 1 [-]
-[[nodiscard]] double percentile(std::vector<double> values, double part);
+/// The value below which a fraction of the values lies; 0 if there are none.
+/// @param fraction  0 to 1 [-]
+[[nodiscard]] double percentile(std::vector<double> values, double fraction);
 
-/// Tracking in a sliding window; gaps (NaN) where the command hardly moves.
+/// Tracking in a sliding window; NaN where the command hardly moves.
 struct WindowedTracking {
   Series delay;  ///< [s]
   Series nrms;   ///< RMS error of the window over the largest command of the run [-]
@@ -32,7 +32,7 @@ struct WindowedTracking {
 struct AxisAnalysis {
   std::string name;
   Series command, measured;  ///< controller's command and displacement feedback, every tick [m]
-  Series force;              ///< specimen's, corrected, every tick [N]
+  Series force;              ///< of the specimen, corrected, every tick [N]
   Series a0, a1, a2;         ///< compensator, every tick
   std::vector<double> step_displacement, step_force;   ///< sampled at each target [m], [N]
   double delay = 0, delay_min_rms = 0;                 ///< command to measured [s]
@@ -44,11 +44,11 @@ struct AxisAnalysis {
   WindowedTracking tracking;
 };
 
-/// What each integration step was made of.
+/// States of the predictor-corrector in each integration step.
 struct StepAnalysis {
-  std::vector<double> start;                   ///< when its target came [s]
+  std::vector<double> start;                   ///< arrival of its target [s]
   std::vector<double> predict, correct, slow;  ///< time in each state [s]
-  std::vector<bool> excused;                   ///< the host itself was late during the step
+  std::vector<bool> excused;                   ///< true if the host was late during the step
   long slow_downs = 0, slow_downs_excused = 0;
   long excused_count = 0;
 };
@@ -59,7 +59,7 @@ struct NodeAnalysis {
   double late_p50 = 0, late_p99 = 0, late_max = 0;  ///< [s]
 };
 
-/// A floor spectrum and where it was taken.
+/// A floor spectrum and its source.
 struct Spectrum {
   std::string of;              ///< hybrid, numerical, improved, fixed base, input
   std::vector<double> values;  ///< [m/s²]
@@ -69,12 +69,12 @@ struct FloorSpectra {
   std::vector<Spectrum> spectra;
 };
 
-/// Result with a model in the specimen's place, one per axis.
+/// Result of a run with a model instead of the specimen, one per axis.
 struct NumericalAxis {
   std::string name;
   std::vector<double> displacement, force;  ///< [m], [N]
   double peak_displacement = 0, peak_shear = 0;
-  double difference = 0;  ///< of its displacement from the test's, rms over rms of the test's [-]
+  double difference = 0;  ///< of its displacement from the test's, rms over rms of the test [-]
 };
 
 struct Analysis {
@@ -90,16 +90,16 @@ struct Analysis {
   std::vector<std::pair<std::string, std::int64_t>> drops;
   Series host_late;  ///< largest of each interval [s]; empty in virtual time
   std::vector<NumericalAxis> numerical;
-  std::vector<NumericalAxis> improved;  ///< with what a diagnosis found in the model
+  std::vector<NumericalAxis> improved;  ///< with the improved model of a diagnosis
   double numerical_interval = 0;        ///< [s]
   std::vector<double> frequencies;      ///< of the spectra [Hz]
   std::vector<FloorSpectra> floors;
 };
 
-/// @throws Error if the run cannot be read or holds no motion
+/// @throws Error if the run cannot be read or contains no motion
 [[nodiscard]] Analysis analyse(const std::filesystem::path& folder);
 
-/// Floor spectra of the run and its companions, null if there are none.
+/// Floor spectra of the run and its companions, null if not recorded.
 void add_spectra(Analysis& analysis, const recording::Reader& run,
                  const recording::Reader* numerical, const recording::Reader* improved);
 

@@ -25,8 +25,8 @@ std::string base64(const unsigned char* bytes, std::size_t count) {
   return text;
 }
 
-// The data as JavaScript's JSON reads it, and without what would end or change the element that it
-// stands in: "</script>" and "<!--".
+// The data as JSON, with every "<" escaped: "</script>" or "<!--" in a text would end or change the
+// enclosing element.
 std::string escaped(const Json& data) {
   std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
   for (auto at = text.find('<'); at != std::string::npos; at = text.find('<', at))
@@ -41,8 +41,8 @@ std::string joined(const std::vector<std::string_view>& files) {
 }
 
 void fill_in(std::string& page, const std::string& mark, std::string_view text) {
-  const auto place = page.find(mark);
-  if (place != std::string::npos) page.replace(place, mark.size(), text);
+  const auto position = page.find(mark);
+  if (position != std::string::npos) page.replace(position, mark.size(), text);
 }
 
 }  // namespace
@@ -56,13 +56,13 @@ Json packed(const std::vector<double>& values, double scale) {
   return base64(bytes.data(), bytes.size());
 }
 
-std::string assemble(const PageParts& parts, const Json& data) {
-  std::string page{parts.html};
-  fill_in(page, "/*plot-style*/", web::uplot_css);
-  fill_in(page, "/*style*/", joined(parts.styles));
-  fill_in(page, "/*plot-script*/", web::uplot_js);
-  fill_in(page, "/*script*/", joined(parts.scripts));
-  fill_in(page, "/*data*/", escaped(data));  // last: it may hold anything, marks as well
+std::string assemble(const PageSections& sections, const Json& data) {
+  std::string page{sections.html};
+  fill_in(page, "/*plot-style*/", web::kUplotCss);
+  fill_in(page, "/*style*/", joined(sections.styles));
+  fill_in(page, "/*plot-script*/", web::kUplotJs);
+  fill_in(page, "/*script*/", joined(sections.scripts));
+  fill_in(page, "/*data*/", escaped(data));  // last, because data may contain the marks
   return page;
 }
 

@@ -9,16 +9,16 @@
 
 namespace rths::report {
 
-/// What a page is made of: a file of report/web, and what goes where it has marks.
-struct PageParts {
+/// Files of report/web that make a page: the HTML file, and the files that replace its marks.
+struct PageSections {
   std::string_view html;
-  std::vector<std::string_view> styles, scripts;  ///< besides those of the plotting library
+  std::vector<std::string_view> styles, scripts;  ///< in addition to those of the plotting library
 };
 
-/// The whole page: style, drawing code and data in one file that needs nothing else.
-[[nodiscard]] std::string assemble(const PageParts& parts, const Json& data);
+/// The complete page: style, scripts and data in one self-contained file.
+[[nodiscard]] std::string assemble(const PageSections& sections, const Json& data);
 
-/// Numbers travel as 32-bit floats in base64: exact enough for a picture, and small.
+/// Numbers as 32-bit floats in base64: precise enough for a picture, and small.
 [[nodiscard]] Json packed(const std::vector<double>& values, double scale = 1);
 
 }  // namespace rths::report

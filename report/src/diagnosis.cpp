@@ -13,7 +13,7 @@
 namespace rths::report {
 namespace {
 
-// A column for each channel, as rths diagnose reads them.
+// CSV with a column for each channel, as rths diagnose reads it.
 std::string table_of(const diagnosis::TestMotion& motion) {
   std::string text = "time";
   std::size_t rows = 0;
@@ -36,12 +36,12 @@ DiagnosisFiles write_diagnosis(const diagnosis::Verdict& verdict,
                                const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw Error{folder.string() + ": cannot be made a folder: " + error.message()};
+  if (error) throw Error{folder.string() + ": cannot create the folder: " + error.message()};
   const bool is_of_run = std::filesystem::exists(folder / kRunFile);
   DiagnosisFiles files{
       folder / (is_of_run ? kDiagnosisPage : "report.html"), folder / kVerdictFile, {}, {}};
   const auto fragment = folder / kFragmentFile, motion = folder / "next_test.csv";
-  // What an earlier diagnosis proposed must not stand beside a verdict that proposes nothing.
+  // Proposals of an earlier diagnosis must not remain beside a verdict without any.
   for (const auto& file : {fragment, motion}) std::filesystem::remove(file, error);
   write_file(files.page, verdict_page(verdict));
   write_file(files.numbers, verdict_json(verdict));

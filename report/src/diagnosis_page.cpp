@@ -10,10 +10,10 @@
 namespace rths::report {
 namespace {
 
-// Of a curve: more than a screen can show. Many curves share what a page may hold.
-constexpr std::size_t kMostPoints = 6000, kMostPointsOfAll = 40'000;
+// Points of a curve: more than a screen can show. Many curves share the limit of a page.
+constexpr std::size_t kMostTracePoints = 6000, kMostPointsOfAll = 40'000;
 
-// Every so many values of a curve that is longer than anyone can see.
+// A curve, thinned to at most `most` points.
 Json curve(const std::vector<double>& values, std::size_t most) {
   const std::size_t stride = std::max<std::size_t>(1, (values.size() + most - 1) / most);
   std::vector<double> seen;
@@ -40,14 +40,14 @@ std::string verdict_page(const diagnosis::Verdict& verdict) {
   Json data;
   data["verdict"] = verdict_numbers(verdict);
   data["traces"] = Json::array();
-  const std::size_t most =
-      std::min(kMostPoints, kMostPointsOfAll / std::max<std::size_t>(1, verdict.traces.size()));
+  const std::size_t most = std::min(
+      kMostTracePoints, kMostPointsOfAll / std::max<std::size_t>(1, verdict.traces.size()));
   for (const auto& trace : verdict.traces) data["traces"].push_back(trace_data(trace, most));
   return assemble(
-      {web::diagnosis_html,
-       {web::report_css, web::verdict_css, web::diagnosis_css},
-       {web::plots_js, web::quantities_js, web::sentence_js, web::charts_js, web::curtain_js,
-        web::verdict_js, web::where_js, web::proof_js, web::diagnosis_js}},
+      {web::kDiagnosisHtml,
+       {web::kReportCss, web::kVerdictCss, web::kDiagnosisCss},
+       {web::kPlotsJs, web::kQuantitiesJs, web::kSentenceJs, web::kChartsJs, web::kCurtainJs,
+        web::kVerdictJs, web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},
       data);
 }
 

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kPanelWidth = 360, kPanelHeight = 270;  // of the axes' box
 constexpr double kLeft = 62, kRight = 18, kTop = 52, kBottom = 46;
-constexpr double kThinning = 0.15;  // a point this near to the line is not drawn, in pixels
+constexpr double kThinning = 0.15;  // points nearer to the line are left out [pixels]
 constexpr int kTicks = 5;
-constexpr double kSmallestSpan = 1e-9;  // of the values themselves
+constexpr double kSmallestSpan = 1e-9;  // of the values
 constexpr const char* kColours[] = {"#1f5fa8", "#c8501e", "#2e8b57", "#7b4ea3", "#b8860b"};
 constexpr const char* kReferenceColour = "#9aa0a6";
 
@@ -25,7 +25,7 @@ struct Range {
 
 // Limits and ticks on round numbers.
 Range round_range(double low, double high) {
-  // A value that hardly varies is a constant with round-off.
+  // Variation at the level of round-off counts as a constant.
   const double smallest = kSmallestSpan * std::max(std::abs(low), std::abs(high));
   if (!(high - low > smallest)) high = low + std::max(1.0, std::abs(low)), low = low - (high - low);
   const double raw = (high - low) / kTicks;
@@ -68,11 +68,11 @@ double distance_to_segment(const Point& p, const Point& a, const Point& b) {
   const double dx = b.x - a.x, dy = b.y - a.y;
   const double square = dx * dx + dy * dy;
   const double along = square > 0 ? ((p.x - a.x) * dx + (p.y - a.y) * dy) / square : 0;
-  const double part = std::clamp(along, 0.0, 1.0);
-  return std::hypot(p.x - a.x - part * dx, p.y - a.y - part * dy);
+  const double share = std::clamp(along, 0.0, 1.0);
+  return std::hypot(p.x - a.x - share * dx, p.y - a.y - share * dy);
 }
 
-// Leaves out points that a straight line passes anyway (Douglas & Peucker 1973).
+// Leaves out points on straight lines (Douglas & Peucker 1973).
 void thin(const std::vector<Point>& points, std::size_t first, std::size_t last,
           std::vector<bool>& kept) {
   std::vector<std::pair<std::size_t, std::size_t>> open{{first, last}};
@@ -118,9 +118,9 @@ class PanelDrawing {
   }
   [[nodiscard]] std::string colour(std::size_t curve) const {
     if (panel_.curves[curve].is_reference) return kReferenceColour;
-    std::size_t place = 0;
-    for (std::size_t i = 0; i < curve; ++i) place += panel_.curves[i].is_reference ? 0 : 1;
-    return kColours[place % std::size(kColours)];
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < curve; ++i) index += panel_.curves[i].is_reference ? 0 : 1;
+    return kColours[index % std::size(kColours)];
   }
 
   [[nodiscard]] std::string axes() const {
@@ -196,8 +196,9 @@ void check(const std::vector<Panel>& panels) {
   for (const auto& panel : panels)
     for (const auto& curve : panel.curves)
       if (curve.x.empty() || curve.x.size() != curve.y.size())
-        throw Error{fmt::format("drawing '{}': a curve has {} x and {} y, expected as many of both",
-                                panel.title, curve.x.size(), curve.y.size())};
+        throw Error{fmt::format(
+            "drawing '{}': a curve has {} x and {} y, expected equal numbers, at least 1",
+            panel.title, curve.x.size(), curve.y.size())};
 }
 
 }  // namespace

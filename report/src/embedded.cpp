@@ -3,27 +3,27 @@
 
 #include <cstddef>
 
-// Symbols of embedded.S.in, which holds the bytes of each file between two labels.
-#define RTHS_EMBEDDED(name)                       \
-  extern "C" const char rths_##name##_begin[];    \
-  extern "C" const char rths_##name##_end[];      \
-  const std::string_view rths::report::web::name{ \
-      rths_##name##_begin, static_cast<std::size_t>(rths_##name##_end - rths_##name##_begin)};
-RTHS_EMBEDDED(report_html)
-RTHS_EMBEDDED(report_css)
-RTHS_EMBEDDED(report_js)
-RTHS_EMBEDDED(plots_js)
-RTHS_EMBEDDED(diagnosis_html)
-RTHS_EMBEDDED(diagnosis_css)
-RTHS_EMBEDDED(diagnosis_js)
-RTHS_EMBEDDED(verdict_js)
-RTHS_EMBEDDED(verdict_css)
-RTHS_EMBEDDED(sentence_js)
-RTHS_EMBEDDED(where_js)
-RTHS_EMBEDDED(proof_js)
-RTHS_EMBEDDED(quantities_js)
-RTHS_EMBEDDED(charts_js)
-RTHS_EMBEDDED(curtain_js)
-RTHS_EMBEDDED(uplot_js)
-RTHS_EMBEDDED(uplot_css)
+// Each file lies between two labels of embedded.S.in.
+#define RTHS_EMBEDDED(file, constant)                 \
+  extern "C" const char rths_##file##_begin[];        \
+  extern "C" const char rths_##file##_end[];          \
+  const std::string_view rths::report::web::constant{ \
+      rths_##file##_begin, static_cast<std::size_t>(rths_##file##_end - rths_##file##_begin)};
+RTHS_EMBEDDED(report_html, kReportHtml)
+RTHS_EMBEDDED(report_css, kReportCss)
+RTHS_EMBEDDED(report_js, kReportJs)
+RTHS_EMBEDDED(plots_js, kPlotsJs)
+RTHS_EMBEDDED(diagnosis_html, kDiagnosisHtml)
+RTHS_EMBEDDED(diagnosis_css, kDiagnosisCss)
+RTHS_EMBEDDED(diagnosis_js, kDiagnosisJs)
+RTHS_EMBEDDED(verdict_js, kVerdictJs)
+RTHS_EMBEDDED(verdict_css, kVerdictCss)
+RTHS_EMBEDDED(sentence_js, kSentenceJs)
+RTHS_EMBEDDED(where_js, kWhereJs)
+RTHS_EMBEDDED(proof_js, kProofJs)
+RTHS_EMBEDDED(quantities_js, kQuantitiesJs)
+RTHS_EMBEDDED(charts_js, kChartsJs)
+RTHS_EMBEDDED(curtain_js, kCurtainJs)
+RTHS_EMBEDDED(uplot_js, kUplotJs)
+RTHS_EMBEDDED(uplot_css, kUplotCss)
 #undef RTHS_EMBEDDED

@@ -3,13 +3,14 @@
 
 #include <string_view>
 
-/// Files of report/web and the plotting library, as they were when the command was built.
+/// Contents of the files of report/web and of the plotting library, embedded when the command is
+/// built.
 namespace rths::report::web {
 
-extern const std::string_view report_html, report_css, report_js, plots_js;
-extern const std::string_view verdict_css, sentence_js;
-extern const std::string_view diagnosis_html, diagnosis_css, diagnosis_js;
-extern const std::string_view quantities_js, charts_js, curtain_js, verdict_js, where_js, proof_js;
-extern const std::string_view uplot_js, uplot_css;
+extern const std::string_view kReportHtml, kReportCss, kReportJs, kPlotsJs;
+extern const std::string_view kVerdictCss, kSentenceJs;
+extern const std::string_view kDiagnosisHtml, kDiagnosisCss, kDiagnosisJs;
+extern const std::string_view kQuantitiesJs, kChartsJs, kCurtainJs, kVerdictJs, kWhereJs, kProofJs;
+extern const std::string_view kUplotJs, kUplotCss;
 
 }  // namespace rths::report::web

@@ -10,13 +10,10 @@
 namespace rths::report {
 namespace {
 
-constexpr double kMostExcused = 0.01;  // part of the steps
-constexpr double kMilli = 1e3;         // s to ms, m to mm
-constexpr double kPercent = 100;
-constexpr double kPerKilo = 1e-3;  // N to kN
+constexpr double kMostExcused = 0.01;  // fraction of the steps
 
-// Bands that spectra are compared in [Hz]: isolation and the buildings' first modes, the band that
-// the machine's errors and the vertical motion show in, and what is above.
+// Bands for comparing spectra [Hz]: isolation and first modes of the buildings; the band of the
+// machine's errors and of vertical motion; higher frequencies.
 struct Band {
   const char* name;
   double from, to;
@@ -33,7 +30,7 @@ double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
 
-// Without the gaps.
+// The values without NaN.
 std::vector<double> numbers_in(std::vector<double> values) {
   values.erase(
       std::remove_if(values.begin(), values.end(), [](double value) { return std::isnan(value); }),
@@ -43,7 +40,7 @@ std::vector<double> numbers_in(std::vector<double> values) {
 
 double median(std::vector<double> values) { return percentile(std::move(values), 0.5); }
 
-// Digits that a reader can use; the rest is noise.
+// Rounds to significant decimals.
 double rounded(double value, int decimals) {
   const double scale = std::pow(10.0, decimals);
   return std::round(value * scale) / scale;
@@ -53,7 +50,7 @@ Json optional_ms(const std::optional<double>& seconds) {
   return seconds ? Json(rounded(*seconds * kMilli, 2)) : Json(nullptr);
 }
 
-// How many times as high the test's spectrum is as another, in the mean of its logarithm.
+// Ratio of the test's spectrum to another by band, as the geometric mean.
 Json spectrum_ratios(const FloorSpectra& floor, const std::string& of,
                      const std::vector<double>& frequencies) {
   const auto found = std::find_if(floor.spectra.begin(), floor.spectra.end(),
@@ -178,12 +175,12 @@ std::string summary_of(const Analysis& analysis) {
           : "");
   for (const auto& axis : analysis.axes)
     text += fmt::format(
-        "{:<7} delay {}{:.1f} ms (in windows of 2 s {:.1f} at the median)  NRMS {:.2f} %  peak "
+        "{:<7} delay {}{:.1f} ms (median over 2 s windows {:.1f})  NRMS {:.2f} %  peak "
         "{:.1f} mm, {:.0f} kN\n",
         axis.name, axis.raw_delay ? fmt::format("{:.1f} -> ", *axis.raw_delay * kMilli) : "",
         axis.delay * kMilli, median(numbers_in(axis.tracking.delay.values)) * kMilli,
         axis.nrms * kPercent, axis.peak_displacement * kMilli, axis.peak_shear * kPerKilo);
-  text += fmt::format("host    late {:.2f} ms at most, {} of {} steps excused, {} overruns\n",
+  text += fmt::format("host    at most {:.2f} ms late, {} of {} steps excused, {} overruns\n",
                       largest(analysis.host_late.values) * kMilli, steps.excused_count,
                       steps.slow.size() + 1, total_overruns(analysis));
   if (!is_conclusive(analysis))

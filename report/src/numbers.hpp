@@ -11,11 +11,16 @@ namespace rths::report {
 
 using Json = nlohmann::ordered_json;
 
+inline constexpr double kPercent = 100;   ///< fraction to %
+inline constexpr double kMilli = 1e3;     ///< s to ms, m to mm
+inline constexpr double kPerKilo = 1e-3;  ///< N to kN
+
 /// Every number of a report, in the units its keys name.
 [[nodiscard]] Json numbers_of(const Analysis& analysis);
-/// The same in a few lines for a terminal.
+/// A report in a few lines for a terminal.
 [[nodiscard]] std::string summary_of(const Analysis& analysis);
-/// True if the host was in time often enough for real-time claims: at most 1 % of steps excused.
+/// Returns true if at most 1 % of the steps are excused, so that statements about real time are
+/// valid.
 [[nodiscard]] bool is_conclusive(const Analysis& analysis);
 
 }  // namespace rths::report

@@ -10,11 +10,11 @@
 namespace rths::report {
 namespace {
 
-constexpr std::size_t kMostPoints = 4000;  // of a curve: more than a screen can show
-constexpr double kMilli = 1e3;
-constexpr double kPerKilo = 1e-3;
+constexpr std::size_t kMostCurvePoints = 4000;  // of a curve: more than a screen can show
 
-std::size_t stride_of(std::size_t count) { return (count + kMostPoints - 1) / kMostPoints; }
+std::size_t stride_of(std::size_t count) {
+  return (count + kMostCurvePoints - 1) / kMostCurvePoints;
+}
 
 std::vector<double> thinned(const std::vector<double>& values) {
   const std::size_t stride = std::max<std::size_t>(1, stride_of(values.size()));
@@ -23,7 +23,7 @@ std::vector<double> thinned(const std::vector<double>& values) {
   return result;
 }
 
-// The largest of each stretch: a rare late millisecond must not fall between two points.
+// The largest value of each interval, so that thinning keeps a rare late millisecond.
 std::vector<double> peaks(const std::vector<double>& values) {
   const std::size_t stride = std::max<std::size_t>(1, stride_of(values.size()));
   std::vector<double> result;
@@ -97,9 +97,9 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
 }  // namespace
 
 std::string page_of(const Analysis& analysis, const Json& numbers) {
-  return assemble({web::report_html,
-                   {web::report_css, web::verdict_css},
-                   {web::plots_js, web::quantities_js, web::sentence_js, web::report_js}},
+  return assemble({web::kReportHtml,
+                   {web::kReportCss, web::kVerdictCss},
+                   {web::kPlotsJs, web::kQuantitiesJs, web::kSentenceJs, web::kReportJs}},
                   page_data(analysis, numbers));
 }
 

@@ -7,7 +7,7 @@
 
 namespace rths::report {
 
-/// The whole page: style, drawing code and data in one file that needs nothing else.
+/// The complete page of a run: style, scripts and data in one self-contained file.
 [[nodiscard]] std::string page_of(const Analysis& analysis, const Json& numbers);
 
 }  // namespace rths::report

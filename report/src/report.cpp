@@ -13,14 +13,14 @@
 namespace rths::report {
 namespace {
 
-// What a diagnosis of the run left in its folder; null if there was none.
+// The verdict of a diagnosis in the folder of the run; null if there is none.
 Json verdict_in(const std::filesystem::path& folder) {
   const auto file = folder / kVerdictFile;
   if (!std::filesystem::exists(file)) return nullptr;
   std::ifstream stream{file};
   const Json verdict = Json::parse(stream, nullptr, false);
   if (!verdict.is_object() || verdict.value("format", 0) != kVerdictFormat)
-    throw Error{fmt::format("{}: is no verdict of format {}, remove it or diagnose the run again",
+    throw Error{fmt::format("{}: not a verdict of format {}; remove it or diagnose the run again",
                             file.string(), kVerdictFormat)};
   return verdict;
 }

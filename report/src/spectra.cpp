@@ -9,7 +9,7 @@ namespace rths::report {
 namespace {
 
 constexpr double kDampingRatio = 0.05;
-constexpr double kLowest = 0.2, kHighest = 33;  // [Hz], the band nuclear practice looks at
+constexpr double kLowest = 0.2, kHighest = 33;  // [Hz], the band of nuclear practice
 constexpr int kFrequencies = 160;
 
 }  // namespace

@@ -11,14 +11,14 @@ namespace {
 
 using diagnosis::Verdict;
 
-constexpr int kDigits = 8;  // significant; the rest is noise
+constexpr int kDigits = 8;  // significant
 
-// JSON has no word for what is not finite.
+// JSON cannot represent NaN and infinity: they become null.
 Json number(double value) {
   if (!std::isfinite(value)) return nullptr;
   if (value == 0) return 0.0;
   const int decimals = kDigits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
-  // Powers of ten are exact up to here; beyond, rounding would do harm instead of good.
+  // Powers of ten are exact up to this one; beyond, rounding would add errors.
   constexpr int kExact = 22;
   if (std::abs(decimals) > kExact) return value;
   const double scale = std::pow(10.0, std::abs(decimals));
@@ -35,7 +35,7 @@ Json interval(const std::pair<double, double>& pair) {
   return Json::array({number(pair.first), number(pair.second)});
 }
 
-// A list made of a list, item by item.
+// A JSON list of converted items.
 template <class Items, class Make>
 Json each(const Items& items, Make make) {
   Json list = Json::array();
@@ -163,7 +163,7 @@ Json verdict_numbers(const Verdict& verdict) {
 }
 
 std::string verdict_json(const Verdict& verdict) {
-  // Names of files may be no UTF-8.
+  // Names of files may not be UTF-8.
   return verdict_numbers(verdict).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

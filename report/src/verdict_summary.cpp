@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A verdict in the few lines that fit a terminal.
+// A verdict in a few lines for a terminal.
 #include <algorithm>
 #include <cmath>
 
@@ -8,12 +8,13 @@
 
 #include <rths/report/diagnosis.hpp>
 
+#include "numbers.hpp"
+
 namespace rths::report {
 namespace {
 
 using diagnosis::Verdict;
 
-constexpr double kPercent = 100;
 constexpr std::size_t kMostIntervals = 4;  // shown of each kind; verdict.json has all
 
 std::string intervals_text(const std::vector<std::pair<double, double>>& intervals,
@@ -43,26 +44,27 @@ std::string cause_text(const diagnosis::Cause& cause) {
     text += fmt::format("          {:<44} {:.4g} [{:.4g}, {:.4g}] {}\n", p.name, p.value, p.low,
                         p.high, p.unit);
   for (const auto& other : cause.alternatives)
-    text += fmt::format(
-        "or        {} ({:.0f} % of the gain); {}\n", other.name, other.share * kPercent,
-        other.test.empty() ? "no known test tells them apart"
-                           : fmt::format("{} tells ({:.0f} sigma)", other.test, other.sigma));
+    text +=
+        fmt::format("or        {} ({:.0f} % of the gain); {}\n", other.name, other.share * kPercent,
+                    other.test.empty()
+                        ? "no known test separates them"
+                        : fmt::format("{} separates them ({:.0f} sigma)", other.test, other.sigma));
   return text;
 }
 
 std::string description_text(const Verdict& verdict) {
   if (verdict.descriptions.empty()) return "";
   const auto& best = verdict.descriptions.front();
-  return fmt::format("form      {}, {:.0f} % of what is unexplained\n", best.form,
+  return fmt::format("form      {}, {:.0f} % of the systematic residual\n", best.form,
                      best.share * kPercent);
 }
 
-// What a fit without the missing physics hid in the parameters.
+// Parameters fitted without and with the named causes.
 std::string refitted_text(const Verdict& verdict) {
   std::string text;
   for (const auto& p : verdict.refitted)
-    text += fmt::format("fitted    {:<44} {:.4g} without, {:.4g} with what is named {}\n", p.name,
-                        p.before, p.after, p.unit);
+    text += fmt::format("fitted    {:<44} {:.4g} without, {:.4g} with the named causes {}\n",
+                        p.name, p.before, p.after, p.unit);
   return text;
 }
 
@@ -81,7 +83,7 @@ std::string scores_text(const Verdict& verdict) {
                         score.record == verdict.proof_record ? "proof" : score.use,
                         percent(score.nrmse_before), percent(score.nrmse_after),
                         percent(score.noise_floor));
-  return text + fmt::format("what remains is {}\n", verdict.residual_white ? "white" : "not white");
+  return text + fmt::format("the residual is {}\n", verdict.residual_white ? "white" : "not white");
 }
 
 }  // namespace

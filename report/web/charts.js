@@ -1,5 +1,5 @@
 
-// Figures in SVG, drawn again at the width that the page gives: histograms, maps, curves with bands.
+// Figures in SVG, redrawn at the width of the page: histograms, maps, curves with bands.
 const charts = (() => {
   const { el, figure } = plots;
   const { ticks, tick, percent } = quantities;
@@ -16,21 +16,21 @@ const charts = (() => {
 
   const responsive = (box, height, draw) => {
     let drawn = 0;
-    const place = el("div");
-    box.append(place);
+    const container = el("div");
+    box.append(container);
     new ResizeObserver(() => requestAnimationFrame(() => {
-      const width = Math.floor(place.clientWidth);
+      const width = Math.floor(container.clientWidth);
       if (width < 60 || width === drawn) return;
       drawn = width;
       const picture = svg("svg", { viewBox: `0 0 ${width} ${height}`, height });
       draw(picture, width, height);
       if (plots.marks.synthetic)
         picture.append(text(width - 10, 13, "synthetic", { "text-anchor": "end", class: "stamp" }));
-      place.replaceChildren(picture);
-    })).observe(place);
+      container.replaceChildren(picture);
+    })).observe(container);
   };
 
-  // From a value to a place: linear, or logarithmic.
+  // Converts a value to a coordinate, linearly or logarithmically.
   const scale = (domain, range, log = false) => {
     const f = log ? Math.log : v => v;
     const [a, b] = domain.map(f);
@@ -81,12 +81,12 @@ const charts = (() => {
     });
   };
 
-  // Energy beyond the noise, cell by cell; the cells that hold 80 % of it stand out.
-  // Logarithms know no zero: a first cell that begins there is drawn as wide as the next.
+  // Energy beyond the noise, cell by cell; the cells that hold 80 % of it are highlighted.
+  // On a logarithmic axis, a first cell that begins at 0 is drawn as wide as the next.
   const positive = edges => (edges[0] > 0 ? edges : [edges[1] ** 2 / edges[2], ...edges.slice(1)]);
-  const histogram = (place, caption, given, label, intervals, log = false) => {
+  const histogram = (container, caption, given, label, intervals, log = false) => {
     const profile = log && given.edges.length > 2 ? { ...given, edges: positive(given.edges) } : given;
-    const box = figure(place, caption, []);
+    const box = figure(container, caption, []);
     responsive(box, 230, (picture, width, height) => {
       const domain = [profile.edges[0], profile.edges[profile.edges.length - 1]];
       const top = Math.max(...profile.share) * 100 || 1;
@@ -97,9 +97,9 @@ const charts = (() => {
     });
   };
 
-  // What was measured, and below it when the mismatch was.
-  const timeStrip = (place, caption, profile, intervals, curve, units) => {
-    const box = figure(place, caption, [{ label: units.name, color: COLOR.measured }]);
+  // Measurement over time, and below it the mismatch over time.
+  const timeStrip = (container, caption, profile, intervals, curve, units) => {
+    const box = figure(container, caption, [{ label: units.name, color: COLOR.measured }]);
     responsive(box, curve ? 250 : 170, (picture, width, height) => {
       const domain = [profile.edges[0], profile.edges[profile.edges.length - 1]];
       const x = scale(domain, [58, width - 8]);
@@ -120,21 +120,21 @@ const charts = (() => {
     });
   };
 
-  const mixed = (a, b, part) => {
+  const mixed = (a, b, share) => {
     const channel = (hex, i) => parseInt(hex.slice(1 + 2 * i, 3 + 2 * i), 16);
-    return `rgb(${[0, 1, 2].map(i => Math.round(channel(a, i) + (channel(b, i) - channel(a, i)) * part)).join(",")})`;
+    return `rgb(${[0, 1, 2].map(i => Math.round(channel(a, i) + (channel(b, i) - channel(a, i)) * share)).join(",")})`;
   };
   /// Colour of 0 (noise) to 1 (the most beyond it).
-  const heat = part => {
-    const at = Math.min(1, Math.max(0, part)) * (HEAT.length - 1), stop = Math.min(HEAT.length - 2, Math.floor(at));
+  const heat = share => {
+    const at = Math.min(1, Math.max(0, share)) * (HEAT.length - 1), stop = Math.min(HEAT.length - 2, Math.floor(at));
     return mixed(HEAT[stop], HEAT[stop + 1], at - stop);
   };
   const rampKey = (from, to) => el("span", { className: "ramp" }, from, el("b"), to);
 
   // Displacement by velocity; the cells that hold 80 % are outlined.
-  const stateMap = (place, caption, cells, chosen) => {
-    const box = figure(place, caption, []);
-    box.querySelector(".key").append(rampKey("noise", "most of it"),
+  const stateMap = (container, caption, cells, chosen) => {
+    const box = figure(container, caption, []);
+    box.querySelector(".key").append(rampKey("noise", "largest share"),
       el("span", { textContent: "outlined: holds 80 %" }));
     const ends = key => [Math.min(...cells.map(c => c[key][0])), Math.max(...cells.map(c => c[key][1]))];
     const size = pair => Math.max(...pair.map(Math.abs));
@@ -151,13 +151,13 @@ const charts = (() => {
         const [left, right] = cell.displacement_m.map(value => x(value * du.factor));
         const [bottom, top] = cell.velocity_m_per_s.map(value => y(value * dv.factor));
         const at = { x: left + 1, y: top + 1, width: Math.max(1, right - left - 2), height: Math.max(1, bottom - top - 2), rx: 2 };
-        const part = Math.max(0, cell.share) / most;
-        picture.append(svg("rect", { ...at, fill: part > 0 ? heat(Math.sqrt(part)) : "#f3f5f7" }));
+        const level = Math.max(0, cell.share) / most;
+        picture.append(svg("rect", { ...at, fill: level > 0 ? heat(Math.sqrt(level)) : "#f3f5f7" }));
         if (chosen.some(c => same(c, cell)))
           outlines.push(svg("rect", { ...at, fill: "none", stroke: COLOR.ink, "stroke-width": 1.6 }));
         if (cell.share >= 0.015 && at.width > 26)
           outlines.push(text((left + right) / 2, (top + bottom) / 2 + 4, (cell.share * 100).toFixed(0),
-            { "text-anchor": "middle", style: `fill:${part > 0.35 ? "#fff" : "#1c2530"}` }));
+            { "text-anchor": "middle", style: `fill:${level > 0.35 ? "#fff" : "#1c2530"}` }));
       }
       picture.append(...outlines);
       xAxis(picture, x, domain.x, height - 40, du.label);
@@ -165,8 +165,8 @@ const charts = (() => {
   };
 
   // A curve with the band of its standard deviation.
-  const bandCurve = (place, caption, x, y, band, xLabel, yLabel) => {
-    const box = figure(place, caption, [{ label: "mean of the residual", color: COLOR.line }]);
+  const bandCurve = (container, caption, x, y, band, xLabel, yLabel) => {
+    const box = figure(container, caption, [{ label: "mean of the residual", color: COLOR.line }]);
     const low = y.map((value, i) => value - 2 * (band[i] || 0)), high = y.map((value, i) => value + 2 * (band[i] || 0));
     responsive(box, 320, (picture, width, height) => {
       const finite = [...low, ...high].filter(Number.isFinite);
@@ -180,9 +180,9 @@ const charts = (() => {
     });
   };
 
-  // Autocorrelation over the lags, and what noise would leave.
-  const correlogram = (place, caption, values, bound) => {
-    const box = figure(place, caption, bound ? [{ label: "95 % of the lags of noise", color: "#c3ccd4" }] : []);
+  // Autocorrelation over the lags, with the bound for noise.
+  const correlogram = (container, caption, values, bound) => {
+    const box = figure(container, caption, bound ? [{ label: "95 % of the lags of noise", color: "#c3ccd4" }] : []);
     responsive(box, 190, (picture, width, height) => {
       const top = Math.max(0.2, bound || 0, ...values.map(value => Math.abs(value ?? 0))) * 1.1;
       const domain = [0, values.length + 1];
@@ -202,8 +202,8 @@ const charts = (() => {
     });
   };
 
-  // Rows of name, bar and value. Each bar from 0; the scale holds all of them.
-  const rows = (place, items, options = {}) => {
+  // Rows of name, bar and value. All bars begin at 0 and share one scale.
+  const rows = (container, items, options = {}) => {
     const ends = items.flatMap(i => [0, i.value, i.low ?? 0, i.high ?? 0, options.floor ?? 0]).filter(Number.isFinite);
     const at = scale([Math.min(...ends), Math.max(...ends)], [0, 100]);
     const grid = el("div", { className: "rows" });
@@ -228,7 +228,7 @@ const charts = (() => {
       if (item.name && item.name !== item.title) name.append(el("code", { textContent: item.name }));
       grid.append(name, track, el("div", { className: "value", textContent: item.shown }));
     }
-    place.append(grid);
+    container.append(grid);
     return grid;
   };
 

@@ -1,5 +1,5 @@
 
-// Before on the left of a line, after on its right: one slider moves the line through every figure.
+// A line divides every figure: before on its left, after on its right. One slider moves all lines.
 const curtain = (() => {
   const { el, axisStyle, figure, fit, padded, extent, strokeCurve, watermark, watermarkBelow } = plots;
   const COLOR = { measured: "#aab6c1", before: "#c8501e", after: "#0b5c8a", noise: "#e4e9ed" };
@@ -8,12 +8,12 @@ const curtain = (() => {
   const kHeight = 400;
   let position = 0.5;
 
-  const moveTo = part => {
-    position = Math.min(1, Math.max(0, part));
+  const moveTo = share => {
+    position = Math.min(1, Math.max(0, share));
     for (const follow of [...followers, ...sliders]) follow();
   };
 
-  // A curve that is cut off where the curtain is.
+  // A curve, cut off at the line.
   const cutCurve = (u, xs, ys, style) => {
     const { bbox } = u;
     const edge = bbox.width * position;
@@ -22,7 +22,7 @@ const curtain = (() => {
     return strokeCurve(u, xs, ys, style, left, width);
   };
 
-  // The line that is dragged; it follows the slider and the other figures.
+  // The draggable line; it follows the slider and the other figures.
   const addHandle = u => {
     const handle = el("div", { className: "handle" },
       el("span", { className: "before", textContent: "before" }), el("span", { className: "after", textContent: "after" }));
@@ -46,7 +46,7 @@ const curtain = (() => {
     handle.style.left = `${position * 100}%`;
   };
 
-  // What the noise alone makes, behind the curves.
+  // Band of the noise, behind the curves.
   const noiseBand = half => u => {
     const { ctx, bbox } = u;
     const top = Math.max(bbox.top, u.valToPos(half, "y", true));
@@ -61,8 +61,8 @@ const curtain = (() => {
     ...(noise ? [{ label: "noise alone, ±2σ", color: "#c3ccd4" }] : [])];
 
   // Curves are {label, color, width, side, y}; loops have an x that goes back and forth.
-  const loops = (place, caption, xLabel, yLabel, x, curves, parted) => {
-    const box = figure(place, caption, keyOf(curves));
+  const loops = (container, caption, xLabel, yLabel, x, curves, parted) => {
+    const box = figure(container, caption, keyOf(curves));
     const rangeX = padded(...extent([x])), rangeY = padded(...extent(curves.map(c => c.y)));
     const plot = new uPlot({
       mode: 2, width: 400, height: 320, legend: { show: false }, cursor: { show: false },
@@ -76,8 +76,8 @@ const curtain = (() => {
     fit(box, plot, () => kHeight);
   };
 
-  const histories = (place, caption, yLabel, time, curves, parted, options = {}) => {
-    const box = figure(place, caption, keyOf(curves, options.noise));
+  const histories = (container, caption, yLabel, time, curves, parted, options = {}) => {
+    const box = figure(container, caption, keyOf(curves, options.noise));
     const plot = new uPlot({
       width: 400, height: 240, legend: { show: false },
       cursor: { y: false, points: { show: false }, sync: { key: "proof", setSeries: false } },
@@ -91,15 +91,15 @@ const curtain = (() => {
     fit(box, plot, () => options.height || kHeight);
   };
 
-  // Before other figures take the place of these.
+  // Called before other figures replace these.
   const clear = () => followers.clear();
 
   // The slider with the errors of both sides.
-  const slider = place => {
+  const slider = container => {
     const input = el("input", { type: "range", min: 0, max: 1000, ariaLabel: "before and after" });
     const [before, after, hint] = [el("b"), el("b"), el("div", { className: "hint" })];
     input.addEventListener("input", () => moveTo(input.value / 1000));
-    place.append(el("div", { className: "slider" }, el("div", { className: "side before" }, "before", before), input,
+    container.append(el("div", { className: "slider" }, el("div", { className: "side before" }, "before", before), input,
       el("div", { className: "side after" }, "after", after), hint));
     const follow = () => {
       input.value = position * 1000;

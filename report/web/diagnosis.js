@@ -16,14 +16,14 @@
     const score = verdict.proof || Object.values(v.fit)[0];
     sentence.proofCards(v, byId("cards"));
     if (v.descriptions.length)
-      card("best form", v.descriptions[0].form, `${share(v.descriptions[0].share)} of what is unexplained`);
+      card("best form", v.descriptions[0].form, `${share(v.descriptions[0].share)} of the systematic residual`);
     if (v.verdict !== "none" && v.where.channel) card("where", PART[v.where.part], v.where.channel);
     card("confidence", number(v.confidence, 2), isMissing ? "in the name" : "in the verdict");
-    card("what remains", v.residual_white ? "noise" : v.remainder ? "has a pattern" : "not white",
+    card("residual", v.residual_white ? "noise" : v.remainder ? "systematic" : "not white",
       score ? `variance: ${number(score.variance_after, 3)} × noise` : "");
   };
 
-  // --- form, what, model -------------------------------------------------------------------------
+  // --- form, causes, model -----------------------------------------------------------------------
   const form = () => {
     if (!v.descriptions.length) return hide("form");
     charts.rows(byId("form-ranks"), v.descriptions.map((d, i) => ({
@@ -39,12 +39,12 @@
   };
 
   const kMostRows = 12;
-  const what = () => {
+  const causes = () => {
     if (!v.evidence.length) return hide("what");
-    if (!isMissing) byId("what-title").textContent = "What was tried";
-    byId("what-text").textContent = "What each candidate of the catalogue gains by itself in log-likelihood per observation [nat], " +
-      "on blocks that it was not fitted to, with everything else that may be fitted, fitted again; 90 % intervals from resampling. " +
-      (isMissing ? "Dark: named. Light: cannot be told from it. Grey: the rest." : "None of them passes.");
+    if (!isMissing) byId("what-title").textContent = "Tried candidates";
+    byId("what-text").textContent = "Gain of each single candidate of the catalogue in log-likelihood per observation [nat], " +
+      "on blocks that it was not fitted to. All other free parameters are fitted again. 90 % intervals from resampling. " +
+      (isMissing ? "Dark: named. Light: tied with it. Grey: others." : "None is accepted.");
     const places = Math.max(1, Math.min(4, 1 - Math.floor(Math.log10(Math.max(...v.evidence.map(e => Math.abs(e.gain_nat ?? 0)), 1e-9)))));
     const items = v.evidence.map(e => ({ title: e.title || e.name, name: e.name, value: e.gain_nat, low: e.ci90[0], high: e.ci90[1],
       shown: e.gain_nat == null ? "–" : quantities.decimals(e.gain_nat, places), kind: named.has(e.name) ? "named" : tied.has(e.name) ? "tied" : "" }));
@@ -78,7 +78,7 @@
       setTimeout(() => { button.textContent = "Copy"; }, 1600);
     });
     byId("fragment").append(el("div", { className: "paste" },
-      el("h3", { textContent: "The improved model, to paste (improved.toml)" }), pre, button));
+      el("h3", { textContent: "Improved model to paste (improved.toml)" }), pre, button));
   };
 
   const model = () => {
@@ -106,6 +106,6 @@
       el("code", { textContent: "verdict.json" }), v.seconds != null ? `. The diagnosis took ${number(v.seconds, 2)} s.` : ".");
   };
 
-  for (const draw of [header, where.draw, form, what, model, proof.draw, proof.rivals, limits]) draw();
+  for (const draw of [header, where.draw, form, causes, model, proof.draw, proof.rivals, limits]) draw();
   plots.done();
 })();

@@ -1,11 +1,11 @@
 "use strict";
-// What the pages share: unpacking of numbers, parts of a page, curves. What a test wants to know stands
-// on the body: data-figures (how many were drawn) and data-error.
+// Functions of both pages: unpacking of numbers, elements of a page, curves. For tests, the body has the
+// attributes data-figures (number of drawn figures) and data-error.
 const plots = (() => {
   window.addEventListener("error", e => { document.body.dataset.error = e.message; });
 
   const data = JSON.parse(document.getElementById("data").textContent);
-  const marks = { synthetic: false };  // said on each picture
+  const marks = { synthetic: false };  // printed on each picture
   let figures = 0;
 
   // --- data --------------------------------------------------------------------------------------
@@ -14,10 +14,10 @@ const plots = (() => {
     return new Float32Array(bytes.buffer);
   };
   const times = s => Float64Array.from({ length: unpack(s.values).length }, (_, i) => s.start + i * s.interval);
-  // uPlot has a gap where a value is null; in our data it is no number.
+  // uPlot draws a gap where a value is null; the data have NaN there.
   const gaps = values => Array.from(values, v => (Number.isNaN(v) ? null : v));
 
-  // --- page parts --------------------------------------------------------------------------------
+  // --- elements ----------------------------------------------------------------------------------
   const el = (tag, attributes = {}, ...children) => {
     const node = Object.assign(document.createElement(tag), attributes);
     node.append(...children);
@@ -25,7 +25,7 @@ const plots = (() => {
   };
   const byId = id => document.getElementById(id);
 
-  const figure = (place, caption, key) => {
+  const figure = (container, caption, key) => {
     const legend = el("div", { className: "key" });
     for (const k of key) {
       const line = el("i", { className: k.dashed ? "dashed" : "" });
@@ -33,12 +33,12 @@ const plots = (() => {
       legend.append(el("span", {}, line, k.label));
     }
     const box = el("figure", {}, el("figcaption", { textContent: caption }), legend);
-    byId(place).append(box);
+    byId(container).append(box);
     figures += 1;
     return box;
   };
 
-  // Synthetic data says so on the picture itself.
+  // Marks pictures of synthetic data.
   const stamp = (u, y) => {
     if (!marks.synthetic) return;
     const { ctx, bbox } = u;
@@ -55,7 +55,7 @@ const plots = (() => {
     label, labelSize: 18, labelGap: 0, size: 32, labelFont: "12px system-ui", font: "11px system-ui", stroke: "#5b6875",
     grid: { stroke: "#edf0f2", width: 1 }, ticks: { stroke: "#d5dadf", width: 1, size: 5 }, ...extra,
   });
-  // Redraws at the width the page gives; a figure knows its height from its width.
+  // Redraws at the width of the page; `height` computes the height from the width.
   const fit = (box, plot, height) => {
     let drawn = 0;
     new ResizeObserver(() => requestAnimationFrame(() => {
@@ -74,7 +74,7 @@ const plots = (() => {
     return [low, high];
   };
 
-  // A curve through its points, in a part of the picture: all of it if nothing else is said.
+  // A curve through its points, clipped to an interval of the picture; by default to the whole picture.
   const strokeCurve = (u, xs, ys, style, left = u.bbox.left, width = u.bbox.width) => {
     const { ctx } = u;
     ctx.save();
@@ -98,8 +98,8 @@ const plots = (() => {
     const { lineWidth, color } = u.series[index];
     return strokeCurve(u, ...u.data[index], { width: lineWidth, color });
   };
-  const loops = (place, caption, xLabel, yLabel, curves, equal = false) => {
-    const box = figure(place, caption, curves.map(c => ({ label: c.label, color: c.color })));
+  const loops = (container, caption, xLabel, yLabel, curves, equal = false) => {
+    const box = figure(container, caption, curves.map(c => ({ label: c.label, color: c.color })));
     let x = padded(...extent(curves.map(c => c.x))), y = padded(...extent(curves.map(c => c.y)));
     if (equal) {
       const half = Math.max(x[1] - x[0], y[1] - y[0]) / 2;
@@ -126,8 +126,8 @@ const plots = (() => {
 
   // Curves over time or frequency.
   const cursorGroup = uPlot.sync("time");
-  const lines = (place, caption, x, xLabel, yLabel, curves, options = {}) => {
-    const box = figure(place, caption, curves);
+  const lines = (container, caption, x, xLabel, yLabel, curves, options = {}) => {
+    const box = figure(container, caption, curves);
     const height = width => Math.round(options.height || Math.min(Math.max(width * 0.62, 220), 280));
     const plot = new uPlot({
       width: 400, height: 240, legend: { show: false },
@@ -148,10 +148,10 @@ const plots = (() => {
     fit(box, plot, height);
   };
 
-  const table = (place, head, rows) => {
+  const table = (container, head, rows) => {
     const body = el("tbody");
     for (const row of rows) body.append(el("tr", {}, ...row.map(cell => el("td", { textContent: cell }))));
-    byId(place).append(el("table", {},
+    byId(container).append(el("table", {},
       el("thead", {}, el("tr", {}, ...head.map(h => el("th", { textContent: h })))), body));
   };
 

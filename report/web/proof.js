@@ -1,5 +1,5 @@
 
-// How well it is proven: errors, before and after, what remains; and what it is not.
+// The proof: errors, before and after, residual; and the alternatives.
 const proof = (() => {
   const { el, byId } = plots;
   const { number, share, percent, axis, largest, scaled } = quantities;
@@ -49,7 +49,7 @@ const proof = (() => {
     return Math.sqrt(values.reduce((sum, x) => sum + (x - mean) ** 2, 0) / values.length);
   };
 
-  // Measured and predicted on one record; with a curtain where there is a before and an after.
+  // Measurement and prediction on one record; with a dividing line if a term is named.
   const curves = trace => {
     curtain.clear();
     byId("proof-curves").replaceChildren();
@@ -61,29 +61,29 @@ const proof = (() => {
         { label: "predicted after", color: curtain.COLOR.after, side: "after", width: 1.3, y: inUnit(trace.after) }]
       : [{ label: "predicted", color: curtain.COLOR.after, width: 1.3, y: inUnit(trace.after) }];
     const measured = { label: "measured", color: curtain.COLOR.measured, width: 3, y: inUnit(trace.measured) };
-    const what = `${trace.channel} [${y.unit || "–"}]`;
+    const label = `${trace.channel} [${y.unit || "–"}]`;
     if (trace.abscissa.length) {
       const x = axis(trace.abscissa_label, largest(trace.abscissa));
-      curtain.loops("proof-curves", "Loops", x.label, what, trace.abscissa.map(value => value * x.factor), [measured, ...pair], isMissing);
+      curtain.loops("proof-curves", "Loops", x.label, label, trace.abscissa.map(value => value * x.factor), [measured, ...pair], isMissing);
     }
-    curtain.histories("proof-curves", "Time history", what, trace.time, [measured, ...pair], isMissing);
+    curtain.histories("proof-curves", "Time history", label, trace.time, [measured, ...pair], isMissing);
     const errors = pair.map(c => ({ ...c, label: c.label.replace("predicted", "measured − predicted"), width: 1,
       y: c.y.map((value, i) => measured.y[i] - value) }));
     const floor = v.fit[trace.record] && v.fit[trace.record].noise_floor;
     const e = scaled(trace.unit, largest(errors.flatMap(c => c.y)) / y.factor);
     for (const c of errors) c.y = c.y.map(value => value / y.factor * e.factor);
     const most = 1.05 * Math.max(...errors.map(c => largest(c.y)));
-    curtain.histories("proof-residual", "What remains", `residual [${e.unit || "–"}]`, trace.time, errors, isMissing,
+    curtain.histories("proof-residual", "Residual", `residual [${e.unit || "–"}]`, trace.time, errors, isMissing,
       { height: 220, noise: floor ? 2 * floor * std(trace.measured) * e.factor : 0, range: [-most, most] });
   };
 
-  // The figures of a record and channel that can be chosen.
+  // Figures of the chosen record and channel.
   const shown = first => {
-    const tell = isMissing ? curtain.slider(byId("curtain")) : () => {};
+    const setErrors = isMissing ? curtain.slider(byId("curtain")) : () => {};
     const show = trace => {
       const s = v.fit[trace.record] || {};
-      tell([percent(s.nrmse_before), percent(s.nrmse_after)], `noise alone: ${percent(s.noise_floor)}. Drag the line in ` +
-        "any figure, or the slider; drag over a time history to look closer, double-click to see all of it again.");
+      setErrors([percent(s.nrmse_before), percent(s.nrmse_after)], `noise alone: ${percent(s.noise_floor)}. Drag the line in ` +
+        "any figure, or the slider. Drag over a time history to zoom in, double-click to zoom out.");
       curves(trace);
     };
     if (traces.length > 1) {
@@ -96,17 +96,17 @@ const proof = (() => {
   };
 
   const draw = () => {
-    if (!isMissing) byId("proof-title").textContent = "What remains";
+    if (!isMissing) byId("proof-title").textContent = "Residual";
     byId("proof-text").textContent = (v.proof_record
-      ? `${v.proof_record} was neither fitted to nor chosen on. `
-      : "No record was held out: what follows is no proof. ") +
-      "Errors are root mean squares over the standard deviation of what was measured" + (isMissing
-      ? "; “before” is fitted again without the terms that are named, so that nothing is gained by fitting alone." : ".");
+      ? `${v.proof_record} was used neither for fitting nor for choosing. `
+      : "No record was held out: the following is not a proof. ") +
+      "Errors are root mean squares over the standard deviation of the measurement." + (isMissing
+      ? " “Before” is refitted without the named terms, so that the comparison shows more than a better fit." : "");
     scores();
     const first = traceOf(v.proof_record, v.where.channel) || traces[0];
     if (first) shown(first);
     if (v.residual_correlation.length)
-      charts.correlogram("proof-correlation", `Autocorrelation of what remains: ${v.residual_white ? "it is white" : "it is not white"}`,
+      charts.correlogram("proof-correlation", `Autocorrelation of the residual: ${v.residual_white ? "white" : "not white"}`,
         v.residual_correlation, v.correlation_bound);
   };
 
@@ -114,14 +114,14 @@ const proof = (() => {
     const others = v.causes.flatMap(c => c.alternatives.map(a => ({ ...a, of: c })));
     if (!v.ablation.length && !others.length) return hide("rivals");
     byId("rivals-text").textContent = v.ablation.length
-      ? "Error on the record of the proof if the answer is changed and everything is fitted again. Dotted: noise alone." : "";
+      ? "Error on the record of the proof after a change of the named terms and a refit. Dotted: noise alone." : "";
     const as = verdict.proof ? [{ title: "as named", value: verdict.proof.nrmse_after, shown: percent(verdict.proof.nrmse_after), kind: "named" }] : [];
     if (v.ablation.length)
       charts.rows(byId("ablation"), [...as, ...v.ablation.map(a => ({ title: a.what.replaceAll("_", " "), value: a.nrmse,
         shown: percent(a.nrmse), kind: a.what.startsWith("without") ? "before" : "" }))], { floor: verdict.proof && verdict.proof.noise_floor });
     if (!others.length) return;
-    byId("alternatives").append(el("h3", { textContent: "What else it could be" }), tableOf(["term", "instead of", "of its gain", "test that would tell", "apart by"],
-      others.map(a => [a.title || a.name, a.of.title || a.of.name, share(a.share), a.test || "none that is known",
+    byId("alternatives").append(el("h3", { textContent: "Tied candidates" }), tableOf(["term", "instead of", "share of its gain", "separating test", "separation"],
+      others.map(a => [a.title || a.name, a.of.title || a.of.name, share(a.share), a.test || "none known",
         a.test && a.sigma != null ? `${number(a.sigma, 3)} σ` : "–"]), [0, 1, 3]));
   };
 

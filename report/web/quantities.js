@@ -1,5 +1,5 @@
 
-// Numbers as people read them: SI prefixes, as many digits as their intervals bear.
+// Formats numbers for reading: SI prefixes, and as many digits as their intervals justify.
 const quantities = (() => {
   const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"]];
   const NEVER_LARGE = "m s", NEVER_SMALL = "Hz";
@@ -29,7 +29,7 @@ const quantities = (() => {
     if (power >= 6 || power < -4) return `${decimals(value / 10 ** power, digits - 1)}·10${raised(power)}`;
     return decimals(value, digits - 1 - power);
   };
-  // Without the zeros that say nothing: 0.5 rather than 0.500.
+  // Without trailing zeros: 0.5 instead of 0.500.
   const brief = (value, digits = 3) => number(value, digits).replace(/(\.\d*?)0+(?=$|·)/, "$1").replace(/\.(?=$|·)/, "");
   const share = value => (value == null ? "–" : `${value > 0 && value < 0.01 ? "< 1" : decimals(value * 100, 0)}\u2009%`);
   const percent = value => {
@@ -52,7 +52,7 @@ const quantities = (() => {
     return { value: show(value), low: show(low), high: show(high), unit: s.unit };
   };
 
-  // "displacement [m]" with values up to 0.2: what to multiply by, and "displacement [mm]".
+  // For "displacement [m]" with values up to 0.2: the factor, and "displacement [mm]".
   const axis = (label, size) => {
     const parts = /^(.*?)\s*\[(.*)\]$/.exec(label) || [null, label, ""];
     const s = scaled(parts[2], size);
@@ -77,7 +77,7 @@ const quantities = (() => {
     return decimals(value, places);
   };
 
-  // Intervals that touch are one.
+  // Joins intervals that touch.
   const joined = intervals => intervals.reduce((list, [a, b]) => {
     const last = list[list.length - 1];
     if (last && a <= last[1] * (1 + 1e-6)) last[1] = Math.max(last[1], b);

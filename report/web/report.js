@@ -18,12 +18,12 @@
   const fixed = (value, digits) => (value == null ? "–" : value.toFixed(digits));
   const axes = Object.entries(n.axes);
 
-  // What the diagnosis of this test found comes before the test itself.
+  // The diagnosis of this test, above the test itself.
   const found = () => {
     const v = n.diagnosis;
     if (!v) return;
     byId("found").hidden = false;
-    byId("found-chip").append(sentence.chip(v), "What the simulation left out");
+    byId("found-chip").append(sentence.chip(v), "Diagnosis of the simulation");
     if (v.synthetic) byId("found-chip").append(el("span", { className: "badge", textContent: "synthetic recordings" }));
     sentence.write(v, byId("found-sentence"), byId("found-rest"));
     sentence.proofCards(v, byId("found-cards"));
@@ -33,7 +33,7 @@
         `${differences("numerical_difference_percent")} → ${differences("improved_difference_percent")}\u2009%`,
         `of its displacement, rms, ${axes.map(([name]) => AXIS_NAME[name]).join(" / ")}`);
     const file = (name, text) => [el("a", { href: name, textContent: text }), " · "];
-    byId("found-files").append(...file("diagnosis.html", "how it was found and proved"),
+    byId("found-files").append(...file("diagnosis.html", "details and proof"),
       ...(v.improved_model ? file("improved.toml", "the improved model") : []),
       el("a", { href: "verdict.json", textContent: "its numbers" }));
   };
@@ -50,8 +50,8 @@
     const good = n.conclusive && n.slow_downs === 0;
     byId("verdict").textContent = n.conclusive
       ? `${n.integration_steps} integration steps at ${Math.round(n.control_rate_hz)} Hz control, ${slow}` +
-        (n.steps_excused ? `; ${n.steps_excused} steps excused by the host's own lateness` : "")
-      : `Inconclusive: the host itself was late in ${n.steps_excused} of ${n.integration_steps} steps. Run again.`;
+        (n.steps_excused ? `; ${n.steps_excused} steps excused because the host was late` : "")
+      : `Inconclusive: the host was late in ${n.steps_excused} of ${n.integration_steps} steps. Run again.`;
     byId("verdict").classList.add(good ? "good" : "bad");
 
     const card = (name, value, unit, note) => byId("cards").append(el("div", { className: "card" },
@@ -79,7 +79,7 @@
       for (const m of data[label]) axes[m.name] = { u: unpack(m.loop_displacement_mm), f: unpack(m.loop_force_kN) };
       return { label, axes };
     }).filter(m => Object.keys(m.axes).length);
-    // The test in front of what a model does in the specimen's place.
+    // The test in front of the results with a model instead of the specimen.
     const beside = (pick, of) => [
       ...models.map(m => ({ label: m.label, color: COLOR[m.label], x: of(m.axes)[0], y: of(m.axes)[1], width: 1.2 })),
       { label: "hybrid", color: COLOR.hybrid, x: pick[0], y: pick[1], width: 1.2 },
@@ -149,8 +149,8 @@
     const lateness = unpack(data.host_late_ms.values);
     if (lateness.length) {
       byId("host-note").textContent =
-        "How late a thread that does nothing but wake every millisecond was let run: the host's own lateness. " +
-        "Steps in which it reaches one control period are excused; more than 1 % of them makes a run inconclusive.";
+        "Lateness of the host: wake-up latency of an idle 1 ms thread. " +
+        "Steps in which it reaches one control period are excused. If more than 1 % are excused, the run is inconclusive.";
       const t = times(data.host_late_ms);
       lines("host", "Host lateness, largest of each 10 ms", t, "time [s]", "[ms]", [
         { label: "host", color: COLOR.host, y: lateness, width: 1 },
@@ -158,7 +158,7 @@
       ], { height: 200, logY: true, measured: true });
     } else {
       byId("host-note").textContent =
-        "This run was in virtual time: nothing was late, and nothing here is a claim about real time.";
+        "This run was in virtual time. It makes no statement about real time.";
     }
     table("nodes", ["node", "steps", "late p50 [ms]", "p99", "max", "overruns", "stale reads", "not recorded"],
       Object.entries(n.nodes).map(([name, s]) => [name, s.steps, fixed(s.late_p50_ms, 3), fixed(s.late_p99_ms, 3),
@@ -170,9 +170,9 @@
       ["raw delay, cross-correlation [ms]", "delay_raw_ms", 2], ["raw delay, minimum RMS [ms]", "delay_raw_min_rms_ms", 2],
       ["raw NRMS [%]", "nrms_raw_percent", 2], ["compensated delay, cross-correlation [ms]", "delay_compensated_ms", 2],
       ["compensated delay, minimum RMS [ms]", "delay_compensated_min_rms_ms", 2],
-      ["compensated delay in windows of 2 s, median [ms]", "delay_in_windows_median_ms", 2],
-      ["compensated delay in windows of 2 s, largest [ms]", "delay_in_windows_max_ms", 2],
-      ["NRMS [%]", "nrms_percent", 2], ["NRMS in windows of 2 s, largest [%]", "nrms_in_windows_max_percent", 2],
+      ["compensated delay, median over 2 s windows [ms]", "delay_in_windows_median_ms", 2],
+      ["compensated delay, largest of 2 s windows [ms]", "delay_in_windows_max_ms", 2],
+      ["NRMS [%]", "nrms_percent", 2], ["NRMS, largest of 2 s windows [%]", "nrms_in_windows_max_percent", 2],
       ["largest error / largest command [%]", "peak_error_percent", 2], ["peak displacement [mm]", "peak_displacement_mm", 1],
       ["peak displacement, numerical [mm]", "numerical_peak_displacement_mm", 1],
       ["displacement, numerical against hybrid, rms [%]", "numerical_difference_percent", 1], ["peak shear [kN]", "peak_shear_kN", 0],

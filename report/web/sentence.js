@@ -1,11 +1,11 @@
 
-// A verdict's sentence, as both pages open with it.
+// The sentence of a verdict, at the top of both pages.
 const sentence = (() => {
   const { el } = plots;
   const { share, percent } = quantities;
 
-  // Up to the first semicolon that is in no brackets.
-  const heartOf = text => {
+  // Index behind the first semicolon outside brackets.
+  const endOfMain = text => {
     let depth = 0;
     for (let i = 0; i < text.length; i++) {
       depth += "([".includes(text[i]) - ")]".includes(text[i]);
@@ -13,28 +13,28 @@ const sentence = (() => {
     }
     return text.length;
   };
-  // The first sentence is the verdict; its heart stands out.
-  const write = (v, place, rest) => {
+  // The first sentence is the verdict; its beginning is highlighted.
+  const write = (v, container, rest) => {
     const end = /[.!?]\s+(?=[A-Z])/.exec(v.sentence);
     const first = end ? v.sentence.slice(0, end.index + 1) : v.sentence;
-    const heart = heartOf(first);
-    place.append(first.slice(0, heart), el("span", { className: "detail", textContent: first.slice(heart) }));
+    const main = endOfMain(first);
+    container.append(first.slice(0, main), el("span", { className: "detail", textContent: first.slice(main) }));
     rest.textContent = end ? v.sentence.slice(end.index + 1).trim() : "";
   };
   const chip = v => el("span", { className: `chip ${v.verdict}`,
     textContent: { missing: "missing", none: "nothing missing", unknown: "unknown" }[v.verdict] });
 
-  const card = (place, name, value, note) => place.append(el("div", { className: "card" },
+  const card = (container, name, value, note) => container.append(el("div", { className: "card" },
     el("div", { className: "name", textContent: name }), el("div", { className: "value", textContent: value }),
     el("div", { className: "note", textContent: note })));
   // Error before and after on the record that nothing was fitted to, and how much that explains.
-  const proofCards = (v, place) => {
+  const proofCards = (v, container) => {
     const proof = v.fit[v.proof_record], score = proof || Object.values(v.fit)[0], isMissing = v.verdict === "missing";
     if (score)
-      card(place, proof ? "error on the unseen record" : "error where it was fitted",
+      card(container, proof ? "error on the unseen record" : "error on the fitted record",
         (isMissing ? `${percent(score.nrmse_before)} → ` : "") + percent(score.nrmse_after), `noise alone: ${percent(score.noise_floor)}`);
     if (isMissing)
-      card(place, "explained", share(Math.min(1, v.causes.reduce((sum, c) => sum + (c.explained_fraction || 0), 0))), "of what was unexplained");
+      card(container, "explained", share(Math.min(1, v.causes.reduce((sum, c) => sum + (c.explained_fraction || 0), 0))), "of the systematic residual");
   };
 
   return { write, chip, card, proofCards };

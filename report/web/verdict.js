@@ -1,5 +1,5 @@
 
-// The verdict in the page, and what its sections share.
+// The verdict in the page, and functions of its sections.
 const verdict = (() => {
   const { data, unpack, el, byId } = plots;
   const v = data.verdict;
@@ -13,7 +13,7 @@ const verdict = (() => {
     structure: "structure", sensor: "sensor",
   };
   const hide = (...ids) => { for (const id of ids) byId(id).hidden = true; };
-  // Where nothing was fitted again, or nothing is named, the prediction stays what it was.
+  // Without a refit or a named term, the predictions before and after are the same.
   const unpacked = t => {
     const values = Object.fromEntries(["time", "abscissa", "measured", "before", "after", "excess"].map(k => [k, Array.from(unpack(t[k]))]));
     if (!values.before.length) values.before = values.after;

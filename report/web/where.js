@@ -5,9 +5,9 @@ const where = (() => {
   const { axis, largest, scaled } = quantities;
   const { v, PART, hide, traceOf } = verdict;
 
-  // The measured loops, coloured by how far they are beyond the noise; the most on top.
+  // Measured loops, coloured by the energy beyond the noise; the largest on top.
   const heatedLoops = trace => {
-    const box = figure("where-state", "Where on the loops", [{ label: "predicted", color: "#8795a3" }]);
+    const box = figure("where-state", "Position on the loops", [{ label: "predicted", color: "#8795a3" }]);
     box.querySelector(".key").append(charts.rampKey("noise", "far beyond it"));
     const sorted = [...trace.excess].sort((a, b) => a - b);
     const most = sorted[Math.floor(sorted.length * 0.98)] || 1;
@@ -16,7 +16,7 @@ const where = (() => {
     const xs = trace.abscissa.map(value => value * x.factor);
     const paint = u => {
       const { ctx } = u;
-      const place = i => [u.valToPos(xs[i], "x", true), u.valToPos(trace.measured[i] * y.factor, "y", true)];
+      const point = i => [u.valToPos(xs[i], "x", true), u.valToPos(trace.measured[i] * y.factor, "y", true)];
       ctx.save();
       ctx.lineWidth = 2 * devicePixelRatio;
       ctx.lineCap = "round";
@@ -24,7 +24,7 @@ const where = (() => {
         ctx.beginPath();
         ctx.strokeStyle = charts.heat(shade / 11);
         for (let i = 1; i < xs.length; i++)
-          if (level[i] === shade) { ctx.moveTo(...place(i - 1)); ctx.lineTo(...place(i)); }
+          if (level[i] === shade) { ctx.moveTo(...point(i - 1)); ctx.lineTo(...point(i)); }
         ctx.stroke();
       }
       ctx.restore();
@@ -59,24 +59,24 @@ const where = (() => {
     if (v.verdict === "none" || !w.channel) return hide("where");
     const isRuled = v.causes.some(c => c.is_rule) && v.causes.some(c => !c.is_rule);
     byId("where-text").textContent =
-      `Before any term is named${isRuled ? ", but with the right rule of hysteresis" : ""}: energy of the residual beyond what the noise makes` +
-      `${w.record ? `, on ${w.record}` : ""}. The smallest sets of cells that hold 80 % of it` +
-      `${w.intervals_s.length ? ` last from ${quantities.ranges(w.intervals_s, "s")}` : ""}` +
-      `${w.band_Hz.length ? ` and lie at ${quantities.ranges(w.band_Hz, "Hz")}` : ""}.`;
+      `Energy of the residual beyond the noise${w.record ? `, on ${w.record}` : ""}, before any term is named` +
+      `${isRuled ? ", but with the right hysteresis rule" : ""}. The smallest sets of cells that hold 80 % of it` +
+      `${w.intervals_s.length ? ` cover ${quantities.ranges(w.intervals_s, "s")}` : ""}` +
+      `${w.band_Hz.length ? `${w.intervals_s.length ? " and" : " cover"} ${quantities.ranges(w.band_Hz, "Hz")}` : ""}.`;
     chain();
     const trace = traceOf(w.record, w.channel);
     const profile = name => w.profiles.find(p => p.name === name && p.edges.length > 1);
     if (profile("time")) {
       const unit = trace && scaled(trace.unit, largest(trace.measured));
-      charts.timeStrip("where-time", "When", profile("time"), w.intervals_s,
+      charts.timeStrip("where-time", "Time of the mismatch", profile("time"), w.intervals_s,
         trace && { x: trace.time, y: trace.measured.map(value => value * unit.factor) },
-        trace ? { name: `${trace.channel}, measured; below it the share of the energy beyond the noise`, label: `[${unit.unit}]` } : { name: "share of the energy beyond the noise" });
+        trace ? { name: `${trace.channel}, measured; below: share of the energy beyond the noise`, label: `[${unit.unit}]` } : { name: "share of the energy beyond the noise" });
     }
     if (trace && trace.abscissa.length && trace.excess.length) heatedLoops(trace);
     const cells = w.state_map.length ? w.state_map : w.state;
-    if (cells.length) charts.stateMap("where-state", "In which state: share of the energy beyond the noise [%]", cells, w.state);
+    if (cells.length) charts.stateMap("where-state", "State: share of the energy beyond the noise [%]", cells, w.state);
     if (profile("frequency"))
-      charts.histogram("where-profiles", "At which frequencies, in third octaves", profile("frequency"), "frequency [Hz]", w.band_Hz, true);
+      charts.histogram("where-profiles", "Frequency, in third octaves", profile("frequency"), "frequency [Hz]", w.band_Hz, true);
     for (const p of w.profiles.filter(other => !["time", "frequency"].includes(other.name) && other.edges.length > 1)) {
       const x = axis(`${p.name} [${p.unit}]`, largest(p.edges));
       charts.histogram("where-profiles", `Over ${p.name}`, { ...p, edges: p.edges.map(e => e * x.factor) }, x.label, []);

@@ -11,11 +11,11 @@
 namespace rths::sim {
 namespace {
 
-constexpr double kFirstMove = 1e-9;  // [m]
-constexpr double kMove = 5e-5;       // [m]
-constexpr double kAmplitude = 0.3;   // [m]
-constexpr double kProbeStep = 1e-4;  // [s]
-constexpr double kWarmest = 200;     // above the reference [°C]
+constexpr double kFirstMove = 1e-9;          // [m]
+constexpr double kMove = 5e-5;               // [m]
+constexpr double kAmplitude = 0.3;           // [m]
+constexpr double kProbeStep = 1e-4;          // [s]
+constexpr double kLargestTemperature = 200;  // above or below the reference [°C]
 
 const Bearing& checked(const Bearing& bearing) {
   for (const auto& term : bearing.terms) check_owner(term, TermOwner::Specimen);
@@ -23,7 +23,7 @@ const Bearing& checked(const Bearing& bearing) {
   return bearing;
 }
 
-// Pushes one axis along at no velocity and keeps the largest ΔF/Δu.
+// Moves one axis quasi-statically and records the largest ΔF/Δu.
 class Probe {
  public:
   Probe(const Bearing& bearing, int axis)
@@ -47,9 +47,9 @@ class Probe {
 
  private:
   double force_at(double u) {
-    Eigen::Vector2d place = Eigen::Vector2d::Zero();
-    place[axis_] = u;
-    return run_.advance(place, Eigen::Vector2d::Zero(), load_)[axis_];
+    Eigen::Vector2d displacement = Eigen::Vector2d::Zero();
+    displacement[axis_] = u;
+    return run_.advance(displacement, Eigen::Vector2d::Zero(), load_)[axis_];
   }
 
   BearingRun run_;
@@ -80,12 +80,12 @@ Eigen::Vector2d BearingRun::advance(const Eigen::Vector2d& displacement,
 void require_given_load(const Bearing& bearing) {
   for (const auto& term : bearing.terms) {
     const TermKind& kind = term_kind(term.kind);
-    // Of the vertical terms, this one alone looks at the horizontal displacement and the load.
+    // The only vertical term that does not need the vertical displacement.
     if (kind.stage == Stage::Vertical && kind.name != "buckling_load_variation")
       throw Error{
-          fmt::format("term '{}' needs a vertical displacement, and here the axial load is "
-                      "given: leave it out (enabled = false)",
-                      term.name.empty() ? term.kind : term.name)};
+          fmt::format("term '{}' needs a vertical displacement, but the axial load is prescribed "
+                      "here: leave the term out (enabled = false)",
+                      name_of(term))};
   }
 }
 
@@ -118,10 +118,11 @@ Bearing read_bearing(const Config& table, double axial_load) {
     table.fail("bearing", fmt::format("format of the bearing is {}, this program reads {}", format,
                                       kBearingFormat));
   Bearing bearing{table.text("title", ""), read_terms(table, TermOwner::Specimen), axial_load,
-                  table.number_in("temperature_above_reference_K", -kWarmest, kWarmest, 0.0)};
+                  table.number_in("temperature_above_reference_K", -kLargestTemperature,
+                                  kLargestTemperature, 0.0)};
   table.reject_unknown_keys();
   if (bearing.terms.empty())
-    throw Error{fmt::format("{}: a bearing without a term, expected at least one", table.where())};
+    throw Error{fmt::format("{}: the bearing has no terms, expected at least one", table.where())};
   return bearing;
 }
 

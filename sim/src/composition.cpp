@@ -12,25 +12,19 @@
 namespace rths::sim {
 namespace {
 
-// The first states of a composition are what its hysteresis and its specimen's force were one step
-// before.
+// The first states of a composition hold the hysteretic force and the specimen's force of the
+// previous step.
 constexpr std::size_t kSharedStates = 2 * kHorizontalAxes;
 
-const std::string& name_of(const TermSettings& settings) {
-  return settings.name.empty() ? settings.kind : settings.name;
-}
-
-std::size_t parameter_of(const TermKind& kind, const std::string& name) {
-  for (std::size_t i = 0; i < kind.parameters.size(); ++i)
-    if (kind.parameters[i].name == name) return i;
-  throw Error{fmt::format("term '{}' has no parameter '{}'", kind.name, name)};
+std::size_t index_of_parameter(const TermKind& kind, const std::string& name) {
+  return static_cast<std::size_t>(&parameter_of(kind, name) - kind.parameters.data());
 }
 
 std::vector<double> parameters_of(const TermKind& kind, const TermSettings& settings) {
   std::vector<double> values;
   for (const auto& parameter : kind.parameters) values.push_back(parameter.absent);
   for (const auto& [name, value] : settings.parameters) {
-    const std::size_t i = parameter_of(kind, name);
+    const std::size_t i = index_of_parameter(kind, name);
     const Parameter& parameter = kind.parameters[i];
     if (!(value >= parameter.low && value <= parameter.high))
       throw Error{fmt::format("term '{}': {} is {}, expected {} to {}", name_of(settings),
@@ -43,16 +37,18 @@ std::vector<double> parameters_of(const TermKind& kind, const TermSettings& sett
 
 void check(const TermKind& kind, const TermSettings& settings) {
   if (settings.axes == 0 || settings.axes > kBothAxes)
-    throw Error{fmt::format("term '{}' acts on no axis", name_of(settings))};
+    throw Error{
+        fmt::format("term '{}' acts on no axis, expected long, lat or both", name_of(settings))};
   if (settings.axes != kBothAxes && (kind.traits & kPerAxis) == 0)
-    throw Error{fmt::format("term '{}' acts on both axes at once; it cannot be limited to one",
-                            name_of(settings))};
+    throw Error{
+        fmt::format("term '{}' couples both axes; it cannot be limited to one", name_of(settings))};
   if (settings.channel != Channel::Force && (kind.traits & kPerChannel) == 0)
-    throw Error{fmt::format("term '{}' is no sensor term; it has no channel", name_of(settings))};
+    throw Error{
+        fmt::format("term '{}' is not a sensor term; it has no channel", name_of(settings))};
   if (settings.channel == Channel::AxialLoad &&
       (settings.axes != kBothAxes || (kind.traits & kPerAxis) == 0))
-    throw Error{
-        fmt::format("term '{}' acts on axes, but there is one axial load", name_of(settings))};
+    throw Error{fmt::format("term '{}' acts on single axes, but the axial load has none",
+                            name_of(settings))};
 }
 
 template <class Real>
@@ -98,6 +94,10 @@ void run(const Composition& composition, std::span<const double> constants, cons
 
 }  // namespace
 
+const std::string& name_of(const TermSettings& settings) {
+  return settings.name.empty() ? settings.kind : settings.name;
+}
+
 Composition::Composition(const std::vector<TermSettings>& settings, double time_step)
     : time_step_{time_step}, states_{kSharedStates} {
   if (!(time_step > 0) || !std::isfinite(time_step))
@@ -113,7 +113,7 @@ Composition::Composition(const std::vector<TermSettings>& settings, double time_
     wanted.push_back({&term_kind(term.kind), &term});
     check(*wanted.back().kind, term);
     if (!names.insert(name_of(term)).second)
-      throw Error{fmt::format("two terms are called '{}'", name_of(term))};
+      throw Error{fmt::format("two terms have the name '{}'", name_of(term))};
   }
   std::stable_sort(wanted.begin(), wanted.end(),
                    [](const auto& a, const auto& b) { return a.kind < b.kind; });
@@ -134,7 +134,7 @@ std::size_t Composition::parameter_index(const std::string& term,
                                          const std::string& parameter) const {
   for (const auto& candidate : terms_)
     if (candidate.name == term)
-      return candidate.first_parameter + parameter_of(*candidate.kind, parameter);
+      return candidate.first_parameter + index_of_parameter(*candidate.kind, parameter);
   throw Error{fmt::format("there is no term '{}' in this composition", term)};
 }
 

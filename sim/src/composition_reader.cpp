@@ -22,8 +22,8 @@ constexpr ChannelName kChannels[] = {{Channel::Force, "force", "N"},
 unsigned read_axes(const Config& table, const TermKind& kind) {
   if (!table.has("axes")) return kBothAxes;
   if ((kind.traits & kPerAxis) == 0)
-    table.fail("axes", fmt::format("'{}' acts on both axes at once; it cannot be limited to one",
-                                   kind.name));
+    table.fail("axes",
+               fmt::format("'{}' couples both axes; it cannot be limited to one", kind.name));
   unsigned axes = 0;
   for (const auto& axis : table.texts("axes")) {
     const auto found = std::find(std::begin(kAxisNames), std::end(kAxisNames), axis);
@@ -38,16 +38,16 @@ unsigned read_axes(const Config& table, const TermKind& kind) {
 Channel read_channel(const Config& table, const TermKind& kind) {
   if (!table.has("channel")) return Channel::Force;
   if ((kind.traits & kPerChannel) == 0)
-    table.fail("channel", fmt::format("'{}' acts on no channel of its choice", kind.name));
+    table.fail("channel", fmt::format("'{}' has no selectable channel", kind.name));
   const std::string name = table.text("channel");
   for (const auto& known : kChannels) {
     if (known.name != name) continue;
     if (known.channel == Channel::AxialLoad && (kind.traits & kPerAxis) == 0)
-      table.fail("channel", fmt::format("'{}' acts between the horizontal axes; there is but one "
-                                        "axial load",
+      table.fail("channel", fmt::format("'{}' acts between the horizontal axes; the axial load has "
+                                        "no axes",
                                         kind.name));
     if (known.channel == Channel::AxialLoad && table.has("axes"))
-      table.fail("axes", "there is but one axial load, and it has no axes");
+      table.fail("axes", "axes is set, but the axial load has no axes");
     return known.channel;
   }
   table.fail("channel", fmt::format("channel is '{}', expected force, displacement, acceleration "
@@ -55,22 +55,21 @@ Channel read_channel(const Config& table, const TermKind& kind) {
                                     name));
 }
 
-// The values of a key: none, one for both axes, or one for each.
+// The values of a key: none, one for both axes, or one per axis.
 std::vector<double> read_values(const Config& table, const std::string& key, const TermKind& kind,
                                 Channel channel) {
   if (!table.has(key)) return {};
   if (!table.is_array(key)) return {table.number(key)};
   auto values = table.numbers(key);
   if (channel == Channel::AxialLoad)
-    table.fail(key, fmt::format("{} is an array, but there is but one axial load", key));
+    table.fail(key, fmt::format("{} is an array, but the axial load has no axes", key));
   if (table.has("axes"))
     table.fail(key,
-               fmt::format("{} is an array [long, lat], and axes says which axis: expected one "
-                           "of the two",
+               fmt::format("{} is an array [long, lat] and axes is set: expected only one of the "
+                           "two",
                            key));
   if ((kind.traits & kPerAxis) == 0)
-    table.fail(key,
-               fmt::format("{} is an array, but '{}' acts on both axes at once", key, kind.name));
+    table.fail(key, fmt::format("{} is an array, but '{}' couples both axes", key, kind.name));
   if (values.size() != kHorizontalAxes)
     table.fail(key, fmt::format("{} has {} numbers, expected [long, lat]", key, values.size()));
   return values;

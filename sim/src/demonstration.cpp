@@ -14,19 +14,19 @@ TermSettings typical(const TermKind& kind) {
   return settings;
 }
 
-// What stands beside the term, so that there is something that it can change.
-std::vector<TermSettings> company_of(const TermKind& kind) {
-  std::vector<TermSettings> company;
+// Other terms that the demonstration of a kind needs.
+std::vector<TermSettings> companions_of(const TermKind& kind) {
+  std::vector<TermSettings> companions;
   const auto add = [&](std::string_view name) {
-    if (name != kind.name) company.push_back(typical(term_kind(name)));
+    if (name != kind.name) companions.push_back(typical(term_kind(name)));
   };
-  if (kind.stage == Stage::Restoring) return company;
+  if (kind.stage == Stage::Restoring) return companions;
   if (kind.stage == Stage::Vertical && kind.name != "elastomeric_axial") add("elastomeric_axial");
-  // One gives the critical load, the other makes something of it.
+  // The first computes the critical load; the second uses it.
   if (kind.name == "buckling_load_variation") add("horizontal_stiffness_variation");
   if (kind.name == "horizontal_stiffness_variation") add("buckling_load_variation");
   if (kind.name != "elastomeric_axial") add("bouc_wen");
-  return company;
+  return companions;
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ Demonstration demonstrate(const TermKind& kind) {
   test.vertical_amplitude = 4e-3;
   test.auxiliary = 0.5;
   test.time_step = 2e-3;
-  Bearing bearing{std::string{kind.title}, company_of(kind), 9.7e6};
+  Bearing bearing{std::string{kind.title}, companions_of(kind), 9.7e6};
   Demonstration demonstration;
   demonstration.alone = bearing.terms.empty();
   demonstration.without = run_loop_test(bearing, test);

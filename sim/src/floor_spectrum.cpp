@@ -11,12 +11,12 @@
 namespace rths::sim {
 namespace {
 
-// A peak between two points of a sine is missed by 1 − cos(π/20), 1.2 %, at most.
-constexpr double kPartsPerPeriod = 20;
+// A peak between two points of a sine is underestimated by at most 1 − cos(π/20), 1.2 %.
+constexpr double kSubstepsPerPeriod = 20;
 
-// On the straight line from sample i − 1 to sample i.
-double between(std::span<const double> values, std::size_t i, int part, int parts) {
-  return values[i - 1] + (values[i] - values[i - 1]) * part / parts;
+// Linear interpolation from sample i − 1 to sample i.
+double between(std::span<const double> values, std::size_t i, int substep, int substeps) {
+  return values[i - 1] + (values[i] - values[i - 1]) * substep / substeps;
 }
 
 }  // namespace
@@ -36,18 +36,18 @@ std::vector<double> floor_spectrum(std::span<const double> long_acceleration,
     throw Error{"floor spectrum: the two directions differ in length"};
   std::vector<double> spectrum;
   for (const double frequency : frequencies) {
-    const int parts = static_cast<int>(std::ceil(kPartsPerPeriod * frequency * time_step));
+    const int substeps = static_cast<int>(std::ceil(kSubstepsPerPeriod * frequency * time_step));
     const auto step =
-        oscillator_step(2 * std::numbers::pi * frequency, damping_ratio, time_step / parts);
+        oscillator_step(2 * std::numbers::pi * frequency, damping_ratio, time_step / substeps);
     Oscillator along;
     Oscillator across;
     double peak = 0;
     for (std::size_t i = 1; i < long_acceleration.size(); ++i)
-      for (int part = 0; part < parts; ++part) {
-        const double a = along.advance(step, between(long_acceleration, i, part, parts),
-                                       between(long_acceleration, i, part + 1, parts));
-        const double b = across.advance(step, between(lat_acceleration, i, part, parts),
-                                        between(lat_acceleration, i, part + 1, parts));
+      for (int k = 0; k < substeps; ++k) {
+        const double a = along.advance(step, between(long_acceleration, i, k, substeps),
+                                       between(long_acceleration, i, k + 1, substeps));
+        const double b = across.advance(step, between(lat_acceleration, i, k, substeps),
+                                        between(lat_acceleration, i, k + 1, substeps));
         peak = std::max(peak, std::hypot(a, b));
       }
     spectrum.push_back(peak);

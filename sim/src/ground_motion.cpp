@@ -14,7 +14,7 @@ namespace rths::sim {
 namespace {
 
 constexpr int kAt2HeaderLines = 4;
-constexpr double kTimeTolerance = 1e-3;  // of a step: what three printed decimals can hold
+constexpr double kTimeTolerance = 1e-3;  // of a step: precision of three printed decimals
 
 std::ifstream open(const std::filesystem::path& file) {
   std::ifstream stream{file};
@@ -23,8 +23,8 @@ std::ifstream open(const std::filesystem::path& file) {
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file, std::size_t line,
-                       const std::string& what) {
-  throw Error{file.string() + ":" + std::to_string(line) + ": " + what};
+                       const std::string& problem) {
+  throw Error{file.string() + ":" + std::to_string(line) + ": " + problem};
 }
 
 std::vector<double> parse_numbers(const std::string& line, const std::filesystem::path& file,
@@ -43,7 +43,7 @@ std::vector<double> parse_numbers(const std::string& line, const std::filesystem
     const char* digits = *at == '+' ? at + 1 : at;
     const auto [stopped, problem] = std::from_chars(digits, word_end, value);
     if (problem != std::errc{} || stopped != word_end || !std::isfinite(value))
-      fail(file, line_number, "'" + std::string{at, word_end} + "' is no number");
+      fail(file, line_number, "'" + std::string{at, word_end} + "' is not a number");
     numbers.push_back(value);
     at = word_end;
   }
@@ -57,14 +57,14 @@ bool is_heading(const std::string& line) {
          std::isalpha(static_cast<unsigned char>(*first));
 }
 
-// "NPTS=   4000, DT=   .0050 SEC": the number behind a keyword, however it is spaced.
+// "NPTS=   4000, DT=   .0050 SEC": the number after a keyword, with any spacing.
 double number_after(const std::string& line, const std::string& keyword,
                     const std::filesystem::path& file, std::size_t line_number) {
   const auto found = line.find(keyword);
   const auto digits =
       found == std::string::npos ? found : line.find_first_of("+-.0123456789", found);
   if (digits == std::string::npos)
-    fail(file, line_number, "no " + keyword + " found, expected 'NPTS= n, DT= s SEC'");
+    fail(file, line_number, keyword + " not found, expected 'NPTS= n, DT= s SEC'");
   const auto end = line.find_first_not_of("+-.0123456789eE", digits);
   return parse_numbers(line.substr(digits, end - digits), file, line_number).front();
 }
@@ -73,22 +73,18 @@ void check_spacing(const std::vector<double>& times, const std::vector<std::size
                    const std::filesystem::path& file) {
   if (times.size() < 2) throw Error{file.string() + ": fewer than two samples"};
   const double step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-  if (!(step > 0)) fail(file, lines.back(), "time does not advance");
+  if (!(step > 0)) fail(file, lines.back(), "time does not increase");
   for (std::size_t i = 1; i < times.size(); ++i)
     if (std::abs(times[i] - times.front() - static_cast<double>(i) * step) >
         std::max(kTimeTolerance * step, 6e-4))
       fail(file, lines[i], "time is not equally spaced");
 }
 
-}  // namespace
-
-namespace {
-
 double between(const std::vector<double>& values, double position) noexcept {
   if (!(position >= 0) || position > static_cast<double>(values.size()) - 1) return 0;
   const auto i = std::min(static_cast<std::size_t>(position), values.size() - 2);
-  const double part = position - static_cast<double>(i);
-  return (1 - part) * values[i] + part * values[i + 1];
+  const double fraction = position - static_cast<double>(i);
+  return (1 - fraction) * values[i] + fraction * values[i + 1];
 }
 
 }  // namespace
@@ -122,8 +118,8 @@ RecordComponent read_at2(const std::filesystem::path& file) {
   }
   if (record.values.size() != expected || expected < 2)
     fail(file, line_number,
-         std::to_string(record.values.size()) + " values found, NPTS says " +
-             std::to_string(expected));
+         std::to_string(record.values.size()) +
+             " values found, expected NPTS = " + std::to_string(expected));
   return record;
 }
 
@@ -138,8 +134,8 @@ RecordComponent read_column(const std::filesystem::path& file, int column) {
     const auto numbers = parse_numbers(line, file, line_number);
     if (static_cast<int>(numbers.size()) <= column)
       fail(file, line_number,
-           std::to_string(numbers.size()) + " columns found, column " + std::to_string(column) +
-               " was asked for (0 is time)");
+           std::to_string(numbers.size()) + " columns found, expected column " +
+               std::to_string(column) + " (0 is time)");
     times.push_back(numbers[0]);
     lines.push_back(line_number);
     record.values.push_back(numbers[static_cast<std::size_t>(column)]);

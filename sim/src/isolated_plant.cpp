@@ -5,9 +5,10 @@
 #include <numbers>
 #include <numeric>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
+#include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::sim {
@@ -17,7 +18,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kDirections = 2;
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
 constexpr double kElevationTolerance = 0.01;  // [m]
 
 // Shear stick on a fixed base with unit storey stiffness.
@@ -37,21 +37,20 @@ struct StickMatrices {
   MatrixXd K, C;
 };
 
-// C has the given ratio in every mode: C = M Φ diag(2ζω) Φᵀ M with ΦᵀMΦ = I.
+// C gives every mode the same damping ratio: C = M Φ diag(2ζω) Φᵀ M with ΦᵀMΦ = I.
 StickMatrices stick_matrices(const VectorXd& m, double frequency, double damping_ratio) {
   MatrixXd K = unit_stiffness(static_cast<int>(m.size()));
   const MatrixXd M = m.asDiagonal();
   const double omega = 2 * std::numbers::pi * frequency;
-  const double unit_eigenvalue =
-      Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>{K, M}.eigenvalues()[0];
+  const double unit_eigenvalue = algebra::generalized_modes(K, M).values[0];
   K *= omega * omega / unit_eigenvalue;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes{K, M};
-  const VectorXd c = 2 * damping_ratio * modes.eigenvalues().cwiseSqrt();
-  const MatrixXd MPhi = M * modes.eigenvectors();
+  const algebra::Modes modes = algebra::generalized_modes(K, M);
+  const VectorXd c = 2 * damping_ratio * modes.values.cwiseSqrt();
+  const MatrixXd MPhi = M * modes.vectors;
   return {K, MPhi * c.asDiagonal() * MPhi.transpose()};
 }
 
-// Adds a stick that rests on the basemat: forces depend on motion relative to the basemat.
+// Adds a stick on the basemat: its forces depend on motion relative to the basemat.
 void add_relative(MatrixXd& global, const MatrixXd& stick, int first, int base) {
   const auto n = stick.rows();
   const VectorXd rigid = VectorXd::Ones(n);
@@ -70,9 +69,9 @@ void check(const Stick& stick) {
   if (stick.masses.empty() || stick.masses.size() != stick.elevations.size())
     throw Error{name + "needs as many elevations as masses"};
   for (const double mass : stick.masses)
-    if (!(mass > 0)) throw Error{name + "has a mass that is not > 0"};
+    if (!(mass > 0)) throw Error{name + "has a mass that is not positive"};
   if (!(stick.frequency_long > 0 && stick.frequency_lat > 0))
-    throw Error{name + "needs two frequencies > 0"};
+    throw Error{name + "needs two positive frequencies"};
 }
 
 void check(const IsolatedPlant& plant) {
@@ -80,10 +79,10 @@ void check(const IsolatedPlant& plant) {
   if (plant.sticks.empty()) throw Error{"plant: expected at least one stick"};
   if (plant.bearings < 1) throw Error{"plant: expected at least one bearing"};
   if (!(plant.damping_ratio >= 0 && plant.damping_ratio < 1))
-    throw Error{"plant: damping ratio must lie in 0 to 1"};
+    throw Error{"plant: damping ratio must lie between 0 and 1"};
   if (!(plant.vertical_frequency > 0)) throw Error{"plant: vertical frequency must be positive"};
   if (!(plant.vertical_damping >= 0 && plant.vertical_damping < 1))
-    throw Error{"plant: vertical damping must lie in 0 to 1"};
+    throw Error{"plant: vertical damping must lie between 0 and 1"};
   for (const auto& stick : plant.sticks) check(stick);
 }
 

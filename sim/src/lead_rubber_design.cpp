@@ -17,7 +17,7 @@ double square(double x) { return x * x; }
 
 double covered_diameter(const LeadRubberDesign& d) { return d.outer_diameter + d.cover; }
 
-// Shims make the bearing higher, not softer: as if all of its height were rubber.
+// Shims add height but no flexibility, so area and inertia are scaled by height / rubber thickness.
 double shear_area(const LeadRubberDesign& d) {
   return rubber_area(d) * height(d) / rubber_thickness(d);
 }
@@ -88,7 +88,7 @@ double rubber_area(const LeadRubberDesign& d) {
 
 double lead_area(const LeadRubberDesign& d) { return pi / 4 * square(d.lead_diameter); }
 
-// Rubber can bulge into an empty hole, not into a plug.
+// The inner surface does not count as free: rubber cannot bulge into the plug.
 double shape_factor(const LeadRubberDesign& d) {
   return (square(d.outer_diameter) - square(d.lead_diameter)) /
          (4 * d.outer_diameter * d.layer_thickness);

@@ -14,15 +14,14 @@ struct Sine {
   double value, rate, acceleration;
 };
 
-// amplitude·g(t)·sin(ωt), where g grows smoothly from 0 to 1 during one period of the whole test.
+// amplitude·g(t)·sin(ωt), where g grows smoothly from 0 to 1 within `growth_time`.
 Sine grown_sine(double amplitude, double omega, double growth_time, double t) {
-  const double part = std::clamp(t / growth_time, 0.0, 1.0);
-  const double pi_part = std::numbers::pi * part;
+  const double phase = std::numbers::pi * std::clamp(t / growth_time, 0.0, 1.0);
   const bool grows = t < growth_time;
-  const double rate_of_pi = std::numbers::pi / growth_time;
-  const double g = 0.5 * (1 - std::cos(pi_part));
-  const double dg = grows ? 0.5 * rate_of_pi * std::sin(pi_part) : 0;
-  const double ddg = grows ? 0.5 * rate_of_pi * rate_of_pi * std::cos(pi_part) : 0;
+  const double phase_rate = std::numbers::pi / growth_time;
+  const double g = 0.5 * (1 - std::cos(phase));
+  const double dg = grows ? 0.5 * phase_rate * std::sin(phase) : 0;
+  const double ddg = grows ? 0.5 * phase_rate * phase_rate * std::cos(phase) : 0;
   const double s = std::sin(omega * t), c = omega * std::cos(omega * t);
   return {amplitude * g * s, amplitude * (dg * s + g * c),
           amplitude * (ddg * s + 2 * dg * c - g * omega * omega * s)};
@@ -33,7 +32,7 @@ Quantities<double> given(const Bearing& bearing, const LoopTest& test, double t)
   const double growth = 1 / test.frequency;
   const Sine along = grown_sine(test.amplitude_long, omega, growth, t);
   const Sine across = grown_sine(test.amplitude_lat, 2 * omega, growth, t);
-  // The load and the vertical motion keep no time with the horizontal one.
+  // Load and vertical motion are not synchronous with the horizontal motion.
   const Sine up = grown_sine(1, 1.3 * omega, growth, t);
   Quantities<double> q;
   q.time = t;
@@ -66,7 +65,7 @@ LoopHistory run_loop_test(const Bearing& bearing, const LoopTest& test) {
       steps_per_cycle(test) < 20)
     throw Error{"loop test: expected at least one cycle of at least 20 steps"};
   if (test.vertical_offset == 0 && test.vertical_amplitude == 0) require_given_load(bearing);
-  // A cycle is a whole number of steps: none drifts from what `cycle_numbers` takes for it.
+  // A cycle is a whole number of steps, as `cycle_numbers` assumes.
   const double step = 1 / (test.frequency * steps_per_cycle(test));
   const Composition composition{bearing.terms, step};
   std::vector<double> state(composition.states());
@@ -106,8 +105,8 @@ std::vector<CycleNumbers> cycle_numbers(const LoopHistory& history, const LoopTe
       if (u[i] > u[highest]) highest = i;
       if (u[i] < u[lowest]) lowest = i;
       if ((u[i] > 0) == (u[i - 1] > 0)) continue;
-      const double part = u[i - 1] / (u[i - 1] - u[i]);
-      sum += std::abs(f[i - 1] + part * (f[i] - f[i - 1]));
+      const double fraction = u[i - 1] / (u[i - 1] - u[i]);
+      sum += std::abs(f[i - 1] + fraction * (f[i] - f[i - 1]));
       ++crossings;
     }
     if (crossings > 0) cycle.strength = sum / crossings;

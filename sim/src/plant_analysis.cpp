@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include <rths/core/constants.hpp>
+
 namespace rths::sim {
 namespace {
 
@@ -17,15 +19,14 @@ Eigen::MatrixXd implicit_stiffness(const PlantMatrices& plant, double bearing_st
   return K;
 }
 
-// On a fixed base nothing carries anything.
+// A plant on a fixed base has no bearings and no vertical mode.
 OscillatorStep vertical_step(const PlantMatrices& plant, double time_step) {
   if (plant.bearings == 0) return {};
   return oscillator_step(2 * std::numbers::pi * plant.vertical_frequency, plant.vertical_damping,
                          time_step);
 }
 
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
-constexpr double kReferenceAlpha = 0;         // no numerical damping in the purely numerical result
+constexpr double kReferenceAlpha = 0;  // no numerical damping in the purely numerical result
 
 }  // namespace
 

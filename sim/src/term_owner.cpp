@@ -5,6 +5,8 @@
 
 #include <rths/core/error.hpp>
 
+#include "terms/machine_kinds.hpp"
+
 namespace rths::sim {
 namespace {
 
@@ -21,26 +23,26 @@ std::string_view stage_name(Stage stage) { return kStages[static_cast<std::size_
 
 void check_owner(const TermSettings& term, TermOwner owner) {
   const TermKind& kind = term_kind(term.kind);
-  const std::string name = term.name.empty() ? term.kind : term.name;
+  const std::string& name = name_of(term);
   if (owner != TermOwner::Any && (kind.traits & kControlled) != 0)
     throw Error{
-        fmt::format("term '{}' needs the current that controls it, which neither a "
-                    "specimen nor a machine is given",
+        fmt::format("term '{}' needs a control current, an input that neither specimens nor "
+                    "machines have",
                     name)};
   if (owner == TermOwner::Machine && is_of_a_specimen(kind.stage))
     throw Error{
-        fmt::format("term '{}' is of the specimen (stage {}), expected one of the stages "
+        fmt::format("term '{}' belongs to the specimen (stage {}), expected one of the stages "
                     "actuator, motion, machine or sensor",
                     name, stage_name(kind.stage))};
   if (owner != TermOwner::Specimen) return;
   if (kind.stage == Stage::Actuator || kind.stage == Stage::Sensor)
-    throw Error{fmt::format("term '{}' is of the machine (stage {}); a specimen has none of it",
-                            name, stage_name(kind.stage))};
-  // Nobody knows a specimen's acceleration before its force.
-  if (kind.name == "platen_inertia")
+    throw Error{fmt::format("term '{}' belongs to the machine (stage {}), not to a specimen", name,
+                            stage_name(kind.stage))};
+  // A specimen's acceleration is unknown until its force has been computed.
+  if (kind.name == kPlatenInertia)
     throw Error{
-        fmt::format("term '{}' needs the acceleration, which a specimen is not given; it is "
-                    "of the machine",
+        fmt::format("term '{}' needs the acceleration, an input that a specimen does not have; it "
+                    "belongs to the machine",
                     name)};
 }
 

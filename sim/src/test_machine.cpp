@@ -10,22 +10,23 @@
 
 #include <rths/core/error.hpp>
 
+#include "terms/machine_kinds.hpp"
 #include "test_machine_check.hpp"
 
 namespace rths::sim {
 namespace {
 
-constexpr double kLongestPart = 1e-4;  // [s]; oil columns and spools are slower than 20 Hz
+constexpr double kLongestSubstep = 1e-4;  // [s]; oil columns and spools are slower than 20 Hz
 
 double sign(double x) { return x > 0 ? 1.0 : (x < 0 ? -1.0 : 0.0); }
 
-int parts_of(double period) {
+int substeps_of(double period) {
   if (!(period > 0) || !std::isfinite(period))
     throw Error{fmt::format("test machine: period is {} s, expected a positive number", period)};
-  return std::max(1, static_cast<int>(std::ceil(period / kLongestPart - 1e-9)));
+  return std::max(1, static_cast<int>(std::ceil(period / kLongestSubstep - 1e-9)));
 }
 
-// The paper's Table 2, first set-up: F_s and F_d; the way before sliding is ours.
+// The paper's Table 2, first set-up: F_s and F_d; the presliding length is ours.
 constexpr const char* kSrmdTerms = R"(
 [coulomb_friction]
 friction_force_N = [5100, 8600]
@@ -34,7 +35,8 @@ presliding_m = 1e-5
 coefficient_N_s_per_m = [716, 870]
 )";
 
-// What moves with the platen is no force that could be computed after its acceleration.
+// Adds masses that move with the platen to its own. Their force cannot be computed as a term: the
+// acceleration depends on it.
 TestMachine with_inertia(TestMachine machine) {
   for (const auto& term : machine.terms)
     if (term.kind == kPlatenInertia)
@@ -48,16 +50,16 @@ TestMachine with_inertia(TestMachine machine) {
 
 TestMachineRun::TestMachineRun(const TestMachine& machine, double period)
     : machine_{with_inertia(machine)},
-      parts_{parts_of(period)},
-      part_{period / parts_},
+      substeps_{substeps_of(period)},
+      substep_{period / substeps_},
       actuator_{terms_of(machine, Stage::Actuator, period)},
-      platen_{terms_of(machine, Stage::Machine, part_)},
+      platen_{terms_of(machine, Stage::Machine, substep_)},
       sensors_{terms_of(machine, Stage::Sensor, period)},
-      specimen_{mounted_specimen(machine), part_},
+      specimen_{mounted_specimen(machine), substep_},
       random_{machine.seed} {
-  check(machine_, part_);
+  check(machine_, substep_);
   for (int i = 0; i < kHorizontalAxes; ++i) {
-    const auto delay = std::lround(machine_.axes[i].transport_delay / part_);
+    const auto delay = std::lround(machine_.axes[i].transport_delay / substep_);
     axes_[i].delay_line.assign(static_cast<std::size_t>(std::max(1L, delay)), 0.0);
   }
 }
@@ -86,26 +88,27 @@ TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s, do
           omega * omega * (demand - s.spool) - 2 * p.valve_damping * omega * s.spool_rate};
 }
 
-void TestMachineRun::integrate_part(int i, double reference) noexcept {
+void TestMachineRun::integrate_substep(int i, double reference) noexcept {
   Axis& axis = axes_[i];
   const double delayed = axis.delay_line[axis.delay_head];
   axis.delay_line[axis.delay_head] = reference;
   axis.delay_head = (axis.delay_head + 1) % axis.delay_line.size();
 
-  const auto moved = [](const AxisState& s, const AxisState& d, double h) {
-    return AxisState{s.x + h * d.x, s.v + h * d.v, s.pressure + h * d.pressure,
-                     s.spool + h * d.spool, s.spool_rate + h * d.spool_rate};
+  const auto moved = [](const AxisState& from, const AxisState& d, double dt) {
+    return AxisState{from.x + dt * d.x, from.v + dt * d.v, from.pressure + dt * d.pressure,
+                     from.spool + dt * d.spool, from.spool_rate + dt * d.spool_rate};
   };
-  // The resistance at the end of this part is not known yet. Held, it would be half a part late, as
-  // if a dashpot drove the platen; extrapolated, what is left of that is of third order.
+  // The resistance at the end of this substep is not known yet. Holding it would make it half a
+  // substep late, which acts as negative damping. Extrapolation leaves a third-order error.
   const double change = resistance_[i] - last_resistance_[i];
   const double middle = resistance_[i] + change / 2;
   AxisState& s = axis.state;
   const AxisState k1 = rates(i, s, delayed, resistance_[i]);
-  const AxisState k2 = rates(i, moved(s, k1, part_ / 2), delayed, middle);
-  const AxisState k3 = rates(i, moved(s, k2, part_ / 2), delayed, middle);
-  const AxisState k4 = rates(i, moved(s, k3, part_), delayed, resistance_[i] + change);
-  s = moved(moved(moved(moved(s, k1, part_ / 6), k2, part_ / 3), k3, part_ / 3), k4, part_ / 6);
+  const double h = substep_;
+  const AxisState k2 = rates(i, moved(s, k1, h / 2), delayed, middle);
+  const AxisState k3 = rates(i, moved(s, k2, h / 2), delayed, middle);
+  const AxisState k4 = rates(i, moved(s, k3, h), delayed, resistance_[i] + change);
+  s = moved(moved(moved(moved(s, k1, h / 6), k2, h / 3), k3, h / 3), k4, h / 6);
   s.spool = std::clamp(s.spool, -1.0, 1.0);
   s.pressure =
       std::clamp(s.pressure, -machine_.axes[i].supply_pressure, machine_.axes[i].supply_pressure);
@@ -133,7 +136,7 @@ Status TestMachineRun::step(const Eigen::Vector2d& reference, double axial_load,
     if (std::isnan(reference[i])) clamped[i] = axes_[i].state.x;
   }
   const Eigen::Vector2d moved = through_actuator_terms(clamped);
-  for (int part = 0; part < parts_; ++part) integrate_part(moved, axial_load);
+  for (int k = 0; k < substeps_; ++k) integrate_substep(moved, axial_load);
   for (int i = 0; i < kHorizontalAxes; ++i)
     if (at_limit(i)) status = Status::LimitExceeded;
   measure(axial_load, feedback);
@@ -171,9 +174,10 @@ Quantities<double> TestMachineRun::motion() const noexcept {
   return q;
 }
 
-void TestMachineRun::integrate_part(const Eigen::Vector2d& reference, double axial_load) noexcept {
-  for (int i = 0; i < kHorizontalAxes; ++i) integrate_part(i, reference[i]);
-  time_ += part_;
+void TestMachineRun::integrate_substep(const Eigen::Vector2d& reference,
+                                       double axial_load) noexcept {
+  for (int i = 0; i < kHorizontalAxes; ++i) integrate_substep(i, reference[i]);
+  time_ += substep_;
   Quantities<double> q = motion();
   q.axial_load = axial_load;
   platen_.run(q);

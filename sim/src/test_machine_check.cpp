@@ -16,8 +16,8 @@ namespace {
 constexpr double kLongestDelay = 1;   // [s]
 constexpr double kMostDamping = 10;   // of a spool [-]
 constexpr double kMostFeedback = 10;  // of pressure [-]
-// A resistance that is extrapolated drives an oscillation with a damping ratio of -(ω part)³/8.
-constexpr double kFastestSpecimen = 0.1;  // ω part [-]
+// An extrapolated resistance drives an oscillation with a damping ratio of -(ω substep)³/8.
+constexpr double kFastestSpecimen = 0.1;  // ω substep [-]
 constexpr double kUnbounded = std::numeric_limits<double>::max();
 
 struct Bounded {
@@ -37,13 +37,13 @@ void require_positive(const char* key, double value) {
     throw Error{fmt::format("test machine: {} is {}, expected a positive number", key, value)};
 }
 
-// What moves by itself must move slowly enough for the parts of the integration.
-void require_slow(const char* what, double rate, double part, double most) {
-  if (!(rate * part <= most))
+// The model's own rates must be slow enough for the substeps of the integration.
+void require_slow(const char* name, double rate, double substep, double most) {
+  if (!(rate * substep <= most))
     throw Error{
-        fmt::format("test machine: {} is {:.6g} 1/s, expected at most {:.6g}: parts of {} s "
-                    "cannot follow it",
-                    what, rate, most / part, part)};
+        fmt::format("test machine: {} is {:.6g} 1/s, expected at most {:.6g}, the limit for "
+                    "substeps of {} s",
+                    name, rate, most / substep, substep)};
 }
 
 void check_hydraulics(const ServoAxis& axis) {
@@ -68,15 +68,15 @@ void check_hydraulics(const ServoAxis& axis) {
     require(bounded);
 }
 
-void check_rates(const ServoAxis& axis, double part) {
+void check_rates(const ServoAxis& axis, double substep) {
   const double spool = 2 * std::numbers::pi * axis.valve_frequency;
   require_slow("the rate of the spool (valve_frequency, valve_damping)",
-               spool * std::max(1.0, 2 * axis.valve_damping), part, 1);
+               spool * std::max(1.0, 2 * axis.valve_damping), substep, 1);
   const double oil = 4 * axis.bulk_modulus / axis.oil_volume;
   require_slow("the rate of the oil column (bulk_modulus, oil_volume, effective_mass)",
-               axis.piston_area * std::sqrt(oil / axis.effective_mass), part, 1);
-  require_slow("the rate of leakage (leakage, bulk_modulus, oil_volume)", oil * axis.leakage, part,
-               1);
+               axis.piston_area * std::sqrt(oil / axis.effective_mass), substep, 1);
+  require_slow("the rate of leakage (leakage, bulk_modulus, oil_volume)", oil * axis.leakage,
+               substep, 1);
 }
 
 }  // namespace
@@ -89,22 +89,23 @@ Bearing mounted_specimen(const TestMachine& machine) {
   };
   std::vector<TermSettings> mount;
   std::copy_if(machine.terms.begin(), machine.terms.end(), std::back_inserter(mount), is_mount);
-  // A specimen may have terms of the same name.
-  for (auto& term : mount) term.name = "machine." + (term.name.empty() ? term.kind : term.name);
+  // The prefix avoids clashes with the specimen's terms.
+  for (auto& term : mount) term.name = "machine." + name_of(term);
   mounted.terms.insert(mounted.terms.begin(), mount.begin(), mount.end());
   return mounted;
 }
 
-void check(const TestMachine& machine, double part) {
+void check(const TestMachine& machine, double substep) {
   require({"displacement_noise", machine.noise.displacement, 0, kUnbounded});
   require({"force_noise", machine.noise.force, 0, kUnbounded});
   require({"acceleration_noise", machine.noise.acceleration, 0, kUnbounded});
   const double stiffness = machine.has_specimen ? largest_stiffness(machine.specimen) : 0;
   for (const auto& axis : machine.axes) {
     check_hydraulics(axis);
-    check_rates(axis, part);
+    check_rates(axis, substep);
     require_slow("the rate of the specimen on the platen (its stiffness, effective_mass)",
-                 std::sqrt(std::max(0.0, stiffness) / axis.effective_mass), part, kFastestSpecimen);
+                 std::sqrt(std::max(0.0, stiffness) / axis.effective_mass), substep,
+                 kFastestSpecimen);
   }
 }
 

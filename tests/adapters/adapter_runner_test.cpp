@@ -25,11 +25,11 @@ version = 1
 size_bytes = 4096
 [nodes]
 echo = 1
-source = 2
+sender = 2
 operator = 3
 [[partition]]
-name = "source"
-node = "source"
+name = "sender"
+node = "sender"
 offset = 0
 longwords = 2
 tear_group = true
@@ -78,10 +78,10 @@ unit = "m"
   return map;
 }
 
-/// Sends back what it gets, times its gain.
+/// Returns its input times its gain.
 class Echo final : public Adapter {
  public:
-  std::vector<Port> list = {{"source.displ", Direction::Input, "m", 0, false},
+  std::vector<Port> list = {{"sender.displ", Direction::Input, "m", 0, false},
                             {"gain", Direction::Parameter, "1", 3, false},
                             {"echo.displ", Direction::Output, "m", 0, false},
                             {"twice", Direction::Monitor, "m", 0, false}};
@@ -106,14 +106,14 @@ class AdapterRunnerTest : public ::testing::Test {
  protected:
   memmap::Map map = memmap::parse_map(bench_map(), "bench");
   broker::Ring ring = broker::Ring::in_process(map);
-  broker::Node source = ring.join("source", 0);
+  broker::Node sender = ring.join("sender", 0);
   Echo echo;
   AdapterRunner runner{echo, ring, "echo", map.hash(), milliseconds{1}};
 
   void send(double displacement) {
-    const auto& entry = map.entry(map.signal("source.displ"));
+    const auto& entry = map.entry(map.signal("sender.displ"));
     const std::uint32_t words[2] = {0, memmap::Codec{*entry.signal}.encode(displacement)};
-    ASSERT_EQ(source.write_group(ring.tear_group("source"), words), Status::Ok);
+    ASSERT_EQ(sender.write_group(ring.tear_group("sender"), words), Status::Ok);
   }
   void tune_gain(double gain) {
     broker::Node hand = ring.join("operator", 0);
@@ -122,7 +122,7 @@ class AdapterRunnerTest : public ::testing::Test {
   }
   [[nodiscard]] double value(const std::string& name) const {
     const auto& entry = map.entry(map.signal(name));
-    return memmap::Codec{*entry.signal}.decode(source.read(entry.signal->offset));
+    return memmap::Codec{*entry.signal}.decode(sender.read(entry.signal->offset));
   }
 };
 
@@ -144,7 +144,7 @@ TEST_F(AdapterRunnerTest, ReadsParametersThatAreTunedWhileItRuns) {
   EXPECT_NEAR(value("echo.displ"), 0.5, 1e-6);
 }
 
-TEST_F(AdapterRunnerTest, TellsOfItselfInItsMonitors) {
+TEST_F(AdapterRunnerTest, WritesItsOwnMonitors) {
   echo.result = Status::LimitExceeded;
   static_cast<void>(runner.tick(Duration{0}, false, {Duration{20'000}, milliseconds{2}}));
   static_cast<void>(runner.tick(Duration{0}, false, {}));
@@ -157,9 +157,8 @@ TEST_F(AdapterRunnerTest, TellsOfItselfInItsMonitors) {
   EXPECT_EQ(runner.overruns(), 1U);
 }
 
-// What is no number neither reaches an adapter nor leaves it: the last value stands, and is
-// counted.
-TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAWordIsNoNumber) {
+// NaN and infinite values are dropped in both directions; the last valid value is held and counted.
+TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAWordIsNaN) {
   send(0.1);
   EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::Ok);
   send(std::nan(""));
@@ -170,7 +169,7 @@ TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAWordIsNoNumber) {
   EXPECT_EQ(value("monitor.echo.host.stale"), 1);
 }
 
-TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAnAdapterGivesNoNumber) {
+TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAnAdapterOutputsNaN) {
   send(0.1);
   static_cast<void>(runner.tick(Duration{0}, false, {}));
   echo.poisoned = true;
@@ -180,7 +179,7 @@ TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereAnAdapterGivesNoNumber) {
   EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
 }
 
-TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereANumberDoesNotFitItsWord) {
+TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAValueOverflowsItsWord) {
   send(0.1);
   static_cast<void>(runner.tick(Duration{0}, false, {}));
   tune_gain(1e6);
@@ -191,23 +190,23 @@ TEST_F(AdapterRunnerTest, HoldsTheLastValueWhereANumberDoesNotFitItsWord) {
   EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
 }
 
-// Whoever is done is done, whatever its neighbours sent last.
-TEST_F(AdapterRunnerTest, EndsThoughAWordThatItReadsIsStale) {
+// A stale input does not revoke an adapter's Done.
+TEST_F(AdapterRunnerTest, EndsDespiteAStaleInput) {
   send(std::nan(""));
 
   EXPECT_EQ(runner.tick(Duration{0}, true, {}), Status::Done);
 }
 
-TEST_F(AdapterRunnerTest, BeatsWithEveryStep) {
-  const std::uint64_t before = source.beats_of(map.node("echo"));
+TEST_F(AdapterRunnerTest, WritesItsHeartbeatWithEveryStep) {
+  const std::uint64_t before = sender.beats_of(map.node("echo"));
 
   static_cast<void>(runner.tick(Duration{0}, false, {}));
 
-  EXPECT_EQ(source.beats_of(map.node("echo")), before + 1);
+  EXPECT_EQ(sender.beats_of(map.node("echo")), before + 1);
 }
 
-TEST_F(AdapterRunnerTest, KnowsWhoseWordsItReads) {
-  EXPECT_EQ(runner.peers(), std::vector<std::string>{"source"});
+TEST_F(AdapterRunnerTest, ListsTheNodesThatItReads) {
+  EXPECT_EQ(runner.peers(), std::vector<std::string>{"sender"});
 }
 
 TEST_F(AdapterRunnerTest, TicksInRealTime) {
@@ -220,19 +219,19 @@ TEST_F(AdapterRunnerTest, TicksInRealTime) {
 TEST(AdapterRunner, RefusesAnOutputThatBelongsToAnotherNode) {
   broker::Ring ring = broker::Ring::in_process(memmap::parse_map(bench_map(), "bench"));
   Echo echo;
-  echo.list[2].name = "source.displ";
+  echo.list[2].name = "sender.displ";
 
   EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
-            "node 'echo' cannot write 'source.displ', which belongs to 'source'");
+            "node 'echo' cannot write 'sender.displ', which belongs to 'sender'");
 }
 
 TEST(AdapterRunner, RefusesASignalThatTheRingLacks) {
   broker::Ring ring = broker::Ring::in_process(memmap::parse_map(bench_map(), "bench"));
   Echo echo;
-  echo.list[0].name = "source.dspl";
+  echo.list[0].name = "sender.dspl";
 
   EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
-            "map 'bench' has no signal 'source.dspl' (did you mean 'source.displ'?)");
+            "map 'bench' has no signal 'sender.dspl' (did you mean 'sender.displ'?)");
 }
 
 TEST_F(AdapterRunnerTest, LoopsUntilTheAdapterIsDone) {
@@ -255,7 +254,7 @@ TEST_F(AdapterRunnerTest, LoopsUntilItIsToldToStop) {
   std::thread loop{[&] {
     end = run_loop(runner, clock, clock.now(), {milliseconds{1}, Duration{0}}, stopping);
   }};
-  while (source.beats_of(map.node("echo")) < 5) std::this_thread::yield();
+  while (sender.beats_of(map.node("echo")) < 5) std::this_thread::yield();
 
   stopping.store(true);
   loop.join();
@@ -282,8 +281,8 @@ TEST_F(AdapterRunnerTest, LoopsInRealTime) {
   EXPECT_EQ(end.status, Status::Done);
 }
 
-// Steps that were missed are made up for, each with its own scheduled time.
-TEST_F(AdapterRunnerTest, MakesUpForMissedSteps) {
+// Missed steps are run afterwards, each with its own scheduled time.
+TEST_F(AdapterRunnerTest, RunsMissedStepsAfterwards) {
   VirtualClock clock;
   clock.sleep_until(milliseconds{50});  // fifty steps late from the start
   const std::atomic<bool> stopping{false};
@@ -299,23 +298,23 @@ TEST_F(AdapterRunnerTest, MakesUpForMissedSteps) {
 TEST(Retreat, HoldsThenRampsToRestWithoutAJump) {
   const Retreat retreat{0.2, 1.0};
 
-  EXPECT_EQ(retreat.part(0), 1);
-  EXPECT_EQ(retreat.part(0.2), 1);
-  EXPECT_NEAR(retreat.part(0.7), 0.5, 1e-12);
-  EXPECT_EQ(retreat.part(1.2), 0);
+  EXPECT_EQ(retreat.fraction(0), 1);
+  EXPECT_EQ(retreat.fraction(0.2), 1);
+  EXPECT_NEAR(retreat.fraction(0.7), 0.5, 1e-12);
+  EXPECT_EQ(retreat.fraction(1.2), 0);
   EXPECT_FALSE(retreat.finished(1.19));
   EXPECT_TRUE(retreat.finished(1.2));
   for (double t = 0; t < 1.3; t += 0.001)
-    EXPECT_LE(std::abs(retreat.part(t + 0.001) - retreat.part(t)), 0.002);
+    EXPECT_LE(std::abs(retreat.fraction(t + 0.001) - retreat.fraction(t)), 0.002);
 }
 
 TEST(Retreat, WorksInRealTime) {
   const Retreat retreat;
-  double part = 0;
+  double fraction = 0;
   bool finished = false;
-  EXPECT_REALTIME(part = retreat.part(0.5));
+  EXPECT_REALTIME(fraction = retreat.fraction(0.5));
   EXPECT_REALTIME(finished = retreat.finished(0.5));
-  EXPECT_GT(part, 0);
+  EXPECT_GT(fraction, 0);
   EXPECT_FALSE(finished);
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// What every adapter must do, whatever it is.
+// Requirements on every adapter.
 #include <functional>
 #include <set>
 
@@ -23,7 +22,7 @@ std::unique_ptr<Adapter> make_sample_numerical() {
   NumericalSettings settings;
   settings.plant = sim::example_plant();
   settings.motion = {0.01, std::vector<double>(500, 1.0), std::vector<double>(500, 0.5)};
-  settings.bearing_initial_stiffness = rths::test::kInitialStiffness;
+  settings.bearing_initial_stiffness = test::kInitialStiffness;
   return make_numerical(settings);
 }
 
@@ -71,16 +70,16 @@ TEST_P(EveryAdapter, StepsInRealTime) {
   EXPECT_NE(status, Status::Fault);
 }
 
-TEST_P(EveryAdapter, ComesToRestWithinTwoSecondsOfBeingTold) {
+TEST_P(EveryAdapter, ComesToRestWithinTwoSecondsOfTheStop) {
   test::Bench bench{*adapter};
   double time = 0;
   for (int i = 0; i < 100; ++i) static_cast<void>(bench.step(time += 0.001));
-  const double told = time;
+  const double stop = time;
   Status status = Status::Ok;
-  while (status != Status::Done && time < told + 5) status = bench.step(time += 0.001, true);
+  while (status != Status::Done && time < stop + 5) status = bench.step(time += 0.001, true);
 
   EXPECT_EQ(status, Status::Done);
-  EXPECT_LT(time - told, 2);
+  EXPECT_LT(time - stop, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(

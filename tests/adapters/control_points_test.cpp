@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenFresco's control points, held against the blocks of all laboratories' maps.
+// OpenFresco's control points, checked against the blocks of all laboratories' maps.
 #include <rths/adapters/control_points.hpp>
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ OpfLayout layout_of(const std::string& map) {
       memmap::load_map(test::source_tree() / "memmap/maps" / (map + ".ringmap.toml")));
 }
 
-// As a laboratory declares them: of each type in turn, all degrees of freedom.
+// The order of a laboratory's declaration: all degrees of freedom of one type after another.
 std::string line_of(int tag, int dofs, const std::vector<std::string>& types) {
   std::string line = fmt::format("expControlPoint {}", tag);
   for (const auto& type : types)
@@ -26,8 +26,8 @@ std::string line_of(int tag, int dofs, const std::vector<std::string>& types) {
   return line;
 }
 
-std::string error_of(const OpfLayout& layout, const std::vector<std::string>& trial,
-                     const std::vector<std::string>& output = {}) {
+std::string control_points_error(const OpfLayout& layout, const std::vector<std::string>& trial,
+                                 const std::vector<std::string>& output = {}) {
   try {
     static_cast<void>(control_points(layout, trial, output));
   } catch (const Error& error) {
@@ -52,7 +52,7 @@ const Facility kFacilities[] = {{"srmd", 7, kFive, kFive},
 
 class EachFacility : public testing::TestWithParam<Facility> {};
 
-TEST_P(EachFacility, TakesWhatItsBlockHas) {
+TEST_P(EachFacility, AcceptsAllSignalsOfItsBlock) {
   const auto& [map, dofs, commands, feedbacks] = GetParam();
   const auto points =
       control_points(layout_of(map), {line_of(1, dofs, commands)}, {line_of(2, dofs, feedbacks)});
@@ -69,13 +69,15 @@ TEST_P(EachFacility, RefusesASignalTooFewOrTooMany) {
   const auto& [map, dofs, commands, feedbacks] = GetParam();
   const OpfLayout layout = layout_of(map);
   const std::string whole = line_of(1, dofs, commands);
-  EXPECT_NE(error_of(layout, {whole + " 1 time"}).find("trial control point 1 declares too many"),
+  EXPECT_NE(control_points_error(layout, {whole + " 1 time"})
+                .find("trial control point 1 declares too many"),
             std::string::npos);
   const std::string outputs = line_of(7, dofs, feedbacks);
   const std::string shortened = outputs.substr(0, outputs.rfind(' ', outputs.rfind(' ') - 1));
-  EXPECT_NE(error_of(layout, {whole}, {shortened}).find("output control point 7 declares too few"),
+  EXPECT_NE(control_points_error(layout, {whole}, {shortened})
+                .find("output control point 7 declares too few"),
             std::string::npos)
-      << error_of(layout, {whole}, {shortened});
+      << control_points_error(layout, {whole}, {shortened});
 }
 
 INSTANTIATE_TEST_SUITE_P(Maps, EachFacility, testing::ValuesIn(kFacilities),
@@ -83,26 +85,27 @@ INSTANTIATE_TEST_SUITE_P(Maps, EachFacility, testing::ValuesIn(kFacilities),
 
 TEST(ControlPoints, SayWhichOneDeclaresTooFew) {
   const OpfLayout layout = layout_of("flextest_osu");
-  EXPECT_EQ(error_of(layout, {"expControlPoint 1 1 disp"}),
+  EXPECT_EQ(control_points_error(layout, {"expControlPoint 1 1 disp"}),
             "trial control point 1 declares too few signals: '2 disp' (opf.2.displ.target) is the "
-            "first of 1 that are missing; the map has 2 words there, 'opf.1.displ.target' to "
-            "'opf.2.displ.target': the words behind would be taken for others");
+            "first of 1 missing signals; the map has 2 words there, 'opf.1.displ.target' to "
+            "'opf.2.displ.target': all words after the difference would be misread");
   // The second begins with forces, so the first lacks a displacement.
-  const std::string message = error_of(layout, {}, {"4 1 disp", "5 1 force 2 force"});
+  const std::string message = control_points_error(layout, {}, {"4 1 disp", "5 1 force 2 force"});
   EXPECT_NE(message.find("output control point 4 declares too few signals: '2 disp' "
                          "(daq.2.displ.fbk) is missing, control point 5 begins with '1 force'"),
             std::string::npos)
       << message;
 }
 
-TEST(ControlPoints, SayWhatIsInTheWrongPlace) {
-  const std::string message = error_of(layout_of("flextest_osu"), {"1 2 disp 1 disp"});
+TEST(ControlPoints, SayWhichSignalIsMisplaced) {
+  const std::string message = control_points_error(layout_of("flextest_osu"), {"1 2 disp 1 disp"});
   EXPECT_NE(message.find("'2 disp' where '1 disp' (opf.1.displ.target) is expected"),
             std::string::npos)
       << message;
-  // One quantity behind the other, not all of an axis.
-  EXPECT_NE(error_of(layout_of("srmd"), {"1 1 disp 1 vel"}).find("'1 vel' where '2 disp'"),
-            std::string::npos);
+  // Sorted by quantity, not by axis.
+  EXPECT_NE(
+      control_points_error(layout_of("srmd"), {"1 1 disp 1 vel"}).find("'1 vel' where '2 disp'"),
+      std::string::npos);
 }
 
 TEST(ControlPoints, ReadEverySpellingAndOption) {
@@ -119,22 +122,27 @@ TEST(ControlPoints, ReadEverySpellingAndOption) {
   EXPECT_EQ(points.output[3].word.name, "daq.2.force.fbk");
 }
 
-TEST(ControlPoints, RefuseWhatTheyDoNotUnderstand) {
+TEST(ControlPoints, RefuseUnknownWords) {
   const OpfLayout layout = layout_of("flextest_ucb");
-  EXPECT_EQ(error_of(layout, {"1 1 strain"}),
+  EXPECT_EQ(control_points_error(layout, {"1 1 strain"}),
             "control point '1 1 strain': found 'strain', expected disp, vel, accel, force or time");
-  EXPECT_EQ(error_of(layout, {"1 zero disp"}),
+  EXPECT_EQ(control_points_error(layout, {"1 zero disp"}),
             "control point '1 zero disp': found 'zero', expected a degree of freedom: 1, d1 or ux");
-  EXPECT_NE(error_of(layout, {"1 1 disp -relIn"}).find("found '-relIn', expected -lim"),
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -relIn"}).find("found '-relIn', expected -lim"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -fact 25.4"}).find("found '-fact', expected none"),
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -fact 25.4"})
+                .find("found '-fact', expected no -fact"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -lim nan nan"}).find("found 'nan'"), std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -lim"}).find("found its end, expected the lower limit"),
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -lim nan nan"}).find("found 'nan'"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1 1 disp -lim 2 1"}).find("limits that leave nothing"),
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -lim"})
+                .find("found the end of the line, expected the lower limit"),
             std::string::npos);
-  EXPECT_NE(error_of(layout, {"1"}).find("expected at least one signal"), std::string::npos);
+  EXPECT_NE(control_points_error(layout, {"1 1 disp -lim 2 1"})
+                .find("a lower limit above the upper limit"),
+            std::string::npos);
+  EXPECT_NE(control_points_error(layout, {"1"}).find("expected at least one signal"),
+            std::string::npos);
 }
 
 TEST(OpfLayout, RefusesAMapWithoutTheBlock) {

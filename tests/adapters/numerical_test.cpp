@@ -23,16 +23,16 @@ sim::GroundMotion pulse() {
   return motion;
 }
 
-NumericalSettings settings() {
+NumericalSettings numerical_settings() {
   NumericalSettings s;
   s.plant = sim::example_plant();
   s.motion = pulse();
-  s.bearing_initial_stiffness = rths::test::kInitialStiffness;
+  s.bearing_initial_stiffness = test::kInitialStiffness;
   s.duration = 0.5;
   return s;
 }
 
-/// A controller and specimen that answer the handshake by the book, a tick at a time.
+/// A controller and specimen that follow the handshake, one tick at a time.
 class Partner {
  public:
   Partner(Adapter& adapter, std::vector<std::string> axes)
@@ -40,7 +40,7 @@ class Partner {
     bench.in("daq.atTarget") = 1;
   }
 
-  // One tick: look at the flags, answer them, let the solver look.
+  // One tick: read the flags, answer them, step the solver.
   Status tick() {
     const double flag = bench.out("opf.newTarget");
     if (flag > 0 && previous_ <= 0) {
@@ -55,7 +55,7 @@ class Partner {
       Eigen::Vector2d u = Eigen::Vector2d::Zero();
       for (const auto& axis : axes_)
         u[axis == "long" ? 0 : 1] = bench.out("opf." + axis + ".displ.target");
-      const Eigen::Vector2d force = rths::test::moved(bearing_, u);
+      const Eigen::Vector2d force = test::moved(bearing_, u);
       for (const auto& axis : axes_)
         bench.in("daq." + axis + ".force.fbk") = force[axis == "long" ? 0 : 1];
       bench.in("daq.atTarget") = 1;
@@ -70,13 +70,13 @@ class Partner {
 
  private:
   std::vector<std::string> axes_;
-  sim::BearingRun bearing_{rths::test::plain_lead_rubber(), 0.01};
+  sim::BearingRun bearing_{test::plain_lead_rubber(), 0.01};
   double previous_ = 0;
   int countdown_ = 0;
 };
 
 TEST(Numerical, RunsTheHandshakeOncePerStep) {
-  const auto solver = make_numerical(settings());
+  const auto solver = make_numerical(numerical_settings());
   Partner partner{*solver, {"long", "lat"}};
   Status status = Status::Ok;
   for (int i = 0; i < 5000 && status == Status::Ok; ++i) status = partner.tick();
@@ -87,24 +87,23 @@ TEST(Numerical, RunsTheHandshakeOncePerStep) {
   EXPECT_EQ(partner.bench.out("step"), 50);
 }
 
-// Through words, flags and forces the solver must arrive where it does alone.
-TEST(Numerical, GetsTheSameResultAsTheAnalysisAlone) {
-  const auto solver = make_numerical(settings());
+TEST(Numerical, GivesTheSameTargetsAsTheAnalysisAlone) {
+  const auto solver = make_numerical(numerical_settings());
   Partner partner{*solver, {"long", "lat"}};
-  sim::PlantAnalysis alone{sim::assemble(sim::example_plant()), pulse(),
-                           rths::test::kInitialStiffness, 0.01, -0.05};
-  sim::BearingRun bearing{rths::test::plain_lead_rubber(), 0.01};
+  sim::PlantAnalysis alone{sim::assemble(sim::example_plant()), pulse(), test::kInitialStiffness,
+                           0.01, -0.05};
+  sim::BearingRun bearing{test::plain_lead_rubber(), 0.01};
   for (int step = 0; step < 40; ++step) {
     while (partner.targets <= step) ASSERT_EQ(partner.tick(), Status::Ok);
     const Eigen::Vector2d u = alone.predict();
     EXPECT_EQ(partner.bench.out("opf.long.displ.target"), u[0]);
     EXPECT_EQ(partner.bench.out("opf.lat.displ.target"), u[1]);
-    alone.correct(rths::test::moved(bearing, u));
+    alone.correct(test::moved(bearing, u));
   }
 }
 
-TEST(Numerical, LeavesTheLoopOpenWhileTheMachineRests) {
-  NumericalSettings s = settings();
+TEST(Numerical, PostsNoTargetDuringTheInitialRest) {
+  NumericalSettings s = numerical_settings();
   s.rest = 0.3;
   const auto solver = make_numerical(s);
   test::Bench bench{*solver};
@@ -119,8 +118,8 @@ TEST(Numerical, LeavesTheLoopOpenWhileTheMachineRests) {
   EXPECT_EQ(bench.out("opf.1.time.target"), 0.01);
 }
 
-TEST(Numerical, BeginsWithItsTargetWhereTheControllerIsOfTheOlderGeneration) {
-  NumericalSettings s = settings();
+TEST(Numerical, StartsWithATargetForAnOlderController) {
+  NumericalSettings s = numerical_settings();
   s.handshake = Handshake::TargetFirst;
   const auto solver = make_numerical(s);
   test::Bench bench{*solver};  // atTarget is down
@@ -139,7 +138,7 @@ TEST(Numerical, BeginsWithItsTargetWhereTheControllerIsOfTheOlderGeneration) {
 }
 
 TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
@@ -156,8 +155,8 @@ TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
   }
 }
 
-TEST(Numerical, TakesTheComputingTimeItIsGivenWhereTimeIsVirtual) {
-  NumericalSettings s = settings();
+TEST(Numerical, TakesTheModelledComputingTimeInVirtualTime) {
+  NumericalSettings s = numerical_settings();
   s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
   const auto solver = make_numerical(s);
   test::Bench bench{*solver};
@@ -173,8 +172,8 @@ TEST(Numerical, TakesTheComputingTimeItIsGivenWhereTimeIsVirtual) {
   EXPECT_EQ(bench.out("opf.newTarget"), 1);
 }
 
-TEST(Numerical, OverrunsAsOftenAsItIsTold) {
-  NumericalSettings s = settings();
+TEST(Numerical, OverrunsWithTheGivenFrequency) {
+  NumericalSettings s = numerical_settings();
   s.duration = 5;
   s.computing_time = ComputingTime{0.003, 0.1, 0.25, 0.006, 9};
   const auto solver = make_numerical(s);
@@ -201,7 +200,7 @@ struct Silence {
 class DeadPartner : public ::testing::TestWithParam<Silence> {};
 
 TEST_P(DeadPartner, EndsTheWaitAtItsDeadlineWithOneClearLine) {
-  const auto solver = make_numerical(settings());
+  const auto solver = make_numerical(numerical_settings());
   test::Bench bench{*solver};
   double time = 0;
   bench.in("daq.atTarget") = 1;
@@ -224,8 +223,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Silence{"release", 0, 1, 1, "switchPC did not fall before the deadline"}),
     [](const auto& silence) { return std::string{silence.param.name}; });
 
-TEST(Numerical, SaysStopBeforeItLeaves) {
-  const auto solver = make_numerical(settings());
+TEST(Numerical, SignalsTheStopBeforeItFinishes) {
+  const auto solver = make_numerical(numerical_settings());
   test::Bench bench{*solver};
   EXPECT_EQ(bench.step(0.001, true), Status::Ok);
   EXPECT_EQ(bench.out("opf.newTarget"), -1);
@@ -234,7 +233,7 @@ TEST(Numerical, SaysStopBeforeItLeaves) {
 }
 
 TEST(Numerical, PlaysADisplacementHistory) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.duration = 0.05;
   s.history = DisplacementHistory{0.02, {0, 0.2, 0.4, 0.3}, {0, -0.1, 0, 0}};
   const auto solver = make_numerical(s);
@@ -249,8 +248,8 @@ TEST(Numerical, PlaysADisplacementHistory) {
   for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(targets[i], expected[i], 1e-12);
 }
 
-TEST(Numerical, TellsTheSpecimenWhatTheVerticalMotionAdds) {
-  NumericalSettings s = settings();
+TEST(Numerical, SendsTheVerticalForceToTheSpecimen) {
+  NumericalSettings s = numerical_settings();
   s.motion.vert_acceleration = s.motion.long_acceleration;
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
@@ -266,7 +265,7 @@ TEST(Numerical, TellsTheSpecimenWhatTheVerticalMotionAdds) {
 }
 
 TEST(Numerical, TestsOneAxisAlone) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.axes = {"lat"};
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"lat"}};
@@ -277,7 +276,7 @@ TEST(Numerical, TestsOneAxisAlone) {
 }
 
 TEST(Numerical, RefusesAnAxisThatItsModelLacks) {
-  NumericalSettings s = settings();
+  NumericalSettings s = numerical_settings();
   s.axes = {"vert"};
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(make_numerical(s)); }),

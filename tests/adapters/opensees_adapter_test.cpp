@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen elements of one OpenSees at once, half of them over UDP, on one ring.
+// Sixteen elements of one OpenSees process, half of them over UDP, on one ring.
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -17,12 +17,12 @@
 namespace rths::adapters {
 namespace {
 
-constexpr int kCount = 16, kSteps = 100, kFirstPort = 18'120;
+constexpr int kCount = 16, kAnalysisSteps = 100, kFirstPort = 18'120;
 
 std::string point(int i) { return fmt::format("p{}", i + 1); }
 double stiffness(int i) { return 1e5 * (i + 1); }  // [N/m]
 
-// A specimen for each element, where it is told to be as soon as it is told.
+// A specimen for each element that reaches its target at once.
 class Springs final : public Adapter {
  public:
   [[nodiscard]] std::vector<Port> ports() const override {
@@ -68,13 +68,13 @@ OpenSeesSettings settings_of(const test::TemporaryFolder& folder, const std::str
         {"opf." + point(i) + ".displ.target", point(i), Quantity::Displacement, "m"});
     settings.layout.feedbacks.push_back(
         {"daq." + point(i) + ".force.fbk", point(i), Quantity::Force, "N"});
-    element.initial_stiffness = Eigen::MatrixXd::Constant(1, 1, stiffness(i));
-    element.damping = element.mass = Eigen::MatrixXd::Zero(1, 1);
+    element.initial_stiffness = SquareMatrix::diagonal(1, stiffness(i));
+    element.damping = element.mass = SquareMatrix::diagonal(1, 0);
     settings.elements.push_back(element);
   }
   settings.script.command = {python, (test::source_tree() / "tests/opensees/many.py").string(),
                              std::to_string(kFirstPort), std::to_string(kCount),
-                             std::to_string(kSteps)};
+                             std::to_string(kAnalysisSteps)};
   settings.script.log = folder.path() / "ring.log";
   return settings;
 }
@@ -94,7 +94,7 @@ memmap::Map map_of(const std::vector<Port>& solver, const std::vector<Port>& spr
     for (const auto& port : ports) {
       if (port.direction != direction) continue;
       memmap::Signal signal;
-      // A signal's name begins with its partition's, but for a node's own.
+      // Except for a node's own monitors, a signal's name begins with that of its partition.
       signal.name = port.name.starts_with(partition + ".") ? port.name.substr(partition.size() + 1)
                                                            : port.name;
       signal.unit = port.unit;
@@ -124,7 +124,7 @@ std::vector<std::vector<double>> rows_of(std::istream&& in) {
   return rows;
 }
 
-using OpenSeesAdapter = rths::test::WithOpenSees<>;
+using OpenSeesAdapter = test::WithOpenSees<>;
 
 TEST_F(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
   const test::TemporaryFolder folder;
@@ -142,15 +142,16 @@ TEST_F(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
     status = solving.tick(time, false, {});
   }
   EXPECT_EQ(status, Status::Done) << solving.message();
-  // One of each step but the first, in which nothing moves yet: trials of one update, not of two.
-  EXPECT_EQ(springs.targets(), kSteps - 1);
+  // One target per step, except for the first, without motion: trials of different updates never
+  // mix.
+  EXPECT_EQ(springs.targets(), kAnalysisSteps - 1);
   solver->deactivate();
 
   test::Running own{{python_, (test::source_tree() / "tests/opensees/many.py").string(), "inside",
-                     std::to_string(kCount), std::to_string(kSteps)}};
+                     std::to_string(kCount), std::to_string(kAnalysisSteps)}};
   const auto expected = rows_of(std::istringstream{own.wait(30).out});
   const auto found = rows_of(std::ifstream{folder.path() / "ring.log"});
-  ASSERT_EQ(expected.size(), static_cast<std::size_t>(kSteps));
+  ASSERT_EQ(expected.size(), static_cast<std::size_t>(kAnalysisSteps));
   ASSERT_EQ(found.size(), expected.size());
   for (int i = 0; i < kCount; ++i) {
     double difference = 0, size = 0;

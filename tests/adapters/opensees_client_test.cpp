@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real OpenSees, unmodified, against a spring of ours. Displacements and the order of messages
-// are those that its own sources and others' runs give.
+// The real, unmodified OpenSees with a spring of the test. The expected displacements and message
+// orders follow from its sources and from independent runs.
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -17,18 +17,19 @@ namespace {
 
 struct Analysis {
   const char* name;
-  std::vector<std::string> arguments;   ///< integrator, and what belongs to it
-  std::vector<double> displacements;    ///< of the first steps, where they are known
-  std::vector<int> start, first, step;  ///< messages before the first step, in it, in each other
+  std::vector<std::string> arguments;  ///< integrator and its options
+  std::vector<double> displacements;   ///< of the first steps, if known
+  std::vector<int> start, first,
+      step;  ///< messages before the first step, in it, in each further step
 };
 
 void PrintTo(const Analysis& analysis, std::ostream* out) { *out << analysis.name; }
 
-class RealOpenSees : public rths::test::WithOpenSees<> {
+class RealOpenSees : public test::WithOpenSees<> {
  protected:
   [[nodiscard]] std::vector<std::string> command(std::uint16_t port, Transport transport,
                                                  std::vector<std::string> arguments) const {
-    const auto script = rths::test::source_tree() / "tests/opensees/oscillator.py";
+    const auto script = test::source_tree() / "tests/opensees/oscillator.py";
     std::vector<std::string> words{python_, script.string(), std::to_string(port),
                                    transport == Transport::Tcp ? "tcp" : "udp"};
     words.insert(words.end(), arguments.begin(), arguments.end());
@@ -39,18 +40,18 @@ class RealOpenSees : public rths::test::WithOpenSees<> {
 class Integrators : public RealOpenSees,
                     public testing::WithParamInterface<std::tuple<Transport, Analysis>> {};
 
-TEST_P(Integrators, MovesTheSpringAsItMovesItsOwn) {
+TEST_P(Integrators, MovesTheSpringLikeItsOwn) {
   const auto& [transport, analysis] = GetParam();
-  test::SpringServer server{transport};
+  test_support::SpringServer server{transport};
   constexpr std::size_t kSteps = 3;
   std::vector<std::string> arguments{std::to_string(kSteps)};
   arguments.insert(arguments.end(), analysis.arguments.begin(), analysis.arguments.end());
-  rths::test::Running running{command(server.port(), transport, arguments)};
+  test::Running running{command(server.port(), transport, arguments)};
   const auto finished = running.wait(30);
-  const test::Heard heard = server.heard();
+  const test_support::Received received = server.received();
 
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
-  EXPECT_EQ(heard.trouble, "");
+  EXPECT_EQ(received.error, "");
   std::istringstream lines{finished.out};
   for (const double expected : analysis.displacements) {
     double displacement = 0;
@@ -65,7 +66,7 @@ TEST_P(Integrators, MovesTheSpringAsItMovesItsOwn) {
   append(analysis.first);
   for (std::size_t i = 1; i < kSteps; ++i) append(analysis.step);
   expected.push_back(99);
-  EXPECT_EQ(heard.codes, expected);
+  EXPECT_EQ(received.codes, expected);
 }
 
 using Words = std::vector<std::string>;
@@ -77,7 +78,7 @@ Words with(Words words, const Words& more) {
   return words;
 }
 
-// The ground has not moved yet: the explicit ones stay where they are in the first step.
+// The ground is still at rest, so explicit integrators do not move in the first step.
 const Analysis kAnalyses[] = {
     {"NewmarkExplicit",
      {"NewmarkExplicit", "0.5"},
@@ -127,11 +128,12 @@ INSTANTIATE_TEST_SUITE_P(Analyses, Integrators,
                                           testing::ValuesIn(kAnalyses)),
                          name_of);
 
-// Nagle's algorithm at OpenSees' end and a delayed acknowledgement at ours make 44 ms of a step.
+// Nagle's algorithm in OpenSees and a delayed acknowledgement in the server would take 44 ms a
+// step.
 TEST_F(RealOpenSees, DoesNotWaitForAcknowledgements) {
   constexpr double kSteps = 300, kStall = 0.044;
-  test::SpringServer server{Transport::Tcp};
-  rths::test::Running running{command(server.port(), Transport::Tcp, {"300", "AlphaOS", "0.9"})};
+  test_support::SpringServer server{Transport::Tcp};
+  test::Running running{command(server.port(), Transport::Tcp, {"300", "AlphaOS", "0.9"})};
   const auto finished = running.wait(30);
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_LT(finished.seconds, 0.5 * kSteps * kStall);

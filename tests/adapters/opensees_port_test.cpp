@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever comes in at an element's port: the adapter says so and ends, or waits on; the machine
-// stays where it is.
+// Malformed input at an element's port: the adapter reports it and ends, or waits for more; the
+// machine does not move.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -38,8 +38,8 @@ OpenSeesSettings settings_at(std::uint16_t port, bool is_udp) {
   element.is_udp = is_udp;
   element.is_rotation = {false, false};
   element.axes = {{"long", 0}, {"lat", 1}};
-  element.initial_stiffness = Eigen::Matrix2d::Identity();
-  element.damping = element.mass = Eigen::Matrix2d::Zero();
+  element.initial_stiffness = SquareMatrix::diagonal(2, 1);
+  element.damping = element.mass = SquareMatrix::diagonal(2, 0);
   settings.elements = {element};
   for (const char* axis : {"long", "lat"}) {
     settings.layout.commands.push_back(
@@ -74,7 +74,7 @@ void append(Bytes& bytes, const Bytes& more) {
   bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
-// A client that is none, or that loses its mind after its first message.
+// Random bytes, or a valid first message with an error in it or after it.
 Bytes malformed(Random& random) {
   const auto one_of = [&](std::initializer_list<double> values) {
     return *(values.begin() +
@@ -88,19 +88,19 @@ Bytes malformed(Random& random) {
       return noise(random, 4096);
     case 1:  // sizes of another element
       return sizes(static_cast<std::int32_t>(one_of({-1, 0, 1, 3, 100, 1e9})));
-    case 2:  // sizes with a bit that is wrong
+    case 2:  // sizes with one wrong bit
       bytes = sizes(2);
       bytes[random() % bytes.size()] ^= static_cast<std::byte>(1U << random() % 8);
       return bytes;
-    case 3:  // a code that is none
+    case 3:  // an unknown code
       bytes = sizes(2);
       append(bytes, message(one_of({0, 6.5, 13.5, 16, 50, 98, -3, kNan, kInfinity}), 0.1));
       return bytes;
-    case 4:  // a trial that is no number
+    case 4:  // a trial with NaN or infinity
       bytes = sizes(2);
       append(bytes, message(3, one_of({kNan, kInfinity, -kInfinity})));
       return bytes;
-    default:  // a trial that breaks off
+    default:  // an incomplete trial
       bytes = sizes(2);
       append(bytes, message(3, 0.1));
       bytes.resize(bytes.size() - 1 - random() % 2000);
@@ -108,7 +108,7 @@ Bytes malformed(Random& random) {
   }
 }
 
-/// A socket that says something and does not care for the answer.
+/// A client that sends bytes and does not evaluate the answer.
 class Client {
  public:
   Client(std::uint16_t port, bool is_udp, const Bytes& bytes)
@@ -124,12 +124,12 @@ class Client {
     EXPECT_EQ(send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL), std::ssize(bytes));
   }
   ~Client() { close(fd_); }
-  [[nodiscard]] bool has_news() const {
-    pollfd news{fd_, POLLIN, 0};
-    return poll(&news, 1, 0) == 1;
+  [[nodiscard]] bool has_reply() const {
+    pollfd readable{fd_, POLLIN, 0};
+    return poll(&readable, 1, 0) == 1;
   }
-  /// One message; waits for it.
-  [[nodiscard]] std::array<double, kDoubles> hear() const {
+  /// Waits for one message and returns it.
+  [[nodiscard]] std::array<double, kDoubles> receive() const {
     std::array<double, kDoubles> reply{};
     EXPECT_EQ(recv(fd_, reply.data(), sizeof reply, MSG_WAITALL), std::ssize(reply) * 8);
     return reply;
@@ -141,7 +141,7 @@ class Client {
   int fd_;
 };
 
-TEST(OpenSeesPort, NeverMovesTheMachineForWhatIsMalformed) {
+TEST(OpenSeesPort, NeverMovesTheMachineOnMalformedMessages) {
   Random random{kSeed};
   int faults = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
@@ -170,12 +170,12 @@ TEST(OpenSeesPort, NeverMovesTheMachineForWhatIsMalformed) {
     }
     adapter->deactivate();
   }
-  // What breaks off is waited for; all else is refused.
+  // The adapter waits for the rest of an incomplete trial and refuses everything else.
   EXPECT_GT(faults, kTrials / 2);
 }
 
-// A program that expects a SimAppSite server of OpenFresco: all five quantities, at their offsets.
-TEST(OpenSeesPort, AnswersAForeignProgramAllThatWasMeasured) {
+// A client of OpenFresco's SimAppSite server: all five quantities, at their offsets.
+TEST(OpenSeesPort, AnswersAForeignProgramWithAllMeasurements) {
   const std::uint16_t port = test::free_port();
   auto settings = settings_at(port, false);
   for (const char* axis : {"long", "lat"})
@@ -186,17 +186,17 @@ TEST(OpenSeesPort, AnswersAForeignProgramAllThatWasMeasured) {
   std::vector<double> inputs(kInputs), outputs(adapter->ports().size() - kInputs);
   inputs[kAtTarget] = 1;
   adapter->activate();
-  Bytes said = bytes_of(std::array<std::int32_t, 11>{2, 2, 2, 0, 1, 2, 2, 2, 2, 1, kDoubles});
-  append(said, message(3, 0.02));
-  append(said, message(6, 0));
-  Client client{port, false, said};
+  Bytes sent = bytes_of(std::array<std::int32_t, 11>{2, 2, 2, 0, 1, 2, 2, 2, 2, 1, kDoubles});
+  append(sent, message(3, 0.02));
+  append(sent, message(6, 0));
+  Client client{port, false, sent};
   StepData step{0, inputs, outputs};
-  bool was_there = false;
+  bool had_target = false;
   for (int i = 0; i < 20; ++i) {
     step.time = i * 1e-3;
     ASSERT_EQ(adapter->step(step), Status::Ok) << step.message;
     const bool has_target = outputs[2] > 0;
-    was_there = was_there || has_target;
+    had_target = had_target || has_target;
     inputs[kSwitchPc] = has_target ? 1 : 0;
     inputs[kAtTarget] = has_target ? 0 : 1;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -204,8 +204,8 @@ TEST(OpenSeesPort, AnswersAForeignProgramAllThatWasMeasured) {
       inputs[kForces + k] = 1e6 * outputs[k];
     }
   }
-  EXPECT_TRUE(was_there);
-  const auto reply = client.hear();
+  EXPECT_TRUE(had_target);
+  const auto reply = client.receive();
   EXPECT_DOUBLE_EQ(reply[0], 0.018);
   EXPECT_DOUBLE_EQ(reply[1], 0.018);
   EXPECT_DOUBLE_EQ(reply[6], 2e4);
@@ -213,8 +213,7 @@ TEST(OpenSeesPort, AnswersAForeignProgramAllThatWasMeasured) {
   adapter->deactivate();
 }
 
-/// The adapter beside a controller and a machine that is wherever it is told to be at once, a
-/// spring.
+/// The adapter with a controller, an ideal machine and a linear spring as the specimen.
 class Bench {
  public:
   static constexpr std::size_t kInputs = 6;
@@ -229,13 +228,13 @@ class Bench {
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 
-  void step(bool is_controller_there = true) {
+  void step(bool has_controller = true) {
     StepData step{time_ += 1e-3, inputs_, outputs_};
     ASSERT_EQ(adapter_->step(step), Status::Ok) << step.message;
     const bool has_target = outputs_[2] > 0;
     targets_ += has_target && inputs_[1] == 0 ? 1 : 0;
     inputs_[1] = has_target ? 1 : 0;
-    inputs_[0] = is_controller_there && !has_target ? 1 : 0;
+    inputs_[0] = has_controller && !has_target ? 1 : 0;
     for (std::size_t k = 0; k < 2; ++k) {
       inputs_[4 + k] = outputs_[k];
       inputs_[2 + k] = kStiffness * outputs_[k];
@@ -256,27 +255,27 @@ class Bench {
   int targets_ = 0;
 };
 
-TEST(OpenSeesPort, AnswersAStiffnessThatIsIdentifiedWhenItIs) {
+TEST(OpenSeesPort, AnswersTheStiffnessAfterIdentification) {
   const std::uint16_t port = test::free_port();
   auto settings = settings_at(port, false);
   settings.elements[0].initial_stiffness.reset();
   Bench bench{settings};
-  Bytes said = sizes(2);
-  append(said, message(3, 0));
-  append(said, message(12, 0));
-  const Client client{port, false, said};
-  // The controller takes its time.
+  Bytes sent = sizes(2);
+  append(sent, message(3, 0));
+  append(sent, message(12, 0));
+  const Client client{port, false, sent};
+  // The controller is not ready yet.
   for (int i = 0; i < 100; ++i) bench.step(false);
-  EXPECT_FALSE(client.has_news());
+  EXPECT_FALSE(client.has_reply());
   EXPECT_EQ(bench.targets(), 0);
-  for (int i = 0; i < 10'000 && !client.has_news(); ++i) bench.step();
+  for (int i = 0; i < 10'000 && !client.has_reply(); ++i) bench.step();
   EXPECT_GT(bench.targets(), 700);  // four seconds of each of two components
-  const auto reply = client.hear();
+  const auto reply = client.receive();
   EXPECT_NEAR(reply[0], Bench::kStiffness, 1e-3);
   EXPECT_NEAR(reply[3], Bench::kStiffness, 1e-3);
 }
 
-TEST(OpenSeesPort, ShakesNothingBeforeOpenSeesHasCome) {
+TEST(OpenSeesPort, DoesNotProbeBeforeOpenSeesConnects) {
   auto settings = settings_at(test::free_port(), false);
   settings.elements[0].initial_stiffness.reset();
   Bench bench{settings};
@@ -284,7 +283,7 @@ TEST(OpenSeesPort, ShakesNothingBeforeOpenSeesHasCome) {
   EXPECT_EQ(bench.targets(), 0);
 }
 
-TEST(OpenSeesPort, RefusesToIdentifyWithTargetsThatAreTooFarApart) {
+TEST(OpenSeesPort, RefusesToIdentifyWithATooLongTargetInterval) {
   auto settings = settings_at(test::free_port(), false);
   settings.elements[0].mass.reset();
   settings.layout.feedbacks.push_back({"daq.d.long", "long", Quantity::Displacement, "m"});

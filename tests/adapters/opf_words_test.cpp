@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What elements command and measure, word by word, and what control points do to it.
+// Commands and measurements of elements on the ring, and the effect of control points.
 #include "opf_words.hpp"
 
 #include <gtest/gtest.h>
@@ -38,8 +38,8 @@ OpenSeesElement element_on(const std::string& axis) {
 }
 
 Specimen::Command command(double displacement, double velocity, double load = 0) {
-  const VectorXd d = VectorXd::Constant(1, displacement), v = VectorXd::Constant(1, velocity);
-  return {d, v, v, load};
+  return {VectorXd::Constant(1, displacement), VectorXd::Constant(1, velocity),
+          VectorXd::Constant(1, velocity), load};
 }
 
 std::vector<std::string> names(const std::vector<Port>& ports) {
@@ -52,7 +52,7 @@ constexpr const char* kTrial =
     "1 1 disp -relTrial -lim -4 4 2 disp -relCtrl 1 vel 2 vel 1 force 2 force 1 time";
 constexpr const char* kOutput = "2 1 disp 2 disp 1 force -relDaq 2 force";
 
-TEST(OpfWords, LeaveAloneWhatNoElementNeeds) {
+TEST(OpfWords, OmitWordsThatNoElementUses) {
   const OpfWords words{control_points(layout(), {}, {}), {element_on("long")}};
   EXPECT_EQ(names(words.commands()),
             (std::vector<std::string>{"opf.long.displ", "opf.long.veloc", "opf.1.time"}));
@@ -60,7 +60,7 @@ TEST(OpfWords, LeaveAloneWhatNoElementNeeds) {
             (std::vector<std::string>{"daq.long.displ", "daq.long.force"}));
 }
 
-TEST(OpfWords, WriteWhatIsCommandedAndTheTimeOfTheTrial) {
+TEST(OpfWords, WriteTheCommandAndTheTimeOfTheTrial) {
   OpfWords words{control_points(layout(), {}, {}), {element_on("long")}};
   std::vector<double> commands(3);
   words.write(0, command(0.1, 0.2), 7.5, commands);
@@ -70,15 +70,15 @@ TEST(OpfWords, WriteWhatIsCommandedAndTheTimeOfTheTrial) {
   EXPECT_EQ(measured.force[0], 5e3);
 }
 
-TEST(OpfWords, CountFromTheFirstTrialAndFromWhatIsMeasuredAtTheStart) {
+TEST(OpfWords, CountFromTheFirstTrialAndTheMeasurementAtTheStart) {
   OpfWords words{control_points(layout(), {kTrial}, {kOutput}), {element_on("long")}};
   ASSERT_EQ(words.commands().size(), 7U);
   std::vector<double> commands(7);
-  // Of the machine: long at 3 mm, vert at -10 mm, and a force of 2 kN on its cell.
-  words.start(std::vector<double>{0.003, -0.010, 2e3, 0});
-  words.write_idle(commands);
-  EXPECT_EQ(commands[1], -0.010);  // nobody moves it: it stays
-  words.start(0, command(0.05, 0));
+  // The machine's start: long at 3 mm, vert at -10 mm, 2 kN on its load cell.
+  words.set_start(std::vector<double>{0.003, -0.010, 2e3, 0});
+  words.write_unused(commands);
+  EXPECT_EQ(commands[1], -0.010);  // no element moves it
+  words.set_first_trial(0, command(0.05, 0));
   words.write(0, command(0.05, 0), 0, commands);
   EXPECT_DOUBLE_EQ(commands[0], 0);
   words.write(0, command(0.08, 0), 0, commands);
@@ -87,7 +87,7 @@ TEST(OpfWords, CountFromTheFirstTrialAndFromWhatIsMeasuredAtTheStart) {
   EXPECT_EQ(words.measured(0, std::vector<double>{0, 0, 2.5e3, 0}).force[0], 500);
 }
 
-TEST(OpfWords, RefuseWhatLeavesTheLimitsOfAControlPoint) {
+TEST(OpfWords, RefuseACommandBeyondTheLimitsOfAControlPoint) {
   OpfWords words{control_points(layout(), {kTrial}, {kOutput}), {element_on("long")}};
   std::vector<double> commands(7);
   words.write(0, command(0.1, 0), 0, commands);
@@ -102,12 +102,12 @@ TEST(OpfWords, RefuseWhatLeavesTheLimitsOfAControlPoint) {
   EXPECT_EQ(commands[0], 0.1);
 }
 
-TEST(OpfWords, LoadTheAxisThatAnElementLoadsTheWayItCounts) {
+TEST(OpfWords, ApplyTheAxialLoadInTheAxisDirection) {
   auto element = element_on("long");
   element.is_rotation = {false, false};
   element.bearing.emplace();
   element.bearing->j_dofs = {1, 3};
-  element.axes[0].of = kShearY;
+  element.axes[0].index = kShearY;
   element.bearing->axial_load = MovedAxis{"vert", kAxial, -1};
   OpfWords words{control_points(layout(), {}, {}), {element}};
   EXPECT_EQ(names(words.commands()), (std::vector<std::string>{"opf.long.displ", "opf.long.veloc",

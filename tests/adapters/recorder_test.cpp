@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(Thread, Recording, ::testing::Bool(), [](const auto& ow
   return own.param ? std::string{"own"} : std::string{"caller"};
 });
 
-// Rows that find the queue full are counted, not waited for: a burst far beyond its two seconds.
+// A burst far beyond the queue's two seconds: rows that do not fit are counted and dropped.
 TEST(Recorder, CountsTheRowsItLoses) {
   const test::TemporaryFolder folder;
   RecorderSettings settings;

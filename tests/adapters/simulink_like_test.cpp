@@ -82,7 +82,7 @@ TEST(Diagram, RunsBlocksInTheOrderOfTheirWiresNotOfTheFile) {
   EXPECT_EQ(bench.out("c.out.long"), 15);
 }
 
-TEST(Diagram, HandsUnitsOnFromTheFirstInput) {
+TEST(Diagram, TakesUnitsFromTheFirstInput) {
   const auto target = diagram(block("c", "gain", "in.in = \"b\"") +
                               block("b", "saturation", "in.in = \"x\"\nlimits = [1, 1]") + kX);
 
@@ -93,7 +93,7 @@ TEST(Diagram, HandsUnitsOnFromTheFirstInput) {
 }
 
 TEST(Diagram, RunsFastBlocksSeveralTimesAStep) {
-  // Each substep the loop adds x once more: ten times per step.
+  // Each substep adds x once: ten times per step.
   const auto target =
       diagram(kX + block("sum", "sum", "rate = 10\nin.in1 = \"x\"\nin.in2 = \"held\"") +
               block("held", "unit_delay", "rate = 10\nin.in = \"sum\""));
@@ -106,7 +106,7 @@ TEST(Diagram, RunsFastBlocksSeveralTimesAStep) {
   EXPECT_EQ(bench.out("sum.out.long"), 20);
 }
 
-TEST(Diagram, KeepsTheDocumentedBlocksToTheirWord) {
+TEST(Diagram, ComputesTheDocumentedOutputsOfItsBlocks) {
   const std::string rest =
       block("sum", "sum", "in.in1 = \"x\"\nin.in2 = \"x\"\nin.in3 = \"x\"\nsigns = \"+-+\"") +
       block("sat", "saturation", "in.in = \"x\"\nlimits = [2, 1]") +
@@ -154,7 +154,7 @@ TEST(Diagram, GivesSinesAndFiltersThem) {
   }
 
   EXPECT_NEAR(largest, 2, 1e-6);
-  EXPECT_LT(largest_filtered, 2e-3);  // (1/10)⁴ of it is 2e-4, and the bilinear map takes more
+  EXPECT_LT(largest_filtered, 2e-3);  // (1/10)⁴ of 2 is 2e-4, and the bilinear map attenuates more
 }
 
 TEST(Diagram, RunsEveryBlockInRealTime) {
@@ -197,7 +197,7 @@ TEST(Diagram, StopsTheRunAndRampsItsOutputsToRest) {
   bench.in("lab.long.displ") = 0.8;
   static_cast<void>(bench.step(0));
   bench.in("lab.flag") = 1;
-  bench.in("lab.long.displ") = 0.9;  // what comes after the stop no longer moves the machine
+  bench.in("lab.long.displ") = 0.9;  // inputs after the stop do not move the machine
 
   double time = 0.001;
   double before = 0.8;
@@ -234,7 +234,7 @@ TEST(Diagram, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(error_in(block("g", "gian", "")),
             "d.toml:6:8: there is no block type 'gian' (did you mean 'gain'?)");
   EXPECT_EQ(error_in(kX + block("g", "gain", "in.in = \"x.ut\"")),
-            "d.toml:9:1: block 'g' reads 'x.ut', which no block gives (did you mean 'x.out'?)");
+            "d.toml:9:1: block 'g' reads 'x.ut', which no block outputs (did you mean 'x.out'?)");
   EXPECT_EQ(error_in(kX + block("x", "constant", "")), "d.toml:10:8: there are two blocks 'x'");
   EXPECT_EQ(error_in(kX + block("g", "gain", "in.inn = \"x\"")),
             "d.toml:12:10: unknown key 'inn' (did you mean 'in'?)");
@@ -266,7 +266,7 @@ TEST(Diagram, RefusesABaseRateBlockBetweenFastOnes) {
             "d.toml:14:1: block 'b' at the base rate lies between fast blocks");
 }
 
-TEST(Diagram, RefusesWhatABlockCannotBe) {
+TEST(Diagram, RefusesInvalidParametersOfBlocks) {
   EXPECT_EQ(error_in(kX + block("f", "low_pass", "in.in = \"x\"\ncutoff_Hz = 900")),
             "d.toml:13:13: low-pass: a cut-off of 900.000000 Hz needs a sampling rate above twice "
             "that");
@@ -327,7 +327,7 @@ TEST(HybridController, RefusesASamplingDelayOfTheWholeStep) {
             std::string::npos);
 }
 
-TEST(HybridController, TellsItsPeriod) {
+TEST(HybridController, ReturnsItsPeriod) {
   EXPECT_DOUBLE_EQ(diagram_period(hybrid_controller()), 0.001);
 }
 

@@ -9,7 +9,7 @@
 
 #include "support/process.hpp"
 
-namespace rths::adapters::test {
+namespace rths::adapters::test_support {
 namespace {
 
 constexpr auto kPatience = std::chrono::seconds{10};
@@ -18,7 +18,7 @@ constexpr double kStiffness = 2.8;
 }  // namespace
 
 SpringServer::SpringServer(Transport transport)
-    : port_{rths::test::free_port()}, endpoint_{transport, "127.0.0.1", port_}, thread_{[this] {
+    : port_{test::free_port()}, endpoint_{transport, "127.0.0.1", port_}, thread_{[this] {
         serve();
       }} {}
 
@@ -29,33 +29,33 @@ void SpringServer::serve() {
   const TimePoint deadline = WallClock{}.now() + kPatience;
   try {
     while (WallClock{}.now() < deadline) {
-      pollfd news{endpoint_.descriptor(), POLLIN, 0};
-      poll(&news, 1, 100);
+      pollfd readable{endpoint_.descriptor(), POLLIN, 0};
+      poll(&readable, 1, 100);
       for (auto message = endpoint_.receive(client.expected()); !message.empty();
            message = endpoint_.receive(client.expected())) {
         double code = 0;
         if (message.size() > 44) std::memcpy(&code, message.data(), sizeof code);
-        const auto kind = client.hear(message);
-        heard_.codes.push_back(static_cast<int>(
-            kind == GenericClient::Heard::Trial && !client.is_new() ? -code : code));
-        if (kind == GenericClient::Heard::Matrix)
+        const auto kind = client.receive(message);
+        received_.codes.push_back(static_cast<int>(
+            kind == GenericClient::Message::Trial && !client.is_new() ? -code : code));
+        if (kind == GenericClient::Message::MatrixRequest)
           endpoint_.send(client.matrix_reply({stiffness, zero, zero}), kPatience);
-        if (kind == GenericClient::Heard::Measured)
+        if (kind == GenericClient::Message::MeasurementRequest)
           endpoint_.send(client.measured_reply({client.trial().displacement,
                                                 kStiffness * client.trial().displacement}),
                          kPatience);
-        if (kind == GenericClient::Heard::End) return;
+        if (kind == GenericClient::Message::End) return;
       }
     }
-    heard_.trouble = "the client did not leave";
+    received_.error = "the client did not send its end";
   } catch (const Error& error) {
-    heard_.trouble = error.what();
+    received_.error = error.what();
   }
 }
 
-Heard SpringServer::heard() {
+Received SpringServer::received() {
   if (thread_.joinable()) thread_.join();
-  return heard_;
+  return received_;
 }
 
-}  // namespace rths::adapters::test
+}  // namespace rths::adapters::test_support

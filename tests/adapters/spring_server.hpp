@@ -9,28 +9,28 @@
 #include "endpoint.hpp"
 #include "generic_client.hpp"
 
-namespace rths::adapters::test {
+namespace rths::adapters::test_support {
 
-/// What a spring server heard.
-struct Heard {
-  std::vector<int> codes;  ///< in order; a new displacement is 3, one that is repeated −3
-  std::string trouble;     ///< empty: the client took leave
+/// Messages that a spring server received.
+struct Received {
+  std::vector<int> codes;  ///< in order; 3: new displacement, −3: repeated displacement
+  std::string error;       ///< empty: the client sent its end
 };
 
-/// A spring of 2.8 at the far end of a generic client, in a thread of its own.
+/// A server for a generic client with a spring of stiffness 2.8, in a separate thread.
 class SpringServer {
  public:
   explicit SpringServer(Transport transport);
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Waits for the client to leave, at most ten seconds.
-  [[nodiscard]] Heard heard();
+  /// Waits for the client's end, at most ten seconds.
+  [[nodiscard]] Received received();
 
  private:
   void serve();
   std::uint16_t port_;
   Endpoint endpoint_;
-  Heard heard_;
-  std::jthread thread_;  ///< last: it uses all of the above
+  Received received_;
+  std::jthread thread_;  ///< last member: it uses the others
 };
 
-}  // namespace rths::adapters::test
+}  // namespace rths::adapters::test_support

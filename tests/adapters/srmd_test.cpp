@@ -12,16 +12,16 @@
 namespace rths::adapters {
 namespace {
 
-SrmdSettings settings() {
+SrmdSettings srmd_settings() {
   SrmdSettings s;
   s.machine = sim::srmd_machine();
   s.machine.noise = {0, 0, 0};
-  s.machine.specimen = rths::test::plain_lead_rubber();
+  s.machine.specimen = test::plain_lead_rubber();
   return s;
 }
 
 TEST(Srmd, MovesToItsReferencesAndMeasures) {
-  const auto machine = make_srmd(settings());
+  const auto machine = make_srmd(srmd_settings());
   test::Bench bench{*machine};
   bench.in("xpc.long.displ.ref") = 0.05;
   bench.in("xpc.lat.displ.ref") = -0.03;
@@ -34,7 +34,7 @@ TEST(Srmd, MovesToItsReferencesAndMeasures) {
 }
 
 TEST(Srmd, AnswersItsVerticalAndUserWords) {
-  const auto machine = make_srmd(settings());
+  const auto machine = make_srmd(srmd_settings());
   test::Bench bench{*machine};
   bench.in("xpc.compression.force.ref") = 9e6;
   bench.in("xpc.3.user_input") = 1.5;
@@ -47,7 +47,7 @@ TEST(Srmd, AnswersItsVerticalAndUserWords) {
 }
 
 TEST(Srmd, KeepsAnAxisAtRestThatIsNotTested) {
-  SrmdSettings s = settings();
+  SrmdSettings s = srmd_settings();
   s.axes = {"long"};
   const auto machine = make_srmd(s);
   test::Bench bench{*machine};
@@ -57,13 +57,13 @@ TEST(Srmd, KeepsAnAxisAtRestThatIsNotTested) {
   EXPECT_NEAR(bench.out("srmd.lat.displ.fbk"), 0, 1e-3);
 }
 
-// When the run stops it trusts nobody's words any more: it holds, ramps by itself, and is done.
-TEST(SrmdAdapter, HoldsCommandAndRampsToRestWhenItIsToldToStop) {
-  const auto machine = make_srmd(settings());
+// During the stop it ignores its inputs: it holds, ramps down, and returns Done.
+TEST(SrmdAdapter, HoldsCommandAndRampsToRestDuringTheStop) {
+  const auto machine = make_srmd(srmd_settings());
   test::Bench bench{*machine};
   bench.in("xpc.long.displ.ref") = 0.1;
   for (int i = 0; i < 1000; ++i) static_cast<void>(bench.step(0.001 * i));
-  bench.in("xpc.long.displ.ref") = -1.0;  // rubbish from a peer that is dying
+  bench.in("xpc.long.displ.ref") = -1.0;  // invalid value from a failing peer
 
   double time = 1.0;
   Status status = Status::Ok;
@@ -80,7 +80,7 @@ TEST(SrmdAdapter, HoldsCommandAndRampsToRestWhenItIsToldToStop) {
 }
 
 TEST(Srmd, ReportsALimitThatWasHit) {
-  const auto machine = make_srmd(settings());
+  const auto machine = make_srmd(srmd_settings());
   test::Bench bench{*machine};
   bench.in("xpc.lat.displ.ref") = 0.7;
 
@@ -88,7 +88,7 @@ TEST(Srmd, ReportsALimitThatWasHit) {
 }
 
 TEST(Srmd, RefusesAnAxisItDoesNotDrive) {
-  SrmdSettings s = settings();
+  SrmdSettings s = srmd_settings();
   s.axes = {"roll"};
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(make_srmd(s)); }),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The command as scripts meet it. Nothing here is judged by time: the machine may be busy.
+// The command as a script uses it. No test depends on times, since the machine may be busy.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +12,7 @@ namespace {
 using nlohmann::json;
 using test::run_rths;
 
-std::vector<std::string> shortly(const std::vector<std::string>& more) {
+std::vector<std::string> short_bearings(const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"bench", "bearings", "--passes", "1", "--steps", "300"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
@@ -26,17 +26,17 @@ void expect_ordered_times(const json& times) {
   EXPECT_LE(times["worst_code_ns"], times["worst_ns"]);
 }
 
-TEST(BenchBearings, SaysEverythingInOneJsonDocument) {
-  const auto run = run_rths(shortly({"--json", "--opensees", "/no/such/python"}));
+TEST(BenchBearings, WritesOneJsonDocument) {
+  const auto run = run_rths(short_bearings({"--json", "--opensees", "/no/such/python"}));
 
   ASSERT_GE(run.exit_code, 0) << run.err;
   ASSERT_LE(run.exit_code, 2) << run.err;
-  const json said = json::parse(run.out);
-  EXPECT_EQ(said["format"], 1);
-  EXPECT_EQ(said["steps"], 300);
-  EXPECT_TRUE(said["machine"].contains("cpu"));
-  ASSERT_EQ(said["bearings"].size(), 3U);
-  for (const json& row : said["bearings"]) {
+  const json document = json::parse(run.out);
+  EXPECT_EQ(document["format"], 1);
+  EXPECT_EQ(document["steps"], 300);
+  EXPECT_TRUE(document["machine"].contains("cpu"));
+  ASSERT_EQ(document["bearings"].size(), 3U);
+  for (const json& row : document["bearings"]) {
     expect_ordered_times(row["earthquake"]);
     expect_ordered_times(row["adversarial"]);
     EXPECT_FALSE(row["terms"].empty());
@@ -45,21 +45,21 @@ TEST(BenchBearings, SaysEverythingInOneJsonDocument) {
   }
 }
 
-TEST(BenchBearings, SaysWhyOpenseesIsNotMeasured) {
-  const auto run = run_rths(shortly({"--opensees", "/no/such/python"}));
+TEST(BenchBearings, ReportsWhyOpenseesIsNotMeasured) {
+  const auto run = run_rths(short_bearings({"--opensees", "/no/such/python"}));
 
   EXPECT_NE(run.out.find("not measured: /no/such/python"), std::string::npos) << run.out;
   EXPECT_EQ(run.err, "");
 }
 
-TEST(BenchBearings, EndsAsItsVerdictSays) {
-  const auto run = run_rths(shortly({"--json", "--opensees", "/no/such/python"}));
+TEST(BenchBearings, ExitsWithTheCodeOfItsResult) {
+  const auto run = run_rths(short_bearings({"--json", "--opensees", "/no/such/python"}));
 
   const std::string result = json::parse(run.out)["result"];
   EXPECT_EQ(run.exit_code, result == "pass" ? 0 : result == "inconclusive" ? 1 : 2);
 }
 
-TEST(BenchBearings, ExitsWithThreeWhenItIsUsedWrongly) {
+TEST(BenchBearings, ExitsWithThreeOnWrongArguments) {
   EXPECT_EQ(run_rths({"bench", "bearings", "--passes", "0"}).exit_code, 3);
   EXPECT_EQ(run_rths({"bench", "bearings", "--no-such"}).exit_code, 3);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The command as scripts meet it. Nothing here is judged by time: the machine may be busy.
+// The command as a script uses it. No test depends on times, since the machine may be busy.
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -18,10 +18,10 @@ using nlohmann::json;
 using test::Finished;
 using test::run_rths;
 
-// One cycle says nothing, and the command says so; a cycle of few round trips is over at once.
+// One short cycle: fast, and inconclusive.
 const std::vector<std::string> kShort{"bench", "ring", "--cycles", "1", "--round-trips", "200"};
 
-std::vector<std::string> shortly(const std::vector<std::string>& more) {
+std::vector<std::string> short_ring(const std::vector<std::string>& more) {
   std::vector<std::string> arguments = kShort;
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
@@ -36,29 +36,29 @@ void expect_measured_row(const json& row) {
   EXPECT_EQ(row["ratio_p50_95"].size(), 2);
 }
 
-TEST(BenchRing, SaysEverythingInOneJsonDocument) {
-  const Finished run = run_rths(shortly({"--json", "--seed", "7"}), 110);
+TEST(BenchRing, WritesOneJsonDocument) {
+  const Finished run = run_rths(short_ring({"--json", "--seed", "7"}), 110);
 
   ASSERT_EQ(run.exit_code, 1) << run.err;
-  const json said = json::parse(run.out);
-  EXPECT_EQ(said["format"], 1);
-  EXPECT_EQ(said["result"], "inconclusive");
-  EXPECT_FALSE(said["troubles"].empty());
-  EXPECT_EQ(said["seed"], 7);
+  const json document = json::parse(run.out);
+  EXPECT_EQ(document["format"], 1);
+  EXPECT_EQ(document["result"], "inconclusive");
+  EXPECT_FALSE(document["troubles"].empty());
+  EXPECT_EQ(document["seed"], 7);
   for (const char* key :
        {"cpu", "processors", "used", "smt_siblings", "kernel", "hypervisor", "huge_pages"})
-    EXPECT_TRUE(said["machine"].contains(key)) << key;
-  if (said["machine"]["used"].empty()) GTEST_SKIP() << "one processor";
-  for (const json& row : said["rows"])
+    EXPECT_TRUE(document["machine"].contains(key)) << key;
+  if (document["machine"]["used"].empty()) GTEST_SKIP() << "one processor";
+  for (const json& row : document["rows"])
     if (!row.contains("missing")) expect_measured_row(row);
-  for (const json& row : said["peers"]) {
+  for (const json& row : document["peers"]) {
     EXPECT_TRUE(row.contains("against"));
     if (!row.contains("missing")) expect_measured_row(row);
   }
 }
 
-TEST(BenchRing, PrintsATableOfTheRowsAskedForAndOfThoseTheyNeed) {
-  const Finished run = run_rths(shortly({"--row", "message_queue_8"}));
+TEST(BenchRing, PrintsATableOfTheSelectedRowsAndThoseTheyNeed) {
+  const Finished run = run_rths(short_ring({"--row", "message_queue_8"}));
 
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_NE(run.out.find("message_queue_8"), std::string::npos);
@@ -69,15 +69,15 @@ TEST(BenchRing, PrintsATableOfTheRowsAskedForAndOfThoseTheyNeed) {
 }
 
 TEST(BenchRing, LeavesNoRingBehind) {
-  static_cast<void>(run_rths(shortly({"--row", "group_1024"})));
+  static_cast<void>(run_rths(short_ring({"--row", "group_1024"})));
 
   for (const auto& ring : broker::list_rings()) EXPECT_NE(ring.name.rfind("bench_", 0), 0U);
 }
 
-TEST(BenchRing, GoesOnWithTheCyclesThatItKept) {
+TEST(BenchRing, ContinuesWithItsStoredCycles) {
   const test::TemporaryFolder folder;
   const auto run = [&] {
-    return run_rths(shortly({"--json", "--row", "word", "--keep", folder.path().string()}));
+    return run_rths(short_ring({"--json", "--row", "word", "--keep", folder.path().string()}));
   };
 
   const Finished first = run();
@@ -87,18 +87,18 @@ TEST(BenchRing, GoesOnWithTheCyclesThatItKept) {
   EXPECT_EQ(json::parse(first.out)["rows"], json::parse(second.out)["rows"]);
 }
 
-TEST(BenchRing, MeasuresAgainWhatIsNoWholeCycle) {
+TEST(BenchRing, RepeatsAnIncompleteCycle) {
   const test::TemporaryFolder folder;
   folder.write("cycle-00.json", "{\"round_trips\": 200, ");
 
   const Finished run =
-      run_rths(shortly({"--json", "--row", "word", "--keep", folder.path().string()}));
+      run_rths(short_ring({"--json", "--row", "word", "--keep", folder.path().string()}));
 
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_TRUE(json::accept(test::content_of(folder.path() / "cycle-00.json")));
 }
 
-TEST(BenchRing, ExitsWithThreeWhenItIsUsedWrongly) {
+TEST(BenchRing, ExitsWithThreeOnWrongArguments) {
   EXPECT_EQ(run_rths({"bench"}).exit_code, 3);
   EXPECT_EQ(run_rths({"bench", "ring", "--row", "no_such_row"}).exit_code, 3);
   EXPECT_EQ(run_rths({"bench", "ring", "--cycles", "0"}).exit_code, 3);

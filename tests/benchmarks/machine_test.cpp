@@ -16,7 +16,7 @@ constexpr const char* kBefore =
     "cpu1 1000 0 100 5000 0 0 0 0 0 0\n"
     "cpu10 9000 0 9000 9000 0 0 0 9000 0 0\n"
     "intr 123 4 5\n";
-// A second later on two processors, busy all of it; a tenth of the time of one went to the host.
+// A second later, both processors busy all the time; the host used a tenth of one processor.
 constexpr const char* kAfter =
     "cpu  9000 0 9000 9000 0 0 0 0 0 0\n"
     "cpu0 1080 10 110 5000 50 1 2 30 7 0\n"
@@ -24,7 +24,7 @@ constexpr const char* kAfter =
     "cpu10 9900 0 9000 9000 0 0 0 9900 0 0\n"
     "intr 123 4 5\n";
 
-TEST(CpuTimes, AreThoseOfTheTwoProcessorsAndNoOthers) {
+TEST(CpuTimes, IncludeOnlyTheTwoProcessors) {
   const CpuTimes times = parse_cpu_times(kBefore, {0, 1}, kTicks);
 
   EXPECT_DOUBLE_EQ(times.busy, 22.13);
@@ -32,13 +32,13 @@ TEST(CpuTimes, AreThoseOfTheTwoProcessorsAndNoOthers) {
   EXPECT_DOUBLE_EQ(times.steal, 0.20);
 }
 
-TEST(CpuTimes, AreNothingIfTheKernelSaysNothing) {
+TEST(CpuTimes, AreZeroForAnEmptyText) {
   const CpuTimes times = parse_cpu_times("", {0, 1}, kTicks);
 
   EXPECT_EQ(times.busy + times.idle + times.steal, 0);
 }
 
-TEST(CpuTimes, AreReadFromKernelsThatKnowFewerColumns) {
+TEST(CpuTimes, AreReadFromKernelsWithFewerColumns) {
   const CpuTimes times = parse_cpu_times("cpu0 100 0 0 50\ncpu1 0 0 0 50\n", {0, 1}, kTicks);
 
   EXPECT_DOUBLE_EQ(times.busy, 1);
@@ -51,17 +51,17 @@ Load load_beside(double own) {
                       parse_cpu_times(kAfter, {0, 1}, kTicks), own);
 }
 
-TEST(Load, IsNothingWhileOnlyWeAreAtWork) { EXPECT_NEAR(load_beside(1.9).other, 0, 1e-12); }
+TEST(Load, IsZeroWithoutOtherProcesses) { EXPECT_NEAR(load_beside(1.9).other, 0, 1e-12); }
 
-TEST(Load, IsWhatOthersWorkedOfTheTwoProcessorsTime) {
+TEST(Load, IsTheShareOfOtherProcessesInTheProcessorsTime) {
   EXPECT_NEAR(load_beside(1.5).other, 0.4 / 2.0, 1e-12);
 }
 
-TEST(Load, NeverIsLessThanNothing) { EXPECT_EQ(load_beside(3).other, 0); }
+TEST(Load, IsNeverNegative) { EXPECT_EQ(load_beside(3).other, 0); }
 
-TEST(Load, CountsWhatTheHostTookApart) { EXPECT_NEAR(load_beside(1.9).steal, 0.1 / 2.0, 1e-12); }
+TEST(Load, CountsTheHostsShareSeparately) { EXPECT_NEAR(load_beside(1.9).steal, 0.1 / 2.0, 1e-12); }
 
-TEST(CpuList, IsReadAsTheKernelWritesIt) {
+TEST(CpuList, IsReadInTheKernelsFormat) {
   EXPECT_EQ(parse_cpu_list("0"), (std::vector<int>{0}));
   EXPECT_EQ(parse_cpu_list("0,4"), (std::vector<int>{0, 4}));
   EXPECT_EQ(parse_cpu_list("2-4,8"), (std::vector<int>{2, 3, 4, 8}));
@@ -91,7 +91,7 @@ TEST(CpuChoice, AvoidsProcessorsThatShareACore) {
   EXPECT_FALSE(choice->siblings);
 }
 
-TEST(CpuChoice, SaysSoIfOnlySiblingsAreLeft) {
+TEST(CpuChoice, MarksSiblingsIfThereAreNoOthers) {
   const auto choice = choose_cpus({{0, 0, {0, 1}}, {1, 0, {0, 1}}});
 
   ASSERT_TRUE(choice);
@@ -114,7 +114,7 @@ TEST(CpuChoice, StaysInOnePackageIfItCan) {
   EXPECT_EQ(choice->cpus.far, 3);
 }
 
-TEST(Machine, IsDescribedByWhatTheKernelSays) {
+TEST(Machine, IsDescribedFromTheKernel) {
   const Machine machine = describe_machine();
 
   EXPECT_FALSE(machine.cpu.empty());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What must hold of a measurement however long it takes.
+// Properties of a measurement that do not depend on times.
 #include <rths/bench/judge.hpp>
 #include <rths/bench/round_trip.hpp>
 #include <rths/bench/rows.hpp>
@@ -17,7 +17,7 @@ namespace {
 
 using test::error_of;
 
-// On a host with one processor both sides share it; nothing here is about time.
+// On a host with one processor both sides share it; no test depends on times.
 Setup short_setup() {
   const auto chosen = describe_machine().chosen;
   return {chosen ? chosen->cpus : Cpus{0, 0}, 10, 1};
@@ -25,21 +25,21 @@ Setup short_setup() {
 
 struct FailingEnd {
   explicit FailingEnd(Side side) {
-    if (side == Side::Far) throw Error{"nothing to hold on to"};
+    if (side == Side::Far) throw Error{"cannot start"};
   }
   void send(std::uint32_t) {}
   [[nodiscard]] bool arrived(std::uint32_t) const { return false; }
 };
 
-TEST(Partner, PassesOnWhatItsWorkThrew) {
-  Partner partner{short_setup().cpus.far, [] { throw Error{"no work to be had"}; }};
+TEST(Partner, PassesOnTheErrorOfItsWork) {
+  Partner partner{short_setup().cpus.far, [] { throw Error{"the work failed"}; }};
 
   const std::string error = error_of([&] { partner.join(); });
 
-  EXPECT_NE(error.find("no work to be had"), std::string::npos) << error;
+  EXPECT_NE(error.find("the work failed"), std::string::npos) << error;
 }
 
-TEST(Partner, EndsInSilenceIfAllWentWell) {
+TEST(Partner, EndsWithoutAnErrorIfItsWorkSucceeds) {
   const Shared<std::atomic<std::uint32_t>> seen;
   Partner partner{short_setup().cpus.far, [&] { seen->store(7); }};
 
@@ -53,10 +53,10 @@ TEST(RoundTrips, EndWithTheReasonIfTheOtherSideCannotStart) {
     static_cast<void>(round_trips(short_setup(), [](Side side) { return FailingEnd{side}; }));
   });
 
-  EXPECT_NE(error.find("nothing to hold on to"), std::string::npos) << error;
+  EXPECT_NE(error.find("cannot start"), std::string::npos) << error;
 }
 
-TEST(RoundTrips, CountHalfOfATripAndLeaveTheFirstTenthOut) {
+TEST(RoundTrips, GiveHalfOfATripAndLeaveOutTheFirstTenth) {
   std::vector<std::uint64_t> trips(100, 300);
   for (std::size_t i = 0; i < 10; ++i) trips[i] = 1'000'000;
 
@@ -73,22 +73,22 @@ TEST(PeerLine, GivesTheTimes) {
   EXPECT_DOUBLE_EQ(times.p99, 200);
 }
 
-TEST(PeerLine, PassesOnWhatThePeerSaysIsWrong) {
+TEST(PeerLine, PassesOnThePeersError) {
   EXPECT_EQ(error_of([] { static_cast<void>(parse_peer_line("{\"error\": \"no daemon\"}")); }),
             "no daemon");
 }
 
-TEST(PeerLine, IsRefusedIfItIsNoSuchLine) {
+TEST(PeerLine, IsRefusedInAnyOtherFormat) {
   for (const char* line : {"", "150 200", "[1, 2]", "{\"p50_ns\": 1}"})
     EXPECT_NE(error_of([&] { static_cast<void>(parse_peer_line(line)); }), "") << line;
 }
 
-TEST(Rows, HaveNamesOfTheirOwn) {
+TEST(Rows, HaveDifferentNames) {
   std::set<std::string> names;
   for (const Row& row : all_rows()) EXPECT_TRUE(names.insert(row.name).second) << row.name;
 }
 
-TEST(Rows, ComeWithTheRowThatAPeerIsHeldAgainst) {
+TEST(Rows, IncludeTheRowThatAPeerIsComparedWith) {
   const auto rows = select_rows({"iceoryx_64"});
 
   ASSERT_EQ(rows.size(), 2U);
@@ -96,7 +96,7 @@ TEST(Rows, ComeWithTheRowThatAPeerIsHeldAgainst) {
   EXPECT_EQ(rows[1].name, "iceoryx_64");
 }
 
-TEST(Rows, AimAtNoLessThanTheyMustReach) {
+TEST(Rows, HaveGoalsThatSatisfyTheirLimits) {
   for (const Row& row : all_rows()) {
     if (!row.gate) continue;
     EXPECT_TRUE(holds(row.quantity, row.gate->goal, row.gate->limit)) << row.name;

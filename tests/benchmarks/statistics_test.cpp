@@ -19,8 +19,8 @@ double binomial(int n, int k) {
   return std::round(std::exp(std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1)));
 }
 
-// Of n values drawn from 1…n with replacement, n odd: whether their median is k or less is whether
-// more than half of the draws are.
+// For n values drawn from 1…n with replacement, n odd: their median is at most k if more than half
+// of them are at most k.
 double chance_of_median_up_to(int k, int n) {
   const double p = static_cast<double>(k) / n;
   double chance = 0;
@@ -29,37 +29,35 @@ double chance_of_median_up_to(int k, int n) {
   return chance;
 }
 
-TEST(Statistics, TakeTheMiddleOfAnOddNumberOfValues) { EXPECT_EQ(median({9, 1, 5}), 5); }
+TEST(Median, IsTheMiddleOfAnOddNumberOfValues) { EXPECT_EQ(median({9, 1, 5}), 5); }
 
-TEST(Statistics, TakeTheMeanOfTheTwoInTheMiddleOfAnEvenNumber) {
-  EXPECT_EQ(median({9, 1, 5, 2}), 3.5);
+TEST(Median, IsTheMeanOfTheTwoMiddleOnesOfAnEvenNumber) { EXPECT_EQ(median({9, 1, 5, 2}), 3.5); }
+
+TEST(Quantile, OfOneValueIsThatValue) {
+  for (const double fraction : {0.0, 0.5, 0.99, 1.0}) EXPECT_EQ(quantile({7}, fraction), 7);
 }
 
-TEST(Statistics, TakeOneValueForEveryQuantileOfItself) {
-  for (const double part : {0.0, 0.5, 0.99, 1.0}) EXPECT_EQ(quantile({7}, part), 7);
+TEST(Quantile, IsInterpolatedBetweenNeighbours) {
+  // Of 1…n, the quantile at p is 1 + p (n − 1).
+  for (const double fraction : {0.0, 0.01, 0.25, 0.5, 0.99, 1.0})
+    EXPECT_NEAR(quantile(counted_to(11), fraction), 1 + fraction * 10, 1e-12);
 }
 
-TEST(Statistics, InterpolateQuantilesBetweenNeighbours) {
-  // Of 1…n, the quantile of a part p is 1 + p (n − 1).
-  for (const double part : {0.0, 0.01, 0.25, 0.5, 0.99, 1.0})
-    EXPECT_NEAR(quantile(counted_to(11), part), 1 + part * 10, 1e-12);
-}
-
-TEST(Statistics, GiveMiddleAndTailOfTheSameTimes) {
+TEST(Times, HaveMedianAndTailOfTheSameValues) {
   const Times times = times_of(counted_to(101));
 
   EXPECT_DOUBLE_EQ(times.p50, 51);
   EXPECT_DOUBLE_EQ(times.p99, 100);
 }
 
-TEST(Bootstrap, GivesTheValueItselfIfAllAreTheSame) {
+TEST(Bootstrap, GivesTheValueItselfIfAllAreEqual) {
   const Interval interval = median_interval({3, 3, 3, 3, 3}, 1);
 
   EXPECT_EQ(interval.low, 3);
   EXPECT_EQ(interval.high, 3);
 }
 
-TEST(Bootstrap, EndsWhereTheExactDistributionOfTheMedianDoes) {
+TEST(Bootstrap, MatchesTheExactDistributionOfTheMedian) {
   for (const int n : {5, 9, 15}) {
     int low = 1;
     while (chance_of_median_up_to(low, n) < 0.025) ++low;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A writer dies, or stands still, between any two of its instructions. Readers go on, no group is
-// read torn, no complete write is lost, and a successor finds everything in order.
+// A writer dies, or stops, between any two of its instructions. Readers continue, no group is read
+// torn, no complete write is lost, and a successor finds a consistent ring.
 #include <sys/mman.h>
 #include <sys/ptrace.h>
 #include <sys/wait.h>
@@ -35,11 +35,11 @@ using test::small_map;
 using test::unique_ring;
 
 /// A latch, a line, and records of several lines.
-constexpr std::uint32_t kLengths[] = {5, 15, 100};
+constexpr std::uint32_t kGroupLengths[] = {5, 15, 100};
 constexpr LongwordOffset kLooseWord{500};
 constexpr TearGroupId kGroup{0};
 
-/// The value of a group whose words are all alike; empty if they are not.
+/// The value of a group whose words are all equal; empty if they differ.
 std::optional<std::uint32_t> whole_value(const Node& reader, std::uint32_t length) {
   std::vector<std::uint32_t> words(length);
   if (reader.read_group(kGroup, words) != Status::Ok) return std::nullopt;
@@ -52,7 +52,7 @@ void mark_as_dead(Segment& segment, NodeId node) {
     if (slot.node == node.value()) slot.claim = 1ULL << 40 | 999'999'999;  // no process
 }
 
-/// The ring as it would be left if its writer died now: a copy, in which it is dead.
+/// A copy of the ring in which the writer is marked as dead: the state after its death.
 class Aftermath {
  public:
   Aftermath(const std::string& ring, const std::string& copy) : removal_{copy} {
@@ -62,8 +62,8 @@ class Aftermath {
     ring_.emplace(Ring::attach(copy));
   }
   [[nodiscard]] Ring& ring() { return *ring_; }
-  /// True if record and memory of the group hold the same, whole.
-  [[nodiscard]] bool is_mended(std::uint32_t value) {
+  /// True if all words of the group's record and memory have this value.
+  [[nodiscard]] bool is_repaired(std::uint32_t value) {
     const Group& group = segment_->groups()[0];
     std::vector<std::uint32_t> words(group.longwords);
     if (!read_record(segment_->record(group), words)) return false;
@@ -73,7 +73,7 @@ class Aftermath {
   }
 
  private:
-  // All but the cards, which are large and of no interest here.
+  // Copies all but the cards, which are large and not needed here.
   static void copy_object(const std::string& from, const std::string& to) {
     std::ifstream source{from, std::ios::binary};
     Header header{};
@@ -108,8 +108,8 @@ void write_twice_and_stop(const std::string& ring_name, std::uint32_t length) {
   _exit(0);
 }
 
-// Instruction by instruction through a write: what is in memory after each is what a process would
-// leave that is stopped or killed there.
+// Steps through a write instruction by instruction. The memory after each one is the state that a
+// process leaves if it is stopped or killed there.
 TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
   const std::uint32_t length = GetParam();
   const std::string name = unique_ring("step_" + std::to_string(length));
@@ -127,7 +127,7 @@ TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
   if (WIFEXITED(status)) GTEST_SKIP() << "SKIPPED: this host does not allow single steps";
   ASSERT_EQ(whole_value(reader, length), 1U);
 
-  // Sanitizers make many instructions of one.
+  // Sanitizers execute many instructions for one.
   const int look_after_every = test::RealTimeGuard::supported() ? 3 : 61;
   int steps = 0;
   std::uint32_t seen = 1;
@@ -137,7 +137,7 @@ TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
     if (!WIFSTOPPED(status) || WSTOPSIG(status) != SIGTRAP) break;
     const auto now = whole_value(reader, length);
     ASSERT_TRUE(now.has_value()) << "torn after instruction " << steps;
-    ASSERT_GE(*now, seen) << "went back after instruction " << steps;
+    ASSERT_GE(*now, seen) << "an older value after instruction " << steps;
     seen = *now;
     if (steps % look_after_every != 0) continue;
     Aftermath aftermath{name, name + "_copy"};
@@ -145,7 +145,7 @@ TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
     const auto after = whole_value(successor, length);
     ASSERT_TRUE(after.has_value()) << "torn for a successor after instruction " << steps;
     ASSERT_GE(*after, seen) << "lost for a successor after instruction " << steps;
-    ASSERT_TRUE(aftermath.is_mended(*after)) << "not mended after instruction " << steps;
+    ASSERT_TRUE(aftermath.is_repaired(*after)) << "not repaired after instruction " << steps;
   }
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
@@ -159,17 +159,17 @@ TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
   EXPECT_EQ(followed, (std::vector<std::uint32_t>{1, 2}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Words, DeathOf, ::testing::ValuesIn(kLengths));
+INSTANTIATE_TEST_SUITE_P(Words, DeathOf, ::testing::ValuesIn(kGroupLengths));
 
-/// A shared ring, and its bytes: what a writer left that died.
-class Remains : public ::testing::Test {
+/// A shared ring, and its bytes, after a writer died.
+class DeadWriter : public ::testing::Test {
  protected:
   static constexpr std::uint32_t kWords = 100;
-  std::string name = unique_ring("remains");
+  std::string name = unique_ring("dead_writer");
   RingRemoval removal{name};
   Ring ring = Ring::create(name, small_map(kWords), 6);
   std::unique_ptr<Segment> segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
-  JournalPlace journal = segment->journal(0);
+  JournalView journal = segment->journal(0);
   std::vector<std::uint32_t> ones = std::vector<std::uint32_t>(kWords, 1);
   std::vector<std::uint32_t> twos = std::vector<std::uint32_t>(kWords, 2);
 
@@ -179,7 +179,7 @@ class Remains : public ::testing::Test {
   }
   std::uint32_t* record() { return segment->record(segment->groups()[0]); }
   void die_in_the_record_of_twos() {
-    record()[0] = (record()[0] & ~kPlain) | 1U;
+    record()[0] = (record()[0] & ~kDisabled) | 1U;
     store_words(record() + kLineBytes / 4, {twos.data(), kWords / 2});
   }
   void die_in_the_memory_of_twos() {
@@ -188,7 +188,7 @@ class Remains : public ::testing::Test {
   }
 };
 
-TEST_F(Remains, ReadersAndASuccessorTakeMemoryIfTheRecordIsTorn) {
+TEST_F(DeadWriter, LeavesMemoryToReadersAndSuccessorIfTheRecordIsTorn) {
   live_and_write_ones();
   die_in_the_record_of_twos();
 
@@ -198,7 +198,7 @@ TEST_F(Remains, ReadersAndASuccessorTakeMemoryIfTheRecordIsTorn) {
   EXPECT_FALSE(is_torn(record(), kWords));
 }
 
-TEST_F(Remains, TheFirstWriteEverLeavesWhatMemoryHeld) {
+TEST_F(DeadWriter, LeavesTheInitialMemoryIfItsFirstWriteIsTorn) {
   store_words(segment->words(), ones);
   die_in_the_record_of_twos();
 
@@ -206,7 +206,7 @@ TEST_F(Remains, TheFirstWriteEverLeavesWhatMemoryHeld) {
   EXPECT_EQ(whole_value(ring.join("machine", 0), kWords), 1U);
 }
 
-TEST_F(Remains, MemoryIsFinishedFromTheRecord) {
+TEST_F(DeadWriter, LeavesARecordThatCompletesMemory) {
   live_and_write_ones();
   die_in_the_memory_of_twos();
 
@@ -216,7 +216,7 @@ TEST_F(Remains, MemoryIsFinishedFromTheRecord) {
   EXPECT_EQ(successor.read(LongwordOffset{kWords - 1}), 2U);
 }
 
-TEST_F(Remains, FollowersDoNotGetAWriteTwiceIfTheNextOneWasTorn) {
+TEST_F(DeadWriter, RepeatsNoWriteForFollowersIfTheNextOneWasTorn) {
   live_and_write_ones();
   Follower follower = ring.follow("machine");
   die_in_the_record_of_twos();
@@ -226,7 +226,7 @@ TEST_F(Remains, FollowersDoNotGetAWriteTwiceIfTheNextOneWasTorn) {
   EXPECT_EQ(follower.next(write), Followed::Nothing);
 }
 
-TEST_F(Remains, FollowersDoNotGetAWriteTwiceIfItsWriterCouldNotMarkIt) {
+TEST_F(DeadWriter, RepeatsNoWriteForFollowersIfItWasJournalledButNotMarked) {
   live_and_write_ones();
   Follower follower = ring.follow("machine");
   write_record(record(), twos, count_of(record()));
@@ -238,7 +238,7 @@ TEST_F(Remains, FollowersDoNotGetAWriteTwiceIfItsWriterCouldNotMarkIt) {
   EXPECT_EQ(follower.next(write), Followed::Nothing);
 }
 
-TEST_F(Remains, WhoReadBeforeReadsWhatWasMended) {
+TEST_F(DeadWriter, DoesNotLeaveAStaleCacheInAReader) {
   live_and_write_ones();
   const Node reader = ring.observe();
   ASSERT_EQ(whole_value(reader, kWords), 1U);
@@ -249,7 +249,7 @@ TEST_F(Remains, WhoReadBeforeReadsWhatWasMended) {
   EXPECT_EQ(whole_value(reader, kWords), 1U);
 }
 
-TEST_F(Remains, WhoReadBeforeReadsWhatAPlainClientStores) {
+TEST_F(DeadWriter, DoesNotHideAPlainClientsStoresFromAReader) {
   live_and_write_ones();
   const Node reader = ring.observe();
   ASSERT_EQ(whole_value(reader, kWords), 1U);
@@ -263,7 +263,7 @@ TEST_F(Remains, WhoReadBeforeReadsWhatAPlainClientStores) {
   EXPECT_EQ(whole_value(reader, kWords), 1U);
 }
 
-TEST_F(Remains, FollowersGetWhatReadersSaw) {
+TEST_F(DeadWriter, DeliversToFollowersTheWriteThatReadersSaw) {
   live_and_write_ones();
   Follower follower = ring.follow("machine");
   die_in_the_memory_of_twos();
@@ -275,7 +275,7 @@ TEST_F(Remains, FollowersGetWhatReadersSaw) {
   EXPECT_EQ(follower.next(write), Followed::Nothing);
 }
 
-TEST_F(Remains, FollowersDoNotWaitForTheRestOfAGroup) {
+TEST_F(DeadWriter, DoesNotBlockFollowersByAnIncompleteGroup) {
   Follower follower = ring.follow("machine");
   const std::uint32_t lap = journal.lap(0) << 4U;
   publish(journal.slot(0), 0, kWords, 0, lap | static_cast<std::uint32_t>(EntryKind::Group));
@@ -288,7 +288,7 @@ TEST_F(Remains, FollowersDoNotWaitForTheRestOfAGroup) {
   EXPECT_EQ(write.value, 7U);
 }
 
-/// What a writer has completed, told outside the ring.
+/// Writes that a writer has begun and completed, reported outside the ring.
 struct Progress {
   std::atomic<std::uint32_t> begun{0}, completed{0};
 };
@@ -298,7 +298,7 @@ Progress& shared_progress() {
   return *new (page) Progress;
 }
 
-void write_for_ever(const std::string& ring_name, std::uint32_t length, Progress& progress) {
+void write_forever(const std::string& ring_name, std::uint32_t length, Progress& progress) {
   Ring ring = Ring::attach(ring_name);
   Node machine = ring.join("machine", 0);
   std::vector<std::uint32_t> words(length);
@@ -314,14 +314,15 @@ void write_for_ever(const std::string& ring_name, std::uint32_t length, Progress
 struct Tally {
   int kills = 0, stops = 0;
   long reads = 0, torn = 0, hung = 0, lost = 0;
-  std::vector<double> repair;  ///< from the kill until a successor has the last whole write [s]
+  std::vector<double> repair;  ///< from the kill until a successor reads the last whole write [s]
 };
 
-/// One writer, killed at a random moment, stopped before or not; then its successor.
+/// Runs one writer, kills it at a random moment, in some cases after a stop; then runs its
+/// successor.
 void kill_one(const std::string& name, std::uint32_t length, Progress& progress,
               std::mt19937& random, const Node& reader, Tally& tally) {
   const pid_t child = fork();
-  if (child == 0) write_for_ever(name, length, progress);
+  if (child == 0) write_forever(name, length, progress);
   const std::uint32_t before = progress.completed;
   const auto check = [&] {
     ++tally.reads;
@@ -357,7 +358,7 @@ void kill_one(const std::string& name, std::uint32_t length, Progress& progress,
 
 class KillsOf : public ::testing::TestWithParam<std::uint32_t> {};
 
-TEST_P(KillsOf, AWriterTearLoseAndHangNothing) {
+TEST_P(KillsOf, AWriterCauseNoTornLostOrHangingRead) {
   const std::uint32_t length = GetParam();
   const std::string name = unique_ring("kills_" + std::to_string(length));
   const RingRemoval removal{name};
@@ -374,6 +375,12 @@ TEST_P(KillsOf, AWriterTearLoseAndHangNothing) {
   std::sort(tally.repair.begin(), tally.repair.end());
   const double p99 = tally.repair[static_cast<std::size_t>(0.99 * (kills - 1))];
   RecordProperty("kills", tally.kills);
+  RecordProperty("stopped", tally.stops);
+  RecordProperty("reads", std::to_string(tally.reads));
+  RecordProperty("torn", std::to_string(tally.torn));
+  RecordProperty("hung", std::to_string(tally.hung));
+  RecordProperty("lost", std::to_string(tally.lost));
+  RecordProperty("repair_p99_ms", std::to_string(1e3 * p99));
   std::printf(
       "seed %u, %d kills (%d stopped before), %ld reads, torn %ld, hung %ld, lost %ld, "
       "repair p99 %.2f ms\n",
@@ -382,11 +389,11 @@ TEST_P(KillsOf, AWriterTearLoseAndHangNothing) {
   EXPECT_EQ(tally.hung, 0);
   EXPECT_EQ(tally.lost, 0);
   if (test::RealTimeGuard::supported()) {
-    EXPECT_LE(p99, 0.050);  // sanitizers start processes slowly
+    EXPECT_LE(p99, 0.050);  // not with sanitizers, which start processes slowly
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Words, KillsOf, ::testing::ValuesIn(kLengths));
+INSTANTIATE_TEST_SUITE_P(Words, KillsOf, ::testing::ValuesIn(kGroupLengths));
 
 }  // namespace
 }  // namespace rths::broker

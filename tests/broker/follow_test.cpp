@@ -16,10 +16,9 @@ namespace rths::broker {
 namespace {
 
 using std::chrono::milliseconds;
+using test::kControllerWord;
+using test::kMachineWord;
 using test::small_map;
-
-constexpr LongwordOffset kMachineWord{500};
-constexpr LongwordOffset kControllerWord{512};
 
 class FollowTest : public ::testing::Test {
  protected:
@@ -54,8 +53,8 @@ TEST_F(FollowTest, SeesEveryWriteOnceAndInOrder) {
   EXPECT_EQ(follower.next(write), Followed::Nothing);
 }
 
-// It looks while each group is just being journalled: the writer waits for it before the next.
-TEST_F(FollowTest, SeesEveryGroupThatIsWrittenMeanwhile) {
+// Reads while each group is being journalled: the writer waits for the follower before the next.
+TEST_F(FollowTest, SeesEveryGroupThatIsWrittenConcurrently) {
   constexpr std::uint32_t kWords = 60;
   constexpr std::uint32_t kWrites = 50'000;
   Ring wide = Ring::in_process(small_map(kWords), 10);
@@ -85,7 +84,7 @@ TEST_F(FollowTest, SeesEveryGroupThatIsWrittenMeanwhile) {
   EXPECT_EQ(follower.lost(), 0U);
 }
 
-TEST_F(FollowTest, IsToldWhenItFallsBehind) {
+TEST_F(FollowTest, ReportsLostWritesWhenItFallsBehind) {
   Follower follower = ring.follow("machine");
   for (std::uint32_t i = 0; i < 200; ++i) ASSERT_EQ(machine.write(kMachineWord, i), Status::Ok);
 
@@ -97,7 +96,7 @@ TEST_F(FollowTest, IsToldWhenItFallsBehind) {
   EXPECT_EQ(write.value, 777U);
 }
 
-TEST_F(FollowTest, GoesOnWithASuccessor) {
+TEST_F(FollowTest, FollowsTheSuccessorOfANode) {
   Follower follower = ring.follow("machine");
   { const Node gone = std::move(machine); }
   Node successor = ring.join("machine", 0);
@@ -120,7 +119,7 @@ TEST_F(FollowTest, WaitsForOneWordAmongMany) {
   EXPECT_EQ(waiter.wait(in(milliseconds{1}), write), Status::Late);
 }
 
-TEST_F(FollowTest, WaitsForAPartOfAGroup) {
+TEST_F(FollowTest, WaitsForSomeWordsOfAGroup) {
   Waiter waiter = ring.wait_for({{LongwordOffset{6}, 2}});
   ASSERT_EQ(machine.write_group(TearGroupId{0}, group), Status::Ok);
 
@@ -152,19 +151,19 @@ TEST_F(FollowTest, DoesNotWaitLongerThanItsDeadline) {
   EXPECT_GE(WallClock{}.now(), deadline);
 }
 
-TEST_F(FollowTest, SaysThatItLostWrites) {
+TEST_F(FollowTest, ReportsLostWritesWhileWaiting) {
   Waiter waiter = ring.wait_for({{kMachineWord}});
   for (std::uint32_t i = 0; i < 200; ++i) ASSERT_EQ(machine.write(kMachineWord, i), Status::Ok);
 
   EXPECT_EQ(waiter.wait(in(milliseconds{100}), write), Status::LimitExceeded);
 }
 
-TEST_F(FollowTest, RefusesToWaitForWordsThatNobodyMayWrite) {
+TEST_F(FollowTest, RefusesToWaitForWordsWithoutAWriter) {
   EXPECT_EQ(test::error_of([&] { static_cast<void>(ring.wait_for({{LongwordOffset{900}}})); }),
-            "nobody may write the words to wait for");
+            "no node may write the words to wait for");
 }
 
-// Asleep, it is woken by every write: between two threads nothing is missed, whichever comes first.
+// Every write wakes a sleeping waiter: two threads miss no write, in either order of events.
 TEST_F(FollowTest, IsWokenByEveryWrite) {
   constexpr std::uint32_t kRounds = 300;
   std::thread echo{[&] {
@@ -191,7 +190,7 @@ TEST_F(FollowTest, IsWokenByEveryWrite) {
   echo.join();
 }
 
-TEST_F(FollowTest, KnowsWhoWroteAWordLastAndWhen) {
+TEST_F(FollowTest, FindsWriterAndTimeOfTheLastWrite) {
   controller.beat();
   const TimePoint before = WallClock{}.now();
   controller.beat();
@@ -209,13 +208,13 @@ TEST_F(FollowTest, KnowsWhoWroteAWordLastAndWhen) {
   EXPECT_LE(last.not_before, last.not_after);
 }
 
-TEST_F(FollowTest, KnowsTheLastWriteOfAWordInsideAGroup) {
+TEST_F(FollowTest, FindsTheLastWriteOfAWordInsideAGroup) {
   ASSERT_EQ(machine.write_group(TearGroupId{0}, group), Status::Ok);
 
   EXPECT_EQ(ring.last_write(LongwordOffset{5}).value, 6U);
 }
 
-TEST_F(FollowTest, KnowsHowOldAWordIsAtLeastWhenItsWriteIsLongGone) {
+TEST_F(FollowTest, BoundsTheAgeOfAWordWhoseWriteLeftTheJournal) {
   ASSERT_EQ(controller.write(kControllerWord, 41), Status::Ok);
   for (std::uint32_t i = 0; i < 200; ++i) {
     ASSERT_EQ(controller.write(LongwordOffset{513}, i), Status::Ok);
@@ -230,7 +229,7 @@ TEST_F(FollowTest, KnowsHowOldAWordIsAtLeastWhenItsWriteIsLongGone) {
   EXPECT_LT(last.not_after, WallClock{}.now());
 }
 
-TEST_F(FollowTest, KnowsNobodyForAWordThatBelongsToNobody) {
+TEST_F(FollowTest, FindsNoWriterForAWordInNoPartition) {
   EXPECT_EQ(ring.last_write(LongwordOffset{900}).node, "");
 }
 

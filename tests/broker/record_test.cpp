@@ -11,8 +11,8 @@
 namespace rths::broker {
 namespace {
 
-/// Lengths on both sides of every change of kind, and of vectors.
-constexpr std::uint32_t kLengths[] = {1, 7, 8, 15, 16, 17, 31, 48, 100, 256};
+/// Lengths on both sides of every change of kind and of vector count.
+constexpr std::uint32_t kRecordLengths[] = {1, 7, 8, 15, 16, 17, 31, 48, 100, 256};
 
 struct alignas(128) Bytes {
   std::uint32_t words[32];
@@ -33,7 +33,7 @@ class Record : public ::testing::TestWithParam<std::uint32_t> {
   }
 };
 
-TEST_P(Record, GivesBackItsNewestWrite) {
+TEST_P(Record, ReadsItsNewestWrite) {
   std::vector<std::uint32_t> read(length);
   for (std::uint32_t i = 0; i < 10; ++i) {
     write(counting(1000 * i));
@@ -43,12 +43,12 @@ TEST_P(Record, GivesBackItsNewestWrite) {
   }
 }
 
-// Of a record that nobody keeps, the group is what stands in memory.
-TEST_P(Record, GivesNothingWhileNobodyKeepsIt) {
+// While a record is disabled, the group is in memory only.
+TEST_P(Record, IsNotReadWhileItIsDisabled) {
   std::vector<std::uint32_t> read(length);
   write(counting(1));
 
-  keep_no_longer(record);
+  disable_record(record);
 
   EXPECT_FALSE(read_record(record, read));
   EXPECT_FALSE(is_torn(record, length));
@@ -60,19 +60,19 @@ TEST_P(Record, GivesNothingWhileNobodyKeepsIt) {
   EXPECT_EQ(read, counting(3));
 }
 
-// As many writes as a count can count, but for one.
-TEST_P(Record, GoesOnWhereCountsBeginAgain) {
+// Starts just before the count wraps.
+TEST_P(Record, WorksWhenItsCountWraps) {
   std::vector<std::uint32_t> read(length);
-  record[0] = record_kind(length) == RecordKind::Latch ? kPlain - 1 : kPlain - 2;
+  record[0] = record_kind(length) == RecordKind::Latch ? kDisabled - 1 : kDisabled - 2;
   for (std::uint32_t i = 0; i < 4; ++i) {
     write(counting(i));
     ASSERT_TRUE(read_record(record, read));
     EXPECT_EQ(read, counting(i));
-    EXPECT_TRUE(is_kept(record));
+    EXPECT_TRUE(is_enabled(record));
   }
 }
 
-TEST_P(Record, KeepsToItsBytes) {
+TEST_P(Record, WritesOnlyItsOwnBytes) {
   std::vector<Bytes> larger(memory.size() + 1);
   for (auto& word : larger.back().words) word = 0xABCD;
   write_record(larger[0].words, counting(1), 0);
@@ -80,7 +80,8 @@ TEST_P(Record, KeepsToItsBytes) {
   for (const auto word : larger.back().words) EXPECT_EQ(word, 0xABCDU);
 }
 
-// A writer that died in the middle left an odd count. Its successor's first write makes it whole.
+// A writer that died in the middle left an odd count. Its successor's next write repairs the
+// record.
 TEST_P(Record, IsWholeAgainAfterTheNextWrite) {
   if (record_kind(length) == RecordKind::Latch) return;  // has no middle
   std::vector<std::uint32_t> read(length);
@@ -98,8 +99,8 @@ TEST_P(Record, IsWholeAgainAfterTheNextWrite) {
   EXPECT_EQ(read, counting(5));
 }
 
-/// Copies that this processor can make, and what the build would choose.
-TEST(Words, AreCopiedAndNothingBesideThem) {
+/// All copy functions that this processor supports.
+TEST(Words, AreCopiedWithoutTouchingTheirNeighbours) {
   constexpr std::uint32_t kGuard = 0xABCD;
   constexpr std::size_t kMost = 70;
   std::vector<std::uint32_t> from(kMost + 2);
@@ -115,7 +116,7 @@ TEST(Words, AreCopiedAndNothingBesideThem) {
   }
 }
 
-// A latch has the last whole write also while the next is being written.
+// A latch has the last whole write even while the next one is being written.
 TEST(Latch, NeverWaitsForItsWriter) {
   std::vector<Bytes> memory(1);
   const std::vector<std::uint32_t> first{1, 2, 3, 4, 5, 6, 7};
@@ -154,7 +155,7 @@ TEST_P(Record, IsNeverReadTorn) {
   EXPECT_EQ(read[0], kWrites);
 }
 
-INSTANTIATE_TEST_SUITE_P(Words, Record, ::testing::ValuesIn(kLengths));
+INSTANTIATE_TEST_SUITE_P(Words, Record, ::testing::ValuesIn(kRecordLengths));
 
 }  // namespace
 }  // namespace rths::broker

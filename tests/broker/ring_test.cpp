@@ -16,13 +16,13 @@
 namespace rths::broker {
 namespace {
 
+using test::kControllerWord;
+using test::kMachineWord;
 using test::small_map;
 
-constexpr LongwordOffset kMachineWord{500};
 constexpr LongwordOffset kGroupWord{3};
-constexpr LongwordOffset kControllerWord{512};
 
-TEST(Ring, ShowsEveryNodeWhatOneWrites) {
+TEST(Ring, ShowsAWriteToEveryNode) {
   Ring ring = Ring::in_process(small_map());
   Node controller = ring.join("controller", 0);
   const Node machine = ring.join("machine", 0);
@@ -41,24 +41,24 @@ TEST(Ring, RefusesWritesToAnotherNodesPartition) {
   const std::array<std::uint32_t, 8> words{};
 
   EXPECT_EQ(controller.write(kMachineWord, 42), Status::Fault);
-  EXPECT_EQ(controller.write(LongwordOffset{900}, 42), Status::Fault);  // nobody's
+  EXPECT_EQ(controller.write(LongwordOffset{900}, 42), Status::Fault);  // no owner
   EXPECT_EQ(controller.write_group(TearGroupId{0}, words), Status::Fault);
   EXPECT_EQ(controller.write_group(TearGroupId{7}, words), Status::Fault);
   EXPECT_EQ(controller.read(kMachineWord), 0U);
 }
 
-TEST(Ring, RefusesWordsAndPartsOfAGroupThatIsWrittenWhole) {
+TEST(Ring, RefusesToWriteOrReadATearGroupPartially) {
   Ring ring = Ring::in_process(small_map());
   Node machine = ring.join("machine", 0);
-  std::array<std::uint32_t, 7> part{};
+  std::array<std::uint32_t, 7> too_few{};
 
   EXPECT_EQ(machine.write(kGroupWord, 42), Status::Fault);
-  EXPECT_EQ(machine.write_group(TearGroupId{0}, part), Status::Fault);
-  EXPECT_EQ(machine.read_group(TearGroupId{0}, part), Status::Fault);
-  EXPECT_EQ(machine.read_group(TearGroupId{7}, part), Status::Fault);
+  EXPECT_EQ(machine.write_group(TearGroupId{0}, too_few), Status::Fault);
+  EXPECT_EQ(machine.read_group(TearGroupId{0}, too_few), Status::Fault);
+  EXPECT_EQ(machine.read_group(TearGroupId{7}, too_few), Status::Fault);
 }
 
-TEST(Ring, LetsAnObserverWriteNothing) {
+TEST(Ring, RefusesWritesOfAnObserver) {
   Ring ring = Ring::in_process(small_map());
   Node observer = ring.observe();
 
@@ -66,7 +66,7 @@ TEST(Ring, LetsAnObserverWriteNothing) {
   EXPECT_EQ(observer.write(kMachineWord, 1), Status::Fault);
 }
 
-TEST(Ring, HoldsTheInitialValuesOfItsMap) {
+TEST(Ring, BeginsWithTheInitialValuesOfItsMap) {
   Ring ring = Ring::in_process(small_map());
 
   EXPECT_EQ(std::bit_cast<float>(ring.observe().read(kControllerWord)), 2.5F);
@@ -85,11 +85,11 @@ TEST(Ring, ReadsATearGroupAsItWasWritten) {
   EXPECT_EQ(received, sent);
 }
 
-TEST(Ring, KnowsWhichPartitionsAreTearGroups) {
+TEST(Ring, RefusesAPartitionThatIsNotATearGroup) {
   const Ring ring = Ring::in_process(small_map());
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(ring.tear_group("ref")); }),
-            "partition 'ref' of map 'small' is no tear group");
+            "partition 'ref' of map 'small' is not a tear group");
 }
 
 TEST(Ring, RefusesANodeThatWasBuiltForAnotherMap) {
@@ -98,7 +98,7 @@ TEST(Ring, RefusesANodeThatWasBuiltForAnotherMap) {
   const std::string error =
       test::error_of([&] { static_cast<void>(ring.join("machine", 0x1234)); });
 
-  EXPECT_NE(error.find("was built for map 0000000000001234, the ring holds map 'small'"),
+  EXPECT_NE(error.find("was built for map 0000000000001234, the ring has map 'small'"),
             std::string::npos)
       << error;
   EXPECT_EQ(test::error_of([&] { static_cast<void>(ring.join("machine", ring.map().hash())); }),
@@ -115,14 +115,14 @@ TEST(Ring, RefusesASecondNodeOfTheSameName) {
             std::string::npos);
 }
 
-TEST(Ring, NamesTheNodesThereAreWhenAskedForAnother) {
+TEST(Ring, ListsItsNodesWhenANameIsUnknown) {
   Ring ring = Ring::in_process(small_map());
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(ring.join("machin", 0)); }),
             "map 'small' has no node 'machin', expected one of machine, controller");
 }
 
-TEST(Ring, GivesANodesPlaceToTheNextWhenItLeaves) {
+TEST(Ring, ReusesTheSlotOfANodeThatLeft) {
   Ring ring = Ring::in_process(small_map());
   for (int i = 0; i < 100; ++i) {
     const Node machine = ring.join("machine", 0);
@@ -132,7 +132,7 @@ TEST(Ring, GivesANodesPlaceToTheNextWhenItLeaves) {
   EXPECT_EQ(ring.observe().presence_of(NodeId{1}).state, Presence::State::Absent);
 }
 
-TEST(Ring, IsFullAtSomeTimeAndSaysSo) {
+TEST(Ring, ReportsThatItIsFull) {
   Ring ring = Ring::in_process(small_map());
   std::vector<Node> observers;
 
@@ -156,7 +156,7 @@ TEST(Ring, CountsTheBeatsOfEachNode) {
   EXPECT_EQ(observer.beats_of(NodeId{2}), 0U);
 }
 
-TEST(Node, KeepsItsPlaceWhenItIsMoved) {
+TEST(Node, StaysOnTheRingWhenItIsMoved) {
   Ring ring = Ring::in_process(small_map());
   Node first = ring.join("machine", 0);
   Node second = std::move(first);
@@ -165,7 +165,7 @@ TEST(Node, KeepsItsPlaceWhenItIsMoved) {
   EXPECT_EQ(second.presence_of(NodeId{1}).state, Presence::State::Alive);
 }
 
-// The very first write finds readers that take the group for one that nobody writes whole.
+// Before the first write the record is disabled, so readers read the group from memory.
 TEST(TearGroup, IsNotReadTornWhileItIsWrittenForTheFirstTime) {
   constexpr std::uint32_t kWords = 100;
   const std::vector<std::uint32_t> ones(kWords, 1);
@@ -192,8 +192,8 @@ TEST(TearGroup, IsNotReadTornWhileItIsWrittenForTheFirstTime) {
   EXPECT_EQ(torn, 0);
 }
 
-// Every word of a group carries the count of its write: a reader that ever saw two counts in one
-// read would have seen a torn group. One thread writes, two read.
+// Every word of a group has the count of its write, so two counts in one read would show a torn
+// group. One thread writes, two read.
 TEST(TearGroup, IsNeverReadTorn) {
   constexpr std::uint32_t kWords = 100;
   constexpr std::uint32_t kWrites = 200'000;
@@ -219,7 +219,7 @@ TEST(TearGroup, IsNeverReadTorn) {
   for (std::uint32_t count = 1; count <= kWrites; ++count) {
     std::fill(words.begin(), words.end(), count);
     ASSERT_EQ(machine.write_group(group, words), Status::Ok);
-    // Leaves readers room on few processors.
+    // Lets readers run on a host with few processors.
     if (count % 1000 == 0) std::this_thread::yield();
   }
   finished.store(true);
@@ -230,7 +230,7 @@ TEST(TearGroup, IsNeverReadTorn) {
   EXPECT_GT(reads[0] + reads[1], 0);
 }
 
-// A flag written after its data is never seen before it: what the handshake rests on.
+// A flag that is written after its data is never seen before the data. The handshake relies on it.
 TEST(Ring, ShowsAFlagOnlyAfterTheDataItGuards) {
   constexpr std::uint32_t kRounds = 100'000;
   Ring ring = Ring::in_process(small_map());
@@ -263,7 +263,7 @@ TEST_P(NodeOf, WorksInRealTime) {
   std::vector<std::uint32_t> words(GetParam());
   std::uint64_t sum = 0;
   Status status = Status::Ok;
-  // So many that they pass every hint of the journal, and its end.
+  // Enough writes to pass every hint and the end of the journal.
   const auto write_and_read_often = [&] {
     for (int i = 0; i < 2'000; ++i) {
       status = worst(status, machine.write_group(group, words));

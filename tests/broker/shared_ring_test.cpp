@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rings between processes, and what is left when one of them dies.
+// Rings shared by processes, and their state after one of them dies.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -26,10 +26,10 @@ using test::RingRemoval;
 using test::small_map;
 using test::unique_ring;
 
-/// A process that does something and then waits to be killed; says when it is ready.
-class Sacrifice {
+/// A child process that acts, reports ready, and waits to be killed.
+class Victim {
  public:
-  explicit Sacrifice(const std::function<void()>& act) {
+  explicit Victim(const std::function<void()>& act) {
     std::array<int, 2> ready{};
     if (pipe(ready.data()) != 0) std::abort();
     pid_ = fork();
@@ -44,9 +44,9 @@ class Sacrifice {
     static_cast<void>(!read(ready[0], &byte, 1));
     close(ready[0]);
   }
-  ~Sacrifice() { die(); }
-  Sacrifice(const Sacrifice&) = delete;
-  Sacrifice& operator=(const Sacrifice&) = delete;
+  ~Victim() { die(); }
+  Victim(const Victim&) = delete;
+  Victim& operator=(const Victim&) = delete;
   void die() {
     if (pid_ < 0) return;
     kill(pid_, SIGKILL);
@@ -71,7 +71,7 @@ TEST(SharedRing, CarriesWordsBetweenProcesses) {
   Ring ring = Ring::create(name, small_map());
   const Node observer = ring.observe();
 
-  const Sacrifice machine{[&] {
+  const Victim machine{[&] {
     Ring attached = Ring::attach(name);
     Node node = attached.join("machine", small_map().hash());
     static_cast<void>(node.write(LongwordOffset{500}, 77));
@@ -80,7 +80,7 @@ TEST(SharedRing, CarriesWordsBetweenProcesses) {
   EXPECT_EQ(observer.read(LongwordOffset{500}), 77U);
 }
 
-TEST(SharedRing, TellsWhoeverAttachesWhatItsWordsMean) {
+TEST(SharedRing, GivesItsMapToAProcessThatAttaches) {
   const std::string name = unique_ring("map");
   const RingRemoval removal{name};
   const Ring ring = Ring::create(name, small_map());
@@ -90,12 +90,12 @@ TEST(SharedRing, TellsWhoeverAttachesWhatItsWordsMean) {
   EXPECT_EQ(attached.map().to_toml(), small_map().to_toml());
 }
 
-TEST(SharedRing, GoesOnWhenAProcessIsKilled) {
+TEST(SharedRing, StaysUsableWhenAProcessIsKilled) {
   const std::string name = unique_ring("killed");
   const RingRemoval removal{name};
   Ring ring = Ring::create(name, small_map());
   Node controller = ring.join("controller", 0);
-  auto* leaked = new Sacrifice{[&] {
+  auto* leaked = new Victim{[&] {
     Ring attached = Ring::attach(name);
     new Node{attached.join("machine", 0)};  // held until the process is killed
     static_cast<void>(new Ring{std::move(attached)});
@@ -112,7 +112,7 @@ TEST(SharedRing, GoesOnWhenAProcessIsKilled) {
   EXPECT_EQ(controller.read(LongwordOffset{500}), 6U);
 }
 
-// What a writer leaves that is killed in the middle of a record: an odd count, half of the words.
+// A writer that is killed in the middle of a record leaves an odd count and half of the words.
 TEST(SharedRing, ReadsTheLastWholeGroupWhenItsWriterDiedInTheMiddle) {
   const std::string name = unique_ring("torn");
   const RingRemoval removal{name};
@@ -139,7 +139,7 @@ TEST(SharedRing, ReadsTheLastWholeGroupWhenItsWriterDiedInTheMiddle) {
   EXPECT_EQ(read, sent);
 }
 
-TEST(SharedRing, IsListedWithThoseWhoAreOnIt) {
+TEST(SharedRing, IsListedWithItsProcesses) {
   const std::string name = unique_ring("listed");
   const RingRemoval removal{name};
   Ring ring = Ring::create(name, small_map());
@@ -161,7 +161,7 @@ TEST(SharedRing, IsListedWithThoseWhoAreOnIt) {
   EXPECT_EQ(report.occupants[1].beats, 1U);
 }
 
-// Between its birth and the first node a ring has nobody but its creator.
+// Until the first node joins, a ring has only its creator.
 TEST(SharedRing, IsInUseWhileItsCreatorIsOnIt) {
   const std::string name = unique_ring("creator");
   const RingRemoval removal{name};
@@ -174,12 +174,12 @@ TEST(SharedRing, IsInUseWhileItsCreatorIsOnIt) {
   EXPECT_EQ(test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); }), "");
 }
 
-// Whoever looks at a ring after a death must still see that death.
-TEST(SharedRing, KeepsTheDeadInSightWhenOthersJoin) {
+// A node that died must stay visible until its successor joins.
+TEST(SharedRing, KeepsADeadNodeVisibleWhenOthersJoin) {
   const std::string name = unique_ring("in_sight");
   const RingRemoval removal{name};
   Ring ring = Ring::create(name, small_map());
-  Sacrifice machine{[&] {
+  Victim machine{[&] {
     auto* attached = new Ring{Ring::attach(name)};
     new Node{attached->join("machine", 0)};
   }};
@@ -205,10 +205,10 @@ TEST(SharedRing, RefusesANameThatIsInUse) {
   EXPECT_NE(error.find("controller (pid " + std::to_string(getpid())), std::string::npos) << error;
 }
 
-TEST(SharedRing, ReplacesARingOnWhichNobodyLives) {
+TEST(SharedRing, ReplacesARingWithoutLivingProcesses) {
   const std::string name = unique_ring("abandoned");
   const RingRemoval removal{name};
-  Sacrifice creator{[&] {
+  Victim creator{[&] {
     auto* ring = new Ring{Ring::create(name, small_map())};
     new Node{ring->join("controller", 0)};
   }};
@@ -230,7 +230,7 @@ TEST(SharedRing, IsGoneWhenRemoved) {
   EXPECT_NE(test::error_of([&] { static_cast<void>(Ring::attach(name)); }), "");
 }
 
-/// A shared-memory object that some other program left under a ring's name.
+/// A shared-memory object of another program under a ring's name.
 class ForeignObject {
  public:
   ForeignObject(std::string ring, const void* bytes, std::size_t count, std::size_t size)
@@ -248,7 +248,7 @@ class ForeignObject {
   std::string ring_;
 };
 
-TEST(SharedRing, RefusesMemoryThatIsNoRing) {
+TEST(SharedRing, RefusesMemoryThatIsNotARing) {
   const std::string name = unique_ring("foreign");
   Header header{};
   header.magic = 0x1234;
@@ -256,7 +256,7 @@ TEST(SharedRing, RefusesMemoryThatIsNoRing) {
   const ForeignObject foreign{name, &header, sizeof header, 8192};
 
   EXPECT_NE(
-      test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it is no rths ring"),
+      test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it is not an rths ring"),
       std::string::npos);
   EXPECT_FALSE(report_of(name).usable);
 }
@@ -275,18 +275,18 @@ TEST(SharedRing, RefusesALayoutOfAnotherVersion) {
             std::string::npos);
 }
 
-TEST(SharedRing, RefusesARingWhoseSizeIsNotWhatItsHeaderSays) {
+TEST(SharedRing, RefusesARingWhoseSizeDiffersFromItsHeader) {
   const std::string name = unique_ring("size");
   Header header = plan_layout(small_map(), "", 6);
   header.ready = kReady;
   const ForeignObject foreign{name, &header, sizeof header, 8192};
 
   EXPECT_NE(
-      test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("it has 8192 bytes"),
+      test::error_of([&] { static_cast<void>(Ring::attach(name)); }).find("its size is 8192 bytes"),
       std::string::npos);
 }
 
-// Nothing in memory that anybody may have written is believed: no offset, no size, no count.
+// Any process may have written the header: every offset, size and count in it is checked.
 TEST(SharedRing, RefusesAHeaderThatPointsOutsideItsMemory) {
   const std::string name = unique_ring("points");
   std::uint64_t Header::*const fields[] = {
@@ -307,7 +307,7 @@ TEST(SharedRing, RefusesAHeaderThatPointsOutsideItsMemory) {
     }
 }
 
-TEST(SharedRing, RefusesAMapThatTheRingWasNotMadeFrom) {
+TEST(SharedRing, RefusesAMapThatDoesNotMatchItsHeader) {
   const std::string name = unique_ring("other_map");
   const RingRemoval removal{name};
   const Ring ring = Ring::create(name, small_map());
@@ -315,7 +315,7 @@ TEST(SharedRing, RefusesAMapThatTheRingWasNotMadeFrom) {
 
   EXPECT_NE(test::error_of([&] {
               static_cast<void>(Ring::attach(name));
-            }).find("is not the one that the ring was made from"),
+            }).find("does not match the ring's header"),
             std::string::npos);
 }
 
@@ -328,7 +328,7 @@ TEST(SharedRing, DoesNotWaitForACreatorThatDied) {
 
   EXPECT_NE(test::error_of([&] {
               static_cast<void>(Ring::attach(name));
-            }).find("was never finished by its creator; 'rths clean' removes it"),
+            }).find("was not completed by its creator; 'rths clean' removes it"),
             std::string::npos);
 }
 

@@ -14,15 +14,15 @@ namespace rths::broker {
 namespace {
 
 using std::chrono::milliseconds;
+using test::kControllerWord;
+using test::kMachineWord;
 using test::RingRemoval;
 using test::small_map;
 using test::unique_ring;
 
-constexpr LongwordOffset kMachineWord{500};
-constexpr LongwordOffset kControllerWord{512};
-constexpr LongwordOffset kNobodysWord{505};
+constexpr LongwordOffset kUnownedWord{505};
 
-/// A ring with a controller that journals, and a plain pointer into it.
+/// A ring with a controller that journals its writes, and a plain pointer into the ring.
 class WatchTest : public ::testing::Test {
  protected:
   std::string name = unique_ring(std::string{"watch_"} +
@@ -35,7 +35,7 @@ class WatchTest : public ::testing::Test {
   void store(LongwordOffset offset, std::uint32_t value) {
     segment->words()[offset.value()] = value;
   }
-  /// Everything that is told within a fifth of a second.
+  /// All stores that are reported within 0.2 s.
   static std::vector<PlainStore> look_long(Watch& watch) {
     std::vector<PlainStore> found;
     for (int i = 0; i < 40; ++i) {
@@ -46,7 +46,7 @@ class WatchTest : public ::testing::Test {
   }
 };
 
-TEST_F(WatchTest, HasNothingToSayOfNodesThatJournal) {
+TEST_F(WatchTest, ReportsNothingForNodesThatJournal) {
   Node machine = ring.join("machine", 0);
   Watch watch{ring};
   const std::array<std::uint32_t, 8> words{1, 2, 3, 4, 5, 6, 7, 8};
@@ -56,14 +56,14 @@ TEST_F(WatchTest, HasNothingToSayOfNodesThatJournal) {
   EXPECT_TRUE(look_long(watch).empty());
 }
 
-TEST_F(WatchTest, HasNothingToSayOfANodeThatComesAndGoesBetweenTwoLooks) {
+TEST_F(WatchTest, ReportsNothingForANodeThatJoinsAndLeavesBetweenTwoLooks) {
   Watch watch{ring};
   ASSERT_EQ(ring.join("machine", 0).write(kMachineWord, 5), Status::Ok);
 
   EXPECT_TRUE(look_long(watch).empty());
 }
 
-TEST_F(WatchTest, JournalsWhatAPlainClientStoresIntoItsOwnWords) {
+TEST_F(WatchTest, JournalsAPlainClientsStoresIntoItsOwnWords) {
   const Node plain = ring.join_plain("machine");
   Watch watch{ring};
   Waiter waiter = ring.wait_for({{kMachineWord}});
@@ -86,7 +86,7 @@ TEST_F(WatchTest, JournalsWhatAPlainClientStoresIntoItsOwnWords) {
   EXPECT_GE(last.not_before, before);
 }
 
-TEST_F(WatchTest, TellsOfAStoreIntoAnotherNodesWord) {
+TEST_F(WatchTest, ReportsAStoreIntoAnotherNodesWord) {
   const Node plain = ring.join_plain("machine");
   Watch watch{ring};
   store(kControllerWord, 99);
@@ -102,10 +102,10 @@ TEST_F(WatchTest, TellsOfAStoreIntoAnotherNodesWord) {
             std::vector<std::string>{"machine (process " + std::to_string(getpid()) + ")"});
 }
 
-TEST_F(WatchTest, TellsOfAStoreIntoAWordThatIsNobodys) {
+TEST_F(WatchTest, ReportsAStoreIntoAWordWithoutOwner) {
   const Node plain = ring.join_plain("machine");
   Watch watch{ring};
-  store(kNobodysWord, 1);
+  store(kUnownedWord, 1);
 
   const auto found = look_long(watch);
 
@@ -114,7 +114,7 @@ TEST_F(WatchTest, TellsOfAStoreIntoAWordThatIsNobodys) {
   EXPECT_FALSE(found[0].allowed);
 }
 
-// A client that took the place of one that journalled: its groups are read as the words stand.
+// A plain client follows a node that journalled: its groups are read word by word from memory.
 TEST_F(WatchTest, LeavesGroupsOfAPlainClientToItsPointer) {
   const std::array<std::uint32_t, 8> words{1, 2, 3, 4, 5, 6, 7, 8};
   {

@@ -12,7 +12,7 @@
 #include <rths/report/report.hpp>
 #include <rths/sim/bearing.hpp>
 
-// Puts a bearing's force on a ring, with nothing but installed headers and libraries.
+// Writes a bearing's force to a ring, using only installed headers and libraries.
 int main(int argc, char** argv) {
   if (argc < 2) return 3;
   try {

@@ -6,21 +6,23 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/feed_forward.hpp>
 
 #include "support/files.hpp"
+#include "support/period.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::controller {
 namespace {
 
-constexpr double kPeriod = 0.001;
+using test::kPeriod;
 
 /// Band-limited motion with its exact rates.
-struct Motion {
+struct BandLimitedMotion {
   [[nodiscard]] double at(double t) const { return sum(t, 0); }
   [[nodiscard]] double rate(double t) const { return sum(t, 1); }
   [[nodiscard]] double second_rate(double t) const { return sum(t, 2); }
@@ -39,7 +41,7 @@ struct Motion {
   }
 };
 
-/// A machine that is nothing but late.
+/// A machine with a pure delay.
 class PureDelay {
  public:
   explicit PureDelay(int samples) : line_(static_cast<std::size_t>(samples), 0.0) {}
@@ -60,7 +62,7 @@ struct Outcome {
 };
 
 Outcome follow(Ats& ats, PureDelay machine, double duration) {
-  const Motion motion;
+  const BandLimitedMotion motion;
   double measured = 0;
   double worst = 0;
   for (int i = 0; i * kPeriod < duration; ++i) {
@@ -80,14 +82,14 @@ AtsSettings settings_with_initial_delay(double tau) {
   return settings;
 }
 
-// A pure delay τ has the series 1, τ, τ²/2. What is left is its third-order term, τ³ω³/6 at 1.7 Hz.
+// A pure delay τ has the series 1, τ, τ²/2. The residual is its third-order term, τ³ω³/6 at 1.7 Hz.
 TEST(Ats, FindsTheDelayOfAPureDelay) {
   Ats ats{settings_with_initial_delay(0.020)};
 
   const Outcome outcome = follow(ats, PureDelay{39}, 20);
 
-  // 39 samples in the line and one until the feedback is read: 40 ms. The second-order series
-  // stands in for what it leaves out, so the fit is off by terms of the third order.
+  // 39 samples in the line and one until the feedback is read: 40 ms. The series is truncated after
+  // the second order, so the fit is off by terms of the third order.
   EXPECT_NEAR(outcome.coefficients[0], 1, 0.03);
   EXPECT_NEAR(outcome.coefficients[1], 0.040, 0.002);
   EXPECT_NEAR(outcome.coefficients[2], 0.0008, 0.0003);
@@ -95,7 +97,7 @@ TEST(Ats, FindsTheDelayOfAPureDelay) {
   EXPECT_LT(outcome.worst_error, 5 * left_out + 1e-4);
 }
 
-// The same normal equations, summed afresh from all samples of the window at once.
+// Solves the same least-squares problem directly from all samples of the window.
 TEST(Ats, FitsTheWindowAsADirectLeastSquaresDoes) {
   auto settings = settings_with_initial_delay(0.030);
   settings.largest_change = {1e9, 1e9, 1e9};
@@ -105,14 +107,14 @@ TEST(Ats, FitsTheWindowAsADirectLeastSquaresDoes) {
   LowPass command_filter{6, 20, kPeriod};
   LowPass response_filter{6, 20, kPeriod};
   PureDelay machine{30};
-  const Motion motion;
+  const BandLimitedMotion motion;
   std::vector<Eigen::Vector4d> rows;  // x_m, its two differences, u_f
   double measured = 0;
   double previous = 0;
   double previous_difference = 0;
   for (int i = 0; i < 5000; ++i) {
     const double t = i * kPeriod;
-    // Without smoothing the reference that goes out is the one that is fitted.
+    // Without smoothing the reference sent is the one fitted.
     const double reference =
         ats.step({motion.at(t), motion.rate(t), motion.second_rate(t)}, measured, 1, true);
     const double response = response_filter(measured);
@@ -132,12 +134,12 @@ TEST(Ats, FitsTheWindowAsADirectLeastSquaresDoes) {
     X.row(k) = row.head<3>();
     u[k] = row[3];
   }
-  const Eigen::Vector3d direct = X.colPivHouseholderQr().solve(u);
+  const Eigen::Vector3d direct = algebra::solve_least_squares(X, u);
   for (int i = 0; i < 3; ++i)
     EXPECT_NEAR(ats.coefficients()[i], direct[i], 1e-6 * std::abs(direct[i]));
 }
 
-TEST(Ats, MakesUpForTheDelayOfItsOwnSmoothing) {
+TEST(Ats, CompensatesForTheDelayOfItsOwnSmoothing) {
   auto settings = settings_with_initial_delay(0.020);
   settings.smoothing = 11;  // five samples of delay
   Ats ats{settings};
@@ -147,7 +149,7 @@ TEST(Ats, MakesUpForTheDelayOfItsOwnSmoothing) {
   EXPECT_NEAR(outcome.coefficients[1], 0.045, 0.002);
 }
 
-TEST(Ats, StaysWithItsInitialCoefficientsBelowTheThreshold) {
+TEST(Ats, KeepsItsInitialCoefficientsBelowTheThreshold) {
   Ats ats{settings_with_initial_delay(0.025)};
 
   for (int i = 0; i < 3000; ++i)
@@ -157,9 +159,9 @@ TEST(Ats, StaysWithItsInitialCoefficientsBelowTheThreshold) {
   EXPECT_EQ(ats.coefficients()[1], 0.025);
 }
 
-TEST(Ats, StaysWithItsCoefficientsWhenToldNotToAdapt) {
+TEST(Ats, KeepsItsCoefficientsWhenAdaptationIsOff) {
   Ats ats{settings_with_initial_delay(0.025)};
-  const Motion motion;
+  const BandLimitedMotion motion;
 
   for (int i = 0; i < 5000; ++i)
     static_cast<void>(
@@ -188,11 +190,11 @@ TEST(Ats, KeepsCoefficientsInTheirRange) {
   EXPECT_GT(ats.limited(), 0);
 }
 
-TEST(Ats, ChangesNoFasterThanItMay) {
+TEST(Ats, LimitsTheChangePerSample) {
   auto settings = settings_with_initial_delay(0.020);
   settings.largest_change = {0.001, 1e-5, 1e-6};
   Ats ats{settings};
-  const Motion motion;
+  const BandLimitedMotion motion;
   PureDelay machine{60};
   double measured = 0;
   Eigen::Vector3d before = ats.coefficients();
@@ -206,8 +208,8 @@ TEST(Ats, ChangesNoFasterThanItMay) {
   }
 }
 
-// A specimen at rest gives no information, only noise; a1 used to collapse there.
-TEST(Ats, RestsWhileTheMachineRests) {
+// A specimen at rest gives noise without information, from which a fit would make a1 collapse.
+TEST(Ats, FreezesItsCoefficientsWhileTheMachineRests) {
   auto settings = settings_with_initial_delay(0.020);
   settings.quiet_rms = 1e-3;
   Ats ats{settings};
@@ -216,7 +218,7 @@ TEST(Ats, RestsWhileTheMachineRests) {
   std::mt19937 random{5};
   std::normal_distribution<double> noise{0, 5e-5};
 
-  // The motion ends; a window later nothing is left but sensor noise.
+  // The motion ends; one window later only sensor noise remains.
   for (int i = 0; i < 1100; ++i) static_cast<void>(ats.step({0, 0, 0}, noise(random), 1, false));
   for (int i = 0; i < 10'000; ++i) static_cast<void>(ats.step({0, 0, 0}, noise(random), 1, true));
 
@@ -233,12 +235,12 @@ TEST(Ats, RefusesSettingsThatCannotWork) {
   EXPECT_NE(test::error_of([&] { Ats{crossed}; }), "");
 }
 
-// While it is switched off, the fit is of what was sent; so nothing winds up, and when it is
-// switched on it is right at once.
-TEST(Ats, LearnsTheMachineWhileItIsSwitchedOff) {
+// While the lead is off, the fit uses the command sent. So the coefficients do not wind up and are
+// right when the lead is switched on.
+TEST(Ats, AdaptsToTheMachineWhileItIsSwitchedOff) {
   Ats ats{settings_with_initial_delay(0.020)};
   PureDelay machine{39};
-  const Motion motion;
+  const BandLimitedMotion motion;
   double measured = 0;
   for (int i = 0; i < 20'000; ++i) {
     const double t = i * kPeriod;
@@ -255,7 +257,7 @@ TEST(Ats, LearnsTheMachineWhileItIsSwitchedOff) {
 
 TEST(Ats, StepsInRealTime) {
   Ats ats{AtsSettings{}};
-  const Motion motion;
+  const BandLimitedMotion motion;
   double reference = 0;
   for (int i = 0; i < 1500; ++i) {
     const double t = i * kPeriod;

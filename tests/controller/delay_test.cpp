@@ -55,8 +55,7 @@ TEST(Delay, DoesNotDependOnTheGain) {
   EXPECT_NEAR(found.cross_correlation, 0.06, 2e-5);
 }
 
-// The two methods answer two questions: one looks for the same shape, the other for the same
-// values.
+// Cross-correlation compares shapes; minimum RMS compares values.
 TEST(Delay, DiffersBetweenTheMethodsWhereTheShapesDiffer) {
   auto reference = motion(0);
   auto measured = motion(0.05);
@@ -72,7 +71,7 @@ TEST(Delay, RefusesSignalsItCannotCompare) {
   const std::vector<double> brief(100, 1.0);
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(identify_delay(still, still, kStep, 0.2)); }),
-            "delay: a signal does not move");
+            "delay: a signal is constant");
   EXPECT_NE(test::error_of([&] { static_cast<void>(identify_delay(still, brief, kStep, 0.2)); }),
             "");
   EXPECT_NE(test::error_of([&] { static_cast<void>(identify_delay(brief, brief, kStep, 0.2)); }),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Force correction as a laboratory does it: drive the machine with an empty table, identify its own
-// force from what its sensors say, and take that out of what they say in another run.
+// Force correction as in a laboratory: drive the machine with an empty table, identify its own
+// force from the sensors' signals, and subtract it from the measured force of another run.
 #include <cmath>
 #include <numbers>
 
@@ -10,17 +10,20 @@
 #include <rths/controller/force_observer.hpp>
 #include <rths/sim/test_machine.hpp>
 
+#include "support/period.hpp"
+
 namespace rths {
 namespace {
 
-constexpr double kPeriod = 0.001;
+using test::kPeriod;
+
 constexpr int kSamples = 60'000;
 
 struct Measured {
   std::vector<double> displacement, acceleration, force;
 };
 
-/// One axis of a machine without a specimen, through seconds at high speed and seconds at low.
+/// One axis of a machine without a specimen, at high and at low speeds.
 Measured empty_table_run(sim::TestMachine machine, int axis, std::uint64_t seed) {
   machine.has_specimen = false;
   machine.seed = seed;
@@ -73,7 +76,7 @@ controller::MachineForce with_offset(controller::MachineForce machine, double of
 
 class EmptyTable : public ::testing::TestWithParam<Case> {};
 
-TEST_P(EmptyTable, TellsTheMachinesOwnForce) {
+TEST_P(EmptyTable, IdentifiesTheMachinesOwnForce) {
   const auto& truth = GetParam().truth;
   const Measured run = empty_table_run(machine_of(GetParam()), GetParam().axis, 42);
 
@@ -86,7 +89,7 @@ TEST_P(EmptyTable, TellsTheMachinesOwnForce) {
   EXPECT_NEAR(found.machine.offset, truth.offset, 500);
   EXPECT_NEAR(found.machine.viscous_friction, truth.viscous_friction, found.viscous_friction_95);
   EXPECT_LT(found.residual_rms, 10e3);
-  // The residual is the sensors' noise, 5 kN and 5 mg, and nothing else.
+  // The residual is only the sensors' noise, 5 kN and 5 mg.
   const sim::SensorNoise noise;
   const double expected = std::hypot(noise.force, truth.effective_mass * noise.acceleration);
   EXPECT_NEAR(found.residual_rms, expected, 0.03 * expected);

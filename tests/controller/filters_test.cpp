@@ -7,14 +7,15 @@
 #include <rths/controller/filters.hpp>
 
 #include "support/files.hpp"
+#include "support/period.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::controller {
 namespace {
 
-constexpr double kPeriod = 0.001;
+using test::kPeriod;
 
-// Amplitude of a sine after the filter, once it has settled.
+// Steady-state amplitude of a filtered sine.
 double gain_at(int order, double cutoff, double frequency) {
   LowPass filter{order, cutoff, kPeriod};
   double largest = 0;
@@ -48,13 +49,13 @@ TEST(LowPass, PassesAConstantUnchanged) {
   EXPECT_NEAR(out, 2.5, 1e-9);
 }
 
-TEST(LowPass, RefusesWhatCannotBeBuilt) {
+TEST(LowPass, RefusesSettingsOutOfRange) {
   EXPECT_NE(test::error_of([] { LowPass(3, 20, kPeriod); }), "");
   EXPECT_NE(test::error_of([] { LowPass(2, 500, kPeriod); }), "");
   EXPECT_NE(test::error_of([] { LowPass(2, -1, kPeriod); }), "");
 }
 
-TEST(MovingAverage, IsTheMeanOfWhatThereIs) {
+TEST(MovingAverage, IsTheMeanOfTheSamplesSoFar) {
   MovingAverage average{3};
 
   EXPECT_DOUBLE_EQ(average(3), 3);
@@ -74,7 +75,7 @@ TEST(EndSlope, HasNoLagForMotionOfConstantAcceleration) {
   }
 }
 
-TEST(EndSlope, IsZeroUntilItHasSeenEnough) {
+TEST(EndSlope, IsZeroUntilItHasEnoughSamples) {
   EndSlope slope{8, kPeriod};
   for (int i = 0; i < 7; ++i) EXPECT_EQ(slope(i), 0);
   EXPECT_NEAR(slope(7), 1 / kPeriod, 1e-6);

@@ -6,21 +6,23 @@
 #include <gtest/gtest.h>
 
 #include <rths/controller/force_observer.hpp>
+#include <rths/core/constants.hpp>
 
 #include "support/files.hpp"
+#include "support/period.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::controller {
 namespace {
 
-constexpr double kPeriod = 0.001;
-constexpr double kStandardGravity = 9.80665;
+using test::kPeriod;
+
 constexpr double kForceNoise = 5e3;                             // [N]
 constexpr double kAccelerationNoise = 5e-3 * kStandardGravity;  // 5 mg
 constexpr double kDisplacementNoise = 5e-5;                     // [m]
 
-/// What the sensors of a machine with an empty table would report: motion of several frequencies,
-/// seconds at high speed and seconds at low.
+/// Simulated sensor signals of a machine with an empty table: motion of several frequencies, at
+/// high and at low speeds.
 struct EmptyTableRun {
   std::vector<double> displacement, acceleration, force, true_force;
 
@@ -73,7 +75,7 @@ TEST_P(PaperSetup, IsIdentifiedFromANoisyEmptyTableRun) {
   EXPECT_NEAR(found.machine.offset, truth.offset, 500);
   EXPECT_NEAR(found.machine.viscous_friction, truth.viscous_friction, found.viscous_friction_95);
   EXPECT_LT(found.residual_rms, 10e3);
-  // The residual is the noise that was put in, and nothing else.
+  // The residual is only the added noise.
   const double noise = std::hypot(kForceNoise, truth.effective_mass * kAccelerationNoise);
   EXPECT_NEAR(found.residual_rms, noise, 0.02 * noise);
 }
@@ -82,7 +84,7 @@ TEST_P(PaperSetup, LeavesLessThanTenKilonewtonWhenTheObserverUsesIt) {
   const EmptyTableRun learnt_from{GetParam().machine, 1, 42};
   const auto found = identify_machine_force(learnt_from.displacement, learnt_from.acceleration,
                                             learnt_from.force, kPeriod);
-  const EmptyTableRun run{GetParam().machine, 1, 43};  // noise it was not fitted to
+  const EmptyTableRun run{GetParam().machine, 1, 43};  // a noise seed not used in the fit
   ForceObserver observer{found.machine, kPeriod};
   double sum = 0;
 
@@ -102,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Setup{"eps_lat", with_offset(eps_setup().lat_axis, 0)}),
     [](const auto& setup) { return std::string{setup.param.name}; });
 
-// Over many seeds a 95 % interval misses the truth in about one of twenty.
+// Over many seeds a 95 % interval misses the truth in about one run of twenty.
 TEST(ForceIdentification, HasIntervalsThatCoverTheTruth) {
   const MachineForce truth = with_offset(unison_eqs_setup().long_axis, 2e3);
   int covered = 0;
@@ -132,7 +134,7 @@ TEST(ForceIdentification, KeepsFrictionFromGoingNegative) {
   EXPECT_NEAR(found.machine.effective_mass, 1e5, 500);
 }
 
-TEST(ForceIdentification, RefusesARunThatMovesNothing) {
+TEST(ForceIdentification, RefusesARunWithoutMotion) {
   const std::vector<double> still(2000, 0.0);
 
   EXPECT_EQ(test::error_of(
@@ -148,7 +150,7 @@ TEST(MachineForce, HasNoFrictionBelowTheRestVelocity) {
   EXPECT_NEAR(machine(-0.00128, 0), -5'100 - 716 * 0.00128, 1e-9);
 }
 
-TEST(MachineForce, PrintsAsTheWeightThatThePaperPrints) {
+TEST(MachineForce, HasTheMassesThatThePaperPrintsAsWeights) {
   const double weight = unison_eqs_setup().long_axis.effective_mass * kStandardGravity;
 
   EXPECT_NEAR(weight, 1'111.79e3, 1);

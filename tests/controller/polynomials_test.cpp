@@ -26,7 +26,7 @@ constexpr Family kFamilies[] = {
     {Polynomial::D3, 3, 3}, {Polynomial::DV, 3, 2}, {Polynomial::DVA, 2, 3}};
 
 /// Motion c₀ + c₁x + … of a given degree, with its rates.
-struct Motion {
+struct PolynomialMotion {
   int degree;
   [[nodiscard]] double at(double x) const { return sum(x, 0); }
   [[nodiscard]] double rate(double x) const { return sum(x, 1); }
@@ -45,8 +45,8 @@ struct Motion {
   }
 };
 
-/// What the weights make of a motion that was sampled in a branch's frame.
-Jet applied(const Weights& w, const Motion& motion, Branch branch, double xi) {
+/// The weighted sum for a motion sampled in a branch's frame.
+Jet applied(const Weights& w, const PolynomialMotion& motion, Branch branch, double xi) {
   const double newest = branch == Branch::Predict ? 0 : 1;
   const double switch_at = branch == Branch::Predict ? xi - 1 : xi;
   Jet sum = w.switch_command * motion.at(switch_at) + w.acceleration * motion.second_rate(newest);
@@ -63,7 +63,7 @@ class PolynomialFamily : public ::testing::TestWithParam<Family> {
   static constexpr double kRounding = 1e-11;
 
   static void expect_reproduced(Branch branch, int degree, double xi) {
-    const Motion motion{degree};
+    const PolynomialMotion motion{degree};
     for (double x = branch == Branch::Predict ? 0.0 : xi; x <= 1.0; x += 0.05) {
       const Jet found = applied(weights(GetParam().polynomial, branch, x, xi), motion, branch, xi);
       EXPECT_NEAR(found.value, motion.at(x), kRounding) << "x " << x << " xi " << xi;
@@ -94,7 +94,7 @@ TEST_P(PolynomialFamily, EndsItsCorrectionAtTheTarget) {
   EXPECT_NEAR(w.acceleration.value, 0, kRounding);
 }
 
-TEST_P(PolynomialFamily, HasANameThatFindsItAgain) {
+TEST_P(PolynomialFamily, IsFoundByItsName) {
   EXPECT_EQ(polynomial_from_text(to_text(GetParam().polynomial)), GetParam().polynomial);
 }
 
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(All, CommandFamily,
                                            Polynomial::DV, Polynomial::DVA),
                          [](const auto& p) { return std::string{to_text(p.param)}; });
 
-// Rates of the D family as the charts spell them out, against ours, which are differentiated.
+// The D family's rates as written out in the charts, against our forward differentiation.
 TEST(CubicCommandCorrector, HasTheChartsVelocityAndAcceleration) {
   const double x = 0.62;
   const double xi = 0.31;

@@ -88,7 +88,7 @@ TEST(PredictorCorrector, MovesContinuouslyThroughEverySwitch) {
   Target target = target_at(0);
   pc.substep(false, target);
   double previous = 0;
-  // The fastest the polynomials go: a target of 0.3 rad/step on unit amplitude, ×2 for overshoot.
+  // Bound on the polynomials' speed: a target of 0.3 rad/step on unit amplitude, ×2 for overshoot.
   const double largest_move = 2 * 0.3 / 100;
   int next = 0;
   for (int substep = 0; substep < 5000; ++substep) {
@@ -104,7 +104,7 @@ TEST(PredictorCorrector, MovesContinuouslyThroughEverySwitch) {
   }
 }
 
-TEST(PredictorCorrector, FreezesAtTheHoldPointWhenTheTargetNeverComes) {
+TEST(PredictorCorrector, FreezesAtTheHoldPointWhenTheTargetNeverArrives) {
   for (const double slow_down_from : {0.6, 0.8}) {
     PredictorCorrector pc{settings(100, slow_down_from)};
     pc.substep(false, target_at(0));
@@ -116,14 +116,15 @@ TEST(PredictorCorrector, FreezesAtTheHoldPointWhenTheTargetNeverComes) {
     EXPECT_EQ(pc.state(), PcState::AutoSlowDown);
     EXPECT_NEAR(pc.counter(), 100 * (1 + slow_down_from) / 2, 1e-6);
     EXPECT_NEAR(pc.command()[0], before, 1e-9);
-    EXPECT_GT(before, 1.5);  // it had gone on beyond the target
-    // A command that is held is at rest, whatever the slope of the polynomial there.
+    EXPECT_GT(before, 1.5);  // it overshot the target
+    // A held command has zero rates, although the polynomial has a slope there.
     EXPECT_NEAR(pc.command_velocity()[0], 0, 1e-9);
     EXPECT_NEAR(pc.command_acceleration()[0], 0, 1e-9);
   }
 }
 
-// Through predictions, corrections, slow-downs and recoveries the velocity is that of the command.
+// Compares the velocity with differences of the command through predictions, corrections,
+// slow-downs and recoveries.
 TEST(PredictorCorrector, GivesTheVelocityOfItsCommandInEveryState) {
   auto s = settings(1000, 0.6);
   PredictorCorrector pc{s};
@@ -188,7 +189,7 @@ TEST(PredictorCorrector, DoesNotSlowDownForATargetJustInTime) {
   EXPECT_EQ(pc.counter(), 61);
 }
 
-TEST(PredictorCorrector, StartsTheStepAnewWhenATargetComesWhileItCorrects) {
+TEST(PredictorCorrector, RestartsTheStepWhenATargetArrivesWhileItCorrects) {
   PredictorCorrector pc{settings(100, 0.6)};
   for (int substep = 0; substep < 40; ++substep) pc.substep(substep == 0, target_at(1));
   const double before = pc.command()[0];
@@ -199,7 +200,7 @@ TEST(PredictorCorrector, StartsTheStepAnewWhenATargetComesWhileItCorrects) {
   EXPECT_NEAR(pc.command()[0], before, 0.02);
 }
 
-TEST(PredictorCorrector, StartsFromTheSetpointItFinds) {
+TEST(PredictorCorrector, StartsFromTheInitialSetpoint) {
   PredictorCorrector pc{settings(100, 0.6)};
 
   for (int substep = 0; substep < 50; ++substep) pc.substep(false, target_at(0.25));
@@ -269,7 +270,7 @@ TEST(PredictorCorrector, UsesTheRatesThatTargetsCarry) {
   }
 }
 
-// Slow testing: a step of model time takes ten of wall time, so velocities are a tenth.
+// Slow testing: a step takes ten times longer in wall time, so velocities are a tenth.
 TEST(PredictorCorrector, ScalesRatesToWallTime) {
   auto s = settings(1000, 0.6);
   s.simulation_step = 0.1;
@@ -332,7 +333,7 @@ TEST(SamplingDelay, IsWarnedAboveSixTenthsAndRefusedFromEight) {
   }
 }
 
-// A command that is held at 0.65 of the step never gets to 0.66.
+// A command held at 0.65 of the step never reaches 0.66.
 TEST(SamplingDelay, IsRefusedFromTheHoldPointOn) {
   EXPECT_EQ(judge_delay(64, settings(100, 0.3)), DelayVerdict::Warned);
   EXPECT_EQ(judge_delay(66, settings(100, 0.3)), DelayVerdict::Refused);

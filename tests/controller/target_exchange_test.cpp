@@ -17,7 +17,7 @@ PredictorCorrectorSettings make_settings() {
   return settings;
 }
 
-/// A predictor-corrector with its handshake, fed by hand.
+/// A predictor-corrector with its handshake, driven by the test.
 class Controller {
  public:
   explicit Controller(int delay_substeps = 0)
@@ -49,7 +49,7 @@ TEST(TargetExchange, IsAtTargetWithLiveFeedbackWhileIdle) {
   EXPECT_EQ(controller.exchange.held_displacement()[0], 0.7);
 }
 
-TEST(TargetExchange, TakesAtTargetDownNoLaterThanItRaisesSwitchPc) {
+TEST(TargetExchange, LowersAtTargetNoLaterThanItRaisesSwitchPc) {
   Controller controller;
   controller.substep(kIdle);
 
@@ -70,7 +70,7 @@ TEST(TargetExchange, HoldsTheFlagForOneSubstepOnly) {
   EXPECT_GT(controller.command.counter(), after_first);
 }
 
-TEST(TargetExchange, TakesSwitchPcDownWhenNewTargetFalls) {
+TEST(TargetExchange, LowersSwitchPcWhenNewTargetFalls) {
   Controller controller;
   controller.substeps(5, kNew);
   EXPECT_TRUE(controller.exchange.switch_pc());
@@ -106,7 +106,7 @@ TEST(TargetExchange, WaitsForTheSpecimenWhenTheSampleIsDelayed) {
   EXPECT_EQ(controller.exchange.held_displacement()[0], 0.4);
 }
 
-// With a delay, the first correction passes the delay's count already; that is no arrival.
+// The first correction already passes the delay's count; this must not count as arrival.
 TEST(TargetExchange, DoesNotMistakeTheFirstCorrectionForADelayedArrival) {
   Controller controller{30};
 
@@ -115,8 +115,8 @@ TEST(TargetExchange, DoesNotMistakeTheFirstCorrectionForADelayedArrival) {
   EXPECT_FALSE(controller.exchange.at_target());
 }
 
-// After a slow-down the counter is no whole number, so equality would never come.
-TEST(TargetExchange, SamplesInTheSlowDownTooWhereTheCounterIsNoWholeNumber) {
+// After a slow-down the counter is fractional, so a test for equality would never hold.
+TEST(TargetExchange, SamplesInTheSlowDownWhereTheCounterIsFractional) {
   Controller controller{75};
 
   controller.substeps(100, kNew);

@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(WallClock, DoesNotReturnBeforeTheTimeAskedFor) {
+TEST(WallClock, DoesNotReturnBeforeTheRequestedTime) {
   WallClock clock;
   const TimePoint due = clock.now() + milliseconds{2};
 
@@ -59,7 +59,7 @@ TEST(WallClock, SleepsWithOneSystemCallAndNothingElse) {
   EXPECT_EQ(system_call, SYS_clock_nanosleep);
 }
 
-TEST(VirtualClock, StandsStillUntilSomebodySleeps) {
+TEST(VirtualClock, AdvancesOnlyBySleeping) {
   VirtualClock clock;
   const TimePoint before = clock.now();
 

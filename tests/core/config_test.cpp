@@ -10,25 +10,23 @@ namespace {
 
 Config parse(const std::string& text) { return Config::parse(text, "lab.toml"); }
 
-TEST(Config, TakesAWholeNumberWhereANumberIsWanted) {
-  EXPECT_EQ(parse("gain = 2").number("gain"), 2.0);
-}
+TEST(Config, AcceptsAnIntegerAsANumber) { EXPECT_EQ(parse("gain = 2").number("gain"), 2.0); }
 
-TEST(Config, SaysWhereAValueOfTheWrongKindStands) {
+TEST(Config, ReportsThePositionOfAValueOfTheWrongType) {
   const Config config = parse("\n  gain = \"two\"");
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number("gain")); }),
-            "lab.toml:2:10: gain is a text, expected a number");
+            "lab.toml:2:10: gain is a string, expected a number");
 }
 
-TEST(Config, RefusesNumbersThatAreNone) {
+TEST(Config, RefusesNaNAndInfinity) {
   EXPECT_EQ(test::error_of([] { static_cast<void>(parse("gain = nan").number("gain")); }),
             "lab.toml:1:8: gain is nan, expected a finite number");
   EXPECT_EQ(test::error_of([] { static_cast<void>(parse("gain = [1, -inf]").numbers("gain")); }),
             "lab.toml:1:12: gain is -inf, expected a finite number");
 }
 
-TEST(Config, ReadsRowsThatAreEquallyLong) {
+TEST(Config, ReadsRowsOfEqualLength) {
   const auto rows = parse("mass = [[1, 2.5], [3, 4]]").rows("mass");
 
   ASSERT_EQ(rows.size(), 2U);
@@ -39,21 +37,21 @@ TEST(Config, ReadsRowsThatAreEquallyLong) {
             "lab.toml:1:9: mass is an integer, expected a row of numbers");
 }
 
-TEST(Config, NamesTheKeyThatIsMissing) {
+TEST(Config, NamesAMissingKey) {
   const Config config = parse("gain = 1");
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number("stroke_m")); }),
             "lab.toml:1:1: 'stroke_m' is missing");
 }
 
-TEST(Config, GuessesWhatAMisspeltKeyMeant) {
+TEST(Config, SuggestsTheKeyForAMisspeltOne) {
   const Config config = parse("stifness_N_per_m = 1");
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number("stiffness_N_per_m")); }),
             "lab.toml:1:20: unknown key 'stifness_N_per_m' (did you mean 'stiffness_N_per_m'?)");
 }
 
-TEST(Config, RefusesKeysThatNobodyAskedFor) {
+TEST(Config, RefusesKeysThatNoGetterRead) {
   const Config config = parse("gain = 1\ngian = 2");
   static_cast<void>(config.number("gain"));
 
@@ -62,14 +60,14 @@ TEST(Config, RefusesKeysThatNobodyAskedFor) {
 }
 
 TEST(Config, NamesBothEndsOfARange) {
-  const Config config = parse("part = 1.5");
+  const Config config = parse("fraction = 1.5");
 
-  EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number_in("part", 0, 1)); }),
-            "lab.toml:1:8: part is 1.5, expected 0 to 1");
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number_in("fraction", 0, 1)); }),
+            "lab.toml:1:12: fraction is 1.5, expected 0 to 1");
 }
 
-TEST(Config, RefusesNotANumberWhereARangeIsAsked) {
-  EXPECT_THROW(static_cast<void>(parse("part = nan").number_in("part", 0, 1)), Error);
+TEST(Config, RefusesNaNForANumberInARange) {
+  EXPECT_THROW(static_cast<void>(parse("fraction = nan").number_in("fraction", 0, 1)), Error);
 }
 
 TEST(Config, FallsBackToDefaults) {
@@ -92,7 +90,7 @@ TEST(Config, ReadsTablesInOrder) {
   EXPECT_EQ(tables[1].where(), "lab.toml:3:1");
 }
 
-TEST(Config, PutsAnOverrideAtItsDottedPlace) {
+TEST(Config, SetsAnOverrideAtItsDottedPath) {
   Config config = parse("[motion]\nscale = 1.0");
   config.set("motion.scale", "2.5");
   config.set("node.xpc.tune.gain", "3");
@@ -101,17 +99,17 @@ TEST(Config, PutsAnOverrideAtItsDottedPlace) {
   EXPECT_EQ(config.table("node").table("xpc").table("tune").integer("gain"), 3);
 }
 
-TEST(Config, BlamesTheCommandLineForABadOverride) {
+TEST(Config, ReportsABadOverrideAsAnErrorOfTheCommandLine) {
   Config config = parse("scale = 1.0");
   config.set("scale", "\"big\"");
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(config.number("scale")); }),
-            "--set scale: scale is a text, expected a number");
+            "--set scale: scale is a string, expected a number");
   EXPECT_EQ(test::error_of([&] { config.set("scale.x", "1"); }),
-            "--set scale.x: 'scale' is a text, expected a table");
+            "--set scale.x: 'scale' is a string, expected a table");
 }
 
-TEST(Config, SaysWhyAFileCannotBeRead) {
+TEST(Config, ReportsWhyAFileCannotBeRead) {
   EXPECT_EQ(test::error_of([] { static_cast<void>(Config::load("/no/such.toml")); }),
             "/no/such.toml: cannot be read: No such file or directory");
 }
@@ -122,7 +120,7 @@ TEST(Config, ReadsAnEmptyFile) {
   EXPECT_TRUE(Config::load(folder.write("empty.toml", "")).keys().empty());
 }
 
-TEST(Config, ResolvesPathsBesideTheFile) {
+TEST(Config, ResolvesPathsRelativeToTheFile) {
   const test::TemporaryFolder folder;
   const Config config = Config::load(folder.write("lab.toml", ""));
 
@@ -130,7 +128,7 @@ TEST(Config, ResolvesPathsBesideTheFile) {
   EXPECT_EQ(config.resolve("/a/b.csv"), "/a/b.csv");
 }
 
-TEST(Config, GivesErrorsWithoutAPlaceThatOfTheirKey) {
+TEST(Config, AddsThePositionOfTheKeyToAnErrorWithoutOne) {
   const Config config = parse("cutoff_Hz = 900");
 
   EXPECT_EQ(
@@ -140,12 +138,17 @@ TEST(Config, GivesErrorsWithoutAPlaceThatOfTheirKey) {
       "lab.toml:1:13: too high");
 }
 
-TEST(Nearest, FindsTheLikelyWordOnly) {
+TEST(Nearest, FindsAWordOfSimilarSpellingOnly) {
   EXPECT_EQ(nearest("lenght", {"length", "width"}), "length");
   EXPECT_EQ(nearest("temperature", {"length", "width"}), std::nullopt);
 }
 
-TEST(Config, LaysChangesOverATableKeyByKey) {
+TEST(DidYouMean, SuggestsAWordOfSimilarSpellingOnly) {
+  EXPECT_EQ(did_you_mean("lenght", {"length", "width"}), " (did you mean 'length'?)");
+  EXPECT_EQ(did_you_mean("temperature", {"length", "width"}), "");
+}
+
+TEST(Config, MergesChangesIntoATableKeyByKey) {
   const Config base = parse("[slider]\nfriction = 0.1\nstiffness = 2\n[spring]\nstiffness = 3");
   const Config changes = Config::parse("[slider]\nfriction = \"none\"\n[stop]\ngap = 4", "c.toml");
 

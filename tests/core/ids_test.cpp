@@ -8,8 +8,7 @@
 namespace rths {
 namespace {
 
-// Must not compile: any of these would be the mix-up of bytes, words and locations that the types
-// are there to refuse.
+// These must not compile: each would mix bytes, longwords and locations.
 template <class To, class From>
 concept AssignableFrom = requires(To to, From from) {
   to = from;

@@ -13,7 +13,7 @@ namespace {
 constexpr Status kAll[] = {Status::Ok,    Status::Done,          Status::Late,
                            Status::Stale, Status::LimitExceeded, Status::Fault};
 
-TEST(Status, WorstOfTwoWinsWhicheverComesFirst) {
+TEST(Status, WorstOfTwoWinsInEitherOrder) {
   for (const Status a : kAll)
     for (const Status b : kAll) {
       EXPECT_EQ(worst(a, b), worst(b, a));

@@ -35,8 +35,8 @@ class AgainstTest : public ::testing::Test {
     const auto file = simulation(csv);
     const auto message =
         test::error_of([&] { static_cast<void>(with_prediction(measured(), file)); });
-    const std::string place = file.string() + ": ";
-    return message.rfind(place, 0) == 0 ? message.substr(place.size()) : "no place: " + message;
+    const std::string start = file.string() + ": ";
+    return message.rfind(start, 0) == 0 ? message.substr(start.size()) : "no file: " + message;
   }
 
  private:
@@ -57,7 +57,7 @@ TEST_F(AgainstTest, PredictsAtTheTimesOfTheRecord) {
   EXPECT_EQ(c.model.kind, "data");
 }
 
-TEST_F(AgainstTest, LeavesOutMotionsThatItSaysNothingAbout) {
+TEST_F(AgainstTest, DropsRecordsOfOtherMotions) {
   const Case c = with_prediction(measured(), simulation("time,force.long\n0,0\n1,1\n"));
 
   ASSERT_EQ(c.records.size(), 2U);
@@ -65,7 +65,7 @@ TEST_F(AgainstTest, LeavesOutMotionsThatItSaysNothingAbout) {
   EXPECT_EQ(c.records[1].use, Use::Reference);
 }
 
-TEST_F(AgainstTest, KnowsTheNamesThatRunsRecord) {
+TEST_F(AgainstTest, AcceptsTheNamesInRecordingsOfRuns) {
   const Case c = with_prediction(measured(),
                                  simulation("time,displ.long,srmd.long.force.fbk\n0,3,5\n1,3,5\n"));
 
@@ -73,7 +73,7 @@ TEST_F(AgainstTest, KnowsTheNamesThatRunsRecord) {
   EXPECT_EQ(c.records[0].find("predicted.force.long")->values[3], 5);
 }
 
-TEST_F(AgainstTest, CutsOffWhatIsNotPredicted) {
+TEST_F(AgainstTest, CutsTheRecordToThePredictedSpan) {
   const Case c = with_prediction(measured(), simulation("time,force.long\n0.2,2\n0.7,7\n"));
 
   const Record& record = c.records[0];
@@ -83,15 +83,15 @@ TEST_F(AgainstTest, CutsOffWhatIsNotPredicted) {
   EXPECT_NEAR(record.find("predicted.force.long")->values.back(), 7, 1e-9);
 }
 
-TEST_F(AgainstTest, SaysWhatASimulationLacks) {
+TEST_F(AgainstTest, ReportsErrorsInTheSimulation) {
   EXPECT_EQ(error_with("t,force.long\n0,0\n1,1\n"),
-            "has no column 'time', expected the seconds of each row");
-  EXPECT_EQ(error_with("time,force.long\n0,0\n0,1\n"), "'time' does not grow from row to row");
+            "has no column 'time', expected the time of each row in seconds");
+  EXPECT_EQ(error_with("time,force.long\n0,0\n0,1\n"), "'time' does not increase from row to row");
   EXPECT_EQ(error_with("time,F\n0,0\n1,1\n"),
-            "predicts nothing that was measured, expected columns named as command.long, "
+            "predicts no measured channel, expected columns named command.long, "
             "displacement.long, force.long");
   EXPECT_EQ(error_with("time,force.long\n5,0\n6,1\n"),
-            "lasts from 5 to 6 s, expected a part of 0 to 1 s");
+            "covers 5 to 6 s, expected an overlap with 0 to 1 s");
 }
 
 }  // namespace

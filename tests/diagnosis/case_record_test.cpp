@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any recording is readable: what the keys of a [[record]] and of [channels] do.
+// Keys of [[record]] and [channels], which make any recording readable.
 #include <rths/diagnosis/case.hpp>
 
 #include <hdf5.h>
@@ -21,7 +21,7 @@ class RecordTest : public ::testing::Test {
   RecordTest() {
     folder_.write("log.csv", "t,u,F\n0,0,10\n0.01,1,20\n0.02,2,30\n0.03,3,40\n0.04,4,50\n");
   }
-  // One [[record]] to fit, whose keys stand in `record`.
+  // A case with one [[record]] to fit; `record` has its keys.
   Case load(const std::string& record, const std::string& channels = kChannels) {
     folder_.write("case.toml", "format = 1\n[channels]\n" + channels + "\n" + record);
     return load_case(folder_.path());
@@ -53,9 +53,9 @@ TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
   EXPECT_EQ(c.records[2].samples(), 5U);
 }
 
-TEST_F(RecordTest, RefusesASpanThatHoldsNothing) {
+TEST_F(RecordTest, RefusesAnEmptySpan) {
   EXPECT_EQ(error(std::string{kFit} + "span_s = [7, 8]\n"),
-            "case.toml:10:10: fewer than two samples lie in it; the recording goes from 0 to "
+            "case.toml:10:10: it contains fewer than two samples; the recording covers 0 to "
             "0.04 s");
   EXPECT_EQ(error(std::string{kFit} + "span_s = [2, 1]\n"),
             "case.toml:10:10: span_s must be [from, to]");
@@ -64,10 +64,10 @@ TEST_F(RecordTest, RefusesASpanThatHoldsNothing) {
 TEST_F(RecordTest, RefusesOneNameForTwoRecords) {
   const std::string named = std::string{kFit} + "name = \"a\"\n";
 
-  EXPECT_EQ(error(named + named), "case.toml:14:8: two records are called 'a'");
+  EXPECT_EQ(error(named + named), "case.toml:14:8: two records are named 'a'");
 }
 
-TEST_F(RecordTest, TakesWhatWasNotRecordedFromTheCase) {
+TEST_F(RecordTest, ReadsConstantsFromTheCase) {
   const Case c = load(std::string{kFit} + "[record.channels]\n" +
                       "auxiliary.current = \"= 250 [mA]\"\ntemperature = \"= 20 [degC]\"\n");
 
@@ -75,10 +75,10 @@ TEST_F(RecordTest, TakesWhatWasNotRecordedFromTheCase) {
   EXPECT_EQ(c.records[0].find("auxiliary.current")->unit, "A");
   EXPECT_NEAR(c.records[0].find("temperature")->values[4], 293.15, 1e-9);
   EXPECT_EQ(error(std::string{kFit} + "[record.channels]\nauxiliary.current = \"= x [A]\"\n"),
-            "case.toml:11:21: 'x' is no number");
+            "case.toml:11:21: 'x' is not a number");
 }
 
-TEST_F(RecordTest, TurnsSignsAndKnowsFactorsInUnits) {
+TEST_F(RecordTest, AppliesSignsAndFactorsOfUnits) {
   const Case c = load(kFit,
                       "time = \"t [s]\"\nforce.long = \"-F [kN]\"\n"
                       "force.lat = \"F [35.15065 N]\"\ninput.torque = \"F [-2 N.m]\"\n");
@@ -109,10 +109,10 @@ TEST_F(RecordTest, TakesChannelsFromSeveralFiles) {
                 .find("log.csv: force.long has 2 samples, others have 5"),
             std::string::npos);
   EXPECT_EQ(error(kFit, "time = \"t [s]\"\nforce.long = \"1 [kN] load.txt\"\n"),
-            "case.toml:4:14: 'load.txt' stands behind the unit, expected nothing or \"in file\"");
+            "case.toml:4:14: 'load.txt' follows the unit, expected nothing or \"in file\"");
 }
 
-TEST_F(RecordTest, KnowsThatAControllerHoldsItsOutput) {
+TEST_F(RecordTest, AveragesHeldOutputsAtSamples) {
   const std::string channels =
       "time = \"t [s]\"\nforce.long = \"F [kN]\"\nheld = [\"force.long\"]\n";
 
@@ -122,7 +122,7 @@ TEST_F(RecordTest, KnowsThatAControllerHoldsItsOutput) {
             "case.toml:5:8: there is no channel 'force.lat'");
 }
 
-TEST_F(RecordTest, MayBeSampledAtItsOwnRate) {
+TEST_F(RecordTest, MayHaveItsOwnSamplingRate) {
   folder_.write("fast.csv", "u,F\n0,1\n1,2\n2,3\n");
 
   const Case c = load(std::string{kFit} +
@@ -137,7 +137,7 @@ TEST_F(RecordTest, MayBeSampledAtItsOwnRate) {
   EXPECT_EQ(c.records[2].time_step, 1e-2);
 }
 
-TEST_F(RecordTest, ResamplesWhatIsNotEquallySpaced) {
+TEST_F(RecordTest, ResamplesUnequallySpacedSamples) {
   folder_.write("log.csv", "t,u,F\n0,0,0\n0.01,1,1\n0.025,2.5,2.5\n0.03,3,3\n0.04,5,4\n");
 
   const Record record = load(std::string{kFit} + "resample_Hz = 200\n").records[0];
@@ -154,13 +154,13 @@ TEST_F(RecordTest, ResamplesWhatIsNotEquallySpaced) {
             std::string::npos);
 }
 
-TEST_F(RecordTest, KnowsHowLongItTakesToSettle) {
+TEST_F(RecordTest, ReadsTheSettlingTime) {
   EXPECT_EQ(load(kFit).records[0].settle, 0);
   EXPECT_EQ(load(std::string{kFit} + "settle_s = 0.02\n").records[0].settle, 0.02);
   EXPECT_EQ(error(std::string{kFit} + "settle_s = 3\n").find("case.toml:10:12: settle_s is 3"), 0U);
 }
 
-TEST_F(RecordTest, KnowsTheReachOfTheMap) {
+TEST_F(RecordTest, ReadsTheRangeOfTheMap) {
   const std::string map = "[map]\ndisplacement_m = 0.5\n";
 
   const MapRange range = load(kFit + map).map;
@@ -170,7 +170,7 @@ TEST_F(RecordTest, KnowsTheReachOfTheMap) {
   EXPECT_EQ(error(kFit + map + "velocity_m_per_s = 0\n").find("case.toml:12:20: "), 0U);
 }
 
-TEST_F(RecordTest, KnowsHowFastTheModelIsToRun) {
+TEST_F(RecordTest, ReadsTheRateOfTheModel) {
   const Comparison comparison =
       load(std::string{kFit} + "[compare]\nmodel_rate_Hz = 1000\n").comparison;
 
@@ -178,7 +178,7 @@ TEST_F(RecordTest, KnowsHowFastTheModelIsToRun) {
   EXPECT_FALSE(comparison.cutoff.has_value());
 }
 
-TEST_F(RecordTest, SpellsModelsWithHyphens) {
+TEST_F(RecordTest, AcceptsHyphensInKindsOfModels) {
   for (const char* spelling : {"mass-spring-damper", "mass_spring_damper", "mass spring damper"})
     EXPECT_EQ(load(std::string{kFit} + "[model]\nkind = \"" + spelling + "\"\n").model.kind,
               "mass_spring_damper");
@@ -247,15 +247,16 @@ TEST_F(BinaryRecordTest, ReadsHdf5Files) {
   EXPECT_EQ(record.find("force.long")->values, (Values{10e3, 20e3, 30e3}));
 }
 
-TEST_F(BinaryRecordTest, SaysWhichSampleIsMissing) {
+TEST_F(BinaryRecordTest, ReportsMissingSamples) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double both[] = {1, 2, 3, 10, nan, nan};
   write_mat(both);
   const std::string record = "[[record]]\nfile = \"log.mat\"\nuse = \"fit\"\n";
 
   EXPECT_EQ(error(record, kColumns),
-            "log.mat: force.long has no number in sample 2 and 1 others: fill what is missing, or "
-            "leave it out by span_s");
+            "log.mat: force.long is NaN or infinite in sample 2 and 1 others: fill the gap, or "
+            "exclude it "
+            "by span_s");
 }
 
 }  // namespace

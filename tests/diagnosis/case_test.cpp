@@ -70,7 +70,7 @@ TEST_F(CaseTest, ReadsChannelsInSi) {
   EXPECT_EQ(c.noise[0].second, 2.5e3);
 }
 
-TEST_F(CaseTest, ReadsWhatTheSimulationAssumed) {
+TEST_F(CaseTest, ReadsTheModelOfTheSimulation) {
   const Model model = load().model;
 
   EXPECT_EQ(model.kind, "bearing");
@@ -86,7 +86,7 @@ TEST_F(CaseTest, TakesARateInsteadOfTime) {
   EXPECT_NEAR(load(toml).records[0].time_step, 0.01, 1e-15);
 }
 
-TEST_F(CaseTest, SaysWhereSomethingIsWrong) {
+TEST_F(CaseTest, ReportsThePositionOfErrors) {
   EXPECT_EQ(error_with("\"u [mm]\"", "\"u\""),
             "case.toml:12:21: 'u' names no unit, expected \"column [unit]\"");
   EXPECT_EQ(error_with("\"u [mm]\"", "\"u [kN]\""),

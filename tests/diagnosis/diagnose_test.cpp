@@ -12,13 +12,13 @@
 namespace rths::diagnosis {
 namespace {
 
-// A guide with a spring and a damper on one axis. What is hidden in it is added
-// to the force by formulas of this file alone.
+// A guide with a spring and a damper on one axis. Formulas of this file, independent of the
+// library, add hidden effects to its force.
 struct Hidden {
   double friction = 0;      // [N]
-  double ripple = 0;        // of a force from outside, at 7.3 Hz [N]
-  double force_step = 0;    // of the load cell's counts [N]
-  double saturation = 1e9;  // of the load cell [N]
+  double ripple = 0;        // amplitude of an external force at 7.3 Hz [N]
+  double force_step = 0;    // resolution of the load cell [N]
+  double saturation = 1e9;  // range of the load cell [N]
 };
 
 constexpr double kStiffness = 2e5, kDamping = 3e3;  // [N/m], [N·s/m]
@@ -26,15 +26,16 @@ constexpr double kStiffness = 2e5, kDamping = 3e3;  // [N/m], [N·s/m]
 Record record_of(const std::string& name, Use use, unsigned seed, const Hidden& hidden) {
   double side = 0, before = 0;
   const auto guide = [&](double t, double x, double v) {
-    // Coulomb friction that gives 0.1 mm before it slides, by Dahl's exact solution of each step.
+    // Coulomb friction with 0.1 mm of presliding: Dahl's law, solved exactly for each step.
     const double way = x - before, direction = way > 0 ? 1 : -1;
     side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
     before = x;
     double force = kStiffness * x + kDamping * v + hidden.friction * side;
-    force += hidden.ripple * (t < test::kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
+    force +=
+        hidden.ripple * (t < test_support::kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
     return std::clamp(force, -hidden.saturation, hidden.saturation);
   };
-  return test::record_of(name, use, seed, guide, hidden.force_step);
+  return test_support::record_of(name, use, seed, guide, hidden.force_step);
 }
 
 Case case_of(const Hidden& hidden) {
@@ -54,13 +55,13 @@ Case case_of(const Hidden& hidden) {
   return c;
 }
 
-TEST(Diagnosis, SaysThatNothingIsMissing) {
+TEST(Diagnosis, FindsNothingMissingInACompleteModel) {
   const Verdict verdict = diagnose(case_of({}));
 
   EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
   EXPECT_TRUE(verdict.causes.empty());
   ASSERT_EQ(verdict.fit.size(), 3U);
-  // Two seconds at rest in each record tell low third octaves to some 30 %.
+  // Two seconds at rest in each record give the low third octaves to about 30 %.
   EXPECT_NEAR(verdict.fit[2].variance_after, 1, 0.3);
 }
 
@@ -82,31 +83,31 @@ TEST(Diagnosis, NamesFrictionAndProvesItOnTheUnseenRecord) {
   EXPECT_NE(verdict.fragment.find("friction_force_N = "), std::string::npos);
 }
 
-TEST(Diagnosis, DescribesWhatItHasNoNameFor) {
+TEST(Diagnosis, DescribesAnUnknownEffect) {
   const Verdict verdict = diagnose(case_of({.ripple = 200}));
 
   ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
   ASSERT_FALSE(verdict.descriptions.empty());
   EXPECT_EQ(verdict.descriptions[0].form.rfind("external periodic force at 7.3", 0), 0U)
       << verdict.descriptions[0].form;
-  // What needs no motion shows without it.
-  EXPECT_EQ(verdict.next_test.rfind("nothing moving", 0), 0U) << verdict.next_test;
+  // An external force is visible without motion.
+  EXPECT_EQ(verdict.next_test.rfind("no motion", 0), 0U) << verdict.next_test;
   ASSERT_EQ(verdict.next_motion.channels.size(), 1U);
   const auto& still = verdict.next_motion.channels[0].second;
   EXPECT_TRUE(std::all_of(still.begin(), still.end(), [](double u) { return u == 0; }));
 }
 
-TEST(Diagnosis, SaysUnknownWhenTheNameIsTakenAway) {
+TEST(Diagnosis, SaysUnknownWhenTheTermIsExcluded) {
   const Verdict verdict =
       diagnose(case_of({.friction = 300}),
                {.without = {"coulomb_friction", "asymmetric_friction", "stribeck_friction",
                             "position_dependent_friction", "bouc_wen", "asymmetric_hysteresis"}});
 
   EXPECT_TRUE(verdict.outcome == Outcome::Unknown || verdict.has_remainder) << verdict.sentence;
-  EXPECT_NE(verdict.next_test.find("visits velocity"), std::string::npos) << verdict.next_test;
+  EXPECT_NE(verdict.next_test.find("covers velocity"), std::string::npos) << verdict.next_test;
 }
 
-TEST(Diagnosis, SeesCoarseStepsInTheSamples) {
+TEST(Diagnosis, FindsCoarseQuantisationInTheSamples) {
   const Verdict verdict = diagnose(case_of({.force_step = 400}));
 
   ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
@@ -121,32 +122,32 @@ TEST(Diagnosis, BlamesTheLoadCellForItsRange) {
   ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
   EXPECT_EQ(verdict.causes[0].name, "force_saturation");
   EXPECT_EQ(verdict.where.part, Part::Sensor);
-  // The comparison's filter rounds the corners of what is cut off.
+  // The comparison's filter rounds the corners of the clipped force.
   EXPECT_NEAR(verdict.causes[0].parameters[0].value, 14'000, 200);
 }
 
-TEST(Diagnosis, RejectsTermsThatItDoesNotKnow) {
+TEST(Diagnosis, RejectsUnknownTerms) {
   try {
     static_cast<void>(
         diagnose(case_of({}), {.without = {"gain", "force_gain", "columb_friction"}}));
-    FAIL() << "a name that is none went through";
+    FAIL() << "an unknown name was accepted";
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
                  "without: there is no term 'columb_friction' (did you mean 'coulomb_friction'?)");
   }
 }
 
-TEST(Diagnosis, MapsEveryStateThatWasVisited) {
+TEST(Diagnosis, MapsAllVisitedStates) {
   const Verdict verdict = diagnose(case_of({.friction = 300}));
 
   const Where& where = verdict.where;
   ASSERT_GT(where.state_map.size(), where.states.size());
-  double all = 0, place = 0;
+  double all = 0, smallest_set = 0;
   for (const auto& cell : where.state_map) all += std::max(0.0, cell.share);
-  for (const auto& cell : where.states) place += cell.share;
-  EXPECT_GE(place, 0.8);
-  EXPECT_GE(all, place);
-  // 20 lags of white noise of some 2,400 rows.
+  for (const auto& cell : where.states) smallest_set += cell.share;
+  EXPECT_GE(smallest_set, 0.8);
+  EXPECT_GE(all, smallest_set);
+  // White noise of about 2,400 rows.
   EXPECT_NEAR(verdict.correlation_bound, 1.96 / std::sqrt(2400), 2e-3);
 }
 
@@ -162,14 +163,14 @@ TEST(Diagnosis, MapsTheExcessOverAccelerationAndDissipatedEnergy) {
   const Profile acceleration = profile("acceleration.long"), energy = profile("dissipated energy");
   ASSERT_FALSE(acceleration.share.empty());
   ASSERT_EQ(energy.unit, "J");
-  // By damper and friction: the integral of c v² + F |v| over the record's own motion, which its
-  // force and displacement give as well; the work of a spring comes back.
+  // Damper and friction dissipate the integral of c v² + F |v| over the record's motion. The work
+  // of force on displacement gives the same, since a spring returns its work.
   const Record record = record_of("fit", Use::Fit, 1, {.friction = 300});
   const auto &u = record.channels[0].values, &f = record.channels[1].values;
   double work = 0;
   for (std::size_t k = 1; k < u.size(); ++k) work += (f[k] + f[k - 1]) / 2 * (u[k] - u[k - 1]);
   EXPECT_NEAR(energy.edges.front(), 0, 1e-3 * work);
-  // What the spring holds at the end, and what the last second does, which filters spoil.
+  // The difference: energy stored in the spring, and the last second, which filters distort.
   EXPECT_NEAR(energy.edges.back(), work, 0.1 * work);
 }
 

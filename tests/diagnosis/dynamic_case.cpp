@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 
 std::vector<double> random_signal(unsigned seed, std::size_t samples, double time_step,
                                   double low_Hz, double high_Hz, double rms) {
@@ -24,7 +24,7 @@ std::vector<double> random_signal(unsigned seed, std::size_t samples, double tim
           rms * std::sqrt(2.0 / kSines) *
           std::sin(2 * std::numbers::pi * frequency * static_cast<double>(j) * time_step + phase);
   }
-  // From rest: the first tenth swells.
+  // Starts from rest: the amplitude grows over the first tenth.
   const double swell = 0.1 * static_cast<double>(samples);
   for (std::size_t j = 0; j < samples; ++j)
     signal[j] *= std::min(1.0, static_cast<double>(j) / swell);
@@ -43,14 +43,14 @@ std::vector<Eigen::VectorXd> integrated(
     const std::function<Eigen::VectorXd(double, const Eigen::VectorXd&)>& rate,
     const Eigen::VectorXd& start, std::size_t samples, double time_step,
     const std::function<void(const Eigen::VectorXd&)>& after) {
-  constexpr int kParts = 20;
-  const double h = time_step / kParts;
+  constexpr int kSubsteps = 20;
+  const double h = time_step / kSubsteps;
   std::vector<Eigen::VectorXd> states{start};
   Eigen::VectorXd x = start;
   for (std::size_t i = 1; i < samples; ++i) {
-    for (int part = 0; part < kParts; ++part) {
+    for (int substep = 0; substep < kSubsteps; ++substep) {
       const double t =
-          (static_cast<double>(i - 1) + static_cast<double>(part) / kParts) * time_step;
+          (static_cast<double>(i - 1) + static_cast<double>(substep) / kSubsteps) * time_step;
       const Eigen::VectorXd k1 = rate(t, x), k2 = rate(t + h / 2, x + h / 2 * k1),
                             k3 = rate(t + h / 2, x + h / 2 * k2), k4 = rate(t + h, x + h * k3);
       x += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
@@ -61,13 +61,13 @@ std::vector<Eigen::VectorXd> integrated(
   return states;
 }
 
-std::function<double(double)> on_lines(const std::vector<double>& samples, double time_step) {
+std::function<double(double)> interpolated(const std::vector<double>& samples, double time_step) {
   return [&samples, time_step](double t) {
-    const double place =
+    const double position =
         std::min(std::max(t / time_step, 0.0), static_cast<double>(samples.size() - 1) - 1e-9);
-    const auto before = static_cast<std::size_t>(place);
-    const double part = place - static_cast<double>(before);
-    return samples[before] * (1 - part) + samples[before + 1] * part;
+    const auto before = static_cast<std::size_t>(position);
+    const double fraction = position - static_cast<double>(before);
+    return samples[before] * (1 - fraction) + samples[before + 1] * fraction;
   };
 }
 
@@ -104,4 +104,4 @@ double relative_error(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return (a - b).norm() / b.norm();
 }
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support

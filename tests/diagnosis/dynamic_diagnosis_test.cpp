@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Systems of a user's own, described in case.toml alone, with something in them that was left out.
+// User-defined systems, described in case.toml alone, with an effect that the model leaves out.
 // Recordings come from an integrator that shares no code with the library.
 #include <algorithm>
 #include <cmath>
@@ -17,36 +17,36 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using test::Truth;
+using test_support::Truth;
 
 constexpr double kStep = 0.005;
 constexpr std::size_t kSamples = 2400, kRest = 400;
 constexpr double kPush = 20;      // root mean square [N]
-constexpr double kNoise = 0.003;  // of what is measured
+constexpr double kNoise = 0.003;  // of the root mean square of an output
 constexpr const char* kFiles[] = {"fit.csv", "second.csv", "third.csv"};
 
 double clipped(double x, double limit) { return std::clamp(x, -limit, limit); }
 
-// What was left out, and what may be said of it: "name at channel", the first or any other.
+// An effect left out of the model, and its accepted names: "name at channel".
 struct LeftOut {
-  std::string what;
+  std::string effect;
   std::vector<std::string> names;
   std::function<void(Truth&)> in_system;
   std::function<void(Eigen::Ref<VectorXd>, double rms)> in_first_output = {};
 };
 
-void PrintTo(const LeftOut& left_out, std::ostream* out) { *out << left_out.what; }
-std::string name_of(const ::testing::TestParamInfo<LeftOut>& info) { return info.param.what; }
+void PrintTo(const LeftOut& left_out, std::ostream* out) { *out << left_out.effect; }
+std::string name_of(const ::testing::TestParamInfo<LeftOut>& info) { return info.param.effect; }
 
-// Behind a lag of first order, the signal being a line between samples.
+// A first-order lag of the signal, which is linear between samples.
 void lagging(Eigen::Ref<VectorXd> y, double) {
   constexpr double kTimeConstant = 0.015;
-  constexpr int kParts = 50;
+  constexpr int kSubsteps = 50;
   double behind = 0, before = 0;
   for (double& value : y) {
-    for (int i = 1; i <= kParts; ++i)
-      behind += (before + (value - before) * i / kParts - behind) *
-                -std::expm1(-kStep / kParts / kTimeConstant);
+    for (int i = 1; i <= kSubsteps; ++i)
+      behind += (before + (value - before) * i / kSubsteps - behind) *
+                -std::expm1(-kStep / kSubsteps / kTimeConstant);
     before = value;
     value = behind;
   }
@@ -79,7 +79,7 @@ void wrap(Eigen::Ref<VectorXd> y, double limit) {
   for (double& value : y) value -= 2 * limit * std::round(value / (2 * limit));
 }
 void overflown(Eigen::Ref<VectorXd> y, double rms) { wrap(y, 1.8 * rms); }
-// A fit of springs as well finds its way past few jumps only.
+// Few jumps: with more of them, a fit that includes springs does not converge.
 void seldom_overflown(Eigen::Ref<VectorXd> y, double rms) { wrap(y, 3 * rms); }
 void without_sign(Eigen::Ref<VectorXd> y, double) { y = y.cwiseAbs(); }
 void late(Eigen::Ref<VectorXd> y, double) {
@@ -91,28 +91,29 @@ void loose(Eigen::Ref<VectorXd> y, double rms) {
   for (double& value : y) value = held = std::clamp(held, value - 0.3 * rms, value + 0.3 * rms);
 }
 
-class SystemOfOnesOwn : public ::testing::TestWithParam<LeftOut> {
+class UserSystem : public ::testing::TestWithParam<LeftOut> {
  protected:
-  // Recordings of a chain of masses: input u, displacements y1 …, and what the simulation without
-  // the effect makes of the first.
+  // Recordings of a chain of masses: input u, displacements y1 …, and the simulated first
+  // displacement without the effect.
   void record(const Truth& chain) {
     std::vector<double> deviations;
-    double rms = 0;  // of the first output in the first record: what is left out is in all alike
+    double rms =
+        0;  // of the first output in the first record: sets the effect's size in all records
     for (unsigned k = 0; k < std::size(kFiles); ++k) {
-      auto u = test::random_signal(10 + k, kSamples, kStep, 0.5, 12, kPush);
+      auto u = test_support::random_signal(10 + k, kSamples, kStep, 0.5, 12, kPush);
       std::fill_n(u.begin(), kRest, 0.0);
       Truth truth = chain;
       if (GetParam().in_system) GetParam().in_system(truth);
-      MatrixXd y = test::motion_of(truth, u, kStep);
-      const MatrixXd simulated = test::motion_of(chain, u, kStep);
+      MatrixXd y = test_support::motion_of(truth, u, kStep);
+      const MatrixXd simulated = test_support::motion_of(chain, u, kStep);
       if (k == 0) rms = std::sqrt(y.col(0).squaredNorm() / kSamples);
       if (GetParam().in_first_output) GetParam().in_first_output(y.col(0), rms);
-      test::Columns columns{{"u", u},
-                            {"simulated", {simulated.col(0).begin(), simulated.col(0).end()}}};
+      test_support::Columns columns{
+          {"u", u}, {"simulated", {simulated.col(0).begin(), simulated.col(0).end()}}};
       for (Index i = 0; i < y.cols(); ++i) {
         if (k == 0) deviations.push_back(kNoise * std::sqrt(y.col(i).squaredNorm() / kSamples));
-        auto values = test::noise(100 * k + static_cast<unsigned>(i), kSamples,
-                                  deviations[static_cast<std::size_t>(i)]);
+        auto values = test_support::noise(100 * k + static_cast<unsigned>(i), kSamples,
+                                          deviations[static_cast<std::size_t>(i)]);
         for (std::size_t j = 0; j < kSamples; ++j) values[j] += y(static_cast<Index>(j), i);
         columns[fmt::format("y{}", i + 1)] = values;
       }
@@ -145,11 +146,11 @@ class SystemOfOnesOwn : public ::testing::TestWithParam<LeftOut> {
     EXPECT_GT(proof.nrmse_before, 2 * proof.nrmse_after) << verdict.sentence;
   }
 
-  test::CaseFolder folder_;
+  test_support::CaseFolder folder_;
 };
 
-using MassesOnSprings = SystemOfOnesOwn;
-TEST_P(MassesOnSprings, TellWhatWasLeftOut) {
+using MassesOnSprings = UserSystem;
+TEST_P(MassesOnSprings, NameTheLeftOutEffect) {
   Truth chain;
   chain.masses = VectorXd{{2, 1.5, 1}};
   chain.stiffness = VectorXd{{4000, 3000, 2500}};
@@ -197,8 +198,8 @@ INSTANTIATE_TEST_SUITE_P(
                       LeftOut{"overflow", {"overflow at output.a"}, {}, seldom_overflown}),
     name_of);
 
-using LinearSystems = SystemOfOnesOwn;
-TEST_P(LinearSystems, TellWhatWasLeftOut) {
+using LinearSystems = UserSystem;
+TEST_P(LinearSystems, NameTheLeftOutEffect) {
   Truth chain;
   chain.masses = VectorXd{{2}};
   chain.stiffness = VectorXd{{4000}};
@@ -217,7 +218,7 @@ fitted = ["denominator.1", "denominator.2", "denominator.3"]
 )"));
 }
 
-// A lag or a delay before a linear system is the same as one behind it.
+// A lag or a delay before a linear system is equivalent to one after it.
 INSTANTIATE_TEST_SUITE_P(
     Of, LinearSystems,
     ::testing::Values(LeftOut{"nothing", {}, {}},
@@ -231,8 +232,8 @@ INSTANTIATE_TEST_SUITE_P(
                       LeftOut{"saturation", {"saturation at output.y"}, {}, saturated}),
     name_of);
 
-using Predictions = SystemOfOnesOwn;
-TEST_P(Predictions, TellWhatWasLeftOut) {
+using Predictions = UserSystem;
+TEST_P(Predictions, NameTheLeftOutEffect) {
   Truth chain;
   chain.masses = VectorXd{{2}};
   chain.stiffness = VectorXd{{4000}};

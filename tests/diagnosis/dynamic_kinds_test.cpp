@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same system described in several ways answers alike, and as closed forms do.
+// Equivalent descriptions of a system have the same response, which agrees with closed forms.
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 0.01;
+constexpr double kKindsStep = 0.01;
 
 std::string records(const std::string& channels) {
   return R"(format = 1
@@ -48,27 +48,27 @@ const std::string kOscillator = kMassOnSpring + R"([model.inputs]
 
 class Kinds : public ::testing::Test {
  protected:
-  Kinds() : u_(test::random_signal(4, 1500, kStep, 0.3, 8, 30)) {
+  Kinds() : u_(test_support::random_signal(4, 1500, kKindsStep, 0.3, 8, 30)) {
     folder_.write("fit.csv", {{"u", u_}, {"y", u_}});
   }
   MatrixXd answer(const std::string& toml) {
     case_ = folder_.load(toml);
     relation_ = dynamic_relation(case_);
-    return test::prediction(*relation_, relation_->base(), case_.records[0]);
+    return test_support::prediction(*relation_, relation_->base(), case_.records[0]);
   }
   std::string error(const std::string& toml) {
-    const auto message = rths::test::error_of([&] { static_cast<void>(answer(toml)); });
+    const auto message = test::error_of([&] { static_cast<void>(answer(toml)); });
     const auto at = message.find("case.toml");
     return at == std::string::npos ? message : message.substr(at);
   }
 
-  test::CaseFolder folder_;
+  test_support::CaseFolder folder_;
   std::vector<double> u_;
   Case case_;
   std::unique_ptr<Relation> relation_;
 };
 
-TEST_F(Kinds, ATransferFunctionAnswersAsItsOscillator) {
+TEST_F(Kinds, ATransferFunctionHasTheResponseOfItsOscillator) {
   const MatrixXd oscillator = answer(kForced + kOscillator);
 
   const MatrixXd transfer = answer(kForced + R"(
@@ -80,10 +80,10 @@ numerator = [1.0]
 denominator = [2.0, 8.0, 800.0]
 )");
 
-  EXPECT_LT(test::relative_error(transfer, oscillator), 1e-9);
+  EXPECT_LT(test_support::relative_error(transfer, oscillator), 1e-9);
 }
 
-TEST_F(Kinds, AStateSpaceAnswersAsItsOscillator) {
+TEST_F(Kinds, AStateSpaceHasTheResponseOfItsOscillator) {
   const MatrixXd oscillator = answer(kForced + kOscillator);
 
   const MatrixXd space = answer(kForced + R"(
@@ -96,10 +96,10 @@ B = [[0], [0.5]]
 C = [[1, 0]]
 )");
 
-  EXPECT_LT(test::relative_error(space, oscillator), 1e-9);
+  EXPECT_LT(test_support::relative_error(space, oscillator), 1e-9);
 }
 
-TEST_F(Kinds, AStructureAnswersAsItsMassesAndSprings) {
+TEST_F(Kinds, AStructureHasTheResponseOfItsMassesAndSprings) {
   const std::string channels = records(
       "acceleration.long = \"u [m/s2]\"\noutput.floor = \"y [m]\"\noutput.roof = \"y [m/s2]\"\n");
   const std::string ends = R"(
@@ -130,16 +130,16 @@ stiffness = [[1400, -500], [-500, 500]]
 damping = [[10, -2], [-2, 2]]
 )" + ends);
 
-  EXPECT_LT(test::relative_error(structure, masses), 1e-9);
-  // Its springs were found in the matrix.
-  EXPECT_EQ(relation_->candidates().front().adds[0].place, "spring.1");
+  EXPECT_LT(test_support::relative_error(structure, masses), 1e-9);
+  // The springs are derived from the stiffness matrix.
+  EXPECT_EQ(relation_->candidates().front().adds[0].component, "spring.1");
 }
 
-// Displacing the base and accelerating it are the same, seen from outside and from the base.
-TEST_F(Kinds, ABaseThatIsDisplacedShakesAsOneThatIsAccelerated) {
+// A displaced base is equivalent to an accelerated one, in absolute and in relative motion.
+TEST_F(Kinds, ADisplacedBaseHasTheResponseOfAnAcceleratedBase) {
   std::vector<double> ground, acceleration;
   for (std::size_t i = 0; i < 1500; ++i) {
-    const double t = static_cast<double>(i) * kStep, w = 2 * std::numbers::pi * 1.3;
+    const double t = static_cast<double>(i) * kKindsStep, w = 2 * std::numbers::pi * 1.3;
     const double swell = 1 - std::exp(-t * t), rate = 2 * t * std::exp(-t * t);
     const double bend = (2 - 4 * t * t) * std::exp(-t * t);
     ground.push_back(swell * std::sin(w * t));
@@ -159,8 +159,8 @@ TEST_F(Kinds, ABaseThatIsDisplacedShakesAsOneThatIsAccelerated) {
       answer(records("acceleration.long = \"a [m/s2]\"\noutput.y = \"y [m]\"\n") + model +
              "\"acceleration.long\" = \"base_acceleration\"\n");
 
-  // Lines between samples: (ω Δt)²/12 = 6e-4 of the force.
-  EXPECT_LT(test::relative_error(displaced, accelerated), 3e-3);
+  // Linear interpolation between samples: (ω Δt)²/12 = 6e-4 of the force.
+  EXPECT_LT(test_support::relative_error(displaced, accelerated), 3e-3);
 }
 
 TEST_F(Kinds, ASystemInDiscreteTimeIsItsRecursion) {
@@ -180,15 +180,16 @@ denominator = [1.0, -1.6, 0.8]
     expected[i] = 1.6 * expected[i - 1] + 0.2 * u_[at - 1];
     if (i > 1) expected[i] += -0.8 * expected[i - 2] + 0.1 * u_[at - 2];
   }
-  EXPECT_LT(test::relative_error(predicted, expected), 1e-9);
+  EXPECT_LT(test_support::relative_error(predicted, expected), 1e-9);
 }
 
-// In the steady state a sine comes out with the gain and phase of the transfer function.
+// The steady-state response to a sine has the gain and phase of the transfer function.
 TEST_F(Kinds, ATransferFunctionHasItsFrequencyResponse) {
   constexpr double kFrequency = 2.5;
   const double w = 2 * std::numbers::pi * kFrequency;
   std::vector<double> u;
-  for (std::size_t i = 0; i < 4000; ++i) u.push_back(std::sin(w * kStep * static_cast<double>(i)));
+  for (std::size_t i = 0; i < 4000; ++i)
+    u.push_back(std::sin(w * kKindsStep * static_cast<double>(i)));
   folder_.write("fit.csv", {{"u", u}, {"y", u}});
 
   const MatrixXd predicted = answer(kForced + R"(
@@ -205,12 +206,12 @@ denominator = [2.0, 8.0, 800.0]
   const auto gain = (0.3 * s + 7.0) / (2.0 * s * s + 8.0 * s + 800.0);
   VectorXd expected(1000);
   for (Index i = 0; i < expected.size(); ++i)
-    expected[i] = std::imag(gain * std::exp(s * kStep * static_cast<double>(i + 2500)));
-  // Parts of a step are lines: (ω Δt/4)²/12 = 1.3e-4.
-  EXPECT_LT(test::relative_error(predicted.middleRows(2500, 1000), expected), 3e-4);
+    expected[i] = std::imag(gain * std::exp(s * kKindsStep * static_cast<double>(i + 2500)));
+  // Linear interpolation in substeps: (ω Δt/4)²/12 = 1.3e-4.
+  EXPECT_LT(test_support::relative_error(predicted.middleRows(2500, 1000), expected), 3e-4);
 }
 
-TEST_F(Kinds, AStartThatIsNotKnownIsFound) {
+TEST_F(Kinds, AnUnknownStartStateIsFound) {
   const MatrixXd whole = answer(kForced + kOscillator);
   const std::vector<double> late(u_.begin() + 700, u_.end());
   const std::vector<double> measured(whole.data() + 700, whole.data() + whole.rows());
@@ -222,11 +223,11 @@ TEST_F(Kinds, AStartThatIsNotKnownIsFound) {
   const MatrixXd found = answer(kForced + free);
 
   const MatrixXd expected = whole.bottomRows(whole.rows() - 700);
-  EXPECT_GT(test::relative_error(at_rest, expected), 0.01);
-  EXPECT_LT(test::relative_error(found, expected), 1e-6);
+  EXPECT_GT(test_support::relative_error(at_rest, expected), 0.01);
+  EXPECT_LT(test_support::relative_error(found, expected), 1e-6);
 }
 
-TEST_F(Kinds, DataWithATermBesideItIsTheirSum) {
+TEST_F(Kinds, DataWithAnAddedTermIsTheirSum) {
   std::vector<double> predicted, displacement;
   for (std::size_t i = 0; i < 400; ++i) {
     displacement.push_back(0.05 * std::sin(0.07 * static_cast<double>(i)));
@@ -237,7 +238,8 @@ TEST_F(Kinds, DataWithATermBesideItIsTheirSum) {
                                "displacement.long = \"u [m]\"\nforce.long = \"y [N]\"\n"
                                "predicted.force.long = \"p [N]\"\n") +
                            "[model]\nkind = \"data\"\n";
-  EXPECT_LT(test::relative_error(answer(data), VectorXd::Map(predicted.data(), 400)), 1e-12);
+  EXPECT_LT(test_support::relative_error(answer(data), VectorXd::Map(predicted.data(), 400)),
+            1e-12);
 
   const MatrixXd with_term =
       answer(data + "[model.terms.\"added.1\".cubic_stiffness]\nstiffness_N_per_m3 = 1e6\n");
@@ -247,29 +249,30 @@ TEST_F(Kinds, DataWithATermBesideItIsTheirSum) {
     const auto at = static_cast<std::size_t>(i);
     expected[i] = predicted[at] + 1e6 * std::pow(displacement[at], 3);
   }
-  EXPECT_LT(test::relative_error(with_term, expected), 1e-12);
+  EXPECT_LT(test_support::relative_error(with_term, expected), 1e-12);
 }
 
-TEST_F(Kinds, SayWhatIsWrongInTheirTables) {
+TEST_F(Kinds, ReportErrorsInTheirTables) {
   const std::string linear = kForced + R"([model]
 kind = "linear"
 input = "input.u"
 output = "output.y"
 )";
   EXPECT_EQ(error(linear + "numerator = [1, 2, 3]\ndenominator = [1, 2]\n"),
-            "case.toml:13:13: numerator is of order 2, denominator of order 1: expected no more "
-            "than that");
+            "case.toml:13:13: numerator is of order 2, denominator of order 1: expected at most "
+            "the denominator's order");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [0, 2]\n"),
             "case.toml:14:15: denominator must begin with a number that is not 0: that of the "
             "highest power");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\ntime_step_s = 0.02\n"),
-            "fit.csv: sampled every 0.01 s, but the model steps every 0.02 s");
+            "fit.csv: sampled every 0.01 s, but the model has a time step of 0.02 s");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\nhold = \"long\"\n"),
             "case.toml:15:8: hold is 'long', expected linear, zero or smooth");
-  EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [1, 2]\n"
-                           "[model.terms.\"input.w\".saturation]\nlimit_N = 2\n"),
-            "case.toml:15:1: there is no place 'input.w' for terms, expected one of \"input.u\", "
-            "\"output.y\", \"feedback.1\"");
+  EXPECT_EQ(
+      error(linear + "numerator = [1]\ndenominator = [1, 2]\n"
+                     "[model.terms.\"input.w\".saturation]\nlimit_N = 2\n"),
+      "case.toml:15:1: there is no component 'input.w' for terms, expected one of \"input.u\", "
+      "\"output.y\", \"feedback.1\"");
   const std::string structure = kForced + "[model]\nkind = \"structure\"\n";
   EXPECT_EQ(error(structure + "mass = [[1, 2], [0, 1]]\nstiffness = [[1, 0], [0, 1]]\n"),
             "case.toml:11:8: mass is not symmetric");

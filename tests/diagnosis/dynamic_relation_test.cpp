@@ -14,9 +14,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 0.01;
+constexpr double kOscillatorStep = 0.01;
 
-constexpr const char* kOscillator = R"(format = 1
+constexpr const char* kOscillatorCase = R"(format = 1
 [[record]]
 file = "fit.csv"
 use = "fit"
@@ -40,15 +40,15 @@ damping_N_s_per_m = 8
 
 class Oscillator : public ::testing::Test {
  protected:
-  // Of m x'' + c x' + k x + extra(x, x') = u.
+  // Solves m x'' + c x' + k x + extra(x, x') = u.
   template <class Extra>
   std::vector<double> answer(const std::vector<double>& u, Extra extra) const {
-    const auto force = test::on_lines(u, kStep);
-    const auto states = test::integrated(
+    const auto force = test_support::interpolated(u, kOscillatorStep);
+    const auto states = test_support::integrated(
         [&](double t, const VectorXd& x) {
           return VectorXd{{x[1], (force(t) - 8 * x[1] - 800 * x[0] - extra(x[0], x[1])) / 2.0}};
         },
-        VectorXd::Zero(2), u.size(), kStep);
+        VectorXd::Zero(2), u.size(), kOscillatorStep);
     std::vector<double> y;
     for (const auto& x : states) y.push_back(x[0]);
     return y;
@@ -56,31 +56,31 @@ class Oscillator : public ::testing::Test {
   const Case& with(const std::vector<double>& u, const std::vector<double>& y,
                    const std::string& more = "") {
     folder_.write("fit.csv", {{"u", u}, {"y", y}});
-    case_ = folder_.load(kOscillator + more);
+    case_ = folder_.load(kOscillatorCase + more);
     relation_ = dynamic_relation(case_);
     return case_;
   }
   MatrixXd predicted(const Hypothesis& hypothesis) const {
-    return test::prediction(*relation_, hypothesis, case_.records[0]);
+    return test_support::prediction(*relation_, hypothesis, case_.records[0]);
   }
   MatrixXd measured() const { return relation_->prepare(case_.records[0])->measured; }
-  Hypothesis base_with(const std::vector<PlacedTerm>& terms) const {
+  Hypothesis base_with(const std::vector<ModelTerm>& terms) const {
     Hypothesis hypothesis = relation_->base();
     hypothesis.terms.insert(hypothesis.terms.end(), terms.begin(), terms.end());
     return hypothesis;
   }
 
-  test::CaseFolder folder_;
+  test_support::CaseFolder folder_;
   Case case_;
   std::unique_ptr<Relation> relation_;
 };
 
-TEST_F(Oscillator, AnswersAStepAsTheClosedFormDoes) {
+TEST_F(Oscillator, HasTheStepResponseOfTheClosedForm) {
   const std::vector<double> u(500, 40.0);
   std::vector<double> y;
   const double decay = 8 / (2 * 2.0), damped = std::sqrt(800 / 2.0 - decay * decay);
   for (std::size_t i = 0; i < u.size(); ++i) {
-    const double t = static_cast<double>(i) * kStep;
+    const double t = static_cast<double>(i) * kOscillatorStep;
     y.push_back(40.0 / 800 *
                 (1 - std::exp(-decay * t) *
                          (std::cos(damped * t) + decay / damped * std::sin(damped * t))));
@@ -88,59 +88,59 @@ TEST_F(Oscillator, AnswersAStepAsTheClosedFormDoes) {
 
   with(u, y);
 
-  EXPECT_LT(test::relative_error(predicted(relation_->base()), measured()), 1e-12);
+  EXPECT_LT(test_support::relative_error(predicted(relation_->base()), measured()), 1e-12);
 }
 
-TEST_F(Oscillator, FollowsASpringThatStiffens) {
-  const auto u = test::random_signal(1, 3000, kStep, 0.3, 6, 30);
+TEST_F(Oscillator, FollowsAStiffeningSpring) {
+  const auto u = test_support::random_signal(1, 3000, kOscillatorStep, 0.3, 6, 30);
   const double cubic = 4e4;
   with(u, answer(u, [&](double x, double) { return cubic * x * x * x; }));
-  const double linear = test::relative_error(predicted(relation_->base()), measured());
+  const double linear = test_support::relative_error(predicted(relation_->base()), measured());
 
-  const auto error = test::relative_error(
+  const auto error = test_support::relative_error(
       predicted(base_with({{{"cubic_stiffness", "", {{"stiffness", cubic}}}, "spring.1"}})),
       measured());
 
   EXPECT_GT(linear, 0.2);
-  // Within a part of a step the force is taken for a line: (ω Δt/4)²/12 of it is lost, 1e-3 at the
-  // third harmonic of 15 Hz, where the spring is hardest.
+  // The force is linear within a substep, an error of (ω Δt/4)²/12: 1e-3 at the third harmonic of
+  // 15 Hz, where the spring is stiffest.
   EXPECT_LT(error, 2e-3);
 }
 
 TEST_F(Oscillator, FollowsFrictionWithPresliding) {
-  const auto u = test::random_signal(2, 3000, kStep, 0.3, 6, 30);
+  const auto u = test_support::random_signal(2, 3000, kOscillatorStep, 0.3, 6, 30);
   // Dahl's ds = (dx − s |dx|)/z_s as a third state.
   const double friction = 6, presliding = 1e-3;
-  const auto force = test::on_lines(u, kStep);
-  const auto states = test::integrated(
+  const auto force = test_support::interpolated(u, kOscillatorStep);
+  const auto states = test_support::integrated(
       [&](double t, const VectorXd& x) {
         const double slip = (x[1] - x[2] * std::abs(x[1])) / presliding;
         return VectorXd{{x[1], (force(t) - 8 * x[1] - 800 * x[0] - friction * x[2]) / 2.0, slip}};
       },
-      VectorXd::Zero(3), u.size(), kStep);
+      VectorXd::Zero(3), u.size(), kOscillatorStep);
   std::vector<double> y;
   for (const auto& x : states) y.push_back(x[0]);
   with(u, y);
 
-  const auto error = test::relative_error(
+  const auto error = test_support::relative_error(
       predicted(base_with(
           {{{"coulomb_friction", "", {{"friction_force", friction}, {"presliding", presliding}}},
             "spring.1"}})),
       measured());
 
-  EXPECT_GT(test::relative_error(predicted(relation_->base()), measured()), 0.1);
+  EXPECT_GT(test_support::relative_error(predicted(relation_->base()), measured()), 0.1);
   EXPECT_LT(error, 5e-3);
 }
 
-// Every candidate's derivatives against differences of the prediction itself.
-TEST_F(Oscillator, KnowsItsDerivatives) {
-  const auto u = test::random_signal(3, 1200, kStep, 0.3, 6, 30);
+// Compares every candidate's derivatives with differences of the prediction.
+TEST_F(Oscillator, HasTheDerivativesOfItsPrediction) {
+  const auto u = test_support::random_signal(3, 1200, kOscillatorStep, 0.3, 6, 30);
   with(u, answer(u, [](double, double) { return 0.0; }));
   const auto drive = relation_->prepare(case_.records[0]);
   const auto& base = relation_->base();
   int checked = 0;
   for (const auto& candidate : relation_->candidates()) {
-    // Differences see nothing of these, or only jumps.
+    // The differences of these are zero or jump.
     if (candidate.kind == "quantisation" || candidate.kind == "overflow") continue;
     const Hypothesis hypothesis = extended(base, candidate, candidate.starts[0]);
     const auto simulator = relation_->simulator(hypothesis, *drive);
@@ -159,9 +159,9 @@ TEST_F(Oscillator, KnowsItsDerivatives) {
       ASSERT_TRUE(simulator->run(values, {}, below, none));
       const MatrixXd difference = (above - below) / (2 * step);
       const auto& derivative = derivatives[static_cast<std::size_t>(i)];
-      // Where nothing depends on it there is nothing to compare.
+      // The prediction does not depend on the parameter.
       if (difference.norm() * step < 1e-12 * prediction.norm()) continue;
-      EXPECT_LT(test::relative_error(derivative, difference), 0.02)
+      EXPECT_LT(test_support::relative_error(derivative, difference), 0.02)
           << candidate.name << " at " << candidate.channel << ": "
           << hypothesis.free[static_cast<std::size_t>(i)].name;
       ++checked;
@@ -170,23 +170,24 @@ TEST_F(Oscillator, KnowsItsDerivatives) {
   EXPECT_GT(checked, 100);
 }
 
-TEST_F(Oscillator, SaysWhatIsWrongInItsTable) {
+TEST_F(Oscillator, ReportsErrorsInItsTable) {
   const std::vector<double> u(100, 1.0);
   folder_.write("fit.csv", {{"u", u}, {"y", u}});
   const auto error_with = [&](const std::string& before, const std::string& after) {
-    std::string toml = kOscillator;
+    std::string toml = kOscillatorCase;
     toml.replace(toml.find(before), before.size(), after);
     const auto message =
-        rths::test::error_of([&] { static_cast<void>(dynamic_relation(folder_.load(toml))); });
+        test::error_of([&] { static_cast<void>(dynamic_relation(folder_.load(toml))); });
     const auto at = message.find("case.toml");
     return at == std::string::npos ? message : message.substr(at);
   };
 
   EXPECT_EQ(error_with("\"force.1\"", "\"force.2\""),
-            "case.toml:18:13: '2' is no mass, expected 1 to 1");
-  EXPECT_EQ(error_with("\"displacement.1\"", "\"place.1\"")
-                .find("case.toml:20:14: 'place.1' is no output, expected displacement.<mass>"),
-            0U);
+            "case.toml:18:13: '2' is not a mass, expected 1 to 1");
+  EXPECT_EQ(
+      error_with("\"displacement.1\"", "\"position.1\"")
+          .find("case.toml:20:14: 'position.1' is not an output, expected displacement.<mass>"),
+      0U);
   EXPECT_EQ(error_with("[0, 1]", "[0, 3]"),
             "case.toml:14:11: between must be two different numbers from 0, the ground, to 1, the "
             "last mass");

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// States: displacements, velocities, memory, input behind its lag.
+// States: displacements, velocities, memory, input after its lag.
 class Chain {
  public:
   Chain(const Truth& truth, std::function<double(double)> input)
@@ -34,7 +34,7 @@ class Chain {
     return rate;
   }
 
-  // The joint slides with what pushes it.
+  // The spring's end pushes the joint.
   void slide(const VectorXd& x) {
     const Index i = truth_.hysteretic;
     const double d = x[i] - (i > 0 ? x[i - 1] : 0);
@@ -66,7 +66,7 @@ class Chain {
 }  // namespace
 
 Eigen::MatrixXd motion_of(const Truth& truth, const std::vector<double>& input, double time_step) {
-  Chain chain{truth, on_lines(input, time_step)};
+  Chain chain{truth, interpolated(input, time_step)};
   const Index n = truth.masses.size();
   const auto states = integrated([&](double t, const VectorXd& x) { return chain.rate(t, x); },
                                  VectorXd::Zero(2 * n + 2), input.size(), time_step,
@@ -77,4 +77,4 @@ Eigen::MatrixXd motion_of(const Truth& truth, const std::vector<double>& input, 
   return motion;
 }
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support

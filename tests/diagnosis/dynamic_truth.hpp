@@ -9,28 +9,28 @@
 
 #include "dynamic_case.hpp"
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 
-/// A chain of masses on springs, the first on the ground, pushed at one mass, with one thing in it
-/// that its simulation does not know. Written apart from the library.
+/// A chain of masses on springs. The first is on the ground, and a force acts on one mass. The
+/// chain has one effect that its simulation leaves out. Independent of the library.
 struct Truth {
   Eigen::VectorXd masses, stiffness, damping;
   Eigen::Index pushed = 0;
-  /// Force between the ends of a spring beside the linear one, by spring: of displacement,
-  /// velocity and a memory that it may move once per step.
+  /// Force of a spring besides the linear one, by index, displacement and velocity.
   std::function<double(Eigen::Index, double, double)> spring;
-  /// d(memory)/dt of one internal variable of spring `hysteretic`, which adds `gain` times it.
+  /// d(memory)/dt of an internal variable of spring `hysteretic`. It adds the force `gain` ×
+  /// memory.
   std::function<double(double memory, double velocity)> memory_rate;
   Eigen::Index hysteretic = 0;
   double gain = 0;
-  double gap = 0;  ///< of the joint that spring `hysteretic` is held by: play
-  /// What becomes of the input: of time and the signal.
+  double gap = 0;  ///< play of the joint that holds spring `hysteretic`
+  /// The input after an effect, by signal and time.
   std::function<double(const std::function<double(double)>&, double)> input;
-  double input_lag = 0;  ///< of first order [s]
+  double input_lag = 0;  ///< time constant of a first-order lag [s]
 };
 
 /// Displacements by sample, one column for each mass.
 [[nodiscard]] Eigen::MatrixXd motion_of(const Truth& truth, const std::vector<double>& input,
                                         double time_step);
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Intervals are what they claim to be: over repetitions with other noise, those of 95 % hold the
-// truth about as often as that, and are no wider than they need to be.
+// Confidence intervals have their stated coverage: over repetitions with different noise, about 95
+// % contain the true value, and they are no wider than necessary.
 #include <rths/diagnosis/diagnose.hpp>
 
 #include <cmath>
@@ -12,22 +12,22 @@
 namespace rths::diagnosis {
 namespace {
 
-constexpr double kStep = 0.004, kLength = 20, kQuiet = 2;  // [s]
-constexpr double kStiffness = 2e5, kDamping = 3e3;         // [N/m], [N·s/m]
-constexpr double kDrag = 4e3;                              // what is missing [N·s²/m²]
-constexpr double kForceNoise = 20, kMotionNoise = 2e-6;    // [N], [m]
+constexpr double kSampleStep = 0.004, kRecordLength = 20, kRest = 2;  // [s]
+constexpr double kTrueStiffness = 2e5, kTrueDamping = 3e3;            // [N/m], [N·s/m]
+constexpr double kTrueDrag = 4e3;                        // the missing term [N·s²/m²]
+constexpr double kForceNoise = 20, kMotionNoise = 2e-6;  // [N], [m]
 constexpr int kRepetitions = 20;
 
-// A spring, a damper and c |v| v, whose velocity is known as a formula.
+// A spring, a damper and c |v| v, with an analytic velocity.
 Record record_of(const std::string& name, Use use, double phase, std::mt19937& random) {
   std::normal_distribution<double> normal;
   Record record;
   record.name = name;
   record.use = use;
-  record.time_step = kStep;
+  record.time_step = kSampleStep;
   Channel u{"displacement.long", "m", {}}, f{"force.long", "N", {}};
-  for (int k = 0; k < static_cast<int>(kLength / kStep); ++k) {
-    const double t = std::max(0.0, k * kStep - kQuiet);
+  for (int k = 0; k < static_cast<int>(kRecordLength / kSampleStep); ++k) {
+    const double t = std::max(0.0, k * kSampleStep - kRest);
     const double rise = 1 - std::exp(-t * t / 4), slope = t / 2 * std::exp(-t * t / 4);
     double x = 0, v = 0;
     for (const double frequency : {0.3, 0.7, 1.1}) {
@@ -36,11 +36,11 @@ Record record_of(const std::string& name, Use use, double phase, std::mt19937& r
       v += 0.03 * (rise * w * std::cos(a) + slope * std::sin(a));
     }
     u.values.push_back(x + kMotionNoise * normal(random));
-    f.values.push_back(kStiffness * x + kDamping * v + kDrag * std::abs(v) * v +
+    f.values.push_back(kTrueStiffness * x + kTrueDamping * v + kTrueDrag * std::abs(v) * v +
                        kForceNoise * normal(random));
   }
   record.channels = {u, f};
-  record.quiet = {0, static_cast<std::size_t>(kQuiet / kStep)};
+  record.quiet = {0, static_cast<std::size_t>(kRest / kSampleStep)};
   return record;
 }
 
@@ -60,7 +60,7 @@ Case case_of(unsigned seed) {
   return c;
 }
 
-TEST(Intervals, HoldTheTruthAsOftenAsTheySayAndAreNoWiderThanThat) {
+TEST(Intervals, HaveTheirStatedCoverageAndAreNotTooWide) {
   // P(15 or fewer of 20 | 0.95) = 0.26 %, by the binomial distribution.
   constexpr int kFewest = 16;
   int held = 0;
@@ -70,9 +70,9 @@ TEST(Intervals, HoldTheTruthAsOftenAsTheySayAndAreNoWiderThanThat) {
     ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
     ASSERT_EQ(verdict.causes[0].name, "quadratic_drag") << verdict.sentence;
     const Estimate& drag = verdict.causes[0].parameters[0];
-    held += drag.low <= kDrag && kDrag <= drag.high ? 1 : 0;
+    held += drag.low <= kTrueDrag && kTrueDrag <= drag.high ? 1 : 0;
     half += (drag.high - drag.low) / 2 / kRepetitions;
-    square += std::pow(drag.value - kDrag, 2) / kRepetitions;
+    square += std::pow(drag.value - kTrueDrag, 2) / kRepetitions;
   }
 
   EXPECT_GE(held, kFewest);

@@ -68,9 +68,9 @@ TEST(LeastSquares, StaysInsideItsBounds) {
   EXPECT_LT(fit.parameters[0], 3e6);
 }
 
-// y = (c + f) v forwards, (c + b) v backwards: only two of the three are determined, and those that
-// must not be negative decide which. No more steps than a linear problem needs.
-TEST(LeastSquares, FindsALeastThatLiesOnABoundWhereParametersAreNotDetermined) {
+// y = (c + f) v forwards, (c + b) v backwards. Only two of the three parameters are determined; the
+// bounds at zero select them. The fit takes no more iterations than a linear problem.
+TEST(LeastSquares, FindsAMinimumOnABoundIfParametersAreNotDetermined) {
   const VectorXd v = VectorXd::LinSpaced(kRows, -1, 1);
   FitProblem p;
   p.residuals = [&v](const VectorXd& x, VectorXd& residual, MatrixXd* jacobian) {
@@ -98,7 +98,7 @@ TEST(LeastSquares, FindsALeastThatLiesOnABoundWhereParametersAreNotDetermined) {
   EXPECT_NEAR(fit.parameters[0] + fit.parameters[2], 245, 1e-2);
 }
 
-TEST(LeastSquares, GoesNoFurtherThanThereIsAResidual) {
+TEST(LeastSquares, StaysWhereAResidualExists) {
   const Decay decay{1, 0};
   FitProblem p = decay.problem();
   const Residuals everywhere = p.residuals;
@@ -112,7 +112,7 @@ TEST(LeastSquares, GoesNoFurtherThanThereIsAResidual) {
             "least squares: no residual at the start");
 }
 
-TEST(LeastSquares, RefusesWhatCannotBe) {
+TEST(LeastSquares, RefusesInvalidProblems) {
   const Decay decay{1};
   FitProblem p = decay.problem();
   p.start[0] = -1;
@@ -122,7 +122,7 @@ TEST(LeastSquares, RefusesWhatCannotBe) {
 }
 
 // 95 % of 400 intervals, ± three standard deviations of that count.
-TEST(Covariance, HoldsWhatItsIntervalsPromise) {
+TEST(Covariance, GivesIntervalsWithTheirStatedCoverage) {
   int inside = 0;
   for (unsigned seed = 1; seed <= 400; ++seed) {
     const Decay decay{seed};
@@ -134,13 +134,13 @@ TEST(Covariance, HoldsWhatItsIntervalsPromise) {
   EXPECT_GE(inside, 366);
 }
 
-TEST(Covariance, SaysWhenParametersCannotBeToldApart) {
+TEST(Covariance, ReportsParametersThatAreNotIdentifiable) {
   Fit fit;
   fit.jacobian = MatrixXd::Ones(10, 2);
   fit.residual = VectorXd::Ones(10);
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(covariance(fit, 2)); }),
-            "covariance: the parameters cannot be told apart");
+            "covariance: the data do not separate the parameters");
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a diagnosis proposes to run next is run on a specimen, and decides. The specimens are
-// integrated by formulas of this file alone.
+// Runs the test that a diagnosis proposes on a specimen; its result separates the tied terms. The
+// specimens are formulas of this file, independent of the library.
 #include <rths/diagnosis/diagnose.hpp>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr double kStep = 0.004, kLength = 40, kQuiet = 2;  // [s]
 constexpr double kTurn = 2 * std::numbers::pi;
 
 using Motion = std::function<double(double t)>;
-/// What a laboratory measures of a motion, sample by sample and without noise.
+/// Noise-free measurement of a motion, by sample.
 using Specimen = std::function<std::vector<double>(const Motion&, double length)>;
 
 struct Channels {
@@ -26,7 +26,7 @@ struct Channels {
   double motion_noise, noise;
 };
 
-// One frequency, as so many laboratories test.
+// A sine of one frequency, as in many laboratory tests.
 Motion sine(double amplitude, double frequency) {
   return [=](double t) {
     if (t < kQuiet) return 0.0;
@@ -55,14 +55,15 @@ Record recorded(const std::string& name, Use use, const Specimen& specimen, cons
   return record;
 }
 
-// The motion that a verdict proposes, between its samples as well.
+// The motion that a verdict proposes, interpolated between its samples.
 Motion proposed(const Verdict& verdict) {
   const auto values = verdict.next_motion.channels.at(0).second;
   const double step = verdict.next_motion.time_step;
   return [=](double t) {
-    const double place = std::clamp(t / step, 0.0, static_cast<double>(values.size() - 1) - 1e-9);
-    const auto k = static_cast<std::size_t>(place);
-    return values[k] + (place - static_cast<double>(k)) * (values[k + 1] - values[k]);
+    const double position =
+        std::clamp(t / step, 0.0, static_cast<double>(values.size() - 1) - 1e-9);
+    const auto k = static_cast<std::size_t>(position);
+    return values[k] + (position - static_cast<double>(k)) * (values[k + 1] - values[k]);
   };
 }
 
@@ -79,16 +80,16 @@ bool is_tied(const Verdict& verdict, const std::string& name) {
                      [&](const Alternative& other) { return other.name == name; });
 }
 
-// A spring, and beside it a spring behind a dashpot (Maxwell): f' = k u' − f/τ.
+// A spring, and in parallel a spring and a dashpot in series (Maxwell): f' = k u' − f/τ.
 Specimen rubber(double relaxation_time) {
   return [=](const Motion& motion, double length) {
     constexpr double kStiffness = 2e5, kBranch = 2e4;  // [N/m]
-    constexpr int kParts = 20;
-    constexpr double dt = kStep / kParts;
+    constexpr int kSubsteps = 20;
+    constexpr double dt = kStep / kSubsteps;
     std::vector<double> force;
     double branch = 0, before = motion(0);
     for (double t = 0; force.size() < static_cast<std::size_t>(length / kStep); t += kStep) {
-      for (int i = 0; i < kParts && t > 0; ++i) {
+      for (int i = 0; i < kSubsteps && t > 0; ++i) {
         const double u = motion(t - kStep + (i + 1) * dt);
         const double decay = std::exp(-dt / relaxation_time);
         // Exact for a motion at constant velocity.
@@ -116,7 +117,7 @@ Case rubber_case(double relaxation_time) {
   return c;
 }
 
-TEST(NextTest, TellsRelaxationFromDampingOfWhichOneFrequencyIsNoProof) {
+TEST(NextTest, SeparatesRelaxationFromDampingWhichOneFrequencyCannot) {
   constexpr double kRelaxationTime = 0.2;
   Case c = rubber_case(kRelaxationTime);
   const Verdict tied = diagnose(c);
@@ -128,25 +129,25 @@ TEST(NextTest, TellsRelaxationFromDampingOfWhichOneFrequencyIsNoProof) {
   c.records.push_back(recorded("next", Use::Fit, rubber(kRelaxationTime), proposed(tied),
                                length_of(tied), {"displacement.long", "force.long", "N", 2e-7, 20},
                                4));
-  const Verdict told = diagnose(c);
+  const Verdict decided = diagnose(c);
 
-  ASSERT_EQ(told.causes.size(), 1U) << tied.sentence << "\n" << told.sentence;
-  EXPECT_EQ(told.causes[0].name, "viscoelastic_relaxation") << told.sentence;
-  EXPECT_TRUE(told.causes[0].alternatives.empty()) << told.sentence;
+  ASSERT_EQ(decided.causes.size(), 1U) << tied.sentence << "\n" << decided.sentence;
+  EXPECT_EQ(decided.causes[0].name, "viscoelastic_relaxation") << decided.sentence;
+  EXPECT_TRUE(decided.causes[0].alternatives.empty()) << decided.sentence;
 }
 
-// An actuator that comes late: by a pure delay, or as a lag of first order, u' = (command − u)/τ.
+// An actuator with a pure delay, or with a first-order lag, u' = (command − u)/τ.
 enum class Lateness { Delay, Lag };
 
 Specimen actuator(Lateness lateness, double time) {
   return [=](const Motion& motion, double length) {
-    constexpr int kParts = 20;
-    constexpr double dt = kStep / kParts;
+    constexpr int kSubsteps = 20;
+    constexpr double dt = kStep / kSubsteps;
     std::vector<double> displacement;
     double u = 0;
     for (double t = 0; displacement.size() < static_cast<std::size_t>(length / kStep); t += kStep) {
-      // Exact for a command that is constant within a part.
-      for (int i = 0; i < kParts && t > 0; ++i)
+      // Exact for a command that is constant within a substep.
+      for (int i = 0; i < kSubsteps && t > 0; ++i)
         u += (motion(t - kStep + (i + 0.5) * dt) - u) * (1 - std::exp(-dt / time));
       displacement.push_back(lateness == Lateness::Delay ? motion(std::max(0.0, t - time)) : u);
     }
@@ -161,7 +162,7 @@ struct Late {
 
 class LateActuator : public testing::TestWithParam<Late> {};
 
-TEST_P(LateActuator, IsToldByTheTestThatIsProposed) {
+TEST_P(LateActuator, IsIdentifiedByTheProposedTest) {
   constexpr double kTime = 0.03;  // [s]
   const auto [lateness, name, rival] = GetParam();
   const Channels channels{"command.long", "displacement.long", "m", 0, 3e-5};
@@ -180,12 +181,12 @@ TEST_P(LateActuator, IsToldByTheTestThatIsProposed) {
 
   c.records.push_back(
       recorded("next", Use::Fit, specimen, proposed(tied), length_of(tied), channels, 4));
-  const Verdict told = diagnose(c);
+  const Verdict decided = diagnose(c);
 
-  ASSERT_EQ(told.causes.size(), 1U) << tied.sentence << "\n" << told.sentence;
-  EXPECT_EQ(told.causes[0].name, name) << told.sentence;
-  // What holds a lag as a special case, as a second order does, is never excluded by one.
-  EXPECT_FALSE(is_tied(told, rival)) << told.sentence;
+  ASSERT_EQ(decided.causes.size(), 1U) << tied.sentence << "\n" << decided.sentence;
+  EXPECT_EQ(decided.causes[0].name, name) << decided.sentence;
+  // A term that includes a lag as a special case, such as a second-order lag, stays possible.
+  EXPECT_FALSE(is_tied(decided, rival)) << decided.sentence;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LateActuator,

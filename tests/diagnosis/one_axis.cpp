@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 
 Record record_of(const std::string& name, Use use, unsigned seed, const Specimen& specimen,
                  double force_step) {
@@ -44,4 +44,4 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Specimen
   return record;
 }
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support

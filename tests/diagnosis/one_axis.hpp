@@ -6,18 +6,18 @@
 
 #include <rths/diagnosis/diagnose.hpp>
 
-namespace rths::diagnosis::test {
+namespace rths::diagnosis::test_support {
 
 constexpr double kStep = 0.004, kLength = 40, kQuiet = 2;  // of a record [s]
 constexpr double kForceNoise = 20;                         // [N]
 
-/// Something on one axis that is moved by 0.1 m or so: at a time [s] from its displacement [m] and
-/// velocity [m/s] the force that its load cell reads before it is rounded [N].
+/// A specimen on one axis that moves by about 0.1 m. Returns the force of its load cell before
+/// rounding [N], from time [s], displacement [m] and velocity [m/s].
 using Specimen = std::function<double(double, double, double)>;
 
-/// Two seconds at rest, then four sines of frequencies of their own by seed, at 250 Hz.
-/// @param force_step  of the load cell's counts; 0: none [N]
+/// Two seconds at rest, then four sines at random frequencies, sampled at 250 Hz.
+/// @param force_step  resolution of the load cell; 0: none [N]
 Record record_of(const std::string& name, Use use, unsigned seed, const Specimen& specimen,
                  double force_step = 0);
 
-}  // namespace rths::diagnosis::test
+}  // namespace rths::diagnosis::test_support

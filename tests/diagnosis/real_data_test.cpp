@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -23,6 +24,7 @@ class RealData : public testing::Test {
  protected:
   // Reads the case of tests/diagnosis/real/<name>; skips if its recordings are not there.
   void open(const std::string& name) {
+    recording_ = name;
     if (!fs::exists(test::source_tree() / "../shared/data"))
       GTEST_SKIP() << "there is no ../shared/data with the recordings of " << name;
     case_ = load_case(test::source_tree() / "tests/diagnosis/real" / name);
@@ -31,6 +33,7 @@ class RealData : public testing::Test {
     DiagnosisOptions options;
     options.without = without;
     const Verdict verdict = diagnose(case_, options);
+    record(verdict, without);
     std::printf("  %s\n  %.1f s\n", verdict.sentence.c_str(), verdict.seconds);
     return verdict;
   }
@@ -58,8 +61,35 @@ class RealData : public testing::Test {
   }
 
   Case case_;
+  std::string recording_;
 
  private:
+  // Properties of the test, for benchmarks/keep.py.
+  void record(const Verdict& verdict, const Names& without) const {
+    const auto property = [](const std::string& name, double value) {
+      std::ostringstream text;
+      text << value;
+      RecordProperty(name, text.str());
+    };
+    RecordProperty("recording", recording_);
+    RecordProperty("without", without.empty() ? "" : without.front());
+    RecordProperty("outcome", name_of(verdict.outcome));
+    RecordProperty("sentence", verdict.sentence);
+    property("nrmse_stated", held_out(verdict, &RecordScore::nrmse_stated));
+    property("nrmse_before", held_out(verdict, &RecordScore::nrmse_before));
+    property("nrmse_after", held_out(verdict, &RecordScore::nrmse_after));
+    property("noise_floor", held_out(verdict, &RecordScore::noise_floor));
+    for (const auto& cause : verdict.causes)
+      for (const auto& parameter : cause.parameters) {
+        property(parameter.name, parameter.value);
+        property(parameter.name + ".half_width", (parameter.high - parameter.low) / 2);
+      }
+    for (const auto& parameter : verdict.refitted) {
+      property(parameter.name + ".before", parameter.before);
+      property(parameter.name + ".after", parameter.after);
+    }
+    if (!verdict.descriptions.empty()) RecordProperty("description", verdict.descriptions[0].form);
+  }
   // Of the channel that is predicted, its mean taken out.
   static double energy_of(const Record& record) {
     const Channel* channel = nullptr;
@@ -165,7 +195,10 @@ TEST_F(RealData, SilverboxWithoutItInTheCatalogueIsUnknownAndDependsOnDisplaceme
 // The recordings of the example come with the sources.
 class ActuatorExample : public RealData {
  protected:
-  ActuatorExample() { case_ = load_case(test::source_tree() / "examples/diagnosis/actuator"); }
+  ActuatorExample() {
+    recording_ = "actuator_example";
+    case_ = load_case(test::source_tree() / "examples/diagnosis/actuator");
+  }
 };
 
 TEST_F(ActuatorExample, LagsAndIsNotJustLate) {

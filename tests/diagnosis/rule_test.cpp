@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rule of hysteresis that the simulation assumes may itself be wrong. Then that is said, as
-// what it is, and what is missing besides is found as if it had been right.
+// The simulation's rule of hysteresis may be wrong. The diagnosis then names the right rule, and
+// finds other missing terms as with a right rule.
 #include <cmath>
 #include <numbers>
 
@@ -22,7 +22,7 @@ struct Bearing {
   double friction = 0;  // [N]
 };
 
-// Bouc and Wen's law for one axis with Baber and Noori's slip, in Heun's steps.
+// Bouc and Wen's law for one axis with Baber and Noori's slip, integrated by Heun's method.
 class Walked {
  public:
   explicit Walked(const Loop& loop) : loop_{loop} {}
@@ -58,7 +58,7 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Bearing&
     side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
     return 2e5 * x + first.force(way) + second.force(way) + bearing.friction * side;
   };
-  return test::record_of(name, use, seed, force);
+  return test_support::record_of(name, use, seed, force);
 }
 
 Verdict verdict_of(const Bearing& bearing) {
@@ -87,12 +87,12 @@ std::vector<std::string> names_of(const Verdict& verdict) {
 
 using Names = std::vector<std::string>;
 
-TEST(Rule, IsNotDoubtedWhereItIsRight) {
+TEST(Rule, IsAcceptedIfItIsRight) {
   EXPECT_EQ(names_of(verdict_of({})), Names{});
   EXPECT_EQ(names_of(verdict_of({.friction = 400})), Names{"coulomb_friction"});
 }
 
-TEST(Rule, OfUnloadingIsFoundBesideFriction) {
+TEST(Rule, OfUnloadingIsFoundTogetherWithFriction) {
   const Verdict verdict = verdict_of({.loop = {.beta = 0.2}, .friction = 400});
 
   EXPECT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
@@ -117,7 +117,7 @@ TEST(Rule, OfTwoLoopsIsASecondTermOfTheModel) {
       << verdict.fragment;
 }
 
-TEST(Rule, WithSlipTakesTheFirstOnesPlace) {
+TEST(Rule, WithSlipReplacesTheFirstOne) {
   const Verdict verdict = verdict_of({.loop = {.slip = 0.01}});
 
   ASSERT_EQ(names_of(verdict), Names{"bouc_wen_slip"}) << verdict.sentence;

@@ -28,7 +28,7 @@ VectorXd noise(int samples, unsigned seed) {
   return x;
 }
 
-// Twice through a Butterworth filter of order n: 1/(1 + (tan πfΔt / tan πf_cΔt)^2n), no phase.
+// Two passes of a Butterworth filter of order n: 1/(1 + (tan πfΔt / tan πf_cΔt)^2n), no phase.
 TEST(LowPassed, HasTheSquaredGainOfAButterworthAndNoPhase) {
   for (const double f : {5.0, 25.0, 60.0}) {
     const VectorXd x = sine(f, 8000);
@@ -42,13 +42,13 @@ TEST(LowPassed, HasTheSquaredGainOfAButterworthAndNoPhase) {
   }
 }
 
-TEST(LowPassed, LeavesALineAsItIsUpToItsEnds) {
+TEST(LowPassed, PreservesALineUpToItsEnds) {
   const VectorXd line = VectorXd::LinSpaced(500, 3, 7);
 
   EXPECT_LT((low_passed(line, 4, 25, kStep) - line).cwiseAbs().maxCoeff(), 1e-6);
 }
 
-TEST(Fused, TakesSlowMotionFromDisplacementAndFastFromAcceleration) {
+TEST(Fused, UsesDisplacementAtLowAndAccelerationAtHighFrequencies) {
   const int n = 20'000;
   VectorXd truth(n), acceleration(n);
   for (int i = 0; i < n; ++i) {
@@ -63,7 +63,7 @@ TEST(Fused, TakesSlowMotionFromDisplacementAndFastFromAcceleration) {
 
   const VectorXd u = fused(noisy, acceleration, 2, kStep);
 
-  // Of the displacement's white noise, the part below about 2 of 500 Hz is left.
+  // The white noise of the displacement remains below about 2 Hz of 500 Hz.
   EXPECT_LT((u - truth).norm(), 0.15 * (noisy - truth).norm());
 }
 
@@ -111,15 +111,16 @@ TEST(SecondRate, IsExactForACubic) {
   EXPECT_LT((found - expected).segment(1, 48).cwiseAbs().maxCoeff(), 1e-6);
 }
 
-TEST(NoiseSpectrum, KnowsWhiteNoise) {
+TEST(NoiseSpectrum, IsFlatForWhiteNoise) {
   const NoiseSpectrum spectrum{{noise(4000, 1), noise(4000, 2)}, kStep};
 
-  // One-sided, of variance 1: 2 Δt. Three deviations: a third octave at 40 Hz has 50 free numbers.
+  // One-sided, of variance 1: 2 Δt. Three deviations: a third octave at 40 Hz has 50 degrees of
+  // freedom.
   for (const double f : {5.0, 40.0, 300.0})
     EXPECT_NEAR(spectrum.density(f) / (2 * kStep), 1, f < 100 ? 0.4 : 0.16) << f;
 }
 
-TEST(NoiseSpectrum, DrawsWhatItHasSeen) {
+TEST(NoiseSpectrum, GeneratesNoiseOfItsOwnDensity) {
   // x(t) = 0.95 x(t-1) + e(t): density 2 Δt / |1 - 0.95 exp(-i 2 π f Δt)|².
   const auto red = [](int samples, unsigned seed) -> VectorXd {
     VectorXd x = noise(samples, seed);
@@ -130,7 +131,7 @@ TEST(NoiseSpectrum, DrawsWhatItHasSeen) {
   std::mt19937 random{7};
   std::normal_distribution<double> normal;
 
-  const VectorXd drawn = spectrum.source(100'000, kStep).draw([&] { return normal(random); });
+  const VectorXd drawn = spectrum.generator(100'000, kStep).draw([&] { return normal(random); });
 
   const Spectrum found = power_spectrum(drawn, 1024, kStep);
   for (const int bin : {5, 20, 80, 300}) {

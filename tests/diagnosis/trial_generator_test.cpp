@@ -17,7 +17,7 @@ namespace {
 using namespace trial;
 namespace fs = std::filesystem;
 
-// Sines of many periods that grow and fade: an earthquake for tests.
+// Sines of many periods that grow and fade, as an earthquake for tests.
 double shaking(double time, double shift) {
   double sum = 0;
   for (int k = 0; k < 12; ++k)
@@ -41,7 +41,7 @@ std::vector<GroundMotion> made_up_motions() {
   return motions;
 }
 
-// The first case of a seed that conceals this; nullptr: nothing.
+// The first case of a seed with this hidden effect; nullptr: without an effect.
 CaseId case_with(const Effect* wanted) {
   CaseId id{.seed = 3};
   const auto is_it = [&] {
@@ -56,7 +56,7 @@ TrialCase trial_with(std::string_view name) {
   return make_case(case_with(name == "none" ? nullptr : &effect(name)), made_up_motions());
 }
 
-// A motion of one axis, slow enough for friction to be all that resists.
+// A motion of one axis, so slow that friction is the only resistance.
 Motion sine(double amplitude, double frequency_Hz, double seconds) {
   Motion motion;
   const double omega = 2 * std::numbers::pi * frequency_Hz;
@@ -84,7 +84,7 @@ TEST(TrialGenerator, SameCaseHasTheSameBytes) {
   }
 }
 
-TEST(TrialGenerator, CaseFolderSaysNothingOfTheAnswer) {
+TEST(TrialGenerator, CaseFolderDoesNotContainTheAnswer) {
   const rths::test::TemporaryFolder folder;
   const TrialCase trial = trial_with("p_delta");
 
@@ -102,7 +102,7 @@ TEST(TrialGenerator, CaseFolderSaysNothingOfTheAnswer) {
   EXPECT_NE(answer(trial, TruthDepth::None).find("p_delta"), std::string::npos);
 }
 
-TEST(TrialGenerator, CaseAsksForTheMapThatTheAnswerHas) {
+TEST(TrialGenerator, CaseRequestsTheMapOfTheAnswer) {
   const rths::test::TemporaryFolder folder;
 
   write_case_folder(trial_with("none"), folder.path());
@@ -117,7 +117,7 @@ TEST(TrialGenerator, CaseAsksForTheMapThatTheAnswerHas) {
   EXPECT_EQ(number_of("velocity_m_per_s"), kStateVelocity);
 }
 
-TEST(TrialGenerator, EveryEffectTakesItsTurnInABlock) {
+TEST(TrialGenerator, EveryEffectOccursOnceInABlock) {
   std::vector<std::string_view> seen;
   for (std::uint64_t k = 0; k < block_of(Tier::Standard).size(); ++k)
     for (const Effect* hidden : plan({.seed = 5, .number = k})) seen.push_back(hidden->name);
@@ -152,7 +152,7 @@ TEST(TrialGenerator, LoopIsStableAndAtRestUntilTheGroundMoves) {
       const auto at = [&](double t) { return static_cast<std::size_t>(t / kSampleTime); };
       for (std::size_t k = 0; k < at(1.9); ++k)
         ASSERT_EQ(record.truth[k].displacement, Plane{}) << name;
-      // The ground has faded to a hundredth: what still moves, moves by itself.
+      // The ground motion has faded to a hundredth: the remaining motion is free vibration.
       for (std::size_t k = at(39); k < at(40); ++k)
         ASSERT_LT(std::abs(record.truth[k].velocity[0]), 0.05) << name;
     }
@@ -168,7 +168,7 @@ TEST(TrialGenerator, EnergyOfALinearEffectGrowsWithTheSquareOfItsSize) {
   doubled.physics[kViscousY] *= 2;
   const double twice = truth_of(doubled, *trial.hidden[0], false).energy;
 
-  // The noise that whitens it sees the larger effect too, hence not 4 to all digits.
+  // The whitening noise contains the larger effect too, so the ratio is not exactly 4.
   EXPECT_NEAR(twice / once, 4, 0.1);
 }
 
@@ -215,12 +215,12 @@ TEST(TrialGenerator, FrictionDissipatesFourTimesForceAndAmplitudeInACycle) {
   for (std::size_t k = motion.size() / 2; k < motion.size(); ++k)
     work += 0.5 * (force[k][0] + force[k - 1][0]) *
             (motion[k].displacement[0] - motion[k - 1].displacement[0]);
-  // After each turn the force comes round over z_s, which costs 2 F z_s twice a cycle.
+  // After each reversal the force changes sign over z_s, a loss of 2 F z_s twice a cycle.
   const double exact = 4 * 10e3 * (kAmplitude - physics[kPresliding]);
   EXPECT_NEAR(work, exact, 0.002 * exact);
 }
 
-TEST(TrialGenerator, ActuatorIsAsLateAsItsDelayAndLag) {
+TEST(TrialGenerator, ActuatorHasItsDelayAndLag) {
   Actuator actuator{absent(), kSampleTime};
   constexpr double kSpeed = 0.1;  // [m/s]
   double sent = 0;
@@ -229,14 +229,14 @@ TEST(TrialGenerator, ActuatorIsAsLateAsItsDelayAndLag) {
     actuator.advance({sent, 0}, {});
   }
 
-  // Behind a ramp a second-order servo is 2 ζ / ω late. The last millisecond of the transport delay
-  // is the ramp towards what was sent, which this command is already on.
+  // On a ramp, a second-order servo lags by 2 ζ / ω. The last millisecond of the transport delay is
+  // the ramp to the sent command, which this command already follows.
   const double lag = 2 * kActuatorDamping / (2 * std::numbers::pi * kActuatorFrequency);
   const double late = kTransportDelay - kSampleTime + lag;
   EXPECT_NEAR(actuator.platen().displacement[0], sent - kSpeed * late, 1e-9);
 }
 
-TEST(TrialGenerator, DriftIsThatOfTheForceAlone) {
+TEST(TrialGenerator, DriftAffectsTheForceAlone) {
   const TrialCase drifting = trial_with("loadcell_drift");
   Physics still = drifting.physics_of(0);
   remove(*drifting.hidden[0], still);
@@ -250,7 +250,7 @@ TEST(TrialGenerator, DriftIsThatOfTheForceAlone) {
   EXPECT_GT(std::abs(drifting.physics[kDriftX]), 8e3);
 }
 
-TEST(TrialGenerator, NoiseHasTheDeviationAndTheColourItClaims) {
+TEST(TrialGenerator, NoiseHasItsStatedDeviationAndColour) {
   const NoiseColour colour{.deviation = 2};
   Random random{4, 4};
   Noise noise{colour, kSampleTime, random};
@@ -263,11 +263,11 @@ TEST(TrialGenerator, NoiseHasTheDeviationAndTheColourItClaims) {
     last = value;
   }
 
-  double neighbour = 0;  // correlation of samples side by side
+  double neighbour = 0;  // correlation of adjacent samples
   for (std::size_t i = 0; i < 3; ++i)
     neighbour +=
         colour.share[i] * std::exp(-2 * std::numbers::pi * colour.corner_Hz[i] * kSampleTime);
-  // The slowest part turns over about 1000 times in these 400 s: 3 sigma of its variance are 2 %.
+  // The slowest component changes about 1000 times in these 400 s: 3 sigma of its variance are 2 %.
   EXPECT_NEAR(std::sqrt(square), 2, 0.04);
   EXPECT_NEAR(product / square, neighbour, 0.01);
 }

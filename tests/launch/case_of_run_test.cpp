@@ -140,7 +140,7 @@ TEST(CaseOfARun, NeedsARecordingWithTheAssumedModel) {
   const auto numerical = folder.path() / "numerical.h5";
   EXPECT_EQ(test::error_of([&] { static_cast<void>(load_case(numerical)); }),
             numerical.string() +
-                ": it does not say what the simulation assumed (/config/model): run the experiment "
+                ": it contains no model of the simulation (/config/model): run the experiment "
                 "again");
 }
 

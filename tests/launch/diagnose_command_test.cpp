@@ -60,7 +60,7 @@ TEST(DiagnoseCommand, NamesTheColumnsMissingInASimulation) {
 
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_EQ(run.err, "rths: " + sim +
-                         ": predicts nothing that was measured, expected columns named as "
+                         ": predicts no measured channel, expected columns named "
                          "force.long\n");
 }
 

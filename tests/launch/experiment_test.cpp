@@ -209,13 +209,13 @@ TEST_F(ExperimentTest, SaysWhereATermDoesNotApply) {
     return test::error_of([&] { static_cast<void>(load_experiment(write(), {{key, "1.1"}})); });
   };
   EXPECT_EQ(error("machine.adiabatic_heating.cooling_time_s"),
-            "--set machine.adiabatic_heating.cooling_time_s: term 'adiabatic_heating' is of the "
-            "specimen (stage modifier), expected one of the stages actuator, motion, machine or "
-            "sensor");
+            "--set machine.adiabatic_heating.cooling_time_s: term 'adiabatic_heating' belongs to "
+            "the specimen (stage modifier), expected one of the stages actuator, motion, machine "
+            "or sensor");
   EXPECT_EQ(
       error("specimen.gain.factor"),
-      "--set specimen.gain.factor: term 'gain' is of the machine (stage sensor); a specimen has "
-      "none of it");
+      "--set specimen.gain.factor: term 'gain' belongs to the machine (stage sensor), not to a "
+      "specimen");
 }
 
 TEST_F(ExperimentTest, StartsReadersBeforeWriters) {
@@ -258,7 +258,7 @@ TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
                 .find("lab.toml:17:11: diagram is 'none.toml', expected a file or one of:"),
             std::string::npos);
   EXPECT_EQ(error_with("[uncompensated.xpc]", "[uncompensated.xcp]"),
-            "lab.toml:19:1: [uncompensated] names node 'xcp', which does not take part");
+            "lab.toml:19:1: [uncompensated] names node 'xcp', expected a node of the experiment");
 }
 
 TEST_F(ExperimentTest, RefusesToTuneUnknownParameters) {

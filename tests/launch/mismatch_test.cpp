@@ -9,14 +9,14 @@
 #include <nlohmann/json.hpp>
 
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/process.hpp"
 
 namespace rths::launch {
 namespace {
 
 using Json = nlohmann::json;
-
-Json json_of(const std::filesystem::path& file) { return Json::parse(test::content_of(file)); }
+using test::json_of;
 
 /// A run of an example in virtual time, in its own folder.
 class Mismatch {

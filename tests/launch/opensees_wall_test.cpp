@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenSees as the solver of a run in real time; and what becomes of it, and of the others, when one
-// of them dies.
+// Runs in real time with OpenSees as the solver, and their end when one process fails.
 #include <signal.h>
 
 #include <chrono>
@@ -30,7 +29,7 @@ std::string solver(const std::string& python, std::uint16_t port) {
       python, port, port);
 }
 
-/// A run in real time on a ring of its own.
+/// A run in real time on a separate ring.
 class Laboratory {
  public:
   Laboratory(const std::string& python, const std::string& duration)
@@ -41,10 +40,10 @@ class Laboratory {
                   "--no-diagnosis", "--out", folder_.path().string(), "--ring", ring_, "--set",
                   "duration_s=" + duration, "--set", solver(python, test::free_port())}} {}
 
-  // Process ids by node, and of OpenSees, once all have taken steps.
+  // Returns the process ids of OpenSees and of each node when all are running.
   std::map<std::string, int> wait_until_moving() {
     std::map<std::string, int> pids;
-    for (int look = 0; look < 2000 && pids.size() < 5; ++look) {
+    for (int check = 0; check < 2000 && pids.size() < 5; ++check) {
       std::this_thread::sleep_for(milliseconds{5});
       pids.clear();
       for (const auto& report : broker::list_rings())
@@ -74,8 +73,8 @@ TEST_F(OpenSeesWall, RunsInRealTime) {
       << finished.out;
 }
 
-// Two hundred times slower than real time, a move takes longer than OpenSees may be silent.
-TEST_F(OpenSeesWall, TakesASlowMoveForNoSilence) {
+// At 1/200 of real time, a move takes longer than OpenSees' answer deadline.
+TEST_F(OpenSeesWall, AllowsAMoveLongerThanTheAnswerDeadline) {
   const test::TemporaryFolder folder;
   const std::string ring = test::unique_ring("slow");
   const test::RingRemoval removal{ring};
@@ -94,7 +93,7 @@ TEST_F(OpenSeesWall, TakesASlowMoveForNoSilence) {
   EXPECT_EQ(finished.exit_code, 0) << finished.err;
 }
 
-// Nobody reads a socket for ever, nobody is left, and the others come to rest.
+// No process polls a closed socket or stays behind, and the others come to rest.
 TEST_P(OpenSeesWall, EndsWhenOneIsKilled) {
   Laboratory laboratory{python_, "30"};
   const auto pids = laboratory.wait_until_moving();
@@ -110,7 +109,7 @@ TEST_P(OpenSeesWall, EndsWhenOneIsKilled) {
   for (const auto& [name, pid] : pids) EXPECT_FALSE(test::is_running(pid)) << name;
 }
 
-// A frozen specimen gives no more feedback: the others come to rest, and OpenSees ends.
+// A frozen specimen gives no feedback: the others come to rest, and OpenSees exits.
 TEST_F(OpenSeesWall, EndsWhenTheMachineFreezes) {
   Laboratory laboratory{python_, "30"};
   const auto pids = laboratory.wait_until_moving();

@@ -11,6 +11,7 @@
 #include <rths/recording/recording.hpp>
 
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/process.hpp"
 #include "support/shared_run.hpp"
 
@@ -18,10 +19,9 @@ namespace rths::launch {
 namespace {
 
 using Json = nlohmann::json;
+using test::json_of;
 
-std::string example() { return (test::source_tree() / "examples" / test::kSharedExample).string(); }
-
-Json json_of(const std::filesystem::path& file) { return Json::parse(test::content_of(file)); }
+std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
 
 test::Finished run_example(const std::filesystem::path& out,
                            const std::vector<std::string>& options = {}) {
@@ -30,37 +30,21 @@ test::Finished run_example(const std::filesystem::path& out,
   return test::run_rths(arguments, 110);
 }
 
-TEST(ExampleRun, IsMadeOnceForSeveralTests) {
-  const test::Finished finished = test::SharedRun{"example_run"}.make();
-
-  EXPECT_EQ(finished.exit_code, 0) << finished.err;
-}
-
-/// The unchanged example.
+/// The unchanged example, run with its diagnosis.
 class DiagnosedRun : public ::testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(run.is_made()) << run.path() << " is made by ctest before this test";
+    for (const auto& shared : {run, repeatable})
+      ASSERT_TRUE(shared.is_made()) << shared.path << ": ctest makes this run before the test";
     verdict = json_of(out() / "verdict.json");
   }
-  [[nodiscard]] const std::filesystem::path& out() const { return run.path(); }
+  [[nodiscard]] const std::filesystem::path& out() const { return run.path; }
 
-  const test::SharedRun run{"example_run"};
+  const test::SharedRun run = test::example_run();
+  /// For tests that take as long as the run itself.
+  const test::SharedRun repeatable =
+      std::getenv("RTHS_LONG") != nullptr ? test::example_run() : test::short_run();
   Json verdict;
-};
-
-/// A run that a test repeats: the short one, or in long tests the unchanged example.
-class RepeatedRun {
- public:
-  RepeatedRun()
-      : first{is_long() ? "example_run" : "short_run"},
-        options{is_long() ? std::vector<std::string>{} : test::kShortRun} {}
-
-  const test::SharedRun first;
-  const std::vector<std::string> options;
-
- private:
-  static bool is_long() { return std::getenv("RTHS_LONG") != nullptr; }
 };
 
 TEST_F(DiagnosedRun, NamesTheTwoOmittedEffectsAndNothingElse) {
@@ -131,8 +115,7 @@ TEST_F(DiagnosedRun, ImprovesTheSimulationWithOneMoreCommand) {
 
 TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
   const test::TemporaryFolder again;
-  const RepeatedRun repeated;
-  const auto& first = repeated.first.path();
+  const auto& first = repeatable.path;
 
   const auto finished = test::run_rths(
       {"diagnose", (first / "run.h5").string(), "--out", again.path().string()}, 110);
@@ -149,10 +132,9 @@ TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
 
 TEST_F(DiagnosedRun, GivesTheSameBytesEveryTime) {
   const test::TemporaryFolder again;
-  const RepeatedRun repeated;
-  const auto& first = repeated.first.path();
+  const auto& first = repeatable.path;
 
-  ASSERT_EQ(run_example(again.path(), repeated.options).exit_code, 0);
+  ASSERT_EQ(run_example(again.path(), repeatable.options).exit_code, 0);
 
   for (const char* file : {"verdict.json", "improved.toml", "diagnosis.html"}) {
     EXPECT_FALSE(test::content_of(first / file).empty()) << file;
@@ -203,7 +185,8 @@ TEST(RunDiagnosis, SaysWhereAnImprovementIsWrong) {
     return run.err;
   };
 
-  EXPECT_NE(error_with("").find("improved.toml: has no term of a [specimen] or a [machine]"),
+  EXPECT_NE(error_with("").find(
+                "improved.toml: found no term, expected a term in [specimen] or [machine]"),
             std::string::npos);
   EXPECT_NE(error_with("[specimn.p_delta]\ncoefficient = 1\n").find("improved.toml"),
             std::string::npos);

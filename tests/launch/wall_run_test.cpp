@@ -327,7 +327,7 @@ TEST(WallRun, ShowsAndTakesWordsByNameWhileItRuns) {
   EXPECT_NE(tuned.out.find("velocity_gain_s = 0.015"), std::string::npos) << tuned.out;
   const auto who = test::run_rths({"who", run.ring, "srmd.long.displ.fbk", "opf.7.time.target"});
   EXPECT_NE(who.out.find(": by srmd, "), std::string::npos) << who.out;
-  EXPECT_NE(who.out.find(": opf's, "), std::string::npos) << who.out;
+  EXPECT_NE(who.out.find(": belongs to opf, "), std::string::npos) << who.out;
   EXPECT_NE(test::run_rths({"doctor"}).out.find(run.ring + ": "), std::string::npos);
   EXPECT_NE(test::run_rths({"send", run.ring, "xpc.long.displ.ref=1mm"})
                 .err.find("node 'xpc' is already on the ring"),

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Maps that are wrong in one way each, and what the checker has to say of them: the last line of
-// each file, to the letter.
+// Maps with one error each. The last line of each file is the exact message of the checker.
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -27,7 +26,7 @@ std::vector<std::filesystem::path> bad_maps() {
 
 class BadMap : public ::testing::TestWithParam<std::filesystem::path> {};
 
-TEST_P(BadMap, IsRefusedWithPlaceFoundAndExpected) {
+TEST_P(BadMap, IsRefusedWithTheExactMessage) {
   const std::string text = test::content_of(GetParam());
   const std::string mark = "# error: ";
   const auto golden = text.rfind(mark);

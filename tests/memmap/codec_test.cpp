@@ -38,14 +38,14 @@ TEST(Codec, ReadsAnUnsignedIntegerAboveTheSignedRange) {
   EXPECT_EQ(codec.decode(0xFFFF'FFFF), 4294967295.0);
 }
 
-TEST(Codec, GivesBackWhatItWroteToTheFloatsPrecision) {
+TEST(Codec, ReadsBackAWrittenValueToFloatPrecision) {
   std::mt19937_64 random{7};
   std::uniform_real_distribution<double> value{-1e4, 1e4};
   const Codec codec = codec_for(WordType::F32, "kip");
 
   for (int i = 0; i < 1000; ++i) {
     const double si = value(random);
-    // A float keeps 24 binary digits.
+    // A float has 24 binary digits.
     EXPECT_NEAR(codec.decode(codec.encode(si)), si, std::abs(si) * std::ldexp(1.0, -23));
   }
 }
@@ -65,7 +65,7 @@ TEST(Codec, RoundsIntegersToNearest) {
   EXPECT_EQ(codec.decode(codec.encode(-2.6)), -3);
 }
 
-TEST(Codec, StopsIntegersAtTheirEnds) {
+TEST(Codec, SaturatesIntegers) {
   const double huge = 1e300;
 
   EXPECT_EQ(codec_for(WordType::I32, "1").encode(huge), 0x7FFF'FFFFU);
@@ -74,7 +74,7 @@ TEST(Codec, StopsIntegersAtTheirEnds) {
   EXPECT_EQ(codec_for(WordType::U32, "1").encode(-1), 0U);
 }
 
-TEST(Codec, TurnsNotANumberIntoZeroWhereThereIsNone) {
+TEST(Codec, EncodesNaNAsZeroInAnInteger) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
 
   EXPECT_EQ(codec_for(WordType::I32, "1").encode(nan), 0U);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The maps of the other laboratories OpenFresco serves: every word as its models have it, stated
-// here by hand and not taken from the map files.
+// The maps of the other laboratories that use OpenFresco. Every word is listed here by hand from
+// OpenFresco's models, independently of the map files.
 #include <algorithm>
 #include <ostream>
 #include <set>
@@ -22,7 +22,7 @@ using Names = std::vector<std::string>;
 constexpr WordType kI32 = WordType::I32;
 constexpr WordType kU32 = WordType::U32;
 
-/// Consecutive words, both ends included: '#' in the signal stands for each name in turn.
+/// Consecutive words, both ends included. Each name in turn replaces '#' in the signal.
 struct Words {
   std::string signal;
   Names names;
@@ -202,12 +202,12 @@ const Nodes kFlexTest{{"opf", 10}, {"xpc", 20}, {"flextest", 30}};
 
 struct Facility {
   std::string map;
-  std::string image;  ///< one for both rings of the STS: their words are the same
+  std::string image;  ///< shared by both rings of the STS: their words are the same
   std::string hash;
   Nodes nodes;
-  std::uint32_t openfresco_byte;  ///< where OpenFresco's block begins
+  std::uint32_t openfresco_byte;  ///< begin of OpenFresco's block
   std::vector<Block> blocks;
-  std::set<std::uint32_t> interrupts = {};  ///< none where a GT card broadcasts the frame sync
+  std::set<std::uint32_t> interrupts = {};  ///< none if a GT card broadcasts the frame sync
   friend std::ostream& operator<<(std::ostream& out, const Facility& f) { return out << f.map; }
 };
 
@@ -231,7 +231,7 @@ class FacilityMap : public ::testing::TestWithParam<Facility> {
       load_map(test::source_tree() / "memmap/maps" / (GetParam().map + ".ringmap.toml"));
 };
 
-/// The signal a row states at its i-th word.
+/// The signal of a row's i-th word.
 std::string name_at(const Words& row, std::size_t i) {
   const std::size_t mark = row.signal.find('#');
   if (mark == std::string::npos) return row.signal;
@@ -243,8 +243,8 @@ TEST_P(FacilityMap, HasTheFacilitysNodeIds) {
   for (const auto& [name, id] : GetParam().nodes) EXPECT_EQ(map_.node(name), NodeId{id}) << name;
 }
 
-TEST_P(FacilityMap, HasEveryWordInItsPlaceAndNoOther) {
-  std::size_t stated = 0;
+TEST_P(FacilityMap, HasExactlyTheListedWordsAtTheirOffsets) {
+  std::size_t listed = 0;
   for (const Block& block : GetParam().blocks) {
     for (const Words& row : block) {
       const std::uint32_t count = row.last - row.first + 1;
@@ -254,20 +254,21 @@ TEST_P(FacilityMap, HasEveryWordInItsPlaceAndNoOther) {
         EXPECT_EQ(signal.offset, LongwordOffset{row.first + i}) << name_at(row, i);
         EXPECT_EQ(signal.type, row.type) << name_at(row, i);
       }
-      stated += count;
+      listed += count;
     }
   }
-  EXPECT_EQ(map_.signals().size(), stated);
+  EXPECT_EQ(map_.signals().size(), listed);
 }
 
-TEST_P(FacilityMap, LetsTheNodeNamedFirstWriteAndTheTargetAnswerOpenFresco) {
+TEST_P(FacilityMap, HasTheNodeOfThePartitionsNameAsItsWriter) {
   std::size_t written = 0;
   for (const Partition& partition : map_.partitions()) {
     const std::string first = partition.name.substr(0, partition.name.find('.'));
+    // The target xpc writes the answers to OpenFresco.
     EXPECT_EQ(partition.node, first == "daq" ? "xpc" : first) << partition.name;
     written += partition.longwords;
   }
-  // No partition reserves a word that has no meaning.
+  // Every word of a partition has a meaning.
   EXPECT_EQ(written, map_.signals().size());
 }
 
@@ -284,8 +285,8 @@ TEST_P(FacilityMap, RaisesTheFrameSyncWithTheFacilitysWord) {
   EXPECT_EQ(interrupts, GetParam().interrupts);
 }
 
-// In the image the k-th signal by offset holds k + 1/2 of its unit, an integer k, all else zero.
-// The hash covers names, units and frame sync too. A change of either: bump the map's version.
+// In the image the k-th signal by offset is k + 1/2 in its unit (an integer: k); other words are 0.
+// The hash also covers names, units and frame sync. If either changes, increment the map's version.
 TEST_P(FacilityMap, HasTheGoldenByteImage) {
   EXPECT_EQ(map_.description().version, 1U);
   EXPECT_EQ(hash_text(map_.hash()), GetParam().hash);

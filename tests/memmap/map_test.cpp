@@ -63,7 +63,7 @@ TEST(Map, ListsSignalsInOrderOfOffset) {
   EXPECT_EQ(map.signals()[2].name, "fbk.lat.displ");
 }
 
-TEST(Map, KnowsWhoWritesAWord) {
+TEST(Map, FindsTheWriterOfAWord) {
   const Map map = parse_map(kText, "lab.toml");
 
   EXPECT_EQ(map.partition_at(LongwordOffset{1031})->node, "machine");
@@ -73,7 +73,7 @@ TEST(Map, KnowsWhoWritesAWord) {
   EXPECT_EQ(map.node_name(NodeId{99}), "99");
 }
 
-TEST(Map, GuessesWhatAMisspeltSignalMeant) {
+TEST(Map, SuggestsTheSignalForAMisspeltOne) {
   const Map map = parse_map(kText, "lab.toml");
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(map.signal("fbk.lng.displ")); }),
@@ -89,7 +89,7 @@ TEST(Map, ReadsItsCanonicalSpellingBack) {
   EXPECT_EQ(again.hash(), map.hash());
 }
 
-TEST(Map, HasTheSameHashHoweverItIsSpelt) {
+TEST(Map, HasTheSameHashInEverySpelling) {
   std::string reordered = kText;
   const auto second = reordered.rfind("[[partition]]");
   const std::string head = reordered.substr(0, reordered.find("[[partition]]"));
@@ -99,7 +99,7 @@ TEST(Map, HasTheSameHashHoweverItIsSpelt) {
   EXPECT_EQ(parse_map(reordered, "x").hash(), parse_map(kText, "y").hash());
 }
 
-TEST(Map, HasAnotherHashWhenAnyWordMeansSomethingElse) {
+TEST(Map, HasAnotherHashWhenTheMeaningOfAWordChanges) {
   const auto hash_with = [](const std::string& from, const std::string& to) {
     std::string text = kText;
     text.replace(text.find(from), from.size(), to);
@@ -115,17 +115,17 @@ TEST(Map, HasAnotherHashWhenAnyWordMeansSomethingElse) {
   EXPECT_NE(hash_with("tear_group = true", "tear_group = false"), original);
 }
 
-TEST(Map, SurvivesBeingCopied) {
+TEST(Map, KeepsItsPointersValidInACopy) {
   const Map map = parse_map(kText, "lab.toml");
 
-  const Map copy = map;  // NOLINT: the copy is what is tested
+  const Map copy = map;  // NOLINT: tests the copy
 
   EXPECT_EQ(copy.signals()[0].partition, &copy.partitions()[0]);
   EXPECT_EQ(copy.hash(), map.hash());
 }
 
-// Random layouts that keep the rules must pass, and come back from their own spelling unchanged.
-TEST(Map, AcceptsEveryLayoutThatKeepsTheRules) {
+// Random valid layouts must pass the checks and read back unchanged from their canonical spelling.
+TEST(Map, AcceptsEveryValidLayout) {
   std::mt19937 random{2026};
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   for (int trial = 0; trial < 200; ++trial) {

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The SRMD's map, word for word as the laboratory has it.
+// The SRMD's map, word for word as on the laboratory's sheet.
 #include <gtest/gtest.h>
 
 #include <rths/memmap/map.hpp>
 
-#include "support/files.hpp"
+#include "memmap/srmd.hpp"
 #include "support/map_image.hpp"
 
 namespace rths::memmap {
 namespace {
-
-Map srmd() { return load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml"); }
 
 std::uint32_t word_of(const Map& map, const std::string& signal) {
   return map.entry(map.signal(signal)).signal->offset.value();
@@ -40,7 +38,7 @@ TEST(SrmdMap, HasReferencesFromWordZeroInTheMachinesOrder) {
   EXPECT_EQ(word_of(map, "srmd.compression.force.fbk"), 77U);
 }
 
-TEST(SrmdMap, HasTheMachinesOtherWordsWhereTheSheetHasThem) {
+TEST(SrmdMap, HasTheMachinesOtherWordsAtTheSheetsOffsets) {
   const Map map = srmd();
 
   EXPECT_EQ(word_of(map, "xpc.1.user_input"), 7U);
@@ -93,11 +91,11 @@ TEST(SrmdMap, LetsEachPartitionBeWrittenByItsNode) {
     EXPECT_EQ(map.partition_at(LongwordOffset{blank}), nullptr) << blank;
 }
 
-// A change of these bytes is a change of the map: bump its version.
+// If these bytes change, increment the map's version.
 TEST(SrmdMap, HasTheGoldenByteImage) {
   const Map map = srmd();
 
-  // The image holds numbers in the map's units; that these stay what they are, the hash says.
+  // The image has numbers in the map's units; the hash covers the units themselves.
   EXPECT_EQ(map.description().version, 1U);
   EXPECT_EQ(hash_text(map.hash()), "6c85bb8e8ef0495f");
   EXPECT_TRUE(test::image_of(map) ==

@@ -50,9 +50,9 @@ TEST(Unit, ShiftsCelsius) {
   EXPECT_NEAR(unit.offset, 273.15, 1e-9);
 }
 
-TEST(Unit, RefusesTheGramThatMeantGravity) {
+TEST(Unit, RefusesTheAmbiguousG) {
   EXPECT_EQ(test::error_of([] { static_cast<void>(parse_unit("g")); }),
-            "unit 'g' would be a gram; write 'gravity' for an acceleration, 'gram' for a mass");
+            "unit 'g' is ambiguous, expected 'gravity' (acceleration) or 'gram' (mass)");
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Where a journal ends: end_of and JournalWriter of journal.cpp, with a hint every 2 entries, in a
+ * The end of a journal: end_of and JournalWriter of journal.cpp, with a hint every 2 entries, in a
  * journal of 8. The writer is killed three times, anywhere, also between an entry and its hint.
- * Claims: a successor goes on right behind the last entry; whoever follows a running writer begins
- * no further behind than the writer has written since, and never before an entry that is not there.
- * Broken: -DNO_FIRST_HINT  -DHINT_FIRST
+ * Claims: a successor continues directly behind the last entry; a follower of a running writer
+ * begins at most as far behind as the writer has written since, and never behind a missing entry.
+ * Errors on purpose: -DNO_FIRST_HINT  -DHINT_FIRST
  */
 #define HINT_EVERY 2
 #define POSITIONS 12
@@ -14,7 +14,7 @@
 #define HINT 0
 #define ENTRY(position) (1 + (position) % LENGTH)
 
-byte visible;  /* entries, as memory has them */
+byte visible;  /* number of entries in memory */
 #define DRAINED(cell, value) visible = visible + (cell != HINT)
 #define CELLS 9
 #define WRITERS 1
@@ -22,10 +22,10 @@ byte visible;  /* entries, as memory has them */
 
 bool killed, finished;
 
-/* fetch_at(place, position, entry) == Fetched::Entry: an entry is its position plus 1 */
+/* fetch_at(journal, position, entry) == Fetched::Entry: an entry is its position plus 1 */
 #define is_there(position) (memory[ENTRY(position)] == (position) + 1)
 
-/* One look is enough where nobody writes meanwhile: this is called when the writer is dead. */
+/* One attempt is enough: this is called only while the writer is dead. */
 inline end_of(position) {
   position = memory[HINT];
   steps = 0;
@@ -40,10 +40,10 @@ proctype Writer() {
   byte next, steps;
 life:
   {
-    /* const std::uint64_t end = end_of(place) */
+    /* begin_at(end_of(journal)) */
     atomic { end_of(next); assert(next == visible) };
 #ifndef NO_FIRST_HINT
-    /* at(place.head->hint).store(end, release) */
+    /* at(journal_.head->hint).store(position(), release) */
     store(0, HINT, next, RELEASE);
 #endif
     do
@@ -54,11 +54,11 @@ life:
        :: else
        fi;
 #endif
-       /* publish(place_.entries[index_], entry) */
+       /* publish(*next_, …) */
        store(0, ENTRY(next), next + 1, RELEASE);
        next++;
 #ifndef HINT_FIRST
-       /* if (++index_ % kHintEvery == 0) turn() */
+       /* advance_to: if (next == stop_) publish_hint() */
        if
        :: next % HINT_EVERY == 0 -> store(0, HINT, next, RELEASE)
        :: else
@@ -84,7 +84,7 @@ end_idle:
   od
 }
 
-/* Its steps one by one, as the writer goes on. */
+/* Steps of end_of, interleaved with those of the writer. */
 proctype Follower() {
   byte position, steps, before;
   atomic { before = visible; position = memory[HINT] };

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Following a journal: Follower::State::next of follow.cpp. Groups of a head and two entries more,
- * their writer killed once, anywhere; its successor begins with a time. Nothing is lapped here.
- * Claim: every group that is whole in the journal is given once, whole and in order, and nobody
- * waits for the rest of one whose writer is dead (spin: invalid end state).
- * Broken: -DLAST_ONLY  -DFIRST_ONLY
+ * Following a journal: Follower::State::next of follow.cpp. Groups of a head and two more entries;
+ * the writer is killed once, anywhere; its successor begins with a time. The journal does not wrap.
+ * Claim: the follower returns every whole group once and in order, and does not wait for the rest of
+ * a group whose writer is dead (spin: invalid end state).
+ * Errors on purpose: -DLAST_ONLY  -DFIRST_ONLY
  */
 #define WRITES 2
 #define DEATHS 1
@@ -14,15 +14,15 @@
 #define ENTRY(kind, contents) ((kind) * 8 + (contents))
 #define KIND(entry) ((entry) / 8)
 
-byte end_of;       /* the journal, as memory has it */
-byte data;         /* entries behind the last head, as memory has them */
-byte whole[8];     /* groups in the journal, as memory has it */
+byte end_of;       /* end of the journal in memory */
+byte data;         /* entries behind the last head in memory */
+byte whole[8];     /* whole groups of the journal in memory */
 byte groups;
-inline note(what) {
+inline note(entry) {
   end_of++;
   if
-  :: KIND(what) == DATA && data == 0 -> data = 1
-  :: KIND(what) == DATA && data == 1 -> whole[groups] = what % 8; groups++; data = 0
+  :: KIND(entry) == DATA && data == 0 -> data = 1
+  :: KIND(entry) == DATA && data == 1 -> whole[groups] = entry % 8; groups++; data = 0
   :: else -> data = 0
   fi
 }
@@ -72,9 +72,9 @@ end_idle:
 proctype Follower() {
   byte position, given, first, second;
   do
-  :: /* switch (fetch_at(place, position, entry)) */
+  :: /* switch (fetch_at(journal, position, entry)) */
      if
-     :: memory[position] == 0 ->  /* NotYet: it comes again when there is more */
+     :: memory[position] == 0 ->  /* NotYet: called again when there is more */
 end_nothing:
         memory[position] != 0
      :: else
@@ -83,7 +83,7 @@ end_nothing:
      if
      :: KIND(memory[position - 1]) != HEAD
      :: else ->
-        /* take_group: read_journalled_group */
+        /* read_group: read_journalled_group */
         first = memory[position];
         second = memory[position + 1];
         if
@@ -108,10 +108,10 @@ end_nothing:
               fi
            fi
 #else
-           /* rest_of: the rest one by one, up to what is not there or not its own */
+           /* state_of: the next entries, up to one that is missing or not of this group */
            first = memory[position];
            if
-           :: first == 0 -> position--; memory[position + 1] != 0  /* Coming */
+           :: first == 0 -> position--; memory[position + 1] != 0  /* Pending */
            :: first != 0 && KIND(first) != DATA                    /* Cut */
            :: else ->
 #ifdef FIRST_ONLY
@@ -119,9 +119,9 @@ end_nothing:
 #else
               second = memory[position + 1];
               if
-              :: second == 0 -> position--; memory[position + 2] != 0  /* Coming */
+              :: second == 0 -> position--; memory[position + 2] != 0  /* Pending */
               :: second != 0 && KIND(second) != DATA                   /* Cut */
-              :: else -> position--                                    /* Whole */
+              :: else -> position--                                    /* Complete */
               fi
 #endif
            fi

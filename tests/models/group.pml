@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Tear groups: Node::write_group and Node::read_group of node.cpp, write_record, read_record and
- * read_memory of record.hpp. The writer is killed anywhere, its successor mends, mend_group of
- * mend.cpp. At first the memory holds what a program wrote that takes no part in any of this.
- *   as is  a record of one line, attempts at which fail while its writer is in the middle
- *   -DLATCH
- * Claims: what is read is whole, was written, and is never older than before nor than a write that
- * was complete when the reader came; a reader is turned away only if something was stored meanwhile;
- * before a record is written again the journal has what was in it, and it gets every write once; in
- * the end record, memory and journal hold the last complete write.
- * Broken: -DNO_ODD  -DNO_RECHECK  -DEVEN_FIRST  -DCOUNT_ANEW (with -DDEATHS=2)  -DMEMORY_FIRST
- *         -DMEMORY_UNCHECKED  -DPLAIN_IS_A_COUNT  -DNO_MEND  -DNO_FINISH  -DNO_JOURNAL
+ * Tear groups: Node::write_group and Node::read_group of node.cpp; write_record, read_record and
+ * read_memory of record.hpp. The writer is killed anywhere; its successor repairs the group by
+ * repair_group of repair.cpp. At first, the memory has the words of a plain client.
+ *   as written  a record of one line: reading it fails while its writer is in the middle of a write
+ *   -DLATCH     a latch
+ * Claims: every read is whole, was written, and is not older than the last read nor than a write that
+ * was complete when the read began; a read fails only if something was stored meanwhile; the journal
+ * has a write before the record is written again, and gets every write once; at the end record,
+ * memory and journal have the last complete write.
+ * Errors on purpose: -DNO_ODD  -DNO_RECHECK  -DEVEN_FIRST  -DCOUNT_ANEW (with -DDEATHS=2)  -DMEMORY_FIRST
+ *         -DMEMORY_UNCHECKED  -DPLAIN_IS_A_COUNT  -DNO_REPAIR  -DNO_FINISH  -DNO_JOURNAL
  *         -DJOURNAL_TORN  -DJOURNAL_AGAIN  -DRELAXED_WORDS  -DRELAXED_ODD (both with -DWEAK)
  */
 #ifndef WRITES
@@ -26,7 +26,7 @@
 
 #define MARK 0    /* group.journalled */
 #define COUNT 1   /* record[0] */
-#define JOURNAL 2 /* its last whole group; journal.pml and follow.pml have a real one */
+#define JOURNAL 2 /* last whole group only; journal.pml and follow.pml model journals */
 #define MEMORY 3
 #define RECORD 5
 #define CELLS (RECORD + 4)
@@ -49,25 +49,25 @@
 #define ODD RELEASE
 #endif
 
-#define BEFORE 1 /* what the memory holds at first */
+#define BEFORE 1 /* initial value of the memory */
 
-bool changed;           /* anything, since the reader came */
-byte complete = BEFORE; /* last write that the record has all of */
-byte recorded;          /* what its last words are */
-byte journalled;        /* write that the journal got last */
+bool changed;           /* a store since the read began */
+byte complete = BEFORE; /* last complete write of the record */
+byte recorded;          /* last words of the record */
+byte journalled;        /* last write of the journal */
 
-inline note(where, what) {
+inline note(where, stored) {
   changed = true;
   if
-  :: where == JOURNAL -> assert(what > journalled); journalled = what
+  :: where == JOURNAL -> assert(stored > journalled); journalled = stored
 #ifdef LATCH
-  :: where == RECORD || where == RECORD + 2 -> recorded = what
+  :: where == RECORD || where == RECORD + 2 -> recorded = stored
   :: where == COUNT && complete != BEFORE -> assert(memory[JOURNAL] == complete); complete = recorded
   :: where == COUNT && complete == BEFORE -> complete = recorded
 #else
-  :: where == RECORD + 1 -> recorded = what
-  :: where == COUNT && what % 2 == 0 -> complete = recorded
-  :: where == COUNT && what % 2 != 0 -> assert(complete == BEFORE || memory[JOURNAL] == complete)
+  :: where == RECORD + 1 -> recorded = stored
+  :: where == COUNT && stored % 2 == 0 -> complete = recorded
+  :: where == COUNT && stored % 2 != 0 -> assert(complete == BEFORE || memory[JOURNAL] == complete)
 #endif
   :: else
   fi
@@ -76,11 +76,11 @@ inline note(where, what) {
 #define WRITERS 1
 #include "memory.pml"
 
-/* A relaxed store may be seen long before those in front of it. */
+/* A relaxed store may be visible long before earlier stores. */
 #ifdef WEAK
-#define ON_ITS_WAY !is_drained(0)
+#define BUFFERED !is_drained(0)
 #else
-#define ON_ITS_WAY false
+#define BUFFERED false
 #endif
 
 bool killed, finished;
@@ -127,10 +127,10 @@ inline write_journal(value) {
 #endif
 }
 
-/* What it loads it loads at once: its predecessor is dead, and nobody else writes. */
-inline mend_group() {
-  mended = IS_ODD(count);
-#ifdef NO_MEND
+/* Its loads are atomic: its predecessor is dead, and no other process writes. */
+inline repair_group() {
+  repaired = IS_ODD(count);
+#ifdef NO_REPAIR
   skip
 #else
   if
@@ -151,12 +151,12 @@ inline mend_group() {
         store_memory(newest)
 #endif
      fi;
-     /* is_last_entry: the journal's last write is this one, though its writer could not mark it */
+     /* is_last_entry: the journal has this write already, but its writer did not mark it */
      if
 #ifdef JOURNAL_AGAIN
      :: memory[MARK] != count -> write_journal(newest)
 #else
-     :: memory[MARK] != count && !mended && memory[JOURNAL] != newest -> write_journal(newest)
+     :: memory[MARK] != count && !repaired && memory[JOURNAL] != newest -> write_journal(newest)
 #endif
      :: else
      fi
@@ -169,11 +169,11 @@ inline mend_group() {
 proctype Writer() {
   byte count, newest;
   byte value = BEFORE;
-  bool mended;
+  bool repaired;
 life:
   {
     count = memory[COUNT];
-    mend_group();
+    repair_group();
     do
     :: value < BEFORE + WRITES ->
        value++;
@@ -189,8 +189,8 @@ life:
     od;
     goto done
   } unless { killed };
-  /* The kernel calls it dead when its last store is in memory. */
-  atomic { is_drained(0) -> count = 0; newest = 0; mended = false; killed = false };
+  /* The kernel reports a death only after the last store is in memory. */
+  atomic { is_drained(0) -> count = 0; newest = 0; repaired = false; killed = false };
   goto life;
 done:
   is_drained(0);
@@ -268,11 +268,11 @@ proctype Reader() {
        if
        :: ok ->
           assert(first == second);  /* whole */
-          assert(first >= BEFORE);  /* written by somebody */
-          assert(first >= seen);    /* never older than before */
-          assert(first >= oldest);  /* nothing complete is lost */
+          assert(first >= BEFORE);  /* was written */
+          assert(first >= seen);    /* not older than the last read */
+          assert(first >= oldest);  /* no complete write is lost */
           seen = first
-       :: else -> assert(changed || ON_ITS_WAY)  /* Stale */
+       :: else -> assert(changed || BUFFERED)  /* Stale */
        fi;
        first = 0; second = 0; count = 0; oldest = 0; ok = false; changed = false;
        reads++

@@ -1,27 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Journal entries: publish, fetch and fetch_at of journal.hpp, in a journal of 2 entries that goes
- * round three times and a half, laps of 2 bits. Whoever reads asks for any position at any time, up
- * to a lap too late or too early: more than half of all laps apart is what laps cannot tell. The writer is killed
- * once, anywhere, and its successor goes on where it ended, which may be in the middle of an entry.
- *   as is             one 16-byte store
- *   -DSEVERAL_STORES  void, contents, valid
- * Claims: an entry is whole and that of the position asked for; Gone only if the writer has been, or
- * is, beyond; NotYet only if it was not there when the reader came, or its slot was being written.
- * Broken: -DNO_LAP  -DGONE_AT_ONCE;  with -DSEVERAL_STORES: -DNO_VOID  -DVALID_FIRST  -DNO_RECHECK,
- * and -DRELAXED_CONTENTS (with -DWEAK)
+ * Journal entries: publish, fetch and fetch_at of journal.hpp, in a journal of 2 entries that wraps
+ * three and a half times, with laps of 2 bits. The reader reads any position at any time, up to a lap
+ * too late or too early, since laps cannot distinguish more than half of all laps. The writer is
+ * killed once, anywhere, also in the middle of an entry; its successor continues where it ended.
+ *   as written        one 16-byte store
+ *   -DSEVERAL_STORES  invalidate, contents, tag
+ * Claims: an entry is whole and has the position that was read; Gone only if the writer has passed, or
+ * is passing, the position; NotYet only if the entry was missing when the read began, or its slot was
+ * being written.
+ * Errors on purpose: -DNO_LAP  -DGONE_AT_ONCE;  with -DSEVERAL_STORES: -DNO_VOID  -DVALID_FIRST
+ * -DNO_RECHECK, and -DRELAXED_CONTENTS (with -DWEAK)
  */
 #define LENGTH 2
 #define POSITIONS 7
 #define LAPS 4
 #define READS 1
 #define DEATHS 1
-/* place.lap(position), and the tag with the kind Word in one bit: never 0, as in the original */
+/* journal.lap(position), and the tag with the kind Word in one bit: never 0, as in the C++ */
 #define LAP(position) (((position) / LENGTH + 1) % LAPS)
 #define TAG(position) (2 * LAP(position) + 1)
 
-byte visible;  /* positions published, as memory has them */
-byte begun;    /* positions whose publication has begun */
+byte visible;  /* number of positions published in memory */
+byte begun;    /* number of positions whose publication has begun */
 
 #define WRITERS 1
 #ifdef SEVERAL_STORES
@@ -78,7 +79,7 @@ life:
     od;
     goto done
   } unless { killed };
-  /* JournalWriter{place}: goes on at end_of(place), see end.pml */
+  /* JournalWriter{journal}: continues at end_of(journal), see end.pml */
   atomic { is_drained(0) -> next = visible; killed = false };
   goto life;
 done:
@@ -127,7 +128,7 @@ proctype Reader() {
        /* found - expected, modulo the number of laps */
        ahead = (LAPS + tag / 2 - LAP(position)) % LAPS;
        if
-       :: begun > position + 2 * LENGTH -> skip  /* came more than a lap late: nothing is claimed */
+       :: begun > position + 2 * LENGTH -> skip  /* more than a lap late: no claim */
        :: else ->
           if
 #ifdef NO_LAP

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * A latch: write_record and read_record of record.hpp for up to 7 words, here 2. The writer may stop
- * for ever after any store.
- * Claims: what is read is whole and never older than before; an attempt fails only if the writer
- * published something meanwhile.
- * Broken: -DONE_COPY  -DCOUNT_FIRST  -DNO_RECHECK  -DRELAXED_WORDS (with -DWEAK)
+ * forever after any store.
+ * Claims: every read is whole and not older than the last one; an attempt fails only if the writer
+ * published a write meanwhile.
+ * Errors on purpose: -DONE_COPY  -DCOUNT_FIRST  -DNO_RECHECK  -DRELAXED_WORDS (with -DWEAK)
  */
 #define WRITES 4
 #define READS 3
@@ -45,7 +45,7 @@ proctype Writer() {
      store(0, COUNT, count + 1, RELEASE);
 #endif
      count++
-  :: break  /* stopped, or dead: here or, as its last stores may stay in the buffer, before */
+  :: break  /* stopped or dead; its last stores may remain in the buffer */
   od
 }
 
@@ -68,10 +68,10 @@ proctype Reader() {
        if
        :: again == count ->
           assert(first == second);  /* whole */
-          assert(first >= seen);    /* never older than before */
+          assert(first >= seen);    /* not older than the last read */
           assert(first == count);   /* the last one published */
           seen = first
-       :: else -> assert(published)  /* never blocked by a writer that stands still */
+       :: else -> assert(published)  /* never blocked by a stopped writer */
        fi;
        first = 0; second = 0; again = 0; count = 0; published = false
      };

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What other processors see of a writer's stores, and when. A store goes into its writer's buffer;
- * from there it reaches the memory at any later time:
- *   as on x86-64      in the order of the stores
- *   -DWEAK            as little ordered as C++ allows: a relaxed store overtakes anything but stores
- *                     to its own cell, a release store overtakes nothing
- * Loads are taken in program order, from memory; a writer keeps in variables what it wrote itself.
- * Before the #include: CELLS, WRITERS, DRAINED(cell, value), what a model notes when memory changes.
+ * Order in which other processors see a writer's stores. A store goes into its writer's buffer and
+ * reaches the memory at any later time:
+ *   as written        in the order of the stores, as on x86-64
+ *   -DWEAK            as weakly ordered as C++ allows: a relaxed store overtakes all stores but those
+ *                     to its own cell, a release store overtakes none
+ * Loads read the memory in program order; a writer keeps its own values in variables.
+ * Defined before the #include: CELLS, WRITERS, and DRAINED(cell, value), which a model executes when
+ * memory changes.
  */
 #ifndef PENDING
 #define PENDING 6
@@ -23,11 +24,11 @@ typedef Buffer {
 byte memory[CELLS];
 Buffer buffer[WRITERS];
 
-inline store(writer, to, what, order) {
+inline store(writer, to, word, order) {
   atomic {
     buffer[writer].length < PENDING ->
     buffer[writer].cell[buffer[writer].length] = to;
-    buffer[writer].value[buffer[writer].length] = what;
+    buffer[writer].value[buffer[writer].length] = word;
     buffer[writer].release[buffer[writer].length] = order;
     buffer[writer].length++
   }
@@ -35,7 +36,7 @@ inline store(writer, to, what, order) {
 
 #define is_drained(writer) (buffer[writer].length == 0)
 
-/* The processor of a writer. It goes on when the writer is stopped or dead. */
+/* The processor of a writer. It continues after the writer is stopped or dead. */
 proctype Processor(byte writer) {
   byte i, j;
   bool may = true;

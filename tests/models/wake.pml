@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Sleeping and waking: Node::write and wake_all, Waiter::wait and Drowsy. There are no time-outs here,
- * and the bit of a third slot, whose process died in its sleep, is set.
- * Claim: nobody sleeps for ever while there is a write that it has not seen (spin: invalid end state).
- * Broken: -DNO_MEMBARRIER  -DLOOK_BEFORE  -DCALLS_AFTER  -DNO_SECOND_CALL
+ * Sleeping and waking: Node::write and wake_all, Waiter::wait and Sleeper, without time-outs. The bit
+ * of another slot is set, whose process died while it slept.
+ * Claim: no process sleeps forever while there is a write that it has not seen (spin: invalid end
+ * state).
+ * Errors on purpose: -DNO_MEMBARRIER  -DLOOK_BEFORE  -DCALLS_AFTER  -DNO_SECOND_CALL
  */
 #define WRITES 2
 #ifndef SLEEPERS
@@ -12,7 +13,7 @@
 #ifndef WRITERS
 #define WRITERS 2
 #endif
-/* A journal each, as the number of its last entry; memory words are not looked at by who waits. */
+/* One journal per writer, as the number of its last entry; waiters do not read memory words. */
 #define JOURNAL(writer) (writer)
 #define CELLS WRITERS
 #define DRAINED(cell, value) skip
@@ -20,7 +21,7 @@
 
 #define DEAD (1 << SLEEPERS)
 
-/* Changed by locked instructions and by the kernel only: never in a buffer. */
+/* Changed only by locked instructions and by the kernel, so never in a buffer. */
 byte calls;
 byte sleepers = DEAD;
 bool asleep[SLEEPERS];
@@ -38,8 +39,8 @@ inline wake_futex() {
   }
 }
 
-/* A locked instruction, and a system call, wait until the writer's own buffer is empty. */
-inline call() {
+/* A locked instruction and a system call wait until the writer's own buffer is empty. */
+inline wake_up() {
   atomic { is_drained(me) -> calls++ };  /* at(wake.calls).fetch_add(1) */
   wake_futex()
 }
@@ -49,18 +50,18 @@ proctype Writer(byte me) {
   do
   :: count < WRITES ->
      count++;
-     /* journal_->word(offset, word) */
+     /* writer->journal.word(offset, word) */
      store(me, JOURNAL(me), count, RELEASE);
      /* if (at(wake.sleepers).load(relaxed) != 0) wake_all(wake) */
      if
      :: sleepers != 0 ->
         seen = sleepers;
-        call();
+        wake_up();
         if
         :: woken == 0 ->
            atomic { sleepers = sleepers & (255 - seen) };  /* at(wake.sleepers).fetch_and(~seen) */
 #ifndef NO_SECOND_CALL
-           call()
+           wake_up()
 #endif
         :: else
         fi;
@@ -71,8 +72,8 @@ proctype Writer(byte me) {
   od
 }
 
-/* Has the follower of each writer seen everything? */
-inline look() {
+/* poll: reads the journal of each writer */
+inline poll() {
   writer = 0;
   news = false;
   do
@@ -96,16 +97,16 @@ proctype Sleeper(byte me) {
   byte had, writer, all;
   bool news;
   do
-  :: /* Drowsy: calls_{at(wake.calls).load()} */
+  :: /* Sleeper: calls_{at(wake.calls).load()} */
 #ifndef CALLS_AFTER
      had = calls;
 #endif
 #ifdef LOOK_BEFORE
-     look();
+     poll();
 #endif
      sleepers = sleepers | (1 << me);  /* at(wake.sleepers).fetch_or(bit_) */
 #ifndef NO_MEMBARRIER
-     /* membarrier(GLOBAL_EXPEDITED): each processor in its turn lets its stores go */
+     /* membarrier(GLOBAL_EXPEDITED): drains the buffer of each processor in turn */
      do
      :: all < WRITERS -> is_drained(all); all++
      :: else -> break
@@ -113,21 +114,21 @@ proctype Sleeper(byte me) {
      all = 0;
 #endif
 #ifndef LOOK_BEFORE
-     /* const Status status = state_->look(write) */
-     look();
+     /* const Status status = state_->poll(write) */
+     poll();
 #endif
 #ifdef CALLS_AFTER
      had = calls;
 #endif
-     /* drowsy.sleep: futex(wake_.calls, FUTEX_WAIT, calls_) */
+     /* sleeper.sleep: futex(wake_.calls, FUTEX_WAIT, calls_) */
      if
      :: news
      :: else ->
         atomic { asleep[me] = (calls == had) };
         !asleep[me]
      fi;
-     atomic { sleepers = sleepers & (255 - (1 << me)); had = 0; news = false };  /* ~Drowsy */
-     /* It goes on waiting until it has seen every write. */
+     atomic { sleepers = sleepers & (255 - (1 << me)); had = 0; news = false };  /* ~Sleeper */
+     /* Waits until it has seen every write. */
      if
      :: seen[0] == WRITES && seen[WRITERS - 1] == WRITES -> break
      :: else

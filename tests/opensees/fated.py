@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A mass on an experimental bearing that comes to grief after some steps.
+"""A mass on an experimental bearing; the script fails in a given way after some steps.
 
 usage: fated.py PORT kill|freeze|fail|vanish|leave STEPS
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Masses that each stand on a spring: experimental ones that are elsewhere, or OpenSees' own.
+"""Masses on one spring each: experimental elements, or elements of OpenSees.
 
 usage: many.py FIRST-PORT|inside COUNT STEPS
 

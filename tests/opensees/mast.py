@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A mast on one bearing that shears, turns and carries it: the bearing elsewhere, or OpenSees' own.
+"""A mast on one bearing with shear, rotation and axial load: an experimental element, or one of OpenSees.
 
-usage: mast.py MOTION.csv ring|own PORT RESPONSE.csv [--small]
+usage: mast.py MOTION.csv ring|own PORT RESPONSE.csv [--both-nodes]
 
-The bearing is 0.5 m high, its point of no moment 0.15 m above the foundation; the mast is 6 m of steel with
-450 t. Its weight comes first. Writes time and the six displacements of the top of the bearing at each step.
-With `--both-nodes` the element lists the foundation's degrees of freedom as well.
+The bearing is 0.5 m high, with the point of zero moment 0.15 m above the foundation. The mast is 6 m of steel with
+450 t. The weight is applied first. Writes time and the six displacements of the top of the bearing at each step.
+With `--both-nodes`, the element also lists the foundation's degrees of freedom.
 """
 import csv
 import sys

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A mass on a spring that is elsewhere: `element genericClient`, shaken by a sine.
+"""A mass on an external spring, an `element genericClient`, under a sine excitation.
 
 usage: oscillator.py PORT tcp|udp STEPS INTEGRATOR [ARGUMENT …] [--data-size N]
            [--algorithm NAME[,ARGUMENT …]] [--iterations N]
 
 Mass 0.04, time step 0.02, ground acceleration 100 sin(2 pi t / 0.5). Prints the displacement after each
-step. Ends with 3 if a step fails.
+step. Exits with 3 if a step fails.
 """
 import argparse
 import sys

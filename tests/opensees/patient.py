@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""A mass on an experimental bearing that is shaken until somebody ends it.
+"""A mass on an experimental bearing, shaken until the process is killed.
 
 usage: patient.py PORT FILE
 
-Makes the file after a hundred steps.
+Creates the file after a hundred steps.
 """
 import sys
 

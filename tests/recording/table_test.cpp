@@ -49,9 +49,10 @@ TEST_F(TableTest, NumbersColumnsWithoutNames) {
 
 TEST_F(TableTest, ReportsTheLineOfAnError) {
   EXPECT_EQ(error("t,u\n0,1\n0.1\n"), "log.csv:3: 1 columns, expected 2 as in the first row");
-  EXPECT_EQ(error("# nothing\n"), "log.csv: holds no columns of numbers");
-  EXPECT_EQ(error("t,u\n"), "log.csv: holds names of columns, but no rows");
-  EXPECT_EQ(error("t,u,t\n0,1,2\n"), "log.csv:1: two columns are called 't'");
+  EXPECT_EQ(error("# nothing\n"), "log.csv: found no columns of numbers, expected at least one");
+  EXPECT_EQ(error("t,u\n"), "log.csv: found column names but no rows, expected at least one row");
+  EXPECT_EQ(error("t,u,t\n0,1,2\n"),
+            "log.csv:1: two columns are named 't', expected different names");
 }
 
 TEST_F(TableTest, ReportsAMissingNumberOnlyInARequestedColumn) {
@@ -61,7 +62,7 @@ TEST_F(TableTest, ReportsAMissingNumberOnlyInARequestedColumn) {
     EXPECT_EQ(table.column("t"), (Values{0, 0.1}));
     const auto message = test::error_of([&] { static_cast<void>(table.column("u")); });
     EXPECT_EQ(message.substr(message.find("log.csv")),
-              "log.csv:3: '" + cell + "' in column 'u' is no finite number");
+              "log.csv:3: found '" + cell + "' in column 'u', expected a finite number");
     EXPECT_EQ(table.column_with_gaps("u")[0], 1);
     EXPECT_TRUE(std::isnan(table.column_with_gaps("u")[1]));
   }

@@ -63,7 +63,7 @@ TEST(Drawing, RefusesACurveWithUnequalCoordinates) {
   EXPECT_EQ(test::error_of([] {
               static_cast<void>(draw("", {{"p", "", "", {{"", {1}, {}}}}}));
             }),
-            "drawing 'p': a curve has 1 x and 0 y, expected as many of both");
+            "drawing 'p': a curve has 1 x and 0 y, expected equal numbers, at least 1");
 }
 
 }  // namespace

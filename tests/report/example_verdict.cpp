@@ -215,9 +215,10 @@ Verdict missing_verdict() {
   v.confidence = 0.98;
   v.sentence =
       "Missing: Coulomb friction in the guides, Fc = 41.2 kN ± 0.7 kN (confidence 0.98); explains "
-      "97 % of the unexplained residual; on the unseen record the error falls from 9.1 % to 0.6 % "
-      "(noise alone: 0.6 %). Could also be friction that follows the vertical load; an empty table "
-      "under a sine of 0.5 Hz at three vertical loads would separate the two (218 σ).";
+      "97 % of the systematic residual; on the unseen record the error falls from 9.1 % to 0.6 % "
+      "(noise floor 0.6 %). Could also be friction that follows the vertical load. Next test: "
+      "empty "
+      "table, sine of 0.5 Hz at three vertical loads (218 σ).";
   v.traces = {trace("northridge.csv", 0, truth, absorbed_law, after),
               trace("petrolia.csv", 1.1, truth, absorbed_law, after)};
   v.where = where_of(v.traces[0], motion(0));
@@ -251,8 +252,9 @@ Verdict none_verdict() {
   v.outcome = Outcome::None;
   v.confidence = 0.97;
   v.sentence =
-      "Nothing is missing: the residual of the simulation on the unseen record is noise "
-      "(error 0.6 %, noise alone 0.6 %; confidence 0.97).";
+      "Nothing is missing: the residual on the unseen record is noise (error 0.6 %, noise floor "
+      "0.6 "
+      "%; confidence 0.97).";
   v.traces = {trace("petrolia.csv", 1.1, base_law, base_law, base_law)};
   v.fit = {{"petrolia.csv", "held_out", 0.0061, 0.0061, 0.0061, 0.0060, 1.01, 1.01}};
   v.residual_white = true;
@@ -271,9 +273,10 @@ Verdict unknown_verdict() {
   v.confidence = 0.94;
   v.has_remainder = true;
   v.sentence =
-      "Something unknown is missing: a force that depends on displacement, f(u), explains 93 % of "
-      "the residual (confidence 0.94); a triangle of 20 mm/s on the empty table would show whether "
-      "it acts in the machine.";
+      "Unknown: no term of the catalogue explains the residual; a force that depends on "
+      "displacement, f(u), explains 93 % of it (confidence 0.94). Next test: a triangle of 20 mm/s "
+      "on "
+      "the empty table shows whether it is the machine's.";
   v.traces = {trace("northridge.csv", 0, truth, base_law, base_law),
               trace("petrolia.csv", 1.1, truth, base_law, base_law)};
   v.where = where_of(v.traces[0], motion(0));

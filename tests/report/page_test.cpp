@@ -10,22 +10,16 @@
 namespace rths::report {
 namespace {
 
-TEST(ShortRun, IsMadeOnceForSeveralTests) {
-  const test::Finished finished = test::SharedRun{"short_run"}.make(test::kShortRun);
-
-  EXPECT_EQ(finished.exit_code, 0) << finished.err;
-}
-
 /// The report page of a short run.
 class Page : public ::testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(run.is_made()) << run.path() << " is made by ctest before this test";
+    ASSERT_TRUE(run.is_made()) << run.path << ": ctest makes this run before the test";
     html = test::content_of(file());
   }
-  [[nodiscard]] std::filesystem::path file() const { return run.path() / "report.html"; }
+  [[nodiscard]] std::filesystem::path file() const { return run.path / "report.html"; }
 
-  const test::SharedRun run{"short_run"};
+  const test::SharedRun run = test::short_run();
   std::string html;
 };
 

@@ -132,7 +132,7 @@ TEST_F(RenderedVerdict, DrawsWithOptionalDataMissing) {
 
   // States; history, residual, correlation.
   EXPECT_EQ(body_of(page), "<body data-figures=\"4\">");
-  EXPECT_TRUE(holds(page, "No record was held out: what follows is no proof."));
+  EXPECT_TRUE(holds(page, "No record was held out: the following is not a proof."));
 }
 
 TEST_F(RenderedVerdict, DrawsAnEmptyVerdict) {

@@ -139,7 +139,7 @@ TEST(WriteDiagnosis, NamesTheFolderItCannotWrite) {
 
   const auto message = test::error_of([&] { write_diagnosis(none_verdict(), file); });
 
-  EXPECT_EQ(message.rfind(file.string() + ": cannot be made a folder", 0), 0U) << message;
+  EXPECT_EQ(message.rfind(file.string() + ": cannot create the folder", 0), 0U) << message;
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What lies below the vendor's names: cards, their registers, queues and windows. Two boards in one
-// process stand for two nodes of a ring.
+// The layer below the vendor's API: cards, registers, queues and windows. Two boards in one process
+// represent two nodes of a ring.
 #include <array>
 #include <memory>
 #include <set>
@@ -69,22 +69,22 @@ TEST_F(Cards, AreSharedByTheProcessesOfANode) {
 TEST_F(Cards, ShowOnePageOfALargerRing) {
   constexpr std::uint64_t kCard = 2U << 20U;
   Board whole{settings("1")};
-  Board part{settings("2", kCard)};
-  ASSERT_TRUE(whole.map_window() && part.map_window());
-  const std::byte* const address = part.window();
+  Board paged{settings("2", kCard)};
+  ASSERT_TRUE(whole.map_window() && paged.map_window());
+  const std::byte* const address = paged.window();
 
-  part.write_csr(12, 2U << 14U | 1U);  // page 2 of a card with 2 MB
-  word(part, 5).store(77);
+  paged.write_csr(12, 2U << 14U | 1U);  // page 2 of a card with 2 MB
+  word(paged, 5).store(77);
 
   EXPECT_EQ(word(whole, 2 * kCard / 4 + 5).load(), 77U);
-  EXPECT_EQ(part.window(), address);
-  EXPECT_TRUE(part.has_page(3));
-  EXPECT_FALSE(part.has_page(4));
-  part.write_csr(12, 0);
-  EXPECT_EQ(word(part, 5).load(), 0U);
+  EXPECT_EQ(paged.window(), address);
+  EXPECT_TRUE(paged.has_page(3));
+  EXPECT_FALSE(paged.has_page(4));
+  paged.write_csr(12, 0);
+  EXPECT_EQ(word(paged, 5).load(), 0U);
 }
 
-TEST_F(Cards, InterruptWithTheAddressOnTheRing) {
+TEST_F(Cards, ReportInterruptsByTheAddressOnTheRing) {
   constexpr std::uint32_t kPage = (2U << 20U) / 4;
   Board sender{settings("1")};
   Board receiver{settings("2", 2U << 20U)};
@@ -127,12 +127,12 @@ TEST_F(Cards, FollowTheRulesOfInterruptBits) {
     sender.write_csr(0, rule.sender_csr0);
     receiver.write_csr(0, rule.receiver_csr0);
     word(sender, 8).fetch_add(1);
-    receiver.scanner().look();
+    receiver.scanner().scan();
     EXPECT_EQ(pop(receiver.plus().fifo).has_value(), rule.arrives) << (&rule - rules.data());
   }
 }
 
-TEST(InterruptFifo, KeepsOrderAndItsOldest) {
+TEST(InterruptFifo, KeepsOrderAndItsOldestEntries) {
   auto fifo = std::make_unique<InterruptFifo>();
   for (std::uint32_t i = 0; i < kFifoEntries; ++i) EXPECT_TRUE(push(*fifo, i * 4));
   EXPECT_FALSE(push(*fifo, 77));
@@ -141,13 +141,13 @@ TEST(InterruptFifo, KeepsOrderAndItsOldest) {
   EXPECT_EQ(pop(*fifo), std::nullopt);
 }
 
-TEST(GtQueue, PassesOverAWriterThatDied) {
+TEST(GtQueue, SkipsAWriterThatDied) {
   const auto card = std::make_unique<GtCard>();
   const broker::Claim self = broker::own_claim();
   ASSERT_TRUE(push(*card, {1, 2, 3, 4}, self));
-  card->queue[1].writer.store(kDead);  // died having reserved the entry
+  card->queue[1].writer.store(kDead);  // died after it reserved the entry
   ASSERT_TRUE(push(*card, {1, 2, 3, 5}, self));
-  card->queue[2].writer.store(kDead);  // died having written it, before the tail moved
+  card->queue[2].writer.store(kDead);  // died after it wrote the entry, before it moved the tail
   card->queue[2].stamp.store(3);
   ASSERT_TRUE(push(*card, {1, 2, 3, 6}, self));
 
@@ -157,7 +157,7 @@ TEST(GtQueue, PassesOverAWriterThatDied) {
   EXPECT_EQ(found.value, 6U);
 }
 
-TEST(GtQueue, LosesNothingHoweverManyWrite) {
+TEST(GtQueue, LosesNothingWithSeveralWriters) {
   constexpr std::uint32_t kThreads = 4, kEach = 250;
   const auto card = std::make_unique<GtCard>();
   const broker::Claim self = broker::own_claim();
@@ -170,14 +170,14 @@ TEST(GtQueue, LosesNothingHoweverManyWrite) {
   for (auto& thread : threads) thread.join();
 
   std::array<std::uint32_t, kThreads> next{};
-  for (std::uint64_t place = 0; place < kThreads * kEach; ++place) {
+  for (std::uint64_t position = 0; position < kThreads * kEach; ++position) {
     GtInterrupt found;
-    ASSERT_TRUE(read(*card, place, found));
-    EXPECT_EQ(found.value, next[found.source]++) << "in the order in which each one wrote";
+    ASSERT_TRUE(read(*card, position, found));
+    EXPECT_EQ(found.value, next[found.source]++) << "in each writer's order";
   }
 }
 
-TEST(CardSettings, ComeFromAFileAndBeforeItFromTheEnvironment) {
+TEST(CardSettings, ComeFromTheEnvironmentThenFromAFile) {
   const test::TemporaryFolder folder;
   const auto file =
       folder.write("card.toml",
@@ -197,7 +197,7 @@ TEST(CardSettings, ComeFromAFileAndBeforeItFromTheEnvironment) {
   unsetenv("RTHS_SCRAMNET_NODE");
 }
 
-TEST(CardSettings, SayWhatIsWrongAndWhere) {
+TEST(CardSettings, ReportErrorsWithTheirPosition) {
   const test::TemporaryFolder folder;
   const auto error_of = [&](const std::string& text) {
     const auto file = folder.write("card.toml", text);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Programs in the shapes of those that were written for the cards, as processes of their own.
+// Programs modelled on those written for the cards, each in a process of its own.
 #include <memory>
 
 #include <unistd.h>
@@ -29,7 +29,7 @@ class Clients : public rths::test::VendorRing {
     EXPECT_EQ(finished.exit_code, 0) << name << ": " << finished.err;
     EXPECT_EQ(finished.out, "ok\n") << name;
   }
-  /// Two nodes pass a number round by interrupts.
+  /// Two nodes pass a number around the ring by interrupts.
   static void pass_round(const std::string& name, const std::string& how) {
     Running first{client(name, {"0", "2", "300", how})};
     Running second{client(name, {"1", "2", "300", how})};
@@ -48,7 +48,7 @@ TEST_F(Clients, OfEachTypeRun) {
   expect_ok("old_device_static");
 }
 
-TEST_F(Clients, ShakeHandsAsOpenFrescoDoesForTenThousandSteps) {
+TEST_F(Clients, CompleteTenThousandStepsOfOpenFrescosHandshake) {
   Running controller{client("controller")};
   Running solver{client("openfresco", {"10000"})};
 
@@ -61,11 +61,11 @@ TEST_F(Clients, ShakeHandsAsOpenFrescoDoesForTenThousandSteps) {
   EXPECT_EQ(of_controller.out, "10000 steps\n");
 }
 
-TEST_F(Clients, PassANumberRoundByWaiting) { pass_round("dueca", "wait"); }
-TEST_F(Clients, PassANumberRoundBySignals) { pass_round("dueca", "signal"); }
-TEST_F(Clients, PassANumberRoundWhenLinkedStatically) { pass_round("dueca_static", "wait"); }
+TEST_F(Clients, PassANumberAroundByWaiting) { pass_round("dueca", "wait"); }
+TEST_F(Clients, PassANumberAroundBySignals) { pass_round("dueca", "signal"); }
+TEST_F(Clients, PassANumberAroundWhenLinkedStatically) { pass_round("dueca_static", "wait"); }
 
-TEST_F(Clients, MakeOneRingHoweverManyStartAtOnce) {
+TEST_F(Clients, CreateOneRingWhenSeveralStartAtOnce) {
   std::vector<std::unique_ptr<Running>> starting;
   for (unsigned i = 0; i < 8; ++i)
     starting.push_back(
@@ -94,8 +94,8 @@ TEST_F(Clients, RunTheExample) {
   EXPECT_EQ(counter.wait(5).out, "vendor's side: summed 10 numbers\n");
 }
 
-// A client of ours and one of theirs on the same words.
-TEST_F(Clients, SeeWhatOurOwnNodesWrite) {
+// A node of the ring reads the words that a vendor client wrote.
+TEST_F(Clients, WriteWordsThatNodesOfTheRingRead) {
   const Finished finished = Running{client("peer", {"40", "2", "0"})}.wait();
   ASSERT_EQ(finished.exit_code, 0);
   auto attached = rths::broker::Ring::attach(clients_ring());

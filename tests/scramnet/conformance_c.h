@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What the tables of names become in C. Functions and globals are checked by the compiler, as
- * pointers of the type that the table gives; constants and layouts when the test runs. */
+ * The checks of the name tables in C. The compiler checks functions and globals, as pointers of the
+ * type in the table; the test checks constants and layouts when it runs. */
 #include <stddef.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Names, values, prototypes and layouts against the reference tables, in C and in C++.
+// Compares names, values, prototypes and layouts with the reference tables, in C and in C++.
 #include <array>
 #include <cstddef>
 #include <cstdio>
@@ -20,22 +20,22 @@ struct name_check {
   const char* name;
   unsigned long found, expected;
 };
-unsigned plus_names_in_c(name_check* checks, unsigned room);
-unsigned gt_names_in_c(name_check* checks, unsigned room);
-unsigned old_gt_names_in_c(name_check* checks, unsigned room);
+unsigned plus_names_in_c(name_check* checks, unsigned capacity);
+unsigned gt_names_in_c(name_check* checks, unsigned capacity);
+unsigned old_gt_names_in_c(name_check* checks, unsigned capacity);
 }
 
 namespace {
 
-constexpr unsigned kRoom = 600;
+constexpr unsigned kCapacity = 600;
 
-// How many different names a table has, all of them as the table says.
+// Checks all names of a table and returns the number of different names.
 std::size_t count_right(unsigned (*table)(name_check*, unsigned)) {
-  std::array<name_check, kRoom> checks{};
-  const unsigned count = table(checks.data(), kRoom);
-  EXPECT_LE(count, kRoom);
+  std::array<name_check, kCapacity> checks{};
+  const unsigned count = table(checks.data(), kCapacity);
+  EXPECT_LE(count, kCapacity);
   std::set<std::string> names;
-  for (unsigned i = 0; i < count && i < kRoom; ++i) {
+  for (unsigned i = 0; i < count && i < kCapacity; ++i) {
     EXPECT_EQ(checks[i].found, checks[i].expected) << checks[i].name;
     names.insert(checks[i].name);
   }
@@ -57,7 +57,7 @@ TEST(VendorNames, AreThoseOfTheGtTablesInCWithAndWithoutConst) {
   EXPECT_GT(names, 80U);
 }
 
-// In C++ the compiler does it all.
+// In C++ the compiler checks almost everything.
 #define CONSTED const
 #define CONSTANT(name, value)                                 \
   static_assert(static_cast<unsigned long>(name) == (value)); \

@@ -6,13 +6,13 @@
 
 #define CONSTED
 
-unsigned old_gt_names_in_c(struct name_check* checks, unsigned room);
+unsigned old_gt_names_in_c(struct name_check* checks, unsigned capacity);
 
-unsigned old_gt_names_in_c(struct name_check* checks, unsigned room) {
+unsigned old_gt_names_in_c(struct name_check* checks, unsigned capacity) {
   const struct name_check all[] = {
 #include "gt_names.inc"
   };
   const unsigned count = sizeof all / sizeof all[0];
-  memcpy(checks, all, (count < room ? count : room) * sizeof all[0]);
+  memcpy(checks, all, (count < capacity ? count : capacity) * sizeof all[0]);
   return count;
 }

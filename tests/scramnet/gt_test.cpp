@@ -67,7 +67,7 @@ TEST_F(Gt, RefusesWrongParameters) {
             uint32{SCGT_DMA_UNSUPPORTED});
 }
 
-TEST_F(Gt, MapsAMemoryOf128MbThatTakesNoRoomUntilUsed) {
+TEST_F(Gt, MapsASparseMemoryOf128Mb) {
   auto* memory = static_cast<uint32*>(scgtMapMem(&handle_));
   ASSERT_NE(memory, nullptr);
   EXPECT_EQ(scgtMapMem(&handle_), memory);
@@ -111,7 +111,7 @@ TEST_F(Gt, RoundsTransfersDownToTheirWidth) {
   EXPECT_EQ(memory[64], 5);
 }
 
-TEST_F(Gt, KeepsStatesAndRefusesThoseThatAreNotItsToSet) {
+TEST_F(Gt, KeepsStatesAndRefusesToSetReadOnlyOnes) {
   EXPECT_EQ(get(SCGT_NODE_ID), 3U);
   set(SCGT_NODE_ID, 0x1FF);
   EXPECT_EQ(get(SCGT_NODE_ID), 0xFFU);
@@ -148,7 +148,7 @@ TEST_F(Gt, HasRegistersBehindItsStates) {
   }
 }
 
-TEST_F(Gt, ReceivesBroadcastsThatItsMaskLetsInWithTheirDataBeforeThem) {
+TEST_F(Gt, ReceivesTheBroadcastsOfItsMaskAfterTheirData) {
   scgtIntrHandle cursor = kFresh;
   EXPECT_EQ(receive(cursor), uint32{SCGT_TIMEOUT});
   set(SCGT_BROADCAST_INT_MASK, 1U << 5U);
@@ -174,7 +174,7 @@ TEST_F(Gt, ReceivesBroadcastsThatItsMaskLetsInWithTheirDataBeforeThem) {
   EXPECT_EQ(get(SCGT_UPSTREAM_NODE_ID), 7U);
 }
 
-TEST_F(Gt, ReceivesUnicastsOnlyAtTheNodeTheyNameAndOnlyIfItLetsThemIn) {
+TEST_F(Gt, ReceivesUnicastsOnlyForItsIdAndOnlyIfEnabled) {
   scgtIntrHandle cursor = kFresh;
   static_cast<void>(receive(cursor));
   sender("unicast", 3, 1);
@@ -188,7 +188,7 @@ TEST_F(Gt, ReceivesUnicastsOnlyAtTheNodeTheyNameAndOnlyIfItLetsThemIn) {
   EXPECT_EQ(got_[0].id, 0U);
 }
 
-TEST_F(Gt, InterruptsItselfOnlyIfAsked) {
+TEST_F(Gt, InterruptsItselfOnlyIfEnabled) {
   scgtIntrHandle cursor = kFresh;
   static_cast<void>(receive(cursor));
   set(SCGT_BROADCAST_INT_MASK, kFresh);
@@ -201,7 +201,7 @@ TEST_F(Gt, InterruptsItselfOnlyIfAsked) {
   EXPECT_EQ(got_[0].val, 78U);
 }
 
-TEST_F(Gt, GivesEveryReaderEveryInterruptAndTellsWhoIsTooLate) {
+TEST_F(Gt, GivesEveryReaderEveryInterruptOrReportsMissedOnes) {
   set(SCGT_BROADCAST_INT_MASK, 1);
   scgtIntrHandle first = kFresh;
   scgtIntrHandle second = kFresh;
@@ -220,7 +220,7 @@ TEST_F(Gt, GivesEveryReaderEveryInterruptAndTellsWhoIsTooLate) {
   EXPECT_EQ(receive(wrong), uint32{SCGT_BAD_PARAMETER});
 }
 
-TEST_F(Gt, WakesWhoSleeps) {
+TEST_F(Gt, WakesASleepingReader) {
   set(SCGT_BROADCAST_INT_MASK, 1);
   scgtIntrHandle cursor = kFresh;
   Running later{client("gt_sender", {"broadcast", "0", "1"})};
@@ -228,7 +228,7 @@ TEST_F(Gt, WakesWhoSleeps) {
   EXPECT_EQ(later.wait().exit_code, 0);
 }
 
-TEST_F(Gt, HasTextsAndStatistics) {
+TEST_F(Gt, HasErrorTextsAndStatistics) {
   EXPECT_STREQ(scgtGetErrStr(SCGT_MISSED_INTERRUPTS), "Missed Interrupts");
   EXPECT_STREQ(scgtGetErrStr(SCGT_HARDWARE_ERROR), "Hardware Error");
   EXPECT_STREQ(scgtGetErrStr(12), "Unknown Error");
@@ -242,7 +242,7 @@ TEST_F(Gt, HasTextsAndStatistics) {
   EXPECT_EQ(scgtGetStats(&handle_, values.data(), nullptr, 1, head[0]), uint32{SCGT_BAD_PARAMETER});
 }
 
-TEST_F(Gt, CarriesTheBenchmarkWithItsBarrierOfBytes) {
+TEST_F(Gt, RunsABenchmarkWithABarrierOfBytes) {
   Running first{client("ptest", {"0", "60"})};
   Running second{client("ptest", {"1", "60"})};
   EXPECT_EQ(first.wait().exit_code, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Interrupts need a second card: a process that stores into words for which it has TIE.
+// Interrupts need a second card: another process that stores into words with TIE in its ACR.
 #include <csignal>
 #include <cstring>
 
@@ -36,7 +36,7 @@ class Interrupts : public rths::test::VendorRing {
   }
 };
 
-TEST_F(Interrupts, BringTheAddressesOfWordsThatOthersWrote) {
+TEST_F(Interrupts, GiveTheAddressesOfWordsThatOthersWrote) {
   listen();
   peer_writes(100, 3);
 
@@ -60,7 +60,7 @@ TEST_F(Interrupts, AreReadThroughCsr5ThenCsr4) {
   EXPECT_EQ(scr_csr_read(SCR_CSR4), 0);
 }
 
-TEST_F(Interrupts, AreReadThroughTheFifoCallToo) {
+TEST_F(Interrupts, AreReadThroughTheFifoCall) {
   listen();
   peer_writes(300, 1);
   struct rd_fifo fifo = {};
@@ -88,11 +88,11 @@ TEST_F(Interrupts, NeedReceiveAndTransmitInterruptEnable) {
 
   get_base_mem()[50] = 99;  // our own store
   scr_acr_write(50, ACR_RIE | ACR_TIE);
-  get_base_mem()[60] = 1;  // nobody has anything there
+  get_base_mem()[60] = 1;  // no card has RIE or TIE there
   EXPECT_EQ(scr_csr_read(SCR_CSR1) & 0x1FFF, 0);
 }
 
-TEST_F(Interrupts, OfOurOwnNeedToBeAskedFor) {
+TEST_F(Interrupts, OfOwnStoresMustBeEnabled) {
   for (const unsigned own : {0U, 0x600U}) {
     scr_csr_write(SCR_CSR2, static_cast<unsigned short>(0x4040 | own));
     scr_acr_write(2000, ACR_RIE | ACR_TIE);
@@ -103,7 +103,7 @@ TEST_F(Interrupts, OfOurOwnNeedToBeAskedFor) {
   }
 }
 
-TEST_F(Interrupts, FillTheFifoAndKeepTheOldest) {
+TEST_F(Interrupts, FillTheFifoAndKeepTheOldestEntries) {
   listen();
   peer_writes(0, 1100);
   EXPECT_EQ(scr_csr_read(SCR_CSR1) & CSR1_INTFF, CSR1_INTFF);
@@ -119,7 +119,7 @@ TEST_F(Interrupts, FillTheFifoAndKeepTheOldest) {
   EXPECT_EQ(address, 1099U * 4);
 }
 
-TEST_F(Interrupts, DisarmWhenDeliveredAndFireAgainWhenArmedWithEntriesLeft) {
+TEST_F(Interrupts, DisarmWhenDeliveredAndFireWhenRearmedWithEntriesLeft) {
   listen();
   EXPECT_EQ(scr_csr_read(SCR_CSR1) & CSR1_IARM, CSR1_IARM);
   peer_writes(10, 2);
@@ -136,7 +136,7 @@ TEST_F(Interrupts, DisarmWhenDeliveredAndFireAgainWhenArmedWithEntriesLeft) {
   EXPECT_EQ(scr_csr_read(SCR_CSR1) & CSR1_IARM, CSR1_IARM);
 }
 
-TEST_F(Interrupts, LetSignalsBreakTheWait) {
+TEST_F(Interrupts, AllowSignalsToEndTheWait) {
   listen();
   struct sigaction action = {};
   struct sigaction before = {};
@@ -148,18 +148,18 @@ TEST_F(Interrupts, LetSignalsBreakTheWait) {
   sigaction(SIGALRM, &before, nullptr);
 }
 
-TEST_F(Interrupts, SignalOnlyThoseWhoAreRegistered) {
+TEST_F(Interrupts, SignalOnlyRegisteredProcesses) {
   sigset_t only;
   sigemptyset(&only);
   sigaddset(&only, SIGUSR1);
   pthread_sigmask(SIG_BLOCK, &only, nullptr);
-  const timespec patience{5, 0};
+  const timespec timeout{5, 0};
   const timespec none{0, 0};
   ASSERT_EQ(ioctl(scr_csr_fd, INTSIG, SET_SIG), 0);
   listen();
 
   peer_writes(10, 1);
-  EXPECT_EQ(sigtimedwait(&only, nullptr, &patience), SIGUSR1);
+  EXPECT_EQ(sigtimedwait(&only, nullptr, &timeout), SIGUSR1);
 
   ASSERT_EQ(ioctl(scr_csr_fd, INTSIG, CLR_SIG), 0);
   unsigned address = 0;

@@ -7,7 +7,7 @@ namespace {
 
 using Mapping = rths::test::VendorRing;
 
-TEST_F(Mapping, GivesACardItsMemoryAndItsRegisters) {
+TEST_F(Mapping, GivesAccessToMemoryAndRegisters) {
   ASSERT_EQ(sp_scram_init(0), 0);
   ASSERT_EQ(sp_scram_init(), 0);
 
@@ -21,7 +21,7 @@ TEST_F(Mapping, GivesACardItsMemoryAndItsRegisters) {
   EXPECT_EQ(get_base_mem(), get_base_mem());
 }
 
-TEST_F(Mapping, MapsAndUnmapsInAnyOrderAnyNumberOfTimes) {
+TEST_F(Mapping, MapsAndUnmapsInAnyOrderRepeatedly) {
   for (int round = 0; round < 2; ++round) {
     EXPECT_EQ(scr_reg_mm(MAP), 0);
     EXPECT_EQ(scr_reg_mm(MAP), 0);
@@ -60,7 +60,7 @@ TEST_F(Mapping, KeepsMemoryAcrossUnmapping) {
   EXPECT_EQ(get_base_mem()[1234], 77U);
 }
 
-TEST_F(Mapping, ShowsTheProcessToTheDoctor) {
+TEST_F(Mapping, ListsTheProcessOnTheRing) {
   ASSERT_EQ(sp_scram_init(0), 0);
 
   const auto report = rths::broker::inspect_ring(ring());
@@ -71,7 +71,7 @@ TEST_F(Mapping, ShowsTheProcessToTheDoctor) {
   EXPECT_EQ(report->bytes / (2U << 20U), 1U);
 }
 
-TEST_F(Mapping, SwapsNothingAndSaysSo) {
+TEST_F(Mapping, RefusesSwapModesWithAWarning) {
   ASSERT_EQ(sp_scram_init(0), 0);
   EXPECT_EQ(sp_stm_mm(Long_mode), TRUE);
   EXPECT_EQ(sp_stm_mm(77), TRUE);
@@ -79,11 +79,11 @@ TEST_F(Mapping, SwapsNothingAndSaysSo) {
   EXPECT_EQ(sp_stm_mm(Word_mode), FALSE);
   EXPECT_EQ(sp_stm_mm(Byte_mode), FALSE);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "scramnet: byte-swapped windows are not to be had; the mode stays Long_mode\n");
+            "scramnet: byte-swapped windows are not supported; the mode stays Long_mode\n");
   EXPECT_EQ(sp_gtm_mm(), Long_mode);
 }
 
-TEST_F(Mapping, LeavesDescriptorsOfOthersAlone) {
+TEST_F(Mapping, PassesCallsOnOtherDescriptorsToTheKernel) {
   ASSERT_EQ(sp_scram_init(0), 0);
   int pipe_ends[2];
   ASSERT_EQ(pipe(pipe_ends), 0);
@@ -100,8 +100,8 @@ TEST_F(Mapping, LeavesDescriptorsOfOthersAlone) {
   close(pipe_ends[1]);
 }
 
-// What a program sees of a wrong configuration: a number, and one line.
-TEST_F(Mapping, SaysOnceWhatIsWrongWithTheConfiguration) {
+// A wrong configuration gives an error code and one line on standard error.
+TEST_F(Mapping, ReportsAConfigurationErrorOnce) {
   const rths::test::TemporaryFolder folder;
   const auto file = folder.write("card.toml", "[scramnet]\nring = 5\n");
   setenv("RTHS_SCRAMNET_CONFIG", file.c_str(), 1);

@@ -27,7 +27,7 @@ TEST_F(CardMemory, IsClearedAndFilled) {
   EXPECT_EQ(get_base_mem()[0], 0U);
 }
 
-TEST_F(CardMemory, KeepsFiveBitsOfTheAcrAndIsNotTouchedByIt) {
+TEST_F(CardMemory, IsIndependentOfTheAcrWhichKeepsFiveBits) {
   get_base_mem()[7] = 0xDEADBEEF;
   scr_acr_write(7, 0xFF);
   EXPECT_EQ(scr_acr_read(7), 0x1F);
@@ -41,7 +41,7 @@ TEST_F(CardMemory, KeepsFiveBitsOfTheAcrAndIsNotTouchedByIt) {
   EXPECT_EQ(get_base_mem()[7], 0xDEADBEEFU);
 }
 
-TEST_F(CardMemory, ShowsTheAcrInItsWindowWhileCsr0SaysSo) {
+TEST_F(CardMemory, ShowsTheAcrInItsWindowWhileCsr0SelectsIt) {
   SCR_LONG_PTR base = get_base_mem();
   base[5] = 55;
   scr_acr_write(5, ACR_TIE);
@@ -80,7 +80,7 @@ TEST_F(CardMemory, IsReadInUnitsOfTheAccess) {
   EXPECT_EQ(ReadSCRByte(40, nullptr), 0xBB);
 }
 
-TEST_F(CardMemory, ComesBackFromItsFile) {
+TEST_F(CardMemory, IsRestoredFromItsFile) {
   const rths::test::TemporaryFolder folder;
   std::string file = (folder.path() / "image").string();
   std::string acr = (folder.path() / "acr").string();

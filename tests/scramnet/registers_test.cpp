@@ -15,7 +15,7 @@ class Csr : public rths::test::VendorRing {
   }
 };
 
-TEST_F(Csr, AreAsTheyWereWhenTheCardGotPower) {
+TEST_F(Csr, HaveTheirPowerUpValuesAfterAReset) {
   scr_csr_write(SCR_CSR8, CSR8_ARST);
 
   EXPECT_EQ(scr_csr_read(SCR_CSR0), 0);
@@ -28,7 +28,7 @@ TEST_F(Csr, AreAsTheyWereWhenTheCardGotPower) {
   EXPECT_EQ(scr_csr_read(SCR_CSR15), 0x0020);
 }
 
-TEST_F(Csr, AreFreeOfHarmWhereNoneIs) {
+TEST_F(Csr, IgnoreAccessToIndicesWithoutARegister) {
   for (const int csr : {6, 7, 11, 14, 15, 16, 40, -1}) {
     scr_csr_write(csr, 0);
     static_cast<void>(scr_csr_read(csr));
@@ -36,7 +36,7 @@ TEST_F(Csr, AreFreeOfHarmWhereNoneIs) {
   EXPECT_EQ(scr_csr_read(SCR_CSR0), 0);
 }
 
-TEST_F(Csr, ReadAsNothingWhileUnmapped) {
+TEST_F(Csr, ReadAsAllOnesWhileUnmapped) {
   scr_reg_mm(UNMAP);
   EXPECT_EQ(scr_csr_read(SCR_CSR0), 0xFFFF);
   scr_csr_write(SCR_CSR0, 3);
@@ -44,7 +44,7 @@ TEST_F(Csr, ReadAsNothingWhileUnmapped) {
   EXPECT_EQ(scr_csr_read(SCR_CSR0), 0);
 }
 
-TEST_F(Csr, KeepTheIdInTheHighByteAndCountInsertedNodesInTheLow) {
+TEST_F(Csr, HaveTheIdInTheHighByteAndTheNodeCountInTheLow) {
   scr_csr_write(SCR_CSR0, 0x8003);
   scr_csr_write(SCR_CSR3, 0x2A07);
   EXPECT_EQ(scr_csr_read(SCR_CSR3) & 0xFF00, 0x2A00);
@@ -74,7 +74,7 @@ TEST_F(Csr, NeverReadBackTheTimeOut) {
   EXPECT_EQ(scr_csr_read(SCR_CSR5), 0);
 }
 
-TEST_F(Csr, ChangeProtocolAndTellTheOldOne) {
+TEST_F(Csr, ChangeTheProtocolAndReturnTheOldOne) {
   scr_csr_write(SCR_CSR2, 0xC840);
   EXPECT_EQ(sp_protocol(PLATINUM_PLUS), BURST);
   EXPECT_EQ(scr_csr_read(SCR_CSR2), 0x5840);
@@ -91,14 +91,14 @@ TEST_F(Csr, ArmOnAnyWriteOfCsr1) {
   EXPECT_EQ(scr_fswin_mm(), 1);
 }
 
-TEST_F(Csr, ReadBackResetBitsWhileTheyStand) {
+TEST_F(Csr, ReadBackResetBitsWhileTheyAreSet) {
   scr_csr_write(SCR_CSR0, 0xF000);
   EXPECT_EQ(scr_csr_read(SCR_CSR0), 0xF000);
   scr_csr_write(SCR_CSR0, 0x8003);
   EXPECT_EQ(scr_csr_read(SCR_CSR0), 0x8003);
 }
 
-TEST_F(Csr, CountFreelyAndTellOfAnOverflow) {
+TEST_F(Csr, CountFreelyAndReportAnOverflow) {
   EXPECT_EQ(sp_set_cntr(CNTR_FREERUN), 0);
   while (scr_csr_read(SCR_CSR13) == 0) {
   }
@@ -147,7 +147,7 @@ TEST_F(Csr, AreChangedByTheModeCallsBitForBit) {
   EXPECT_EQ(scr_csr_read(SCR_CSR0), 0x0008);
 }
 
-TEST_F(Csr, AreReachedThroughRequestsToo) {
+TEST_F(Csr, AreAccessibleThroughRequests) {
   struct rw_scr request = {REG_WRT, 2, 0x4040};
   scr_rw_mm(&request);
   request = {REG_MDFY, 2, 0x0300};
@@ -161,8 +161,8 @@ TEST_F(Csr, AreReachedThroughRequestsToo) {
   request = {REG_RD, 6, 1};
   scr_rw_mm(&request);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "scramnet: scr_rw_mm: register 4 can only be read\n"
-            "scramnet: scr_rw_mm: there is no register 6 to use\n");
+            "scramnet: scr_rw_mm: register 4 is read-only\n"
+            "scramnet: scr_rw_mm: register 6 cannot be accessed\n");
   EXPECT_EQ(ioctl(scr_csr_fd, RW_CSR, &(request = {REG_RD, 2, 0})), 0);
   EXPECT_EQ(request.csr_arg, 0x4340);
 }
@@ -181,7 +181,7 @@ TEST_F(Csr, HaveNoPagesBeyondTheRing) {
   EXPECT_EQ(sp_bist_rd(nullptr), -1);
 }
 
-TEST_F(Csr, TellErrorsLineByLine) {
+TEST_F(Csr, PrintErrorsLineByLine) {
   FILE* file = std::tmpfile();
   scr_error_mm(file, 0xFFFF);
   std::rewind(file);

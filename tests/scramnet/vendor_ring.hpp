@@ -17,7 +17,7 @@
 
 namespace rths::test {
 
-/// A ring of its own for the vendor's calls of this process, and of those it starts.
+/// A separate ring for the vendor's calls of this process and of its child processes.
 class VendorRing : public testing::Test {
  protected:
   static std::string ring() { return "test_scramnet_" + std::to_string(getpid()); }

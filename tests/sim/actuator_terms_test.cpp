@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What actuators make of a command, against delays, transfer functions and ramps.
+// Actuator terms against closed forms: delays, transfer functions and ramps.
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -11,10 +11,9 @@
 namespace rths::sim {
 namespace {
 
-using test::spring;
-using test::Stepper;
-
-constexpr double kStep = 1e-3;
+using test_support::kStep;
+using test_support::spring;
+using test_support::Stepper;
 
 Quantities<double> sine(double omega, double t) {
   Quantities<double> q;
@@ -42,7 +41,7 @@ TEST(ActuatorDelay, DelaysASineWithItsVelocityAndAcceleration) {
   }
 }
 
-TEST(ActuatorDelay, GivesBackTheSampleAfterWholeSteps) {
+TEST(ActuatorDelay, ReturnsTheSampleItselfForWholeSteps) {
   Stepper actuator{{{"actuator_delay", "", {{"delay", 0.005}}}}, kStep};
   for (int i = 0; i < 500; ++i) {
     const double u = actuator.to(std::cos(1.0 * i)).displacement[0];
@@ -56,7 +55,7 @@ TEST(ActuatorDelay, ReachesItsLongestDelay) {
     ASSERT_NEAR(actuator.to(i).displacement[0], std::max(0, i - 200), 1e-9);
 }
 
-// Amplitude and phase of a sine that has settled, by projection on whole periods.
+// Steady-state amplitude and phase of a sine, by projection on whole periods.
 std::complex<double> response(const TermSettings& term, double frequency) {
   const double omega = 2 * std::numbers::pi * frequency;
   const int period = static_cast<int>(std::lround(1 / (frequency * kStep)));
@@ -109,20 +108,20 @@ TEST(OilColumnResonance, RingsAtItsFrequency) {
   }
 }
 
-TEST(ActuatorLags, RestOnTheFirstCommand) {
+TEST(ActuatorLags, StartAtRestAtTheFirstCommand) {
   for (const auto* kind : {"actuator_bandwidth", "first_order_lag", "oil_column_resonance"}) {
     Stepper actuator{{{kind, "", {{"time_constant", 0.02}}}}, kStep};
     for (int i = 0; i < 10; ++i) EXPECT_EQ(actuator.to(0.3).displacement[0], 0.3) << kind;
   }
 }
 
-TEST(RateSaturation, FollowsAtItsVelocityAndCatchesUp) {
+TEST(RateSaturation, FollowsAtItsVelocityLimitUntilItCatchesUp) {
   Stepper actuator{{{"rate_saturation", "", {{"velocity_limit", 0.5}}}}, kStep};
   actuator.to(0);
   for (int i = 1; i <= 100; ++i) {
     const auto q = actuator.to(0.05);
     EXPECT_NEAR(q.displacement[0], 0.5 * kStep * i, 1e-12);
-    if (i == 100) break;  // it may be there, or a rounding short of it
+    if (i == 100) break;  // arrived, possibly except for rounding
     EXPECT_NEAR(q.velocity[0], 0.5, 1e-12);
   }
   EXPECT_EQ(actuator.to(0.05).displacement[0], 0.05);
@@ -140,7 +139,7 @@ TEST(ValveDeadband, IsPlayWithoutALag) {
     EXPECT_NEAR(actuator.to(command).displacement[0], u, 1e-15) << command;
 }
 
-// A ramp is followed, once the band is crossed at t_d = d/s, as by a first-order lag:
+// After crossing the band at t_d = d/s, the actuator follows a ramp like a first-order lag:
 // u = s (t − t_d) − T s (1 − e^(−(t − t_d)/T)).
 TEST(ValveDeadband, LagsBehindTheEdgeOfItsBand) {
   const double band = 0.00105, t = 0.02, speed = 0.1;
@@ -152,8 +151,8 @@ TEST(ValveDeadband, LagsBehindTheEdgeOfItsBand) {
   }
 }
 
-// Turned back, the error beyond the band, T s, decays to 0 at T ln 2; then the actuator rests.
-TEST(ValveDeadband, RestsWhereTheErrorComesBackIntoTheBand) {
+// After reversal the error beyond the band, T s, decays to 0 at T ln 2; then the actuator rests.
+TEST(ValveDeadband, RestsOnceTheErrorReturnsIntoTheBand) {
   const double band = 0.01, t = 0.0203, speed = 0.1;
   Stepper actuator{{{"valve_deadband", "", {{"dead_band", band}, {"time_constant", t}}}}, kStep};
   for (int i = 0; i <= 1000; ++i) actuator.to(speed * kStep * i);
@@ -163,7 +162,7 @@ TEST(ValveDeadband, RestsWhereTheErrorComesBackIntoTheBand) {
   EXPECT_NEAR(u, speed * (1 - t * std::numbers::ln2) - band, 1e-12);
 }
 
-TEST(LoadCompliance, YieldsInProportionToTheForceAndIsSeenByTheTransducer) {
+TEST(LoadCompliance, DeflectsInProportionToTheForceAsTheTransducerMeasures) {
   const double k = 1e8, chi = 2e-9;
   Stepper actuator{{spring(k), {"load_compliance", "", {{"compliance", chi}}}}, kStep};
   Quantities<double> q;

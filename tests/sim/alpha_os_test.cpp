@@ -27,7 +27,7 @@ double error_of_step_response(double dt, double alpha) {
   const double load = 100;
   const double omega_d = omega * std::sqrt(1 - zeta * zeta);
   double worst = 0;
-  // The load is on from the first step's end, as a ramp over that step: half a step of shift.
+  // The load is a ramp over the first step, which shifts the response by half a step.
   for (int i = 1; i * dt <= 2; ++i) {
     const VectorXd u = integrator.predict();
     integrator.correct(k * u, VectorXd::Constant(1, load));
@@ -54,7 +54,7 @@ TEST(AlphaOs, ConvergesWithTheSquareOfTheStep) {
 TEST(AlphaOs, KeepsTheEnergyOfAnUndampedOscillatorWithoutAlpha) {
   const double omega = 2 * std::numbers::pi;
   AlphaOs integrator{scalar(1), scalar(0), scalar(omega * omega), 0.05, 0};
-  // One step of load sets it going.
+  // One step of load starts the motion.
   double load = 1;
   double early = 0;
   double late = 0;
@@ -67,7 +67,7 @@ TEST(AlphaOs, KeepsTheEnergyOfAnUndampedOscillatorWithoutAlpha) {
     if (i > 19'000) late = std::max(late, size);
   }
 
-  // Samples of a sine miss its peak by another phase each time.
+  // Samples miss the peaks of a sine by varying phases.
   EXPECT_NEAR(late / early, 1, 1e-4);
 }
 
@@ -90,7 +90,7 @@ TEST(AlphaOs, DampsHighFrequenciesWithAlpha) {
   EXPECT_LT(late, 0.2 * early);
 }
 
-// Unconditionally stable while the specimen is no stiffer than K_I: here it has a tenth of it.
+// Unconditionally stable while the specimen is not stiffer than K_I: here it has a tenth of K_I.
 TEST(AlphaOs, StaysBoundedForASofteningSpecimenAtAnyStep) {
   const double k = 1e6;
   for (const double dt : {0.01, 0.1, 1.0}) {
@@ -118,7 +118,7 @@ TEST(AlphaOs, RestsInStaticEquilibriumUnderASlowLoad) {
   EXPECT_NEAR(integrator.displacement()[0], 5000 / k, 1e-9);
 }
 
-TEST(AlphaOs, BeginsAgainFromRest) {
+TEST(AlphaOs, ResetReturnsToRest) {
   AlphaOs integrator{scalar(1), scalar(0), scalar(100), 0.01, 0};
   static_cast<void>(integrator.predict());
   integrator.correct(VectorXd::Zero(1), VectorXd::Ones(1));
@@ -129,7 +129,7 @@ TEST(AlphaOs, BeginsAgainFromRest) {
   EXPECT_EQ(integrator.predict()[0], 0);
 }
 
-TEST(AlphaOs, RefusesWhatItCannotIntegrate) {
+TEST(AlphaOs, RefusesInvalidMatricesAndSettings) {
   EXPECT_NE(test::error_of([] { AlphaOs(scalar(1), scalar(0), scalar(1), 0, 0); }), "");
   EXPECT_NE(test::error_of([] { AlphaOs(scalar(1), scalar(0), scalar(1), 0.01, 0.1); }), "");
   EXPECT_NE(test::error_of([] { AlphaOs(scalar(-1), scalar(0), scalar(1), 0.01, 0); }), "");

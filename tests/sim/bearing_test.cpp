@@ -14,75 +14,79 @@ namespace rths::sim {
 namespace {
 
 using test::error_of;
+using test::kAxialLoad;
 
-constexpr double kLoad = 9.7e6;  // [N]
-
-Bearing read(const std::string& text) { return read_bearing(Config::parse(text, "b.toml"), kLoad); }
+Bearing parsed_bearing(const std::string& text) {
+  return read_bearing(Config::parse(text, "b.toml"), kAxialLoad);
+}
 
 constexpr const char* kPlain =
     "[bouc_wen]\ncharacteristic_strength_N = 1e6\nyield_displacement_m = 1e-3\n"
     "post_yield_stiffness_N_per_m = 4e6\n";
 
-TEST(Bearing, RejectsWhatItDoesNotKnow) {
-  EXPECT_EQ(error_of([] { read(std::string{"titel = \"a\"\n"} + kPlain); }),
+TEST(Bearing, RejectsUnknownKeysAndEmptyFiles) {
+  EXPECT_EQ(error_of([] { parsed_bearing(std::string{"titel = \"a\"\n"} + kPlain); }),
             "b.toml:1:9: unknown key 'titel' (did you mean 'title'?)");
-  EXPECT_EQ(error_of([] { read("title = \"a\"\n"); }),
-            "b.toml:1:1: a bearing without a term, expected at least one");
+  EXPECT_EQ(error_of([] { parsed_bearing("title = \"a\"\n"); }),
+            "b.toml:1:1: the bearing has no terms, expected at least one");
 }
 
-TEST(Bearing, RefusesTermsThatNeedWhatItIsNotGiven) {
+TEST(Bearing, RefusesTermsWhoseInputsItDoesNotHave) {
   for (const char* kind : {"elastomeric_axial", "multilinear_axial", "pendulum_lift"}) {
     Bearing bearing = test::plain_lead_rubber();
     bearing.terms.push_back({kind, "", {}});
     EXPECT_EQ(error_of([&] { BearingRun(bearing, 1e-3); }),
               "term '" + std::string{kind} +
-                  "' needs a vertical displacement, and here the axial "
-                  "load is given: leave it out (enabled = false)");
+                  "' needs a vertical displacement, but the axial load is prescribed here: leave "
+                  "the term out (enabled = false)");
     EXPECT_NE(error_of([&] { static_cast<void>(run_loop_test(bearing, {})); }), "") << kind;
   }
-  EXPECT_EQ(error_of([] { read("[platen_inertia]\nmass_kg = 1e4\n"); }),
-            "b.toml:1:1: term 'platen_inertia' needs the acceleration, which a specimen is not "
-            "given; it is of the machine");
+  EXPECT_EQ(error_of([] { parsed_bearing("[platen_inertia]\nmass_kg = 1e4\n"); }),
+            "b.toml:1:1: term 'platen_inertia' needs the acceleration, an input that a specimen "
+            "does not have; it belongs to the machine");
 }
 
-TEST(Bearing, IsAsWarmAsItsSurroundings) {
+TEST(Bearing, HasTheAmbientTemperature) {
   constexpr double kFall = 0.007, kColder = -30;  // [1/K], [K]
   const std::string ageing =
       "[ageing_temperature]\nstrength_temperature_1_per_K = 0.007\n"
       "stiffness_temperature_1_per_K = 0.007\n";
-  BearingRun cold{read("temperature_above_reference_K = -30\n" + (kPlain + ageing)), 1e-3};
-  BearingRun usual{read(kPlain + ageing), 1e-3};
+  BearingRun cold{parsed_bearing("temperature_above_reference_K = -30\n" + (kPlain + ageing)),
+                  1e-3};
+  BearingRun usual{parsed_bearing(kPlain + ageing), 1e-3};
 
-  // At 50 yield displacements nothing but the two forces is left.
+  // At 50 yield displacements the force is Q_d + K_d u, and both scale with temperature alike.
   EXPECT_NEAR(test::moved(cold, {0.05, 0})[0] / test::moved(usual, {0.05, 0})[0],
               std::exp(-kFall * kColder), 1e-9);
 }
 
-TEST(Bearing, HasTheLargestStiffnessThatACycleMeets) {
-  const double plain = initial_stiffness(read(kPlain));
+TEST(Bearing, HasTheLargestStiffnessOfACycle) {
+  const double plain = initial_stiffness(parsed_bearing(kPlain));
   EXPECT_NEAR(plain, 1e6 / 1e-3 + 4e6, 1e-4 * plain);
-  // Play before the bearing resists nothing, and hides nothing.
-  EXPECT_EQ(initial_stiffness(read(kPlain + std::string{"[transducer_backlash]\ngap_m = 2e-3\n"})),
+  // Play in front of the bearing is left out and does not hide its stiffness.
+  EXPECT_EQ(initial_stiffness(
+                parsed_bearing(kPlain + std::string{"[transducer_backlash]\ngap_m = 2e-3\n"})),
             plain);
-  // A wall that stands 0.2 m away.
-  EXPECT_NEAR(initial_stiffness(read("[mer_spring]\nstiffness_N_per_m = 5e8\ngap_m = 0.2\n")), 5e8,
-              5e2);
+  // A wall at a distance of 0.2 m.
+  EXPECT_NEAR(
+      initial_stiffness(parsed_bearing("[mer_spring]\nstiffness_N_per_m = 5e8\ngap_m = 0.2\n")),
+      5e8, 5e2);
 }
 
-TEST(Bearing, HasNoStiffnessIfNothingResists) {
+TEST(Bearing, HasNoStiffnessIfNoTermHas) {
   EXPECT_EQ(error_of([] {
-              static_cast<void>(initial_stiffness(
-                  read("title = \"d\"\n[viscous_friction]\ncoefficient_N_s_per_m = 1\n")));
+              static_cast<void>(initial_stiffness(parsed_bearing(
+                  "title = \"d\"\n[viscous_friction]\ncoefficient_N_s_per_m = 1\n")));
             }),
             "bearing 'd': its stiffness is 0 N/m, expected a positive number");
 }
 
-// The page's example is what somebody copies first.
+// Readers copy the page's example first.
 TEST(Bearing, OfThePageLoads) {
   const std::string page = test::content_of(test::source_tree() / "docs/bearings.md");
   const auto begin = page.find("    title = ");
   ASSERT_NE(begin, std::string::npos);
-  // Indented or empty lines; the code ends with the first that is neither.
+  // The code consists of indented or empty lines and ends before the first other line.
   std::string code;
   for (std::size_t at = begin, end = 0; at < page.size(); at = end + 1) {
     end = page.find('\n', at);
@@ -91,7 +95,7 @@ TEST(Bearing, OfThePageLoads) {
     code += line + "\n";
   }
 
-  const Bearing bearing = read(code);
+  const Bearing bearing = parsed_bearing(code);
 
   EXPECT_EQ(bearing.terms.size(), 2U);
   EXPECT_EQ(error_of([&] { BearingRun(bearing, 1e-3); }), "");

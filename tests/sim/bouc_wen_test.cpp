@@ -14,11 +14,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kStep = 1e-3;  // [s]; nothing here depends on time
+constexpr double kAnyStep = 1e-3;  // [s]; the results do not depend on time
 
 // The paper's bearing: 1,900 kN at 210 mm from a strength of 1,010 kN.
 TEST(BoucWen, HasThePapersForceAtItsDesignDisplacement) {
-  BearingRun bearing{test::plain_lead_rubber(), kStep};
+  BearingRun bearing{test::plain_lead_rubber(), kAnyStep};
   Vector2d force = Vector2d::Zero();
   for (int i = 1; i <= 210; ++i) force = test::moved(bearing, {i * 1e-3, 0});
 
@@ -28,7 +28,7 @@ TEST(BoucWen, HasThePapersForceAtItsDesignDisplacement) {
 
 // Loaded along a line, dz = (1 − z²)du/u_y for β + γ = 1 and η = 2: z = tanh(u/u_y).
 TEST(BoucWen, YieldsAlongATanhWhenLoadedAlongALine) {
-  BearingRun bearing{test::plain_lead_rubber(), kStep};
+  BearingRun bearing{test::plain_lead_rubber(), kAnyStep};
   for (int i = 1; i <= 100; ++i) {
     const double u = i * 1e-4;
     const Vector2d force = test::moved(bearing, {u, 0});
@@ -39,7 +39,7 @@ TEST(BoucWen, YieldsAlongATanhWhenLoadedAlongALine) {
 }
 
 TEST(BoucWen, StartsWithItsInitialStiffness) {
-  BearingRun bearing{test::plain_lead_rubber(), kStep};
+  BearingRun bearing{test::plain_lead_rubber(), kAnyStep};
   const double u = 1e-7;
 
   EXPECT_NEAR(test::moved(bearing, {u, 0})[0] / u, test::kInitialStiffness,
@@ -47,8 +47,8 @@ TEST(BoucWen, StartsWithItsInitialStiffness) {
 }
 
 TEST(BoucWen, DoesNotDependOnTheChoiceOfAxes) {
-  BearingRun straight{test::plain_lead_rubber(), kStep};
-  BearingRun turned{test::plain_lead_rubber(), kStep};
+  BearingRun straight{test::plain_lead_rubber(), kAnyStep};
+  BearingRun turned{test::plain_lead_rubber(), kAnyStep};
   const double angle = 0.7;
   const Eigen::Matrix2d R =
       (Eigen::Matrix2d() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle))
@@ -63,7 +63,7 @@ TEST(BoucWen, DoesNotDependOnTheChoiceOfAxes) {
 }
 
 TEST(BoucWen, SharesItsStrengthBetweenTheAxes) {
-  BearingRun bearing{test::plain_lead_rubber(), kStep};
+  BearingRun bearing{test::plain_lead_rubber(), kAnyStep};
   std::mt19937 random{4};
   std::normal_distribution<double> step{0, 0.004};
   Vector2d u = Vector2d::Zero();
@@ -75,11 +75,11 @@ TEST(BoucWen, SharesItsStrengthBetweenTheAxes) {
   }
 }
 
-TEST(BoucWen, NeverGivesOutMoreEnergyThanItTook) {
+TEST(BoucWen, NeverReturnsMoreEnergyThanItAbsorbed) {
   std::mt19937 random{6};
   std::normal_distribution<double> step{0, 0.002};
   for (int path = 0; path < 20; ++path) {
-    BearingRun bearing{test::plain_lead_rubber(), kStep};
+    BearingRun bearing{test::plain_lead_rubber(), kAnyStep};
     Vector2d u = Vector2d::Zero();
     Vector2d before = Vector2d::Zero();
     double work = 0;
@@ -95,16 +95,16 @@ TEST(BoucWen, NeverGivesOutMoreEnergyThanItTook) {
   }
 }
 
-// Half the increments give the same path to the order of the Runge-Kutta steps inside.
+// Smaller increments give the same path up to the error of the internal Runge-Kutta steps.
 TEST(BoucWen, HardlyDependsOnTheSizeOfTheIncrements) {
-  BearingRun coarse{test::plain_lead_rubber(), kStep};
-  BearingRun fine{test::plain_lead_rubber(), kStep};
+  BearingRun coarse{test::plain_lead_rubber(), kAnyStep};
+  BearingRun fine{test::plain_lead_rubber(), kAnyStep};
   Vector2d coarse_force = Vector2d::Zero();
   Vector2d fine_force = Vector2d::Zero();
   for (int i = 1; i <= 100; ++i) {
     coarse_force = test::moved(coarse, {0.002 * i, 0.001 * i});
-    for (int part = 1; part <= 4; ++part) {
-      const double at = i - 1 + part / 4.0;
+    for (int quarter = 1; quarter <= 4; ++quarter) {
+      const double at = i - 1 + quarter / 4.0;
       fine_force = test::moved(fine, {0.002 * at, 0.001 * at});
     }
   }
@@ -113,14 +113,14 @@ TEST(BoucWen, HardlyDependsOnTheSizeOfTheIncrements) {
 }
 
 TEST(BoucWen, StandsStillWithoutMotion) {
-  BearingRun bearing{test::plain_lead_rubber(), kStep};
+  BearingRun bearing{test::plain_lead_rubber(), kAnyStep};
   const Vector2d once = test::moved(bearing, {0.05, 0.02});
 
   EXPECT_EQ(test::moved(bearing, {0.05, 0.02}), once);
 }
 
 TEST(BoucWen, AdvancesInRealTime) {
-  BearingRun bearing{test::plain_lead_rubber(), kStep};
+  BearingRun bearing{test::plain_lead_rubber(), kAnyStep};
   Vector2d force = Vector2d::Zero();
   EXPECT_REALTIME(force = test::moved(bearing, {0.1, 0.1}));
   EXPECT_TRUE(force.allFinite());

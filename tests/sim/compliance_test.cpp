@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What yields under the specimen's force, which depends on it in turn, beside every kind of force.
+// Compliant terms, coupled with the specimen's force in both directions, with every kind of force.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -16,8 +16,8 @@
 namespace rths::sim {
 namespace {
 
-constexpr double kStiffness = 4e8;     // the default of stiffness_estimate
-constexpr double kFlexibility = 2e-9;  // typical
+constexpr double kStiffnessEstimate = 4e8;    // the default of stiffness_estimate
+constexpr double kTypicalFlexibility = 2e-9;  // typical
 
 TermSettings typical(std::string_view name) {
   TermSettings term{std::string{name}, "", {}};
@@ -28,14 +28,14 @@ TermSettings typical(std::string_view name) {
 
 struct Swing {
   double largest = 0;    // force [N]
-  double travelled = 0;  // sum of the force's changes: chatter makes it grow with every step [N]
+  double travelled = 0;  // sum of the force's changes, which grows under chatter [N]
   double last = 0;       // change of the force in the last step [N]
 };
 
 // Two cycles, then rest.
 Swing swing(const std::vector<TermSettings>& terms, double time_step) {
   constexpr double kAmplitude = 0.15, kRate = std::numbers::pi, kMoving = 4, kAll = 8;
-  test::Stepper specimen{terms, time_step};
+  test_support::Stepper specimen{terms, time_step};
   Swing seen;
   double before = 0;
   for (double t = 0; t < kAll; t += time_step) {
@@ -46,7 +46,7 @@ Swing swing(const std::vector<TermSettings>& terms, double time_step) {
     q.axial_load = 9.7e6;
     const double force = specimen.step(q).force[0];
     seen.last = force - before;
-    // What the start jumps by belongs to no cycle.
+    // Skips the initial jump, which belongs to no cycle.
     if (t > 0.1) {
       seen.travelled += std::abs(seen.last);
       seen.largest = std::max(seen.largest, std::abs(force));
@@ -57,13 +57,14 @@ Swing swing(const std::vector<TermSettings>& terms, double time_step) {
   return seen;
 }
 
-// Forces that depend on velocity: c/Δt would be a stiffness of 2e9 N/m and more at 0.1 ms.
+// Specimens with velocity-dependent forces: at 0.1 ms, c/Δt would be a stiffness of 2e9 N/m or
+// more.
 std::vector<std::vector<TermSettings>> specimens() {
-  return {{test::spring(4e6), typical("viscous_damping")},
-          {test::spring(4e6), {"viscous_damping", "", {{"damping", 5e6}}}},
-          {test::spring(4e6), typical("piecewise_damping")},
+  return {{test_support::spring(4e6), typical("viscous_damping")},
+          {test_support::spring(4e6), {"viscous_damping", "", {{"damping", 5e6}}}},
+          {test_support::spring(4e6), typical("piecewise_damping")},
           {typical("bouc_wen"), typical("rate_dep_strength")},
-          {test::spring(4e6), typical("gap_contact")}};
+          {test_support::spring(4e6), typical("gap_contact")}};
 }
 
 void expect_as_steady_as_rigid(const std::vector<TermSettings>& specimen,
@@ -72,23 +73,23 @@ void expect_as_steady_as_rigid(const std::vector<TermSettings>& specimen,
   both.insert(both.end(), mount.begin(), mount.end());
   for (const double time_step : {1e-4, 1e-3, 1e-2}) {
     const Swing rigid = swing(specimen, time_step), yielding = swing(both, time_step);
-    const std::string what = fmt::format("{} and {} beside {}, {} s", specimen[0].kind,
-                                         specimen[1].kind, mount[0].kind, time_step);
-    EXPECT_LT(yielding.largest, 1.1 * rigid.largest) << what;
-    // A dead zone takes the damper's force away and gives it back.
-    EXPECT_LT(yielding.travelled, 2 * rigid.travelled) << what;
-    EXPECT_LT(std::abs(yielding.last), 1e-9 * rigid.largest) << what;
+    const std::string terms = fmt::format("{} and {} with {}, {} s", specimen[0].kind,
+                                          specimen[1].kind, mount[0].kind, time_step);
+    EXPECT_LT(yielding.largest, 1.1 * rigid.largest) << terms;
+    // A dead zone removes the damper's force and restores it.
+    EXPECT_LT(yielding.travelled, 2 * rigid.travelled) << terms;
+    EXPECT_LT(std::abs(yielding.last), 1e-9 * rigid.largest) << terms;
   }
 }
 
-TEST(Compliance, IsSteadyBesideForcesOfVelocityAtAnyStep) {
+TEST(Compliance, IsStableWithVelocityDependentForcesAtAnyStep) {
   for (const auto& kind : catalogue())
     if (kind.stage == Stage::Motion || kind.name == "load_compliance")
       for (const auto& specimen : specimens())
         expect_as_steady_as_rigid(specimen, {typical(kind.name)});
 }
 
-TEST(Compliance, IsSteadyInSeriesWithOthers) {
+TEST(Compliance, IsStableInSeriesWithOthers) {
   for (const auto& specimen : specimens())
     expect_as_steady_as_rigid(specimen, {typical("load_compliance"), typical("support_flexibility"),
                                          typical("mount_slack")});
@@ -96,16 +97,17 @@ TEST(Compliance, IsSteadyInSeriesWithOthers) {
 
 // An error shrinks by |g| + √(g² + |g|) per step where the tangent is above the estimate:
 // g = χ(K − K_t)/(1 + χK), 1 at g = −1/3.
-TEST(Compliance, IsSteadyUpToTheStiffnessThatIsDocumented) {
-  const double limit = 4 * kStiffness / 3 + 1 / (3 * kFlexibility);
-  for (const double part : {0.95, 1.05}) {
-    test::Stepper specimen{
-        {test::spring(part * limit), {"support_flexibility", "", {{"flexibility", kFlexibility}}}},
+TEST(Compliance, IsStableUpToTheDocumentedStiffness) {
+  const double limit = 4 * kStiffnessEstimate / 3 + 1 / (3 * kTypicalFlexibility);
+  for (const double fraction : {0.95, 1.05}) {
+    test_support::Stepper specimen{
+        {test_support::spring(fraction * limit),
+         {"support_flexibility", "", {{"flexibility", kTypicalFlexibility}}}},
         1e-3};
     double force = 0;
     for (int i = 0; i < 1000; ++i) force = specimen.to(0.01).force[0];
-    const double expected = 0.01 / (kFlexibility + 1 / (part * limit));
-    if (part < 1)
+    const double expected = 0.01 / (kTypicalFlexibility + 1 / (fraction * limit));
+    if (fraction < 1)
       EXPECT_NEAR(force, expected, 1e-6 * expected);
     else
       EXPECT_GT(std::abs(force), 10 * expected);

@@ -8,20 +8,20 @@
 namespace rths::sim {
 namespace {
 
-using rths::test::error_of;
+using test::error_of;
 
-std::vector<TermSettings> read(const std::string& text) {
+std::vector<TermSettings> parsed_terms(const std::string& text) {
   return read_terms(Config::parse(text, "b.toml"));
 }
 
-TEST(Composition, OrdersTermsAsTheyActWhateverTheFileSays) {
+TEST(Composition, SortsTermsIntoTheCataloguesOrder) {
   const Composition composition{{{"coulomb_friction", "", {}}, {"bouc_wen", "", {}}}, 1e-3};
 
   EXPECT_EQ(composition.terms()[0].name, "bouc_wen");
   EXPECT_EQ(composition.terms()[1].name, "coulomb_friction");
 }
 
-TEST(Composition, ComesBackToWhereItWasWhenItsStateIsCopied) {
+TEST(Composition, RepeatsItsForcesFromACopiedState) {
   const Composition bearing{{{"bouc_wen", "", {{"characteristic_strength", 1e6}}}}, 1e-3};
   std::vector<double> state(bearing.states());
   Quantities<double> q;
@@ -38,7 +38,7 @@ TEST(Composition, ComesBackToWhereItWasWhenItsStateIsCopied) {
   EXPECT_EQ(first.force, again.force);
 }
 
-TEST(Composition, RefusesWhatItDoesNotKnow) {
+TEST(Composition, RefusesUnknownNamesAndValuesOutOfBounds) {
   const auto build = [](const TermSettings& term) {
     return error_of([&] { Composition({term}, 1e-3); });
   };
@@ -48,17 +48,17 @@ TEST(Composition, RefusesWhatItDoesNotKnow) {
             "term 'bouc_wen' has no parameter 'strength'");
   EXPECT_EQ(build({"bouc_wen", "", {{"beta", 2}}}), "term 'bouc_wen': beta is 2, expected 0 to 1");
   EXPECT_EQ(build({"bouc_wen", "", {}, 1}),
-            "term 'bouc_wen' acts on both axes at once; it cannot be limited to one");
+            "term 'bouc_wen' couples both axes; it cannot be limited to one");
   EXPECT_EQ(error_of([] {
               Composition({{"bouc_wen", "", {}}, {"bouc_wen", "", {}}}, 1e-3);
             }),
-            "two terms are called 'bouc_wen'");
+            "two terms have the name 'bouc_wen'");
   EXPECT_EQ(error_of([] { Composition({}, 0); }),
             "time step of a composition is 0, expected a positive number");
 }
 
 TEST(TermReader, ReadsTermsWithUnitsInTheirKeys) {
-  const auto terms = read("[bouc_wen]\ncharacteristic_strength_N = 1e6\nbeta = 0.9\n");
+  const auto terms = parsed_terms("[bouc_wen]\ncharacteristic_strength_N = 1e6\nbeta = 0.9\n");
 
   ASSERT_EQ(terms.size(), 1U);
   EXPECT_EQ(terms[0].kind, "bouc_wen");
@@ -68,7 +68,7 @@ TEST(TermReader, ReadsTermsWithUnitsInTheirKeys) {
 }
 
 TEST(TermReader, MakesATermOfEachAxisFromAnArray) {
-  const auto terms = read("[coulomb_friction]\nfriction_force_N = [5100, 8600]\n");
+  const auto terms = parsed_terms("[coulomb_friction]\nfriction_force_N = [5100, 8600]\n");
 
   ASSERT_EQ(terms.size(), 2U);
   EXPECT_EQ(terms[0].name, "coulomb_friction.long");
@@ -77,56 +77,56 @@ TEST(TermReader, MakesATermOfEachAxisFromAnArray) {
   EXPECT_EQ(terms[1].parameters[0].second, 8600);
 }
 
-TEST(TermReader, LeavesOutWhatIsNotEnabled) {
-  EXPECT_TRUE(read("[bouc_wen]\nenabled = false\n").empty());
+TEST(TermReader, LeavesOutDisabledTerms) {
+  EXPECT_TRUE(parsed_terms("[bouc_wen]\nenabled = false\n").empty());
 }
 
-TEST(TermReader, SaysWhereSomethingIsWrong) {
-  EXPECT_EQ(error_of([] { read("[bouc_wen]\nbeta = 1.5\n"); }),
+TEST(TermReader, ReportsTheLineOfAWrongKeyOrValue) {
+  EXPECT_EQ(error_of([] { parsed_terms("[bouc_wen]\nbeta = 1.5\n"); }),
             "b.toml:2:8: beta is 1.5, expected 0 to 1");
-  EXPECT_EQ(error_of([] { read("[bouc_wen]\nbetta = 0.5\n"); }),
+  EXPECT_EQ(error_of([] { parsed_terms("[bouc_wen]\nbetta = 0.5\n"); }),
             "b.toml:2:9: unknown key 'betta' (did you mean 'beta'?)");
-  EXPECT_EQ(error_of([] { read("[x]\nkind = \"bouc_wem\"\n"); }),
+  EXPECT_EQ(error_of([] { parsed_terms("[x]\nkind = \"bouc_wem\"\n"); }),
             "b.toml:2:8: there is no term 'bouc_wem' (did you mean 'bouc_wen'?)");
-  EXPECT_EQ(error_of([] { read("[bouc_wen]\nbeta = [0.5, 0.5]\n"); }),
-            "b.toml:2:8: beta is an array, but 'bouc_wen' acts on both axes at once");
+  EXPECT_EQ(error_of([] { parsed_terms("[bouc_wen]\nbeta = [0.5, 0.5]\n"); }),
+            "b.toml:2:8: beta is an array, but 'bouc_wen' couples both axes");
 }
 
-TEST(TermReader, SaysWhereAxesAndChannelsAreWrong) {
-  const auto error = [](const std::string& text) { return error_of([&] { read(text); }); };
+TEST(TermReader, ReportsTheLineOfWrongAxesAndChannels) {
+  const auto error = [](const std::string& text) { return error_of([&] { parsed_terms(text); }); };
   EXPECT_EQ(error("[coulomb_friction]\naxes = []\n"),
             "b.toml:2:8: axes is empty, expected long, lat or both");
   EXPECT_EQ(error("[bouc_wen]\naxes = [\"long\"]\n"),
-            "b.toml:2:8: 'bouc_wen' acts on both axes at once; it cannot be limited to one");
+            "b.toml:2:8: 'bouc_wen' couples both axes; it cannot be limited to one");
   EXPECT_EQ(error("[bouc_wen]\nchannel = \"force\"\n"),
-            "b.toml:2:11: 'bouc_wen' acts on no channel of its choice");
+            "b.toml:2:11: 'bouc_wen' has no selectable channel");
   EXPECT_EQ(error("[coulomb_friction]\naxes = [\"long\"]\nfriction_force_N = [1, 2]\n"),
-            "b.toml:3:20: friction_force_N is an array [long, lat], and axes says which axis: "
-            "expected one of the two");
+            "b.toml:3:20: friction_force_N is an array [long, lat] and axes is set: expected only "
+            "one of the two");
   EXPECT_EQ(error("[gain]\nchannel = \"axial_load\"\nfactor = [2, 3]\n"),
-            "b.toml:3:10: factor is an array, but there is but one axial load");
+            "b.toml:3:10: factor is an array, but the axial load has no axes");
   EXPECT_EQ(error("[gain]\nchannel = \"axial_load\"\naxes = [\"lat\"]\n"),
-            "b.toml:3:8: there is but one axial load, and it has no axes");
+            "b.toml:3:8: axes is set, but the axial load has no axes");
   EXPECT_EQ(
       error("[crosstalk_horizontal]\nchannel = \"axial_load\"\n"),
-      "b.toml:2:11: 'crosstalk_horizontal' acts between the horizontal axes; there is but one "
-      "axial load");
+      "b.toml:2:11: 'crosstalk_horizontal' acts between the horizontal axes; the axial load has no "
+      "axes");
 }
 
-TEST(TermReader, SaysWhereATermMeansNothing) {
+TEST(TermReader, RefusesTermsThatTheirOwnerCannotHave) {
   const auto error = [](const std::string& text, TermOwner owner) {
-    return error_of([&] { static_cast<void>(read_terms(Config::parse(text, "b.toml"), host)); });
+    return error_of([&] { static_cast<void>(read_terms(Config::parse(text, "b.toml"), owner)); });
   };
   EXPECT_EQ(error("[x]\nkind = \"bouc_wen\"\n", TermOwner::Machine),
-            "b.toml:1:1: term 'x' is of the specimen (stage restoring), expected one of the stages "
-            "actuator, motion, machine or sensor");
+            "b.toml:1:1: term 'x' belongs to the specimen (stage restoring), expected one of the "
+            "stages actuator, motion, machine or sensor");
   EXPECT_EQ(error("[gain]\n", TermOwner::Specimen),
-            "b.toml:1:1: term 'gain' is of the machine (stage sensor); a specimen has none of it");
+            "b.toml:1:1: term 'gain' belongs to the machine (stage sensor), not to a specimen");
   EXPECT_EQ(error("[coulomb_friction]\n", TermOwner::Specimen), "");
   for (const TermOwner owner : {TermOwner::Specimen, TermOwner::Machine})
-    EXPECT_EQ(error("[current_dependent_damping]\n", host),
-              "b.toml:1:1: term 'current_dependent_damping' needs the current that controls it, "
-              "which neither a specimen nor a machine is given");
+    EXPECT_EQ(error("[current_dependent_damping]\n", owner),
+              "b.toml:1:1: term 'current_dependent_damping' needs a control current, an input that "
+              "neither specimens nor machines have");
 }
 
 }  // namespace

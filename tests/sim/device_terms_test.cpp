@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Devices: friction behind play, and dampers that a current controls, against their closed forms.
+// Devices against closed forms: friction with play and current-controlled dampers.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 namespace rths::sim {
 namespace {
 
-using test::Stepper;
-using test::Values;
+using test_support::Stepper;
+using test_support::Values;
 
 constexpr double kForward = 10e3, kBackward = 17e3, kForwardLength = 5e-3, kBackwardLength = 4e-3,
                  kPlay = 6e-3;
@@ -33,24 +33,24 @@ TEST(AsymmetricHysteresis, PlaysThenStretchesThenSlips) {
   const double stretched = 0.5 * kPlay + 0.4 * kForwardLength;
   EXPECT_NEAR(friction.walk(0.5 * kPlay, stretched, 10).force[0], 0.4 * kForward, 1e-9 * kForward);
   EXPECT_NEAR(friction.walk(stretched, 0.05, 10).force[0], kForward, 1e-9 * kForward);
-  // Back through the elastic length and the play, and half of the elastic length of the other side.
+  // Back through the elastic length, the play and half of the other side's elastic length.
   const double back = 0.05 - kForwardLength - kPlay;
   EXPECT_NEAR(friction.walk(0.05, back, 10).force[0], 0, 1e-9 * kForward);
   EXPECT_NEAR(friction.to(back - 0.5 * kBackwardLength).force[0], -0.5 * kBackward,
               1e-9 * kBackward);
 }
 
-// Each way slips over what is left of 2A after the lengths and the play.
+// Each half cycle slips over 2A minus the elastic lengths and the play.
 TEST(AsymmetricHysteresis, DissipatesTheAreaOfItsLoop) {
   auto friction = device();
   const double a = 0.04;
-  const int parts = 2000;
-  double work = 0, last = friction.walk(0, a, parts).force[0];
+  const int steps = 2000;
+  double work = 0, last = friction.walk(0, a, steps).force[0];
 
   for (const double end : {-a, a}) {
-    for (int i = 1; i <= parts; ++i) {
-      const double force = friction.to(-end + 2 * end * i / parts).force[0];
-      work += 0.5 * (force + last) * 2 * end / parts;
+    for (int i = 1; i <= steps; ++i) {
+      const double force = friction.to(-end + 2 * end * i / steps).force[0];
+      work += 0.5 * (force + last) * 2 * end / steps;
       last = force;
     }
   }
@@ -59,7 +59,7 @@ TEST(AsymmetricHysteresis, DissipatesTheAreaOfItsLoop) {
   EXPECT_NEAR(work, (kForward + kBackward) * slip, 1e-4 * work);
 }
 
-// Steady sliding at a speed, long enough for the presliding to be over.
+// Steady sliding at a speed, until presliding has ended.
 double sliding_force(const TermSettings& term, double current, double speed) {
   Stepper stepper{{term}, 1e-2};
   Quantities<double> q;
@@ -73,7 +73,7 @@ double sliding_force(const TermSettings& term, double current, double speed) {
   return q.force[0];
 }
 
-TEST(CurrentDependentFriction, FollowsTheCurrentAndCreepsWhereItIsSlow) {
+TEST(CurrentDependentFriction, FollowsTheCurrentAndCreepsAtLowSpeed) {
   const TermSettings term{"current_dependent_friction",
                           "",
                           {{"friction_force", 100},
@@ -85,7 +85,7 @@ TEST(CurrentDependentFriction, FollowsTheCurrentAndCreepsWhereItIsSlow) {
   EXPECT_NEAR(sliding_force(term, 0, 0.095), 100 * 0.95, 1e-6);
   EXPECT_NEAR(sliding_force(term, 1, 0.095), 1100 * 0.95, 1e-6);
   EXPECT_NEAR(sliding_force(term, 1, -5e-3), -1100 * 0.5, 1e-6);
-  EXPECT_EQ(sliding_force(term, -1, 0.1), 0) << "no current makes friction drive";
+  EXPECT_EQ(sliding_force(term, -1, 0.1), 0) << "friction is never negative";
 }
 
 TEST(CurrentDependentDamping, FollowsTheCurrent) {

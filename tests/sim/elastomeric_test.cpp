@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Terms of elastomeric bearings against closed forms; heating has its own file.
+// Terms of elastomeric bearings against closed forms; lead_heating_test.cpp tests heating.
 #include <cmath>
 #include <numbers>
 
@@ -12,16 +12,16 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kStiffness = 5e9;     // vertical [N/m]
-constexpr double kCavitation = 3.2e6;  // [N]
-constexpr double kDecay = 10;          // [1/m]
-constexpr double kThickness = 0.25;    // [m]
-constexpr double kOnset = kCavitation / kStiffness;
+constexpr double kVerticalStiffness = 5e9;  // vertical [N/m]
+constexpr double kCavitation = 3.2e6;       // [N]
+constexpr double kDecay = 10;               // [1/m]
+constexpr double kThickness = 0.25;         // [m]
+constexpr double kOnset = kCavitation / kVerticalStiffness;
 
-// A bearing that remembers what happened to it.
-class Bearing {
+// A composition with its state.
+class RubberBearing {
  public:
-  explicit Bearing(const std::vector<TermSettings>& terms)
+  explicit RubberBearing(const std::vector<TermSettings>& terms)
       : composition_{terms, 1e-3}, state_(composition_.states()) {}
 
   Quantities<double> move(double u, double w = 0, double load = 0) {
@@ -44,7 +44,7 @@ class Bearing {
 TermSettings axial(double damage = 0.5) {
   return {"elastomeric_axial",
           "",
-          {{"vertical_stiffness", kStiffness},
+          {{"vertical_stiffness", kVerticalStiffness},
            {"cavitation_force", kCavitation},
            {"post_cavitation_decay", kDecay},
            {"rubber_thickness", kThickness},
@@ -57,64 +57,67 @@ double cavitated(double w) {
 }
 
 TEST(ElastomericAxial, PullsAlongTheEnvelopeOfCavitation) {
-  Bearing bearing{{axial()}};
+  RubberBearing bearing{{axial()}};
   for (int i = 1; i <= 1000; ++i) {
     const double w = i * 1e-4;
-    const double expected = w < kOnset ? kStiffness * w : cavitated(w);
+    const double expected = w < kOnset ? kVerticalStiffness * w : cavitated(w);
     ASSERT_NEAR(-bearing.move(0, w).axial_load, expected, 1e-9 * expected) << w;
   }
 }
 
-// After cavitation to w_m: elastic to the damaged strength, straight to where it was, envelope on.
+// After cavitation to w_m: elastic up to the damaged strength, a straight line to the earlier peak,
+// then the envelope.
 TEST(ElastomericAxial, RemembersCavitationAsDamage) {
   const double damage = 0.5, largest = 0.02;
-  Bearing bearing{{axial(damage)}};
+  RubberBearing bearing{{axial(damage)}};
   bearing.move(0, largest);
   const double left = kCavitation * (1 - damage * (1 - std::exp(-(largest - kOnset) / kOnset)));
-  const double knee = left / kStiffness;
+  const double knee = left / kVerticalStiffness;
   const double slope = (cavitated(largest) - left) / (largest - knee);
 
   EXPECT_NEAR(-bearing.move(0, 0.5 * knee).axial_load, 0.5 * left, 1e-9 * left);
   EXPECT_NEAR(-bearing.move(0, 0.01).axial_load, left + slope * (0.01 - knee), 1e-9 * left);
   EXPECT_NEAR(-bearing.move(0, largest).axial_load, cavitated(largest), 1e-9 * left);
   EXPECT_NEAR(-bearing.move(0, 0.03).axial_load, cavitated(0.03), 1e-9 * left);
-  EXPECT_NEAR(bearing.move(0, -1e-3).axial_load, 1e-3 * kStiffness, 1e-9 * left);
+  EXPECT_NEAR(bearing.move(0, -1e-3).axial_load, 1e-3 * kVerticalStiffness, 1e-9 * left);
 }
 
 TEST(ElastomericAxial, CanPullElastically) {
   auto elastic = axial();
   elastic.parameters[1].second = 0;
-  Bearing bearing{{elastic}};
+  RubberBearing bearing{{elastic}};
 
-  EXPECT_NEAR(-bearing.move(0, 0.01).axial_load, 0.01 * kStiffness, 1e-6);
+  EXPECT_NEAR(-bearing.move(0, 0.01).axial_load, 0.01 * kVerticalStiffness, 1e-6);
 }
 
 TEST(ElastomericAxial, DampsVerticalMotion) {
-  Bearing bearing{
-      {{"elastomeric_axial", "", {{"vertical_stiffness", kStiffness}, {"vertical_damping", 2e7}}}}};
+  RubberBearing bearing{
+      {{"elastomeric_axial",
+        "",
+        {{"vertical_stiffness", kVerticalStiffness}, {"vertical_damping", 2e7}}}}};
   Quantities<double> q;
   q.vertical_displacement = -1e-3;
   q.vertical_velocity = -0.05;  // shortening
 
-  EXPECT_NEAR(bearing.step(q).axial_load, 1e-3 * kStiffness + 0.05 * 2e7, 1e-6);
+  EXPECT_NEAR(bearing.step(q).axial_load, 1e-3 * kVerticalStiffness + 0.05 * 2e7, 1e-6);
 }
 
-// Overlap of two circles of diameter D displaced by u, over their area.
+// Overlap of two circles of diameter D displaced by u, divided by their area.
 double overlap(double ratio) {
   return (2 * std::acos(ratio) - std::sin(2 * std::acos(ratio))) / pi;
 }
 
 TEST(ElastomericAxial, PushesAlongTheEnvelopeOfBuckling) {
   const double critical = 9e7, diameter = 1.35;
-  Bearing bearing{{axial(),
-                   {"buckling_load_variation",
-                    "",
-                    {{"critical_load", critical}, {"outer_diameter", diameter}}}}};
+  RubberBearing bearing{{axial(),
+                         {"buckling_load_variation",
+                          "",
+                          {{"critical_load", critical}, {"outer_diameter", diameter}}}}};
   for (const double u : {0.0, 0.1, 0.21, 0.5, 0.9, 1.2, 1.35, 2.0}) {
     const double ratio = u < diameter ? std::max(0.2, overlap(u / diameter)) : 0.2;
     const double buckles = ratio * critical;
     for (const double w : {-1e-3, -0.01, -0.03}) {
-      const double elastic = -w * kStiffness;
+      const double elastic = -w * kVerticalStiffness;
       const double expected = elastic < buckles ? elastic : buckles + 1e-4 * (elastic - buckles);
       EXPECT_NEAR(bearing.move(u, w).axial_load, expected, 1e-9 * critical) << u << ", " << w;
     }
@@ -123,12 +126,12 @@ TEST(ElastomericAxial, PushesAlongTheEnvelopeOfBuckling) {
 
 TEST(VerticalStiffnessVariation, HalvesTheStiffnessWhereTheFormulaDoes) {
   const double gyration = 0.35;
-  Bearing bearing{
+  RubberBearing bearing{
       {axial(), {"vertical_stiffness_variation", "", {{"radius_of_gyration", gyration}}}}};
   const double u = pi / std::sqrt(3.0) * gyration;
 
-  EXPECT_NEAR(bearing.move(u, -1e-3).axial_load, 0.5e-3 * kStiffness, 1e-6);
-  EXPECT_NEAR(bearing.move(0, -1e-3).axial_load, 1e-3 * kStiffness, 1e-6);
+  EXPECT_NEAR(bearing.move(u, -1e-3).axial_load, 0.5e-3 * kVerticalStiffness, 1e-6);
+  EXPECT_NEAR(bearing.move(0, -1e-3).axial_load, 1e-3 * kVerticalStiffness, 1e-6);
 }
 
 TermSettings rubber(double stiffness = 4e6) {
@@ -141,33 +144,34 @@ TermSettings lead(double strength = 1e6, double beta = 0.5) {
       {{"characteristic_strength", strength}, {"yield_displacement", 2.855e-3}, {"beta", beta}}};
 }
 
-// The axial law and the buckling load of this very step are what the stiffness falls with.
-TEST(HorizontalStiffnessVariation, SeesLoadAndBucklingLoadOfTheSameStep) {
+// The stiffness depends on the axial load and the buckling load of the same step.
+TEST(HorizontalStiffnessVariation, UsesLoadAndBucklingLoadOfTheSameStep) {
   const double critical = 2e7, u = 0.3, diameter = 1.35;
-  Bearing bearing{{rubber(),
-                   {"horizontal_stiffness_variation", "", {{"coefficient", 1}}},
-                   axial(),
-                   {"buckling_load_variation",
-                    "",
-                    {{"critical_load", critical}, {"outer_diameter", diameter}}}}};
-  const double load = 1.5e-3 * kStiffness;
-  const double part = load / (critical * overlap(u / diameter));
+  RubberBearing bearing{{rubber(),
+                         {"horizontal_stiffness_variation", "", {{"coefficient", 1}}},
+                         axial(),
+                         {"buckling_load_variation",
+                          "",
+                          {{"critical_load", critical}, {"outer_diameter", diameter}}}}};
+  const double load = 1.5e-3 * kVerticalStiffness;
+  const double ratio = load / (critical * overlap(u / diameter));
 
-  EXPECT_NEAR(bearing.move(u, -1.5e-3).force[0], 4e6 * u * (1 - part * part), 1e-3);
+  EXPECT_NEAR(bearing.move(u, -1.5e-3).force[0], 4e6 * u * (1 - ratio * ratio), 1e-3);
 }
 
-TEST(HorizontalStiffnessVariation, NeverTurnsTheStiffnessRound) {
-  Bearing bearing{{rubber(),
-                   {"horizontal_stiffness_variation", "", {{"coefficient", 1}}},
-                   {"buckling_load_variation", "", {{"critical_load", 1e7}}}}};
+TEST(HorizontalStiffnessVariation, NeverMakesTheStiffnessNegative) {
+  RubberBearing bearing{{rubber(),
+                         {"horizontal_stiffness_variation", "", {{"coefficient", 1}}},
+                         {"buckling_load_variation", "", {{"critical_load", 1e7}}}}};
 
   EXPECT_EQ(bearing.move(0.1, 0, 1.2e7).force[0], 0);
 }
 
 TEST(Modifiers, FollowTheAxialLoad) {
-  Bearing bearing{{rubber(),
-                   {"axial_load_strength", "", {{"coefficient", 0.2}, {"reference_load", 1e7}}},
-                   {"axial_load_stiffness", "", {{"coefficient", 0.1}, {"reference_load", 1e7}}}}};
+  RubberBearing bearing{
+      {rubber(),
+       {"axial_load_strength", "", {{"coefficient", 0.2}, {"reference_load", 1e7}}},
+       {"axial_load_stiffness", "", {{"coefficient", 0.1}, {"reference_load", 1e7}}}}};
   const auto q = bearing.move(0.1, 0, 1.5e7);
 
   EXPECT_NEAR(q.strength, 1.1, 1e-12);
@@ -175,8 +179,8 @@ TEST(Modifiers, FollowTheAxialLoad) {
   EXPECT_EQ(bearing.move(0.1, 0, -9e7).strength, 0);
 }
 
-TEST(Scragging, IsLostAlongTheWayAndStaysLost) {
-  Bearing bearing{
+TEST(Scragging, LosesItsExcessWithPeakDisplacementForGood) {
+  RubberBearing bearing{
       {rubber(), {"scragging", "", {{"virgin_excess", 0.2}, {"scragging_displacement", 0.05}}}}};
 
   EXPECT_NEAR(bearing.move(0).stiffness, 1.2, 1e-12);
@@ -185,14 +189,15 @@ TEST(Scragging, IsLostAlongTheWayAndStaysLost) {
 }
 
 TEST(Modifiers, FollowVelocityAgeAndTemperature) {
-  Bearing bearing{{lead(),
-                   {"rate_dep_strength", "", {{"coefficient", 0.05}, {"reference_velocity", 0.05}}},
-                   {"ageing_temperature",
-                    "",
-                    {{"stiffness_ageing", 0.1},
-                     {"strength_ageing", 0.02},
-                     {"stiffness_temperature", 0.004},
-                     {"strength_temperature", 0.007}}}}};
+  RubberBearing bearing{
+      {lead(),
+       {"rate_dep_strength", "", {{"coefficient", 0.05}, {"reference_velocity", 0.05}}},
+       {"ageing_temperature",
+        "",
+        {{"stiffness_ageing", 0.1},
+         {"strength_ageing", 0.02},
+         {"stiffness_temperature", 0.004},
+         {"strength_temperature", 0.007}}}}};
   Quantities<double> q;
   q.velocity = {0.03, 0.04};
   q.temperature = -10;
@@ -203,11 +208,11 @@ TEST(Modifiers, FollowVelocityAgeAndTemperature) {
 }
 
 TEST(Restoring, FollowsItsFormulas) {
-  Bearing bearing{{{"large_strain_stiffening", "", {{"stiffness", 2e6}, {"onset", 0.2}}}}};
-  Bearing cubic{{{"cubic_stiffness", "", {{"stiffness", 2e7}}}}};
-  Bearing asymmetric{{{"asymmetric_stiffness", "", {{"stiffness", 1e6}}}}};
-  Bearing p_delta{{{"p_delta", "", {{"coefficient", -0.5}, {"height", 0.4}}}}};
-  Bearing viscous{{{"viscous_damping", "", {{"damping", 1e5}}}}};
+  RubberBearing bearing{{{"large_strain_stiffening", "", {{"stiffness", 2e6}, {"onset", 0.2}}}}};
+  RubberBearing cubic{{{"cubic_stiffness", "", {{"stiffness", 2e7}}}}};
+  RubberBearing asymmetric{{{"asymmetric_stiffness", "", {{"stiffness", 1e6}}}}};
+  RubberBearing p_delta{{{"p_delta", "", {{"coefficient", -0.5}, {"height", 0.4}}}}};
+  RubberBearing viscous{{{"viscous_damping", "", {{"damping", 1e5}}}}};
   Quantities<double> q;
   q.displacement = {0.3, -0.4};
   q.velocity = {0.1, 0.2};
@@ -221,10 +226,12 @@ TEST(Restoring, FollowsItsFormulas) {
   EXPECT_NEAR(viscous.step(q).force[1], 2e4, 1e-6);
 }
 
-// A ramp of speed v makes F = k v tau (1 - exp(-t/tau)); held, it relaxes: exact at any step.
+// A ramp of speed v gives F = k v tau (1 - exp(-t/tau)), which relaxes when held; exact at any
+// step.
 TEST(ViscoelasticRelaxation, RisesAndRelaxesExactly) {
   const double k = 1e6, tau = 0.5, v = 0.2;
-  Bearing bearing{{{"viscoelastic_relaxation", "", {{"stiffness", k}, {"relaxation_time", tau}}}}};
+  RubberBearing bearing{
+      {{"viscoelastic_relaxation", "", {{"stiffness", k}, {"relaxation_time", tau}}}}};
   double held = 0;
   for (int i = 1; i <= 2000; ++i) {
     const double t = i * 1e-3;
@@ -236,12 +243,12 @@ TEST(ViscoelasticRelaxation, RisesAndRelaxesExactly) {
   }
 }
 
-// Between turns z goes back from 1 along dz = (1 + kappa z²) du/u_y, kappa = 2 beta - 1, and then
-// on as tanh: of 2 D per half cycle, the work is Q times
+// After a reversal z returns from 1 along dz = (1 + kappa z²) du/u_y, kappa = 2 beta - 1, and then
+// follows tanh. The work of a half cycle of length 2 D is Q times
 //     2 D - u_y (atan(√kappa)/√kappa + ln(1 + kappa)/(2 kappa) + ln 2).
-TEST(BoucWen, DissipatesPerCycleWhatItsLawSays) {
+TEST(BoucWen, DissipatesTheWorkOfItsLawPerCycle) {
   const double D = 0.21, Q = 1e6, u_y = 2.855e-3, beta = 0.9, kappa = 2 * beta - 1;
-  Bearing bearing{{lead(Q, beta)}};
+  RubberBearing bearing{{lead(Q, beta)}};
   double energy = 0, force = 0, before = 0;
   const int steps = 20'000;
   for (int i = 1; i <= 2 * steps; ++i) {

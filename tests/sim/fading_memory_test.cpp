@@ -20,7 +20,7 @@ TEST(FadingMemory, IsThePowerOfTimeFromTheTimeStepToTheLongestMemory) {
   for (const double power : kPowers)
     for (const double shortest : kTimeSteps) {
       const auto exponentials = fading_exponentials(power, shortest, kLongestMemory);
-      // Times of its own, far denser than those of the fit.
+      // At times far denser than those of the fit.
       for (double t = shortest; t < kLongestMemory; t *= 1.003) {
         double sum = 0;
         for (const auto& [rate, weight] : exponentials) sum += weight * std::exp(-rate * t);
@@ -29,7 +29,7 @@ TEST(FadingMemory, IsThePowerOfTimeFromTheTimeStepToTheLongestMemory) {
     }
 }
 
-TEST(FadingMemory, NeverRemembersTheOpposite) {
+TEST(FadingMemory, HasNoNegativeWeights) {
   for (const double power : kPowers)
     for (const double shortest : kTimeSteps)
       for (const auto& [rate, weight] : fading_exponentials(power, shortest, kLongestMemory)) {
@@ -39,7 +39,7 @@ TEST(FadingMemory, NeverRemembersTheOpposite) {
 }
 
 // A constant flux from t = 0: M = q t^(1−p)/(1−p), from the first step on.
-TEST(FadingMemory, AnswersAStepOfFluxFromTheFirstTimeStepToAMinute) {
+TEST(FadingMemory, RespondsToAStepOfFluxFromTheFirstTimeStepToAMinute) {
   for (const double power : kPowers)
     for (const double dt : kTimeSteps) {
       std::array<double, kFadingConstants> constants{};

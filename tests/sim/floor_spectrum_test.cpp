@@ -29,7 +29,7 @@ TEST(FloorSpectrum, EqualsThePeakAccelerationForStiffOscillators) {
   EXPECT_NEAR(floor_spectrum(a, zero, 0.001, stiff, kDampingRatio)[0], 3, 0.01);
 }
 
-// In resonance for long, the absolute acceleration grows to √(1 + 4ζ²)/(2ζ) times the floor's.
+// In steady resonance the absolute acceleration is √(1 + 4ζ²)/(2ζ) times the floor's.
 TEST(FloorSpectrum, AmplifiesAtResonanceByTheClosedForm) {
   const auto a = sine(2.0, 0.002, 60);
   const std::vector<double> zero(a.size(), 0.0);
@@ -44,7 +44,7 @@ TEST(FloorSpectrum, HasTheTransmissibilityOfAnOscillatorAwayFromResonance) {
   const double drive = 1.0;
   const auto a = sine(drive, 0.002, 80);
   const std::vector<double> zero(a.size(), 0.0);
-  // The peak over time holds the transient too, so compare where that has little to add.
+  // The peak over time includes the transient, so compare frequencies where it contributes little.
   const std::vector<double> own = {6.0};
   const double r = drive / own[0];
   const double z2r = 2 * kDampingRatio * r;
@@ -56,7 +56,7 @@ TEST(FloorSpectrum, HasTheTransmissibilityOfAnOscillatorAwayFromResonance) {
   EXPECT_LT(found, expected * 1.2);
 }
 
-// The same motion turned by any angle gives the same spectrum: it is a vector's length.
+// Rotating the motion by any angle keeps the spectrum, which is a vector's length.
 TEST(FloorSpectrum, IsThePeakOfTheVectorNotOfTheAxes) {
   const auto a = sine(1.3, 0.002, 20);
   std::vector<double> along;
@@ -75,14 +75,13 @@ TEST(FloorSpectrum, IsThePeakOfTheVectorNotOfTheAxes) {
     EXPECT_NEAR(straight[i], turned[i], 1e-9 * straight[i]);
 }
 
-// Exact for acceleration linear between samples: sampling that same motion finer changes nothing
-// but how close a sample comes to the peak.
+// Exact for acceleration linear between samples: finer sampling of the same motion only changes the
+// distance of a sample to the peak.
 TEST(FloorSpectrum, IsExactForLinearInterpolation) {
   const auto coarse = sine(1.7, 0.02, 10);
   std::vector<double> fine;
   for (std::size_t i = 0; i + 1 < coarse.size(); ++i)
-    for (int part = 0; part < 10; ++part)
-      fine.push_back(coarse[i] + (coarse[i + 1] - coarse[i]) * part / 10.0);
+    for (int k = 0; k < 10; ++k) fine.push_back(coarse[i] + (coarse[i + 1] - coarse[i]) * k / 10.0);
   const std::vector<double> frequencies = {0.5, 1.7, 12, 24};
   const auto from_coarse = floor_spectrum(coarse, std::vector<double>(coarse.size(), 0.0), 0.02,
                                           frequencies, kDampingRatio);
@@ -90,7 +89,7 @@ TEST(FloorSpectrum, IsExactForLinearInterpolation) {
                                         frequencies, kDampingRatio);
 
   for (std::size_t i = 0; i < frequencies.size(); ++i) {
-    // Of 20 points in a period or more, the nearest misses a peak by at most 1 − cos(π/20).
+    // With 20 points or more per period, the nearest misses a peak by at most 1 − cos(π/20).
     const double missed = 1 - std::cos(std::numbers::pi / 20);
     EXPECT_NEAR(from_coarse[i], from_fine[i], missed * from_fine[i]);
   }

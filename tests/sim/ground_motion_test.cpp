@@ -30,7 +30,7 @@ TEST(At2Reader, ReadsValuesAcrossLines) {
   EXPECT_DOUBLE_EQ(record.values[6], 0.007);
 }
 
-TEST(At2Reader, ReadsTheOtherOrderOfTheHeader) {
+TEST(At2Reader, ReadsAHeaderWithOtherSpacing) {
   const test::TemporaryFolder folder;
   std::string text = kAt2;
   text.replace(text.find("NPTS="), 29, "NPTS= 7, DT= 0.01 SEC,    ");
@@ -38,7 +38,7 @@ TEST(At2Reader, ReadsTheOtherOrderOfTheHeader) {
   EXPECT_EQ(read_at2(folder.write("a.AT2", text)).time_step, 0.01);
 }
 
-TEST(At2Reader, SaysWhereTheFileIsWrong) {
+TEST(At2Reader, ReportsTheLineOfAnError) {
   const test::TemporaryFolder folder;
   std::string short_file = kAt2;
   short_file.replace(short_file.find("NPTS=      7"), 12, "NPTS=      9");
@@ -49,14 +49,14 @@ TEST(At2Reader, SaysWhereTheFileIsWrong) {
   const auto word_path = folder.write("word.AT2", with_word);
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(short_path)); }),
-            short_path.string() + ":6: 7 values found, NPTS says 9");
+            short_path.string() + ":6: 7 values found, expected NPTS = 9");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(word_path)); }),
-            word_path.string() + ":5: 'not_a_number' is no number");
+            word_path.string() + ":5: 'not_a_number' is not a number");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(folder.path() / "none.AT2")); }),
             (folder.path() / "none.AT2").string() + ": cannot be read");
 }
 
-TEST(ColumnReader, ReadsColumnsWhateverSeparatesThem) {
+TEST(ColumnReader, ReadsColumnsWithAnySeparator) {
   const test::TemporaryFolder folder;
   const auto commas = folder.write("a.csv", "t_s,h1_g,h2_g\n0.00,1,2\n0.02,3,4\n0.04,5,6\n");
   const auto blanks = folder.write("b.txt", "# time a b\n0.00 1 2\n0.02\t3 4\n\n0.04  5  6\n");
@@ -68,7 +68,7 @@ TEST(ColumnReader, ReadsColumnsWhateverSeparatesThem) {
   }
 }
 
-TEST(ColumnReader, SaysWhereTheFileIsWrong) {
+TEST(ColumnReader, ReportsTheLineOfAnError) {
   const test::TemporaryFolder folder;
   const auto uneven = folder.write("u.csv", "0.00,1\n0.02,3\n0.05,5\n0.06,2\n");
   const auto narrow = folder.write("n.csv", "0.00,1\n0.02,3\n");
@@ -78,11 +78,11 @@ TEST(ColumnReader, SaysWhereTheFileIsWrong) {
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(uneven, 1)); }),
             uneven.string() + ":3: time is not equally spaced");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(narrow, 2)); }),
-            narrow.string() + ":1: 2 columns found, column 2 was asked for (0 is time)");
+            narrow.string() + ":1: 2 columns found, expected column 2 (0 is time)");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(broken, 1)); }),
-            broken.string() + ":2: '3x' is no number");
+            broken.string() + ":2: '3x' is not a number");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_column(back, 1)); }),
-            back.string() + ":2: time does not advance");
+            back.string() + ":2: time does not increase");
 }
 
 TEST(GroundMotion, IsLinearBetweenSamplesAndZeroOutside) {
@@ -96,7 +96,7 @@ TEST(GroundMotion, IsLinearBetweenSamplesAndZeroOutside) {
   EXPECT_DOUBLE_EQ(motion.at(0.04)[0], 3);
 }
 
-TEST(GroundMotion, IsReadOffInRealTime) {
+TEST(GroundMotion, InterpolatesInRealTime) {
   const GroundMotion motion{0.02, {0, 1, 3}, {0, -2, 0}};
   Eigen::Vector2d a = Eigen::Vector2d::Zero();
   EXPECT_REALTIME(a = motion.at(0.033));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rules of hysteresis against their closed forms.
+// Hysteresis laws against their closed forms.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 namespace rths::sim {
 namespace {
 
-using test::Stepper;
-using test::Values;
+using test_support::Stepper;
+using test_support::Values;
 
 constexpr double kStrength = 1e6, kYield = 3e-3;
 
@@ -20,13 +20,13 @@ Stepper rule(const std::string& kind, Values more = {}) {
   return Stepper{{{kind, "", values}}, 1e-3};
 }
 
-// Of the cycle from amplitude to −amplitude and back, after a way there from rest.
-double work_of_cycle(Stepper& stepper, double amplitude, int parts) {
-  double work = 0, last = stepper.walk(0, amplitude, parts).force[0];
+// Work of the cycle from amplitude to −amplitude and back, after loading from rest.
+double work_of_cycle(Stepper& stepper, double amplitude, int steps) {
+  double work = 0, last = stepper.walk(0, amplitude, steps).force[0];
   for (const double end : {-amplitude, amplitude}) {
-    for (int i = 1; i <= parts; ++i) {
-      const double force = stepper.to(-end + 2 * end * i / parts).force[0];
-      work += 0.5 * (force + last) * 2 * end / parts;
+    for (int i = 1; i <= steps; ++i) {
+      const double force = stepper.to(-end + 2 * end * i / steps).force[0];
+      work += 0.5 * (force + last) * 2 * end / steps;
       last = force;
     }
   }
@@ -63,9 +63,9 @@ TEST(BoucWen, AgreesWithAFineIntegrationForAnyShape) {
   };
   for (int i = 1; i <= 400; ++i) {
     const double next = 4 * kYield * std::sin(0.05 * i);
-    const int parts = 400;
-    const double du = (next - u) / parts, direction = du > 0 ? 1 : -1;
-    for (int k = 0; k < parts; ++k) {
+    const int steps = 400;
+    const double du = (next - u) / steps, direction = du > 0 ? 1 : -1;
+    for (int k = 0; k < steps; ++k) {
       const double middle = z + 0.5 * std::abs(du) * rate(z, direction);
       z += std::abs(du) * rate(middle, direction);
     }
@@ -74,13 +74,13 @@ TEST(BoucWen, AgreesWithAFineIntegrationForAnyShape) {
   }
 }
 
-TEST(BoucWen, LeavesItsAxesAloneWithoutCoupling) {
+TEST(BoucWen, HasIndependentAxesWithoutCoupling) {
   auto both = rule("bouc_wen", {{"coupling", 0}});
   auto along = rule("bouc_wen"), across = rule("bouc_wen");
   for (int i = 1; i <= 300; ++i) {
     const double x = 0.01 * std::sin(0.1 * i), y = 0.01 * std::sin(0.07 * i);
     const auto q = both.to(x, y);
-    // Parts of a step are chosen by the length of both ways: the error of either is below 1e-4.
+    // The substeps depend on the motion of both axes; the error of either is below 1e-4.
     ASSERT_NEAR(q.force[0], along.to(x).force[0], 2e-4 * kStrength);
     ASSERT_NEAR(q.force[1], across.to(y).force[0], 2e-4 * kStrength);
   }
@@ -103,13 +103,13 @@ TEST(BoucWenNagarajaiah, IsBoucWenAlongALineButNotAroundACircle) {
 }
 
 // Along a line dz (1/(1-z²) u_y + a f(z)) = du: u = u_y artanh z + a erf(z/(σ√2)).
-TEST(BoucWenSlip, SlipsAsItsBackboneSays) {
+TEST(BoucWenSlip, FollowsItsBackboneCurve) {
   const double slip = 0.01, sigma = 0.2;
   auto device = rule("bouc_wen_slip", {{"slip_length", slip}, {"slip_width", sigma}});
   for (int i = 1; i <= 250; ++i) {
     const double u = 1e-4 * i;
     const double z = device.to(u).force[0] / kStrength;
-    if (z > 0.999) break;  // artanh is no measure there
+    if (z > 0.999) break;  // artanh is too steep there
     const double expected = kYield * std::atanh(z) + slip * std::erf(z / (sigma * std::sqrt(2)));
     EXPECT_NEAR(expected, u, 1e-4 * u) << z;
   }
@@ -121,7 +121,7 @@ TEST(Bilinear, DissipatesTheAreaOfItsParallelogram) {
 
   EXPECT_NEAR(device.walk(0, 0.5 * kYield, 1).force[0], 0.5 * kStrength, 1e-9);
   device.walk(0.5 * kYield, 0, 1);
-  // Corners lie on steps of kYield/100.
+  // The corners are multiples of kYield/100.
   EXPECT_NEAR(work_of_cycle(device, a, 1000), 4 * kStrength * (a - kYield), 1e-9 * kStrength);
 }
 
@@ -159,7 +159,8 @@ TEST_F(IwanDevice, CarriesItsWholeStrengthBeyondItsReach) {
   EXPECT_NEAR(backbone(0.2), 1.05e6 + 8e5, kRoundOff);
 }
 
-// The sliders of one knot lie at r = reach·10^(j/10 − 2), hat-shaped, 4 steps from knot to knot.
+// The sliders of one knot are at r = reach·10^(j/10 − 2) with hat-shaped shares, 4 from knot to
+// knot.
 TEST_F(IwanDevice, FollowsTheSplineOfOneKnot) {
   Stepper device{{{"iwan", "", {{"reach", 0.1}, {"strength_3", 1e6}}}}, 1e-3};
   for (const double u : {1e-4, 1e-3, 5e-3, 7e-3, 1e-2, 5e-2}) {
@@ -194,7 +195,7 @@ TEST_F(IwanDevice, ClosesASmallLoopAndForgetsIt) {
   EXPECT_NEAR(device.to(0.05).force[0], backbone(0.05), kRoundOff);
 }
 
-TEST(HysteresisShape, ComesToItsForcesExponentially) {
+TEST(HysteresisShape, ApproachesItsForcesExponentially) {
   const double length = 1.2e-3;
   Stepper device{{{"hysteresis_shape", "", {{"length", length}, {"force_2", 1e5}}}}, 1e-3};
 

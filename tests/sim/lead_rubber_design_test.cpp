@@ -13,7 +13,7 @@
 namespace rths::sim {
 namespace {
 
-// Round numbers, for sums on paper.
+// Round numbers, for hand calculations.
 LeadRubberDesign round_design() {
   LeadRubberDesign d;
   d.outer_diameter = 1;
@@ -27,7 +27,7 @@ LeadRubberDesign round_design() {
   return d;
 }
 
-// Ours for the paper's bearing, as sim/bearings/lprb.toml says.
+// Our design of the paper's bearing, as in sim/bearings/lprb.toml.
 LeadRubberDesign paper_design() {
   LeadRubberDesign d;
   d.outer_diameter = 1.35;
@@ -63,7 +63,7 @@ TEST(LeadRubberDesign, CountsItsCoverInAreasOnly) {
   expect_about(shape_factor(d), 24);
 }
 
-TEST(LeadRubberDesign, HasTheStiffnessesOfPaperSums) {
+TEST(LeadRubberDesign, HasTheStiffnessesOfAHandCalculation) {
   const auto d = round_design();
 
   expect_about(hole_factor(d), 26.0 / 16 - 1.5 / std::log(5.0));
@@ -77,12 +77,12 @@ TEST(LeadRubberDesign, HasTheStiffnessesOfPaperSums) {
   expect_about(rotational_stiffness(d), 7.53377272e7);
 }
 
-TEST(LeadRubberDesign, HasTheLoadsOfPaperSums) {
+TEST(LeadRubberDesign, HasTheLoadsOfAHandCalculation) {
   const auto d = round_design();
 
   expect_about(euler_load(d), 2.52052056e9);
   expect_about(critical_load(d), 5.29446022e7);
-  // The same load written with thickness alone: π √(E_r G I A)/T_r.
+  // The same load in terms of the rubber thickness alone: π √(E_r G I A)/T_r.
   expect_about(critical_load(d), std::numbers::pi *
                                      std::sqrt(rotation_modulus(d) * d.shear_modulus *
                                                moment_of_inertia(d) * rubber_area(d)) /
@@ -100,7 +100,7 @@ TEST(LeadRubberDesign, NeedsNoLead) {
                            [](const auto& term) { return term.kind == "lead_heating"; }));
 }
 
-TEST(LeadRubberDesign, RefusesWhatCannotBeBuilt) {
+TEST(LeadRubberDesign, RefusesImpossibleDimensions) {
   auto wide = round_design();
   wide.lead_diameter = 1;
   auto soft = round_design();
@@ -136,14 +136,14 @@ TEST(LeadRubberDesign, WithAllEffectsIsSofterUnderLoadAndDisplacement) {
                           (1 + 3 * 0.09 / std::pow(std::numbers::pi * radius_of_gyration(d), 2));
   const double angle = 2 * std::acos(0.3);
   const double critical = critical_load(d) * (angle - std::sin(angle)) / std::numbers::pi;
-  const double part = 1e-3 * vertical / critical;
+  const double ratio = 1e-3 * vertical / critical;
 
   EXPECT_NEAR(q.axial_load, 1e-3 * vertical, 1);
-  EXPECT_NEAR(q.force[0], 3e5 + 0.3 * post_yield_stiffness(d) * (1 - part * part), 1);
+  EXPECT_NEAR(q.force[0], 3e5 + 0.3 * post_yield_stiffness(d) * (1 - ratio * ratio), 1);
 }
 
-// What of the design the file writes down, term by term, also where it leaves the term out.
-TEST(LeadRubberDesign, OfThePapersBearingIsThatOfItsFile) {
+// Compares the file's parameters with the design's, including those of disabled terms.
+TEST(LeadRubberDesign, OfThePapersBearingAgreesWithItsFile) {
   const auto file = Config::load(test::source_tree() / "sim/bearings/lprb.toml");
   const auto d = paper_design();
 
@@ -162,7 +162,7 @@ TEST(LeadRubberDesign, OfThePapersBearingIsThatOfItsFile) {
   }
 }
 
-// Slowly pushed to the design displacement, with the lead as cold as it was.
+// Pushed slowly to the design displacement, without heating of the lead.
 TEST(LeadRubberDesign, OfThePapersBearingHasItsForce) {
   auto terms = read_terms(Config::load(test::source_tree() / "sim/bearings/lprb.toml"));
   std::erase_if(terms, [](const auto& term) { return term.kind == "lead_heating"; });

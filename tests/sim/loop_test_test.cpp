@@ -13,8 +13,8 @@ namespace rths::sim {
 namespace {
 
 // z = tanh along a line, so the plug's energy is 4 Q (A − u_y ln 2) up to e^(−2A/u_y), and its
-// force in the middle is Q.
-TEST(LoopTest, TellsStrengthStiffnessAndEnergyOfACycle) {
+// force at zero displacement is Q.
+TEST(LoopTest, ReportsStrengthStiffnessAndEnergyOfACycle) {
   LoopTest test;
   test.time_step = 2e-4;
   const auto history = run_loop_test(rths::test::plain_lead_rubber(), test);
@@ -50,8 +50,8 @@ TEST(LoopTest, BeginsAtRestAndHasTheVelocityOfItsMotion) {
   }
 }
 
-// 0.3 Hz is not a whole number of steps of 1 ms, of 7 ms still less: each cycle ends where it
-// began.
+// A period of 1/0.3 s is not a whole number of steps of 1 ms or 7 ms, yet each cycle must end where
+// it began.
 TEST(LoopTest, HasAWholeNumberOfStepsPerCycle) {
   LoopTest test;
   test.time_step = 7e-3;
@@ -63,7 +63,7 @@ TEST(LoopTest, HasAWholeNumberOfStepsPerCycle) {
   EXPECT_NEAR(h.displacement_long.back(), 0, 1e-9);
 }
 
-TEST(LoopTest, DrawsALoopOfAnyFrequencyWithAFewThousandSteps) {
+TEST(LoopTest, UsesAFewThousandStepsPerCycleAtAnyFrequency) {
   for (const double frequency : {1e-6, 0.1, 0.5, 100.0}) {
     const double steps = 1 / (frequency * time_step_of(frequency));
     EXPECT_GE(steps, 1000 * (1 - 1e-12)) << frequency;
@@ -81,13 +81,13 @@ TEST(LoopTest, RefusesATestWithoutSteps) {
             "loop test: expected at least one cycle of at least 20 steps");
 }
 
-TEST(Demonstration, ShowsWhatATermDoes) {
+TEST(Demonstration, ShowsTheEffectOfATerm) {
   const auto shown = demonstrate(term_kind("coulomb_friction"));
 
   double largest = 0;
   for (std::size_t i = 0; i < shown.with.force_long.size(); ++i)
     largest = std::max(largest, shown.with.force_long[i] - shown.without.force_long[i]);
-  EXPECT_NEAR(largest, 1e4, 1);  // its typical size
+  EXPECT_NEAR(largest, 1e4, 1);  // the typical friction force
 }
 
 }  // namespace

@@ -9,10 +9,9 @@
 namespace rths::sim {
 namespace {
 
-using test::spring;
-using test::Stepper;
-
-constexpr double kStep = 1e-3;
+using test_support::kStep;
+using test_support::spring;
+using test_support::Stepper;
 
 Quantities<double> moving(double u, double v, double load = 0) {
   Quantities<double> q;
@@ -53,7 +52,7 @@ TEST(StribeckFriction, FallsFromBreakawayToCoulombWithVelocity) {
   EXPECT_NEAR(force_at(guide, 0.1, 1), 1e4, 1e-6);
 }
 
-TEST(PositionDependentFriction, RubsAtOnePlace) {
+TEST(PositionDependentFriction, ActsAroundOneDisplacement) {
   const TermSettings rub{"position_dependent_friction",
                          "",
                          {{"friction_force", 1e4}, {"place", 0.1}, {"width", 0.01}}};
@@ -63,7 +62,7 @@ TEST(PositionDependentFriction, RubsAtOnePlace) {
   EXPECT_LT(force_at(rub, 0.2, 0), 1e-6);
 }
 
-TEST(Drag, GrowsAsItsPowerOfVelocitySays) {
+TEST(Drag, GrowsWithItsPowerOfVelocity) {
   EXPECT_NEAR(force_at({"viscous_friction", "", {{"coefficient", 3e4}}}, 0, -0.5), -1.5e4, 1e-9);
   EXPECT_NEAR(force_at({"quadratic_drag", "", {{"coefficient", 3e4}}}, 0, -0.5), -7.5e3, 1e-9);
   const TermSettings damper{
@@ -88,7 +87,7 @@ TEST(Springs, HaveTheShapeOfTheirEquations) {
   EXPECT_NEAR(force_at(damper, 0, 2), 5 + 4.5, 1e-12);
 }
 
-TEST(GapContact, TouchesBehindItsGapAndNeverPulls) {
+TEST(GapContact, PushesBeyondItsGapAndNeverPulls) {
   const TermSettings stop{"gap_contact", "", {{"gap", 0.1}, {"stiffness", 1e7}, {"loss", 0.5}}};
 
   EXPECT_EQ(force_at(stop, 0.09, 1), 0);
@@ -97,7 +96,7 @@ TEST(GapContact, TouchesBehindItsGapAndNeverPulls) {
   EXPECT_EQ(force_at(stop, 0.11, -3), 0);
 }
 
-TEST(TransducerBacklash, IsPlay) {
+TEST(TransducerBacklash, IsAPlayOperator) {
   const double k = 1e6, gap = 0.02;
   Stepper specimen{{spring(k), {"transducer_backlash", "", {{"gap", gap}}}}, kStep};
 
@@ -108,7 +107,7 @@ TEST(TransducerBacklash, IsPlay) {
   EXPECT_NEAR(specimen.to(0).force[0], k * -0.01, 1e-6);
 }
 
-TEST(InputDeadZone, LosesSmallDisplacements) {
+TEST(InputDeadZone, BlocksSmallDisplacements) {
   Stepper specimen{{spring(1e6), {"input_dead_zone", "", {{"half_width", 0.01}}}}, kStep};
 
   EXPECT_EQ(specimen.to(0.009).force[0], 0);
@@ -130,7 +129,7 @@ TEST(SupportFlexibility, IsASpringInSeriesWithASpring) {
 
 // Pushed in one direction: u = x + χ (K x + Q tanh(x/u_y)). The rest of the force is extrapolated
 // with an error of K_i d²x < K_i a Δt², at 1 m/s² and 1 ms.
-TEST(SupportFlexibility, MeetsTheForceOfAYieldingSpecimen) {
+TEST(SupportFlexibility, IsInEquilibriumWithAYieldingSpecimen) {
   const double k = 4e6, strength = 1e6, yield = 2.8e-3, chi = 2e-9;
   Stepper specimen{{{"bouc_wen",
                      "",
@@ -153,19 +152,19 @@ TEST(SupportFlexibility, MeetsTheForceOfAYieldingSpecimen) {
   }
 }
 
-TEST(SupportFlexibility, IsNotSeenByTheTransducer) {
+TEST(SupportFlexibility, DoesNotChangeTheMeasuredDisplacement) {
   Stepper specimen{{spring(1e8), {"support_flexibility", "", {{"flexibility", 1e-8}}}}, kStep};
   for (int i = 0; i < 50; ++i) EXPECT_EQ(specimen.to(0.01).displacement[0], 0.01);
 }
 
-TEST(MountSlack, GivesWayUntilItsSeatIsReached) {
+TEST(MountSlack, DeflectsUntilTheSpecimenIsSeated) {
   const double k = 1e8, slack = 2e-3, seat = 1e4;
   Stepper specimen{
       {spring(k),
        {"mount_slack", "", {{"slack", slack}, {"seating_force", seat}, {"stiffness_estimate", k}}}},
       kStep};
 
-  // In the slack it is a spring of F_seat over half of it, in series.
+  // Within the slack g it is a series spring of stiffness F_seat/(g/2).
   EXPECT_NEAR(specimen.walk(0, 5e-4, 20).force[0], 5e-4 / (1 / k + 0.5 * slack / seat), 1e-3);
   EXPECT_NEAR(specimen.walk(5e-4, 0.01, 20).force[0], k * 0.009, 1e-3);
   EXPECT_NEAR(specimen.walk(0.01, -0.01, 20).force[0], -k * 0.009, 1e-3);

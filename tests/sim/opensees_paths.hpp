@@ -4,40 +4,40 @@
 #include <string>
 #include <vector>
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
-/// Where a bearing is, and how fast, at one instant.
-struct Place {
+/// Displacement, velocity and load of a bearing at one instant.
+struct PathPoint {
   double displacement_long = 0, displacement_lat = 0;  ///< [m]
   double velocity_long = 0, velocity_lat = 0;          ///< [m/s]
-  double load = 1, load_rate = 0;  ///< axial load over its mean [-], and its change [1/s]
+  double load = 1, load_rate = 0;  ///< axial load over its mean [-], and its rate [1/s]
 };
 
-/// A motion that a bearing is led along: one place for each step, from time 0.
+/// A prescribed motion of a bearing: one point per step, from time 0.
 struct Path {
   std::string name;
   double time_step = 0;  ///< [s]
-  std::vector<Place> places;
+  std::vector<PathPoint> points;
 };
 
-/// Round in a circle, entered smoothly.
+/// A circle with a smooth start.
 [[nodiscard]] Path circle(double amplitude, double time_step);
-/// A rose of four leaves: through the centre in ever another direction.
+/// A rose of four leaves, which passes the centre in changing directions.
 [[nodiscard]] Path cloverleaf(double amplitude, double time_step);
-/// A circle whose radius grows with time: every direction at every distance.
+/// A circle with growing radius: all directions at all distances.
 [[nodiscard]] Path spiral(double amplitude, double time_step);
-/// What the example plant's isolation does in the example record, its larger peak made `amplitude`;
-/// the load follows the vertical ground acceleration, in units of 1/g, three times.
+/// The example plant's base displacement in the example record, scaled so that its larger peak is
+/// `amplitude`. The load varies by three times the vertical ground acceleration over g.
 [[nodiscard]] Path recorded(double amplitude, double time_step);
 
-/// A cloverleaf under a load that swings between compression and tension, ever more: up to `most`
-/// times its mean in both.
+/// A cloverleaf under a load that alternates between compression and tension with growing
+/// amplitude, up to `most` times the mean load.
 [[nodiscard]] Path pulled(double amplitude, double time_step, double most);
 
-/// Two cloverleaves with a rest between them that is as long as eight.
+/// Two cloverleaves, with a rest as long as eight of them in between.
 [[nodiscard]] Path two_bursts(double amplitude, double time_step);
 
-/// The first four of these in a long run (RTHS_LONG), cloverleaf and record in a short one.
+/// The first four of these paths in a long run (RTHS_LONG); cloverleaf and record in a short run.
 [[nodiscard]] std::vector<Path> all_paths(double amplitude, double time_step);
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

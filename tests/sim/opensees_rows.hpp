@@ -8,28 +8,31 @@
 
 #include "opensees_run.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
-/// One line of the comparison.
+/// One row of the comparison.
 struct OpenseesRow {
   std::string name;  ///< letters and digits
   TwoBearings bearing;
   double amplitude = 0.2;   ///< of the paths [m]
   double time_step = 5e-4;  ///< [s]
   double bound = 0.005;     ///< on the NRMSE of shear and axial force, on every path
-  /// Is led along a path, too, whose load swings up to so many times its mean in tension and
-  /// compression; 0: is not.
+  /// Adds a path whose load alternates up to this multiple of its mean in tension and compression;
+  /// 0: none.
   double swing = 0;
-  /// Why the two are meant to differ; empty: they state the same law.
+  /// Reason of an intended difference; empty: both implement the same law.
   std::string deviation = {};
 };
 
+/// Appends the elements of an array.
+void append(nlohmann::json& to, const nlohmann::json& more);
+
 /// The lead-rubber bearing of the rows.
 [[nodiscard]] LeadRubberDesign compared_design();
-/// That with heating alone.
+/// The same bearing with heating as its only effect.
 [[nodiscard]] TwoBearings heated_bearing();
 
 [[nodiscard]] std::vector<OpenseesRow> elastomeric_rows();
 [[nodiscard]] std::vector<OpenseesRow> sliding_rows();
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -3,10 +3,14 @@
 
 #include "opensees_rows.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
-// A lead-rubber bearing of the paper's size, 1,010 kN and 4.2 MN/m after yield, but slender, and
-// under a third of its critical load: so that what depends on the load shows.
+void append(nlohmann::json& to, const nlohmann::json& more) {
+  for (const auto& word : more) to.push_back(word);
+}
+
+// A lead-rubber bearing of the paper's size, 1,010 kN and 4.2 MN/m after yield, but slender and
+// under a third of its critical load, so that effects of the load are visible.
 LeadRubberDesign compared_design() {
   LeadRubberDesign d;
   d.outer_diameter = 1.2;
@@ -24,11 +28,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kAxialLoad = 25e6;  // [N]
-
-void append(json& to, const json& more) {
-  for (const auto& word : more) to.push_back(word);
-}
+constexpr double kRubberLoad = 25e6;  // [N]
 
 // Flags of LeadRubberX in its order.
 json flags(const LeadRubberEffects& effects) {
@@ -40,7 +40,7 @@ json flags(const LeadRubberEffects& effects) {
   return numbers;
 }
 
-// What LeadRubberX and ElastomericX begin with, up to c_d and t_c.
+// The first arguments of LeadRubberX and ElastomericX, up to c_d and t_c.
 json rubber_element(const char* name, const LeadRubberDesign& d) {
   return {name,
           d.characteristic_strength,
@@ -61,13 +61,13 @@ json rubber_element(const char* name, const LeadRubberDesign& d) {
           d.post_cavitation_decay,
           d.cavitation_damage,
           d.damage_rate,
-          0.5,  // part of the height at which the shear acts
+          0.5,  // fraction of the height at which the shear acts
           0,    // mass
           d.horizontal_damping,
           d.cover};
 }
 
-// With the sign of each axis.
+// Replaces bouc_wen by Nagarajaiah's form, which uses the sign of each axis.
 std::vector<TermSettings> as_theirs(std::vector<TermSettings> terms) {
   for (auto& term : terms)
     if (term.kind == "bouc_wen") term.kind = "bouc_wen_nagarajaiah";
@@ -82,7 +82,7 @@ OpenseesRow rubber_row(const std::string& name, const LeadRubberEffects& effects
   append(row.bearing.element,
          {d.lead_density, d.lead_specific_heat, d.steel_conductivity, d.steel_diffusivity});
   append(row.bearing.element, flags(effects));
-  row.bearing.axial_load = kAxialLoad;
+  row.bearing.axial_load = kRubberLoad;
   row.bearing.vertical_stiffness = vertical_stiffness(d);
   row.bearing.terms = as_theirs(terms_of(d, effects));
   row.swing = effects.cavitation ? 1 : 0;
@@ -95,12 +95,11 @@ OpenseesRow frame_indifferent() {
   OpenseesRow row = rubber_row("LeadRubberXAgainstBoucWen", kNone);
   row.bearing.terms = terms_of(compared_design(), kNone);
   row.bound = 0.15;
-  row.deviation =
-      "ours looks the same from every direction, theirs takes each axis' sign by itself";
+  row.deviation = "ours is frame-indifferent, OpenSees uses the sign of each axis separately";
   return row;
 }
 
-// Heated by all its way, as theirs is.
+// Heated by force times path, as in OpenSees.
 OpenseesRow heated(const std::string& name, const LeadRubberEffects& effects,
                    const LeadRubberDesign& d) {
   OpenseesRow row = rubber_row(name, effects, d);
@@ -109,7 +108,7 @@ OpenseesRow heated(const std::string& name, const LeadRubberEffects& effects,
   return row;
 }
 
-// With steel that takes no heat both state the same law.
+// With steel that absorbs no heat, both implement the same law.
 OpenseesRow heated_without_loss(const std::string& name, const LeadRubberEffects& effects) {
   LeadRubberDesign d = compared_design();
   d.steel_conductivity = 0;
@@ -119,7 +118,8 @@ OpenseesRow heated_without_loss(const std::string& name, const LeadRubberEffects
 OpenseesRow heated_and_cooled(const std::string& name, const LeadRubberEffects& effects) {
   OpenseesRow row = heated(name, effects, compared_design());
   row.bound = 0.01;
-  row.deviation = "ours remembers when the heat came, theirs counts from the start of the analysis";
+  row.deviation =
+      "ours stores the history of heat, OpenSees uses the time since the analysis began";
   return row;
 }
 
@@ -127,7 +127,7 @@ OpenseesRow heated_by_work() {
   OpenseesRow row = rubber_row("LeadRubberXHeatingByWork", {false, false, false, false, true});
   row.bound = 0.03;
   row.deviation =
-      "ours is heated by its work, theirs by all its way: OpenseesHeating takes them apart";
+      "ours is heated by its work, OpenSees by force times path: OpenseesHeating separates them";
   return row;
 }
 
@@ -135,13 +135,13 @@ OpenseesRow beyond_buckling() {
   OpenseesRow row = rubber_row("LeadRubberXBeyondBuckling", {true, true, true, true, false});
   row.swing = 3.2;
   row.bound = 0.5;
-  row.deviation = "theirs keeps the least critical load that it has met, ours the present one";
+  row.deviation = "OpenSees keeps the lowest critical load so far, ours uses the present one";
   return row;
 }
 
 OpenseesRow elastomeric_x() {
   LeadRubberDesign d = compared_design();
-  d.lead_diameter = 0;  // with a hole theirs takes another shape factor
+  d.lead_diameter = 0;  // with a hole OpenSees uses another shape factor
   OpenseesRow row = rubber_row("ElastomericX", kNone);
   row.bearing.element = rubber_element("ElastomericX", d);
   append(row.bearing.element, {0, 0, 0, 0});
@@ -150,8 +150,8 @@ OpenseesRow elastomeric_x() {
   return row;
 }
 
-// What closes the element in the directions that are not looked at: stiff under compression and
-// without strength in tension, and something for rotations.
+// Materials of the directions outside the comparison: stiff in compression without tension, and an
+// arbitrary stiffness for rotations.
 OpenseesRow bouc_wen_element() {
   const LeadRubberDesign d = compared_design();
   OpenseesRow row;
@@ -167,7 +167,7 @@ OpenseesRow bouc_wen_element() {
                          0.5};
   append(row.bearing.element, {"-P", 1, "-T", 2, "-My", 2, "-Mz", 2, "-orient", 0, 0, 1, 1, 0, 0});
   row.bearing.materials = json::array({{"ENT", 1, 1e10}, {"Elastic", 2, 1e6}});
-  row.bearing.axial_load = kAxialLoad;
+  row.bearing.axial_load = kRubberLoad;
   row.bearing.vertical_stiffness = 1e10;
   row.bearing.terms = {{"bouc_wen",
                         "",
@@ -203,4 +203,4 @@ std::vector<OpenseesRow> elastomeric_rows() {
           frame_indifferent()};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

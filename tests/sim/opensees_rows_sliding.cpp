@@ -3,22 +3,18 @@
 
 #include "opensees_rows.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
 
 using nlohmann::json;
 
-constexpr double kAxialLoad = 9.7e6;          // [N]
+constexpr double kSliderLoad = 9.7e6;         // [N]
 constexpr double kInitialStiffness = 4e8;     // before sliding [N/m]
 constexpr double kVerticalStiffness = 1e10;   // [N/m]
 constexpr double kFast = 0.11, kSlow = 0.06;  // friction coefficients [-]
-constexpr double kRate = 30;                  // from one to the other [s/m]
+constexpr double kRate = 30;                  // of the transition between them [s/m]
 
-void append(json& to, const json& more) {
-  for (const auto& word : more) to.push_back(word);
-}
-
-// The element stands on a vertical spring that bears no tension; iterations end at 1 mN.
+// The element is on a vertical spring without tension; iterations end at 1 mN.
 OpenseesRow slider(const std::string& name, json element, const json& friction) {
   OpenseesRow row;
   row.name = name;
@@ -27,7 +23,7 @@ OpenseesRow slider(const std::string& name, json element, const json& friction) 
          {"-T", 2, "-My", 2, "-Mz", 2, "-orient", 0, 0, 1, 1, 0, 0, "-iter", 50, 1e-3});
   row.bearing.friction_models = json::array({friction});
   row.bearing.materials = json::array({{"ENT", 1, kVerticalStiffness}, {"Elastic", 2, 1e6}});
-  row.bearing.axial_load = kAxialLoad;
+  row.bearing.axial_load = kSliderLoad;
   row.bearing.vertical_stiffness = kVerticalStiffness;
   return row;
 }
@@ -72,8 +68,8 @@ OpenseesRow single_pendulum(const std::string& name, double amplitude) {
   constexpr double kRadius = 2.2;  // [m]
   auto row =
       slider(name, {"singleFPBearing", 1, kRadius, kInitialStiffness, "-P", 1}, kVelocityDependent);
-  // Theirs is the stiffness of the whole before sliding, ours that of friction alone.
-  row.bearing.terms = {pendulum(kRadius, kInitialStiffness - kAxialLoad / kRadius),
+  // Before sliding, OpenSees' stiffness is that of the whole bearing, ours that of friction alone.
+  row.bearing.terms = {pendulum(kRadius, kInitialStiffness - kSliderLoad / kRadius),
                        velocity_dependent()};
   row.amplitude = amplitude;
   return row;
@@ -82,7 +78,7 @@ OpenseesRow single_pendulum(const std::string& name, double amplitude) {
 OpenseesRow steep_pendulum() {
   OpenseesRow row = single_pendulum("singleFPBearingFarOut", 0.2);
   row.bound = 0.012;
-  row.deviation = "ours is for small slopes; theirs adds F.u/R to the load, 1 % at u/R = 0.1";
+  row.deviation = "ours assumes small slopes; OpenSees adds F.u/R to the load, 1 % at u/R = 0.1";
   return row;
 }
 
@@ -96,10 +92,11 @@ OpenseesRow eradiquake() {
   return row;
 }
 
-// With friction that depends on velocity it does not converge. Theirs gives each of the three
-// sliders the stiffness 3 mu_1/u_y before it slides, ours mu_i/u_y: both together give way alike.
+// The element does not converge with velocity-dependent friction. Before sliding, OpenSees gives
+// each of the three sliders the stiffness 3 mu_1/u_y, ours mu_i/u_y; the total stiffness is the
+// same.
 OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
-  constexpr double kYield = 3e-4;                       // of theirs [m]
+  constexpr double kYield = 3e-4;                       // in OpenSees [m]
   constexpr double kLengths[] = {0.4, 2, 2};            // [m]
   constexpr double kCapacities[] = {0.05, 0.25, 0.25};  // [m]
   constexpr double kFrictions[] = {0.02, 0.06, 0.1};    // [-]
@@ -107,7 +104,7 @@ OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
   OpenseesRow row;
   row.name = name;
   row.amplitude = amplitude;
-  row.bearing.axial_load = kAxialLoad;
+  row.bearing.axial_load = kSliderLoad;
   row.bearing.vertical_stiffness = kVerticalStiffness;
   row.bearing.materials = json::array({{"ENT", 1, kVerticalStiffness}, {"Elastic", 2, 1e6}});
   row.bearing.element = {"TripleFrictionPendulum", 1, 2, 3, 1, 2, 2, 2};
@@ -119,18 +116,18 @@ OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
     term.parameters.emplace_back("radius" + suffix, kLengths[i]);
     term.parameters.emplace_back("capacity" + suffix, kCapacities[i]);
     term.parameters.emplace_back("friction" + suffix, kFrictions[i]);
-    // Theirs is 3 mu_1/u_y stiff before any of the three slides.
+    // OpenSees: stiffness 3 mu_1/u_y of each slider before it slides.
     term.parameters.emplace_back("yield_displacement" + suffix,
                                  kYield * kFrictions[i] / (3 * kFrictions[0]));
   }
   append(row.bearing.element, kLengths);
   append(row.bearing.element, kCapacities);
-  append(row.bearing.element, {kAxialLoad, kYield, kTension, kLeastLoad, kTolerance});
+  append(row.bearing.element, {kSliderLoad, kYield, kTension, kLeastLoad, kTolerance});
   row.bearing.terms = {term};
   return row;
 }
 
-// Friction that falls as the surface warms; nothing else changes it.
+// Friction that depends on the surface's temperature only.
 OpenseesRow heated_pendulum(const std::string& name, double initial_stiffness) {
   constexpr double kRadius = 2.2, kContactRadius = 0.3, kPressure = 5e7;
   constexpr double kDiffusivity = 4.44e-6, kConductivity = 18;
@@ -165,7 +162,7 @@ OpenseesRow heated_pendulum(const std::string& name, double initial_stiffness) {
                      1},
                     kCoulomb);
   row.bearing.element.erase(row.bearing.element.begin() + 28, row.bearing.element.end());
-  row.time_step = 1e-3;  // it sums over all of its past in every step
+  row.time_step = 1e-3;  // OpenSees sums over its whole history in every step
   row.bearing.terms = {pendulum(kRadius, initial_stiffness),
                        {"friction_heating",
                         "",
@@ -179,7 +176,7 @@ OpenseesRow heated_pendulum(const std::string& name, double initial_stiffness) {
 OpenseesRow soft_heated_pendulum() {
   OpenseesRow row = heated_pendulum("FPBearingPTVSoft", kInitialStiffness);
   row.bound = 0.06;
-  row.deviation = "ours is heated by its work, theirs by mu p |v|, also where it sticks";
+  row.deviation = "ours is heated by its work, OpenSees by mu p |v| even while it sticks";
   return row;
 }
 
@@ -197,4 +194,4 @@ std::vector<OpenseesRow> sliding_rows() {
           triple_pendulum("TripleFrictionPendulumAtStops", 0.58)};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

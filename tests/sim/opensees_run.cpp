@@ -10,26 +10,26 @@
 #include "support/opensees.hpp"
 #include "support/process.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
 
-constexpr double kPatience = 100;  // of one analysis [s]
+constexpr double kTimeout = 100;  // of one analysis [s]
 
-double vertical_displacement(const TwoBearings& bearing, const Place& place) {
-  return -bearing.axial_load * place.load / bearing.vertical_stiffness;
+double vertical_displacement(const TwoBearings& bearing, const PathPoint& point) {
+  return -bearing.axial_load * point.load / bearing.vertical_stiffness;
 }
 
-double vertical_velocity(const TwoBearings& bearing, const Place& place) {
-  return -bearing.axial_load * place.load_rate / bearing.vertical_stiffness;
+double vertical_velocity(const TwoBearings& bearing, const PathPoint& point) {
+  return -bearing.axial_load * point.load_rate / bearing.vertical_stiffness;
 }
 
 void write_motion(const std::filesystem::path& file, const TwoBearings& bearing, const Path& path) {
   std::ofstream out{file};
   out.precision(17);
-  for (const Place& place : path.places)
-    out << place.displacement_long << ',' << place.displacement_lat << ','
-        << vertical_displacement(bearing, place) << ',' << place.velocity_long << ','
-        << place.velocity_lat << ',' << vertical_velocity(bearing, place) << '\n';
+  for (const PathPoint& point : path.points)
+    out << point.displacement_long << ',' << point.displacement_lat << ','
+        << vertical_displacement(bearing, point) << ',' << point.velocity_long << ','
+        << point.velocity_lat << ',' << vertical_velocity(bearing, point) << '\n';
 }
 
 Forces read_forces(const std::filesystem::path& file) {
@@ -58,7 +58,7 @@ double difference(const Forces& a, const Forces& b, std::size_t column) {
 }  // namespace
 
 Forces opensees_forces(const TwoBearings& bearing, const Path& path) {
-  const rths::test::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto forces = folder.path() / "forces.csv";
   write_motion(folder.path() / "motion.csv", bearing, path);
   const nlohmann::json said = {{"element", bearing.element},
@@ -68,14 +68,13 @@ Forces opensees_forces(const TwoBearings& bearing, const Path& path) {
                                {"motion", (folder.path() / "motion.csv").string()},
                                {"forces", forces.string()}};
   const auto file = folder.write("case.json", said.dump());
-  const auto script = rths::test::source_tree() / "bench/bearings/opensees/bearing.py";
-  rths::test::Running running{
-      {rths::test::opensees_python().value(), script.string(), file.string()}};
-  const auto finished = running.wait(kPatience);
+  const auto script = test::source_tree() / "bench/bearings/opensees/bearing.py";
+  test::Running running{{test::opensees_python().value(), script.string(), file.string()}};
+  const auto finished = running.wait(kTimeout);
   if (finished.exit_code != 0) throw std::runtime_error{"OpenSees: " + finished.err};
   auto read = read_forces(forces);
-  if (read.size() + 1 != path.places.size())
-    throw std::runtime_error{"OpenSees did not answer at every step"};
+  if (read.size() + 1 != path.points.size())
+    throw std::runtime_error{"OpenSees did not return a force for every step"};
   return read;
 }
 
@@ -83,15 +82,15 @@ Forces our_forces(const TwoBearings& bearing, const Path& path) {
   const Composition composition{bearing.terms, path.time_step};
   std::vector<double> state(composition.states(), 0.0);
   Forces forces;
-  for (std::size_t i = 1; i < path.places.size(); ++i) {
-    const Place& place = path.places[i];
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    const PathPoint& point = path.points[i];
     Quantities<double> q;
     q.time = static_cast<double>(i) * path.time_step;
-    q.displacement = {place.displacement_long, place.displacement_lat};
-    q.velocity = {place.velocity_long, place.velocity_lat};
-    q.vertical_displacement = vertical_displacement(bearing, place);
-    q.vertical_velocity = vertical_velocity(bearing, place);
-    q.axial_load = bearing.axial_load * place.load;
+    q.displacement = {point.displacement_long, point.displacement_lat};
+    q.velocity = {point.velocity_long, point.velocity_lat};
+    q.vertical_displacement = vertical_displacement(bearing, point);
+    q.vertical_velocity = vertical_velocity(bearing, point);
+    q.axial_load = bearing.axial_load * point.load;
     composition.advance(state, q);
     forces.push_back({q.force[0], q.force[1], q.axial_load});
   }
@@ -102,7 +101,7 @@ Nrmse nrmse(const Forces& ours, const Forces& reference) {
   const double shear = about_mean(reference, 0) + about_mean(reference, 1);
   double axial = about_mean(reference, 2), whole = 0;
   for (const auto& row : reference) whole += row[2] * row[2];
-  // A load that is constant but for rounding is held against itself.
+  // A load that is constant except for rounding is compared with its own size.
   if (axial < 1e-12 * whole) axial = whole;
   Nrmse result;
   result.shear =
@@ -111,4 +110,4 @@ Nrmse nrmse(const Forces& ours, const Forces& reference) {
   return result;
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

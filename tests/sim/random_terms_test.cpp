@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every term keeps with any parameters, not only with typical ones.
+// Properties of every term with random parameters.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -18,43 +18,43 @@ namespace rths::sim {
 namespace {
 
 constexpr unsigned kSets = 10;  // of parameters, per kind
-constexpr int kSteps = 1000;
+constexpr int kRandomSteps = 1000;
 
 class AnyTerm : public testing::TestWithParam<TermKind> {
  protected:
-  // Within a decade of what is typical, evenly in the logarithm, and within the bounds; where zero
-  // or less is typical or lies within a narrow range, evenly between the bounds.
+  // Log-uniform within a decade of the typical value and within the bounds. If the typical value is
+  // zero or negative, or the range is narrow: uniform between the bounds.
   static double drawn(const Parameter& p, std::mt19937& random) {
     std::uniform_real_distribution<double> even;
     if (p.unit == "-" && p.high - p.low <= 20) return p.low + (p.high - p.low) * even(random);
     if (!(p.typical > 0)) return p.typical;
     return std::clamp(p.typical * std::pow(10, 2 * even(random) - 1), p.low, p.high);
   }
-  // Some bearings cannot be built (radii in the wrong order): those are refused, and drawn again.
-  static test::TermCase drawn_case(unsigned seed) {
+  // Invalid bearings (radii in the wrong order) are refused and drawn again.
+  static test_support::TermCase drawn_case(unsigned seed) {
     std::mt19937 random{seed};
     for (int attempt = 0; attempt < 1000; ++attempt) {
-      auto c = test::case_of(GetParam());
+      auto c = test_support::case_of(GetParam());
       c.term.parameters.clear();
       for (const auto& p : GetParam().parameters)
         c.term.parameters.emplace_back(p.name, drawn(p, random));
       try {
-        static_cast<void>(test::composition_of(c));
+        static_cast<void>(test_support::composition_of(c));
         return c;
       } catch (const Error&) {
       }
     }
-    throw std::logic_error{"no such term can be built"};
+    throw std::logic_error{"no valid parameters found"};
   }
-  static std::string described(const test::TermCase& c, unsigned seed) {
+  static std::string described(const test_support::TermCase& c, unsigned seed) {
     std::string text = fmt::format("seed {}:", seed);
     for (const auto& [name, value] : c.term.parameters) text += fmt::format(" {} {}", name, value);
     return text;
   }
 };
 
-// Steps of up to 40 of the bearing's yield displacements, in any direction.
-Quantities<double> violent(std::mt19937& random, const test::Motion& motion, int i,
+// Steps of up to 40 of the bearing's yield displacements in random directions.
+Quantities<double> violent(std::mt19937& random, const test_support::Motion& motion, int i,
                            const Horizontal<double>& before) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> even;
@@ -75,11 +75,11 @@ TEST_P(AnyTerm, StaysFiniteUnderViolentMotion) {
   for (unsigned seed = 1; seed <= kSets; ++seed) {
     const auto c = drawn_case(seed);
     SCOPED_TRACE(described(c, seed));
-    const Composition composition = test::composition_of(c);
+    const Composition composition = test_support::composition_of(c);
     std::vector<double> state(composition.states());
     std::mt19937 random{seed};
     Horizontal<double> u{};
-    for (int i = 0; i < kSteps; ++i) {
+    for (int i = 0; i < kRandomSteps; ++i) {
       auto q = violent(random, c.motion, i, u);
       u = q.displacement;
       composition.advance(state, q);
@@ -95,33 +95,33 @@ TEST_P(AnyTerm, IsPassiveIfItDissipates) {
   for (unsigned seed = 1; seed <= kSets; ++seed) {
     auto c = drawn_case(seed);
     SCOPED_TRACE(described(c, seed));
-    c.company.clear();
+    c.companions.clear();
     c.motion.time_step = 1e-3;
-    const Composition composition = test::composition_of(c);
+    const Composition composition = test_support::composition_of(c);
     std::vector<double> state(composition.states());
     double work = 0, turnover = 0;
     Horizontal<double> f{}, u{};
-    for (int i = 0; i < 4 * kSteps; ++i) {
-      auto q = test::motion_at(c.motion, i);
-      // The load stays: a pendulum's spring takes work from it.
+    for (int i = 0; i < 4 * kRandomSteps; ++i) {
+      auto q = test_support::motion_at(c.motion, i);
+      // At constant load, because a pendulum's spring exchanges work with a varying load.
       q.axial_load = c.motion.axial_load;
       q.vertical_displacement = c.motion.vertical_offset;
       const auto now = q.displacement;
       composition.advance(state, q);
       for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-        const double part = 0.5 * (f[axis] + q.force[axis]) * (now[axis] - u[axis]);
-        work += part;
-        turnover += std::abs(part);
+        const double increment = 0.5 * (f[axis] + q.force[axis]) * (now[axis] - u[axis]);
+        work += increment;
+        turnover += std::abs(increment);
         f[axis] = q.force[axis];
         u[axis] = now[axis];
       }
-      // The trapezoid's error at corners of the force.
+      // Error of the trapezoidal rule at corners of the force.
       ASSERT_GE(work, -1e-3 * turnover) << "step " << i;
     }
   }
 }
 
-TEST_P(AnyTerm, KnowsNoDirectionIfItIsFrameIndifferent) {
+TEST_P(AnyTerm, RotatesWithTheMotionIfItIsFrameIndifferent) {
   if ((GetParam().traits & kFrameIndifferent) == 0) return;
   const double cosine = std::cos(0.7), sine = std::sin(0.7);
   const auto turned = [&](const Horizontal<double>& x) {
@@ -129,15 +129,15 @@ TEST_P(AnyTerm, KnowsNoDirectionIfItIsFrameIndifferent) {
   };
   for (unsigned seed = 1; seed <= kSets; ++seed) {
     auto c = drawn_case(seed);
-    // Less coupling has axes of its own.
+    // A coupling below 1 is not frame-indifferent.
     for (auto& [name, value] : c.term.parameters)
       if (name == "coupling") value = 1;
     SCOPED_TRACE(described(c, seed));
-    const Composition composition = test::composition_of(c);
+    const Composition composition = test_support::composition_of(c);
     std::vector<double> state(composition.states()), turned_state(composition.states());
     double largest = 0;
     for (int i = 0; i < c.motion.steps; ++i) {
-      auto q = test::motion_at(c.motion, i);
+      auto q = test_support::motion_at(c.motion, i);
       auto r = q;
       r.displacement = turned(q.displacement);
       r.velocity = turned(q.velocity);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every term is found again: data made with it, with noise, gives its parameters back by least
-// squares, with intervals that hold what they promise.
+// Parameter recovery for every term: least squares on its noisy output returns its parameters, and
+// the intervals have their nominal coverage.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,10 +8,9 @@
 #include <random>
 
 #include <gtest/gtest.h>
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/sim/composition.hpp>
 
 #include "sim/term_cases.hpp"
@@ -22,7 +21,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// An interval that holds 95 of 100 holds 15 of 20 or fewer once in 400 times.
+// A 95 % interval covers 15 of 20 or fewer with a probability of 1/400.
 struct Trials {
   int seeds, enough;
 };
@@ -32,15 +31,15 @@ constexpr double kNormalQuantile = 1.959964;  // two-sided 95 %
 
 struct Problem {
   Composition composition;
-  test::Motion motion;
+  test_support::Motion motion;
   std::vector<std::size_t> free;  // indices into parameters()
   std::vector<Parameter> table;   // of the free ones
   VectorXd truth;
-  VectorXd weight;  // of each output: 1/noise; 0 where it carries none
+  VectorXd weight;  // of each output: 1/noise, or 0 for an output without noise
 };
 
-Problem problem_of(const test::TermCase& c) {
-  Problem problem{test::composition_of(c), c.motion, {}, {}, {}, {}};
+Problem problem_of(const test_support::TermCase& c) {
+  Problem problem{test_support::composition_of(c), c.motion, {}, {}, {}, {}};
   for (const auto& term : problem.composition.terms()) {
     if (term.name != "tested") continue;
     for (std::size_t k = 0; k < term.kind->parameters.size(); ++k) {
@@ -65,13 +64,14 @@ std::vector<double> parameters_with(const Problem& problem, const VectorXd& valu
 }
 
 VectorXd predict(const Problem& problem, const VectorXd& values) {
-  const auto outputs = test::outputs_of<double>(problem.composition,
-                                                parameters_with(problem, values), problem.motion);
+  const auto outputs = test_support::outputs_of<double>(
+      problem.composition, parameters_with(problem, values), problem.motion);
   return Eigen::Map<const VectorXd>(outputs.data(), static_cast<Eigen::Index>(outputs.size()));
 }
 
 MatrixXd jacobian(const Problem& problem, const VectorXd& values) {
-  MatrixXd J(static_cast<Eigen::Index>(problem.motion.steps) * test::kOutputs, values.size());
+  MatrixXd J(static_cast<Eigen::Index>(problem.motion.steps) * test_support::kOutputs,
+             values.size());
   const auto plain = parameters_with(problem, values);
   for (std::size_t first = 0; first < problem.free.size(); first += Dual::kLanes) {
     std::vector<Dual> duals(plain.begin(), plain.end());
@@ -80,7 +80,7 @@ MatrixXd jacobian(const Problem& problem, const VectorXd& values) {
       const std::size_t i = problem.free[first + lane];
       duals[i] = Dual::variable(plain[i], lane);
     }
-    const auto outputs = test::outputs_of<Dual>(problem.composition, duals, problem.motion);
+    const auto outputs = test_support::outputs_of<Dual>(problem.composition, duals, problem.motion);
     for (Eigen::Index row = 0; row < J.rows(); ++row)
       for (std::size_t lane = 0; lane < lanes; ++lane)
         J(row, static_cast<Eigen::Index>(first + lane)) =
@@ -89,13 +89,13 @@ MatrixXd jacobian(const Problem& problem, const VectorXd& values) {
   return J;
 }
 
-// An output that does not depend on the free parameters carries no noise: it would tell nothing.
+// An output that does not depend on the free parameters gets no noise and no weight.
 void choose_weights(Problem& problem, double noise) {
   const VectorXd y = predict(problem, problem.truth);
   const MatrixXd J = jacobian(problem, problem.truth);
-  problem.weight = VectorXd::Zero(test::kOutputs);
-  for (int output = 0; output < test::kOutputs; ++output) {
-    const auto rows = Eigen::seqN(output, problem.motion.steps, test::kOutputs);
+  problem.weight = VectorXd::Zero(test_support::kOutputs);
+  for (int output = 0; output < test_support::kOutputs; ++output) {
+    const auto rows = Eigen::seqN(output, problem.motion.steps, test_support::kOutputs);
     const double deviation = std::sqrt((y(rows).array() - y(rows).mean()).square().mean());
     if (J(rows, Eigen::all).norm() > 0 && deviation > 0)
       problem.weight[output] = 1 / (noise * deviation);
@@ -130,7 +130,7 @@ Fit fit(const Problem& problem, const VectorXd& measured, VectorXd values) {
     double gain = 0, step_in_deviations = 0;
     for (int attempt = 0; attempt < 12; ++attempt) {
       const MatrixXd damped = H + damping * MatrixXd{scale.asDiagonal()};
-      const VectorXd next = clamped(problem, values + damped.ldlt().solve(g));
+      const VectorXd next = clamped(problem, values + algebra::solve_symmetric(damped, g));
       const double then = cost(next);
       if (then <= now) {
         gain = now - then;
@@ -142,18 +142,18 @@ Fit fit(const Problem& problem, const VectorXd& measured, VectorXd values) {
       }
       damping *= 10;
     }
-    // A hundredth of a standard deviation further on would change no verdict.
+    // Converged: the step is below a hundredth of a standard deviation.
     if (gain <= 1e-6 * now && step_in_deviations < 1e-2) break;
   }
   const MatrixXd J = w.asDiagonal() * jacobian(problem, values);
-  return {values, (J.transpose() * J).inverse().diagonal().cwiseSqrt()};
+  return {values, algebra::inverse(J.transpose() * J).diagonal().cwiseSqrt()};
 }
 
 VectorXd noisy(const Problem& problem, VectorXd y, std::uint64_t seed) {
   std::mt19937_64 random{seed};
   std::normal_distribution<double> normal;
   for (Eigen::Index i = 0; i < y.size(); ++i) {
-    const double weight = problem.weight[i % test::kOutputs];
+    const double weight = problem.weight[i % test_support::kOutputs];
     const double draw = normal(random);
     if (weight > 0) y[i] += draw / weight;
   }
@@ -163,7 +163,7 @@ VectorXd noisy(const Problem& problem, VectorXd y, std::uint64_t seed) {
 class EveryKind : public testing::TestWithParam<TermKind> {};
 
 TEST_P(EveryKind, IsRecoveredFromNoisyData) {
-  const auto c = test::case_of(GetParam());
+  const auto c = test_support::case_of(GetParam());
   Problem problem = problem_of(c);
   ASSERT_FALSE(problem.free.empty());
   const auto [seeds, enough] = trials();
@@ -192,7 +192,7 @@ TEST_P(EveryKind, IsRecoveredFromNoisyData) {
         problem.table[j].name.data(), problem.truth[k],
         100 * kNormalQuantile * mean_deviation[k] / std::abs(problem.truth[k]), inside[j], seeds);
     EXPECT_GE(inside[j], enough) << problem.table[j].name;
-    // An interval that holds everything proves nothing.
+    // An interval wide enough to cover everything proves nothing.
     EXPECT_LT(kNormalQuantile * mean_deviation[k], 0.5 * std::abs(problem.truth[k]))
         << problem.table[j].name;
   }

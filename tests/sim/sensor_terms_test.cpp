@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What sensors make of what they measure.
+// Sensor terms against closed forms.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -9,10 +9,9 @@
 namespace rths::sim {
 namespace {
 
-using test::Stepper;
-using test::Values;
-
-constexpr double kStep = 1e-3;
+using test_support::kStep;
+using test_support::Stepper;
+using test_support::Values;
 
 TermSettings on(Channel channel, const std::string& kind, const Values& values,
                 unsigned axes = kBothAxes) {
@@ -51,7 +50,7 @@ TEST(SensorTerms, HaveParametersInTheUnitOfTheirChannel) {
   EXPECT_EQ(parameter_key(drift, Channel::Displacement), "rate_m_per_s");
 }
 
-TEST(Drift, CountsFromTheFirstStepWhateverTheClockShows) {
+TEST(Drift, StartsAtTheFirstStepForAnyOriginOfTime) {
   Composition sensor{{on(Channel::Displacement, "drift", {{"rate", 2}})}, kStep};
   std::vector<double> state(sensor.states());
   Quantities<double> q;
@@ -63,7 +62,7 @@ TEST(Drift, CountsFromTheFirstStepWhateverTheClockShows) {
   EXPECT_NEAR(q.displacement[0], 6, 1e-12);
 }
 
-TEST(Quantisation, PutsEveryReadingOnTheNearestPointOfItsLattice) {
+TEST(Quantisation, RoundsToTheNearestLevel) {
   const double step = 0.25;
   for (double x = -2; x < 2; x += 0.0137) {
     const double y = read(on(Channel::Displacement, "quantisation", {{"step", step}}), x);
@@ -72,7 +71,7 @@ TEST(Quantisation, PutsEveryReadingOnTheNearestPointOfItsLattice) {
   }
 }
 
-TEST(Ranges, ClipOrWrap) {
+TEST(Ranges, ClipOrWrapAround) {
   EXPECT_EQ(read(on(Channel::Displacement, "saturation", {{"limit", 2}}), 3), 2);
   EXPECT_EQ(read(on(Channel::Displacement, "saturation", {{"limit", 2}}), -3), -2);
   EXPECT_EQ(read(on(Channel::Displacement, "overflow", {{"limit", 2}}), 3), -1);
@@ -80,15 +79,15 @@ TEST(Ranges, ClipOrWrap) {
   EXPECT_EQ(read(on(Channel::Displacement, "overflow", {{"limit", 2}}), 1.5), 1.5);
 }
 
-TEST(Scales, BendReadings) {
+TEST(Scales, DistortReadings) {
   EXPECT_EQ(read(on(Channel::Displacement, "absolute_value_sensor", {{"share", 1}}), -3), 3);
   EXPECT_NEAR(
       read(on(Channel::Displacement, "cubic_distortion", {{"share", 0.1}, {"range", 2}}), -4),
       -4 * 1.4, 1e-12);
 }
 
-// A straight line is delayed exactly by a cubic, and by a filter that has settled.
-TEST(Lateness, IsSeenOnARamp) {
+// Cubic interpolation and a filter in steady state both delay a ramp exactly.
+TEST(Lateness, DelaysARamp) {
   Stepper skew{{on(Channel::Displacement, "time_skew", {{"skew", 0.0123}})}, kStep};
   Stepper filter{{on(Channel::Displacement, "filter_lag", {{"time_constant", 0.01}})}, kStep};
   for (int i = 0; i < 1000; ++i) {
@@ -111,12 +110,12 @@ TEST(ClockDrift, IsTenMillisecondsAfterAHundredSecondsAtAHundredPartsPerMillion)
   EXPECT_NEAR(late, 0.012, 1e-9);
 }
 
-TEST(ClockDrift, NeverReportsWhatHasNotHappened) {
+TEST(ClockDrift, NeverReportsFutureValues) {
   Stepper sensor{{on(Channel::Displacement, "clock_drift", {{"rate", -0.01}})}, kStep};
   for (int i = 0; i < 1000; ++i) ASSERT_NEAR(sensor.step(readings(i)).displacement[0], i, 1e-9);
 }
 
-TEST(Crosstalk, AddsWhatTheOtherAxesSee) {
+TEST(Crosstalk, AddsSharesOfTheOtherAxes) {
   Stepper sensor{{on(Channel::Acceleration, "crosstalk_horizontal",
                      {{"lat_into_long", 0.1}, {"long_into_lat", 0.2}})},
                  kStep};
@@ -128,7 +127,7 @@ TEST(Crosstalk, AddsWhatTheOtherAxesSee) {
   EXPECT_NEAR(cell.step(readings(10)).force[0], 0.07, 1e-15);
 }
 
-TEST(AccelerometerTilt, MixesGravityIn) {
+TEST(AccelerometerTilt, AddsGravity) {
   Stepper sensor{{{"accelerometer_tilt", "", {{"tilt", 0.01}, {"tilt_per_displacement", 0.1}}}},
                  kStep};
   Quantities<double> q;

@@ -14,25 +14,27 @@
 namespace rths::sim {
 namespace {
 
-constexpr double kLoad = 9.7e6;     // [N]
-constexpr double kFriction = 0.1;   // [-]
-constexpr double kStiffness = 4e8;  // before sliding [N/m]
-constexpr double kTimeStep = 1e-3;  // [s]
+constexpr double kSliderLoad = 9.7e6;     // [N]
+constexpr double kSliderFriction = 0.1;   // [-]
+constexpr double kSliderStiffness = 4e8;  // before sliding [N/m]
+constexpr double kTimeStep = 1e-3;        // [s]
 constexpr double kPi = std::numbers::pi;
 
 using Terms = std::vector<TermSettings>;
 
 const TermSettings kSlider{
-    "flat_slider", "", {{"friction_coefficient", kFriction}, {"initial_stiffness", kStiffness}}};
+    "flat_slider",
+    "",
+    {{"friction_coefficient", kSliderFriction}, {"initial_stiffness", kSliderStiffness}}};
 
-// A composition and what has happened to it.
-struct Bearing {
+// A composition with its state.
+struct SlidingBearing {
   Composition composition;
   std::vector<double> state;
 
-  explicit Bearing(const Terms& terms, double time_step = kTimeStep)
+  explicit SlidingBearing(const Terms& terms, double time_step = kTimeStep)
       : composition{terms, time_step}, state(composition.states()) {}
-  Quantities<double> move(const Horizontal<double>& u, double load = kLoad,
+  Quantities<double> move(const Horizontal<double>& u, double load = kSliderLoad,
                           const Horizontal<double>& v = {}) {
     Quantities<double> q;
     q.displacement = u;
@@ -41,16 +43,16 @@ struct Bearing {
     composition.advance(state, q);
     return q;
   }
-  double force(double u, double load = kLoad, double v = 0) {
+  double force(double u, double load = kSliderLoad, double v = 0) {
     return move({u, 0}, load, {v, 0}).force[0];
   }
 };
 
-// A parallelogram: 4 mu N (A − mu N/k0). The trapezoid's error at four corners: a step's worth
-// each.
+// A parallelogram: 4 mu N (A − mu N/k0). The trapezoidal rule errs by up to a step at each of the
+// four corners.
 TEST(FlatSlider, DissipatesTheParallelogramOfACycle) {
-  Bearing bearing{{kSlider}};
-  const double A = 0.1, yield = kFriction * kLoad;
+  SlidingBearing bearing{{kSlider}};
+  const double A = 0.1, yield = kSliderFriction * kSliderLoad;
   const int steps = 20'000;
   double energy = 0, u = 0, force = 0;
   for (int i = 0; i <= 2 * steps; ++i) {
@@ -61,20 +63,20 @@ TEST(FlatSlider, DissipatesTheParallelogramOfACycle) {
     force = found;
   }
 
-  const double expected = 4 * yield * (A - yield / kStiffness);
+  const double expected = 4 * yield * (A - yield / kSliderStiffness);
   EXPECT_NEAR(energy, expected, 1e-4 * expected);
 }
 
-// On a circle of radius A the elastic stretch e = mu N/k0 stands across the path of the slider,
-// whose circle has the radius √(A² − e²). So friction pulls inwards by Y e/A and back by Y √(1 −
+// On a circle of radius A the elastic stretch e = mu N/k0 is tangential to the slider's circle,
+// whose radius is √(A² − e²). So friction Y acts inwards with Y e/A and backwards with Y √(1 −
 // e²/A²).
 TEST(SinglePendulum, FollowsACircleInItsClosedForm) {
-  const double A = 0.1, R = 2.2, yield = 0.06 * kLoad, e = yield / kStiffness;
-  Bearing bearing{{{"single_pendulum",
-                    "",
-                    {{"friction_coefficient", 0.06},
-                     {"initial_stiffness", kStiffness},
-                     {"effective_radius", R}}}}};
+  const double A = 0.1, R = 2.2, yield = 0.06 * kSliderLoad, e = yield / kSliderStiffness;
+  SlidingBearing bearing{{{"single_pendulum",
+                           "",
+                           {{"friction_coefficient", 0.06},
+                            {"initial_stiffness", kSliderStiffness},
+                            {"effective_radius", R}}}}};
   const int steps = 20'000;
   double outwards = 0, along = 0;
   for (int i = 0; i <= 2 * steps; ++i) {
@@ -84,85 +86,86 @@ TEST(SinglePendulum, FollowsACircleInItsClosedForm) {
     along = -force[0] * std::sin(angle) + force[1] * std::cos(angle);
   }
 
-  // Backward Euler turns the friction by half a step's angle times A/e: 2e-3 of it.
-  EXPECT_NEAR(outwards, kLoad * A / R + yield * e / A, 2e-3 * yield);
+  // Backward Euler rotates the friction by half a step's angle times A/e: a relative error of 2e-3.
+  EXPECT_NEAR(outwards, kSliderLoad * A / R + yield * e / A, 2e-3 * yield);
   EXPECT_NEAR(along, yield * std::sqrt(1 - e * e / (A * A)), 1e-4 * yield);
 }
 
-TEST(FlatSlider, LetsGoInUpliftAndBeginsAnewAfterIt) {
-  Bearing bearing{{kSlider}};
+TEST(FlatSlider, HasNoForceInUpliftAndStartsAfreshAfterIt) {
+  SlidingBearing bearing{{kSlider}};
   bearing.force(0.05);
   EXPECT_EQ(bearing.force(0.06, 0), 0);
   EXPECT_EQ(bearing.force(0.03, -1e6), 0);
 
-  // A tenth of a millimetre of elastic way from where it landed.
+  // A tenth of a millimetre of elastic displacement from the point of landing.
   bearing.force(0.03);
-  EXPECT_NEAR(bearing.force(0.0301), 1e-4 * kStiffness, 1);
+  EXPECT_NEAR(bearing.force(0.0301), 1e-4 * kSliderStiffness, 1);
 }
 
 TEST(RimStop, PushesBackBeyondItsClearance) {
-  Bearing bearing{{{"rim_stop", "", {{"stiffness", 1e8}, {"clearance", 0.2}, {"loss", 0.5}}}}};
+  SlidingBearing bearing{
+      {{"rim_stop", "", {{"stiffness", 1e8}, {"clearance", 0.2}, {"loss", 0.5}}}}};
 
   EXPECT_EQ(bearing.force(0.199), 0);
   EXPECT_NEAR(bearing.force(0.21), 1e6, 1e-3);
-  EXPECT_NEAR(bearing.force(0.21, kLoad, 0.4), 1.2e6, 1e-3);
+  EXPECT_NEAR(bearing.force(0.21, kSliderLoad, 0.4), 1.2e6, 1e-3);
   const auto force = bearing.move({0.6 * 0.21, -0.8 * 0.21}).force;
   EXPECT_NEAR(force[0], 0.6e6, 1e-3);
   EXPECT_NEAR(force[1], -0.8e6, 1e-3);
 }
 
 TEST(MerSpring, BeginsBeyondItsGapOnEitherSide) {
-  Bearing bearing{{{"mer_spring", "", {{"stiffness", 12e6}, {"gap", 0.02}}}}};
+  SlidingBearing bearing{{{"mer_spring", "", {{"stiffness", 12e6}, {"gap", 0.02}}}}};
 
   EXPECT_EQ(bearing.force(0.02), 0);
   EXPECT_NEAR(bearing.force(0.12), 1.2e6, 1e-3);
   EXPECT_NEAR(bearing.force(-0.12), -1.2e6, 1e-3);
 }
 
-// Both springs push until one has come loose: twice the stiffness up to the precompression.
+// Both springs push until one loses contact: twice the stiffness up to the precompression.
 TEST(MerSpring, IsTwiceAsStiffWhileBothArePrecompressed) {
-  Bearing bearing{{{"mer_spring", "", {{"stiffness", 12e6}, {"gap", -0.02}}}}};
+  SlidingBearing bearing{{{"mer_spring", "", {{"stiffness", 12e6}, {"gap", -0.02}}}}};
 
   EXPECT_NEAR(bearing.force(0.01), 2 * 12e6 * 0.01, 1e-3);
   EXPECT_NEAR(bearing.force(0.05), 12e6 * 0.07, 1e-3);
 }
 
 TEST(VelocityDepSliding, RisesFromSlowToFastFriction) {
-  Bearing bearing{
+  SlidingBearing bearing{
       {{"velocity_dep_sliding", "", {{"low_velocity_reduction", 0.4}, {"rate", 50}}}, kSlider}};
   for (const double v : {0.0, 0.01, 0.05, 1.0})
-    EXPECT_NEAR(bearing.force(1 + v, kLoad, v) / (kFriction * kLoad), 1 - 0.4 * std::exp(-50 * v),
-                1e-12);
+    EXPECT_NEAR(bearing.force(1 + v, kSliderLoad, v) / (kSliderFriction * kSliderLoad),
+                1 - 0.4 * std::exp(-50 * v), 1e-12);
 }
 
 TEST(PressureDepSliding, LosesThreeTenthsFor50MPa) {
   const double area = 0.1;
-  Bearing bearing{
+  SlidingBearing bearing{
       {{"pressure_dep_sliding",
         "",
         {{"factor_at_50_MPa", 0.7}, {"reference_pressure", 20e6}, {"contact_area", area}}},
        kSlider}};
 
-  EXPECT_NEAR(bearing.force(1, 20e6 * area), kFriction * 20e6 * area, 1e-3);
-  EXPECT_NEAR(bearing.force(2, 70e6 * area), 0.7 * kFriction * 70e6 * area, 1e-3);
+  EXPECT_NEAR(bearing.force(1, 20e6 * area), kSliderFriction * 20e6 * area, 1e-3);
+  EXPECT_NEAR(bearing.force(2, 70e6 * area), 0.7 * kSliderFriction * 70e6 * area, 1e-3);
 }
 
 TEST(PressureTanhSliding, LevelsOffAtItsReduction) {
   const double area = 0.1;
-  Bearing bearing{
+  SlidingBearing bearing{
       {{"pressure_tanh_sliding",
         "",
         {{"high_pressure_reduction", 0.5}, {"pressure_scale", 50e6}, {"contact_area", area}}},
        kSlider}};
 
   const double load = 50e6 * area;
-  EXPECT_NEAR(bearing.force(1, load) / (kFriction * load), 1 - 0.5 * std::tanh(1.0), 1e-12);
-  EXPECT_NEAR(bearing.force(2, 20 * load) / (kFriction * 20 * load), 0.5, 1e-9);
+  EXPECT_NEAR(bearing.force(1, load) / (kSliderFriction * load), 1 - 0.5 * std::tanh(1.0), 1e-12);
+  EXPECT_NEAR(bearing.force(2, 20 * load) / (kSliderFriction * 20 * load), 0.5, 1e-9);
 }
 
-// Flux step: a power P on the area A from t = 0 on gives T = 2 (P/A) √(D t/π)/k. The factor on
-// friction is turned back into temperature by the published law; the friction that heats is given.
-TEST(FrictionHeating, AnswersAFluxStepFromTheFirstTimeStepToAMinute) {
+// Flux step: a power P on the area A from t = 0 gives T = 2 (P/A) √(D t/π)/k. The published law
+// converts the friction factor back into temperature; the heating friction is prescribed.
+TEST(FrictionHeating, RespondsToAFluxStepFromTheFirstTimeStepToAMinute) {
   const double area = 0.25, power = 2e5;  // [m²], [W]: 62 °C after a minute
   const Composition heating{{{"friction_heating", "", {{"heat_share", 1}, {"contact_area", area}}}},
                             kTimeStep};
@@ -186,7 +189,7 @@ TEST(FrictionHeating, IsThePublishedLawOfTheTemperature) {
     Quantities<double> q;
     q.temperature = rise;
     heating.advance(state, q);
-    // Published with three digits of 0.789, which makes it 0.9997 at 20 °C.
+    // The published factor 0.789 has three digits, which gives 0.9997 at 20 °C.
     EXPECT_NEAR(q.strength, 0.789 * (std::pow(0.7, (20 + rise) / 50) + 0.4), 5e-4);
   }
 }
@@ -207,13 +210,13 @@ TEST(FrictionHeating, StopsWhereTheContactLeavesTheMiddle) {
 }
 
 TEST(PendulumLift, RaisesTheBearingByTheSagitta) {
-  Bearing bearing{{{"pendulum_lift", "", {{"effective_radius", 2}}},
-                   {"multilinear_axial", "", {{"stiffness_1", 1e9}}}}};
+  SlidingBearing bearing{{{"pendulum_lift", "", {{"effective_radius", 2}}},
+                          {"multilinear_axial", "", {{"stiffness_1", 1e9}}}}};
 
   EXPECT_NEAR(bearing.move({0.06, 0.08}, 0).axial_load, 1e9 * 0.01 / 4, 1e-3);
 }
 
-TEST(MultilinearAxial, GoesThroughItsCornersAndLeavesTensionToTheAir) {
+TEST(MultilinearAxial, PassesItsCornersAndHasNoForceInTension) {
   const Composition axial{{{"multilinear_axial",
                             "",
                             {{"stiffness_1", 1e9},
@@ -239,14 +242,14 @@ TEST(MultilinearAxial, GoesThroughItsCornersAndLeavesTensionToTheAir) {
   EXPECT_EQ(load(1e-3, 0), 0);
 }
 
-// The large cycle of a bearing from a file: strength where it passes the middle, force at the end.
+// The large cycle of a bearing from a file: strength at zero displacement, force at the peak.
 struct Cycle {
   double strength, force;
 };
 Cycle large_cycle(const std::string& file, double design) {
-  const auto path = rths::test::source_tree() / "sim" / "bearings" / file;
-  // Slowly and at room temperature the terms of velocity and heat have nothing to say, but for
-  // the friction at low velocity: they are left out.
+  const auto path = test::source_tree() / "sim" / "bearings" / file;
+  // The published values hold at high velocity and room temperature. This cycle is slow, so the
+  // terms of velocity and heat are left out.
   Terms terms;
   for (auto term : read_terms(Config::load(path))) {
     if (term.kind == "velocity_dep_sliding" || term.kind == "friction_heating" ||
@@ -258,7 +261,7 @@ Cycle large_cycle(const std::string& file, double design) {
     });
     terms.push_back(term);
   }
-  Bearing cold{terms};
+  SlidingBearing cold{terms};
   Cycle cycle{};
   double last = 0, u = 0;
   const int steps = 8000;

@@ -6,9 +6,12 @@
 
 #include <rths/sim/composition.hpp>
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
-/// A composition with its state, stepped by hand.
+/// Usual time step of a Stepper [s].
+inline constexpr double kStep = 1e-3;
+
+/// A composition with its state, advanced step by step.
 class Stepper {
  public:
   Stepper(const std::vector<TermSettings>& terms, double time_step)
@@ -26,10 +29,10 @@ class Stepper {
     q.displacement = {along, across};
     return step(q);
   }
-  /// Goes there from `from` in equal parts. @returns the last step
-  Quantities<double> walk(double from, double to_along, int parts) {
+  /// Moves along the long axis in equal steps. @returns the result of the last step
+  Quantities<double> walk(double from, double to_along, int steps) {
     Quantities<double> last;
-    for (int i = 1; i <= parts; ++i) last = to(from + (to_along - from) * i / parts);
+    for (int i = 1; i <= steps; ++i) last = to(from + (to_along - from) * i / steps);
     return last;
   }
 
@@ -41,9 +44,9 @@ class Stepper {
 
 using Values = std::vector<std::pair<std::string, double>>;
 
-/// A spring that is nothing else.
+/// A linear spring.
 [[nodiscard]] inline TermSettings spring(double stiffness) {
   return {"bouc_wen", "", {{"post_yield_stiffness", stiffness}}};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <numbers>
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
 
 struct Wave {
   double value = 0, rate = 0, acceleration = 0;
 };
 
-// Two sines that pass 0 at the beginning, so that the first step is no jump.
+// Two sines that start at 0, so that the first step is small.
 Wave wave(double amplitude, double frequency, double ratio, double t) {
   const double w = 2 * std::numbers::pi * frequency;
   const double a = 0.7 * amplitude, b = 0.3 * amplitude;
@@ -21,22 +21,23 @@ Wave wave(double amplitude, double frequency, double ratio, double t) {
           -a * w * w * std::sin(w * t) - b * ratio * ratio * w * w * std::sin(ratio * w * t)};
 }
 
-TermSettings bearing() {
+TermCase made_up(const TermKind& kind) {
+  TermCase c;
+  c.kind = kind.name;
+  if (kind.stage != Stage::Restoring && kind.stage != Stage::Vertical)
+    c.companions = {lead_rubber()};
+  return c;
+}
+
+}  // namespace
+
+TermSettings lead_rubber() {
   return {"bouc_wen",
           "",
           {{"characteristic_strength", 1.01e6},
            {"post_yield_stiffness", 4.238e6},
            {"yield_displacement", 2.855e-3}}};
 }
-
-TermCase made_up(const TermKind& kind) {
-  TermCase c;
-  c.kind = kind.name;
-  if (kind.stage != Stage::Restoring && kind.stage != Stage::Vertical) c.company = {bearing()};
-  return c;
-}
-
-}  // namespace
 
 Quantities<double> motion_at(const Motion& motion, int i) {
   Quantities<double> q;
@@ -72,7 +73,7 @@ TermCase case_of(const TermKind& kind) {
 }
 
 Composition composition_of(const TermCase& c) {
-  auto terms = c.company;
+  auto terms = c.companions;
   terms.push_back(c.term);
   return Composition{terms, c.motion.time_step};
 }
@@ -108,4 +109,4 @@ std::vector<Real> outputs_of(const Composition& composition, std::span<const Rea
 template std::vector<double> outputs_of(const Composition&, std::span<const double>, const Motion&);
 template std::vector<Dual> outputs_of(const Composition&, std::span<const Dual>, const Motion&);
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

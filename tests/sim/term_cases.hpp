@@ -8,10 +8,10 @@
 
 #include <rths/sim/composition.hpp>
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
-/// The motion that terms are tested under: two sums of sines per axis with incommensurate
-/// frequencies, so that directions and amplitudes vary; load and vertical motion vary too.
+/// Test motion of the terms: a sum of sines with incommensurate frequencies per axis, so that
+/// directions and amplitudes vary. Load and vertical motion vary too.
 struct Motion {
   double amplitude = 0.15;            ///< of each axis, at most [m]
   double frequency = 0.4;             ///< of the slowest sine [Hz]
@@ -19,8 +19,8 @@ struct Motion {
   double axial_load_variation = 0.3;  ///< of the mean [-]
   double vertical_offset = -2e-3;     ///< [m]
   double vertical_amplitude = 1e-3;   ///< [m]
-  double temperature = 0;             ///< of the surroundings, amplitude [°C]
-  double auxiliary = 0.5;             ///< mean of what controls a device; varies by all of it [A]
+  double temperature = 0;             ///< amplitude of the ambient temperature [°C]
+  double auxiliary = 0.5;             ///< mean and amplitude of the control current [A]
   double time_step = 5e-3;            ///< [s]
   int steps = 800;
 };
@@ -28,21 +28,25 @@ struct Motion {
 /// Inputs at step `i`; everything else zero.
 [[nodiscard]] Quantities<double> motion_at(const Motion& motion, int i);
 
-/// How a kind is tested: the term itself with typical parameters, in company that lets it be seen.
+/// Test case of a kind: the term with typical parameters and companions that make its effect
+/// visible.
 struct TermCase {
   std::string kind;
-  TermSettings term;                  ///< parameters not given are typical, not absent
-  std::vector<TermSettings> company;  ///< the terms beside it
-  std::vector<std::string> fixed;     ///< parameters that a fit takes as known, e.g. dimensions
+  TermSettings term;                     ///< omitted parameters are typical, not absent
+  std::vector<TermSettings> companions;  ///< other terms of the composition
+  std::vector<std::string> fixed;        ///< parameters that a fit does not vary, e.g. dimensions
   Motion motion;
-  double noise = 0.01;  ///< standard deviation over that of each output
-  double start = 0.1;   ///< a fit begins this part away from the truth
+  double noise = 0.01;  ///< standard deviation relative to that of each output
+  double start = 0.1;   ///< relative error of a fit's start values
 };
 
-/// The case of a kind: what its group's file says, or one made up from its stage.
+/// The paper's lead-rubber bearing, a usual companion.
+[[nodiscard]] TermSettings lead_rubber();
+
+/// The case of a kind: from its group's file, or a default for its stage.
 [[nodiscard]] TermCase case_of(const TermKind& kind);
 
-/// Cases that differ from what is made up, one list per group of terms.
+/// Cases that differ from the default, one list per group of terms.
 [[nodiscard]] std::vector<TermCase> actuator_cases();
 [[nodiscard]] std::vector<TermCase> elastomeric_cases();
 [[nodiscard]] std::vector<TermCase> hysteresis_cases();
@@ -50,7 +54,7 @@ struct TermCase {
 [[nodiscard]] std::vector<TermCase> sensor_cases();
 [[nodiscard]] std::vector<TermCase> sliding_cases();
 
-/// The term of a case and its company.
+/// The term of a case and its companions.
 [[nodiscard]] Composition composition_of(const TermCase& c);
 
 /// Outputs of a run, step after step: displacement, acceleration, force of both axes, axial load.
@@ -59,4 +63,4 @@ template <class Real>
 [[nodiscard]] std::vector<Real> outputs_of(const Composition& composition,
                                            std::span<const Real> parameters, const Motion& motion);
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "term_cases.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 
 namespace {
 
-// Fast enough for the limit to be met.
+// Fast enough to reach the limit.
 TermCase limited_loop() {
   TermCase c;
   c.kind = "actuator_bandwidth";
@@ -19,4 +19,4 @@ TermCase limited_loop() {
 
 std::vector<TermCase> actuator_cases() { return {limited_loop()}; }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

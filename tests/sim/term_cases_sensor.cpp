@@ -1,33 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "term_cases.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
-
-TermSettings bearing() {
-  return {"bouc_wen",
-          "",
-          {{"characteristic_strength", 1.01e6},
-           {"post_yield_stiffness", 4.238e6},
-           {"yield_displacement", 2.855e-3}}};
-}
 
 TermCase beside_bearing(const char* kind) {
   TermCase c;
   c.kind = kind;
-  c.company = {bearing()};
+  c.companions = {lead_rubber()};
   return c;
 }
 
 }  // namespace
 
 std::vector<TermCase> sensor_cases() {
-  // A range only scales the share beside it: it is the sensor's full scale, and known.
+  // The range only scales the share; it is the sensor's known full scale.
   TermCase cubic = beside_bearing("cubic_distortion");
   cubic.fixed = {"range"};
-  // Readings jump where a number wraps or turns to its neighbour. What least squares can polish is
-  // the lattice that the recording itself shows: the fit begins near it, with few samples and
-  // little noise, so that none of them changes its place on the way.
+  // Readings jump where a value wraps or is rounded to the next level. Least squares can only
+  // refine a lattice already visible in the recording. So the fit starts close, with few samples
+  // and little noise, and no reading changes its level during the fit.
   TermCase overflow = beside_bearing("overflow");
   overflow.motion.steps = 150;
   overflow.noise = 1e-3;
@@ -37,4 +29,4 @@ std::vector<TermCase> sensor_cases() {
   return {cubic, overflow, quantisation};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

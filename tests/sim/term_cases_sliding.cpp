@@ -1,41 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "term_cases.hpp"
 
-namespace rths::sim::test {
+namespace rths::sim::test_support {
 namespace {
 
 TermSettings slider() {
   return {"flat_slider", "", {{"friction_coefficient", 0.1}, {"initial_stiffness", 4e8}}};
 }
 
-// Modifiers of friction show on a slider. Dimensions are known from drawings.
+// Modifiers of friction are tested on a slider. Dimensions are known from drawings.
 TermCase modifier(const std::string& kind, std::vector<std::string> fixed) {
   TermCase c;
   c.kind = kind;
-  c.company = {slider()};
+  c.companions = {slider()};
   c.fixed = std::move(fixed);
   return c;
 }
 
-TermCase vertical(const std::string& kind, std::vector<TermSettings> company) {
+TermCase vertical(const std::string& kind, std::vector<TermSettings> companions) {
   TermCase c;
   c.kind = kind;
-  c.company = std::move(company);
+  c.companions = std::move(companions);
   c.motion.axial_load = 0;
   return c;
 }
 
-// Hot enough to show: the contact covers the middle of the surface for most of the time.
-TermCase heating() {
-  // A slider sees the share times the steel's properties over the temperature's scale, as one
-  // number. Steel and the law of the temperature are from tables.
+// Strong heating: the contact covers the middle of the surface most of the time.
+TermCase friction_heating() {
+  // The friction depends only on the product of the share and the steel's properties over the
+  // temperature scale. Steel properties and temperature law are tabulated.
   TermCase c = modifier("friction_heating",
                         {"contact_area", "conductivity", "diffusivity", "temperature_scale"});
   c.motion.amplitude = 0.12;
   return c;
 }
 
-// Compressed through both corners, and pulled.
+// Compressed through both knees, and in tension.
 TermCase multilinear() {
   TermCase c = vertical("multilinear_axial", {});
   c.motion.vertical_offset = -1.6e-3;
@@ -66,10 +66,10 @@ std::vector<TermCase> sliding_cases() {
   return {modifier("velocity_dep_sliding", {}),
           modifier("pressure_dep_sliding", {"contact_area"}),
           modifier("pressure_tanh_sliding", {"contact_area"}),
-          heating(),
+          friction_heating(),
           multilinear(),
           lift(),
           triple_pendulum()};
 }
 
-}  // namespace rths::sim::test
+}  // namespace rths::sim::test_support

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every term of the catalogue has to keep, whatever its physics.
+// Properties that every term of the catalogue must have.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -17,7 +17,7 @@ namespace {
 
 class EveryTerm : public testing::TestWithParam<TermKind> {};
 
-// Any parameters() is a copy with one entry moved.
+// Copy of parameters() with one entry changed.
 std::vector<double> with(std::span<const double> parameters, std::size_t i, double value) {
   std::vector<double> changed(parameters.begin(), parameters.end());
   changed[i] = value;
@@ -27,7 +27,7 @@ std::vector<double> with(std::span<const double> parameters, std::size_t i, doub
 const Composition::Term& tested(const Composition& composition) {
   for (const auto& term : composition.terms())
     if (term.name == "tested") return term;
-  throw std::logic_error{"no term is tested"};
+  throw std::logic_error{"the composition does not contain the tested term"};
 }
 
 double norm(std::span<const double> values) {
@@ -36,7 +36,7 @@ double norm(std::span<const double> values) {
   return std::sqrt(sum);
 }
 
-TEST_P(EveryTerm, KnowsItsParameters) {
+TEST_P(EveryTerm, HasValidParameters) {
   for (const auto& parameter : GetParam().parameters) {
     EXPECT_LE(parameter.low, parameter.absent) << parameter.name;
     EXPECT_LE(parameter.absent, parameter.high) << parameter.name;
@@ -46,24 +46,24 @@ TEST_P(EveryTerm, KnowsItsParameters) {
   }
 }
 
-TEST_P(EveryTerm, IsWithoutEffectByDefault) {
-  auto c = test::case_of(GetParam());
-  const Composition alone{c.company, c.motion.time_step};
+TEST_P(EveryTerm, HasNoEffectByDefault) {
+  auto c = test_support::case_of(GetParam());
+  const Composition alone{c.companions, c.motion.time_step};
   c.term.parameters.clear();
-  const Composition both = test::composition_of(c);
+  const Composition both = test_support::composition_of(c);
 
-  const auto without = test::outputs_of<double>(alone, alone.parameters(), c.motion);
-  const auto with_it = test::outputs_of<double>(both, both.parameters(), c.motion);
+  const auto without = test_support::outputs_of<double>(alone, alone.parameters(), c.motion);
+  const auto with_it = test_support::outputs_of<double>(both, both.parameters(), c.motion);
 
   for (std::size_t i = 0; i < without.size(); ++i)
     ASSERT_NEAR(with_it[i], without[i], 1e-12 * std::abs(without[i])) << "output " << i;
 }
 
-// Dual numbers against central differences, in the root mean square over all steps: at single
-// steps, a kink that the difference straddles may differ.
-TEST_P(EveryTerm, DifferentiatesItself) {
-  const auto c = test::case_of(GetParam());
-  const Composition composition = test::composition_of(c);
+// Dual numbers against central differences, by RMS over all steps: at single steps a difference
+// across a kink may deviate.
+TEST_P(EveryTerm, HasExactDerivatives) {
+  const auto c = test_support::case_of(GetParam());
+  const Composition composition = test_support::composition_of(c);
   const auto p = composition.parameters();
   const auto& term = tested(composition);
   for (std::size_t k = 0; k < term.kind->parameters.size(); ++k) {
@@ -72,18 +72,18 @@ TEST_P(EveryTerm, DifferentiatesItself) {
     const std::size_t i = term.first_parameter + k;
     std::vector<Dual> duals(p.begin(), p.end());
     duals[i] = Dual::variable(p[i], 1);
-    const auto exact = test::outputs_of<Dual>(composition, duals, c.motion);
+    const auto exact = test_support::outputs_of<Dual>(composition, duals, c.motion);
     const double h = 1e-6 * std::max(std::abs(p[i]), 1e-3 * term.kind->parameters[k].typical);
-    const auto up = test::outputs_of<double>(composition, with(p, i, p[i] + h), c.motion);
-    const auto down = test::outputs_of<double>(composition, with(p, i, p[i] - h), c.motion);
-    for (std::size_t output = 0; output < test::kOutputs; ++output) {
+    const auto up = test_support::outputs_of<double>(composition, with(p, i, p[i] + h), c.motion);
+    const auto down = test_support::outputs_of<double>(composition, with(p, i, p[i] - h), c.motion);
+    for (std::size_t output = 0; output < test_support::kOutputs; ++output) {
       std::vector<double> slope, error;
-      for (std::size_t n = output; n < exact.size(); n += test::kOutputs) {
+      for (std::size_t n = output; n < exact.size(); n += test_support::kOutputs) {
         slope.push_back((up[n] - down[n]) / (2 * h));
         error.push_back(slope.back() - exact[n].derivative[1]);
       }
       double scale = 0;
-      for (std::size_t n = output; n < up.size(); n += test::kOutputs)
+      for (std::size_t n = output; n < up.size(); n += test_support::kOutputs)
         scale = std::max(scale, std::abs(up[n]));
       // Round-off of the difference: 1e-16 of the output over h.
       const double round_off = 1e-14 * scale / h * std::sqrt(static_cast<double>(slope.size()));
@@ -92,17 +92,17 @@ TEST_P(EveryTerm, DifferentiatesItself) {
   }
 }
 
-// A random walk with smooth velocity, in and out of everything that a term can do.
+// A random walk with smooth velocity through all regimes of a term.
 TEST_P(EveryTerm, IsPassiveIfItDissipates) {
   if ((GetParam().traits & kDissipative) == 0) return;
-  auto c = test::case_of(GetParam());
-  c.company.clear();
-  // A pendulum's spring N u/R is conservative only while N stays.
+  auto c = test_support::case_of(GetParam());
+  c.companions.clear();
+  // A pendulum's spring N u/R is conservative only at constant N.
   const bool load_varies = GetParam().name.find("pendulum") == std::string_view::npos;
   const double dt = 1e-3;
   c.motion.time_step = dt;
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    const Composition composition = test::composition_of(c);
+    const Composition composition = test_support::composition_of(c);
     std::vector<double> state(composition.states());
     std::mt19937 random{seed};
     std::normal_distribution<double> normal;
@@ -116,7 +116,7 @@ TEST_P(EveryTerm, IsPassiveIfItDissipates) {
       if (load_varies) q.axial_load *= 1 + 0.5 * std::sin(40 * q.time);
       q.vertical_displacement = c.motion.vertical_offset;
       for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-        // Velocity with a memory of 0.2 s, drawn back to the middle with a period of 3 s.
+        // Velocity with a correlation time of 0.2 s; restoring force with a period of 3 s.
         v[axis] += dt * (-v[axis] / 0.2 - 4.4 * u[axis] +
                          30 * c.motion.amplitude * normal(random) / std::sqrt(dt) * 0.15);
         u[axis] += dt * v[axis];
@@ -131,18 +131,18 @@ TEST_P(EveryTerm, IsPassiveIfItDissipates) {
         f[axis] = q.force[axis];
       }
       largest = std::max(largest, std::sqrt(force));
-      // The trapezoid's error on a force that turns within a step: a hundredth of a millimetre's
-      // worth of the largest force for each metre of way would be seen.
+      // Error of the trapezoidal rule when the force reverses within a step. The tolerance is the
+      // largest force times 1e-4 of the amplitude.
       ASSERT_GE(work, -1e-4 * largest * c.motion.amplitude) << "seed " << seed << ", step " << i;
     }
     EXPECT_GT(work, 0) << "seed " << seed;
   }
 }
 
-TEST_P(EveryTerm, KnowsNoDirectionIfItIsFrameIndifferent) {
+TEST_P(EveryTerm, RotatesWithTheMotionIfItIsFrameIndifferent) {
   if ((GetParam().traits & kFrameIndifferent) == 0) return;
-  const auto c = test::case_of(GetParam());
-  const Composition composition = test::composition_of(c);
+  const auto c = test_support::case_of(GetParam());
+  const Composition composition = test_support::composition_of(c);
   const double angle = 0.7, cosine = std::cos(angle), sine = std::sin(angle);
   const auto turned = [&](const Horizontal<double>& x) {
     return Horizontal<double>{cosine * x[0] - sine * x[1], sine * x[0] + cosine * x[1]};
@@ -150,7 +150,7 @@ TEST_P(EveryTerm, KnowsNoDirectionIfItIsFrameIndifferent) {
   std::vector<double> state(composition.states()), turned_state(composition.states());
   double largest = 0;
   for (int i = 0; i < c.motion.steps; ++i) {
-    Quantities<double> q = test::motion_at(c.motion, i);
+    Quantities<double> q = test_support::motion_at(c.motion, i);
     Quantities<double> r = q;
     r.displacement = turned(q.displacement);
     r.velocity = turned(q.velocity);
@@ -166,12 +166,12 @@ TEST_P(EveryTerm, KnowsNoDirectionIfItIsFrameIndifferent) {
 }
 
 TEST_P(EveryTerm, StepsInRealTime) {
-  const auto c = test::case_of(GetParam());
-  const Composition composition = test::composition_of(c);
+  const auto c = test_support::case_of(GetParam());
+  const Composition composition = test_support::composition_of(c);
   std::vector<double> state(composition.states());
   const auto run = [&] {
     for (int i = 0; i < 100; ++i) {
-      Quantities<double> q = test::motion_at(c.motion, 7 * i);
+      Quantities<double> q = test_support::motion_at(c.motion, 7 * i);
       composition.advance(state, q);
     }
   };

@@ -9,15 +9,15 @@
 
 #include "support/files.hpp"
 #include "support/lead_rubber.hpp"
+#include "support/period.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::sim {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kPeriod = 0.001;
-constexpr double kAxialLoad = 9.7e6;  // [N]
+using test::kAxialLoad;
+using test::kPeriod;
 
 TestMachine quiet_machine() {
   TestMachine machine = srmd_machine();
@@ -26,7 +26,7 @@ TestMachine quiet_machine() {
   return machine;
 }
 
-/// Delay and gain of the long axis for a sine, once it has settled.
+/// Steady-state delay and gain of the long axis for a sine.
 struct Response {
   double delay, gain;
 };
@@ -58,8 +58,8 @@ TEST(TestMachine, IsAboutSixtyMillisecondsLateInTheBandOfIsolatedMotion) {
   }
 }
 
-// Friction, dead band and the specimen's own hysteresis make small motions later than large ones: a
-// linear machine would be compensated perfectly, and prove nothing.
+// Friction, dead band and the specimen's hysteresis delay small motions more than large ones. With
+// a linear machine, compensation would be perfect and a test of it meaningless.
 TEST(TestMachine, IsNotLinear) {
   const double small = response(quiet_machine(), 0.35, 0.01).delay;
   const double large = response(quiet_machine(), 0.35, 0.15).delay;
@@ -79,26 +79,26 @@ TEST(TestMachine, ReportsTheTableForceThatItsEquationOfMotionNeeds) {
     static_cast<void>(run.step(reference, kAxialLoad, feedback));
     const double v = (run.true_displacement() - before)[0] / kPeriod;
     before = run.true_displacement();
-    if (i < 100 || std::abs(v) < 0.05) continue;  // near reversals the friction turns over
+    if (i < 100 || std::abs(v) < 0.05) continue;  // near reversals the friction changes sign
     const double expected = run.specimen_force()[0] +
                             axis.effective_mass * feedback.acceleration[0] +
                             std::copysign(kCoulomb, v) + kViscous * v + axis.force_offset;
-    // Only the velocity is not exact here: a difference over 1 ms, of at most 10 m/s².
+    // Only the velocity is inexact: a difference over 1 ms at up to 10 m/s².
     EXPECT_NEAR(feedback.force[0], expected, kViscous * 10 * kPeriod + 1e-6);
   }
 }
 
-TEST(TestMachine, FollowsSlowlyToWhereItIsSent) {
+TEST(TestMachine, ReachesASlowlyApproachedReference) {
   TestMachineRun run{quiet_machine(), kPeriod};
   MachineFeedback feedback;
   for (int i = 0; i < 20'000; ++i)
     static_cast<void>(run.step({0.1 * std::min(1.0, i / 10'000.0), 0}, kAxialLoad, feedback));
 
-  // Dead band, leakage and pressure feedback leave a standing error of a few millimetres.
+  // Dead band, leakage and pressure feedback leave a static error of a few millimetres.
   EXPECT_NEAR(run.true_displacement()[0], 0.1, 0.006);
 }
 
-TEST(TestMachine, SaysWhenAReferenceIsBeyondItsStroke) {
+TEST(TestMachine, ReportsAReferenceBeyondItsStroke) {
   TestMachineRun run{quiet_machine(), kPeriod};
   MachineFeedback feedback;
 
@@ -108,7 +108,7 @@ TEST(TestMachine, SaysWhenAReferenceIsBeyondItsStroke) {
   EXPECT_TRUE(feedback.displacement.allFinite());
 }
 
-TEST(TestMachine, RefusesADelayThatNoMachineHas) {
+TEST(TestMachine, RefusesADelayOutOfRange) {
   TestMachine machine = quiet_machine();
   machine.axes[1].transport_delay = 1e9;
 
@@ -129,7 +129,7 @@ TEST(TestMachine, CannotGoFasterThanItsValvesAllow) {
   }
 
   const ServoAxis axis = srmd_machine().axes[0];
-  // Oil compresses, so the piston may briefly be a little faster than the flow.
+  // Oil is compressible, so the piston may briefly be slightly faster than the flow.
   EXPECT_LT(fastest, 1.3 * axis.rated_flow / axis.piston_area);
   EXPECT_TRUE(limited);
 }
@@ -145,7 +145,7 @@ TEST(TestMachine, HasNoSpecimenForceWithAnEmptyTable) {
   EXPECT_NEAR(run.true_displacement()[0], 0.05, 0.002);
 }
 
-TEST(TestMachine, RepeatsItselfToTheBitForTheSameSeed) {
+TEST(TestMachine, IsBitIdenticalForTheSameSeed) {
   const auto sum_of = [](std::uint64_t seed) {
     TestMachine machine = srmd_machine();
     machine.seed = seed;
@@ -163,7 +163,7 @@ TEST(TestMachine, RepeatsItselfToTheBitForTheSameSeed) {
   EXPECT_NE(sum_of(1), sum_of(2));
 }
 
-TEST(TestMachine, HasSensorNoiseOfTheSizeItWasGiven) {
+TEST(TestMachine, HasTheGivenSensorNoise) {
   TestMachine machine = srmd_machine();
   machine.has_specimen = false;
   TestMachineRun run{machine, kPeriod};

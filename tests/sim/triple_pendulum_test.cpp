@@ -17,7 +17,7 @@
 namespace rths::sim {
 namespace {
 
-constexpr double kLoad = 9.7e6;  // [N]
+constexpr double kPendulumLoad = 9.7e6;  // [N]
 
 struct Dimensions {
   double inner_radius = 0.4, inner_capacity = 0.03, inner_friction = 0.02;
@@ -45,26 +45,27 @@ Composition bearing_of(const Dimensions& d, double time_step = 1e-3) {
 }
 
 double force_at(const Composition& bearing, std::vector<double>& state, double u,
-                double load = kLoad) {
+                double load = kPendulumLoad) {
   Quantities<double> q;
   q.displacement = {u, 0};
   q.axial_load = load;
   bearing.advance(state, q);
-  return q.force[0] / kLoad;
+  return q.force[0] / kPendulumLoad;
 }
 
-// The polygon, from the physical surfaces. Forces are per load. While only the inner surfaces
-// slide, both do; when an outer one slides, the inner one on its side rides along; an outer surface
-// at its stop leaves the inner one on its side to slide again. So a growth of force moves
-//     2 L1 (inner only), L1 + Lj (outer j and the inner one beside the other), L2 + L3 (both
+// The polygon derived from the physical surfaces; forces are divided by the load. At first both
+// inner surfaces slide. When an outer surface slides, the inner one on its side moves with it. When
+// that outer surface is at its stop, the inner one on its side slides again. So the displacement
+// per unit of force is
+//     2 L1 (inner only), L1 + Lj (outer j and the inner one of the other side), L2 + L3 (both
 //     outer).
 struct Polygon {
   struct Corner {
     double u, force;
   };
   Dimensions d;
-  // Branch from (u, force) in a direction: outer j slides between `begin` and `end` of force.
-  // Forces and displacements are counted along the direction.
+  // Branch from (u, force) in a direction: outer surface j slides between the forces `begin` and
+  // `end`. Forces and displacements are positive along the direction.
   std::vector<Corner> branch(const Corner& from, double inner_begin,
                              const std::array<double, 2>& begin, const std::array<double, 2>& end,
                              double until) const {
@@ -85,11 +86,11 @@ struct Polygon {
   std::vector<Corner> virgin(double until) const {
     return branch({0, 0}, d.inner_friction, d.friction, {stop(0), stop(1)}, until);
   }
-  // Back from a peak of the virgin branch to the opposite of it, counted from the peak downwards.
+  // Unloading from a peak of the virgin branch to the opposite peak, measured from the first peak.
   std::vector<Corner> back(const Corner& peak) const {
     std::array<double, 2> begin{}, end{};
     for (std::size_t j = 0; j < 2; ++j) {
-      // At the stop, the rim lets go first: friction turns below d/L.
+      // At the stop, the rim unloads first: friction reverses below d/L.
       const double at_peak = std::min(peak.force, stop(j));
       begin[j] = peak.force <= d.friction[j] ? 1e9 : 2 * d.friction[j] - at_peak;
       end[j] = stop(j);
@@ -101,24 +102,24 @@ struct Polygon {
   }
 };
 
-// Walks the corners in small steps and compares each point between them.
+// Moves from corner to corner in small steps and compares each point.
 void expect_on(const Composition& bearing, std::vector<double>& state,
                const std::vector<Polygon::Corner>& corners, double tolerance) {
   constexpr int kSteps = 400;
   for (std::size_t i = 1; i < corners.size(); ++i)
     for (int k = 1; k <= kSteps; ++k) {
-      const double part = static_cast<double>(k) / kSteps;
-      const double u = corners[i - 1].u + part * (corners[i].u - corners[i - 1].u);
+      const double fraction = static_cast<double>(k) / kSteps;
+      const double u = corners[i - 1].u + fraction * (corners[i].u - corners[i - 1].u);
       const double expected =
-          corners[i - 1].force + part * (corners[i].force - corners[i - 1].force);
-      if (corners[i].u == corners[i - 1].u) continue;  // sticks: a jump of the polygon
+          corners[i - 1].force + fraction * (corners[i].force - corners[i - 1].force);
+      if (corners[i].u == corners[i - 1].u) continue;  // sticking: a jump of the polygon
       ASSERT_NEAR(force_at(bearing, state, u), expected, tolerance) << "side " << i << ", " << u;
     }
 }
 
-// Peaks in regimes I to V. What is not in the polygon is the elastic displacement of 1e-5 m per
-// slider and 1e-5 m/N·N of each stop: together below 5e-5 m on the stiffest side, 1/(2 L1).
-TEST(TriplePendulum, GoesAroundTheAnalyticPolygonInEveryRegime) {
+// Peaks in regimes I to V. The polygon omits the elastic displacement of 1e-5 m per slider and
+// 1e-5 m/N·N per stop: together below 5e-5 m on the stiffest side, 1/(2 L1).
+TEST(TriplePendulum, FollowsTheAnalyticPolygonInEveryRegime) {
   const Polygon polygon{Dimensions{}};
   for (const double peak : {0.05, 0.08, 0.15, 0.17, 0.185}) {
     const Composition bearing = bearing_of(polygon.d);
@@ -129,14 +130,14 @@ TEST(TriplePendulum, GoesAroundTheAnalyticPolygonInEveryRegime) {
     expect_on(bearing, state, up, tolerance);
     const auto down = polygon.back(up.back());
     expect_on(bearing, state, down, tolerance);
-    // And up again: the loop is symmetric.
+    // Reloading: the loop is symmetric.
     auto again = down;
     for (auto& corner : again) corner = {-corner.u, -corner.force};
     expect_on(bearing, state, again, tolerance);
   }
 }
 
-TEST(TriplePendulum, CountsTheCapacityOfAllItsSurfaces) {
+TEST(TriplePendulum, HasTheCapacityOfAllItsSurfaces) {
   const Dimensions d;
   const Composition bearing = bearing_of(d);
   std::vector<double> state(bearing.states());
@@ -158,28 +159,28 @@ TEST(TriplePendulum, IsTheSameInEveryDirection) {
     const double u = 0.4 * std::sin(0.005 * i);
     Quantities<double> q;
     q.displacement = {0.6 * u, 0.8 * u};
-    q.axial_load = kLoad;
+    q.axial_load = kPendulumLoad;
     bearing.advance(across, q);
-    const double expected = force_at(bearing, along, u) * kLoad;
-    ASSERT_NEAR(q.force[0], 0.6 * expected, 1e-8 * kLoad);
-    ASSERT_NEAR(q.force[1], 0.8 * expected, 1e-8 * kLoad);
+    const double expected = force_at(bearing, along, u) * kPendulumLoad;
+    ASSERT_NEAR(q.force[0], 0.6 * expected, 1e-8 * kPendulumLoad);
+    ASSERT_NEAR(q.force[1], 0.8 * expected, 1e-8 * kPendulumLoad);
   }
 }
 
-TEST(TriplePendulum, HasNoForceWhenLiftedAndComesBackToItsLoop) {
+TEST(TriplePendulum, HasNoForceInUpliftAndReturnsToItsLoop) {
   const Composition bearing = bearing_of(Dimensions{});
   std::vector<double> held(bearing.states()), lifted(bearing.states());
   for (int i = 1; i <= 3000; ++i) {
     const double u = 1e-4 * i;
     const bool up = i > 1000 && i < 2000;
     const double expected = force_at(bearing, held, u);
-    const double force = force_at(bearing, lifted, u, up ? -1e5 : kLoad);
+    const double force = force_at(bearing, lifted, u, up ? -1e5 : kPendulumLoad);
     EXPECT_EQ(force, up ? 0 : expected);
   }
 }
 
-// A steady slide through the surfaces: friction 1 − x e^(−a v) of each surface's own velocity. In
-// regime III outer surface j moves at v Lj/(L2 + L3).
+// Steady sliding: friction 1 − x e^(−a v) with each surface's own velocity. In regime III outer
+// surface j moves at v Lj/(L2 + L3).
 TEST(TriplePendulum, HasTheFrictionOfEachSurfacesOwnVelocity) {
   const Dimensions d;
   const double dt = 1e-3, a = 20;
@@ -206,8 +207,8 @@ TEST(TriplePendulum, HasTheFrictionOfEachSurfacesOwnVelocity) {
   }
 }
 
-// In a steady slide each outer surface takes mu N v_j/A; its temperature follows from √t. Checked
-// on the friction it leaves, when the flux's own memory of 20 ms is short against the slide.
+// In steady sliding each outer surface receives mu N v_j/A, and its temperature grows with √t. The
+// remaining friction is checked once the flux's time constant of 20 ms is short against the slide.
 TEST(TriplePendulum, HeatsEachSurfaceByItsOwnFriction) {
   Dimensions d;
   d.capacity = {10, 10};
@@ -224,7 +225,7 @@ TEST(TriplePendulum, HeatsEachSurfaceByItsOwnFriction) {
   for (int i = 1; i <= static_cast<int>(time / dt); ++i)
     force = force_at(bearing, state, i * v * dt);
 
-  // The same integral, summed over all of the past as the published models do.
+  // The same integral, summed over the whole history as in the published models.
   const double step = 0.01;
   const int steps = static_cast<int>(time / step);
   double friction = 2 * d.inner_radius * d.inner_friction;
@@ -232,7 +233,7 @@ TEST(TriplePendulum, HeatsEachSurfaceByItsOwnFriction) {
     std::vector<double> flux;
     double factor = 1;
     for (int i = 1; i <= steps; ++i) {
-      flux.push_back(d.friction[j] * factor * kLoad * v * d.radius[j] / both / area);
+      flux.push_back(d.friction[j] * factor * kPendulumLoad * v * d.radius[j] / both / area);
       double memory = 0;
       for (int k = 0; k < i; ++k)
         memory += flux[static_cast<std::size_t>(k)] * 2 *
@@ -246,16 +247,16 @@ TEST(TriplePendulum, HeatsEachSurfaceByItsOwnFriction) {
   EXPECT_NEAR(force, (v * time + friction) / both, 0.01 * force);
 }
 
-TEST(TriplePendulum, RefusesRadiiThatCannotBe) {
+TEST(TriplePendulum, RefusesImpossibleRadii) {
   Dimensions d;
   d.radius[1] = 0.3;
-  EXPECT_EQ(rths::test::error_of([&] { bearing_of(d); }),
+  EXPECT_EQ(test::error_of([&] { bearing_of(d); }),
             "triple_pendulum: radius_2_m and radius_3_m must be larger than radius_1_m, and that "
             "larger than 0");
 }
 
 // Violent random motion through all regimes, stops included, at 1 kHz.
-TEST(TriplePendulumSeries, ConvergesInAFewStepsWhateverTheMotion) {
+TEST(TriplePendulumSeries, ConvergesInAFewIterationsForAnyMotion) {
   const double dt = 1e-3;
   for (const double reduction : {0.0, 0.5})
     for (const double kick : {1.0, 4.0}) {
@@ -280,10 +281,10 @@ TEST(TriplePendulumSeries, ConvergesInAFewStepsWhateverTheMotion) {
         evaluations.push_back(solution.evaluations);
         ASSERT_LT(solution.imbalance, 1e-8) << "step " << i;
         for (std::size_t k = 0; k < kSegments; ++k)
-          segments[k].slipped = segments[k].slipped + answer(segments[k], at[k]).slip;
+          segments[k].slipped = segments[k].slipped + response_of(segments[k], at[k]).slip;
       }
       std::sort(evaluations.begin(), evaluations.end());
-      // The first evaluation is where it begins: six steps.
+      // The first evaluation is at the start point: six Newton steps.
       EXPECT_LE(evaluations[evaluations.size() * 99 / 100], 1 + 6);
       EXPECT_LT(evaluations.back(), kMostEvaluations);
     }

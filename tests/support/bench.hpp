@@ -9,7 +9,7 @@
 
 namespace rths::test {
 
-/// An adapter on the bench: its inputs are set and its outputs are read by name, without a ring.
+/// Runs an adapter without a ring; inputs and outputs are accessed by name.
 class Bench {
  public:
   explicit Bench(adapters::Adapter& adapter) : adapter_{adapter} {
@@ -24,9 +24,9 @@ class Bench {
     step_.outputs = outputs_;
   }
 
-  /// An input or parameter, by the name of its port.
+  /// Input or parameter of this name.
   double& in(const std::string& name) { return inputs_.at(input_at_.at(name)); }
-  /// An output or monitor.
+  /// Output or monitor of this name.
   [[nodiscard]] double out(const std::string& name) const {
     return outputs_.at(output_at_.at(name));
   }

@@ -6,7 +6,7 @@
 
 namespace rths::test {
 
-/// A folder of this test's own, gone when the test is over.
+/// A temporary folder that is removed at the end of the test.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -15,7 +15,7 @@ class TemporaryFolder {
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Writes a file into it. @returns its path
+  /// Writes a file into the folder. @returns its path
   std::filesystem::path write(const std::string& name, const std::string& content) const;
 
  private:
@@ -27,7 +27,7 @@ class TemporaryFolder {
 /// Root of the build that runs this test.
 [[nodiscard]] std::filesystem::path build_tree();
 [[nodiscard]] std::string content_of(const std::filesystem::path& file);
-/// What the error that `action` throws says; empty if it throws none.
+/// Message of the exception that `action` throws; empty without one.
 template <class Action>
 [[nodiscard]] std::string error_of(Action action) {
   try {

@@ -5,10 +5,11 @@
 
 namespace rths::test {
 
-/// The paper's lead-rubber bearing without any of the effects that change it.
+/// The paper's lead-rubber bearing, without additional effects.
 inline constexpr double kStrength = 1.010e6;            ///< Q_d [N]
 inline constexpr double kPostYieldStiffness = 4.238e6;  ///< K_d [N/m]
 inline constexpr double kInitialStiffness = 3.58e8;     ///< K_1 [N/m]
+inline constexpr double kAxialLoad = 9.7e6;             ///< mean [N]
 inline constexpr double kYieldDisplacement =
     kStrength / (kInitialStiffness - kPostYieldStiffness);  ///< u_y [m]
 
@@ -19,12 +20,12 @@ inline sim::Bearing plain_lead_rubber() {
             {{"characteristic_strength", kStrength},
              {"post_yield_stiffness", kPostYieldStiffness},
              {"yield_displacement", kYieldDisplacement}}}},
-          9.7e6};
+          kAxialLoad};
 }
 
-/// Moves a bearing whose force does not depend on velocity or load.
+/// Returns the force of a bearing that is independent of velocity and load.
 inline Eigen::Vector2d moved(sim::BearingRun& bearing, const Eigen::Vector2d& displacement) {
-  return bearing.advance(displacement, Eigen::Vector2d::Zero(), 9.7e6);
+  return bearing.advance(displacement, Eigen::Vector2d::Zero(), kAxialLoad);
 }
 
 }  // namespace rths::test

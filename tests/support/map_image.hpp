@@ -11,9 +11,9 @@
 
 namespace rths::test {
 
-/// Bytes of a ring from word 0 to the map's last signal, in which the k-th signal by offset,
-/// counted from 0, holds k + 1/2 of its unit, an integer k, and every other word is zero. It shows
-/// type and place of each word; units and names are in the map's hash.
+/// Bytes of a ring from word 0 to the map's last signal. The k-th signal by offset, from 0, holds
+/// k + 1/2 in its unit, or k for integers; all other words are 0. The image shows type and offset
+/// of each word; the map's hash covers units and names.
 inline std::string image_of(const memmap::Map& map) {
   std::vector<std::uint32_t> words(map.signals().back().signal->offset.value() + 1);
   for (std::size_t k = 0; k < map.signals().size(); ++k) {

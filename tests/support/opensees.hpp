@@ -6,7 +6,7 @@
 
 namespace rths::test {
 
-/// The Python that has OpenSees: RTHS_OPENSEES_PYTHON, or the one that `./lab test` made.
+/// Python with OpenSees: RTHS_OPENSEES_PYTHON, or the interpreter installed by `./lab test`.
 [[nodiscard]] std::optional<std::string> opensees_python();
 
 }  // namespace rths::test

@@ -24,7 +24,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// Appends what can be read; closes the end of a stream that is over.
+// Appends the available output; closes the descriptor at the end of the stream.
 void drain(int& descriptor, std::string& into) {
   std::array<char, 4096> chunk{};
   while (descriptor >= 0) {
@@ -112,7 +112,7 @@ std::uint16_t free_port() {
   const bool is_bound = bind(probe, reinterpret_cast<const sockaddr*>(&own), size) == 0 &&
                         getsockname(probe, reinterpret_cast<sockaddr*>(&own), &size) == 0;
   close(probe);
-  if (!is_bound) throw std::runtime_error{"no port is free"};
+  if (!is_bound) throw std::runtime_error{"no free port"};
   return ntohs(own.sin_port);
 }
 

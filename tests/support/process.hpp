@@ -7,15 +7,15 @@
 
 namespace rths::test {
 
-/// What a process left behind.
+/// Result of a process.
 struct Finished {
-  int exit_code = -1;  ///< −1 if it was killed
+  int exit_code = -1;  ///< −1 if killed
   int signal = 0;
   std::string out, err;
   double seconds = 0;
 };
 
-/// A program that runs beside the test; killed, if it still runs, when the test is over.
+/// A child process; its destructor kills it if it still runs.
 class Running {
  public:
   explicit Running(const std::vector<std::string>& command);
@@ -24,7 +24,7 @@ class Running {
   Running& operator=(const Running&) = delete;
 
   [[nodiscard]] int pid() const { return pid_; }
-  /// Waits for its end; kills it after `deadline_s`.
+  /// Waits for its exit; kills it after `deadline_s`.
   [[nodiscard]] Finished wait(double deadline_s = 60);
 
  private:
@@ -34,19 +34,19 @@ class Running {
   Finished finished_;
 };
 
-/// A port of this host that nobody listens on now.
+/// Returns an unused port of this computer.
 [[nodiscard]] std::uint16_t free_port();
 
-/// Runs the `rths` of this build.
+/// Runs `rths` of this build.
 [[nodiscard]] Finished run_rths(const std::vector<std::string>& arguments, double deadline_s = 60);
 [[nodiscard]] std::string rths_command();
-/// Whether a process is there and has not ended.
+/// Whether a process exists and has not exited.
 [[nodiscard]] bool is_running(int pid);
-/// What a process has used of the processors [s].
+/// Processor time that a process has used [s].
 [[nodiscard]] double processor_time_of(int pid);
 /// Process ids of the direct children of a process.
 [[nodiscard]] std::vector<int> children_of(int pid);
-/// Command line of a process, its words separated by blanks.
+/// Command line of a process, with its words separated by spaces.
 [[nodiscard]] std::string command_line_of(int pid);
 
 }  // namespace rths::test

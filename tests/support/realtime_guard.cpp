@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Heap and locks are watched by standing in front of the C library's functions. System calls are
-// watched by Syscall User Dispatch: while a byte says so, the kernel turns each of this thread's
-// system calls into a SIGSYS, whose handler notes the first, opens the gate and has it made again.
+// Heap and lock calls are counted in functions that replace those of the C library. System calls
+// are detected by Syscall User Dispatch: while the selector byte is set, the kernel raises SIGSYS
+// for each system call of this thread. The handler records the first call, clears the byte and
+// repeats it.
 #include "realtime_guard.hpp"
 
 #include <dlfcn.h>

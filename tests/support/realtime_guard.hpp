@@ -3,8 +3,8 @@
 
 namespace rths::test {
 
-/// Counts what a real-time function must not do, on this thread, while it lives: heap calls (an
-/// exception allocates too), mutex locks, and system calls.
+/// Detects forbidden operations of real-time functions on this thread during its lifetime: heap
+/// calls (including those of exceptions), mutex locks and system calls.
 ///
 ///     RealTimeGuard guard;
 ///     loop.step();
@@ -18,9 +18,9 @@ class RealTimeGuard {
   RealTimeGuard(const RealTimeGuard&) = delete;
   RealTimeGuard& operator=(const RealTimeGuard&) = delete;
 
-  /// False under sanitizers, which take over the functions that are watched.
+  /// False under sanitizers, which replace the same functions.
   [[nodiscard]] static bool supported();
-  /// System calls are watched too: x86-64 with a kernel from 5.11 on.
+  /// Whether system calls are detected: on x86-64 with kernel 5.11 or later.
   [[nodiscard]] static bool sees_system_calls();
 
   [[nodiscard]] long heap_calls() const;
@@ -31,8 +31,8 @@ class RealTimeGuard {
 
 }  // namespace rths::test
 
-/// Runs a statement and expects it to do nothing that a control loop must not do. The statement is
-/// run once before, unwatched, so that first-time costs of the C library do not count.
+/// Runs a statement and expects no operation that is forbidden in a control loop. The statement
+/// first runs once without the guard, to exclude one-time costs of the C library.
 #define EXPECT_REALTIME(statement)                                                   \
   do {                                                                               \
     if (!::rths::test::RealTimeGuard::supported()) {                                 \

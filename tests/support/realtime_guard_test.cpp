@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The guard itself: it must see what it is there to see, or every test that uses it is worthless.
+// Tests that the guard detects each forbidden operation.
 #include <unistd.h>
 
 #include <memory>

@@ -10,8 +10,12 @@
 
 namespace rths::test {
 
-/// A small map: a machine with a tear group of `group` words from 0 and a loose word at 500, a
-/// controller with loose words from 512.
+/// Words of the small map.
+inline constexpr LongwordOffset kMachineWord{500};
+inline constexpr LongwordOffset kControllerWord{512};
+
+/// A small map: a machine with a tear group of `group` words at 0 and a single word at 500, and a
+/// controller with single words from 512.
 inline memmap::Map small_map(std::uint32_t group = 8) {
   memmap::MapDescription description;
   description.name = "small";
@@ -26,29 +30,29 @@ inline memmap::Map small_map(std::uint32_t group = 8) {
   memmap::Partition loose;
   loose.name = "echo";
   loose.node = "machine";
-  loose.base = LongwordOffset{500};
+  loose.base = kMachineWord;
   loose.longwords = 1;
   memmap::Partition reference;
   reference.name = "ref";
   reference.node = "controller";
-  reference.base = LongwordOffset{512};
+  reference.base = kControllerWord;
   reference.longwords = 4;
   memmap::Signal signal;
   signal.name = "long";
   signal.unit = "mm";
   signal.initial = 2.5;
-  signal.offset = LongwordOffset{512};
+  signal.offset = kControllerWord;
   reference.signals = {signal};
   description.partitions = {feedback, loose, reference};
   return memmap::Map{description};
 }
 
-/// A name for a ring that no other test process uses.
+/// A ring name that is unique to this process.
 inline std::string unique_ring(const std::string& test) {
   return "test_" + test + "_" + std::to_string(getpid());
 }
 
-/// Removes a ring when the test is over, however it ends.
+/// Removes a ring in its destructor.
 struct RingRemoval {
   std::string name;
   ~RingRemoval() { broker::remove_ring(name); }

@@ -9,7 +9,7 @@
 
 namespace rths::test {
 
-/// A fixture of tests that need OpenSees: says so where there is none, and skips them.
+/// A fixture for tests that need OpenSees; reports and skips them without it.
 template <class Fixture = testing::Test>
 class WithOpenSees : public Fixture {
  protected:
@@ -17,7 +17,7 @@ class WithOpenSees : public Fixture {
     const auto python = opensees_python();
     if (!python)
       GTEST_SKIP()
-          << "SKIPPED: there is no OpenSees here; ./lab test installs it in build/opensees";
+          << "SKIPPED: OpenSees is not installed; ./lab test installs it in build/opensees";
     python_ = *python;
   }
   std::string python_;

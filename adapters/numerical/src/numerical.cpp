@@ -24,11 +24,11 @@ class Numerical final : public Adapter {
   void deactivate() noexcept override {}
 
  private:
-  // Positions among the inputs; the flags come before what they guard.
+  // Positions among the inputs; a flag precedes the values that it guards.
   enum In : std::size_t { kAtTarget, kSwitchPc, kFeedback };
 
-  // Positions among the outputs: displacement and velocity of each axis, the vertical force if
-  // there is one, time; newTarget comes last, after what it guards.
+  // Positions among the outputs: displacement and velocity of each axis, vertical force (optional),
+  // time. newTarget is last, after the values that it guards.
   [[nodiscard]] std::size_t vertical_at() const noexcept { return 2 * axes_; }
   [[nodiscard]] std::size_t time_at() const noexcept { return 2 * axes_ + (is_vertical_ ? 1 : 0); }
   [[nodiscard]] std::size_t new_target_at() const noexcept { return time_at() + 1; }
@@ -42,15 +42,15 @@ class Numerical final : public Adapter {
 
   NumericalSettings settings_;
   std::size_t axes_;
-  bool is_vertical_;                      ///< the motion is
+  bool is_vertical_;                      ///< the motion has a vertical component
   std::vector<Eigen::Index> directions_;  ///< of each tested axis: 0 long, 1 lat
   Solution solution_;
   Exchange exchange_;
   std::mt19937_64 random_;
   OpfHandshake handshake_;
   bool is_computing_ = false;
-  double acquired_ = 0;        ///< when computing began [s]
-  double computing_time_ = 0;  ///< of the step in hand [s]
+  double acquired_ = 0;        ///< start of the computation [s]
+  double computing_time_ = 0;  ///< of the current step [s]
   std::uint64_t steps_ = 0;
 };
 
@@ -102,7 +102,7 @@ double Numerical::draw_computing_time() noexcept {
   return usual + (uniform(random_) < model.overrun_fraction ? model.overrun : 0);
 }
 
-// The specimen has arrived: finish the step with its force and begin the next one.
+// The specimen is at its target: finish the step with its force and begin the next one.
 void Numerical::acquire(const StepData& step) noexcept {
   for (std::size_t i = 0; i < axes_; ++i)
     exchange_.force[directions_[i]] = step.inputs[kFeedback + i];
@@ -139,7 +139,7 @@ void Numerical::at_target(const StepData& step) noexcept {
   acquired_ = step.time;
   const double steps_done = static_cast<double>(steps_) * settings_.integration_step;
   if (steps_done >= settings_.duration - kEndOfRun)
-    handshake_.leave(step.time);
+    handshake_.stop(step.time);
   else if (settings_.computing_time)
     is_computing_ = true;
   else
@@ -147,10 +147,11 @@ void Numerical::at_target(const StepData& step) noexcept {
 }
 
 Status Numerical::advance(const StepData& step) noexcept {
-  if (step.stopping && !handshake_.is_leaving()) handshake_.leave(step.time);
-  if (handshake_.is_leaving()) return handshake_.has_left(step.time) ? Status::Done : Status::Ok;
+  if (step.stopping && !handshake_.is_stopping()) handshake_.stop(step.time);
+  if (handshake_.is_stopping())
+    return handshake_.has_stopped(step.time) ? Status::Done : Status::Ok;
   if (steps_ == 0 && step.time < settings_.rest) {
-    handshake_.be_patient(step.time);
+    handshake_.restart_deadline(step.time);
     return Status::Ok;
   }
   if (is_computing_) {
@@ -160,8 +161,8 @@ Status Numerical::advance(const StepData& step) noexcept {
     return Status::Ok;
   }
   const Status status =
-      handshake_.look(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
-  if (handshake_.is_there()) at_target(step);
+      handshake_.update(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
+  if (handshake_.is_ready()) at_target(step);
   return status;
 }
 

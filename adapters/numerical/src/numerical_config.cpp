@@ -29,7 +29,7 @@ sim::RecordComponent read_component(const Config& table, const std::string& key,
                           static_cast<int>(table.integer_in("column_" + key, 1, 100, column)));
 }
 
-// Components of one earthquake, recorded together.
+// The components must come from one record.
 void check_alike(const Config& table, const sim::RecordComponent& one,
                  const sim::RecordComponent& other) {
   if (one.values.size() != other.values.size() || std::abs(one.time_step - other.time_step) > 1e-9)
@@ -58,19 +58,19 @@ sim::IsolatedPlant read_plant(const Config& table) {
 }
 
 sim::GroundMotion read_motion(const Config& table) {
-  const auto along = read_component(table, "long", 1);
-  const auto across = read_component(table, "lat", 2);
-  check_alike(table, along, across);
+  const auto longitudinal = read_component(table, "long", 1);
+  const auto lateral = read_component(table, "lat", 2);
+  check_alike(table, longitudinal, lateral);
   const double scale = table.number_in("scale", 0, 100, 1.0) * kStandardGravity;
   static_cast<void>(table.text("name", ""));
   sim::GroundMotion motion;
-  motion.time_step = along.time_step;
-  for (const double value : along.values) motion.long_acceleration.push_back(scale * value);
-  for (const double value : across.values) motion.lat_acceleration.push_back(scale * value);
+  motion.time_step = longitudinal.time_step;
+  for (const double value : longitudinal.values) motion.long_acceleration.push_back(scale * value);
+  for (const double value : lateral.values) motion.lat_acceleration.push_back(scale * value);
   if (table.has("column_vert") || table.has("file_vert")) {
-    const auto upwards = read_component(table, "vert", 3);
-    check_alike(table, along, upwards);
-    for (const double value : upwards.values) motion.vert_acceleration.push_back(scale * value);
+    const auto vertical = read_component(table, "vert", 3);
+    check_alike(table, longitudinal, vertical);
+    for (const double value : vertical.values) motion.vert_acceleration.push_back(scale * value);
   }
   table.reject_unknown_keys();
   return motion;

@@ -8,7 +8,7 @@
 namespace rths::adapters {
 namespace {
 
-// A direction that is not tested is not shaken either.
+// Untested directions get no ground motion.
 sim::GroundMotion along_tested_axes(sim::GroundMotion motion,
                                     const std::vector<std::string>& axes) {
   const auto tested = [&](const char* axis) {
@@ -62,15 +62,15 @@ PlayedTargets::PlayedTargets(const DisplacementHistory& history, double integrat
     throw Error{"displacement history: expected a time step and two equally long axes"};
 }
 
-// Linear between samples; after the end it stays where it ended.
+// Linear between samples; constant after the last.
 Eigen::Vector2d PlayedTargets::at(double time) const noexcept {
   const double last = static_cast<double>(history_.displacement_long.size() - 1);
   const double position = std::clamp(time / history_.time_step, 0.0, last);
   const auto i =
       std::min(static_cast<std::size_t>(position), history_.displacement_long.size() - 2);
-  const double part = position - static_cast<double>(i);
+  const double fraction = position - static_cast<double>(i);
   const auto between = [&](const std::vector<double>& values) {
-    return (1 - part) * values[i] + part * values[i + 1];
+    return (1 - fraction) * values[i] + fraction * values[i + 1];
   };
   return {between(history_.displacement_long), between(history_.displacement_lat)};
 }

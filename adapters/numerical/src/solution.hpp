@@ -14,8 +14,8 @@
 
 namespace rths::adapters {
 
-/// What goes to the specimen and what comes back from it: long, lat. Axes that are not tested
-/// neither move nor answer. The vertical one is told what to carry, and not asked.
+/// Values exchanged with the specimen: long, lat. Untested axes stay at zero. The vertical axis
+/// gets a force command and has no feedback.
 struct Exchange {
   Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< target [m]
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();      ///< of the target [m/s]
@@ -23,7 +23,7 @@ struct Exchange {
   Eigen::Vector2d force = Eigen::Vector2d::Zero();         ///< measured [N]
 };
 
-/// Name and SI unit of a value worth recording.
+/// Name and SI unit of each recorded value.
 using MonitorNames = std::vector<std::pair<std::string, std::string>>;
 
 /// Targets from the analysis of a plant.
@@ -40,7 +40,7 @@ class AnalysedTargets {
   sim::PlantAnalysis analysis_;
 };
 
-/// Targets from a displacement history, whatever the specimen answers.
+/// Targets from a displacement history, independent of the specimen's force.
 class PlayedTargets {
  public:
   PlayedTargets(const DisplacementHistory& history, double integration_step);
@@ -59,7 +59,7 @@ class PlayedTargets {
   std::size_t step_ = 0;
 };
 
-/// Where the targets come from.
+/// Generates the targets.
 using Solution = std::variant<AnalysedTargets, PlayedTargets>;
 
 [[nodiscard]] Solution make_solution(const NumericalSettings& settings);

@@ -58,7 +58,7 @@ std::optional<int> dof_named(const std::string& word) {
   return dof;
 }
 
-/// The words of one line, one after the other.
+/// Reads the words of one line in order.
 class Line {
  public:
   explicit Line(const std::string& text) : text_{text} {
@@ -72,7 +72,7 @@ class Line {
     return true;
   }
   std::string next(const char* expected) {
-    if (is_over()) fail("its end", expected);
+    if (is_over()) fail("the end of the line", expected);
     return words_[at_++];
   }
   double number(const char* expected) {
@@ -96,11 +96,13 @@ class Line {
 void read_options(Line& line, ControlSignal& signal) {
   for (;;) {
     if (line.take("-fact"))
-      line.fail("'-fact'", "none: OpenFresco's SCRAMNet controls ignore it, and the map has units");
+      line.fail("'-fact'",
+                "no -fact: OpenFresco's SCRAMNet controls ignore it, and the map defines units");
     if (line.take("-lim")) {
       signal.lowest = line.number("the lower limit");
       signal.highest = line.number("the upper limit");
-      if (signal.lowest > signal.highest) line.fail("limits that leave nothing", "low, then high");
+      if (signal.lowest > signal.highest)
+        line.fail("a lower limit above the upper limit", "low, then high");
     } else if (line.take("-relTrial")) {
       signal.is_relative_to_first = true;
     } else if (line.take("-relCtrl") || line.take("-relDaq")) {
@@ -131,16 +133,16 @@ ControlPoint read_line(const std::string& text) {
     read_options(line, declared.options);
     point.signals.push_back(declared);
   }
-  if (point.signals.empty()) line.fail("its end", "at least one signal");
+  if (point.signals.empty()) line.fail("the end of the line", "at least one signal");
   return point;
 }
 
-// "2 vel": as a control point has it.
+// "2 vel": the notation of a control point.
 std::string text_of(int dof, Quantity quantity) {
   return fmt::format("{} {}", dof, to_text(quantity));
 }
 
-/// A block's words as control points number them: along the axes of each quantity.
+/// Numbers a block's words as control points do: along the axes of each quantity.
 std::vector<int> numbers_of(const std::vector<OpfSignal>& words) {
   std::vector<int> numbers;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -148,17 +150,19 @@ std::vector<int> numbers_of(const std::vector<OpfSignal>& words) {
   return numbers;
 }
 
-// What goes wrong is worse than an error: the flags are looked for in the words of signals.
+// OpenFresco itself reports no error: it would read the flags from the words of signals.
 [[noreturn]] void fail(const ControlPoint& point, const char* role, const std::string& how,
                        const std::vector<OpfSignal>& words) {
-  throw Error{fmt::format(
-      "{} control point {} declares {}; the map has {} words there, '{}' to '{}': the words behind "
-      "would be taken for others",
-      role, point.tag, how, words.size(), words.front().name, words.back().name)};
+  throw Error{
+      fmt::format("{} control point {} declares {}; the map has {} words there, '{}' to '{}': all "
+                  "words after the "
+                  "difference would be misread",
+                  role, point.tag, how, words.size(), words.front().name, words.back().name)};
 }
 
-std::vector<ControlSignal> held_against(const std::vector<OpfSignal>& words,
-                                        const std::vector<std::string>& lines, const char* role) {
+std::vector<ControlSignal> checked_signals(const std::vector<OpfSignal>& words,
+                                           const std::vector<std::string>& lines,
+                                           const char* role) {
   std::vector<ControlSignal> signals;
   if (lines.empty()) {
     for (const auto& word : words) signals.push_back({word});
@@ -166,7 +170,7 @@ std::vector<ControlSignal> held_against(const std::vector<OpfSignal>& words,
   }
   if (words.empty()) throw Error{fmt::format("the map has no words for {} control points", role)};
   const auto numbers = numbers_of(words);
-  std::optional<ControlPoint> before;
+  std::optional<ControlPoint> previous;
   for (const auto& text : lines) {
     const ControlPoint point = read_line(text);
     for (std::size_t i = 0; i < point.signals.size(); ++i) {
@@ -176,8 +180,8 @@ std::vector<ControlSignal> held_against(const std::vector<OpfSignal>& words,
       if (at == words.size())
         fail(point, role, fmt::format("too many signals, the first of them '{}'", found), words);
       const std::string expected = text_of(numbers[at], words[at].quantity);
-      if (found != expected && i == 0 && before)
-        fail(*before, role,
+      if (found != expected && i == 0 && previous)
+        fail(*previous, role,
              fmt::format("too few signals: '{}' ({}) is missing, control point {} begins with '{}'",
                          expected, words[at].name, point.tag, found),
              words);
@@ -190,11 +194,11 @@ std::vector<ControlSignal> held_against(const std::vector<OpfSignal>& words,
       signals.back().lowest *= words[at].map_unit;
       signals.back().highest *= words[at].map_unit;
     }
-    before = point;
+    previous = point;
   }
   if (signals.size() < words.size())
-    fail(*before, role,
-         fmt::format("too few signals: '{}' ({}) is the first of {} that are missing",
+    fail(*previous, role,
+         fmt::format("too few signals: '{}' ({}) is the first of {} missing signals",
                      text_of(numbers[signals.size()], words[signals.size()].quantity),
                      words[signals.size()].name, words.size() - signals.size()),
          words);
@@ -205,8 +209,8 @@ std::vector<ControlSignal> held_against(const std::vector<OpfSignal>& words,
 
 ControlPoints control_points(const OpfLayout& layout, const std::vector<std::string>& trial,
                              const std::vector<std::string>& output) {
-  return {!trial.empty() || !output.empty(), held_against(layout.commands, trial, "trial"),
-          held_against(layout.feedbacks, output, "output")};
+  return {!trial.empty() || !output.empty(), checked_signals(layout.commands, trial, "trial"),
+          checked_signals(layout.feedbacks, output, "output")};
 }
 
 }  // namespace rths::adapters

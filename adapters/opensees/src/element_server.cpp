@@ -8,10 +8,10 @@
 namespace rths::adapters {
 namespace {
 
-constexpr int kMostAtOnce = 1000;  // messages: OpenSees sends far fewer before it wants an answer
+constexpr int kMostAtOnce = 1000;  // messages: OpenSees sends far fewer between requests
 
-// OpenSees always reads what it has asked for.
-constexpr auto kSendPatience = std::chrono::seconds{1};
+// OpenSees reads each answer to its requests.
+constexpr auto kSendDeadline = std::chrono::seconds{1};
 
 }  // namespace
 
@@ -20,54 +20,56 @@ ElementServer::ElementServer(const OpenSeesElement& element)
       endpoint_{element.is_udp ? Transport::Udp : Transport::Tcp, element.address, element.port},
       client_{name_, element.dofs()} {}
 
-bool ElementServer::hear() {
-  int heard = 0;
-  has_just_come_ = false;
+bool ElementServer::receive() {
+  int received = 0;
+  just_connected_ = false;
   try {
-    for (; heard < kMostAtOnce && !has_left_ && !wants_measured_ && !wants_matrix_; ++heard) {
+    for (;
+         received < kMostAtOnce && !disconnected_ && !measurement_requested_ && !matrix_requested_;
+         ++received) {
       const auto message = endpoint_.receive(client_.expected());
       if (message.empty()) break;
-      take_in(message);
+      handle(message);
     }
   } catch (const Error& error) {
-    const std::string what = error.what();
-    throw Error{what.starts_with(name_) ? what : fmt::format("{}: {}", name_, what)};
+    const std::string message = error.what();
+    throw Error{message.starts_with(name_) ? message : fmt::format("{}: {}", name_, message)};
   }
-  return heard > 0;
+  return received > 0;
 }
 
-void ElementServer::take_in(std::span<const std::byte> message) {
-  switch (client_.hear(message)) {
-    case GenericClient::Heard::Trial:
+void ElementServer::handle(std::span<const std::byte> message) {
+  switch (client_.receive(message)) {
+    case GenericClient::Message::Trial:
       ++trials_;
-      // A move that was asked for and not yet made is not undone by its repetition.
+      // A repeated trial does not cancel a pending move.
       is_new_ = is_new_ || client_.is_new();
       break;
-    case GenericClient::Heard::Measured:
-      wants_measured_ = true;
+    case GenericClient::Message::MeasurementRequest:
+      measurement_requested_ = true;
       break;
-    case GenericClient::Heard::Matrix:
-      wants_matrix_ = true;
+    case GenericClient::Message::MatrixRequest:
+      matrix_requested_ = true;
       break;
-    case GenericClient::Heard::End:
-      has_left_ = true;
+    case GenericClient::Message::End:
+      disconnected_ = true;
       break;
-    case GenericClient::Heard::Sizes:
-      has_come_ = has_just_come_ = true;
+    case GenericClient::Message::Sizes:
+      connected_ = just_connected_ = true;
       break;
-    case GenericClient::Heard::Commit:
+    case GenericClient::Message::Commit:
       break;
   }
 }
 
-void ElementServer::answer(const Measured& measured) {
-  wants_measured_ = false;
-  endpoint_.send(client_.measured_reply(measured), kSendPatience);
+void ElementServer::answer(const Measurement& measured) {
+  measurement_requested_ = false;
+  endpoint_.send(client_.measured_reply(measured), kSendDeadline);
 }
 
 void ElementServer::answer(const ElementMatrices& matrices) {
-  wants_matrix_ = false;
-  endpoint_.send(client_.matrix_reply(matrices), kSendPatience);
+  matrix_requested_ = false;
+  endpoint_.send(client_.matrix_reply(matrices), kSendDeadline);
 }
 
 }  // namespace rths::adapters

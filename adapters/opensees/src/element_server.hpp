@@ -8,45 +8,46 @@
 
 namespace rths::adapters {
 
-/// One element: its socket, what was said on it, and what is owed to it.
+/// The server of one element: its socket, received messages and open requests.
 class ElementServer {
  public:
-  /// Listens. @throws Error if it cannot
+  /// Opens the port. @throws Error on failure
   explicit ElementServer(const OpenSeesElement& element);
 
-  /// Hears everything that has arrived, up to a question.
-  /// @returns whether something was heard   @throws Error with the element's name
-  bool hear();
-  /// Answers what was measured, in the units of the script.
-  void answer(const Measured& measured);
-  /// Answers the matrix that is wanted.
+  /// Receives all pending messages up to the first request.
+  /// @returns whether any message was received   @throws Error with the element's name
+  bool receive();
+  /// Answers with the measurement, in the units of the script.
+  void answer(const Measurement& measured);
+  /// Answers with the requested matrix.
   void answer(const ElementMatrices& matrices);
-  /// The trial goes to the specimen: another one is due.
+  /// Marks the received trials as passed to the specimen.
   void take_trial() {
     trials_ = 0;
     is_new_ = false;
   }
 
   [[nodiscard]] int descriptor() const { return endpoint_.descriptor(); }
-  /// Whether it has said its sizes; whether that was among what was heard last.
-  [[nodiscard]] bool has_come() const { return has_come_; }
-  [[nodiscard]] bool has_just_come() const { return has_just_come_; }
+  /// Whether the element has sent its sizes; whether it did so in the last `receive`.
+  [[nodiscard]] bool connected() const { return connected_; }
+  [[nodiscard]] bool just_connected() const { return just_connected_; }
   [[nodiscard]] const Trial& trial() const { return client_.trial(); }
-  [[nodiscard]] int trials() const { return trials_; }   ///< since the last was taken
+  [[nodiscard]] int trials() const { return trials_; }   ///< since the last take_trial
   [[nodiscard]] bool is_new() const { return is_new_; }  ///< it moves the specimen
-  [[nodiscard]] bool wants_measured() const { return wants_measured_; }
-  [[nodiscard]] bool wants_matrix() const { return wants_matrix_; }
-  [[nodiscard]] bool has_left() const { return has_left_; }
+  [[nodiscard]] bool measurement_requested() const { return measurement_requested_; }
+  [[nodiscard]] bool matrix_requested() const { return matrix_requested_; }
+  /// Whether the element has sent its end.
+  [[nodiscard]] bool disconnected() const { return disconnected_; }
 
  private:
-  void take_in(std::span<const std::byte> message);
+  void handle(std::span<const std::byte> message);
 
   std::string name_;
   Endpoint endpoint_;
   GenericClient client_;
   int trials_ = 0;
-  bool has_come_ = false, is_new_ = false, wants_measured_ = false, wants_matrix_ = false,
-       has_left_ = false, has_just_come_ = false;
+  bool connected_ = false, just_connected_ = false, disconnected_ = false, is_new_ = false;
+  bool measurement_requested_ = false, matrix_requested_ = false;
 };
 
 }  // namespace rths::adapters

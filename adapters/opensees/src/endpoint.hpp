@@ -15,7 +15,7 @@
 
 namespace rths::adapters {
 
-/// A file descriptor that is closed with its owner.
+/// A file descriptor that its destructor closes.
 class Descriptor {
  public:
   explicit Descriptor(int fd = -1) : fd_{fd} {}
@@ -36,32 +36,32 @@ class Descriptor {
 
 enum class Transport { Tcp, Udp };
 
-/// The server's end of one client's socket, or the client's: whole messages in, whole messages out,
-/// of whatever length both sides agree on. Never blocks but where it says so.
+/// The server's or the client's end of a socket with one peer. Sends and receives whole messages of
+/// an agreed length. Only `connect`, `send` and `send_last` block.
 class Endpoint {
  public:
-  /// Listens. @param address  "127.0.0.1"   @throws Error if the port cannot be had
+  /// Opens a port. @param address  "127.0.0.1"   @throws Error if the port is not available
   Endpoint(Transport transport, const std::string& address, std::uint16_t port);
 
-  /// The client's end instead. @returns nothing if the port is not open yet
-  /// @throws Error if the address is none
+  /// Connects as a client. @returns nothing if the port is not open yet
+  /// @throws Error if the address is invalid
   [[nodiscard]] static std::optional<Endpoint> connect(Transport transport,
                                                        const std::string& address,
                                                        std::uint16_t port);
 
-  /// Takes in what has arrived, as far as a message of this length needs it.
-  /// @returns the message, valid until the next call, or nothing if it is not whole yet
+  /// Reads the available bytes of a message of this length.
+  /// @returns the message, valid until the next call, or nothing while it is incomplete
   /// @throws Error if the client has closed its socket, or a datagram was lost
   [[nodiscard]] std::span<const std::byte> receive(std::size_t length);
-  /// Sends; waits until the system has taken all of it, at most so long.
-  /// @throws Error if it has not, or the client is gone
+  /// Sends a message and waits at most for `longest` until the system has accepted it.
+  /// @throws Error after that time, or if the client has closed its socket
   void send(std::span<const std::byte> message, Duration longest);
 
-  /// Sends and hangs up in one: the other end finds both at once, and is not the first to close.
-  /// Who is keeps the connection in mind for a minute, and its port with it.
+  /// Sends a message and closes the socket in one segment, so that the peer is not the first to
+  /// close. The first to close would hold its port in TIME_WAIT for a minute.
   void send_last(std::span<const std::byte> message, Duration longest);
 
-  /// To wait for news of.
+  /// Descriptor to poll.
   [[nodiscard]] int descriptor() const {
     return connection_.is_open() ? connection_.get() : listener_.get();
   }
@@ -74,12 +74,12 @@ class Endpoint {
   [[nodiscard]] std::size_t read_datagram(std::size_t length);
 
   Transport transport_;
-  Descriptor listener_, connection_;  ///< UDP has the first only
+  Descriptor listener_, connection_;  ///< UDP uses only the first
   bool is_connected_ = false;
-  sockaddr_in client_{};  ///< of UDP: the other end
+  sockaddr_in client_{};  ///< of UDP: the peer's address
   std::vector<std::byte> received_;
   std::size_t filled_ = 0;
-  bool is_delivered_ = false;  ///< what was received went to the caller
+  bool is_delivered_ = false;  ///< the caller has got the received message
 };
 
 }  // namespace rths::adapters

@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "eigen_conversion.hpp"
+
 namespace rths::adapters {
 namespace {
 
@@ -13,20 +15,20 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index kNodeDofs = 6, kLocalDofs = 12;
-// Of a node's six.
+// Index within a node's six degrees of freedom.
 enum NodeDof : Index { kX, kY, kZ, kAboutX, kAboutY, kAboutZ };
 constexpr Index kNodeJ = kNodeDofs;
 
-// Rows are the bearing's axes in the script's coordinates.
+// Rows: the bearing's axes in the script's coordinates.
 Eigen::Matrix3d rotation_of(const BearingGeometry& bearing) {
-  const Eigen::Vector3d x = bearing.x_axis.normalized();
-  const Eigen::Vector3d z = x.cross(bearing.y_axis).normalized();
+  const Eigen::Vector3d x = to_eigen(bearing.x_axis).normalized();
+  const Eigen::Vector3d z = x.cross(to_eigen(bearing.y_axis)).normalized();
   Eigen::Matrix3d rotation;
   rotation << x.transpose(), z.cross(x).transpose(), z.transpose();
   return rotation;
 }
 
-// From the degrees of freedom that are listed to both nodes' local ones.
+// Maps the listed degrees of freedom to the local ones of both nodes.
 MatrixXd local_displacements(const BearingGeometry& bearing) {
   const Eigen::Matrix3d rotation = rotation_of(bearing);
   MatrixXd global =
@@ -40,8 +42,8 @@ MatrixXd local_displacements(const BearingGeometry& bearing) {
   return local;
 }
 
-// From both nodes' local displacements to the six components. Sheared, a bearing turns its end
-// plates about the point of no moment.
+// Maps the local displacements of both nodes to the six components. Rotations of the nodes
+// contribute to shear through their distance to the point of zero moment.
 MatrixXd components(const BearingGeometry& bearing) {
   MatrixXd of = MatrixXd::Zero(kComponents, kLocalDofs);
   for (Index i = 0; i < kComponents; ++i) {
@@ -68,7 +70,7 @@ double ComponentSpring::elastic_force(double deformation) const {
 }
 
 double ComponentSpring::stiffness() const {
-  // In a corner, the stiffer side's: what is too stiff is stable.
+  // At a kink, the stiffer side: too stiff an estimate is stable.
   constexpr double kSmall = 1e-9;
   const double up = (elastic_force(kSmall) - elastic_force(0)) / kSmall;
   const double down = (elastic_force(0) - elastic_force(-kSmall)) / kSmall;
@@ -92,17 +94,17 @@ ExperimentalElement::ExperimentalElement(const OpenSeesElement& element)
   moved_.resize(std::ssize(element.axes), n);
   for (Index i = 0; i < moved_.rows(); ++i)
     moved_.row(i) =
-        compatibility_.row(static_cast<Index>(element.axes[static_cast<std::size_t>(i)].of));
+        compatibility_.row(static_cast<Index>(element.axes[static_cast<std::size_t>(i)].index));
   springs_force_ = VectorXd::Zero(compatibility_.rows());
   local_displacement_ = VectorXd::Zero(kLocalDofs);
 }
 
 bool ExperimentalElement::is_moved(std::size_t component) const {
   return std::any_of(element_.axes.begin(), element_.axes.end(),
-                     [&](const auto& axis) { return axis.of == component; });
+                     [&](const auto& axis) { return axis.index == component; });
 }
 
-const ExperimentalElement::Motion& ExperimentalElement::place(const Trial& trial) {
+const ExperimentalElement::Motion& ExperimentalElement::apply(const Trial& trial) {
   const VectorXd displacement = to_si_.cwiseProduct(trial.displacement);
   const VectorXd velocity = to_si_.cwiseProduct(trial.velocity);
   motion_.displacement = moved_ * displacement;
@@ -121,9 +123,9 @@ const ExperimentalElement::Motion& ExperimentalElement::place(const Trial& trial
   return motion_;
 }
 
-// The axial force N goes through the plates that the shear has moved apart by Δ and that have
-// turned by θ: N·Δ/2 at each, and N/2·L·θ of the part of the height below or above, which turns
-// one end with its shear and the other against it (`elastomericBearing` of OpenSees).
+// Moments of the axial force N for a lateral offset Δ and end rotations θ of the plates: N·Δ/2 at
+// each end, and ± N/2·L·θ with the height L below or above the point of zero moment, of opposite
+// sign at the two ends (`elastomericBearing` of OpenSees).
 VectorXd ExperimentalElement::p_delta_moments(double axial_force) const {
   const BearingGeometry& bearing = *element_.bearing;
   const VectorXd& u = local_displacement_;
@@ -140,12 +142,12 @@ VectorXd ExperimentalElement::p_delta_moments(double axial_force) const {
   return moments;
 }
 
-VectorXd ExperimentalElement::resisting(const VectorXd& moved) const {
+VectorXd ExperimentalElement::resisting_forces(const VectorXd& moved) const {
   VectorXd forces = moved_.transpose() * moved;
   if (element_.bearing) {
     VectorXd components_force = springs_force_;
     for (std::size_t i = 0; i < element_.axes.size(); ++i)
-      components_force[static_cast<Index>(element_.axes[i].of)] = moved[static_cast<Index>(i)];
+      components_force[static_cast<Index>(element_.axes[i].index)] = moved[static_cast<Index>(i)];
     forces = compatibility_.transpose() * components_force;
     if (element_.bearing->has_p_delta)
       forces += local_.transpose() * p_delta_moments(components_force[kAxial]);

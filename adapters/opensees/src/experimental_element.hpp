@@ -9,9 +9,9 @@
 
 namespace rths::adapters {
 
-/// Between the degrees of freedom of a script and what of a specimen is moved: components of a
-/// bearing, or the degrees of freedom themselves. SI on the specimen's side, the script's units on
-/// the other.
+/// Transforms between a script's degrees of freedom and the moved components of a specimen: those
+/// of a bearing, or the degrees of freedom themselves. The specimen's side is in SI, the other side
+/// in the script's units.
 ///
 ///     d_b = B·d    p = Bᵀ·q + p_PΔ    K = Bᵀ·K_b·B
 class ExperimentalElement {
@@ -19,23 +19,24 @@ class ExperimentalElement {
   /// @param element  kept by reference
   explicit ExperimentalElement(const OpenSeesElement& element);
 
-  /// Deformation and rates of what is moved [m, m/s, m/s², rad, …].
+  /// Displacement and rates of the moved components [m, m/s, m/s², rad, …].
   struct Motion {
     Eigen::VectorXd displacement, velocity, acceleration;
   };
-  /// Takes a trial state in. @returns what it means for what is moved
-  const Motion& place(const Trial& trial);
-  /// What the machine is to apply along the axial component, if that is not moved but loaded [N].
+  /// Applies a trial state. @returns the motion of the moved components
+  const Motion& apply(const Trial& trial);
+  /// Force that the machine applies along the axial component, if that is loaded, not moved [N].
   [[nodiscard]] double axial_force() const { return axial_force_; }
-  /// Resisting forces, but for viscous ones of springs: OpenSees adds these itself, at the script's
-  /// degrees of freedom, in the state that was placed last.
-  /// @param moved  restoring forces of what is moved [N, N·m]
-  [[nodiscard]] Eigen::VectorXd resisting(const Eigen::VectorXd& moved) const;
-  /// Displacements of an element in the script's own coordinates, in its units.
+  /// Returns resisting forces at the script's degrees of freedom, for the last applied state.
+  /// Excludes viscous forces of the springs, which OpenSees adds itself.
+  /// @param moved  restoring forces of the moved components [N, N·m]
+  [[nodiscard]] Eigen::VectorXd resisting_forces(const Eigen::VectorXd& moved) const;
+  /// Displacements at the script's degrees of freedom, of an element without bearing, in its units.
   [[nodiscard]] Eigen::VectorXd in_script(const Eigen::VectorXd& moved) const {
     return moved.cwiseQuotient(to_si_);
   }
-  /// A matrix of what is moved, with its springs' part, at the script's degrees of freedom.
+  /// Transforms matrices of the moved components to the script's degrees of freedom and adds the
+  /// springs.
   [[nodiscard]] ElementMatrices matrices(const Eigen::MatrixXd& stiffness,
                                          const Eigen::MatrixXd& damping,
                                          const Eigen::MatrixXd& mass) const;
@@ -48,7 +49,7 @@ class ExperimentalElement {
   Eigen::VectorXd to_si_, to_script_;  ///< of displacements; of forces
   Eigen::MatrixXd local_;              ///< 12 × n: local displacements of both nodes
   Eigen::MatrixXd compatibility_;      ///< B
-  Eigen::MatrixXd moved_;              ///< rows of B that are moved
+  Eigen::MatrixXd moved_;              ///< rows of B of the moved components
   Eigen::VectorXd local_displacement_;
   Eigen::VectorXd springs_force_;  ///< elastic, of components that are not moved
   double axial_force_ = 0;

@@ -17,18 +17,18 @@ namespace {
 using Eigen::Index;
 
 constexpr std::size_t kSizes = 11;
-constexpr std::int32_t kMostDoubles = 1 << 20;  // of a message: 1024 degrees of freedom
+constexpr std::int32_t kMostDoubles = 1 << 20;  // per message: 1024 degrees of freedom
 
-// What a request asks for, in its first word. OpenFresco's have a beginning and an execution that
-// need nothing, and ask for all that was measured, or for one quantity of it.
+// Codes of requests. OpenFresco's kOpen, kSetUp and kExecute need no action; it requests all
+// measured quantities or a single one.
 constexpr double kOpen = 1, kSetUp = 2, kTrial = 3, kExecute = 4, kCommit = 5, kAllMeasured = 6,
                  kDisplacement = 7, kTime = 11, kInitialStiffness = 12, kTangentStiffness = 13,
                  kDamping = 14, kMass = 15, kEnd = 99;
 
 enum Kind : std::size_t { kDisplacements, kVelocities, kAccelerations, kForces, kTimes };
 constexpr const char* kUsual =
-    "n displacements, n or no velocities and accelerations, no forces, "
-    "one or no time, and in reply n forces";
+    "n displacements, 0 or n velocities and accelerations, 0 forces, 0 or 1 time, and in the reply "
+    "n forces";
 
 bool is_measured(double code) {
   return code == kAllMeasured ||
@@ -43,8 +43,8 @@ GenericClient::GenericClient(std::string name, Index dofs)
   trial_ = {zero, zero, zero, 0};
 }
 
-void GenericClient::fail(const std::string& what) const {
-  throw Error{fmt::format("{}: {}", name_, what)};
+void GenericClient::fail(const std::string& problem) const {
+  throw Error{fmt::format("{}: {}", name_, problem)};
 }
 
 void GenericClient::read_sizes(std::span<const std::byte> message) {
@@ -76,9 +76,9 @@ void GenericClient::read_sizes(std::span<const std::byte> message) {
 }
 
 void GenericClient::read_trial() {
-  const Index told = std::accumulate(in_request_.begin(), in_request_.end(), 0);
-  if (!Eigen::Map<const Eigen::VectorXd>{request_.data() + 1, told}.allFinite())
-    fail("a trial state holds what is no number");
+  const Index sent = std::accumulate(in_request_.begin(), in_request_.end(), 0);
+  if (!Eigen::Map<const Eigen::VectorXd>{request_.data() + 1, sent}.allFinite())
+    fail("a trial state holds NaN or infinity");
   const double* next = request_.data() + 1;
   const auto read = [&](Kind kind, Eigen::VectorXd& into) {
     if (in_request_[kind] == 0) return;
@@ -93,41 +93,43 @@ void GenericClient::read_trial() {
   is_new_ = trial_.displacement != before;
 }
 
-GenericClient::Heard GenericClient::hear(std::span<const std::byte> message) {
+GenericClient::Message GenericClient::receive(std::span<const std::byte> message) {
   if (message.size() != message_bytes_)
     fail(fmt::format("a message of {} bytes, expected {}", message.size(), message_bytes_));
   if (request_.empty()) {
     read_sizes(message);
-    return Heard::Sizes;
+    return Message::Sizes;
   }
   std::memcpy(request_.data(), message.data(), message.size());
   const double code = request_[0];
-  if (code == kTrial) return read_trial(), Heard::Trial;
-  if (is_measured(code)) return Heard::Measured;
-  if (code == kCommit || code == kOpen || code == kSetUp || code == kExecute) return Heard::Commit;
-  if (code == kEnd) return Heard::End;
-  wanted_ = code == kInitialStiffness || code == kTangentStiffness ? &ElementMatrices::stiffness
-            : code == kDamping                                     ? &ElementMatrices::damping
-            : code == kMass                                        ? &ElementMatrices::mass
-                                                                   : nullptr;
-  if (wanted_ == nullptr) fail(fmt::format("OpenSees asks for {}, expected 1 to 15 or 99", code));
+  if (code == kTrial) return read_trial(), Message::Trial;
+  if (is_measured(code)) return Message::MeasurementRequest;
+  if (code == kCommit || code == kOpen || code == kSetUp || code == kExecute)
+    return Message::Commit;
+  if (code == kEnd) return Message::End;
+  requested_ = code == kInitialStiffness || code == kTangentStiffness ? &ElementMatrices::stiffness
+               : code == kDamping                                     ? &ElementMatrices::damping
+               : code == kMass                                        ? &ElementMatrices::mass
+                                                                      : nullptr;
+  if (requested_ == nullptr)
+    fail(fmt::format("OpenSees sent code {}, expected 1 to 15 or 99", code));
   if (static_cast<std::size_t>(dofs() * dofs()) > reply_.size())
-    fail(fmt::format("a matrix of {0} by {0} is asked for, in messages of {1} numbers", dofs(),
+    fail(fmt::format("OpenSees requests a {0} x {0} matrix in messages of {1} numbers", dofs(),
                      reply_.size()));
-  return Heard::Matrix;
+  return Message::MatrixRequest;
 }
 
 std::span<const std::byte> GenericClient::matrix_reply(const ElementMatrices& matrices) {
-  // Columns one after the other, as Eigen has them.
-  const Eigen::MatrixXd& wanted = matrices.*wanted_;
-  std::fill(std::copy_n(wanted.data(), wanted.size(), reply_.begin()), reply_.end(), 0);
+  // Column by column, the order of Eigen.
+  const Eigen::MatrixXd& matrix = matrices.*requested_;
+  std::fill(std::copy_n(matrix.data(), matrix.size(), reply_.begin()), reply_.end(), 0);
   return std::as_bytes(std::span{reply_});
 }
 
-std::span<const std::byte> GenericClient::measured_reply(const Measured& measured) {
+std::span<const std::byte> GenericClient::measured_reply(const Measurement& measured) {
   std::fill(reply_.begin(), reply_.end(), 0);
   auto next = reply_.begin();
-  // What nobody measures is as it was told to be.
+  // Unmeasured quantities take their trial values.
   const Eigen::VectorXd* const values[] = {&measured.displacement, &trial_.velocity,
                                            &trial_.acceleration, &measured.force};
   for (std::size_t kind = kDisplacements; kind <= kForces; ++kind)

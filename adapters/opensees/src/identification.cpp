@@ -5,8 +5,9 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::adapters {
@@ -18,20 +19,20 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using std::numbers::pi;
 
-// Slow enough for any machine, far enough apart to tell mass from stiffness.
+// Slow enough for any machine, far enough apart to separate mass from stiffness.
 constexpr double kFrequency[] = {1.0, 3.0};   // [Hz]
 constexpr double kRamp = 0.5, kFitted = 3.0;  // [s]
-constexpr double kLongestStep = 0.034;        // ten in the shortest period [s]
+constexpr double kLongestStep = 0.034;        // ten per shortest period [s]
 constexpr double kLeastMove = 0.1;            // of the amplitude
 
-// What is measured is fitted with an offset, a drift, and a sine and cosine of each frequency.
+// Fit of a measurement: offset, drift, and cosine and sine at each frequency.
 constexpr Index kRegressors = 6;
 Eigen::Matrix<double, kRegressors, 1> regressors(double time) {
   const double a = 2 * pi * kFrequency[0] * time, b = 2 * pi * kFrequency[1] * time;
   return {1, time, std::cos(a), std::sin(a), std::cos(b), std::sin(b)};
 }
 
-// Both frequencies together move at most the amplitude.
+// The sum of both frequencies stays within the amplitude.
 double excitation(double time) {
   double sum = 0;
   for (const double frequency : kFrequency) sum += 0.5 * std::sin(2 * pi * frequency * time);
@@ -40,11 +41,10 @@ double excitation(double time) {
   return from_end <= 0 ? 0 : 0.5 * (1 - std::cos(pi * from_end / kRamp)) * sum;
 }
 
-// Neither damping nor mass gives energy away; what sensors' noise says against that is left out.
+// Damping and mass must be positive semidefinite: negative eigenvalues, caused by noise, become 0.
 MatrixXd passive(const MatrixXd& matrix) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> modes{(matrix + matrix.transpose()) / 2};
-  return modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() *
-         modes.eigenvectors().transpose();
+  const algebra::Modes modes = algebra::symmetric_modes((matrix + matrix.transpose()) / 2);
+  return modes.vectors * modes.values.cwiseMax(0).asDiagonal() * modes.vectors.transpose();
 }
 
 }  // namespace
@@ -56,8 +56,8 @@ Identification::Identification(Index components, const VectorXd& amplitude, doub
       steps_{static_cast<int>(std::lround((2 * kRamp + kFitted) / step))} {
   if (step > kLongestStep)
     throw Error{
-        fmt::format("identification: targets come every {:g} s, expected at most {:g} s: {:g} "
-                    "Hz would be lost between them. State what is to be identified",
+        fmt::format("identification: the target interval is {:g} s, expected at most {:g} s to "
+                    "resolve {:g} Hz; or state the matrices instead of \"identified\"",
                     step, kLongestStep, kFrequency[1])};
   for (std::size_t i = 0; i < kFrequencies; ++i)
     displacement_[i] = force_[i] = MatrixXcd::Zero(components, components);
@@ -96,7 +96,7 @@ void Identification::measure(const VectorXd& displacement, const VectorXd& force
 
 // cos and sin parts c, s of a signal c·cos ωt + s·sin ωt are the complex amplitude c − i·s.
 void Identification::finish_component() {
-  const MatrixXd fit = normal_.ldlt().solve(observed_);
+  const MatrixXd fit = algebra::solve_symmetric(normal_, observed_);
   for (std::size_t i = 0; i < kFrequencies; ++i) {
     const auto cosine = fit.row(2 + 2 * static_cast<Index>(i)).transpose();
     const auto sine = fit.row(3 + 2 * static_cast<Index>(i)).transpose();
@@ -111,7 +111,9 @@ std::array<MatrixXcd, 2> Identification::dynamic_stiffness() const {
   std::array<MatrixXcd, kFrequencies> stiffness;
   for (std::size_t i = 0; i < kFrequencies; ++i) {
     for (Index k = 0; k < components_; ++k) {
-      const double moved = 2 * std::abs(displacement_[i](k, k));  // both shares are halves
+      const double moved =
+          2 * std::abs(displacement_[i](
+                  k, k));  // the excitation has half the amplitude at each frequency
       if (!(moved > kLeastMove * amplitude_[k]))
         throw Error{fmt::format(
             "identification: component {} moved {:.3g} at {:g} Hz, expected about {:.3g}: is the "
@@ -124,20 +126,20 @@ std::array<MatrixXcd, 2> Identification::dynamic_stiffness() const {
   return stiffness;
 }
 
-Identification::Found Identification::found() const {
+Identification::Properties Identification::properties() const {
   const auto [slow, fast] = dynamic_stiffness();
   const double a = 2 * pi * kFrequency[0], b = 2 * pi * kFrequency[1];
-  Found found;
-  found.mass = (slow.real() - fast.real()) / (b * b - a * a);
-  found.stiffness = slow.real() + a * a * found.mass;
-  found.damping = (a * slow.imag() + b * fast.imag()) / (a * a + b * b);
-  found.stiffness = (found.stiffness + found.stiffness.transpose().eval()) / 2;
-  found.damping = passive(found.damping);
-  found.mass = passive(found.mass);
-  if (!(found.stiffness.diagonal().minCoeff() > 0))
-    throw Error{fmt::format("identification: a stiffness of {:.4g}, expected more than 0",
-                            found.stiffness.diagonal().minCoeff())};
-  return found;
+  Properties properties;
+  properties.mass = (slow.real() - fast.real()) / (b * b - a * a);
+  properties.stiffness = slow.real() + a * a * properties.mass;
+  properties.damping = (a * slow.imag() + b * fast.imag()) / (a * a + b * b);
+  properties.stiffness = (properties.stiffness + properties.stiffness.transpose().eval()) / 2;
+  properties.damping = passive(properties.damping);
+  properties.mass = passive(properties.mass);
+  if (!(properties.stiffness.diagonal().minCoeff() > 0))
+    throw Error{fmt::format("identification: found a stiffness of {:.4g}, expected more than 0",
+                            properties.stiffness.diagonal().minCoeff())};
+  return properties;
 }
 
 }  // namespace rths::adapters

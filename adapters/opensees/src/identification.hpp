@@ -9,33 +9,33 @@
 
 namespace rths::adapters {
 
-/// Initial stiffness, damping and mass of a specimen, found by shaking it a little before the test:
-/// one component after the other at two frequencies at once, with a gentle beginning and end. What
-/// displacement and force have of each frequency gives the dynamic stiffness
+/// Identifies initial stiffness, damping and mass of a specimen by small motions before the test.
+///
+/// Moves one component after another at two frequencies at once, with a smooth start and end. The
+/// amplitudes of displacement D and force F at each frequency give the dynamic stiffness
 ///
 ///     Z(ω) = F·D⁻¹ = K − ω²·M + iω·C
 ///
-/// of both frequencies, and these the three. Sensor noise averages out; delays of the machine do
-/// not matter, since both are measured.
+/// at both frequencies, and these give K, M and C. Sensor noise averages out. Delays of the machine
+/// have no effect, because displacement and force are both measured.
 class Identification {
  public:
-  /// @param components  to be moved, n
+  /// @param components  number of moved components, n
   /// @param amplitude   of each [m, rad], > 0
-  /// @param step        from target to target [s]
+  /// @param step        time between targets [s]
   Identification(Eigen::Index components, const Eigen::VectorXd& amplitude, double step);
 
-  /// The next target, n, or nothing: it is done.
   [[nodiscard]] bool is_done() const;
+  /// The next target, n.   @pre !is_done()
   [[nodiscard]] Eigen::VectorXd target() const;
-  /// What was measured there: n displacements and n restoring forces.
+  /// Takes the measurement at the last target: n displacements and n restoring forces.
   void measure(const Eigen::VectorXd& displacement, const Eigen::VectorXd& force);
 
-  struct Found {
+  struct Properties {
     Eigen::MatrixXd stiffness, damping, mass;  ///< n × n
   };
-  /// @throws Error if a component did not move when it was told to, or what was found is no
-  ///         stiffness   @pre is_done()
-  [[nodiscard]] Found found() const;
+  /// @throws Error if a component did not move, or a stiffness is not positive   @pre is_done()
+  [[nodiscard]] Properties properties() const;
 
  private:
   static constexpr std::size_t kFrequencies = 2;
@@ -47,11 +47,11 @@ class Identification {
   Eigen::Index components_;
   Eigen::VectorXd amplitude_;
   double step_;
-  int steps_;                          ///< of one component
-  Eigen::Index at_ = 0;                ///< component in hand
-  int taken_ = 0;                      ///< steps of it
-  Eigen::MatrixXd normal_, observed_;  ///< of the fit in hand
-  /// Complex amplitudes of both frequencies, a column for each component that was moved.
+  int steps_;                          ///< per component
+  Eigen::Index at_ = 0;                ///< current component
+  int taken_ = 0;                      ///< its completed steps
+  Eigen::MatrixXd normal_, observed_;  ///< of the current fit
+  /// Complex amplitudes at both frequencies, a column per moved component.
   std::array<Eigen::MatrixXcd, kFrequencies> displacement_, force_;
 };
 

@@ -4,10 +4,12 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
 #include <Eigen/Geometry>
 
+#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
+
+#include "eigen_conversion.hpp"
 
 namespace rths::adapters {
 namespace {
@@ -25,14 +27,14 @@ Matrix3d cross_matrix(const Vector3d& v) {
   return m;
 }
 
-// Turns by a rotation vector (Rodrigues).
+// Rotation matrix of a rotation vector (Rodrigues).
 Matrix3d turned_by(const Vector3d& rotation) {
   const double angle = rotation.norm();
   if (angle == 0) return Matrix3d::Identity();
   return Eigen::AngleAxisd{angle, rotation / angle}.toRotationMatrix();
 }
 
-// Angular velocity of a rotation vector's rate: sin θ/θ·I + (1 − cos θ)/θ²·[θ]× + (θ − sin
+// Maps a rotation vector's rate to angular velocity: sin θ/θ·I + (1 − cos θ)/θ²·[θ]× + (θ − sin
 // θ)/θ³·θθᵀ.
 Matrix3d spin_of(const Vector3d& rotation) {
   const double angle = rotation.norm();
@@ -43,15 +45,16 @@ Matrix3d spin_of(const Vector3d& rotation) {
          (angle - std::sin(angle)) / (square * angle) * rotation * rotation.transpose();
 }
 
-// Along an actuator, from its fixed pin to that on the displaced platen.
+// Vector of an actuator, from its fixed pin to its pin on the displaced platen.
 Vector3d reach(const ActuatorAxis& actuator, const Components& d) {
-  return turned_by(d.tail<3>()) * actuator.platen_pin + d.head<3>() - actuator.fixed_pin;
+  return turned_by(d.tail<3>()) * to_eigen(actuator.platen_pin) + d.head<3>() -
+         to_eigen(actuator.fixed_pin);
 }
 
-// How much longer it gets with each component.
+// Derivative of an actuator's length with respect to each component.
 Components gradient(const ActuatorAxis& actuator, const Components& d) {
   const Vector3d along = reach(actuator, d).normalized();
-  const Vector3d arm = turned_by(d.tail<3>()) * actuator.platen_pin;
+  const Vector3d arm = turned_by(d.tail<3>()) * to_eigen(actuator.platen_pin);
   Components gradient;
   gradient << along, spin_of(d.tail<3>()).transpose() * arm.cross(along);
   return gradient;
@@ -67,35 +70,35 @@ MachineAxes::MachineAxes(const OpenSeesElement& element)
   if (element.actuators.empty())
     for (Index i = 0; i < moved; ++i)
       jacobian_(i, i) = element.axes[static_cast<std::size_t>(i)].direction;
-  static_cast<void>(place(VectorXd::Zero(moved)));
-  const auto decomposition = jacobian_.completeOrthogonalDecomposition();
+  static_cast<void>(set_position(VectorXd::Zero(moved)));
+  const algebra::MinimumNormSolver decomposition{jacobian_};
   if (decomposition.rank() < moved)
     throw Error{
-        fmt::format("element '{}': its actuators can hold {} of the {} components that they "
-                    "are to move",
+        fmt::format("element '{}': its actuators control {} of the {} components that they move",
                     element.name, decomposition.rank(), moved)};
-  inverse_ = decomposition.pseudoInverse();
+  inverse_ = decomposition.pseudo_inverse();
 }
 
 Components MachineAxes::platen(const VectorXd& moved) const {
   Components d = Components::Zero();
   for (std::size_t i = 0; i < element_.axes.size(); ++i)
-    d[static_cast<Index>(element_.axes[i].of)] = moved[static_cast<Index>(i)];
+    d[static_cast<Index>(element_.axes[i].index)] = moved[static_cast<Index>(i)];
   return d;
 }
 
-VectorXd MachineAxes::place(const VectorXd& moved) {
+VectorXd MachineAxes::set_position(const VectorXd& moved) {
   if (element_.actuators.empty()) return jacobian_ * moved;
   const Components d = platen(moved);
-  VectorXd longer{axes_};
+  VectorXd elongation{axes_};
   for (Index k = 0; k < axes_; ++k) {
     const auto& actuator = element_.actuators[static_cast<std::size_t>(k)];
-    longer[k] = reach(actuator, d).norm() - (actuator.platen_pin - actuator.fixed_pin).norm();
+    elongation[k] = reach(actuator, d).norm() -
+                    (to_eigen(actuator.platen_pin) - to_eigen(actuator.fixed_pin)).norm();
     const Components slope = gradient(actuator, d);
     for (std::size_t i = 0; i < element_.axes.size(); ++i)
-      jacobian_(k, static_cast<Index>(i)) = slope[static_cast<Index>(element_.axes[i].of)];
+      jacobian_(k, static_cast<Index>(i)) = slope[static_cast<Index>(element_.axes[i].index)];
   }
-  return longer;
+  return elongation;
 }
 
 VectorXd MachineAxes::displacement(const VectorXd& axes) const { return inverse_ * axes; }

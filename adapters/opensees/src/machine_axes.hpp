@@ -7,9 +7,9 @@
 
 namespace rths::adapters {
 
-/// OpenFresco's set-up: between what of a specimen is moved and the axes of the machine that moves
-/// it: the axes themselves, perhaps counted the other way, or actuators between two pins each,
-/// whose lengths follow the platen at any displacement and rotation.
+/// OpenFresco's set-up: transforms between the moved components of a specimen and the machine's
+/// axes. The axes are the components themselves, possibly with opposite sign, or actuators between
+/// two pins, with exact lengths at any displacement and rotation of the platen.
 ///
 ///     l_k = |R·(P_k) + u − F_k| − |P_k − F_k|    J = ∂l/∂d    q = Jᵀ·f
 class MachineAxes {
@@ -18,18 +18,19 @@ class MachineAxes {
   explicit MachineAxes(const OpenSeesElement& element);
 
   [[nodiscard]] Eigen::Index axes() const { return axes_; }
-  /// @returns the axes' displacements when what is moved is there. Others go by this place, too
-  Eigen::VectorXd place(const Eigen::VectorXd& moved);
-  /// Rates along the axes. Of actuators, without the part of the acceleration that their turning
-  /// adds: what a controller is told is a hint to it.
+  /// Sets the position of the moved components, at which the other functions are evaluated.
+  /// @returns the axes' displacements
+  Eigen::VectorXd set_position(const Eigen::VectorXd& moved);
+  /// Rates along the axes. Accelerations of actuators omit the contribution of their rotation,
+  /// because the controller uses them only as a feed-forward value.
   [[nodiscard]] Eigen::VectorXd rate(const Eigen::VectorXd& moved) const {
     return jacobian_ * moved;
   }
-  /// Forces of what is moved, of those along the axes.
+  /// Forces of the moved components, from forces along the axes.
   [[nodiscard]] Eigen::VectorXd force(const Eigen::VectorXd& axes) const {
     return jacobian_.transpose() * axes;
   }
-  /// Where what is moved stands, near its place at rest.
+  /// Displacements of the moved components from those of the axes, linearised at rest.
   [[nodiscard]] Eigen::VectorXd displacement(const Eigen::VectorXd& axes) const;
 
  private:

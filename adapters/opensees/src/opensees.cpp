@@ -10,14 +10,14 @@
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/error.hpp>
 
-#include "conversation.hpp"
+#include "opensees_connection.hpp"
 #include "opf_words.hpp"
 #include "specimen.hpp"
 
 namespace rths::adapters {
 namespace {
 
-constexpr auto kLookEvery = std::chrono::milliseconds{5};  // whether OpenSees has done its rest
+constexpr auto kExitPollPeriod = std::chrono::milliseconds{5};  // whether OpenSees has exited
 
 class OpenSees final : public Adapter {
  public:
@@ -25,40 +25,41 @@ class OpenSees final : public Adapter {
   [[nodiscard]] std::vector<Port> ports() const override;
   void activate() override;
   [[nodiscard]] Status step(StepData& step) noexcept override;
-  [[nodiscard]] News awaits() const noexcept override;
-  void wait_outside(Duration longest) override { opensees_->wait_for_news(longest); }
+  [[nodiscard]] Wake wakes_on() const noexcept override;
+  void wait_external(Duration longest) override { opensees_->wait_for_input(longest); }
   void deactivate() override;
 
  private:
   enum In : std::size_t { kAtTarget, kSwitchPc, kFeedback };  // positions among the inputs
 
   [[nodiscard]] Status advance(StepData& step);
-  // Hears what there is. Where time stands still, waits until OpenSees has done its part.
-  void converse(const StepData& step);
+  // Handles the pending messages. In virtual time, waits until OpenSees needs the specimen to move.
+  void exchange(const StepData& step);
   [[nodiscard]] std::span<const double> feedbacks(const StepData& step) const {
     return step.inputs.subspan(kFeedback);
   }
-  [[nodiscard]] std::string overdue() const;
+  [[nodiscard]] std::string deadline_message() const;
   void begin_test(const StepData& step);
-  void begin_round(const StepData& step);
-  void answer_all(const StepData& step);
-  // Shakes those specimens that are not known yet, one after the other, once OpenSees is there.
+  void take_trials(const StepData& step);
+  void answer_requests(const StepData& step);
+  // Identifies the specimens with unknown properties, one after another, when OpenSees has
+  // connected.
   void identify(const StepData& step);
   void probe(const StepData& step);
-  // Specimens that are not known yet come first.
-  [[nodiscard]] auto unknown() {
+  // The first specimen that is not identified yet.
+  [[nodiscard]] auto next_unidentified() {
     return std::find_if(specimens_.begin(), specimens_.end(),
-                        [](const auto& specimen) { return !specimen.is_known(); });
+                        [](const auto& specimen) { return !specimen.is_identified(); });
   }
-  [[nodiscard]] Status leave(double time);
+  [[nodiscard]] Status finish(double time);
   void write_monitors(const StepData& step) const;
   OpenSeesSettings settings_;
   OpfWords words_;
-  std::size_t new_target_at_;        ///< among the outputs: behind what it guards
+  std::size_t new_target_at_;        ///< among the outputs, after the values that it guards
   std::vector<Specimen> specimens_;  ///< of each element
-  std::optional<Conversation> opensees_;
+  std::optional<OpenSeesConnection> opensees_;
   OpfHandshake handshake_;
-  std::uint64_t rounds_ = 0;
+  std::uint64_t moves_ = 0;
   bool has_begun_ = false, has_moved_ = false, is_probing_ = false;
   std::string message_;
 };
@@ -71,8 +72,8 @@ OpenSees::OpenSees(OpenSeesSettings settings)
       handshake_{settings_.wait_deadline, settings_.handshake} {
   if (settings_.handshake == Handshake::TargetFirst && words_.is_relative_to_measured())
     throw Error{
-        "-relCtrl and -relDaq need what is measured before the first target; with handshake = "
-        "\"target_first\" nobody says when that is valid"};
+        "-relCtrl and -relDaq need a measurement before the first target; with handshake = "
+        "\"target_first\" no flag marks it as valid"};
   for (const auto& element : settings_.elements)
     specimens_.emplace_back(element, settings_.simulation_step);
 }
@@ -92,53 +93,53 @@ std::vector<Port> OpenSees::ports() const {
   for (const auto& element : settings_.elements)
     for (const auto& axis : element.axes)
       add(element.name + '.' + axis.axis + ".stiffness", Direction::Monitor,
-          element.turns(axis.of) ? "N.m/rad" : "N/m");
+          element.turns(axis.index) ? "N.m/rad" : "N/m");
   return ports;
 }
 
 void OpenSees::activate() { opensees_.emplace(settings_); }
 
 void OpenSees::deactivate() {
-  const auto trouble =
-      opensees_ && opensees_->has_left() ? opensees_->finish() : std::optional<std::string>{};
+  const auto failure =
+      opensees_ && opensees_->disconnected() ? opensees_->finish() : std::optional<std::string>{};
   opensees_.reset();
-  if (trouble) throw Error{*trouble};
+  if (failure) throw Error{*failure};
 }
 
-// Once an element waits for its force, OpenSees says no more before the specimen has arrived.
-News OpenSees::awaits() const noexcept {
-  if (!settings_.is_prompt || settings_.stops_time || handshake_.is_leaving()) return News::None;
-  return handshake_.is_there() && has_begun_ ? News::Outside : News::Inputs;
+// While the specimen moves, OpenSees waits for its force and sends no messages.
+Wake OpenSees::wakes_on() const noexcept {
+  if (!settings_.is_prompt || settings_.stops_time || handshake_.is_stopping()) return Wake::None;
+  return handshake_.is_ready() && has_begun_ ? Wake::External : Wake::Inputs;
 }
 
-void OpenSees::answer_all(const StepData& step) {
+void OpenSees::answer_requests(const StepData& step) {
   auto& servers = opensees_->servers();
   for (std::size_t i = 0; i < servers.size(); ++i)
-    if (servers[i].wants_measured()) {
+    if (servers[i].measurement_requested()) {
       servers[i].answer(specimens_[i].measured(words_.measured(i, feedbacks(step))));
-      opensees_->pass_turn();
+      opensees_->restart_deadline();
     }
 }
 
-void OpenSees::begin_round(const StepData& step) {
+void OpenSees::take_trials(const StepData& step) {
   auto& servers = opensees_->servers();
   const bool is_move = std::any_of(servers.begin(), servers.end(),
                                    [](const auto& server) { return server.is_new(); });
   for (std::size_t i = 0; i < servers.size(); ++i) {
     const Trial& trial = servers[i].trial();
-    const auto& command = specimens_[i].place(trial);
-    if (is_move && !has_moved_) words_.start(i, command);
+    const auto& command = specimens_[i].command_for(trial);
+    if (is_move && !has_moved_) words_.set_first_trial(i, command);
     if (is_move) words_.write(i, command, trial.time, step.outputs);
     servers[i].take_trial();
   }
   if (!is_move) return;
   has_moved_ = true;
-  ++rounds_;
+  ++moves_;
   handshake_.post(step.time);
 }
 
 void OpenSees::probe(const StepData& step) {
-  const auto next = unknown();
+  const auto next = next_unidentified();
   if (next == specimens_.end()) return;
   const auto element = static_cast<std::size_t>(next - specimens_.begin());
   words_.write(element, next->probe(), 0, step.outputs);
@@ -148,81 +149,83 @@ void OpenSees::probe(const StepData& step) {
 
 void OpenSees::identify(const StepData& step) {
   opensees_->require_running();
-  if (!handshake_.is_there()) return;
+  if (!handshake_.is_ready()) return;
   if (is_probing_) {
-    const auto probed = unknown();
+    const auto probed = next_unidentified();
     const auto element = static_cast<std::size_t>(probed - specimens_.begin());
     probed->measure(words_.measured(element, feedbacks(step)));
     is_probing_ = false;
-    opensees_->pass_turn();
+    opensees_->restart_deadline();
   }
   probe(step);
 }
 
-std::string OpenSees::overdue() const {
+std::string OpenSees::deadline_message() const {
   std::string message = handshake_.message();
   if (!has_begun_)
     message +=
-        ": a controller of the older generation raises it after the first target only; "
-        "handshake = \"target_first\" goes with that";
+        ": older controllers raise it only after the first target; set handshake = "
+        "\"target_first\" "
+        "for them";
   return message;
 }
 
 void OpenSees::begin_test(const StepData& step) {
-  words_.start(feedbacks(step));
-  words_.write_idle(step.outputs);
+  words_.set_start(feedbacks(step));
+  words_.write_unused(step.outputs);
   has_begun_ = true;
 }
 
-void OpenSees::converse(const StepData& step) {
+void OpenSees::exchange(const StepData& step) {
   for (;;) {
-    opensees_->hear(specimens_);
-    if (opensees_->has_left() || !handshake_.is_there()) return;
-    if (opensees_->has_come() && unknown() != specimens_.end()) return;
-    if (opensees_->is_round_complete()) begin_round(step);
-    if (!handshake_.is_there()) return;
-    // Not before the specimen is where all trials want it.
-    if (!opensees_->has_trials()) answer_all(step);
-    const Duration patience = opensees_->patience();
+    opensees_->receive(specimens_);
+    if (opensees_->disconnected() || !handshake_.is_ready()) return;
+    if (opensees_->connected() && next_unidentified() != specimens_.end()) return;
+    if (opensees_->all_trials_received()) take_trials(step);
+    if (!handshake_.is_ready()) return;
+    // Only when the specimen is at the position of all trials.
+    if (!opensees_->has_pending_trial()) answer_requests(step);
+    const Duration time_left = opensees_->time_left();
     if (!settings_.stops_time) return;
-    opensees_->wait_for_news(patience);
+    opensees_->wait_for_input(time_left);
   }
 }
 
-// OpenSees may still have something to do: recorders are closed then.
-Status OpenSees::leave(double time) {
+// OpenSees may still run its final commands, such as closing its recorders.
+Status OpenSees::finish(double time) {
   while (settings_.stops_time && !opensees_->has_finished())
-    std::this_thread::sleep_for(kLookEvery);
-  if (opensees_->has_finished()) handshake_.leave(time);
+    std::this_thread::sleep_for(kExitPollPeriod);
+  if (opensees_->has_finished()) handshake_.stop(time);
   return Status::Ok;
 }
 
 Status OpenSees::advance(StepData& step) {
-  if (step.stopping && !handshake_.is_leaving()) handshake_.leave(step.time);
-  if (handshake_.is_leaving()) return handshake_.has_left(step.time) ? Status::Done : Status::Ok;
+  if (step.stopping && !handshake_.is_stopping()) handshake_.stop(step.time);
+  if (handshake_.is_stopping())
+    return handshake_.has_stopped(step.time) ? Status::Done : Status::Ok;
   if (!has_begun_ && step.time < settings_.rest) {
-    opensees_->hear(specimens_);
-    handshake_.be_patient(step.time);
+    opensees_->receive(specimens_);
+    handshake_.restart_deadline(step.time);
     return Status::Ok;
   }
-  const bool was_there = handshake_.is_there();
+  const bool was_ready = handshake_.is_ready();
   const Status status =
-      handshake_.look(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
-  if (status == Status::Fault) throw Error{overdue()};
-  if (!was_there && handshake_.is_there()) opensees_->pass_turn();
-  if (handshake_.is_there() && !has_begun_) begin_test(step);
-  if (!is_probing_) converse(step);
-  if (opensees_->has_left()) return leave(step.time);
-  if (has_begun_ && opensees_->has_come() && unknown() != specimens_.end()) {
+      handshake_.update(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
+  if (status == Status::Fault) throw Error{deadline_message()};
+  if (!was_ready && handshake_.is_ready()) opensees_->restart_deadline();
+  if (handshake_.is_ready() && !has_begun_) begin_test(step);
+  if (!is_probing_) exchange(step);
+  if (opensees_->disconnected()) return finish(step.time);
+  if (has_begun_ && opensees_->connected() && next_unidentified() != specimens_.end()) {
     identify(step);
-    if (unknown() == specimens_.end()) converse(step);
+    if (next_unidentified() == specimens_.end()) exchange(step);
   }
   return Status::Ok;
 }
 
 void OpenSees::write_monitors(const StepData& step) const {
   const auto monitors = step.outputs.subspan(new_target_at_ + 1);
-  monitors[0] = static_cast<double>(rounds_);
+  monitors[0] = static_cast<double>(moves_);
   std::size_t at = 1;
   for (const auto& specimen : specimens_)
     for (const double stiffness : specimen.stiffness()) monitors[at++] = stiffness;
@@ -234,8 +237,8 @@ Status OpenSees::step(StepData& step) noexcept {
     status = advance(step);
     write_monitors(step);
   } catch (const std::exception& error) {
-    // A script that failed says why; that its elements are gone follows from it.
-    message_ = opensees_->explained(error.what());
+    // The script's own failure is the cause of a lost connection, so the message includes it.
+    message_ = opensees_->with_exit_reason(error.what());
     step.message = message_.c_str();
   }
   step.outputs[new_target_at_] = handshake_.new_target();

@@ -9,24 +9,21 @@
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
 
+#include "eigen_conversion.hpp"
+
 namespace rths::adapters {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::Vector3d;
 
 constexpr const char* kRotations[] = {"roll", "pitch", "yaw"};
 constexpr const char* kComponentNames[kComponents] = {"axial",   "shear_y",    "shear_z",
                                                       "torsion", "rotation_y", "rotation_z"};
 
-// "a, b or c" would need the last one to be special.
 template <class Names>
 std::string listed(const Names& names) {
   return fmt::format("{}", fmt::join(std::begin(names), std::end(names), ", "));
 }
 
-// One of two words.
+// Whether a key has the first of two allowed words.
 bool is_first_of(const Config& table, const char* key, const char* first, const char* second) {
   const std::string word = table.text(key, first);
   if (word != first && word != second)
@@ -34,10 +31,10 @@ bool is_first_of(const Config& table, const char* key, const char* first, const 
   return word == first;
 }
 
-// "-vert": the machine counts the other way.
-MovedAxis read_axis(const std::string& word, std::size_t of) {
+// "-vert": the machine's axis points the other way.
+MovedAxis read_axis(const std::string& word, std::size_t index) {
   const bool is_reversed = word.starts_with('-');
-  return {is_reversed ? word.substr(1) : word, of, is_reversed ? -1.0 : 1.0};
+  return {is_reversed ? word.substr(1) : word, index, is_reversed ? -1.0 : 1.0};
 }
 
 void read_generic(const Config& table, OpenSeesElement& element) {
@@ -50,7 +47,7 @@ void read_generic(const Config& table, OpenSeesElement& element) {
   }
 }
 
-Vector3d read_vector(const Config& table, const char* key, const Vector3d& otherwise) {
+Vector3 read_vector(const Config& table, const char* key, const Vector3& otherwise) {
   const auto numbers = table.numbers(key, {otherwise[0], otherwise[1], otherwise[2]});
   if (numbers.size() != 3)
     table.fail(key, fmt::format("{} has {} numbers, expected 3", key, numbers.size()));
@@ -74,18 +71,18 @@ void read_orientation(const Config& table, double length, BearingGeometry& beari
   bearing.i_dofs = read_node_dofs(table, "i_dofs", bearing.i_dofs);
   bearing.j_dofs = read_node_dofs(table, "j_dofs", bearing.j_dofs);
   if (bearing.i_dofs.empty() && bearing.j_dofs.empty())
-    table.fail("j_dofs", "no degree of freedom is listed, of either node");
+    table.fail("j_dofs", "neither node lists a degree of freedom");
   bearing.x_axis = read_vector(table, "x_axis", bearing.x_axis);
   bearing.y_axis = read_vector(table, "y_axis", bearing.y_axis);
-  if (!(bearing.x_axis.cross(bearing.y_axis).norm() >
-        1e-6 * bearing.x_axis.norm() * bearing.y_axis.norm()))
-    table.fail("y_axis", "y_axis is along x_axis, expected another direction");
+  const Eigen::Vector3d x = to_eigen(bearing.x_axis), y = to_eigen(bearing.y_axis);
+  if (!(x.cross(y).norm() > 1e-6 * x.norm() * y.norm()))
+    table.fail("y_axis", "y_axis is parallel to x_axis, expected another direction");
   bearing.height = table.number_in("height", 0, 1e6, 0.0) * length;
   bearing.shear_distance = table.number_in("shear_distance", 0, 1, bearing.shear_distance);
   bearing.has_p_delta = table.flag("p_delta", bearing.has_p_delta);
 }
 
-// A stiffness, or rows of deformation and force.
+// Reads a stiffness, or rows of deformation and force.
 ComponentSpring read_spring(const Config& table, const char* key, double displacement,
                             double force) {
   ComponentSpring spring;
@@ -99,32 +96,36 @@ ComponentSpring read_spring(const Config& table, const char* key, double displac
     spring.points.push_back({row[0] * displacement, row[1] * force});
     const std::size_t n = spring.points.size();
     if (n > 1 && !(spring.points[n - 1][0] > spring.points[n - 2][0]))
-      table.fail(key, "deformations do not rise");
+      table.fail(key, "deformations do not increase");
   }
   if (spring.points.size() < 2) table.fail(key, "one row, expected at least two");
   return spring;
 }
 
+Vector3 scaled(Vector3 vector, double factor) {
+  for (double& value : vector) value *= factor;
+  return vector;
+}
+
 void read_actuators(const Config& table, OpenSeesElement& element) {
   for (const auto& one : table.tables("actuator")) {
     const double length = element.length_unit;
-    ActuatorAxis actuator{one.text("axis"),
-                          read_vector(one, "fixed_pin", Vector3d::Zero()) * length,
-                          read_vector(one, "platen_pin", Vector3d::Zero()) * length};
-    if (!((actuator.fixed_pin - actuator.platen_pin).norm() > 0))
-      one.fail("platen_pin", "an actuator needs two pins at different places");
+    ActuatorAxis actuator{one.text("axis"), scaled(read_vector(one, "fixed_pin", {}), length),
+                          scaled(read_vector(one, "platen_pin", {}), length)};
+    if (!((to_eigen(actuator.fixed_pin) - to_eigen(actuator.platen_pin)).norm() > 0))
+      one.fail("platen_pin", "an actuator needs two pins at different positions");
     one.reject_unknown_keys();
     element.actuators.push_back(actuator);
   }
   const auto& moved = element.axes;
   if (!element.actuators.empty() && table.texts("moved", {}).empty())
-    table.fail("actuator", "actuators, and no list 'moved' of the components that they move");
+    table.fail("actuator", "actuators need a list 'moved' of the components that they move");
   if (!element.actuators.empty() && element.actuators.size() < moved.size())
     table.fail("actuator", fmt::format("{} actuators cannot move {} components",
                                        element.actuators.size(), moved.size()));
 }
 
-// Each component is moved, or held by a spring. With actuators, "moved" lists those that they move.
+// A component is either moved or held by a spring. "moved" lists the components of actuators.
 void read_components(const Config& table, OpenSeesElement& element) {
   BearingGeometry& bearing = *element.bearing;
   const Config axes = table.table_or_empty("axes"), springs = table.table_or_empty("springs"),
@@ -141,7 +142,7 @@ void read_components(const Config& table, OpenSeesElement& element) {
     const bool is_loaded = i == kAxial && !is_axial_moved;
     const bool by_actuators = std::find(moved.begin(), moved.end(), name) != moved.end();
     if (is_loaded && by_actuators)
-      table.fail("moved", "axial is moved, and axial = \"force\" loads it");
+      table.fail("moved", "axial is in 'moved', but axial = \"force\" loads it instead");
     if (is_loaded) bearing.axial_load = read_axis(axes.text(name), i);
     if (!is_loaded && (axes.has(name) || by_actuators)) {
       element.axes.push_back(read_axis(by_actuators ? name : axes.text(name), i));
@@ -173,39 +174,40 @@ void read_bearing(const Config& table, OpenSeesElement& element) {
   table.reject_unknown_keys();
 }
 
-// Rows, as they are written, of what is moved; in the units of the script.
-MatrixXd read_matrix(const Config& table, const char* key, const OpenSeesElement& element) {
-  const Index n = std::ssize(element.axes);
+// Reads the rows of a matrix of the moved components, in the units of the script.
+SquareMatrix read_matrix(const Config& table, const char* key, const OpenSeesElement& element) {
+  const std::size_t n = element.axes.size();
   const auto rows = table.rows(key);
-  if (std::ssize(rows) != n || std::ssize(rows[0]) != n)
+  if (rows.size() != n || rows[0].size() != n)
     table.fail(key, fmt::format("{} has {} rows of {}, expected {} of {}", key, rows.size(),
                                 rows.empty() ? 0 : rows[0].size(), n, n));
-  MatrixXd matrix{n, n};
-  for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j < n; ++j) {
-      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
-      const double force = element.force_unit_of(element.turns(element.axes[row].of));
-      const double displacement = element.displacement_unit(element.turns(element.axes[column].of));
-      matrix(i, j) = rows[row][column] * force / displacement;
+  auto matrix = SquareMatrix::diagonal(n, 0);
+  for (std::size_t row = 0; row < n; ++row)
+    for (std::size_t column = 0; column < n; ++column) {
+      const double force = element.force_unit_of(element.turns(element.axes[row].index));
+      const double displacement =
+          element.displacement_unit(element.turns(element.axes[column].index));
+      matrix.at(row, column) = rows[row][column] * force / displacement;
     }
   return matrix;
 }
 
-// The simulated bearing's, along each axis that it is sheared along.
-MatrixXd stiffness_of_bearing(const Config& table, const OpenSeesElement& element,
-                              double of_bearing) {
+// The stiffness of the simulated bearing for each shear axis.
+SquareMatrix stiffness_of_bearing(const Config& table, const OpenSeesElement& element,
+                                  double of_bearing) {
   for (const auto& axis : element.axes)
-    if (element.turns(axis.of) || (element.bearing && axis.of == kAxial) || axis.axis == "vert" ||
-        axis.axis == "compression")
-      table.fail("initial_stiffness",
-                 "initial_stiffness is missing: the experiment's bearing has one for shear only. "
-                 "State rows of numbers, or \"identified\"");
-  const Index n = std::ssize(element.axes);
-  return of_bearing * MatrixXd::Identity(n, n);
+    if (element.turns(axis.index) || (element.bearing && axis.index == kAxial) ||
+        axis.axis == "vert" || axis.axis == "compression")
+      table.fail(
+          "initial_stiffness",
+          "initial_stiffness is missing: the experiment's bearing defines it for shear only; "
+          "state rows of numbers or \"identified\"");
+  return SquareMatrix::diagonal(element.axes.size(), of_bearing);
 }
 
-std::optional<MatrixXd> read_property(const Config& table, const char* key,
-                                      const OpenSeesElement& element, const MatrixXd& otherwise) {
+std::optional<SquareMatrix> read_property(const Config& table, const char* key,
+                                          const OpenSeesElement& element,
+                                          const SquareMatrix& otherwise) {
   if (!table.has(key)) return otherwise;
   if (table.is_array(key)) return read_matrix(table, key, element);
   if (const std::string word = table.text(key); word != "identified")
@@ -215,18 +217,18 @@ std::optional<MatrixXd> read_property(const Config& table, const char* key,
 }
 
 void read_properties(const Config& table, double of_bearing, OpenSeesElement& element) {
-  const Index n = std::ssize(element.axes);
+  const auto zero = SquareMatrix::diagonal(element.axes.size(), 0);
   const bool is_stated = table.has("initial_stiffness");
-  element.initial_stiffness = read_property(
-      table, "initial_stiffness", element,
-      is_stated ? MatrixXd::Zero(n, n) : stiffness_of_bearing(table, element, of_bearing));
-  element.damping = read_property(table, "damping", element, MatrixXd::Zero(n, n));
-  element.mass = read_property(table, "mass", element, MatrixXd::Zero(n, n));
+  element.initial_stiffness =
+      read_property(table, "initial_stiffness", element,
+                    is_stated ? zero : stiffness_of_bearing(table, element, of_bearing));
+  element.damping = read_property(table, "damping", element, zero);
+  element.mass = read_property(table, "mass", element, zero);
   element.probe = table.number_in("probe_m", 1e-6, 0.1, element.probe);
 }
 
-// Its name, where it is found, and its units.
-OpenSeesElement read_place(const Config& table) {
+// Reads an element's name, address and units.
+OpenSeesElement read_connection(const Config& table) {
   OpenSeesElement element;
   element.name = table.text("name");
   const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
@@ -241,7 +243,7 @@ OpenSeesElement read_place(const Config& table) {
 }
 
 OpenSeesElement read_element(const Config& table, double initial_stiffness) {
-  OpenSeesElement element = read_place(table);
+  OpenSeesElement element = read_connection(table);
   element.is_relative = !is_first_of(table, "trial", "absolute", "relative");
   if (table.has("bearing"))
     read_bearing(table.table("bearing"), element);
@@ -257,7 +259,7 @@ OpenSeesElement read_element(const Config& table, double initial_stiffness) {
 std::vector<OpenSeesElement> read_specimen_elements(const Config& table) {
   std::vector<OpenSeesElement> elements;
   for (const auto& one : table.tables("element")) {
-    elements.push_back(read_place(one));
+    elements.push_back(read_connection(one));
     read_generic(one, elements.back());
     one.reject_unknown_keys();
   }

@@ -11,14 +11,14 @@
 namespace rths::adapters {
 namespace {
 
-constexpr auto kToDie = std::chrono::milliseconds{100};  // of a process whose socket is gone
-constexpr auto kOnTheWay = std::chrono::seconds{1};      // of what it said last
+constexpr auto kExitTime = std::chrono::milliseconds{100};  // of a process after its socket closed
+constexpr auto kLongestFarewell = std::chrono::seconds{1};  // of its last message
 constexpr auto kToFinish = std::chrono::seconds{1};
 
 }  // namespace
 
 OpenSeesProcess::OpenSeesProcess(const OpenSeesScript& script)
-    : log_{script.log.string()}, heard_{WallClock{}.now()} {
+    : log_{script.log.string()}, restarted_{WallClock{}.now()} {
   for (const auto& [file, content] : script.files)
     if (!(std::ofstream{file} << content).flush())
       throw Error{fmt::format("{}: cannot be written", file.string())};
@@ -34,28 +34,28 @@ void OpenSeesProcess::keep(int socket) const {
 
 void OpenSeesProcess::require_running() {
   if (!script_ || !script_->has_ended()) return;
-  if (const auto trouble = script_->trouble()) throw Error{*trouble};
+  if (const auto failure = script_->failure()) throw Error{*failure};
   if (!ended_) ended_ = WallClock{}.now();
-  if (WallClock{}.now() > *ended_ + kOnTheWay)
-    throw Error{"OpenSees has ended, and its elements have not"};
+  if (WallClock{}.now() > *ended_ + kLongestFarewell)
+    throw Error{"OpenSees exited before its elements disconnected"};
 }
 
 bool OpenSeesProcess::has_finished(double longest) {
   return !script_ || script_->has_ended() || silence() > from_seconds(longest);
 }
 
-Duration OpenSeesProcess::patience(double longest, const char* otherwise) {
+Duration OpenSeesProcess::time_left(double longest, const char* problem) {
   require_running();
-  const Duration left = heard_ + from_seconds(longest) - WallClock{}.now();
-  if (left > Duration{0}) return ended_ ? std::min<Duration>(left, kToDie) : left;
-  throw Error{fmt::format("OpenSees {} {:g} s{}", otherwise, longest,
+  const Duration left = restarted_ + from_seconds(longest) - WallClock{}.now();
+  if (left > Duration{0}) return ended_ ? std::min<Duration>(left, kExitTime) : left;
+  throw Error{fmt::format("OpenSees {} {:g} s{}", problem, longest,
                           script_ ? fmt::format(" ({})", log_) : "")};
 }
 
-std::string OpenSeesProcess::explained(std::string message) {
-  if (script_ && script_->wait(kToDie))
-    if (const auto trouble = script_->trouble(); trouble && *trouble != message)
-      message += "; " + *trouble;
+std::string OpenSeesProcess::with_exit_reason(std::string message) {
+  if (script_ && script_->wait(kExitTime))
+    if (const auto failure = script_->failure(); failure && *failure != message)
+      message += "; " + *failure;
   return message;
 }
 
@@ -63,7 +63,7 @@ std::optional<std::string> OpenSeesProcess::finish() {
   if (keeper_) keeper_->release();
   if (!script_) return std::nullopt;
   script_->wait(kToFinish);
-  return script_->trouble();
+  return script_->failure();
 }
 
 }  // namespace rths::adapters

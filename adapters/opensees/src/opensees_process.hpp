@@ -12,37 +12,41 @@
 
 namespace rths::adapters {
 
-/// OpenSees: one that we have started and that ends with us, or a user's own, whose sockets stay
-/// open if we die.
+/// The OpenSees process: started here and ended with this process, or a user's own process, whose
+/// sockets stay open if this process is killed.
 class OpenSeesProcess {
  public:
-  /// Starts it, if it is ours. @throws Error if it cannot
+  /// Starts OpenSees if the script has a command. @throws Error on failure
   explicit OpenSeesProcess(const OpenSeesScript& script);
 
-  /// A TCP connection with it.
+  /// Keeps a TCP connection with a user's own OpenSees open.
   void keep(int socket) const;
-  /// Waits for news for so long, counted from when it was last heard of.
-  /// @returns how long that still is   @throws Error if it is over, or as require_running
-  [[nodiscard]] Duration patience(double longest, const char* otherwise);
-  void heard() { heard_ = WallClock{}.now(); }
-  /// Since it was last heard of.
-  [[nodiscard]] Duration silence() const { return WallClock{}.now() - heard_; }
-  /// @throws Error if it has ended, a moment ago at least: its last words may still be on their way
+  /// Returns the time left of a deadline of `longest` [s] since its last restart.
+  /// @param problem  for the error: "has not answered for"
+  /// @throws Error if it has passed, or as require_running
+  [[nodiscard]] Duration time_left(double longest, const char* problem);
+  /// Restarts the deadline, for example after a message.
+  void restart_deadline() { restarted_ = WallClock{}.now(); }
+  /// Time since the last restart.
+  [[nodiscard]] Duration silence() const { return WallClock{}.now() - restarted_; }
+  /// @throws Error if OpenSees has failed, or exited a second ago; until then, its last messages
+  /// may
+  ///         still arrive
   void require_running();
-  /// Whether it has ended, or been silent for so long.
+  /// Whether OpenSees has exited, or `longest` [s] have passed since the last restart.
   [[nodiscard]] bool has_finished(double longest);
-  /// An error together with why OpenSees has ended, if it has.
-  [[nodiscard]] std::string explained(std::string message);
-  /// It has been told that all is over, or has said so. Waits a little for its end.
-  /// @returns how it ended if not in order
+  /// Appends the failure of OpenSees, if any, to an error message.
+  [[nodiscard]] std::string with_exit_reason(std::string message);
+  /// Waits up to a second for OpenSees to exit after its last message.
+  /// @returns its failure, if any
   std::optional<std::string> finish();
 
  private:
   std::optional<Script> script_;
   std::optional<SocketKeeper> keeper_;
   std::string log_;
-  TimePoint heard_;                 ///< on the host's clock
-  std::optional<TimePoint> ended_;  ///< seen to have
+  TimePoint restarted_;             ///< wall time
+  std::optional<TimePoint> ended_;  ///< exit detected, wall time
 };
 
 }  // namespace rths::adapters

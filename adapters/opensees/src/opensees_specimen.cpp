@@ -20,7 +20,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr auto kLookEvery = std::chrono::milliseconds{20};  // whether OpenSees still runs
+constexpr auto kAlivePollPeriod = std::chrono::milliseconds{20};  // whether OpenSees still runs
 
 class OpenSeesSpecimen final : public Adapter {
  public:
@@ -33,19 +33,19 @@ class OpenSeesSpecimen final : public Adapter {
  private:
   void add_ports(const OpenSeesElement& element);
   void advance(const StepData& step);
-  void ask(const StepData& step);
-  [[nodiscard]] bool has_arrived();
-  void wait_for_news() const;
+  void send_targets(const StepData& step);
+  [[nodiscard]] bool receive_responses();
+  void wait_for_input() const;
   void write_feedbacks(const StepData& step) const;
 
   OpenSeesSpecimenSettings settings_;
   std::vector<Port> ports_;
   std::vector<SlaveElement> elements_;
   std::optional<OpenSeesProcess> opensees_;
-  /// Outputs of each axis: displacement if the map has a word for it, force.
+  /// Outputs of each axis: displacement (if the map has its word), force.
   std::vector<std::pair<std::optional<std::size_t>, std::size_t>> outputs_;
-  bool had_target_ = false, is_moving_ = false, is_dismissed_ = false;
-  double arrival_ = 0;  ///< the last or the next [s]
+  bool had_target_ = false, is_moving_ = false, has_sent_end_ = false;
+  double arrival_ = 0;  ///< last or next arrival at a target [s]
   std::string message_;
 };
 
@@ -66,7 +66,7 @@ void OpenSeesSpecimen::add_ports(const OpenSeesElement& element) {
           fmt::format("element '{}': the map has no words for axis '{}'", element.name, axis)};
     for (const auto& port : ports_)
       if (port.name == signal->name)
-        throw Error{fmt::format("element '{}': axis '{}' is there twice", element.name, axis)};
+        throw Error{fmt::format("element '{}': axis '{}' is listed twice", element.name, axis)};
     ports_.push_back({signal->name, direction, signal->unit, 0, false});
   };
   const auto& [commands, feedbacks] = settings_.layout;
@@ -93,43 +93,43 @@ void OpenSeesSpecimen::activate() {
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     while (!elements_[i].connect()) {
       static_cast<void>(
-          opensees_->patience(settings_.script.connect_deadline, "has not opened its port for"));
-      std::this_thread::sleep_for(kLookEvery);
+          opensees_->time_left(settings_.script.connect_deadline, "has not opened its port for"));
+      std::this_thread::sleep_for(kAlivePollPeriod);
     }
     if (!settings_.elements[i].is_udp) opensees_->keep(elements_[i].descriptor());
   }
 }
 
-// It ends when it is dismissed, and says that this is a failure.
+// OpenSees exits with a failure after the end message, so its result is ignored.
 void OpenSeesSpecimen::deactivate() {
-  if (opensees_ && is_dismissed_) opensees_->finish();
+  if (opensees_ && has_sent_end_) opensees_->finish();
   opensees_.reset();
   elements_.clear();
 }
 
-void OpenSeesSpecimen::ask(const StepData& step) {
+void OpenSeesSpecimen::send_targets(const StepData& step) {
   std::size_t at = 1;
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     VectorXd target{settings_.elements[i].dofs()};
     for (double& value : target) value = step.inputs[at++];
-    elements_[i].ask(target);
+    elements_[i].send_target(target);
   }
-  opensees_->heard();
+  opensees_->restart_deadline();
   is_moving_ = true;
   arrival_ = std::max(step.time, arrival_ + settings_.simulation_step);
 }
 
-void OpenSeesSpecimen::wait_for_news() const {
-  std::vector<pollfd> news;
+void OpenSeesSpecimen::wait_for_input() const {
+  std::vector<pollfd> sockets;
   for (const auto& element : elements_)
-    if (element.is_asked()) news.push_back({element.descriptor(), POLLIN, 0});
-  poll(news.data(), news.size(), static_cast<int>(kLookEvery.count()));
+    if (element.awaits_response()) sockets.push_back({element.descriptor(), POLLIN, 0});
+  poll(sockets.data(), sockets.size(), static_cast<int>(kAlivePollPeriod.count()));
 }
 
-bool OpenSeesSpecimen::has_arrived() {
-  bool is_there = true;
-  for (auto& element : elements_) is_there = element.hear() && is_there;
-  return is_there;
+bool OpenSeesSpecimen::receive_responses() {
+  bool are_complete = true;
+  for (auto& element : elements_) are_complete = element.receive() && are_complete;
+  return are_complete;
 }
 
 void OpenSeesSpecimen::write_feedbacks(const StepData& step) const {
@@ -143,18 +143,18 @@ void OpenSeesSpecimen::write_feedbacks(const StepData& step) const {
 
 void OpenSeesSpecimen::advance(const StepData& step) {
   const bool has_target = step.inputs[0] > 0;
-  if (has_target && !had_target_) ask(step);
+  if (has_target && !had_target_) send_targets(step);
   had_target_ = has_target;
   if (is_moving_) {
-    bool is_there = has_arrived();
-    while (!is_there) {
+    bool has_arrived = receive_responses();
+    while (!has_arrived) {
       static_cast<void>(
-          opensees_->patience(settings_.script.answer_deadline, "has not answered for"));
+          opensees_->time_left(settings_.script.answer_deadline, "has not answered for"));
       if (!settings_.stops_time) break;
-      wait_for_news();
-      is_there = has_arrived();
+      wait_for_input();
+      has_arrived = receive_responses();
     }
-    if (is_there && !has_target && step.time >= arrival_) {
+    if (has_arrived && !has_target && step.time >= arrival_) {
       write_feedbacks(step);
       is_moving_ = false;
     }
@@ -169,11 +169,11 @@ Status OpenSeesSpecimen::step(StepData& step) noexcept {
       advance(step);
       return Status::Ok;
     }
-    for (auto& element : elements_) element.dismiss();
-    is_dismissed_ = true;
+    for (auto& element : elements_) element.send_end();
+    has_sent_end_ = true;
     return Status::Done;
   } catch (const std::exception& error) {
-    message_ = opensees_->explained(error.what());
+    message_ = opensees_->with_exit_reason(error.what());
     step.message = message_.c_str();
     return Status::Fault;
   }

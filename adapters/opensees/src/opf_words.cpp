@@ -17,7 +17,7 @@ std::string named(const OpenSeesElement& element) {
   return fmt::format("element '{}'", element.name);
 }
 
-// The machine's axes that an element's specimen is moved along.
+// The machine's axes that move an element's specimen.
 std::vector<MovedAxis> axes_of(const OpenSeesElement& element) {
   if (element.actuators.empty()) return element.axes;
   std::vector<MovedAxis> axes;
@@ -47,7 +47,7 @@ OpfWords::Word& OpfWords::word(std::vector<Word>& words, const OpenSeesElement& 
     axes.insert(candidate.signal.word.axis);
     if (candidate.signal.word.axis != axis) continue;
     if (candidate.element != kNone)
-      throw Error{fmt::format("{}: '{}' is moved by another element, or twice", named(element),
+      throw Error{fmt::format("{}: '{}' is already used by another axis or element", named(element),
                               candidate.signal.word.name)};
     return candidate;
   }
@@ -66,15 +66,15 @@ void OpfWords::bind(const OpenSeesElement& element, std::size_t number) {
   };
   for (std::size_t k = 0; k < axes.size(); ++k) {
     Word& displacement = word(commands_, element, axes[k].axis, Quantity::Displacement);
-    const bool turns = element.actuators.empty() && element.turns(axes[k].of);
+    const bool turns = element.actuators.empty() && element.turns(axes[k].index);
     if ((displacement.signal.word.unit == "rad") != turns)
-      throw Error{fmt::format("{}: '{}' is in {}, and what it is to move {}", named(element),
+      throw Error{fmt::format("{}: '{}' is in {}, but its component is a {}", named(element),
                               displacement.signal.word.name, displacement.signal.word.unit,
-                              turns ? "turns" : "does not turn")};
+                              turns ? "rotation" : "translation")};
     claim(displacement, k, 1);
     displacement.signal.is_relative_to_first |= element.is_relative;
     claim(word(feedbacks_, element, axes[k].axis, Quantity::Force), k, 1);
-    // Not every laboratory tells or asks for these.
+    // Not every laboratory has these words.
     for (auto& other : commands_)
       if (other.signal.word.axis == axes[k].axis &&
           (other.signal.word.quantity == Quantity::Velocity ||
@@ -87,7 +87,7 @@ void OpfWords::bind(const OpenSeesElement& element, std::size_t number) {
         axes_.back().has_displacement = true;
       }
   }
-  if (element.is_identified() && !axes_.back().has_displacement)
+  if (element.needs_identification() && !axes_.back().has_displacement)
     throw Error{
         fmt::format("{}: it cannot be identified: the map has no words for the measured "
                     "displacement of its axes",
@@ -113,7 +113,7 @@ std::vector<Port> OpfWords::commands() const {
   return ports;
 }
 
-void OpfWords::start(std::span<const double> feedbacks) {
+void OpfWords::set_start(std::span<const double> feedbacks) {
   for (std::size_t i = 0; i < feedbacks_.size(); ++i) {
     Word& feedback = feedbacks_[i];
     for (auto& command : commands_)
@@ -131,28 +131,28 @@ bool OpfWords::is_relative_to_measured() const {
          std::any_of(feedbacks_.begin(), feedbacks_.end(), is_relative);
 }
 
-void OpfWords::write_idle(std::span<double> commands) const {
+void OpfWords::write_unused(std::span<double> commands) const {
   for (std::size_t i = 0; i < commands_.size(); ++i)
     if (commands_[i].element == kNone) commands[i] = commands_[i].offset;
 }
 
-void OpfWords::start(std::size_t element, const Specimen::Command& first) {
+void OpfWords::set_first_trial(std::size_t element, const Specimen::Command& first) {
   for (auto& word : commands_)
     if (word.element == element && word.signal.is_relative_to_first)
       word.offset -= value_of(word, first);
 }
 
-Measured OpfWords::measured(std::size_t element, std::span<const double> feedbacks) const {
+Measurement OpfWords::measured(std::size_t element, std::span<const double> feedbacks) const {
   const auto [count, has_displacement] = axes_[element];
-  Measured measured{Eigen::VectorXd::Zero(has_displacement ? count : 0),
-                    Eigen::VectorXd::Zero(count)};
+  Measurement measured{Eigen::VectorXd::Zero(has_displacement ? count : 0),
+                       Eigen::VectorXd::Zero(count)};
   for (std::size_t i = 0; i < feedbacks_.size(); ++i) {
     const Word& word = feedbacks_[i];
     if (word.element != element) continue;
     const double value = feedbacks[i] + word.offset;
-    auto& of =
+    auto& values =
         word.signal.word.quantity == Quantity::Force ? measured.force : measured.displacement;
-    of[static_cast<Index>(word.axis)] = value;
+    values[static_cast<Index>(word.axis)] = value;
   }
   return measured;
 }
@@ -180,14 +180,14 @@ void OpfWords::write(std::size_t element, const Specimen::Command& command, doub
     Word& word = commands_[i];
     if (word.signal.word.quantity == Quantity::Time) commands[i] = time;
     if (word.element != element) continue;
-    const double sent = value_of(word, command) + word.offset;
-    if (sent < word.signal.lowest || sent > word.signal.highest)
+    const double value = value_of(word, command) + word.offset;
+    if (value < word.signal.lowest || value > word.signal.highest)
       throw Error{
           fmt::format("'{}' would be {:.6g} {}, the limits of its control point are {:.6g} "
                       "to {:.6g}",
-                      word.signal.word.name, sent, word.signal.word.unit, word.signal.lowest,
+                      word.signal.word.name, value, word.signal.word.unit, word.signal.lowest,
                       word.signal.highest)};
-    commands[i] = sent;
+    commands[i] = value;
   }
 }
 

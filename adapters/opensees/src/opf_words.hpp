@@ -12,36 +12,38 @@
 
 namespace rths::adapters {
 
-/// The words between OpenFresco and the controller that our elements need: which ports they are,
-/// and what is written to and read from them.
+/// The words between OpenFresco and the controller that the elements use: their ports, the values
+/// written to them and the values read from them.
 class OpfWords {
  public:
-  /// Without control points of the user's own, words that no element needs are left alone.
-  /// @throws Error if the laboratory lacks a word that an element needs, or two want the same
+  /// Without declared control points, only words that an element uses become ports.
+  /// @throws Error if the map lacks a word that an element needs, or two axes use the same word
   OpfWords(const ControlPoints& points, const std::vector<OpenSeesElement>& elements);
 
-  /// In the order of their words: what is read, what is written.
+  /// Ports to read and to write, in the order of their words.
   [[nodiscard]] std::vector<Port> feedbacks() const;
   [[nodiscard]] std::vector<Port> commands() const;
 
-  /// Whether it matters where everything stands before the test.
+  /// Whether any signal is relative to the measurement before the test.
   [[nodiscard]] bool is_relative_to_measured() const;
-  /// Where everything stands before the test: what is relative to that, is from now on.
-  void start(std::span<const double> feedbacks);
-  /// The words that no element moves: where they are measured to be, if they are relative to that.
-  void write_idle(std::span<double> commands) const;
-  /// An element's first trial: likewise.
-  void start(std::size_t element, const Specimen::Command& first);
-  /// Measured along the axes of an element. Displacements: none if the map has no words for them.
-  [[nodiscard]] Measured measured(std::size_t element, std::span<const double> feedbacks) const;
-  /// Writes what an element commands, and the time of the trial.
-  /// @throws Error if a value leaves the limits of its control point; nothing more is written then
+  /// Sets the offsets of signals that are relative to the measurement before the test.
+  void set_start(std::span<const double> feedbacks);
+  /// Writes the commands of axes without an element: their start position if relative to it, else
+  /// 0.
+  void write_unused(std::span<double> commands) const;
+  /// Sets the offsets of signals that are relative to an element's first trial.
+  void set_first_trial(std::size_t element, const Specimen::Command& first);
+  /// Returns the measurement along the axes of an element; without displacements if the map lacks
+  /// them.
+  [[nodiscard]] Measurement measured(std::size_t element, std::span<const double> feedbacks) const;
+  /// Writes an element's commands and the time of the trial.
+  /// @throws Error if a value exceeds the limits of its control point; the rest is not written
   void write(std::size_t element, const Specimen::Command& command, double time,
              std::span<double> commands);
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  /// A word with what it belongs to.
+  /// A word and the axis that uses it.
   struct Word {
     ControlSignal signal;
     std::size_t element = kNone;
@@ -56,7 +58,7 @@ class OpfWords {
   [[nodiscard]] static double value_of(const Word& word, const Specimen::Command& command);
 
   std::vector<Word> commands_, feedbacks_;
-  /// Of each element: how many axes, and whether their displacements are measured.
+  /// Of each element: the number of axes, and whether their displacements are measured.
   struct Axes {
     Eigen::Index count = 0;
     bool has_displacement = false;

@@ -20,26 +20,26 @@
 namespace rths::adapters {
 namespace {
 
-constexpr int kNotFound = 127;  // as a shell says it
-constexpr int kFirst = -20;     // of those that are not in real time
+constexpr int kNotFound = 127;         // exit code, as in a shell
+constexpr int kHighestPriority = -20;  // of the scheduler's normal class
 
-// In the child, where only what is safe after a fork may be called.
+// Runs in the child: only async-signal-safe calls.
 [[noreturn]] void become(char* const* argv, const char* folder, int log, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kNotFound);  // it died in between
-  setpgid(0, 0);                              // a person's signals are ours to pass on
-  setpriority(PRIO_PROCESS, 0, kFirst);       // if we may; the test waits for it at every step
+  if (getppid() != parent) _exit(kNotFound);       // the parent has exited
+  setpgid(0, 0);                                   // the parent forwards a terminal's signals
+  setpriority(PRIO_PROCESS, 0, kHighestPriority);  // if permitted; every step waits for it
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) std::signal(signal, SIG_DFL);
   if (chdir(folder) != 0) _exit(kNotFound);
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
-  const int nothing = open("/dev/null", O_RDONLY);
-  dup2(nothing, STDIN_FILENO);
+  const int null = open("/dev/null", O_RDONLY);
+  dup2(null, STDIN_FILENO);
   execvp(argv[0], argv);
   _exit(kNotFound);
 }
 
-// But for what OpenSees says whenever it ends.
+// Skips the line "…Terminating" that OpenSees prints at each exit.
 std::string last_line_of(const std::filesystem::path& file) {
   std::ifstream in{file};
   std::string line, last;
@@ -59,7 +59,7 @@ Script::Script(const std::vector<std::string>& command, const std::filesystem::p
   if (file < 0) throw Error{fmt::format("{}: {}", log.string(), std::strerror(errno))};
   std::vector<std::string> words = command;
   std::vector<char*> argv;
-  // From the folder that it runs in, paths would be others.
+  // It runs in another folder: make paths absolute.
   if (words.size() > 1) words[1] = std::filesystem::absolute(words[1]).string();
   if (words[0].find('/') != std::string::npos)
     words[0] = std::filesystem::absolute(words[0]).string();
@@ -70,14 +70,14 @@ Script::Script(const std::vector<std::string>& command, const std::filesystem::p
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0) become(argv.data(), folder.c_str(), file, parent);
-  const int problem = errno;
+  const int error = errno;
   close(file);
-  if (pid_ < 0) throw Error{fmt::format("{} cannot be started: {}", name_, std::strerror(problem))};
+  if (pid_ < 0) throw Error{fmt::format("{} cannot be started: {}", name_, std::strerror(error))};
 }
 
 Script::~Script() {
   if (has_ended()) return;
-  kill(-pid_, SIGKILL);  // what a wrapper has started, too: it leads a group of its own
+  kill(-pid_, SIGKILL);  // its process group: also processes that a wrapper has started
   kill(pid_, SIGKILL);
   waitpid(pid_, &status_, 0);
 }
@@ -95,15 +95,15 @@ bool Script::wait(Duration longest) {
   return has_ended_;
 }
 
-std::optional<std::string> Script::trouble() const {
-  if (!has_ended_) return fmt::format("{} does not end", name_);
+std::optional<std::string> Script::failure() const {
+  if (!has_ended_) return fmt::format("{} does not exit", name_);
   if (WIFEXITED(status_) && WEXITSTATUS(status_) == 0) return std::nullopt;
   const std::string how =
       WIFSIGNALED(status_) ? fmt::format("was killed by signal {}", WTERMSIG(status_))
       : WEXITSTATUS(status_) == kNotFound ? std::string{"could not be started"}
                                           : fmt::format("ended with {}", WEXITSTATUS(status_));
-  const std::string said = last_line_of(log_);
-  return fmt::format("{} {}{} ({})", name_, how, said.empty() ? "" : ": " + said, log_.string());
+  const std::string line = last_line_of(log_);
+  return fmt::format("{} {}{} ({})", name_, how, line.empty() ? "" : ": " + line, log_.string());
 }
 
 }  // namespace rths::adapters

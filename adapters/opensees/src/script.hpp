@@ -10,13 +10,13 @@
 
 namespace rths::adapters {
 
-/// A solver that runs beside us as a process of its own, and not longer than we: were we killed, it
-/// would for ever read a socket that nobody closes in order.
+/// A solver in a child process that ends with this process. Otherwise OpenSees would poll its
+/// closed socket indefinitely after this process is killed.
 class Script {
  public:
-  /// Starts it, in the folder of the script. What it says goes to a file.
-  /// @param command  program, looked for in PATH, script and arguments   @throws Error if it cannot
-  /// start
+  /// Starts it in the folder of the script, with its output in a file.
+  /// @param command  program (searched in PATH), script and arguments
+  /// @throws Error if it cannot start
   Script(const std::vector<std::string>& command, const std::filesystem::path& log);
   Script(const Script&) = delete;
   Script& operator=(const Script&) = delete;
@@ -24,10 +24,10 @@ class Script {
   ~Script();
 
   [[nodiscard]] bool has_ended();
-  /// Waits for its end, at most so long. @returns has_ended()
+  /// Waits for its end, at most for `longest`. @returns has_ended()
   bool wait(Duration longest);
-  /// How it ended if not in order, in words, with the last line that it said.
-  [[nodiscard]] std::optional<std::string> trouble() const;
+  /// Describes its failure, if any, with the last line of its output.
+  [[nodiscard]] std::optional<std::string> failure() const;
 
  private:
   std::string name_;

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 constexpr double kTrial = 3, kForce = 10, kEnd = 99;
 constexpr Index kUsualLength = 256;  // of a message [doubles]
-constexpr auto kSendPatience = std::chrono::seconds{1};
+constexpr auto kSendDeadline = std::chrono::seconds{1};
 
 }  // namespace
 
@@ -41,51 +41,52 @@ bool SlaveElement::connect() {
   const auto n = static_cast<std::int32_t>(element_.dofs());
   const std::array<std::int32_t, 11> sizes{
       n, 0, 0, 0, 0, n, 0, 0, n, 0, static_cast<std::int32_t>(message_.size())};
-  endpoint_->send(std::as_bytes(std::span{sizes}), kSendPatience);
+  endpoint_->send(std::as_bytes(std::span{sizes}), kSendDeadline);
   return true;
 }
 
 template <class Action>
-auto SlaveElement::talk(const Action& action) {
+auto SlaveElement::with_name(const Action& action) {
   try {
     return action();
-  } catch (const Error&) {  // a socket's, which knows only clients
-    throw Error{fmt::format("element '{}': OpenSees is gone", element_.name)};
+  } catch (const Error&) {  // the endpoint's message refers to a client
+    throw Error{fmt::format("element '{}': OpenSees closed the connection", element_.name)};
   }
 }
 
-void SlaveElement::say(double code) {
+void SlaveElement::send(double code) {
   message_[0] = code;
-  talk([&] { endpoint_->send(std::as_bytes(std::span{message_}), kSendPatience); });
+  with_name([&] { endpoint_->send(std::as_bytes(std::span{message_}), kSendDeadline); });
 }
 
-void SlaveElement::ask(const VectorXd& displacement) {
+void SlaveElement::send_target(const VectorXd& displacement) {
   const VectorXd target = to_script_.cwiseProduct(displacement);
   std::copy(target.begin(), target.end(), message_.begin() + 1);
-  say(kTrial);
-  say(kForce);
-  is_asked_ = true;
+  send(kTrial);
+  send(kForce);
+  awaits_response_ = true;
 }
 
-bool SlaveElement::hear() {
-  if (!is_asked_) return true;
-  const auto answer = talk([&] { return endpoint_->receive(message_.size() * sizeof(double)); });
-  if (answer.empty()) return false;
-  std::memcpy(message_.data(), answer.data(), answer.size());
-  is_asked_ = false;
+bool SlaveElement::receive() {
+  if (!awaits_response_) return true;
+  const auto response =
+      with_name([&] { return endpoint_->receive(message_.size() * sizeof(double)); });
+  if (response.empty()) return false;
+  std::memcpy(message_.data(), response.data(), response.size());
+  awaits_response_ = false;
   const Index n = element_.dofs();
-  const Eigen::Map<const VectorXd> told{message_.data(), 2 * n};
-  if (!told.allFinite())
-    throw Error{fmt::format("element '{}': OpenSees answers what is no number", element_.name)};
-  displacement_ = told.head(n).cwiseQuotient(to_script_);
-  force_ = told.tail(n).cwiseQuotient(force_to_script_);
+  const Eigen::Map<const VectorXd> values{message_.data(), 2 * n};
+  if (!values.allFinite())
+    throw Error{fmt::format("element '{}': OpenSees sent NaN or infinity", element_.name)};
+  displacement_ = values.head(n).cwiseQuotient(to_script_);
+  force_ = values.tail(n).cwiseQuotient(force_to_script_);
   return true;
 }
 
-void SlaveElement::dismiss() {
+void SlaveElement::send_end() {
   if (!endpoint_) return;
   message_[0] = kEnd;
-  talk([&] { endpoint_->send_last(std::as_bytes(std::span{message_}), kSendPatience); });
+  with_name([&] { endpoint_->send_last(std::as_bytes(std::span{message_}), kSendDeadline); });
   endpoint_.reset();
 }
 

@@ -3,26 +3,26 @@
 
 namespace rths::adapters {
 
-/// A process of its own that keeps copies of our clients' TCP sockets open if we die: OpenSees
-/// takes one that its server has closed for one on which there is no news, and asks it again and
-/// again, for ever. With the socket open it sleeps, until somebody ends it; then this process ends
-/// as well. After a day it gives up.
+/// A separate process that keeps copies of the clients' TCP sockets open if this process is killed.
+///
+/// OpenSees does not detect a closed socket and polls it indefinitely. With an open socket it
+/// sleeps until the user ends it. The keeper then exits as well, at the latest after a day.
 class SocketKeeper {
  public:
-  /// Forks. @throws Error if it cannot   @setup
+  /// Forks the keeper. @throws Error on failure   @setup
   SocketKeeper();
-  /// We go. What was not released is kept.
+  /// Disconnects from the keeper, which keeps all sockets unless they were released.
   ~SocketKeeper();
   SocketKeeper(const SocketKeeper&) = delete;
   SocketKeeper& operator=(const SocketKeeper&) = delete;
 
-  /// @param socket  to keep, connected
+  /// Adds a connected socket.
   void keep(int socket) const;
-  /// All clients have taken leave: there is nothing to keep.
+  /// Ends the keeper: all clients have disconnected.
   void release();
 
  private:
-  void wait_a_little();
+  void wait_for_exit();
   int control_ = -1;
   int pid_ = -1;
 };

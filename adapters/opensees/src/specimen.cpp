@@ -5,6 +5,8 @@
 
 #include <rths/core/error.hpp>
 
+#include "eigen_conversion.hpp"
+
 namespace rths::adapters {
 namespace {
 
@@ -21,44 +23,48 @@ Specimen::Specimen(const OpenSeesElement& element, double step)
   stiffness_ = VectorXd::Zero(moved);
   const VectorXd zero = VectorXd::Zero(n);
   trial_ = {zero, zero, zero, 0};
-  if (element.is_identified())
+  if (element.needs_identification())
     identification_.emplace(moved, VectorXd::Constant(moved, element.probe), step);
   else
-    settle({*element.initial_stiffness, *element.damping, *element.mass});
+    set_properties({to_eigen(*element.initial_stiffness), to_eigen(*element.damping),
+                    to_eigen(*element.mass)});
 }
 
-void Specimen::settle(const Identification::Found& found) {
+void Specimen::set_properties(const Identification::Properties& identified) {
   const auto& stated = element_;
-  stiffness_ = stated.initial_stiffness.value_or(found.stiffness).diagonal();
-  matrices_ = coordinates_.matrices(stated.initial_stiffness.value_or(found.stiffness),
-                                    stated.damping.value_or(found.damping),
-                                    stated.mass.value_or(found.mass));
-  const MatrixXd nothing = MatrixXd::Zero(found.damping.rows(), found.damping.rows());
-  const auto measured = coordinates_.matrices(nothing, stated.damping ? nothing : found.damping,
-                                              stated.mass ? nothing : found.mass);
-  const auto springs = coordinates_.matrices(nothing, nothing, nothing);
+  const auto stated_or = [](const std::optional<SquareMatrix>& matrix, const MatrixXd& otherwise) {
+    return matrix ? to_eigen(*matrix) : otherwise;
+  };
+  const MatrixXd stiffness = stated_or(stated.initial_stiffness, identified.stiffness);
+  stiffness_ = stiffness.diagonal();
+  matrices_ = coordinates_.matrices(stiffness, stated_or(stated.damping, identified.damping),
+                                    stated_or(stated.mass, identified.mass));
+  const MatrixXd zero = MatrixXd::Zero(stiffness.rows(), stiffness.rows());
+  const auto measured = coordinates_.matrices(zero, stated.damping ? zero : identified.damping,
+                                              stated.mass ? zero : identified.mass);
+  const auto springs = coordinates_.matrices(zero, zero, zero);
   measured_damping_ = measured.damping - springs.damping;
   measured_mass_ = measured.mass;
 }
 
 const Specimen::Command& Specimen::command_of(const ExperimentalElement::Motion& motion) {
-  command_.displacement = axes_.place(motion.displacement);
+  command_.displacement = axes_.set_position(motion.displacement);
   command_.velocity = axes_.rate(motion.velocity);
   command_.acceleration = axes_.rate(motion.acceleration);
   return command_;
 }
 
-const Specimen::Command& Specimen::place(const Trial& trial) {
+const Specimen::Command& Specimen::command_for(const Trial& trial) {
   trial_ = trial;
-  const auto& motion = coordinates_.place(trial);
+  const auto& motion = coordinates_.apply(trial);
   command_.load = coordinates_.axial_force();
   return command_of(motion);
 }
 
-Measured Specimen::measured(const Measured& axes) const {
-  const VectorXd force = coordinates_.resisting(axes_.force(axes.force)) -
+Measurement Specimen::measured(const Measurement& axes) const {
+  const VectorXd force = coordinates_.resisting_forces(axes_.force(axes.force)) -
                          measured_damping_ * trial_.velocity - measured_mass_ * trial_.acceleration;
-  // Of a bearing, only what is moved is measured, not the place of its nodes.
+  // A bearing's measurement covers only the moved components, not the position of its nodes.
   if (element_.bearing || axes.displacement.size() == 0) return {trial_.displacement, force};
   return {coordinates_.in_script(axes_.displacement(axes.displacement)), force};
 }
@@ -69,11 +75,11 @@ const Specimen::Command& Specimen::probe() {
   return command_of({displacement, rest, rest});
 }
 
-void Specimen::measure(const Measured& axes) {
+void Specimen::measure(const Measurement& axes) {
   identification_->measure(axes_.displacement(axes.displacement), axes_.force(axes.force));
   if (!identification_->is_done()) return;
   try {
-    settle(identification_->found());
+    set_properties(identification_->properties());
   } catch (const Error& error) {
     throw Error{fmt::format("element '{}': {}", element_.name, error.what())};
   }

@@ -14,38 +14,40 @@
 
 namespace rths::adapters {
 
-/// What stands for one element of a script: from its degrees of freedom to the machine's axes and
-/// back.
+/// The specimen of one element of a script: transforms between its degrees of freedom and the
+/// machine's axes.
 class Specimen {
  public:
   /// @param element  kept by reference
-  /// @param step     from target to target [s]
+  /// @param step     time between targets [s]
   Specimen(const OpenSeesElement& element, double step);
 
-  /// Along the machine's axes [m, m/s, m/s², rad, …], and the force to load with [N].
+  /// Commands along the machine's axes [m, m/s, m/s², rad, …], and the axial load [N].
   struct Command {
     Eigen::VectorXd displacement, velocity, acceleration;
     double load = 0;
   };
-  /// What a trial state of the script commands.
-  [[nodiscard]] const Command& place(const Trial& trial);
-  /// What the script is answered, in its units: resisting forces, and where the specimen stands;
-  /// where it was told to be if nobody measures that.
-  /// @param axes  along the machine's axes [m, rad], [N, N·m]
-  [[nodiscard]] Measured measured(const Measured& axes) const;
+  /// Returns the commands of a trial state.
+  [[nodiscard]] const Command& command_for(const Trial& trial);
+  /// Returns the answer to the script, in its units: resisting forces and displacements; the
+  /// trial's displacements if they are not measured.
+  /// @param axes  measurement along the machine's axes [m, rad], [N, N·m]
+  [[nodiscard]] Measurement measured(const Measurement& axes) const;
 
-  /// Before the test: whether it has to be shaken to be known, how, and what came of it.
-  [[nodiscard]] bool is_known() const { return !identification_; }
+  /// Whether all matrices are known; else the test begins with probe() and measure().
+  [[nodiscard]] bool is_identified() const { return !identification_; }
+  /// Returns the next command of the identification.
   [[nodiscard]] const Command& probe();
+  /// Takes the measurement of the last probe.
   /// @throws Error if it cannot be identified
-  void measure(const Measured& axes);
-  /// Initial stiffness of what is moved, each by itself [N/m, N·m/rad]; 0 if it is not known yet.
+  void measure(const Measurement& axes);
+  /// Initial stiffness of each moved component [N/m, N·m/rad]; 0 before identification.
   [[nodiscard]] const Eigen::VectorXd& stiffness() const { return stiffness_; }
-  /// In the script's units.   @pre is_known()
+  /// In the script's units.   @pre is_identified()
   [[nodiscard]] const ElementMatrices& matrices() const { return matrices_; }
 
  private:
-  void settle(const Identification::Found& found);
+  void set_properties(const Identification::Properties& identified);
   [[nodiscard]] const Command& command_of(const ExperimentalElement::Motion& motion);
 
   const OpenSeesElement& element_;
@@ -54,8 +56,8 @@ class Specimen {
   std::optional<Identification> identification_;
   Eigen::VectorXd stiffness_;
   ElementMatrices matrices_;
-  /// Of damping and mass that were identified, n × n in the script's units: the measured force has
-  /// their part already, which OpenSees will add.
+  /// Identified damping and mass, n × n in the script's units. OpenSees adds their forces, which
+  /// the measured force already contains.
   Eigen::MatrixXd measured_damping_, measured_mass_;
   Trial trial_;
   Command command_;

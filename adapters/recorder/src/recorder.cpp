@@ -14,7 +14,7 @@
 namespace rths::adapters {
 namespace {
 
-constexpr std::size_t kQueuedRows = 2000;  // 2 s at 1 kHz: longer than any disk should take
+constexpr std::size_t kQueuedRows = 2000;  // 2 s at 1 kHz: longer than any disk stalls
 constexpr auto kWriterNap = std::chrono::milliseconds{5};
 
 class Recorder final : public Adapter {
@@ -31,7 +31,7 @@ class Recorder final : public Adapter {
   void deactivate() override;
 
  private:
-  // A row waits in the queue as its time followed by its values.
+  // A row in the queue: its time, then its values.
   using Queue = boost::lockfree::spsc_queue<double>;
   [[nodiscard]] std::size_t row_length() const noexcept { return signals_.size() + 1; }
   void write_queued();
@@ -127,7 +127,7 @@ void Recorder::stop_writer() noexcept {
   if (thread_.joinable()) thread_.join();
 }
 
-// The last rows are written after the last step.
+// Rows may still be queued after the last step.
 void Recorder::deactivate() {
   stop_writer();
   if (failed_.load(std::memory_order_acquire)) throw Error{failure_};

@@ -17,20 +17,20 @@ namespace rths::adapters {
 /// An input or output of a block.
 struct PortSpec {
   std::string name;
-  bool per_axis = true;  ///< one value per axis, else one
-  /// SI; empty: as the first input's. g++ wants the initializer, clang-tidy does not.
+  bool per_axis = true;  ///< one value per axis, else a single value
+  /// SI; empty: that of the first input. g++ needs the initializer, clang-tidy rejects it.
   std::string unit = {};  // NOLINT(readability-redundant-member-init)
-  bool optional = false;  ///< an input that may be left unwired; it then reads zeros
+  bool optional = false;  ///< an input that may stay unwired and then reads zeros
 };
 
-/// A setting of a block that may be tuned while it runs.
+/// A parameter of a block that can be tuned while it runs.
 struct ParameterSpec {
-  std::string name;  ///< as in the file, unit included: "velocity_gain_s"
+  std::string name;  ///< the key in the file, with unit: "velocity_gain_s"
   std::string unit = "1";
   double value = 0;
 };
 
-/// Everything a block can be. Ring inputs and outputs have no step: the target copies for them.
+/// All block types. Ring inputs and outputs do nothing in `step`: the diagram copies their values.
 using BlockKind =
     std::variant<RingInput, RingOutput, Constant, ClockBlock, Sine, Gain, Sum, Saturation,
                  RateLimiter, Switch, UnitDelay, TransportDelay, Derivative, LowPassBlock,
@@ -43,11 +43,11 @@ struct Block {
   bool fast = false;  ///< runs at substeps times the base rate
   std::vector<PortSpec> inputs, outputs;
   std::vector<ParameterSpec> parameters;
-  std::vector<std::string> wires;  ///< source of each input, "block.port"; empty if unwired
+  std::vector<std::string> wires;  ///< output that feeds each input, "block.port"; empty if unwired
   BlockKind kind;
 };
 
-/// What a block type needs in order to be built.
+/// Properties of the run and the block that its constructor needs.
 struct BlockContext {
   const DiagramContext& run;
   double period;  ///< of this block [s]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From a [[block]] table to a block of signals: one function per type, and the table of all types
-// at the end.
+// Builds signal blocks from [[block]] tables: one function per type; the table of all types is at
+// the end.
 #include <algorithm>
 #include <cmath>
 
@@ -14,13 +14,13 @@
 namespace rths::adapters {
 namespace {
 
-// The signals of a ring port: "{axis}" in the name stands for one signal per axis.
+// The signals of a ring port: "{axis}" in the name expands to one signal per axis.
 std::vector<std::string> expand_axes(const std::string& pattern, const BlockContext& context) {
-  const auto place = pattern.find("{axis}");
-  if (place == std::string::npos) return {pattern};
+  const auto position = pattern.find("{axis}");
+  if (position == std::string::npos) return {pattern};
   std::vector<std::string> signals;
   for (const auto& axis : context.run.axes)
-    signals.push_back(std::string{pattern}.replace(place, std::string{"{axis}"}.size(), axis));
+    signals.push_back(std::string{pattern}.replace(position, std::string{"{axis}"}.size(), axis));
   return signals;
 }
 
@@ -80,7 +80,7 @@ Block make_sine(const Config& table, const BlockContext&) {
   return block;
 }
 
-// A block that turns one per-axis input into one per-axis output of the same unit.
+// A block with one per-axis input and one per-axis output of the same unit.
 Block through(BlockKind kind) {
   Block block;
   block.inputs = {{"in"}};
@@ -204,9 +204,7 @@ const BlockType& type_named(const Config& table) {
     if (type.name == name) return type;
     known.emplace_back(type.name);
   }
-  const auto meant = nearest(name, known);
-  table.fail("type", fmt::format("there is no block type '{}'{}", name,
-                                 meant ? fmt::format(" (did you mean '{}'?)", *meant) : ""));
+  table.fail("type", fmt::format("there is no block type '{}'{}", name, did_you_mean(name, known)));
 }
 
 void read_wires(const Config& table, Block& block) {

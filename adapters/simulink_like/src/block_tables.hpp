@@ -6,18 +6,18 @@
 
 #include "block.hpp"
 
-// What the functions that build blocks from their tables share.
+// Shared by the functions that build blocks from tables.
 namespace rths::adapters {
 
 constexpr bool kPerAxis = true;
 constexpr bool kSingle = false;
 
-/// One value per axis of the run, of those that the file gives in the order long, lat, …
-/// @throws Error with the key's place if there are too few
+/// Selects the values of the run's axes from a list in the order long, lat, …
+/// @throws Error with the key's place if the list is too short
 [[nodiscard]] std::vector<double> per_axis(const Config& table, const std::string& key,
                                            const BlockContext& context, double otherwise);
 
-/// Gives a block a setting that may be tuned while it runs.
+/// Adds a tunable parameter to a block.
 void add_parameter(Block& block, const Config& table, const std::string& name,
                    const std::string& unit, double otherwise);
 

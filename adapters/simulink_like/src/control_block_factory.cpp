@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From a [[block]] table to a block of control, and what all such functions share.
+// Builds control blocks from [[block]] tables, with the helpers of all such functions.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@
 namespace rths::adapters {
 namespace {
 
-constexpr double kFadeTime = 0.5;  // of switching compensation on or off [s]
+constexpr double kFadeTime = 0.5;  // to fade compensation in or out [s]
 constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
 
 controller::Polynomial read_polynomial(const Config& table, const std::string& key) {

@@ -22,7 +22,7 @@ PredictorCorrectorBlock::PredictorCorrectorBlock(
     vector->setZero(settings.axes);
 }
 
-// Time spent in each state is published when the next target closes the account.
+// Outputs the time spent in each state when the next target arrives.
 void PredictorCorrectorBlock::count(const Wires& w, bool new_target) noexcept {
   if (new_target) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -57,7 +57,7 @@ void PredictorCorrectorBlock::step(const Wires& w) noexcept {
   count(w, new_target);
 }
 
-// How a test begins is no switching: the first answer is all or nothing.
+// The first call sets the share without a fade.
 double Fade::operator()(bool on) noexcept {
   share = share < 0 ? (on ? 1.0 : 0.0) : std::clamp(share + (on ? step : -step), 0.0, 1.0);
   return share;

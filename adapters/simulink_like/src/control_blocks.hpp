@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The blocks of a hybrid controller: the controller folder's classes between wires.
+// The blocks of a hybrid controller, which wrap the classes of the controller folder.
 #pragma once
 
 #include <vector>
@@ -33,10 +33,10 @@ struct PredictorCorrectorBlock {
   double time_in_[3] = {0, 0, 0};  ///< Correct, Predict, AutoSlowDown since the last new target [s]
 };
 
-/// A switch that a machine can follow: goes from off to on, or back, within half a second.
+/// A smooth switch for the machine: fades between off and on within half a second.
 struct Fade {
   double step;        ///< per sample
-  double share = -1;  ///< 0 off, 1 on; negative: not yet asked
+  double share = -1;  ///< 0 off, 1 on; negative before the first sample
   /// @returns the share after this sample   @realtime
   double operator()(bool on) RTHS_REALTIME;
 };
@@ -54,7 +54,7 @@ struct FeedForwardBlock {
   void step(const Wires& w) RTHS_REALTIME;
 };
 
-/// Takes the machine's own force out of the measured one, per axis.
+/// Subtracts the machine's own force from the measured force, per axis.
 struct ForceObserverBlock {
   std::vector<controller::ForceObserver> observers;
   void step(const Wires& w) RTHS_REALTIME;

@@ -39,7 +39,7 @@ Diagram::Diagram(const Config& file, const DiagramContext& context) : context_{c
   }
   file.reject_unknown_keys();
   if (blocks_.empty()) throw Error{file.where() + ": the diagram has no blocks"};
-  place();
+  allocate_values();
   wire();
   order();
   bind_ports();
@@ -49,31 +49,31 @@ std::size_t Diagram::width(const PortSpec& port) const {
   return port.per_axis ? context_.axes.size() : 1;
 }
 
-// All values of the diagram stand in one array; the last ones are zeros for inputs without a wire.
-void Diagram::place() {
+// All values of the diagram are in one array; it ends with zeros for unwired inputs.
+void Diagram::allocate_values() {
   std::size_t next = 0;
-  for (auto& placed : blocks_) {
-    for (const auto& output : placed.block.outputs) {
-      placed.out_at.push_back(next);
+  for (auto& wired : blocks_) {
+    for (const auto& output : wired.block.outputs) {
+      wired.out_at.push_back(next);
       next += width(output);
     }
-    for (const auto& parameter : placed.block.parameters) {
+    for (const auto& parameter : wired.block.parameters) {
       static_cast<void>(parameter);
-      placed.parameter_at.push_back(next++);
+      wired.parameter_at.push_back(next++);
     }
   }
   values_.assign(next + context_.axes.size(), 0.0);
-  for (auto& placed : blocks_) {
-    placed.wires.axes = context_.axes.size();
-    for (const auto at : placed.out_at) placed.wires.out.push_back(&values_[at]);
-    for (std::size_t i = 0; i < placed.parameter_at.size(); ++i) {
-      values_[placed.parameter_at[i]] = placed.block.parameters[i].value;
-      placed.wires.parameter.push_back(&values_[placed.parameter_at[i]]);
+  for (auto& wired : blocks_) {
+    wired.wires.axes = context_.axes.size();
+    for (const auto at : wired.out_at) wired.wires.out.push_back(&values_[at]);
+    for (std::size_t i = 0; i < wired.parameter_at.size(); ++i) {
+      values_[wired.parameter_at[i]] = wired.block.parameters[i].value;
+      wired.wires.parameter.push_back(&values_[wired.parameter_at[i]]);
     }
   }
 }
 
-Diagram::Source Diagram::find_source(const Placed& placed, const std::string& wire) const {
+Diagram::OutputId Diagram::find_output(const WiredBlock& wired, const std::string& wire) const {
   std::vector<std::string> known;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const auto names = output_names(blocks_[b].block);
@@ -81,51 +81,49 @@ Diagram::Source Diagram::find_source(const Placed& placed, const std::string& wi
       if (names[o] == wire || (names.size() == 1 && blocks_[b].block.name == wire)) return {b, o};
     known.insert(known.end(), names.begin(), names.end());
   }
-  const auto meant = nearest(wire, known);
-  throw Error{fmt::format("{}: block '{}' reads '{}', which no block gives{}", placed.block.where,
-                          placed.block.name, wire,
-                          meant ? fmt::format(" (did you mean '{}'?)", *meant) : "")};
+  throw Error{fmt::format("{}: block '{}' reads '{}', which no block outputs{}", wired.block.where,
+                          wired.block.name, wire, did_you_mean(wire, known))};
 }
 
-void Diagram::check_fit(const Placed& placed, const PortSpec& input, const PortSpec& source,
+void Diagram::check_fit(const WiredBlock& wired, const PortSpec& input, const PortSpec& output,
                         const std::string& wire) const {
-  if (width(input) != width(source))
-    throw Error{fmt::format("{}: '{}.{}' takes {}, '{}' gives {}", placed.block.where,
-                            placed.block.name, input.name,
+  if (width(input) != width(output))
+    throw Error{fmt::format("{}: '{}.{}' takes {}, '{}' gives {}", wired.block.where,
+                            wired.block.name, input.name,
                             input.per_axis ? "one value per axis" : "a single value", wire,
-                            source.per_axis ? "one per axis" : "a single one")};
-  if (!input.unit.empty() && !source.unit.empty() && input.unit != source.unit)
-    throw Error{fmt::format("{}: '{}.{}' takes [{}], '{}' gives [{}]", placed.block.where,
-                            placed.block.name, input.name, input.unit, wire, source.unit)};
+                            output.per_axis ? "one per axis" : "a single one")};
+  if (!input.unit.empty() && !output.unit.empty() && input.unit != output.unit)
+    throw Error{fmt::format("{}: '{}.{}' takes [{}], '{}' gives [{}]", wired.block.where,
+                            wired.block.name, input.name, input.unit, wire, output.unit)};
 }
 
-void Diagram::connect_input(Placed& placed, std::size_t input) {
-  const std::string& wire = placed.block.wires[input];
-  const auto self = static_cast<std::size_t>(&placed - blocks_.data());
+void Diagram::connect_input(WiredBlock& wired, std::size_t input) {
+  const std::string& wire = wired.block.wires[input];
+  const auto self = static_cast<std::size_t>(&wired - blocks_.data());
   if (wire.empty()) {
-    placed.wires.in.push_back(&values_[values_.size() - context_.axes.size()]);
+    wired.wires.in.push_back(&values_[values_.size() - context_.axes.size()]);
     return;
   }
-  const Source source = find_source(placed, wire);
-  const Placed& from = blocks_[source.block];
-  check_fit(placed, placed.block.inputs[input], from.block.outputs[source.output], wire);
-  placed.wires.in.push_back(&values_[from.out_at[source.output]]);
-  if (!is_unit_delay(placed.block)) feeds_[self].push_back(source.block);
+  const OutputId feed = find_output(wired, wire);
+  const WiredBlock& from = blocks_[feed.block];
+  check_fit(wired, wired.block.inputs[input], from.block.outputs[feed.output], wire);
+  wired.wires.in.push_back(&values_[from.out_at[feed.output]]);
+  if (!is_unit_delay(wired.block)) feeds_[self].push_back(feed.block);
 }
 
 void Diagram::wire() {
   feeds_.resize(blocks_.size());
-  // Blocks without a unit of their own take the first input's, which may come from such a block.
+  // An output without a unit takes that of the first input, which may itself need several passes.
   for (std::size_t pass = 0; pass < blocks_.size(); ++pass)
-    for (auto& placed : blocks_)
-      for (auto& output : placed.block.outputs)
-        if (output.unit.empty() && !placed.block.wires.empty()) {
-          const Source source = find_source(placed, placed.block.wires[0]);
-          output.unit = blocks_[source.block].block.outputs[source.output].unit;
+    for (auto& wired : blocks_)
+      for (auto& output : wired.block.outputs)
+        if (output.unit.empty() && !wired.block.wires.empty()) {
+          const OutputId feed = find_output(wired, wired.block.wires[0]);
+          output.unit = blocks_[feed.block].block.outputs[feed.output].unit;
         }
-  for (auto& placed : blocks_)
-    for (std::size_t input = 0; input < placed.block.inputs.size(); ++input)
-      connect_input(placed, input);
+  for (auto& wired : blocks_)
+    for (std::size_t input = 0; input < wired.block.inputs.size(); ++input)
+      connect_input(wired, input);
 }
 
 void Diagram::visit(std::size_t block, std::vector<int>& marks, std::vector<std::size_t>& sorted,
@@ -156,77 +154,77 @@ void Diagram::order() {
   split_by_rate(sorted);
 }
 
-// A block is behind the fast section if anything it reads is in it or behind it. That section runs
-// as one, so nothing at the base rate may stand between two fast blocks.
-bool Diagram::is_behind_fast(std::size_t block, const std::vector<bool>& behind_fast) const {
-  bool behind = false;
+// A block is downstream of the fast section if one of its inputs comes from there. The fast section
+// runs as a unit, so no base-rate block may lie between two fast blocks.
+bool Diagram::is_downstream_of_fast(std::size_t block, const std::vector<bool>& downstream) const {
+  bool is_downstream = false;
   for (const auto feeder : feeds_[block]) {
-    const Block& source = blocks_[feeder].block;
-    if (blocks_[block].block.fast && !source.fast && behind_fast[feeder])
+    const Block& from = blocks_[feeder].block;
+    if (blocks_[block].block.fast && !from.fast && downstream[feeder])
       throw Error{fmt::format("{}: block '{}' at the base rate lies between fast blocks",
-                              source.where, source.name)};
-    behind = behind || source.fast || behind_fast[feeder];
+                              from.where, from.name)};
+    is_downstream = is_downstream || from.fast || downstream[feeder];
   }
-  return behind;
+  return is_downstream;
 }
 
 void Diagram::split_by_rate(const std::vector<std::size_t>& sorted) {
-  std::vector<bool> behind_fast(blocks_.size(), false);
+  std::vector<bool> downstream(blocks_.size(), false);
   for (const auto i : sorted) {
     const Block& block = blocks_[i].block;
-    behind_fast[i] = is_behind_fast(i, behind_fast);
-    (block.fast ? fast_ : behind_fast[i] ? after_ : before_).push_back(i);
+    downstream[i] = is_downstream_of_fast(i, downstream);
+    (block.fast ? fast_ : downstream[i] ? after_ : before_).push_back(i);
     if (is_unit_delay(block)) (block.fast ? fast_delays_ : base_delays_).push_back(i);
     if (std::holds_alternative<Stop>(block.kind)) stops_.push_back(i);
   }
 }
 
 void Diagram::bind_ports() {
-  for (const auto& placed : blocks_) bind_ring_input(placed);
-  for (const auto& placed : blocks_) bind_parameters(placed);
-  for (const auto& placed : blocks_) bind_ring_output(placed);
-  for (const auto& placed : blocks_) bind_monitors(placed);
+  for (const auto& wired : blocks_) bind_ring_input(wired);
+  for (const auto& wired : blocks_) bind_parameters(wired);
+  for (const auto& wired : blocks_) bind_ring_output(wired);
+  for (const auto& wired : blocks_) bind_monitors(wired);
 }
 
-void Diagram::bind_ring_input(const Placed& placed) {
-  const auto* ring = std::get_if<RingInput>(&placed.block.kind);
+void Diagram::bind_ring_input(const WiredBlock& wired) {
+  const auto* ring = std::get_if<RingInput>(&wired.block.kind);
   if (ring == nullptr) return;
   for (std::size_t i = 0; i < ring->signals.size(); ++i) {
-    ports_.push_back({ring->signals[i], Direction::Input, placed.block.outputs[0].unit, 0, false});
-    copies_in_.push_back({copies_in_.size(), placed.out_at[0] + i});
+    ports_.push_back({ring->signals[i], Direction::Input, wired.block.outputs[0].unit, 0, false});
+    copies_in_.push_back({copies_in_.size(), wired.out_at[0] + i});
   }
 }
 
-void Diagram::bind_parameters(const Placed& placed) {
-  for (std::size_t i = 0; i < placed.block.parameters.size(); ++i) {
-    const auto& parameter = placed.block.parameters[i];
-    ports_.push_back({placed.block.name + "." + parameter.name, Direction::Parameter,
-                      parameter.unit, parameter.value, false});
-    copies_in_.push_back({copies_in_.size(), placed.parameter_at[i]});
+void Diagram::bind_parameters(const WiredBlock& wired) {
+  for (std::size_t i = 0; i < wired.block.parameters.size(); ++i) {
+    const auto& parameter = wired.block.parameters[i];
+    ports_.push_back({wired.block.name + "." + parameter.name, Direction::Parameter, parameter.unit,
+                      parameter.value, false});
+    copies_in_.push_back({copies_in_.size(), wired.parameter_at[i]});
   }
 }
 
-void Diagram::bind_ring_output(const Placed& placed) {
-  const auto* ring = std::get_if<RingOutput>(&placed.block.kind);
+void Diagram::bind_ring_output(const WiredBlock& wired) {
+  const auto* ring = std::get_if<RingOutput>(&wired.block.kind);
   if (ring == nullptr) return;
-  const Source source = find_source(placed, placed.block.wires[0]);
-  const Placed& from = blocks_[source.block];
+  const OutputId feed = find_output(wired, wired.block.wires[0]);
+  const WiredBlock& from = blocks_[feed.block];
   for (std::size_t i = 0; i < ring->signals.size(); ++i) {
     ports_.push_back(
-        {ring->signals[i], Direction::Output, from.block.outputs[source.output].unit, 0, false});
+        {ring->signals[i], Direction::Output, from.block.outputs[feed.output].unit, 0, false});
     if (ring->at_stop == AtStop::Ramp) ramped_outputs_.push_back(copies_out_.size());
-    copies_out_.push_back({copies_out_.size(), from.out_at[source.output] + i});
+    copies_out_.push_back({copies_out_.size(), from.out_at[feed.output] + i});
   }
 }
 
-void Diagram::bind_monitors(const Placed& placed) {
-  for (std::size_t o = 0; o < placed.block.outputs.size(); ++o) {
-    const PortSpec& output = placed.block.outputs[o];
+void Diagram::bind_monitors(const WiredBlock& wired) {
+  for (std::size_t o = 0; o < wired.block.outputs.size(); ++o) {
+    const PortSpec& output = wired.block.outputs[o];
     for (std::size_t i = 0; i < width(output); ++i) {
       const std::string axis = output.per_axis ? "." + context_.axes[i] : "";
-      ports_.push_back({placed.block.name + "." + output.name + axis, Direction::Monitor,
-                        output.unit, 0, false});
-      copies_out_.push_back({copies_out_.size(), placed.out_at[o] + i});
+      ports_.push_back(
+          {wired.block.name + "." + output.name + axis, Direction::Monitor, output.unit, 0, false});
+      copies_out_.push_back({copies_out_.size(), wired.out_at[o] + i});
     }
   }
 }
@@ -235,9 +233,9 @@ std::vector<Port> Diagram::ports() const { return ports_; }
 
 void Diagram::run(const std::vector<std::size_t>& blocks, double time) noexcept {
   for (const auto i : blocks) {
-    Placed& placed = blocks_[i];
-    placed.wires.time = time;
-    std::visit([&](auto& kind) { kind.step(placed.wires); }, placed.block.kind);
+    WiredBlock& wired = blocks_[i];
+    wired.wires.time = time;
+    std::visit([&](auto& kind) { kind.step(wired.wires); }, wired.block.kind);
   }
 }
 

@@ -12,8 +12,8 @@
 
 namespace rths::adapters {
 
-/// A block diagram, wired and in order: base-rate blocks that feed the fast ones, then the fast
-/// ones `substeps` times, then base-rate blocks behind them.
+/// A wired and sorted block diagram. A step runs the base-rate blocks that feed the fast section,
+/// the fast section `substeps` times, then the base-rate blocks downstream of it.
 class Diagram {
  public:
   /// @throws Error file:line:column   @setup
@@ -21,27 +21,28 @@ class Diagram {
   Diagram(const Diagram&) = delete;
   Diagram& operator=(const Diagram&) = delete;
 
-  /// What the diagram exchanges: ring inputs, parameters, ring outputs, monitors, in this order.
+  /// Returns ring inputs, parameters, ring outputs and monitors, in this order.
   [[nodiscard]] std::vector<Port> ports() const;
   [[nodiscard]] double period() const { return period_; }  ///< [s]
 
-  /// One base period. Copies inputs and parameters in, runs the blocks, copies monitors and ring
-  /// outputs out.   @realtime
+  /// Runs one base period: copies inputs and parameters in, runs the blocks, copies monitors and
+  /// ring outputs out.   @realtime
   void step(double time, std::span<const double> inputs, std::span<double> outputs) RTHS_REALTIME;
-  /// True once a stop block has been asked to stop.   @realtime
+  /// Whether a stop block was triggered.   @realtime
   [[nodiscard]] bool stop_requested() const RTHS_REALTIME;
-  /// Positions among the outputs of the values that ramp when the run stops.
+  /// Indices of the outputs that ramp when the run stops.
   [[nodiscard]] const std::vector<std::size_t>& ramped_outputs() const { return ramped_outputs_; }
 
  private:
-  /// Where a block's values are.
-  struct Placed {
+  /// A block and the locations of its values.
+  struct WiredBlock {
     Block block;
-    std::vector<std::size_t> out_at;        ///< of each output in `values_`
-    std::vector<std::size_t> parameter_at;  ///< of each parameter in `values_`
+    std::vector<std::size_t> out_at;        ///< index of each output in `values_`
+    std::vector<std::size_t> parameter_at;  ///< index of each parameter in `values_`
     Wires wires;
   };
-  struct Source {
+  /// Indices of a block and of one of its outputs.
+  struct OutputId {
     std::size_t block, output;
   };
   /// A copy between the adapter's arrays and `values_`.
@@ -49,31 +50,31 @@ class Diagram {
     std::size_t outside, inside;
   };
 
-  void place();
+  void allocate_values();
   void wire();
-  void connect_input(Placed& placed, std::size_t input);
-  void check_fit(const Placed& placed, const PortSpec& input, const PortSpec& source,
+  void connect_input(WiredBlock& wired, std::size_t input);
+  void check_fit(const WiredBlock& wired, const PortSpec& input, const PortSpec& output,
                  const std::string& wire) const;
-  [[nodiscard]] Source find_source(const Placed& placed, const std::string& wire) const;
+  [[nodiscard]] OutputId find_output(const WiredBlock& wired, const std::string& wire) const;
   [[nodiscard]] std::size_t width(const PortSpec& port) const;
   void order();
   void visit(std::size_t block, std::vector<int>& marks, std::vector<std::size_t>& sorted,
              std::vector<std::size_t>& path) const;
-  [[nodiscard]] bool is_behind_fast(std::size_t block, const std::vector<bool>& behind_fast) const;
+  [[nodiscard]] bool is_downstream_of_fast(std::size_t block,
+                                           const std::vector<bool>& downstream) const;
   void split_by_rate(const std::vector<std::size_t>& sorted);
   void bind_ports();
-  void bind_ring_input(const Placed& placed);
-  void bind_parameters(const Placed& placed);
-  void bind_ring_output(const Placed& placed);
-  void bind_monitors(const Placed& placed);
+  void bind_ring_input(const WiredBlock& wired);
+  void bind_parameters(const WiredBlock& wired);
+  void bind_ring_output(const WiredBlock& wired);
+  void bind_monitors(const WiredBlock& wired);
   void run(const std::vector<std::size_t>& blocks, double time) noexcept;
 
   DiagramContext context_;
   double period_;
   int substeps_;
-  std::vector<Placed> blocks_;
-  std::vector<std::vector<std::size_t>>
-      feeds_;  ///< blocks that a block reads from in the same step
+  std::vector<WiredBlock> blocks_;
+  std::vector<std::vector<std::size_t>> feeds_;  ///< blocks that feed a block in the same step
   std::vector<double> values_;
   std::vector<std::size_t> before_, fast_, after_;
   std::vector<std::size_t> base_delays_, fast_delays_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Blocks that any real-time target has. Each works on every axis alike.
+// General signal blocks. Each treats all axes alike.
 #pragma once
 
 #include <algorithm>
@@ -16,16 +16,16 @@
 
 namespace rths::adapters {
 
-/// Values from the ring.
+/// Reads values from the ring.
 struct RingInput {
   std::vector<std::string> signals;
   void step(const Wires&) RTHS_REALTIME {}
 };
 
-/// What a ring output does when the run stops.
+/// Behaviour of a ring output when the run stops.
 enum class AtStop { Ramp, Hold };
 
-/// Values to the ring.
+/// Writes values to the ring.
 struct RingOutput {
   std::vector<std::string> signals;
   AtStop at_stop = AtStop::Hold;
@@ -58,10 +58,10 @@ struct Gain {
   }
 };
 
-/// out = ± in1 ± in2 …, by the signs given
+/// out = ± in1 ± in2 …, with the given signs
 struct Sum {
   std::vector<double> signs;
-  bool is_single = false;  ///< of single values, else of one per axis
+  bool is_single = false;  ///< single values, else one per axis
   void step(const Wires& w) RTHS_REALTIME {
     const std::size_t count = is_single ? 1 : w.axes;
     for (std::size_t i = 0; i < count; ++i) {
@@ -72,7 +72,7 @@ struct Sum {
   }
 };
 
-/// Keeps a value within ± limit of its axis.
+/// Clamps a value to ± the limit of its axis.
 struct Saturation {
   std::vector<double> limits;
   void step(const Wires& w) RTHS_REALTIME {
@@ -81,7 +81,7 @@ struct Saturation {
   }
 };
 
-/// Lets a value change by at most limit·period per step; stays where it is while there is none.
+/// Limits the change of a value to limit·period per step; holds it while the input is not finite.
 struct RateLimiter {
   std::vector<double> limits;  ///< [unit/s]
   double period;
@@ -103,22 +103,22 @@ struct Switch {
   }
 };
 
-/// out = in of the step before. Breaks algebraic loops: its output is due before its input.
+/// out = in of the previous step. Breaks algebraic loops: it outputs before it reads its input.
 struct UnitDelay {
   std::vector<double> held;
   void step(const Wires& w) RTHS_REALTIME { std::copy(held.begin(), held.end(), w.out[0]); }
   void update(const Wires& w) RTHS_REALTIME { std::copy_n(w.in[0], held.size(), held.begin()); }
 };
 
-/// out = in of a whole number of steps before
+/// out = in, delayed by a whole number of steps
 struct TransportDelay {
   std::vector<double> line;  ///< steps × axes
   std::size_t head = 0;
   void step(const Wires& w) RTHS_REALTIME {
     for (std::size_t i = 0; i < w.axes; ++i) {
-      double& slot = line[head * w.axes + i];
-      w.out[0][i] = slot;
-      slot = w.in[0][i];
+      double& stored = line[head * w.axes + i];
+      w.out[0][i] = stored;
+      stored = w.in[0][i];
     }
     head = (head + 1) % (line.size() / w.axes);
   }
@@ -147,7 +147,7 @@ struct FilterBlock {
 using LowPassBlock = FilterBlock<controller::LowPass>;
 using MovingAverageBlock = FilterBlock<controller::MovingAverage>;
 
-/// Takes off the mean of the first samples; 0 until it is known.
+/// Subtracts the mean of the first samples; outputs 0 until it is known.
 struct RemoveOffset {
   long samples;
   long seen = 0;

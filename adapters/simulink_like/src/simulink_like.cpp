@@ -23,12 +23,12 @@ class SimulinkLike final : public Adapter {
  private:
   Diagram diagram_;
   Retreat retreat_;
-  std::vector<double> held_;  ///< ramped outputs as they last were numbers before the run stopped
+  std::vector<double> held_;  ///< last finite values of the ramped outputs before the stop
   double stopped_at_ = -1;
 };
 
-// The diagram goes on running while it stops, so that monitors and handshake stay true; only what
-// moves the machine leaves its hands.
+// The diagram continues to run during the stop, so monitors and handshake stay valid. Only the
+// ramped outputs, which move the machine, are overridden.
 Status SimulinkLike::step(StepData& step) noexcept {
   const auto& ramped = diagram_.ramped_outputs();
   if (stopped_at_ < 0) {
@@ -41,7 +41,7 @@ Status SimulinkLike::step(StepData& step) noexcept {
   if (stopped_at_ < 0) return Status::Ok;
   const double since = step.time - stopped_at_;
   for (std::size_t i = 0; i < ramped.size(); ++i)
-    step.outputs[ramped[i]] = retreat_.part(since) * held_[i];
+    step.outputs[ramped[i]] = retreat_.fraction(since) * held_[i];
   return retreat_.finished(since) ? Status::Done : Status::Ok;
 }
 

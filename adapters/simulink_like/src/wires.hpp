@@ -6,8 +6,8 @@
 
 namespace rths::adapters {
 
-/// Where a block's values are while it runs: inputs, outputs and parameters in the order that its
-/// type declares them. A per-axis port points to the first of `axes` values.
+/// Pointers to a block's values: inputs, outputs and parameters in the order of its type's
+/// declaration. A per-axis port points to the first of `axes` values.
 struct Wires {
   std::vector<const double*> in;
   std::vector<double*> out;

@@ -30,7 +30,7 @@ class IdealMachine final : public Adapter {
   sim::BearingRun specimen_;
   std::vector<Eigen::Index> directions_;  ///< of each axis: 0 long, 1 lat
   bool had_target_ = false, is_moving_ = false;
-  double arrival_ = 0;  ///< of the specimen, the last or the next [s]
+  double arrival_ = 0;  ///< last or next arrival of the specimen [s]
 };
 
 std::vector<Port> IdealMachine::ports() const {

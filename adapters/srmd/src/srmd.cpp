@@ -72,7 +72,7 @@ class Srmd final : public Adapter {
   sim::MachineFeedback feedback_;
   Eigen::Vector2d held_ = Eigen::Vector2d::Zero();
   double stopped_at_ = -1;
-  double compression_;  // loaded before the test begins
+  double compression_;  // applied before the test begins
 };
 
 std::vector<Port> Srmd::ports() const {
@@ -109,20 +109,20 @@ std::vector<Port> Srmd::ports() const {
   return ports;
 }
 
-// Stopping, the machine trusts nobody: it holds the reference it had and ramps it down by itself.
+// While stopping, the machine ignores its inputs: it holds its last reference and ramps it down.
 Eigen::Vector2d Srmd::reference(const StepData& step) noexcept {
   if (!step.stopping) {
     held_ = {moves(0) ? step.inputs[kRefLong] : 0.0, moves(1) ? step.inputs[kRefLat] : 0.0};
     return held_;
   }
   if (stopped_at_ < 0) stopped_at_ = step.time;
-  return settings_.retreat.part(step.time - stopped_at_) * held_;
+  return settings_.retreat.fraction(step.time - stopped_at_) * held_;
 }
 
 Status Srmd::step(StepData& step) noexcept {
   const Eigen::Vector2d now = reference(step);
-  const double wanted = step.inputs[kRefCompression];
-  compression_ += (wanted - compression_) * settings_.period /
+  const double reference_load = step.inputs[kRefCompression];
+  compression_ += (reference_load - compression_) * settings_.period /
                   (settings_.period + settings_.compression_time_constant);
   const Status status = machine_.step(now, compression_, feedback_);
   step.outputs[kEchoLong] = now[0];

@@ -4,7 +4,7 @@
 namespace rths::adapters {
 namespace {
 
-// A number per axis: one for both, or [long, lat].
+// One number for both axes, or [long, lat].
 void read_pair(const Config& table, const std::string& key, double sim::ServoAxis::*member,
                std::array<sim::ServoAxis, sim::kHorizontalAxes>& axes) {
   if (!table.has(key)) return;

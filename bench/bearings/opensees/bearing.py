@@ -1,25 +1,25 @@
 #!/usr/bin/env python3
-"""Moves one bearing element of OpenSees along a given motion and writes the forces it resists with.
+"""Moves one bearing element of OpenSees along a given motion and writes its resisting forces.
 
 usage: bearing.py CASE.json
 
 The case is an object:
-  element          its name and its arguments behind the two nodes
+  element          its name and its arguments after the two nodes
   materials        uniaxial materials, each a list: name, tag, arguments     (optional)
-  friction_models  likewise                                                  (optional)
+  friction_models  friction models, each a list: name, tag, arguments        (optional)
   time_step_s      of the analysis
-  motion           CSV without a heading, a row for each step from time 0:
+  motion           CSV without a header, a row for each step from time 0:
                    displacements long, lat, vert [m], velocities long, lat, vert [m/s]
   forces           CSV to write, a row for each step from the first: long, lat, axial [N];
                    axial < 0 compresses; empty: none
-  copies           how many such elements stand between the two nodes        (optional, 1)
+  copies           number of such elements between the two nodes             (optional, 1)
 
-The element stands along the global z axis; long is x and lat is y. Its lower node is fixed; the
-upper one is given the motion, displacements and velocities, and does not rotate. A spring beside
-it gives the solver the one degree of freedom that it wants.
+The element is along the global z axis; long is x and lat is y. Its lower node is fixed. The upper
+one follows the motion, displacements and velocities, and does not rotate. A separate spring gives
+the solver the one degree of freedom that it needs.
 
-The last line of the output is {"steps": …, "seconds": …, "version": …}: seconds of processor time
-of the analysis alone. Nothing is recorded while a case without forces is timed.
+The last line of the output is {"steps": …, "seconds": …, "version": …}, with the processor time of
+the analysis. A case without forces records nothing while it is timed.
 """
 import json
 import pathlib
@@ -28,7 +28,7 @@ import time
 
 FIXED = (1, 1, 1, 1, 1, 1)
 AXES = range(3)
-HEIGHT = 0.3  # [m]; nothing here rotates, so it does not matter
+HEIGHT = 0.3  # [m]; has no effect without rotation
 
 
 def read_motion(file):
@@ -58,12 +58,12 @@ def make_model(ops, case):
 
 
 def impose(ops, motion, step):
-    """Displacement and velocity of node 2. Without a velocity of its own the node keeps 0."""
+    """Imposes displacement and velocity on node 2. OpenSees does not derive the velocity: it would stay 0."""
     ops.pattern("MultipleSupport", 1)
     for axis in AXES:
-        for place, column in ((10, axis), (20, axis + 3)):
-            ops.timeSeries("Path", place + axis, "-dt", step, "-values", *motion[column],
-                           "-useLast")  # a time that is rounded up is behind the end
+        for first_tag, column in ((10, axis), (20, axis + 3)):
+            ops.timeSeries("Path", first_tag + axis, "-dt", step, "-values", *motion[column],
+                           "-useLast")  # rounding may put the last time behind the end
         ops.timeSeries("Constant", 30 + axis, "-factor", 0.0)
         ops.groundMotion(axis + 1, "Plain", "-disp", 10 + axis, "-vel", 20 + axis,
                          "-accel", 30 + axis)
@@ -81,7 +81,7 @@ def prepare_analysis(ops):
 
 
 def upper_node_forces(file):
-    """Of a recorder's rows: the three forces on the upper node."""
+    """The three forces on the upper node, from a recorder's file."""
     return [",".join(line.split()[6:9]) for line in open(file)]
 
 

@@ -17,7 +17,8 @@ namespace {
 
 constexpr int kBearingsOfPlant = 486;
 
-// The terms of a file; with those of the vertical, which a test of two axes leaves out, if asked.
+// The composition of a file. @param vertical  enables the vertical terms, which tests of two axes
+// leave out
 sim::Composition read_bearing(const std::filesystem::path& file, bool vertical) {
   Config bearing = Config::load(file);
   if (vertical)
@@ -27,8 +28,8 @@ sim::Composition read_bearing(const std::filesystem::path& file, bool vertical) 
 }
 
 BearingResult measure(const Specimen& specimen, const BearingOptions& options, double tick) {
-  const auto tell = [&](const char* what) {
-    if (options.progress) options.progress(fmt::format("{}: {}", specimen.name, what));
+  const auto report = [&](const char* stage) {
+    if (options.progress) options.progress(fmt::format("{}: {}", specimen.name, stage));
   };
   const sim::Composition composition =
       read_bearing(options.bearings / (specimen.name + ".toml"), specimen.vertical);
@@ -38,33 +39,33 @@ BearingResult measure(const Specimen& specimen, const BearingOptions& options, d
   result.title = specimen.title;
   result.goal = specimen.goal;
   for (const auto& term : composition.terms()) result.terms.push_back(term.name);
-  tell("earthquake");
+  report("earthquake");
   result.earthquake = step_times(composition, shaking, options.passes, tick);
-  tell("adversity");
+  report("adversity");
   result.adversarial =
       step_times(composition, adversity(specimen.demand, options.steps), options.passes, tick);
-  tell("derivatives");
+  report("derivatives");
   result.dual_ratio = dual_ratio(composition, shaking, options.passes, tick);
-  tell("many");
-  const Shaking part{shaking.begin(), shaking.begin() + std::min(options.steps, 2'000)};
-  result.in_loop = loop_time(composition, part, kBearingsOfPlant, tick);
-  tell("OpenSees");
+  report("many");
+  const Shaking beginning{shaking.begin(), shaking.begin() + std::min(options.steps, 2'000)};
+  result.in_loop = loop_time(composition, beginning, kBearingsOfPlant, tick);
+  report("OpenSees");
   const Shaking theirs = earthquake(specimen.demand, options.opensees_steps);
   result.opensees =
       opensees_times({options.python, options.script}, specimen.opensees, theirs, kTimeStep);
   return result;
 }
 
-// A goal that is missed is inconclusive if there is a reason for it.
+// A missed goal is inconclusive if the machine was not quiet.
 GateResult gate_result_of(const BearingResult& result, bool quiet) {
   if (result.goal == 0) return GateResult::NotJudged;
   if (result.earthquake.p50 <= result.goal) return GateResult::Pass;
   return quiet ? GateResult::Fail : GateResult::Inconclusive;
 }
 
-bool any(const BearingReport& report, GateResult verdict) {
+bool any(const BearingReport& report, GateResult gate_result) {
   return std::any_of(report.bearings.begin(), report.bearings.end(),
-                     [&](const auto& result) { return result.verdict == verdict; });
+                     [&](const auto& result) { return result.gate_result == gate_result; });
 }
 
 }  // namespace
@@ -85,10 +86,10 @@ BearingReport run_bearing_bench(const BearingOptions& options) {
   const Load load = meter.so_far();
   if (!is_quiet(load))
     report.troubles.push_back(
-        fmt::format("others took {:.0f} % of the processors, the host {:.0f} %", 100 * load.other,
-                    100 * load.steal));
+        fmt::format("other processes used {:.0f} % of the processors, the host {:.0f} %",
+                    100 * load.other, 100 * load.steal));
   for (auto& result : report.bearings)
-    result.verdict = gate_result_of(result, report.troubles.empty());
+    result.gate_result = gate_result_of(result, report.troubles.empty());
   report.result = any(report, GateResult::Fail)           ? GateResult::Fail
                   : any(report, GateResult::Inconclusive) ? GateResult::Inconclusive
                                                           : GateResult::Pass;

@@ -18,15 +18,16 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr int kCopies = 20;  // beside the one
-constexpr std::chrono::seconds kPatience{120};
+constexpr int kCopies = 20;  // in addition to the first
+constexpr std::chrono::seconds kTimeout{120};
 
-// A folder that is gone when it is no longer wanted.
+// A temporary folder; the destructor removes it.
 class Folder {
  public:
   Folder() {
     std::string name = (fs::temp_directory_path() / "rths_bearings_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw Error{"no temporary folder for OpenSees' files"};
+    if (mkdtemp(name.data()) == nullptr)
+      throw Error{"cannot create a temporary folder for OpenSees"};
     path_ = name;
   }
   ~Folder() {
@@ -49,17 +50,18 @@ void write_motion(const fs::path& file, const Shaking& shaking) {
                        q.vertical_displacement, q.velocity[0], q.velocity[1], 0.0);
 }
 
-// Runs one case. @returns what the script says last
-json result_of(const OpenseesPlace& place, json what, int copies, const fs::path& folder) {
-  what["copies"] = copies;
+// Runs one case. @returns the last line of the script's output
+json result_of(const OpenseesInstallation& opensees, json test_case, int copies,
+               const fs::path& folder) {
+  test_case["copies"] = copies;
   const fs::path file = folder / "case.json";
-  std::ofstream{file} << what.dump();
-  const std::string said =
-      output_of({place.python, place.script.string(), file.string()}, kPatience);
-  const auto last = said.rfind("\n{");
+  std::ofstream{file} << test_case.dump();
+  const std::string output =
+      output_of({opensees.python, opensees.script.string(), file.string()}, kTimeout);
+  const auto last = output.rfind("\n{");
   if (last == std::string::npos)
-    throw Error{fmt::format("{} does not get through with it", place.python)};
-  return json::parse(said.substr(last));
+    throw Error{fmt::format("{}: the analysis failed", opensees.python)};
+  return json::parse(output.substr(last));
 }
 
 double step_of(const json& result) {
@@ -68,26 +70,26 @@ double step_of(const json& result) {
 
 }  // namespace
 
-OpenseesTimes opensees_times(const OpenseesPlace& place, const std::string& description,
+OpenseesTimes opensees_times(const OpenseesInstallation& opensees, const std::string& description,
                              const Shaking& shaking, double time_step) {
   OpenseesTimes times;
-  json what = json::parse(description);
-  times.element = what["element"][0];
-  if (place.python.empty()) {
-    times.missing = "no Python that has OpenSees; --opensees names one";
+  json test_case = json::parse(description);
+  times.element = test_case["element"][0];
+  if (opensees.python.empty()) {
+    times.missing = "no Python with OpenSees found, set one by --opensees";
     return times;
   }
-  if (!fs::exists(place.script)) {
-    times.missing = "the script that moves its elements is part of the source tree only";
+  if (!fs::exists(opensees.script)) {
+    times.missing = fmt::format("{} is missing", opensees.script.string());
     return times;
   }
   try {
     const Folder folder;
     write_motion(folder.path() / "motion.csv", shaking);
-    what["motion"] = (folder.path() / "motion.csv").string();
-    what["time_step_s"] = time_step;
-    const json alone = result_of(place, what, 1, folder.path());
-    const json many = result_of(place, what, 1 + kCopies, folder.path());
+    test_case["motion"] = (folder.path() / "motion.csv").string();
+    test_case["time_step_s"] = time_step;
+    const json alone = result_of(opensees, test_case, 1, folder.path());
+    const json many = result_of(opensees, test_case, 1 + kCopies, folder.path());
     times.alone = step_of(alone);
     times.further = (step_of(many) - times.alone) / kCopies;
     times.version = alone["version"];

@@ -11,12 +11,12 @@
 namespace rths::bench {
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
-// Bumped when a reader of the document would take something for something else.
+// Incremented when existing readers would misread the document.
 constexpr int kFormat = 1;
 
-json document(const StepTimes& times) {
+Json document(const StepTimes& times) {
   return {{"p50_ns", times.p50},
           {"p99_ns", times.p99},
           {"p999_ns", times.p999},
@@ -24,8 +24,8 @@ json document(const StepTimes& times) {
           {"worst_code_ns", times.worst_code}};
 }
 
-json document(const OpenseesTimes& times) {
-  json out = {{"element", times.element}};
+Json document(const OpenseesTimes& times) {
+  Json out = {{"element", times.element}};
   if (!times.missing.empty()) {
     out["not_measured"] = times.missing;
   } else {
@@ -36,7 +36,7 @@ json document(const OpenseesTimes& times) {
   return out;
 }
 
-json document(const BearingResult& result) {
+Json document(const BearingResult& result) {
   return {{"name", result.name},
           {"title", result.title},
           {"terms", result.terms},
@@ -44,14 +44,14 @@ json document(const BearingResult& result) {
           {"adversarial", document(result.adversarial)},
           {"dual_ratio", result.dual_ratio},
           {"one_of_486_ns", result.in_loop},
-          {"goal_p50_ns", result.goal > 0 ? json(result.goal) : json()},
-          {"verdict", to_text(result.verdict)},
+          {"goal_p50_ns", result.goal > 0 ? Json(result.goal) : Json()},
+          {"verdict", to_text(result.gate_result)},
           {"opensees", document(result.opensees)}};
 }
 
-std::string line(const std::string& name, const char* what, const StepTimes& times) {
-  return fmt::format("{:<8}{:<14}{:>9.0f}{:>9.0f}{:>9.0f}{:>12.0f}{:>12.0f}", name, what, times.p50,
-                     times.p99, times.p999, times.worst_code, times.worst);
+std::string line(const std::string& name, const char* motion, const StepTimes& times) {
+  return fmt::format("{:<8}{:<14}{:>9.0f}{:>9.0f}{:>9.0f}{:>12.0f}{:>12.0f}", name, motion,
+                     times.p50, times.p99, times.p999, times.worst_code, times.worst);
 }
 
 std::string opensees_line(const BearingResult& result) {
@@ -70,10 +70,10 @@ std::string upper(std::string text) {
 }  // namespace
 
 std::string to_json(const BearingReport& report) {
-  json out = {{"format", kFormat},           {"result", to_text(report.result)},
+  Json out = {{"format", kFormat},           {"result", to_text(report.result)},
               {"troubles", report.troubles}, {"passes", report.passes},
-              {"steps", report.steps},       {"machine", json::parse(to_json(report.machine))},
-              {"bearings", json::array()}};
+              {"steps", report.steps},       {"machine", Json::parse(to_json(report.machine))},
+              {"bearings", Json::array()}};
   for (const auto& result : report.bearings) out["bearings"].push_back(document(result));
   return out.dump(2) + "\n";
 }
@@ -82,12 +82,12 @@ std::string to_text(const BearingReport& report) {
   std::string out = to_text(report.machine);
   out += fmt::format("{} passes of {} steps at 1 kHz, each step timed [ns]\n\n", report.passes,
                      report.steps);
-  out += fmt::format("{:<22}{:>9}{:>9}{:>9}{:>12}{:>12}{:>8}  verdict\n", "bearing", "p50", "p99",
+  out += fmt::format("{:<22}{:>9}{:>9}{:>9}{:>12}{:>12}{:>8}  result\n", "bearing", "p50", "p99",
                      "p99.9", "worst code", "worst seen", "goal");
   for (const auto& result : report.bearings) {
     out += line(result.name, "earthquake", result.earthquake);
     out += fmt::format("{:>8}  {}\n", result.goal > 0 ? fmt::format("{:.0f}", result.goal) : "-",
-                       to_text(result.verdict));
+                       to_text(result.gate_result));
     out += line("", "adversity", result.adversarial) + "\n";
     out += fmt::format("{:<8}with four derivatives {:.1f} times; one of 486 in a loop {:.0f} ns\n",
                        "", result.dual_ratio, result.in_loop);

@@ -12,8 +12,8 @@ constexpr int kWaves = 40;
 constexpr double kLowest = 0.2, kHighest = 8;  // [Hz]
 constexpr double kLoadVariation = 0.8;         // [-]
 
-// A sum of sines whose displacements fall with the square of the frequency above 0.7 Hz, as those
-// of an isolated building do; scaled so that it reaches about ±1.
+// A sum of sines. Above 0.7 Hz their displacements fall with the square of the frequency, as in an
+// isolated building. Scaled to about ±1.
 class Wave {
  public:
   explicit Wave(std::uint64_t seed) {
@@ -47,8 +47,8 @@ class Wave {
   std::vector<Sine> sines_;
 };
 
-void load(sim::Quantities<double>& q, const Demand& demand, double part) {
-  q.axial_load = demand.axial_load * part;
+void load(sim::Quantities<double>& q, const Demand& demand, double factor) {
+  q.axial_load = demand.axial_load * factor;
   q.vertical_displacement = -q.axial_load / demand.vertical_stiffness;
 }
 
@@ -67,7 +67,7 @@ Shaking earthquake(const Demand& demand, int steps) {
       q.displacement[axis] = demand.amplitude * entry * waves[axis].at(t);
       q.velocity[axis] = demand.amplitude * entry * waves[axis].rate_at(t);
     }
-    // Vertical motion is quicker.
+    // Vertical motion has higher frequencies.
     load(q, demand, 1 + kLoadVariation * vertical.at(5 * t));
   }
   return shaking;
@@ -82,9 +82,9 @@ Shaking adversity(const Demand& demand, int steps) {
     auto& q = shaking[static_cast<std::size_t>(i)];
     q.time = (i + 1) * kTimeStep;
     const double size = demand.amplitude * std::pow(10.0, 3 * uniform());
-    const bool stands = i % 17 == 0, lifts = i % 5 == 0;
+    const bool rests = i % 17 == 0, lifts = i % 5 == 0;
     for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
-      q.displacement[axis] = stands ? before[axis] : size * uniform();
+      q.displacement[axis] = rests ? before[axis] : size * uniform();
       q.velocity[axis] = (q.displacement[axis] - before[axis]) / kTimeStep;
     }
     load(q, demand, lifts ? -0.5 : 1 + 2 * std::abs(uniform()));

@@ -5,21 +5,21 @@
 
 namespace rths::bench {
 
-inline constexpr double kTimeStep = 1e-3;  ///< of everything that is measured [s]
+inline constexpr double kTimeStep = 1e-3;  ///< of all measurements [s]
 
-/// How far a bearing is moved, and what it carries.
+/// Motion and load of a bearing.
 struct Demand {
   double amplitude = 0;           ///< of each axis [m]
   double axial_load = 0;          ///< mean [N]
-  double vertical_stiffness = 0;  ///< load as vertical displacement [N/m]
+  double vertical_stiffness = 0;  ///< converts the load to vertical displacement [N/m]
 };
 
-/// Like a violent earthquake: both axes at once, many frequencies from 0.2 to 8 Hz, the load
-/// varying by up to 80 %. The same on every machine.
+/// A strong earthquake: both axes at once, many frequencies from 0.2 to 8 Hz, load variation up to
+/// 80 %. The same on every machine.
 [[nodiscard]] Shaking earthquake(const Demand& demand, int steps);
 
-/// What no bearing meets and no step may take long for: jumps to and fro of all sizes up to a
-/// thousand times the amplitude, everything at its stops, uplift and landing, standstill.
+/// A worst case beyond any real motion, to bound the time of a step: jumps in both directions up to
+/// a thousand times the amplitude, stops, uplift and landing, standstill.
 [[nodiscard]] Shaking adversity(const Demand& demand, int steps);
 
 }  // namespace rths::bench

@@ -6,7 +6,7 @@ namespace {
 
 constexpr double kAxialLoad = 9.7e6;  // [N]
 
-// Lead-rubber, with the five effects that the element has.
+// Lead-rubber, with the five effects of the element.
 constexpr const char* kLeadRubber = R"({
   "element": ["LeadRubberX", 1.01e6, 0.0118, 0.796e6, 2e9, 0.3586, 1.35, 0.005, 0.01, 25,
               0, 0, 1, 1, 0, 0, 10, 0.5, 1, 0.5, 0, 0, 0, 11200, 130, 50, 1.41e-5, 1, 1, 1, 1, 1]

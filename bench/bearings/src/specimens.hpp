@@ -8,14 +8,14 @@
 
 namespace rths::bench {
 
-/// A bearing that is measured.
+/// A bearing of the benchmark.
 struct Specimen {
-  std::string name;  ///< of its file in the folder of compositions, less ".toml"
+  std::string name;  ///< of its file in the folder of compositions, without ".toml"
   std::string title;
   Demand demand;
-  bool vertical = false;  ///< axial load from vertical displacement; else it is given
-  double goal = 0;        ///< on the median of a step [ns]; 0: none
-  std::string opensees;   ///< the same bearing there, as JSON
+  bool vertical = false;  ///< true: axial load from vertical displacement; false: load given
+  double goal = 0;        ///< for the median of a step [ns]; 0: none
+  std::string opensees;   ///< the same bearing in OpenSees, as JSON
 };
 
 [[nodiscard]] std::vector<Specimen> all_specimens();

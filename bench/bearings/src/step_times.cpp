@@ -11,8 +11,8 @@
 namespace rths::bench {
 namespace {
 
-// What stepping computes must be wanted by somebody.
-volatile double witness;
+// Keeps the compiler from removing the computation.
+volatile double sink;
 
 template <class Real>
 sim::Quantities<Real> converted(const sim::Quantities<double>& from) {
@@ -37,7 +37,7 @@ double pass_time(const sim::Composition& composition, const std::vector<Real>& p
   for (const auto& inputs : shaking) {
     auto q = converted<Real>(inputs);
     composition.advance(parameters, state, q);
-    witness = sim::value_of(q.force[0]);
+    sink = sim::value_of(q.force[0]);
   }
   return static_cast<double>(stamp_between() - begun) * tick / static_cast<double>(shaking.size());
 }
@@ -56,7 +56,7 @@ StepTimes step_times(const sim::Composition& composition, const Shaking& shaking
       const std::uint64_t begun = stamp_between();
       composition.advance(state, q);
       const std::uint64_t after = stamp_between();
-      witness = q.force[0];
+      sink = q.force[0];
       const auto ticks = static_cast<double>(after - begun) - static_cast<double>(begun - before);
       const double time = std::max(1.0, ticks) * tick;
       all.push_back(time);
@@ -90,12 +90,12 @@ double loop_time(const sim::Composition& composition, const Shaking& shaking, in
     const std::uint64_t begun = stamp_between();
     for (std::size_t b = 0; b < count; ++b) {
       sim::Quantities<double> q = inputs;
-      // Rotation of the building moves each a little differently.
-      const double part = 1 + 0.1 * static_cast<double>(b) / static_cast<double>(count);
+      // Each bearing moves slightly differently, as in a building that rotates.
+      const double factor = 1 + 0.1 * static_cast<double>(b) / static_cast<double>(count);
       for (auto* pair : {&q.displacement, &q.velocity})
-        for (double& component : *pair) component *= part;
+        for (double& component : *pair) component *= factor;
       composition.advance(std::span{state}.subspan(b * states, states), q);
-      witness = q.force[0];
+      sink = q.force[0];
     }
     times.push_back(static_cast<double>(stamp_between() - begun) * tick / bearings);
   }

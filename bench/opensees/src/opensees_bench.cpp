@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::steady_clock;
 
-constexpr std::size_t kDoubles = 256;  // of a message: OpenSees' default
+constexpr std::size_t kDoubles = 256;  // length of a message: OpenSees' default
 constexpr double kTrial = 3, kForce = 10, kEnd = 99;
 constexpr int kWarmUp = 200;  // round trips
 constexpr std::chrono::seconds kToStart{20}, kLongest{600};
@@ -39,7 +39,7 @@ std::span<std::byte> bytes_of(Message& message) {
   return std::as_writable_bytes(std::span{message});
 }
 
-// A ring with nothing on it but the server of an element and an echo.
+// A ring with two nodes: the server of an element and an echo.
 std::string experiment(Transport transport, std::uint16_t port, const fs::path& motion) {
   return fmt::format(R"(format = 1
 name = "round_trip"
@@ -60,12 +60,13 @@ dofs = ["long", "lat"]
                      motion.string(), port, transport == Transport::Tcp ? "tcp" : "udp");
 }
 
-/// The run at the other end, in a folder that goes with it. It ends when its element does.
+/// The run at the other end, in a temporary folder. It ends when its element ends.
 class Run {
  public:
   Run(Transport transport, std::uint16_t port, const fs::path& programs) {
     std::string name = (fs::temp_directory_path() / "rths_trip_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw Error{"no temporary folder for the run"};
+    if (mkdtemp(name.data()) == nullptr)
+      throw Error{"cannot create a temporary folder for the run"};
     folder_ = name;
     const fs::path motion = folder_ / "still.csv", file = folder_ / "trip.toml";
     std::ofstream{motion} << "t,a,b\n0,0,0\n0.01,0,0\n0.02,0,0\n";
@@ -89,7 +90,7 @@ class Run {
   std::future<std::string> output_;
 };
 
-/// What OpenSees says of a step: a trial, then the question for its force.
+/// The messages of an OpenSees step: a trial, then the request for its force.
 class Element {
  public:
   Element(Transport transport, std::uint16_t port)
@@ -101,23 +102,22 @@ class Element {
     Message end{kEnd};
     try {
       socket_.send(bytes_of(end));
-    } catch (const Error&) {  // it is gone already
+    } catch (const Error&) {  // the run has ended already
     }
   }
   Element(const Element&) = delete;
   Element& operator=(const Element&) = delete;
 
-  /// @throws Error if the force is not that of what was moved
+  /// @throws Error if the force does not belong to the displacement
   void step() {
     const double displacement = ++steps_ % 1000 * 1e-6;
-    Message trial{kTrial, displacement, -displacement}, question = trial;
-    question[0] = kForce;
+    Message trial{kTrial, displacement, -displacement}, request = trial;
+    request[0] = kForce;
     socket_.send(bytes_of(trial));
-    socket_.send(bytes_of(question));
-    socket_.receive(bytes_of(question));
-    if (std::abs(question[0] - 1e6 * displacement) > 1e-3)
-      throw Error{
-          fmt::format("a force of {} N came back, expected {}", question[0], 1e6 * displacement)};
+    socket_.send(bytes_of(request));
+    socket_.receive(bytes_of(request));
+    if (std::abs(request[0] - 1e6 * displacement) > 1e-3)
+      throw Error{fmt::format("the force is {} N, expected {}", request[0], 1e6 * displacement)};
   }
 
  private:
@@ -171,7 +171,7 @@ TripResult trips_over(Transport transport, const OpenseesBenchOptions& options, 
   result.ratio_p50 = median(ratios);
   result.ratio_interval = median_interval(ratios, kSeed);
   result.ratio_p99 = median(tails);
-  result.verdict = result.ratio_p50 <= kMostOfBare ? GateResult::Pass : GateResult::Fail;
+  result.gate_result = result.ratio_p50 <= kMostOfBare ? GateResult::Pass : GateResult::Fail;
   return result;
 }
 
@@ -183,7 +183,7 @@ OpenseesBenchReport run_opensees_bench(const OpenseesBenchOptions& options) {
   report.cycles = options.cycles;
   report.round_trips = options.round_trips;
   if (!report.machine.chosen) {
-    report.troubles.emplace_back("one processor only: nothing here runs beside something else");
+    report.troubles.emplace_back("only one processor is available, a measurement needs two");
     return report;
   }
   const Cpus cpus = report.machine.chosen->cpus;
@@ -193,11 +193,11 @@ OpenseesBenchReport run_opensees_bench(const OpenseesBenchOptions& options) {
   report.steal = load.so_far().steal;
   if (report.steal > kMostSteal)
     report.troubles.push_back(
-        fmt::format("the host took {:.1f} % of the processors' time, more than {:g} %",
+        fmt::format("the host used {:.1f} % of the processors' time, expected at most {:g} %",
                     100 * report.steal, 100 * kMostSteal));
   report.result = GateResult::Pass;
   for (const auto& trip : report.trips)
-    if (trip.verdict == GateResult::Fail)
+    if (trip.gate_result == GateResult::Fail)
       report.result = report.troubles.empty() ? GateResult::Fail : GateResult::Inconclusive;
   return report;
 }

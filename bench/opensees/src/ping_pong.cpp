@@ -13,36 +13,36 @@
 namespace rths::bench {
 namespace {
 
-constexpr std::chrono::seconds kPatience{5};
+constexpr std::chrono::seconds kTimeout{5};
 
-// Sent at once, not when there is more.
-void hurry(const Socket& socket) {
+// Sends every message at once, without waiting for more data.
+void disable_nagle(const Socket& socket) {
   const int yes = 1;
   setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
 }
 
-// From its first letter on a socket of UDP belongs to that client.
-Socket accepted(Transport transport, const Socket& served) {
-  const char* const late = "the ping-pong's client does not come";
+// Accepts the client. A UDP socket connects to the sender of its first message.
+Socket accepted(Transport transport, const Socket& server) {
+  const char* const late = "the ping-pong's client did not connect";
   sockaddr_in from{};
   socklen_t size = sizeof from;
   auto* const address = static_cast<sockaddr*>(static_cast<void*>(&from));
   if (transport == Transport::Tcp) {
-    Socket socket{accept4(served.get(), address, &size, SOCK_CLOEXEC)};
+    Socket socket{accept4(server.get(), address, &size, SOCK_CLOEXEC)};
     if (socket.get() < 0) throw Error{late};
-    hurry(socket);
+    disable_nagle(socket);
     return socket;
   }
   char hello = 0;
-  if (recvfrom(served.get(), &hello, 1, 0, address, &size) != 1 ||
-      connect(served.get(), address, size) != 0 || send(served.get(), "b", 1, 0) != 1)
+  if (recvfrom(server.get(), &hello, 1, 0, address, &size) != 1 ||
+      connect(server.get(), address, size) != 0 || send(server.get(), "b", 1, 0) != 1)
     throw Error{late};
-  return Socket{dup(served.get())};
+  return Socket{dup(server.get())};
 }
 
-// Until the client is gone, or this process killed.
-void answer(Transport transport, const Socket& served, std::size_t length) {
-  const Socket socket = accepted(transport, served);
+// Runs until the client disconnects or this process is killed.
+void answer(Transport transport, const Socket& server, std::size_t length) {
+  const Socket socket = accepted(transport, server);
   std::vector<std::byte> message(length);
   for (;;) {
     socket.receive(message);
@@ -51,8 +51,8 @@ void answer(Transport transport, const Socket& served, std::size_t length) {
 }
 
 Socket connected(Transport transport, std::uint16_t port) {
-  Socket socket = connect_to(transport, port, kPatience);
-  if (transport == Transport::Tcp) hurry(socket);
+  Socket socket = connect_to(transport, port, kTimeout);
+  if (transport == Transport::Tcp) disable_nagle(socket);
   return socket;
 }
 
@@ -60,13 +60,13 @@ Socket connected(Transport transport, std::uint16_t port) {
 
 PingPong::PingPong(Transport transport, std::size_t length, int cpu)
     : port_{free_port()},
-      served_{serve(transport, port_)},
-      partner_{cpu, [&] { answer(transport, served_, length); }},
-      asking_{connected(transport, port_)} {}
+      server_{serve(transport, port_)},
+      partner_{cpu, [&] { answer(transport, server_, length); }},
+      client_{connected(transport, port_)} {}
 
 void PingPong::exchange(std::span<std::byte> message) const {
-  asking_.send(message);
-  asking_.receive(message);
+  client_.send(message);
+  client_.receive(message);
 }
 
 }  // namespace rths::bench

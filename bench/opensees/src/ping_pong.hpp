@@ -7,21 +7,21 @@
 
 namespace rths::bench {
 
-/// Answers every message with one of the same length, as fast as the system lets it: what a round
-/// trip takes of which the socket is all.
+/// Answers every message at once with one of the same length: the time of a round trip through the
+/// socket alone.
 class PingPong {
  public:
-  /// Forks. @throws Error if it cannot be set up
+  /// Forks the answering process. @throws Error if that or the connection fails
   PingPong(Transport transport, std::size_t length, int cpu);
 
-  /// Sends a message and puts the answer in its place. @throws Error if there is none
+  /// Sends a message and overwrites it with the answer. @throws Error if there is none
   void exchange(std::span<std::byte> message) const;
 
  private:
   std::uint16_t port_;
-  Socket served_;
+  Socket server_;
   Partner partner_;
-  Socket asking_;
+  Socket client_;
 };
 
 }  // namespace rths::bench

@@ -7,17 +7,17 @@
 namespace rths::bench {
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
-// Bumped when a reader of the document would take something for something else.
+// Incremented when existing readers would misread the document.
 constexpr int kFormat = 1;
 
-json document(const Times& times) { return {{"p50_ns", times.p50}, {"p99_ns", times.p99}}; }
+Json document(const Times& times) { return {{"p50_ns", times.p50}, {"p99_ns", times.p99}}; }
 
 }  // namespace
 
 std::string to_json(const OpenseesBenchReport& report) {
-  json trips = json::array();
+  Json trips = Json::array();
   for (const auto& trip : report.trips)
     trips.push_back({{"protocol", trip.protocol},
                      {"through_ring", document(trip.through_ring)},
@@ -26,9 +26,9 @@ std::string to_json(const OpenseesBenchReport& report) {
                      {"ratio_p50_95", {trip.ratio_interval.low, trip.ratio_interval.high}},
                      {"ratio_p99", trip.ratio_p99},
                      {"at_most", kMostOfBare},
-                     {"verdict", to_text(trip.verdict)}});
-  const json document = {{"format", kFormat},
-                         {"machine", json::parse(to_json(report.machine))},
+                     {"verdict", to_text(trip.gate_result)}});
+  const Json document = {{"format", kFormat},
+                         {"machine", Json::parse(to_json(report.machine))},
                          {"cycles", report.cycles},
                          {"round_trips", report.round_trips},
                          {"trips", trips},
@@ -48,7 +48,7 @@ std::string to_text(const OpenseesBenchReport& report) {
         trip.through_ring.p50 / 1e3, trip.through_ring.p99 / 1e3, trip.bare.p50 / 1e3,
         trip.bare.p99 / 1e3, trip.ratio_p50,
         fmt::format("{:.2f} to {:.2f}", trip.ratio_interval.low, trip.ratio_interval.high),
-        trip.ratio_p99, to_text(trip.verdict));
+        trip.ratio_p99, to_text(trip.gate_result));
   for (const auto& trouble : report.troubles) text += trouble + "\n";
   return text + fmt::format("{}: at most {:g} times the bare ping-pong at the median\n",
                             to_text(report.result), kMostOfBare);

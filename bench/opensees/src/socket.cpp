@@ -17,10 +17,10 @@
 namespace rths::bench {
 namespace {
 
-constexpr timeval kPatience{10, 0};
+constexpr timeval kSocketTimeout{10, 0};
 
-[[noreturn]] void fail(const char* what) {
-  throw Error{fmt::format("{}: {}", what, std::strerror(errno))};
+[[noreturn]] void fail(const char* problem) {
+  throw Error{fmt::format("{}: {}", problem, std::strerror(errno))};
 }
 
 sockaddr_in address_of(std::uint16_t port) {
@@ -31,7 +31,7 @@ sockaddr_in address_of(std::uint16_t port) {
   return address;
 }
 
-// What the system calls take.
+// An address as the system calls expect it.
 struct Address {
   sockaddr_in in;
   [[nodiscard]] sockaddr* get() { return static_cast<sockaddr*>(static_cast<void*>(&in)); }
@@ -40,9 +40,9 @@ struct Address {
 int open(Transport transport) {
   const int fd =
       socket(AF_INET, (transport == Transport::Tcp ? SOCK_STREAM : SOCK_DGRAM) | SOCK_CLOEXEC, 0);
-  if (fd < 0) fail("no socket");
-  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &kPatience, sizeof kPatience);
-  setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &kPatience, sizeof kPatience);
+  if (fd < 0) fail("cannot create a socket");
+  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &kSocketTimeout, sizeof kSocketTimeout);
+  setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &kSocketTimeout, sizeof kSocketTimeout);
   return fd;
 }
 
@@ -68,22 +68,23 @@ void Socket::receive(std::span<std::byte> message) const {
   }
 }
 
-Socket connect_to(Transport transport, std::uint16_t port, std::chrono::seconds patience) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
+Socket connect_to(Transport transport, std::uint16_t port, std::chrono::seconds timeout) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
   Address address{address_of(port)};
   for (;;) {
     Socket socket{open(transport)};
-    bool is_there = connect(socket.get(), address.get(), sizeof address.in) == 0;
-    if (is_there && transport == Transport::Udp) {
+    bool is_connected = connect(socket.get(), address.get(), sizeof address.in) == 0;
+    if (is_connected && transport == Transport::Udp) {
       const char hello = 'a';
       char answer = 0;
       constexpr timeval kShort{0, 200'000};
       setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &kShort, sizeof kShort);
-      is_there = ::send(socket.get(), &hello, 1, 0) == 1 && recv(socket.get(), &answer, 1, 0) == 1;
-      setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &kPatience, sizeof kPatience);
+      is_connected =
+          ::send(socket.get(), &hello, 1, 0) == 1 && recv(socket.get(), &answer, 1, 0) == 1;
+      setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &kSocketTimeout, sizeof kSocketTimeout);
     }
-    if (is_there) return socket;
-    if (std::chrono::steady_clock::now() > deadline) fail("nobody answers");
+    if (is_connected) return socket;
+    if (std::chrono::steady_clock::now() > deadline) fail("cannot connect");
     std::this_thread::sleep_for(std::chrono::milliseconds{20});
   }
 }
@@ -91,7 +92,7 @@ Socket connect_to(Transport transport, std::uint16_t port, std::chrono::seconds 
 Socket serve(Transport transport, std::uint16_t port) {
   Socket socket{open(transport)};
   Address address{address_of(port)};
-  if (bind(socket.get(), address.get(), sizeof address.in) != 0) fail("no port");
+  if (bind(socket.get(), address.get(), sizeof address.in) != 0) fail("cannot bind a port");
   if (transport == Transport::Tcp && listen(socket.get(), 1) != 0) fail("cannot listen");
   return socket;
 }
@@ -100,7 +101,7 @@ std::uint16_t free_port() {
   const Socket probe = serve(Transport::Tcp, 0);
   Address address{};
   socklen_t size = sizeof address.in;
-  if (getsockname(probe.get(), address.get(), &size) != 0) fail("no port");
+  if (getsockname(probe.get(), address.get(), &size) != 0) fail("cannot read the port");
   return ntohs(address.in.sin_port);
 }
 

@@ -46,7 +46,7 @@ CycleFile::CycleFile(const std::filesystem::path& folder, int number, std::uint3
     : path_{folder.empty() ? folder : folder / fmt::format("cycle-{:02}.json", number)},
       round_trips_{round_trips} {}
 
-// A file that is no cycle is as good as none: the cycle is measured again and the file replaced.
+// An unreadable file counts as missing: the cycle is measured again and the file replaced.
 std::optional<Cycle> CycleFile::read(const std::vector<Row>& rows) const {
   std::ifstream file{path_};
   if (path_.empty() || !file) return std::nullopt;
@@ -54,7 +54,7 @@ std::optional<Cycle> CycleFile::read(const std::vector<Row>& rows) const {
     const json kept = json::parse(file);
     if (kept.at("round_trips") != round_trips_) return std::nullopt;
     Cycle cycle = cycle_from(kept);
-    // A row that was missing may have come with a package since.
+    // A row that was missing is measured again: its package may be installed now.
     const bool whole = std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
       const auto outcome = cycle.outcomes.find(row.name);
       return outcome != cycle.outcomes.end() && outcome->second.pairing;
@@ -71,7 +71,7 @@ void CycleFile::write(const Cycle& cycle) const {
                {"load", {{"other", cycle.load.other}, {"steal", cycle.load.steal}}}};
   for (const auto& [name, outcome] : cycle.outcomes) kept["rows"][name] = to_json(outcome);
   std::filesystem::create_directories(path_.parent_path());
-  // Under its name there is a whole file or none.
+  // Renames a finished file, so that an interruption leaves no incomplete one.
   const auto unfinished = std::filesystem::path{path_} += ".tmp";
   std::ofstream{unfinished} << kept.dump(2) << '\n';
   std::error_code problem;

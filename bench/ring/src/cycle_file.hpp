@@ -10,12 +10,12 @@
 
 namespace rths::bench {
 
-/// One measured cycle in a file, so that an interrupted run goes on where it was.
+/// One measured cycle in a file, so that an interrupted run can be continued.
 class CycleFile {
  public:
   /// @param folder  empty: nothing is read or written
   CycleFile(const std::filesystem::path& folder, int number, std::uint32_t round_trips);
-  /// The cycle, if it was kept with as many round trips and all these rows were measured in it.
+  /// The stored cycle, if it has the same number of round trips and measured all these rows.
   [[nodiscard]] std::optional<Cycle> read(const std::vector<Row>& rows) const;
   void write(const Cycle& cycle) const;
 

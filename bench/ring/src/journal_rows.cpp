@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How fast journals are followed.
+// The rate at which a journal can be followed.
 #include <algorithm>
 #include <atomic>
 #include <optional>
@@ -14,39 +14,39 @@ namespace rths::bench {
 namespace {
 
 constexpr std::uint32_t kLongJournalBits = 20;  // 16 MiB: 10 ms at the fastest of these rates
-constexpr std::uint32_t kWrites = 8U << kLongJournalBits;  // who is too slow is lapped in as many
+constexpr std::uint32_t kWrites = 8U << kLongJournalBits;  // a slow follower loses some of these
 constexpr double kWriteTimes[] = {10, 20, 50, 1000};       // [ns]
 constexpr std::uint32_t kBurst = 16;
 
-/// Writes at a steady rate, in short bursts, while the other side follows.
-/// @returns time of a write, until the last was read [ns]; nothing if some were lost
+/// Writes at a constant rate, in short bursts, while the other side follows.
+/// @returns time per write until the last one was read [ns]; nothing if writes were lost
 std::optional<double> time_of_followed_write(const Workbench& bench, const BenchRing& ring,
                                              double write_time) {
   const Shared<std::atomic<std::uint32_t>> ready;
   const Shared<std::atomic<std::uint32_t>> lost;
   Partner reader{bench.setup.cpus.far, [&] {
-                   RingPlace place{ring, Side::Far};
-                   auto journal = place.ring.follow(place.in_partition);
+                   RingSide side{ring, Side::Far};
+                   auto journal = side.ring.follow(side.in_partition);
                    broker::Write write;
-                   Patience patience;
+                   SpinLimit limit;
                    ready->store(1, std::memory_order_release);
                    for (std::uint32_t n = 1; n <= kWrites && journal.lost() == 0;) {
                      if (journal.next(write) != broker::Followed::Write) {
-                       patience.spend();
+                       limit.count();
                        continue;
                      }
-                     patience.restore();
+                     limit.reset();
                      if (write.value != n++) throw Error{"a write was followed out of order"};
                    }
                    lost->store(journal.lost() == 0 ? 0 : 1);
                  }};
   const Pinned pinned{bench.setup.cpus.near};
-  RingPlace place{ring, Side::Near};
+  RingSide side{ring, Side::Near};
   await_ready(*ready, reader);
   const std::uint64_t begun = stamp();
   const auto since = [&] { return static_cast<double>(stamp() - begun) * bench.setup.tick; };
   for (std::uint32_t n = 1; n <= kWrites; ++n) {
-    static_cast<void>(place.node.write(advance(place.out, n % ring.longwords()), n));
+    static_cast<void>(side.node.write(advance(side.out, n % ring.longwords()), n));
     while (n % kBurst == 0 && since() < n * write_time) {
     }
   }

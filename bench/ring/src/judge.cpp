@@ -8,7 +8,7 @@
 namespace rths::bench {
 namespace {
 
-constexpr double kLargestSpread = 0.25;  // of raw: quartiles apart, of the median [-]
+constexpr double kLargestSpread = 0.25;  // of raw: interquartile range / median [-]
 
 bool is_paired_with_raw(const Row& row) {
   return row.quantity == Quantity::RatioToRaw || row.quantity == Quantity::TimesOurs;
@@ -21,12 +21,12 @@ const Pairing* pairing_in(const Cycle& cycle, const std::string& row) {
 
 double ratio(const Pairing& pairing) { return pairing.measured.p50 / pairing.reference.p50; }
 
-// What a row came to in each of some cycles.
+// Results of a row in several cycles.
 struct Series {
   std::vector<double> p50, p99, ratio_p50, ratio_p99, value;
 };
 
-// Whether the machine was itself meanwhile.
+// True if the reference time is plausible for an undisturbed machine.
 bool is_plausible(const Row& row, const Pairing& pairing) {
   if (row.quantity == Quantity::ExtraTime) return pairing.reference.p50 <= kLongestPlainStore;
   const double raw = is_paired_with_raw(row) ? pairing.reference.p50 : pairing.raw;
@@ -86,7 +86,7 @@ GateResult gate_result_of(const RowResult& result) {
                                                                           : GateResult::Fail;
 }
 
-std::string load_trouble(const std::vector<Cycle>& cycles) {
+std::string load_problem(const std::vector<Cycle>& cycles) {
   std::size_t quiet = 0;
   Load worst;
   for (const Cycle& cycle : cycles) {
@@ -95,12 +95,12 @@ std::string load_trouble(const std::vector<Cycle>& cycles) {
   }
   if (2 * quiet >= cycles.size()) return "";
   return fmt::format(
-      "the machine is busy: {} of {} cycles were quiet; others took up to {:.0f} %, the host up to "
-      "{:.1f} % of the two processors",
+      "the machine is busy: {} of {} cycles were quiet; other processes used up to {:.0f} %, the "
+      "host up to {:.1f} % of the two processors",
       quiet, cycles.size(), worst.other * 100, worst.steal * 100);
 }
 
-std::string raw_trouble(const RawSpread& raw) {
+std::string raw_problem(const RawSpread& raw) {
   if (raw.median <= 0) return "";
   if (raw.median < kPlausibleRaw.low || raw.median > kPlausibleRaw.high)
     return fmt::format("raw takes {:.0f} ns, expected {:.0f} to {:.0f}", raw.median,
@@ -110,25 +110,25 @@ std::string raw_trouble(const RawSpread& raw) {
   return "";
 }
 
-std::string missing_trouble(const std::vector<RowResult>& results) {
+std::string missing_problem(const std::vector<RowResult>& results) {
   std::string rows;
   for (const RowResult& result : results)
-    if (result.row.gate && result.verdict == GateResult::Missing)
+    if (result.row.gate && result.gate_result == GateResult::Missing)
       rows += fmt::format("{}{} ({})", rows.empty() ? "" : ", ", result.row.name, result.missing);
   return rows.empty() ? "" : "not measured: " + rows;
 }
 
-std::string noise_trouble(const std::vector<RowResult>& results) {
+std::string noise_problem(const std::vector<RowResult>& results) {
   std::string rows;
   for (const RowResult& result : results)
-    if (result.verdict == GateResult::Inconclusive) rows += " " + result.row.name;
+    if (result.gate_result == GateResult::Inconclusive) rows += " " + result.row.name;
   return rows.empty() ? "" : "too few quiet cycles for" + rows;
 }
 
 }  // namespace
 
-const char* to_text(GateResult verdict) noexcept {
-  switch (verdict) {
+const char* to_text(GateResult gate_result) noexcept {
+  switch (gate_result) {
     case GateResult::Pass:
       return "pass";
     case GateResult::Fail:
@@ -160,7 +160,7 @@ RowResult judge_row(const Row& row, const std::vector<Cycle>& cycles, std::uint6
   }
   if (series.value.empty()) {
     result.missing = why_missing(row, cycles);
-    result.verdict = GateResult::Missing;
+    result.gate_result = GateResult::Missing;
     return result;
   }
   result.times = {median(series.p50), median(series.p99)};
@@ -170,7 +170,7 @@ RowResult judge_row(const Row& row, const std::vector<Cycle>& cycles, std::uint6
   result.value = median(series.value);
   result.value_interval = median_interval(series.value, seed);
   result.cycles = static_cast<int>(series.value.size());
-  result.verdict = gate_result_of(result);
+  result.gate_result = gate_result_of(result);
   return result;
 }
 
@@ -187,18 +187,18 @@ RawSpread raw_spread(const std::vector<Row>& rows, const std::vector<Cycle>& cyc
 
 std::vector<std::string> troubles(const Machine& machine, const std::vector<Cycle>& cycles,
                                   const std::vector<RowResult>& results, const RawSpread& raw) {
-  if (!machine.chosen) return {"only one processor may be used, and a measurement takes two"};
+  if (!machine.chosen) return {"only one processor is available, a measurement needs two"};
   std::vector<std::string> found;
   if (machine.chosen->siblings)
     found.push_back(fmt::format("processors {} and {} share a core", machine.chosen->cpus.near,
                                 machine.chosen->cpus.far));
   if (cycles.size() < kFewestCycles)
     found.push_back(
-        fmt::format("{} cycles say nothing, at least {} do", cycles.size(), kFewestCycles));
-  for (const auto& more : {load_trouble(cycles), raw_trouble(raw), missing_trouble(results)})
+        fmt::format("{} cycles are too few, expected at least {}", cycles.size(), kFewestCycles));
+  for (const auto& more : {load_problem(cycles), raw_problem(raw), missing_problem(results)})
     if (!more.empty()) found.push_back(more);
-  // That single rows are noisy is news only if nothing above explains it.
-  if (const auto noise = noise_trouble(results); found.empty() && !noise.empty())
+  // Reports noisy rows only if no reason above explains them.
+  if (const auto noise = noise_problem(results); found.empty() && !noise.empty())
     found.push_back(noise);
   return found;
 }
@@ -207,7 +207,7 @@ GateResult overall(const std::vector<RowResult>& results,
                    const std::vector<std::string>& troubles) {
   if (!troubles.empty()) return GateResult::Inconclusive;
   const bool failed = std::any_of(results.begin(), results.end(), [](const RowResult& result) {
-    return result.verdict == GateResult::Fail;
+    return result.gate_result == GateResult::Fail;
   });
   return failed ? GateResult::Fail : GateResult::Pass;
 }

@@ -13,7 +13,7 @@
 namespace rths::bench {
 namespace {
 
-// The columns of /proc/stat; guest time, which follows them, is counted in user and nice already.
+// The columns of /proc/stat. The following columns of guest time are included in user and nice.
 enum Column { kUser, kNice, kSystem, kIdle, kIoWait, kIrq, kSoftIrq, kSteal, kColumns };
 
 CpuTimes times_now(const Cpus& cpus) {
@@ -26,7 +26,7 @@ double seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-// Of this process and of those of its children that have ended.
+// Processor time of this process and of its children that have ended [s].
 double own_time() {
   double sum = 0;
   for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {

@@ -25,7 +25,7 @@ std::string first_line_of(const std::string& file) {
   return content.substr(0, content.find('\n'));
 }
 
-// What stands behind the colon of a line of /proc that starts with `key`.
+// The text behind the colon of a line of /proc that begins with `key`.
 std::string field_of(const std::string& text, const std::string& key) {
   const auto line = ("\n" + text).find("\n" + key);
   if (line == std::string::npos) return "";
@@ -36,22 +36,22 @@ std::string field_of(const std::string& text, const std::string& key) {
   return begin >= end ? "" : text.substr(begin, end - begin);
 }
 
-std::vector<CpuPlace> usable_cpus() {
+std::vector<CpuTopology> usable_cpus() {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   sched_getaffinity(0, sizeof allowed, &allowed);
-  std::vector<CpuPlace> places;
+  std::vector<CpuTopology> cpus;
   for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
     if (!CPU_ISSET(cpu, &allowed)) continue;
     const std::string folder = fmt::format("/sys/devices/system/cpu/cpu{}/topology/", cpu);
     const auto packages = parse_cpu_list(first_line_of(folder + "physical_package_id"));
-    places.push_back({cpu, packages.empty() ? 0 : packages.front(),
-                      parse_cpu_list(first_line_of(folder + "thread_siblings_list"))});
+    cpus.push_back({cpu, packages.empty() ? 0 : packages.front(),
+                    parse_cpu_list(first_line_of(folder + "thread_siblings_list"))});
   }
-  return places;
+  return cpus;
 }
 
-bool share_core(const CpuPlace& a, const CpuPlace& b) {
+bool share_core(const CpuTopology& a, const CpuTopology& b) {
   return std::find(a.siblings.begin(), a.siblings.end(), b.cpu) != a.siblings.end();
 }
 
@@ -86,19 +86,19 @@ std::vector<int> parse_cpu_list(std::string_view text) {
   return cpus;
 }
 
-std::optional<Choice> choose_cpus(std::vector<CpuPlace> places) {
-  if (places.size() < 2) return std::nullopt;
-  std::stable_partition(places.begin(), places.end(), [](const auto& p) { return p.cpu != 0; });
-  std::optional<Choice> elsewhere;  // on another package: farther, but a core of its own
-  for (std::size_t a = 0; a < places.size(); ++a)
-    for (std::size_t b = a + 1; b < places.size(); ++b) {
-      if (share_core(places[a], places[b])) continue;
-      const auto [near, far] = std::minmax(places[a].cpu, places[b].cpu);
-      if (places[a].package == places[b].package) return Choice{{near, far}, false};
+std::optional<Choice> choose_cpus(std::vector<CpuTopology> cpus) {
+  if (cpus.size() < 2) return std::nullopt;
+  std::stable_partition(cpus.begin(), cpus.end(), [](const auto& p) { return p.cpu != 0; });
+  std::optional<Choice> elsewhere;  // on another package: farther, but another core
+  for (std::size_t a = 0; a < cpus.size(); ++a)
+    for (std::size_t b = a + 1; b < cpus.size(); ++b) {
+      if (share_core(cpus[a], cpus[b])) continue;
+      const auto [near, far] = std::minmax(cpus[a].cpu, cpus[b].cpu);
+      if (cpus[a].package == cpus[b].package) return Choice{{near, far}, false};
       if (!elsewhere) elsewhere = Choice{{near, far}, false};
     }
   if (elsewhere) return elsewhere;
-  const auto [near, far] = std::minmax(places[0].cpu, places[1].cpu);
+  const auto [near, far] = std::minmax(cpus[0].cpu, cpus[1].cpu);
   return Choice{{near, far}, true};
 }
 

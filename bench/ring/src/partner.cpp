@@ -18,9 +18,10 @@
 namespace rths::bench {
 namespace {
 
-constexpr auto kLongestWait = std::chrono::seconds{10};  // a message takes some microseconds
+constexpr auto kLongestMessageWait =
+    std::chrono::seconds{10};  // a message takes a few microseconds
 
-void keep_to(int cpu) {
+void pin_to(int cpu) {
   cpu_set_t one;
   CPU_ZERO(&one);
   CPU_SET(cpu, &one);
@@ -32,7 +33,7 @@ void keep_to(int cpu) {
 
 Pinned::Pinned(int cpu) : before_(sizeof(cpu_set_t)) {
   sched_getaffinity(0, before_.size(), reinterpret_cast<cpu_set_t*>(before_.data()));
-  keep_to(cpu);
+  pin_to(cpu);
 }
 
 Pinned::~Pinned() {
@@ -51,21 +52,21 @@ SharedPages::~SharedPages() { munmap(address_, bytes_); }
 Partner::Partner(int cpu, const std::function<void()>& work) {
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ < 0) throw Error{fmt::format("no second process: {}", std::strerror(errno))};
+  if (pid_ < 0) throw Error{fmt::format("cannot start a second process: {}", std::strerror(errno))};
   if (pid_ > 0) return;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // The parent may have died before the kernel was asked to tell.
+  // The parent may have died before the prctl call.
   if (getppid() != parent) _exit(1);
   work_and_end(cpu, work);
 }
 
-// Ends without the destructors and buffers that it has inherited: those are the parent's.
+// Ends without running the inherited destructors and flushing the inherited buffers.
 void Partner::work_and_end(int cpu, const std::function<void()>& work) noexcept {
   try {
-    keep_to(cpu);
+    pin_to(cpu);
     work();
   } catch (const std::exception& error) {
-    std::snprintf(trouble_->text, sizeof trouble_->text, "%s", error.what());
+    std::snprintf(error_->text, sizeof error_->text, "%s", error.what());
     _exit(1);
   }
   _exit(0);
@@ -78,7 +79,7 @@ Partner::~Partner() {
 }
 
 void Partner::fail() const {
-  const std::string reason = trouble_->text;
+  const std::string reason = error_->text;
   throw Error{"the other side of the measurement ended" + (reason.empty() ? "" : ": " + reason)};
 }
 
@@ -95,13 +96,13 @@ void Partner::join() {
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) fail();
 }
 
-Patience::Patience(Partner* partner) : partner_{partner} {}
+SpinLimit::SpinLimit(Partner* partner) : partner_{partner} {}
 
-void Patience::look() {
+void SpinLimit::check() {
   if (partner_ != nullptr) partner_->expect_alive();
   const auto now = std::chrono::steady_clock::now();
-  if (rounds_ == kRoundsPerLook) first_look_ = now;
-  if (now - first_look_ > kLongestWait) throw Error{"a message did not come"};
+  if (rounds_ == kRoundsPerCheck) first_check_ = now;
+  if (now - first_check_ > kLongestMessageWait) throw Error{"a message did not arrive"};
 }
 
 }  // namespace rths::bench

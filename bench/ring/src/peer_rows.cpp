@@ -16,8 +16,8 @@ namespace rths::bench {
 namespace {
 
 constexpr auto kLongestRun = std::chrono::seconds{60};
-// The peers that are not judged go through the kernel: a wake-up takes as long as hundreds of
-// messages that need none.
+// The peers that are not judged use the kernel: a wake-up takes as long as hundreds of messages
+// without one.
 constexpr std::uint32_t kMostKernelRoundTrips = 4'000;
 
 Times run_peer(const Row& row, const Workbench& bench, const std::string& task) {
@@ -43,12 +43,12 @@ Pairing write_under_reader(const Row& row, const Workbench& bench, std::uint32_t
 }  // namespace
 
 Times parse_peer_line(const std::string& line) {
-  const auto said = nlohmann::json::parse(line, nullptr, false);
-  if (!said.is_object()) throw Error{fmt::format("expected one line of JSON, found '{}'", line)};
-  if (said.contains("error")) throw Error{said["error"].get<std::string>()};
-  if (!said.contains("p50_ns") || !said.contains("p99_ns"))
+  const auto result = nlohmann::json::parse(line, nullptr, false);
+  if (!result.is_object()) throw Error{fmt::format("expected one line of JSON, found '{}'", line)};
+  if (result.contains("error")) throw Error{result["error"].get<std::string>()};
+  if (!result.contains("p50_ns") || !result.contains("p99_ns"))
     throw Error{fmt::format("expected p50_ns and p99_ns, found '{}'", line)};
-  return {said["p50_ns"].get<double>(), said["p99_ns"].get<double>()};
+  return {result["p50_ns"].get<double>(), result["p99_ns"].get<double>()};
 }
 
 Pairing measure_peer(const Row& row, const Workbench& bench) {

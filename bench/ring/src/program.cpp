@@ -20,7 +20,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// Starts it with its standard output on `out`, everything else on nothing.
+// Starts a program with its standard output on `out`; standard input and error are /dev/null.
 pid_t start(const std::vector<std::string>& command, int out) {
   std::vector<std::string> words = command;
   std::vector<char*> argv;
@@ -39,7 +39,7 @@ pid_t start(const std::vector<std::string>& command, int out) {
   return pid;
 }
 
-// Until the stream is over; false if that takes too long.
+// Reads to the end of the stream; false if the deadline passes first.
 bool read_all(int stream, steady_clock::time_point deadline, std::string& into) {
   std::array<char, 4096> chunk{};
   for (;;) {
@@ -55,9 +55,9 @@ bool read_all(int stream, steady_clock::time_point deadline, std::string& into) 
 
 }  // namespace
 
-std::string output_of(const std::vector<std::string>& command, std::chrono::seconds patience) {
+std::string output_of(const std::vector<std::string>& command, std::chrono::seconds timeout) {
   std::array<int, 2> pipe_ends{};
-  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) throw Error{"no pipe to a program"};
+  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) throw Error{"cannot create a pipe"};
   std::string out;
   bool in_time = false;
   pid_t pid = -1;
@@ -69,12 +69,12 @@ std::string output_of(const std::vector<std::string>& command, std::chrono::seco
     close(pipe_ends[1]);
     throw;
   }
-  in_time = read_all(pipe_ends[0], steady_clock::now() + patience, out);
+  in_time = read_all(pipe_ends[0], steady_clock::now() + timeout, out);
   close(pipe_ends[0]);
   if (!in_time) kill(pid, SIGKILL);
   waitpid(pid, nullptr, 0);
   if (!in_time)
-    throw Error{fmt::format("{} was still at work after {} s", command[0], patience.count())};
+    throw Error{fmt::format("{} was still running after {} s", command[0], timeout.count())};
   return out;
 }
 

@@ -6,9 +6,9 @@
 namespace rths::bench {
 namespace {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
-// Bumped when a reader of the document would take something for something else.
+// Incremented when existing readers would misread the document.
 constexpr int kFormat = 1;
 
 const char* name_of(Quantity quantity) {
@@ -29,25 +29,26 @@ const char* name_of(Quantity quantity) {
   return "unknown";
 }
 
-json document(const Machine& machine) {
-  json out = {{"cpu", machine.cpu},
+Json document(const Machine& machine) {
+  Json out = {{"cpu", machine.cpu},
               {"processors", machine.processors},
               {"kernel", machine.kernel},
               {"hypervisor", machine.hypervisor},
               {"huge_pages", machine.huge_pages},
-              {"used", json::array()},
+              {"used", Json::array()},
               {"smt_siblings", machine.chosen && machine.chosen->siblings}};
   if (machine.chosen) out["used"] = {machine.chosen->cpus.near, machine.chosen->cpus.far};
   return out;
 }
 
-void add_gate(json& out, const std::string& suffix, const std::optional<Gate>& gate) {
-  out["goal" + suffix] = gate ? json(gate->goal) : json();
-  out["gate" + suffix] = gate ? json(gate->limit) : json();
+void add_gate(Json& out, const std::string& suffix, const std::optional<Gate>& gate) {
+  out["goal" + suffix] = gate ? Json(gate->goal) : Json();
+  out["gate" + suffix] = gate ? Json(gate->limit) : Json();
 }
 
-json document(const RowResult& result) {
-  json out = {{"name", result.row.name}, {"bytes", result.row.bytes}, {"what", result.row.what}};
+Json document(const RowResult& result) {
+  Json out = {
+      {"name", result.row.name}, {"bytes", result.row.bytes}, {"what", result.row.description}};
   if (result.row.is_peers()) out["against"] = result.row.peer->against;
   if (!result.missing.empty()) {
     out["missing"] = result.missing;
@@ -65,7 +66,7 @@ json document(const RowResult& result) {
   }
   add_gate(out, "", result.row.gate);
   add_gate(out, "_p99", result.row.tail_gate);
-  out["verdict"] = to_text(result.verdict);
+  out["verdict"] = to_text(result.gate_result);
   return out;
 }
 
@@ -74,7 +75,7 @@ json document(const RowResult& result) {
 std::string to_json(const Machine& machine) { return document(machine).dump(); }
 
 std::string to_json(const Report& report) {
-  json out = {{"format", kFormat},
+  Json out = {{"format", kFormat},
               {"result", to_text(report.result)},
               {"troubles", report.troubles},
               {"cycles", report.cycles},
@@ -85,8 +86,8 @@ std::string to_json(const Report& report) {
                {{"median", report.raw.median},
                 {"lower_quartile", report.raw.low},
                 {"upper_quartile", report.raw.high}}},
-              {"rows", json::array()},
-              {"peers", json::array()}};
+              {"rows", Json::array()},
+              {"peers", Json::array()}};
   for (const RowResult& result : report.rows)
     out[result.row.is_peers() ? "peers" : "rows"].push_back(document(result));
   return out.dump(2) + "\n";

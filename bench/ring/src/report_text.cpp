@@ -11,7 +11,7 @@ std::string nanoseconds(double value) {
 }
 
 std::string header(const std::string& value) {
-  return fmt::format("{:<24}{:>6}{:>10}{:>10}{:>10}{:>18}{:>8}{:>10}{:>7}{:>7}  verdict\n", "row",
+  return fmt::format("{:<24}{:>6}{:>10}{:>10}{:>10}{:>18}{:>8}{:>10}{:>7}{:>7}  result\n", "row",
                      "bytes", "p50 [ns]", "p99 [ns]", "ratio", "95 %", "p99", value, "goal",
                      "gate");
 }
@@ -19,15 +19,15 @@ std::string header(const std::string& value) {
 std::string line(const RowResult& result) {
   const std::string start = fmt::format("{:<24}{:>6}", result.row.name, result.row.bytes);
   if (!result.missing.empty()) return fmt::format("{}  missing: {}\n", start, result.missing);
-  const auto bound = [&](double Gate::*part) {
-    return result.row.gate ? fmt::format("{:.2f}", (*result.row.gate).*part) : std::string{"-"};
+  const auto bound = [&](double Gate::*bound_of) {
+    return result.row.gate ? fmt::format("{:.2f}", (*result.row.gate).*bound_of) : std::string{"-"};
   };
   return fmt::format(
       "{}{:>10}{:>10}{:>10.2f}{:>18}{:>8.2f}{:>10.2f}{:>7}{:>7}  {}{}\n", start,
       nanoseconds(result.times.p50), nanoseconds(result.times.p99), result.ratio_p50,
       fmt::format("{:.2f} to {:.2f}", result.ratio_interval.low, result.ratio_interval.high),
       result.ratio_p99, result.value, bound(&Gate::goal), bound(&Gate::limit),
-      to_text(result.verdict), result.noisy ? " (noisy)" : "");
+      to_text(result.gate_result), result.noisy ? " (noisy)" : "");
 }
 
 std::string table(const Report& report, bool peers) {

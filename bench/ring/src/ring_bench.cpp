@@ -16,7 +16,7 @@ Outcome measure(const Row& row, const Workbench& bench) {
   } catch (const Missing& missing) {
     return {std::nullopt, missing.what()};
   } catch (const Error& error) {
-    // A peer that does not work here takes nothing from the rest; a row of ours that fails does.
+    // A peer that fails is skipped; a row of ours that fails ends the run.
     if (row.is_peers()) return {std::nullopt, error.what()};
     throw Error{fmt::format("row '{}': {}", row.name, error.what())};
   }
@@ -27,7 +27,7 @@ Cycle measure_cycle(int number, const std::vector<Row>& rows, const Workbench& b
   Cycle cycle;
   const LoadMeter meter{bench.setup.cpus};
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    // Backwards every second time, so that a drift of the machine favours no row.
+    // Every second cycle in reverse order, so that a drift of the machine favours no row.
     const Row& row = rows[number % 2 == 0 ? i : rows.size() - 1 - i];
     if (options.progress) options.progress(number, row.name);
     cycle.outcomes[row.name] = measure(row, bench);

@@ -9,14 +9,13 @@ namespace rths::bench {
 namespace {
 
 constexpr std::uint32_t kLongwordsPerPair = 32;  // two cache lines, which processors fetch together
-constexpr std::uint32_t kMostAhead =
-    4096;  // a sender of its receiver, as the queue it is held against
+constexpr std::uint32_t kMostAhead = 4096;  // of the receiver; as in the queue it is compared with
 constexpr std::uint32_t kConfirmEvery = 1024;
 constexpr auto kLongestWait = std::chrono::seconds{1};
 constexpr const char* kNear = "near";
 constexpr const char* kFar = "far";
 
-// The far partition starts on lines of its own, one pair of lines behind the near one.
+// The far partition begins on lines of its own, one pair of lines behind the near one.
 LongwordOffset far_base(std::uint32_t longwords) {
   const std::uint32_t pairs = (longwords + kLongwordsPerPair - 1) / kLongwordsPerPair;
   return LongwordOffset{(pairs + 1) * kLongwordsPerPair};
@@ -51,7 +50,7 @@ BenchRing::BenchRing(std::uint32_t longwords, bool tear_group, std::uint32_t jou
 
 BenchRing::~BenchRing() { broker::remove_ring(name_); }
 
-RingPlace::RingPlace(const BenchRing& bench_ring, Side side)
+RingSide::RingSide(const BenchRing& bench_ring, Side side)
     : ring{broker::Ring::attach(bench_ring.name())},
       node{ring.join(side == Side::Near ? kNear : kFar, 0)},
       out{side == Side::Near ? LongwordOffset{0} : far_base(bench_ring.longwords())},
@@ -60,46 +59,46 @@ RingPlace::RingPlace(const BenchRing& bench_ring, Side side)
       in_partition{side == Side::Near ? kFar : kNear} {}
 
 StreamEnd::StreamEnd(const BenchRing& ring, Side side)
-    : place_{ring, side},
+    : side_{ring, side},
       longwords_{ring.longwords()},
-      follower_{place_.ring.follow(place_.in_partition)} {}
+      follower_{side_.ring.follow(side_.in_partition)} {}
 
 bool StreamEnd::offer(std::uint32_t number) {
   if (number - taken_ >= kMostAhead) {
-    taken_ = place_.node.read(place_.in);
+    taken_ = side_.node.read(side_.in);
     if (number - taken_ >= kMostAhead) return false;
   }
-  return place_.node.write(advance(place_.out, number % longwords_), number) == Status::Ok;
+  return side_.node.write(advance(side_.out, number % longwords_), number) == Status::Ok;
 }
 
 bool StreamEnd::take(std::uint32_t& number) {
   if (follower_.next(write_) != broker::Followed::Write) return false;
   number = write_.value;
-  if (++taken_ % kConfirmEvery == 0) static_cast<void>(place_.node.write(place_.out, taken_));
+  if (++taken_ % kConfirmEvery == 0) static_cast<void>(side_.node.write(side_.out, taken_));
   return true;
 }
 
 bool WaitEnd::arrived(std::uint32_t number) {
   if (waiter_.wait(WallClock{}.now() + kLongestWait, write_) != Status::Ok)
-    throw Error{"a word that was waited for did not come"};
+    throw Error{"an awaited word did not arrive"};
   return write_.value == number;
 }
 
 GroupEnd::GroupEnd(const BenchRing& ring, Side side)
-    : place_{ring, side},
-      out_group_{place_.ring.tear_group(place_.out_partition)},
-      in_group_{place_.ring.tear_group(place_.in_partition)},
+    : side_{ring, side},
+      out_group_{side_.ring.tear_group(side_.out_partition)},
+      in_group_{side_.ring.tear_group(side_.in_partition)},
       out_(ring.longwords(), 0),
       in_(ring.longwords(), 0) {}
 
 bool GroupEnd::arrived(std::uint32_t number) {
-  if (place_.node.read_group(in_group_, in_) != Status::Ok) return false;
+  if (side_.node.read_group(in_group_, in_) != Status::Ok) return false;
   if (in_.front() != in_.back()) throw Error{"a record was read torn"};
   return in_.back() == number;
 }
 
 void GroupEnd::read() {
-  if (place_.node.read_group(in_group_, in_) == Status::Ok && in_.front() != in_.back())
+  if (side_.node.read_group(in_group_, in_) == Status::Ok && in_.front() != in_.back())
     throw Error{"a record was read torn"};
 }
 

@@ -13,7 +13,7 @@
 
 namespace rths::bench {
 
-/// So that writes to any of them are told apart, and stay in the first cache.
+/// Number of words that fit the first-level cache.
 inline constexpr std::uint32_t kManyWords = 256;
 
 /// A ring in shared memory for one measurement: a node and a partition for each side.
@@ -36,52 +36,52 @@ class BenchRing {
   broker::Ring ring_;
 };
 
-/// A side's place on that ring; each process attaches to it by name, as any program would.
-struct RingPlace {
-  RingPlace(const BenchRing& bench_ring, Side side);
+/// The ring as one side uses it; each process attaches to it by name, as any program would.
+struct RingSide {
+  RingSide(const BenchRing& bench_ring, Side side);
 
   broker::Ring ring;
   broker::Node node;
-  LongwordOffset out, in;  ///< first longword of the own partition, and of the other's
+  LongwordOffset out, in;  ///< first longwords of the own partition and of the other side's
   std::string out_partition, in_partition;
 };
 
 /// Loose words: `Node::write` and `Node::read`.
 class WordEnd {
  public:
-  WordEnd(const BenchRing& ring, Side side) : place_{ring, side} {}
-  void send(std::uint32_t number) { static_cast<void>(place_.node.write(place_.out, number)); }
+  WordEnd(const BenchRing& ring, Side side) : side_{ring, side} {}
+  void send(std::uint32_t number) { static_cast<void>(side_.node.write(side_.out, number)); }
   [[nodiscard]] bool arrived(std::uint32_t number) const {
-    return place_.node.read(place_.in) == number;
+    return side_.node.read(side_.in) == number;
   }
 
  private:
-  RingPlace place_;
+  RingSide side_;
 };
 
-/// One of many words, noticed by following the other side's journal.
+/// One of many words, detected by following the other side's journal.
 class AnyWordEnd {
  public:
   AnyWordEnd(const BenchRing& ring, Side side)
-      : place_{ring, side},
+      : side_{ring, side},
         longwords_{ring.longwords()},
-        follower_{place_.ring.follow(place_.in_partition)} {}
+        follower_{side_.ring.follow(side_.in_partition)} {}
   void send(std::uint32_t number) {
-    static_cast<void>(place_.node.write(advance(place_.out, number % longwords_), number));
+    static_cast<void>(side_.node.write(advance(side_.out, number % longwords_), number));
   }
   [[nodiscard]] bool arrived(std::uint32_t number) {
     return follower_.next(write_) == broker::Followed::Write && write_.value == number;
   }
 
  private:
-  RingPlace place_;
+  RingSide side_;
   std::uint32_t longwords_;
   broker::Follower follower_;
   broker::Write write_{};
 };
 
-/// A stream of words, noticed like that. The receiver says in a word how far it has come, so that
-/// the sender does not outrun it.
+/// A stream of words, detected in the same way. The receiver writes its progress into a word, so
+/// that the sender stays within the journal's length.
 class StreamEnd {
  public:
   StreamEnd(const BenchRing& ring, Side side);
@@ -89,24 +89,24 @@ class StreamEnd {
   [[nodiscard]] bool take(std::uint32_t& number);
 
  private:
-  RingPlace place_;
+  RingSide side_;
   std::uint32_t longwords_;
-  std::uint32_t taken_ = 0;  ///< by the receiver, as far as the sender knows
+  std::uint32_t taken_ = 0;  ///< by the receiver, as last read by the sender
   broker::Follower follower_;
   broker::Write write_{};
 };
 
-/// A word that is waited for: `Ring::wait_for`.
+/// A word that the side waits for: `Ring::wait_for`.
 class WaitEnd {
  public:
   WaitEnd(const BenchRing& ring, Side side)
-      : place_{ring, side}, waiter_{place_.ring.wait_for({{place_.in}})} {}
-  void send(std::uint32_t number) { static_cast<void>(place_.node.write(place_.out, number)); }
-  /// @throws Error if there is nothing for a second
+      : side_{ring, side}, waiter_{side_.ring.wait_for({{side_.in}})} {}
+  void send(std::uint32_t number) { static_cast<void>(side_.node.write(side_.out, number)); }
+  /// @throws Error if no word arrives for a second
   [[nodiscard]] bool arrived(std::uint32_t number);
 
  private:
-  RingPlace place_;
+  RingSide side_;
   broker::Waiter waiter_;
   broker::Write write_{};
 };
@@ -119,15 +119,15 @@ class GroupEnd {
     fill(number);
     write();
   }
-  /// Reads the record whole, as often as it is asked. @throws Error if it is torn
+  /// Reads the whole record once. @throws Error if it is torn
   [[nodiscard]] bool arrived(std::uint32_t number);
 
   void fill(std::uint32_t number) { out_.front() = out_.back() = number; }
-  void write() { static_cast<void>(place_.node.write_group(out_group_, out_)); }
+  void write() { static_cast<void>(side_.node.write_group(out_group_, out_)); }
   void read();
 
  private:
-  RingPlace place_;
+  RingSide side_;
   TearGroupId out_group_, in_group_;
   std::vector<std::uint32_t> out_, in_;
 };

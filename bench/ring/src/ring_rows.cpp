@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Our rows: one small function each. A row that is timed by round trips measures raw first.
+// Our rows, one small function each. A row that is timed by round trips measures raw first.
 #include "ring_rows.hpp"
 
 #include <array>
@@ -14,8 +14,8 @@
 namespace rths::bench {
 namespace {
 
-// Words of one card page: sequential writes stay in the first cache, so that it is the write that
-// is timed and not the memory.
+// Words of one page: sequential writes stay in the first-level cache, so memory does not limit
+// them.
 constexpr std::uint32_t kPageLongwords = 1024;
 
 template <Poll poll, class End>
@@ -67,15 +67,15 @@ Pairing measure_write_cost(const Row&, const Workbench& bench) {
     std::atomic_ref{(*plain)[i % kPageLongwords]}.store(i, std::memory_order_release);
   });
   const BenchRing ring{kPageLongwords, false};
-  RingPlace place{ring, Side::Near};
+  RingSide side{ring, Side::Near};
   const Times writes = write_times(bench.setup, [&](std::uint32_t i) {
-    static_cast<void>(place.node.write(LongwordOffset{i % kPageLongwords}, i));
+    static_cast<void>(side.node.write(LongwordOffset{i % kPageLongwords}, i));
   });
   return {writes, stores};
 }
 
 Times write_group_under_reader(const Row& row, const Workbench& bench, std::uint32_t gap) {
-  // The reader is the far side and reads what the near side writes.
+  // The far side reads the group that the near side writes.
   const BenchRing ring{row.bytes / kBytesPerLongword, true};
   return write_times_under_reader(bench.setup, gap, [&](Side side) {
     return GroupEnd{ring, side};

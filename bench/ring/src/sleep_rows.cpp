@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What it takes to be woken. Both sides fall asleep before each message.
+// Wake-up times. Both sides sleep before each message.
 #include <linux/futex.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -16,10 +16,10 @@
 namespace rths::bench {
 namespace {
 
-constexpr double kWorkBeforeSending = 150'000;  // [ns]; nobody stays awake for as long
+constexpr double kWorkBeforeSending = 150'000;  // [ns]; longer than any side spins
 constexpr std::uint32_t kMostSleeps = 1'000;    // a round trip takes as long as a thousand others
 
-/// Another end, whose sides work before they send: the other one falls asleep meanwhile.
+/// An end whose sides work before they send, so that the other side falls asleep.
 template <class End>
 class SleepyEnd {
  public:
@@ -36,7 +36,7 @@ class SleepyEnd {
   double tick_;
 };
 
-/// A word that is a futex, and nothing else.
+/// A bare futex word.
 class FutexEnd {
  public:
   FutexEnd(RawLines& lines, Side side) : out_{lines.out(side)}, in_{lines.in(side)} {}
@@ -44,11 +44,11 @@ class FutexEnd {
     out_.store(number);
     futex(out_, FUTEX_WAKE, 1);
   }
-  // Awake for as long as a `Waiter` is, so that the processor has slept as long in both.
+  // Spins as long as a `Waiter`, so that the processor sleeps equally long in both.
   [[nodiscard]] bool arrived(std::uint32_t number) {
-    const auto drowsy = std::chrono::steady_clock::now() + std::chrono::microseconds{50};
+    const auto sleep_from = std::chrono::steady_clock::now() + std::chrono::microseconds{50};
     std::uint32_t found = in_.load();
-    for (; found != number && std::chrono::steady_clock::now() < drowsy; found = in_.load())
+    for (; found != number && std::chrono::steady_clock::now() < sleep_from; found = in_.load())
       pause();
     if (found == number) return true;
     futex(in_, FUTEX_WAIT, found);
@@ -65,7 +65,7 @@ class FutexEnd {
   std::atomic<std::uint32_t>& in_;
 };
 
-/// From the send to the look that finds it, the work before left out.
+/// One-way times from sending to receiving, without the work before sending.
 template <class MakeEnd>
 Times wake_times(const Workbench& bench, MakeEnd make_end) {
   Setup setup = bench.setup;

@@ -9,27 +9,27 @@ namespace rths::bench {
 namespace {
 
 constexpr int kResamples = 10'000;
-constexpr double kOutside = 0.05;  // of a 95 % interval, on both sides together
+constexpr double kOutside = 0.05;  // share outside a 95 % interval, both sides together
 
-double quantile_of_sorted(const std::vector<double>& sorted, double part) {
-  const double place = part * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
+double quantile_of_sorted(const std::vector<double>& sorted, double fraction) {
+  const double position = fraction * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(position);
   const auto above = std::min(below + 1, sorted.size() - 1);
-  return std::lerp(sorted[below], sorted[above], place - static_cast<double>(below));
+  return std::lerp(sorted[below], sorted[above], position - static_cast<double>(below));
 }
 
 }  // namespace
 
-double quantile(std::vector<double> values, double part) {
+double quantile(std::vector<double> values, double fraction) {
   std::sort(values.begin(), values.end());
-  return quantile_of_sorted(values, part);
+  return quantile_of_sorted(values, fraction);
 }
 
 double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
 Interval median_interval(const std::vector<double>& values, std::uint64_t seed) {
-  // The engine's numbers are the standard's; a distribution's would be the library's. That a
-  // remainder favours small indices by 1 in 2⁶⁰ does not show.
+  // The standard defines the engine's numbers, but not those of distributions. The remainder
+  // favours small indices by 1 in 2⁶⁰, which is negligible.
   std::mt19937_64 engine{seed};
   std::vector<double> medians(kResamples);
   std::vector<double> drawn(values.size());

@@ -5,8 +5,8 @@
 
 namespace rths::scramnet {
 
-// The bits of the registers that this software acts on, under their fields' names. The vendor's
-// macros for them are for clients: names like MAP or ACR would reach into our own code.
+// The register bits that this software acts on. The vendor's macros for them are not used here:
+// names like MAP or ACR would replace names in our own code.
 namespace csr0 {
 inline constexpr std::uint32_t kReceive = 0x1, kTransmit = 0x2, kHostInterrupts = 0x8,
                                kAcrWindow = 0x10, kMemoryInterrupts = 0x20,

@@ -15,7 +15,7 @@ namespace {
 
 std::uint64_t checked_window(const CardSession& session, const Settings& settings) {
   if (session.own().acr == nullptr)
-    throw Error{"ring '" + settings.ring + "' is larger than any SCRAMNet+ card, 8 MB"};
+    throw Error{"ring '" + settings.ring + "' is larger than 8 MB, the largest SCRAMNet+ card"};
   const std::uint64_t all = session.memory_bytes();
   return settings.card_bytes == 0 ? all : std::min(all, settings.card_bytes);
 }
@@ -41,11 +41,11 @@ Board::Board(const Settings& settings)
       scanner_{session_, reinterpret_cast<Word*>(memory_),
                static_cast<std::uint32_t>(window_bytes_ / 4)} {
   registers().set_size_code(size_code_);
-  show();
+  update_window();
 }
 
 std::uint32_t Board::read_csr(int index) {
-  if (index == 1 || index == 5) scanner_.look();
+  if (index == 1 || index == 5) scanner_.scan();
   std::uint32_t nodes = 0;
   if (index == 3)
     session_.for_each_card([&](const CardSession::CardView& card) {
@@ -58,9 +58,9 @@ void Board::write_csr(int index, std::uint32_t value) {
   const std::uint32_t before = registers().peek(0);
   registers().write(index, value);
   if (index == 0 || index == 8) control_changed(before);
-  if (index == 1) scanner_.look();
+  if (index == 1) scanner_.scan();
   if (index == 3) warn_of_shared_id();
-  if (index == 12) show();
+  if (index == 12) update_window();
 }
 
 void Board::change_csr(int index, std::uint32_t set, std::uint32_t clear) {
@@ -70,17 +70,16 @@ void Board::change_csr(int index, std::uint32_t set, std::uint32_t clear) {
 void Board::control_changed(std::uint32_t before) {
   const std::uint32_t now = registers().peek(0);
   const std::uint32_t changed = before ^ now;
-  constexpr std::uint32_t kWhatCounts =
+  constexpr std::uint32_t kRelevant =
       csr0::kReceive | csr0::kMemoryInterrupts | csr0::kAllReceiveInterrupts;
   const bool window_closed = (before & ~now & csr0::kAcrWindow) != 0;
-  if ((changed & csr0::kAcrWindow) != 0) show();
+  if ((changed & csr0::kAcrWindow) != 0) update_window();
   if (window_closed) {
     for (std::uint64_t i = 0; i < window_bytes_ / 4; ++i)
       if (acr()[i].load(std::memory_order_relaxed) > acr::kBits) acr()[i].fetch_and(acr::kBits);
     plus().acr_changes.fetch_add(1);
   }
-  if (scanner_.is_enabled() && ((changed & kWhatCounts) != 0 || window_closed))
-    scanner_.start_afresh();
+  if (scanner_.is_enabled() && ((changed & kRelevant) != 0 || window_closed)) scanner_.reset();
   update_thread();
   deliver_if_due(session_.card());
 }
@@ -90,9 +89,9 @@ void Board::warn_of_shared_id() {
   session_.for_each_card([&](const CardSession::CardView& card) {
     if (card.card != &session_.card() && broker::is_alive(card.card->holder.load()) &&
         Registers{*card.card}.peek(3) >> 8 == id)
-      complain_once("id",
-                    "another node of the ring has this node's id; cards would swallow each "
-                    "other's messages, here they arrive");
+      warn_once("id",
+                "another node of the ring has the same id; real cards would discard each "
+                "other's messages, here they arrive");
   });
 }
 
@@ -100,7 +99,7 @@ bool Board::has_page(std::uint32_t page) const {
   return (page + 1) * window_bytes_ <= session_.memory_bytes();
 }
 
-bool Board::others_are_at_work() const {
+bool Board::others_are_active() const {
   bool found = false;
   session_.for_each_card([&](const CardSession::CardView& card) {
     const std::uint32_t csr0 = Registers{*card.card}.peek(0);
@@ -113,7 +112,7 @@ bool Board::others_are_at_work() const {
 bool Board::map_window() {
   if (window_ != nullptr) return true;
   window_ = session_.map_memory(nullptr, page_offset_, window_bytes_);
-  show();
+  update_window();
   return window_ != nullptr;
 }
 
@@ -122,8 +121,8 @@ void Board::unmap_window() {
   window_ = nullptr;
 }
 
-// Other pages appear at the same address; who reads or writes meanwhile meets the old or the new.
-void Board::show() {
+// Maps other pages at the same address; a concurrent load or store uses the old or the new page.
+void Board::update_window() {
   const std::uint32_t csr12 = registers().peek(12);
   const std::uint64_t wanted =
       (csr12 & kPagingOn) == 0 ? 0 : std::uint64_t{csr12 & 0xFFE0} << kPageBytesShift;
@@ -145,7 +144,7 @@ void Board::write_acr(std::uint32_t longword, std::uint32_t value) {
   const std::uint32_t before = acr()[longword].exchange(value & acr::kBits);
   plus().acr_changes.fetch_add(1);
   if ((value & ~before & acr::kReceiveInterrupt) != 0 && scanner_.is_enabled())
-    scanner_.start_afresh(longword);
+    scanner_.reset(longword);
 }
 
 void Board::clear_acr() {

@@ -5,20 +5,19 @@
 #include <cstdint>
 
 #include "card_session.hpp"
-#include "complaint.hpp"
 #include "registers.hpp"
 #include "scanner.hpp"
 #include "settings.hpp"
+#include "warning.hpp"
 
 namespace rths::scramnet {
 
-/// The SCRAMNet+ card that this process holds, with its windows into the memory.
+/// The SCRAMNet+ card of this process, with its window into the memory.
 ///
-/// Programs see the ring's memory through a window that stays at one address while it is mapped.
-/// It shows the ACR instead while CSR0 says so, and another page of a larger ring if virtual
-/// paging does, by mapping other pages at that address: loads and stores have no software in
-/// their path. Any thread may call; what the vendor's calls do in several steps is as little
-/// atomic as on the card.
+/// Programs access the ring's memory through a window that keeps its address while it is mapped.
+/// CSR0 can select the ACR instead, and virtual paging another page of a larger ring: then other
+/// pages are mapped at the same address, so loads and stores need no software. Any thread may
+/// call. A vendor's call with several steps is not atomic, as on the card.
 class Board {
  public:
   /// @throws Error
@@ -36,20 +35,20 @@ class Board {
   void unmap_window();
   [[nodiscard]] bool is_mapped() const { return window_ != nullptr; }
   [[nodiscard]] std::byte* window() const { return window_; }
-  /// What a real card of that size code would have.
+  /// Memory of a real card with the same size code [B].
   [[nodiscard]] std::uint64_t card_bytes() { return bytes_of_size_code(size_code_); }
   [[nodiscard]] std::uint64_t window_bytes() const { return window_bytes_; }
-  /// The memory that the window shows, and the ACR, whatever the window shows.
+  /// The memory page of the window and the ACR; both independent of the window's selection.
   [[nodiscard]] std::byte* memory() const { return memory_ + page_offset_; }
   [[nodiscard]] Word* acr() const { return session_.own().acr; }
   void write_acr(std::uint32_t longword, std::uint32_t value);
   void clear_acr();
-  /// Whether the ring has the page that CSR12 would select.
+  /// True if the ring has this page, as CSR12 selects it.
   [[nodiscard]] bool has_page(std::uint32_t page) const;
-  /// Whether another card on the ring is receiving or transmitting.
-  [[nodiscard]] bool others_are_at_work() const;
+  /// True if another card on the ring is receiving or transmitting.
+  [[nodiscard]] bool others_are_active() const;
 
-  /// Host interrupts delivered since the last time this process asked.
+  /// Number of host interrupts delivered since this process's last call.
   [[nodiscard]] std::uint32_t take_interrupts();
   void update_thread();
   void leave();
@@ -57,7 +56,7 @@ class Board {
  private:
   void control_changed(std::uint32_t before);
   void warn_of_shared_id();
-  void show();
+  void update_window();
 
   CardSession session_;
   bool bypass_switch_;
@@ -70,11 +69,11 @@ class Board {
   Scanner scanner_;
 };
 
-/// Why a card is not to be had, as the vendor's calls number it.
+/// Reason why no card could be taken, numbered as in the vendor's calls.
 enum class BoardError { None = 0, Configuration = -1, Memory = -3, Driver = -4 };
 
-/// The card of this process, or null if it has taken none.
+/// The card of this process; null if it has taken none.
 [[nodiscard]] Board* board() noexcept;
-/// The same, taken now if need be. Says on standard error, once, why it cannot be had.
+/// The card of this process; takes one if it has none. Prints the reason of a failure once.
 [[nodiscard]] Board* take_board(BoardError& error) noexcept;
 }  // namespace rths::scramnet

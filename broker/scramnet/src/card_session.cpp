@@ -24,14 +24,14 @@ using broker::Header;
 using broker::is_alive;
 using std::chrono::steady_clock;
 
-constexpr auto kPatience = std::chrono::seconds{2};  // with a process that powers a card up
+constexpr auto kPowerUpTimeout = std::chrono::seconds{2};  // for another process's power-up
 constexpr auto kPoll = std::chrono::milliseconds{1};
 
 std::atomic_ref<std::uint64_t> cards_in_use(Header& header) {
   return std::atomic_ref{header.cards_in_use};
 }
 
-// Of nobody, or of a process that has ended.
+// Takes a claim that no process holds, or only a process that has ended.
 bool take_over(SharedClaim& claim, broker::Claim self) {
   broker::Claim holder = claim.load();
   if (holder == self) return true;
@@ -39,8 +39,8 @@ bool take_over(SharedClaim& claim, broker::Claim self) {
   return claim.compare_exchange_strong(holder, self);
 }
 
-bool becomes_ready(const Card& card) {
-  for (const auto deadline = steady_clock::now() + kPatience;;) {
+bool wait_until_ready(const Card& card) {
+  for (const auto deadline = steady_clock::now() + kPowerUpTimeout;;) {
     if (card.ready.load() == kCardReady) return true;
     if (!is_alive(card.holder.load()) || steady_clock::now() >= deadline) return false;
     std::this_thread::sleep_for(kPoll);
@@ -54,8 +54,8 @@ std::optional<std::uint16_t> number_of(const std::string& text) {
   return number;
 }
 
-// A node of the map is joined, so that others see whether it lives. Where several processes share
-// a card, the first is the node.
+// Joins as a node of the map, so that others see whether it is alive. If several processes share a
+// card, the first is the node.
 broker::Node join_as_client(broker::Ring& ring, const std::string& node) {
   if (node.empty() || number_of(node)) return ring.join_plain("");
   static_cast<void>(ring.map().node(node));
@@ -100,7 +100,7 @@ void CardSession::open_object(const std::string& ring) {
   header_ = reinterpret_cast<Header*>(map(nullptr, 0, sizeof(Header)));
   if (header_ == nullptr) throw Error{fmt::format("ring '{}': {}", ring, std::strerror(errno))};
   if (header_->card_count == 0 || header_->card_count > kMostCards)
-    throw Error{fmt::format("ring '{}' has no room for cards", ring)};
+    throw Error{fmt::format("ring '{}' has no space for cards", ring)};
 }
 
 void CardSession::take_card(const Settings& settings) {
@@ -111,20 +111,19 @@ void CardSession::take_card(const Settings& settings) {
     key = kNamed | ring_->map().node(settings.node).value();
   for (index_ = 0; index_ < card_count(); ++index_)
     if (try_card(index_, key)) return;
-  throw Error{
-      fmt::format("ring '{}': all of its {} cards are in use", settings.ring, card_count())};
+  throw Error{fmt::format("ring '{}': all {} cards are in use", settings.ring, card_count())};
 }
 
-// Cards are taken in order, so whoever finds one that is being powered up waits to learn which
-// card it is, rather than make the same one twice.
+// Processes take cards in order. A process that finds a card in power-up waits until its key is
+// known, so that no key gets two cards.
 bool CardSession::try_card(std::uint32_t index, std::uint32_t key) {
   const auto offset = static_cast<off_t>(header_->cards_at + index * header_->card_bytes);
-  const auto room =
+  const auto bytes =
       static_cast<off_t>(broker::kCardRegisterBytes + broker::acr_bytes(header_->memory_bytes));
-  if (const int problem = posix_fallocate(object_, offset, room); problem != 0)
-    throw Error{fmt::format("no room for a card: {}", std::strerror(problem))};
+  if (const int problem = posix_fallocate(object_, offset, bytes); problem != 0)
+    throw Error{fmt::format("cannot reserve space for a card: {}", std::strerror(problem))};
   own_ = map_card(index);
-  if (own_.card == nullptr) throw Error{fmt::format("a card: {}", std::strerror(errno))};
+  if (own_.card == nullptr) throw Error{fmt::format("cannot map a card: {}", std::strerror(errno))};
   Card& card = *own_.card;
   if (card.ready.load() != kCardReady) {
     if (take_over(card.holder, self_)) {
@@ -134,7 +133,8 @@ bool CardSession::try_card(std::uint32_t index, std::uint32_t key) {
       cards_in_use(*header_).fetch_or(std::uint64_t{1} << index);
       return true;
     }
-    if (!becomes_ready(card)) throw Error{fmt::format("card {} was never powered up", index)};
+    if (!wait_until_ready(card))
+      throw Error{fmt::format("card {} was not powered up by its process", index)};
   }
   if (card.key.load() != key) return false;
   return take_over(card.holder, self_) || key != kAnonymous;
@@ -154,7 +154,7 @@ CardSession::CardView CardSession::view(std::byte* base) const {
   return {reinterpret_cast<Card*>(base), words, words == nullptr ? nullptr : words + acr / 4};
 }
 
-// Several threads may map the same card at once; the first one's mapping stays.
+// If several threads map the same card at once, the first mapping is kept.
 CardSession::CardView CardSession::map_card(std::uint32_t index) const {
   std::byte* base = mapped_[index].load();
   if (base != nullptr) return view(base);
@@ -187,7 +187,7 @@ std::byte* CardSession::map_acr(void* at, std::uint64_t bytes) const {
   return map(at, card + broker::kCardRegisterBytes, bytes);
 }
 
-bool CardSession::take_known(std::uint32_t first_longword, std::uint32_t longwords) const {
+bool CardSession::reserve_known(std::uint32_t first_longword, std::uint32_t longwords) const {
   const std::uint64_t card = header_->cards_at + index_ * header_->card_bytes;
   const std::uint64_t known =
       card + broker::kCardRegisterBytes + broker::acr_bytes(header_->memory_bytes);

@@ -20,22 +20,22 @@ struct Header;
 
 namespace rths::scramnet {
 
-/// A card and its place on a ring, held by this process.
+/// The card of this process and its membership of a ring.
 ///
-/// Makes the ring if there is none, and attaches to it if there is one, however many do so at
-/// once. On the ring the process is seen as the node it is configured to be, or as an observer.
+/// Attaches to the ring; creates it if there is none. Several processes may do so at once. On the
+/// ring the process is listed as its configured node, or as a client.
 class CardSession {
  public:
-  /// @throws Error if the ring cannot be had, or no card is free   @setup
+  /// @throws Error if the ring cannot be attached or created, or no card is free   @setup
   explicit CardSession(const Settings& settings);
   ~CardSession();
   CardSession(const CardSession&) = delete;
   CardSession& operator=(const CardSession&) = delete;
 
-  /// Leaves the ring; the card stays as it is, and mapped.
+  /// Leaves the ring; the card keeps its state and stays mapped.
   void leave();
 
-  /// A card of the ring and where its ACR and last known words are; null if the ring is a GT one.
+  /// Addresses of a card, its ACR and its last known words; on a GT ring the latter two are null.
   struct CardView {
     Card* card = nullptr;
     Word* acr = nullptr;
@@ -46,7 +46,7 @@ class CardSession {
   [[nodiscard]] std::uint32_t index() const { return index_; }
   /// Card `index`, if it is in use.   @any_thread
   [[nodiscard]] std::optional<CardView> card_at(std::uint32_t index) const;
-  /// Calls `act` with each card in use, this one too.   @any_thread
+  /// Calls `act` with each card in use, including this one.   @any_thread
   template <class Act>
   void for_each_card(Act act) const {
     for (std::uint32_t i = 0; i < card_count(); ++i)
@@ -55,12 +55,12 @@ class CardSession {
 
   [[nodiscard]] std::uint64_t memory_bytes() const;
   [[nodiscard]] broker::Claim self() const { return self_; }
-  /// Maps part of the ring's memory, or of this card's ACR; at `at` if that is not null.
-  /// @returns null if the system refuses
+  /// Maps a range of the ring's memory or of this card's ACR, at address `at` if that is not null.
+  /// @returns null if the mapping fails
   [[nodiscard]] std::byte* map_memory(void* at, std::uint64_t offset, std::uint64_t bytes) const;
   [[nodiscard]] std::byte* map_acr(void* at, std::uint64_t bytes) const;
-  /// Takes room for the last known value of longwords. @returns false if there is none
-  [[nodiscard]] bool take_known(std::uint32_t first_longword, std::uint32_t longwords) const;
+  /// Reserves space for the last known values of longwords. @returns false if memory is short
+  [[nodiscard]] bool reserve_known(std::uint32_t first_longword, std::uint32_t longwords) const;
 
  private:
   [[nodiscard]] std::uint32_t card_count() const;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The card's descriptors. Clients call ioctl and open of the C library; the vendor's command
-// numbers 1 and 2 mean something else to the kernel, so they must not get there. This library
-// comes before the C library in a link, hence its ioctl and open are found first: they see to
-// their own descriptors and hand everything else to the kernel.
+// The card's descriptors. Clients call ioctl and open of the C library. The vendor's command
+// numbers 1 and 2 have another meaning in the kernel and must not reach it. This library is linked
+// before the C library, so its ioctl and open are found first: they handle the card's descriptors
+// and pass everything else to the kernel.
 #include <linux/fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -23,7 +23,7 @@
 namespace rths::scramnet {
 namespace {
 
-// Descriptors of ours, by the file behind them: a number may have been closed and used again.
+// The card's descriptors with their inodes: a descriptor number may be closed and reused.
 struct Known {
   std::atomic<int> descriptor{-1};
   ino_t inode = 0;
@@ -93,7 +93,7 @@ using namespace rths::scramnet;
 
 namespace {
 
-// The mode is there only if a file may be made.
+// The argument is present only if the flags may create a file.
 mode_t mode_of(int flags, va_list arguments) {
   constexpr int kMakes = O_CREAT | __O_TMPFILE;
   return (flags & kMakes) != 0 ? va_arg(arguments, mode_t) : 0;

@@ -7,11 +7,11 @@
 
 namespace rths::scramnet {
 
-/// Adds the address of a longword. A full FIFO keeps its oldest entries: the newest one is
-/// overwritten, as on the card. One process at a time.
+/// Adds the address of a longword. A full FIFO overwrites its newest entry and keeps the oldest
+/// ones, as on the card. One process at a time.
 /// @returns false if it was full
 bool push(InterruptFifo& fifo, std::uint32_t byte_address) noexcept;
-/// The oldest entry, which stays.   @any_thread
+/// The oldest entry, without taking it.   @any_thread
 [[nodiscard]] std::optional<std::uint32_t> peek(const InterruptFifo& fifo) noexcept;
 /// Takes the oldest entry.   @any_thread
 [[nodiscard]] std::optional<std::uint32_t> pop(InterruptFifo& fifo) noexcept;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Vendor's GT calls: opening, mapping, states, registers, statistics, texts.
+// Vendor's GT calls: opening, mapping, states, registers, statistics, error texts.
 #include <sys/mman.h>
 
 #include <array>
@@ -16,7 +16,6 @@ namespace {
 constexpr uint32 kNoValue = 0xFFFF'FFFF;
 constexpr uint32 kRegisterBytes = 0x100, kManagementBytes = 0x2000;
 constexpr uint32 kSendBroadcast = 0x1000, kSendUnicast = 0x1800;
-constexpr uint32 kBroadcasts = 32, kNodes = 256;
 
 constexpr const char* kErrors[] = {"Success",
                                    "System Error",
@@ -141,8 +140,8 @@ uint32 scgtWriteCR(scgtHandle* handle, uint32 offset, uint32 value) {
   return SCGT_SUCCESS;
 }
 
-// The registers that send read as 0, as does the hardware's own queue: interrupts go straight
-// into the driver's.
+// The registers that send interrupts read as 0, and so does the hardware's queue: interrupts go
+// directly into the driver's queue.
 uint32 scgtReadNMR(scgtHandle* handle, uint32 offset) {
   return unit_of(handle) == nullptr || offset >= kManagementBytes ? kNoValue : 0;
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Vendor's GT calls: receiving interrupts. Each caller reads the card's queue with a cursor of his
-// own, so all of them see all interrupts.
+// Vendor's GT calls: receiving interrupts. Each caller reads the card's queue with its own cursor,
+// so every caller sees all interrupts.
 
 #include <algorithm>
 #include <ctime>
 
 #include "gt_unit.hpp"
+#include "monotonic_time.hpp"
 
 using namespace rths::scramnet;
 
@@ -17,43 +18,37 @@ constexpr uint32 kLastSequence = 0x0FFF'FFFF;  // cursors and sequence numbers w
 constexpr std::uint64_t kKept = kGtQueueEntries - 1;
 constexpr std::int64_t kLongestSleepNs = 100'000'000;
 
-std::int64_t now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
-// The place that a cursor means: the latest one, not after the tail, that ends in its digits.
-std::uint64_t place_of(uint32 cursor, std::uint64_t tail) {
+// The position of a cursor: the latest one, not after the tail, with the cursor's lower 28 bits.
+std::uint64_t position_of(uint32 cursor, std::uint64_t tail) {
   return tail - ((tail - cursor) & kLastSequence);
 }
 
-/// What one look at the queue brought.
-struct Look {
+/// Result of reading the queue once.
+struct Batch {
   uint32 count = 0;
   bool missed = false;
 };
 
-Look take(const GtCard& card, std::uint64_t& place, scgtInterrupt* into, uint32 most) {
-  Look look;
-  for (std::uint64_t tail = card.tail.load(); look.count < most && place < tail;) {
+Batch collect(const GtCard& card, std::uint64_t& position, scgtInterrupt* into, uint32 most) {
+  Batch batch;
+  for (std::uint64_t tail = card.tail.load(); batch.count < most && position < tail;) {
     const std::uint64_t oldest = tail > kKept ? tail - kKept : 0;
-    if (place < oldest) {
-      look.missed = true;
-      place = oldest;
+    if (position < oldest) {
+      batch.missed = true;
+      position = oldest;
     }
     GtInterrupt found;
-    if (!read(card, place, found)) {  // overtaken while reading: start again at what is left
+    if (!read(card, position, found)) {  // overwritten while reading: skip to the oldest entry
       tail = card.tail.load();
-      place = std::max(place + 1, tail > kKept ? tail - kKept : 0);
-      look.missed = true;
+      position = std::max(position + 1, tail > kKept ? tail - kKept : 0);
+      batch.missed = true;
       continue;
     }
-    into[look.count++] = {found.type, found.source, found.id, found.value,
-                          static_cast<uint32>(place & kLastSequence)};
-    ++place;
+    into[batch.count++] = {found.type, found.source, found.id, found.value,
+                           static_cast<uint32>(position & kLastSequence)};
+    ++position;
   }
-  return look;
+  return batch;
 }
 
 }  // namespace
@@ -67,20 +62,20 @@ extern "C" uint32 scgtGetInterrupt(scgtHandle* handle, scgtIntrHandle* cursor,
   if (*cursor > kLastSequence && *cursor != kFresh) return SCGT_BAD_PARAMETER;
   GtCard& card = unit->card();
   const std::uint64_t now = card.tail.load();
-  std::uint64_t place = *cursor == kFresh ? now : place_of(*cursor, now);
+  std::uint64_t position = *cursor == kFresh ? now : position_of(*cursor, now);
   const std::int64_t deadline = now_ns() + std::int64_t{timeout_ms} * 1'000'000;
-  Look look;
+  Batch batch;
   for (;;) {
     const std::uint32_t arrivals = card.arrivals.load();
-    // The vendor's header calls the buffer const and fills it all the same.
-    look = take(card, place, const_cast<scgtInterrupt*>(interrupts), count);
+    // The vendor's header declares the buffer const although the call fills it.
+    batch = collect(card, position, const_cast<scgtInterrupt*>(interrupts), count);
     const std::int64_t left = deadline - now_ns();
-    if (look.count != 0 || look.missed || left <= 0) break;
+    if (batch.count != 0 || batch.missed || left <= 0) break;
     sleep_on(card, arrivals, std::min(left, kLongestSleepNs));
   }
-  *cursor = static_cast<uint32>(place & kLastSequence);
-  *returned = look.count;
-  if (look.missed) card.counts[kMissed].fetch_add(1);
-  if (look.missed) return SCGT_MISSED_INTERRUPTS;
-  return look.count != 0 ? SCGT_SUCCESS : SCGT_TIMEOUT;
+  *cursor = static_cast<uint32>(position & kLastSequence);
+  *returned = batch.count;
+  if (batch.missed) card.counts[kMissed].fetch_add(1);
+  if (batch.missed) return SCGT_MISSED_INTERRUPTS;
+  return batch.count != 0 ? SCGT_SUCCESS : SCGT_TIMEOUT;
 }

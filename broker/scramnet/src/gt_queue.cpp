@@ -19,33 +19,33 @@ long futex(Word& word, int operation, std::uint32_t value, const timespec* timeo
                  nullptr, 0);
 }
 
-// An entry is reserved by whoever puts his claim into it; that of a dead process counts as none.
+// A process reserves an entry by storing its claim in it; the claim of a dead process is ignored.
 bool reserve(GtEntry& entry, broker::Claim self) {
   broker::Claim writer = entry.writer.load();
   if (writer != 0 && broker::is_alive(writer)) return false;
   return entry.writer.compare_exchange_strong(writer, self);
 }
 
-void advance(GtCard& card, std::uint64_t place) {
-  card.tail.compare_exchange_strong(place, place + 1);
+void advance(GtCard& card, std::uint64_t position) {
+  card.tail.compare_exchange_strong(position, position + 1);
 }
 
-// The tail moves only past what is complete. Who finds a complete entry at the tail, because its
-// writer has died or not come so far, moves it on for him.
+// The tail moves only past complete entries. A writer that finds a complete entry at the tail,
+// whose own writer died or was interrupted, moves the tail for it.
 bool try_push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
-  const std::uint64_t place = card.tail.load();
-  GtEntry& entry = card.queue[place % kGtQueueEntries];
+  const std::uint64_t position = card.tail.load();
+  GtEntry& entry = card.queue[position % kGtQueueEntries];
   if (!reserve(entry, self)) return false;
-  const bool is_free = card.tail.load() == place && entry.stamp.load() != place + 1;
+  const bool is_free = card.tail.load() == position && entry.stamp.load() != position + 1;
   if (is_free) {
     entry.stamp.store(0);
     entry.type.store(interrupt.type);
     entry.source.store(interrupt.source);
     entry.id.store(interrupt.id);
     entry.value.store(interrupt.value);
-    entry.stamp.store(place + 1);
+    entry.stamp.store(position + 1);
   }
-  if (entry.stamp.load() == place + 1) advance(card, place);
+  if (entry.stamp.load() == position + 1) advance(card, position);
   entry.writer.store(0);
   return is_free;
 }
@@ -65,11 +65,11 @@ bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
   return true;
 }
 
-bool read(const GtCard& card, std::uint64_t place, GtInterrupt& interrupt) {
-  const GtEntry& entry = card.queue[place % kGtQueueEntries];
-  if (entry.stamp.load() != place + 1) return false;
+bool read(const GtCard& card, std::uint64_t position, GtInterrupt& interrupt) {
+  const GtEntry& entry = card.queue[position % kGtQueueEntries];
+  if (entry.stamp.load() != position + 1) return false;
   interrupt = {entry.type.load(), entry.source.load(), entry.id.load(), entry.value.load()};
-  return entry.stamp.load() == place + 1;
+  return entry.stamp.load() == position + 1;
 }
 
 void sleep_on(GtCard& card, std::uint32_t arrivals, std::int64_t nanoseconds) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gt_registers.hpp"
 
+#include "monotonic_time.hpp"
+
 #include <array>
 #include <ctime>
 
@@ -12,7 +14,7 @@ namespace {
 constexpr std::uint32_t kNoState = 0xFFFF'FFFF;
 constexpr std::int64_t kTimerTickNs = 8;
 
-/// Where a state lives: bits of a control register, or a word of its own if `index` is kOwn.
+/// Location of a state: bits of a control register, or a word of its own if `index` has kOwn.
 enum class Access : std::uint8_t { ReadWrite, ReadOnly, Ignored, Inverted, OnlyZero };
 struct State {
   std::uint32_t index, shift, mask;
@@ -57,12 +59,6 @@ constexpr auto kStates = [] {
   states[SCGT_READ_BYPASS_ENABLE] = {kOwn | 5, 0, 1};
   return states;
 }();
-
-std::int64_t now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 }  // namespace
 

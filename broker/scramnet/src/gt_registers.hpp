@@ -22,15 +22,15 @@ inline constexpr std::uint32_t kSwaps = 0x3;
 /// Statistics of a card, by index.
 enum GtCount : std::uint32_t { kReceived, kSent, kMissed, kReads, kWrites };
 
-/// What a card sees of its ring.
+/// Properties of the ring that a card's registers show.
 struct GtRing {
-  std::uint32_t nodes = 1;     ///< on it
-  std::uint32_t upstream = 0;  ///< node id of the one before
+  std::uint32_t nodes = 1;     ///< number of nodes
+  std::uint32_t upstream = 0;  ///< node id of the preceding node
 };
 
 void power_up_gt(GtCard& card);
 [[nodiscard]] std::uint32_t read_cr(const GtCard& card, std::uint32_t index, const GtRing& ring);
-/// Read-only registers stay as they are.
+/// Writes to read-only registers are ignored.
 void write_cr(GtCard& card, std::uint32_t index, std::uint32_t value);
 
 enum class StateResult { Ok, BadParameter, Unsupported };

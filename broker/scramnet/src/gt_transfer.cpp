@@ -14,9 +14,8 @@ using namespace rths::scramnet;
 namespace {
 
 constexpr uint32 kPioFlags = SCGT_RW_PIO | SCGR_RW_PIO_8_BIT | SCGR_RW_PIO_16_BIT;
-constexpr uint32 kBroadcasts = 32, kNodes = 256;
 
-/// A transfer as asked for, then as it is done: rounded down to the width of an access.
+/// A transfer, rounded down to the width of an access.
 struct Transfer {
   uint32 offset, bytes, width, flags;
   bool pio;
@@ -29,8 +28,8 @@ Transfer plan(uint32 offset, uint32 bytes, uint32 flags) {
   return {offset / width * width, bytes / width * width, width, flags, (flags & kPioFlags) != 0};
 }
 
-// What hardware would answer with a fault or a time-out of its DMA.
-uint32 trouble_with(const Transfer& transfer, const GtUnit& unit, const scgtHandle& handle) {
+// Finds errors that hardware would report as a fault or a DMA time-out.
+uint32 defect_of(const Transfer& transfer, const GtUnit& unit, const scgtHandle& handle) {
   if (transfer.pio && handle.memMapPtr == nullptr) return SCGT_BAD_PARAMETER;
   if ((transfer.flags & SCGT_RW_DMA_PHYS_ADDR) != 0 && !transfer.pio) return SCGT_DMA_UNSUPPORTED;
   const uint32 all = unit.memory_bytes();
@@ -79,7 +78,7 @@ bool is_valid(const scgtInterrupt& interrupt) {
          interrupt.type == SCGT_NO_INTR;
 }
 
-void tell(uint32* done, uint32 bytes) {
+void set_done(uint32* done, uint32 bytes) {
   if (done != nullptr) *done = bytes;
 }
 
@@ -90,16 +89,16 @@ extern "C" {
 // NOLINTNEXTLINE(readability-function-size): the vendor's prototype has seven parameters
 uint32 scgtWrite(scgtHandle* handle, uint32 offset, const void* data, uint32 bytes, uint32 flags,
                  uint32* done, const scgtInterrupt* interrupt) {
-  tell(done, 0);
+  set_done(done, 0);
   GtUnit* unit = unit_of(handle);
   if (unit == nullptr || (interrupt != nullptr && !is_valid(*interrupt))) return SCGT_BAD_PARAMETER;
   const bool interrupts = interrupt != nullptr && interrupt->type != SCGT_NO_INTR;
   const Transfer transfer = plan(offset, bytes, flags);
   if (data != nullptr && transfer.bytes != 0) {
-    if (const uint32 trouble = trouble_with(transfer, *unit, *handle); trouble != SCGT_SUCCESS)
-      return trouble;
+    if (const uint32 defect = defect_of(transfer, *unit, *handle); defect != SCGT_SUCCESS)
+      return defect;
     move(unit->memory() + transfer.offset, static_cast<const std::byte*>(data), transfer, true);
-    tell(done, transfer.bytes);
+    set_done(done, transfer.bytes);
     unit->card().counts[kWrites].fetch_add(1);
   } else if (!interrupts || (transfer.pio && handle->memMapPtr == nullptr)) {
     return SCGT_BAD_PARAMETER;
@@ -109,14 +108,14 @@ uint32 scgtWrite(scgtHandle* handle, uint32 offset, const void* data, uint32 byt
 
 uint32 scgtRead(scgtHandle* handle, uint32 offset, void* data, uint32 bytes, uint32 flags,
                 uint32* done) {
-  tell(done, 0);
+  set_done(done, 0);
   GtUnit* unit = unit_of(handle);
   const Transfer transfer = plan(offset, bytes, flags);
   if (unit == nullptr || data == nullptr || transfer.bytes == 0) return SCGT_BAD_PARAMETER;
-  if (const uint32 trouble = trouble_with(transfer, *unit, *handle); trouble != SCGT_SUCCESS)
-    return trouble;
+  if (const uint32 defect = defect_of(transfer, *unit, *handle); defect != SCGT_SUCCESS)
+    return defect;
   move(static_cast<std::byte*>(data), unit->memory() + transfer.offset, transfer, false);
-  tell(done, transfer.bytes);
+  set_done(done, transfer.bytes);
   unit->card().counts[kReads].fetch_add(1);
   return SCGT_SUCCESS;
 }

@@ -9,12 +9,12 @@
 
 #include <rths/core/error.hpp>
 
-#include "complaint.hpp"
+#include "warning.hpp"
 
 namespace rths::scramnet {
 namespace {
 
-// As with the SCRAMNet+ card, a unit lasts as long as its process; at exit it leaves the ring.
+// Like the SCRAMNet+ card, a unit is never destroyed; at exit it leaves the ring.
 std::array<std::atomic<GtUnit*>, SCGT_MAX_DEVICES> units{};
 std::mutex taking;
 
@@ -23,7 +23,7 @@ void leave_all() {
     if (GtUnit* taken = unit.load()) taken->session().leave();
 }
 
-bool lets_in(const GtCard& card, const scgtInterrupt& interrupt) {
+bool accepts(const GtCard& card, const scgtInterrupt& interrupt) {
   if (!is_set(card, gt::kLinkControl, gt::kReceive)) return false;
   if (interrupt.type == SCGT_BROADCAST_INTR)
     return is_set(card, gt::kBroadcastMask, 1U << interrupt.id);
@@ -40,13 +40,13 @@ GtUnit::GtUnit(std::uint32_t unit)
 
 GtRing GtUnit::ring() const {
   GtRing ring{0, node_id(card())};
-  bool met_self = false;
+  bool passed_self = false;
   session_.for_each_card([&](const CardSession::CardView& other) {
     ++ring.nodes;
     const bool self = other.card == &session_.card();
-    // The one before this card; before the first one comes the last.
-    if (!self && (!met_self || session_.index() == 0)) ring.upstream = node_id(other.card->gt);
-    met_self = met_self || self;
+    // The card before this one; for the first card, the last.
+    if (!self && (!passed_self || session_.index() == 0)) ring.upstream = node_id(other.card->gt);
+    passed_self = passed_self || self;
   });
   return ring;
 }
@@ -60,7 +60,7 @@ bool GtUnit::send(const scgtInterrupt& interrupt) {
   session_.for_each_card([&](const CardSession::CardView& other) {
     const bool self = other.card == &session_.card();
     if (self && !is_set(card(), gt::kLinkControl, gt::kInterruptSelf)) return;
-    if (!lets_in(other.card->gt, interrupt)) return;
+    if (!accepts(other.card->gt, interrupt)) return;
     if (push(other.card->gt, message, session_.self()))
       other.card->gt.counts[kReceived].fetch_add(1);
     else
@@ -82,7 +82,7 @@ GtUnit* take_unit(std::uint32_t number) noexcept {
   try {
     units[number].store(std::make_unique<GtUnit>(number).release());
   } catch (const std::exception& error) {
-    complain_once("scgt", error.what());
+    warn_once("scgt", error.what());
     return nullptr;
   }
   if (!leaves_at_exit) leaves_at_exit = std::atexit(leave_all) == 0;

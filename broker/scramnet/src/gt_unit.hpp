@@ -9,7 +9,10 @@
 
 namespace rths::scramnet {
 
-/// The GT card that this process holds under a unit number.
+inline constexpr uint32 kBroadcasts = 32;  ///< broadcast interrupts of a GT ring
+inline constexpr uint32 kNodes = 256;      ///< node ids of a GT ring
+
+/// The GT card of this process with a unit number.
 class GtUnit {
  public:
   /// @throws Error
@@ -21,9 +24,9 @@ class GtUnit {
   [[nodiscard]] std::uint32_t memory_bytes() const {
     return static_cast<std::uint32_t>(session_.memory_bytes());
   }
-  /// The memory as the driver's DMA reaches it, whether or not a client has mapped it.
+  /// The driver's mapping of the memory, for DMA; independent of the client's.
   [[nodiscard]] std::byte* memory() const { return memory_; }
-  /// Sends an interrupt to every card that lets it in. @returns false if one could not be reached
+  /// Sends an interrupt to every card that accepts it. @returns false if a card's queue was blocked
   [[nodiscard]] bool send(const scgtInterrupt& interrupt);
 
  private:
@@ -31,9 +34,9 @@ class GtUnit {
   std::byte* memory_;
 };
 
-/// The card behind a handle; null if the handle is null or was never opened.
+/// The card of a handle; null if the handle is null or was never opened.
 [[nodiscard]] GtUnit* unit_of(const scgtHandle* handle) noexcept;
-/// The card of a unit, taken if need be; null, with the reason on standard error, if it cannot be.
+/// The card of a unit; takes one if needed. On failure prints the reason and returns null.
 [[nodiscard]] GtUnit* take_unit(std::uint32_t unit) noexcept;
 
 }  // namespace rths::scramnet

@@ -10,8 +10,8 @@
 namespace rths::scramnet {
 namespace {
 
-// A memory interrupt shows in the FIFO, an error interrupt in CSR1 with the FIFO empty.
-bool has_something_to_tell(Card& card) {
+// A memory interrupt is in the FIFO; an error interrupt is in CSR1, with the FIFO empty.
+bool has_pending_interrupt(Card& card) {
   if (peek(card.plus.fifo)) return true;
   const Registers registers{card};
   return registers.all_set(0, csr0::kErrorInterrupts) &&
@@ -22,7 +22,7 @@ bool has_something_to_tell(Card& card) {
 
 void deliver_if_due(Card& card) {
   if (!Registers{card}.all_set(0, csr0::kHostInterrupts | csr0::kReceive)) return;
-  if (!has_something_to_tell(card)) return;
+  if (!has_pending_interrupt(card)) return;
   if (card.plus.armed.exchange(0) == 0) return;
   card.plus.host_interrupts.fetch_add(1);
   for (const auto& entry : card.plus.registered) {

@@ -7,11 +7,11 @@
 
 namespace rths::scramnet {
 
-/// Delivers one host interrupt if the card is armed, lets interrupts through, and has something to
-/// tell; disarms it. Whoever is registered gets SIGUSR1.
+/// Delivers one host interrupt if the card is armed, has host interrupts enabled and one pending;
+/// then disarms it. Registered processes get SIGUSR1.
 void deliver_if_due(Card& card);
 
-/// Registers a process for SIGUSR1. @returns false if all places are taken
+/// Registers a process for SIGUSR1. @returns false if all kMaxRegistrations are in use
 [[nodiscard]] bool add_registration(PlusCard& card, broker::Claim process);
 /// @returns false if it was not registered
 bool remove_registration(PlusCard& card, broker::Claim process);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Vendor's calls: a memory or an ACR as a text file. A line is "offset:value:format:bytes" for
-// memory, the value spelled as the printf format says; "offset:value" for the ACR. Offsets are of
-// bytes, hexadecimal.
+// Vendor's calls: save and load memory or ACR as a text file. A line of memory is
+// "offset:value:format:bytes", with the value in that printf format; a line of the ACR is
+// "offset:value". Offsets are hexadecimal, in bytes.
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
@@ -33,14 +33,14 @@ struct Closer {
 };
 using File = std::unique_ptr<FILE, Closer>;
 
-int trouble_with(int which) {
+int defect_of(int which) {
   if (card_with_memory() == nullptr) return kNoMemory;
   if (card_with_registers() == nullptr) return kNoRegisters;
   return which == MEM || which == ACR ? 0 : kBadCommand;
 }
 
-// The bytes of a value, by the last letter of its format. The format itself is never handed to
-// scanf: it comes from a file.
+// Parses a value by the last letter of its format. The format comes from a file, so it is never
+// passed to scanf.
 bool parse_value(const char* text, char conversion, unsigned bytes, unsigned char* value) {
   char* end = nullptr;
   if (std::strchr("eEfFgG", conversion) != nullptr) {
@@ -86,7 +86,7 @@ int load_acr_line(Board& card, const char* line) {
 extern "C" {
 
 int scr_load_mm(char* name, int which) {
-  if (const int trouble = trouble_with(which); trouble != 0) return trouble;
+  if (const int error = defect_of(which); error != 0) return error;
   const File file{std::fopen(name, "r")};
   if (!file) return kNotOpen;
   char line[160];
@@ -98,7 +98,7 @@ int scr_load_mm(char* name, int which) {
 }
 
 int scr_save_mm(char* name, int which) {
-  if (const int trouble = trouble_with(which); trouble != 0) return trouble;
+  if (const int error = defect_of(which); error != 0) return error;
   const File file{std::fopen(name, "w")};
   if (!file) return kNotOpen;
   const Board& card = *board();

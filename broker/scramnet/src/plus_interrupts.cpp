@@ -25,7 +25,7 @@ int fail_with(int error) {
   return -1;
 }
 
-/// Sleeps that this thread takes are exact while it lives, not up to 50 µs late.
+/// Makes this thread's sleeps exact during its lifetime, instead of up to 50 µs late.
 class ExactSleep {
  public:
   ExactSleep() : before_{prctl(PR_GET_TIMERSLACK)} { prctl(PR_SET_TIMERSLACK, 1000UL); }
@@ -37,8 +37,8 @@ class ExactSleep {
   int before_;
 };
 
-// Looks, then sleeps for a period with the caller's signals let in, so that none is missed between
-// the look and the sleep. Lasts as long as it takes: that is what the call promises.
+// Scans, then sleeps for a period with the caller's signal mask, so that no signal is missed
+// between scan and sleep. Waits without a deadline, as the vendor's call does.
 int wait_for_interrupt(Board& card, unsigned* count) {
   const ExactSleep exact;
   sigset_t all;
@@ -47,7 +47,7 @@ int wait_for_interrupt(Board& card, unsigned* count) {
   pthread_sigmask(SIG_SETMASK, &all, &callers);
   int result = 0;
   for (;;) {
-    card.scanner().look();
+    card.scanner().scan();
     if (const unsigned delivered = card.take_interrupts(); delivered != 0) {
       if (count != nullptr) *count = delivered;
       break;
@@ -95,7 +95,7 @@ void scr_acr_write(unsigned long longword, unsigned char value) {
 int scr_read_int_fifo(void* byte_address) {
   Board* card = card_with_registers();
   if (card == nullptr) return 0;
-  card->scanner().look();
+  card->scanner().scan();
   const auto address = pop(card->plus().fifo);
   if (!address) return 0;
   const std::uint32_t value = *address;

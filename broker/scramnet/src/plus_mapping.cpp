@@ -32,8 +32,8 @@ int sp_plus_flag = 1;
 namespace rths::scramnet {
 namespace {
 
-constexpr unsigned short kTimeout = 100;  // that the vendor's library sets, in 240 ns
-unsigned long memory_size = 0;            // as it was when the registers were mapped
+constexpr unsigned short kTimeout = 100;  // default of the vendor's library [240 ns]
+unsigned long memory_size = 0;            // when the registers were mapped [B]
 
 int map_registers() noexcept {
   BoardError error{};
@@ -55,7 +55,7 @@ int map_memory() noexcept {
   return 0;
 }
 
-// As the vendor's library leaves a card: id and time-out set, CSR0 and CSR2 as they were.
+// Like the vendor's library: sets id and time-out, does not change CSR0 and CSR2.
 int initialise() noexcept {
   if (scr_registers_mapped != 0 && scr_memory_mapped != 0) return 0;
   if (const int error = map_registers(); error != 0) return error;
@@ -103,11 +103,11 @@ SCR_LONG_PTR get_base_mem(void) {
 
 unsigned long sp_mem_size(void) { return memory_size; }
 
-// The other two show the window through a swap in the bus bridge. A mapping has none, and a
-// window that only claims to swap would hand out wrong numbers.
+// On hardware the other two modes swap bytes in the bus bridge. A memory mapping cannot swap, and
+// accepting the mode would give wrong values.
 int sp_stm_mm(int mode) {
   if (mode != Word_mode && mode != Byte_mode) return TRUE;
-  complain_once("swap", "byte-swapped windows are not to be had; the mode stays Long_mode");
+  warn_once("swap", "byte-swapped windows are not supported; the mode stays Long_mode");
   return FALSE;
 }
 

@@ -46,16 +46,17 @@ int write_unit(unsigned long offset, Value value) {
 
 extern "C" {
 
-// A card that does not transmit clears its own memory and nobody else's. Here the memory is
-// everybody's, so such a card clears it only while no other is at work.
+// On hardware, a card that does not transmit clears only its own memory. Here all cards share the
+// memory, so such a card clears it only while no other card is active.
 void scr_mclr_mm(int which) {
   BoardError error{};
   Board* card = take_board(error);
   if (card == nullptr) return;
   if (which == ACR) return card->clear_acr();
   if (which != MEM) return;
-  if (!card->registers().all_set(SCR_CSR0, CSR0_TXEN) && card->others_are_at_work()) {
-    complain_once("clear", "the memory is not cleared: this node does not transmit, others do");
+  if (!card->registers().all_set(SCR_CSR0, CSR0_TXEN) && card->others_are_active()) {
+    warn_once("clear",
+              "the memory is not cleared: this node does not transmit and other nodes are active");
     return;
   }
   fill_memory(*card, 0);
@@ -72,7 +73,7 @@ void scr_smem_mm(int which, unsigned long value) {
   for (std::uint64_t i = 0; i < card->window_bytes() / 4; ++i)
     card->acr()[i].store(static_cast<std::uint32_t>(value) & ACR_MASK);
   card->plus().acr_changes.fetch_add(1);
-  if (card->scanner().is_enabled()) card->scanner().start_afresh();
+  if (card->scanner().is_enabled()) card->scanner().reset();
 }
 
 int scr_dma_read(void* user, unsigned long offset, unsigned long length) {

@@ -17,7 +17,7 @@ constexpr struct {
 } kProtocols[] = {{GOLD, 0},           {BURST, 0xC000},      {PLATINUM, 0x4000},
                   {GOLD_PLUS, 0x1000}, {BURST_PLUS, 0xD000}, {PLATINUM_PLUS, 0x5000}};
 
-/// Shows receive id and age in CSR3 while it lives.
+/// Switches CSR3 to receive id and age during its lifetime.
 class IdMux {
  public:
   explicit IdMux(Board& card) : card_{card} { card_.change_csr(SCR_CSR8, CSR8_IDMX, 0); }
@@ -29,7 +29,7 @@ class IdMux {
   Board& card_;
 };
 
-// By size code: the last page of the 8 MB that a network has, and the place of its number.
+// By size code: the last page of the network's 8 MB, and the bit position of the page number.
 struct Paging {
   unsigned last_page, shift;
 };
@@ -104,7 +104,7 @@ int sp_set_sm_addr(unsigned long address) {
   return 0;
 }
 
-// A page that the ring has no memory for cannot be shown.
+// Refuses a page outside the ring's memory.
 int sp_set_vp(int request, unsigned page) {
   Board* card = card_with_registers();
   if (card == nullptr) return -1;

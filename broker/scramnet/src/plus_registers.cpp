@@ -12,9 +12,9 @@ using namespace rths::scramnet;
 
 namespace {
 
-constexpr unsigned short kNothingThere = 0xFFFF;  // what a bus reads where no card answers
+constexpr unsigned short kNothingThere = 0xFFFF;  // bus value if no card answers
 
-// Calls that change a mode do nothing on a card whose registers are not mapped.
+// Calls that change a mode do nothing while the card's registers are not mapped.
 void change(int csr, unsigned set, unsigned clear) {
   if (Board* card = card_with_registers()) card->change_csr(csr, set, clear);
 }
@@ -51,13 +51,13 @@ void scr_csr_write(int csr, unsigned short value) {
 void scr_rw_mm(struct rw_scr* request) {
   const int csr = static_cast<unsigned char>(request->csr_reg);
   if (csr > SCR_CSR5) {
-    std::fprintf(stderr, "scramnet: scr_rw_mm: there is no register %d to use\n", csr);
+    std::fprintf(stderr, "scramnet: scr_rw_mm: register %d cannot be accessed\n", csr);
     return;
   }
   if (request->rw_flag == REG_RD) {
     request->csr_arg = scr_csr_read(csr);
   } else if (csr > SCR_CSR2) {
-    std::fprintf(stderr, "scramnet: scr_rw_mm: register %d can only be read\n", csr);
+    std::fprintf(stderr, "scramnet: scr_rw_mm: register %d is read-only\n", csr);
   } else if (request->rw_flag == REG_MDFY) {
     Board* card = card_with_registers();
     const unsigned before = card == nullptr ? 0 : card->registers().peek(csr);
@@ -73,7 +73,7 @@ void scr_id_mm(void* id, void* count) {
   *static_cast<unsigned char*>(count) = static_cast<unsigned char>(csr3 & 0xFF);
 }
 
-// Works on a card whose registers are not mapped, and leaves them so.
+// Also works while the card's registers are not mapped; does not map them.
 void scr_reset_mm(void) {
   BoardError error{};
   Board* card = take_board(error);
@@ -118,7 +118,7 @@ void scr_error_mm(FILE* to, unsigned short csr1) {
     if ((csr1 & error.bit) != 0) std::fprintf(to, "%s\n", error.text);
 }
 
-// RST_INT wins over SET_INT, in whatever else the argument says.
+// RST_INT takes precedence over SET_INT.
 void scr_int_mm(int command, int argument) {
   const bool off = (argument & RST_INT) != 0;
   if (!off && (argument & SET_INT) == 0) return;

@@ -5,14 +5,14 @@
 
 namespace rths::scramnet {
 
-/// The card, if this process has its registers mapped; else null.
+/// The card if this process has mapped its registers; else null.
 [[nodiscard]] Board* card_with_registers() noexcept;
-/// The card, if this process has its memory mapped; else null.
+/// The card if this process has mapped its memory; else null.
 [[nodiscard]] Board* card_with_memory() noexcept;
 
-/// A new descriptor that `ioctl` knows; −1 if the system has none.
+/// Opens a descriptor of the card for `ioctl`; −1 if the system has none left.
 [[nodiscard]] int open_descriptor() noexcept;
-/// What `ioctl` does on such a descriptor: −1 with errno, as system calls do.
+/// Implements `ioctl` on such a descriptor; −1 with errno on failure.
 [[nodiscard]] int control_card(unsigned long command, void* argument) noexcept;
 
 }  // namespace rths::scramnet

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Names of the vendor's Windows libraries: what has a meaning here has it, the rest answers as a
-// card without that facility would.
+// Functions of the vendor's Windows libraries. Those without a meaning here return the values of a
+// card without that feature.
 
 #include <ctime>
 

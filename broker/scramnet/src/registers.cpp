@@ -6,23 +6,18 @@
 
 #include "bits.hpp"
 #include "fifo.hpp"
+#include "monotonic_time.hpp"
 
 namespace rths::scramnet {
 namespace {
 
-constexpr std::uint32_t kTimeout = 0x10;  // in 240 ns
+constexpr std::uint32_t kTimeout = 0x10;  // [240 ns]
 
-// By size code; 0 is none.
+// Card sizes by size code [B]; code 0: none.
 constexpr std::array<std::uint64_t, 8> kSizes{0,        8U << 20,   4U << 20,   2U << 20,
                                               1U << 20, 512U << 10, 128U << 10, 4U << 10};
 
-std::int64_t now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
-// Length of a tick of the counter in ps, 0 in the modes that count what plain stores do not show.
+// Period of the counter [ps]; 0 in the modes that count events which plain stores do not show.
 std::int64_t tick_ps(std::uint32_t csr8_value, std::uint32_t csr9_value) {
   if ((csr8_value & csr8::kFreeRun) == 0) return 0;
   if ((csr9_value & csr9::kCountErrors) != 0) return 26'660;
@@ -63,7 +58,7 @@ std::uint32_t Registers::read(int index, std::uint32_t nodes, bool bypass_switch
       const auto oldest = scramnet::peek(plus_->fifo);
       return oldest ? csr5::kNotEmpty | (*oldest >> 16 & 0x7F) : 0;
     }
-    case 9:  // the stream of the self-test is all ones
+    case 9:  // the self-test reads all ones
       return peek(9) | csr9::kSelfTest;
     case 13:
       return read_counter();
@@ -72,8 +67,8 @@ std::uint32_t Registers::read(int index, std::uint32_t nodes, bool bypass_switch
   }
 }
 
-// Latched bits are gone once read. What is live stays: whether interrupts are armed, and the
-// switch. Nothing ever waits in the transmit FIFO: a store is at the others at once.
+// Reading clears the latched bits. The live bits remain: interrupts armed, bypass switch. The
+// transmit FIFO is always empty, since a store is visible to the other nodes at once.
 std::uint32_t Registers::read_status(bool bypass_switch) {
   static_cast<void>(read_counter());
   return plus_->latched.exchange(0) | (plus_->armed.load() != 0 ? csr1::kArmed : 0) |
@@ -120,7 +115,7 @@ void Registers::write(int index, std::uint32_t value) {
     case 12:
       return plus_->csr[static_cast<std::size_t>(index)].store(value);
     default:
-      return;  // read only, reserved, or no register at all
+      return;  // read-only, reserved or not a register
   }
 }
 

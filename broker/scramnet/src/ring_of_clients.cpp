@@ -11,7 +11,7 @@
 namespace rths::scramnet {
 namespace {
 
-// A map must name a node; the words of this one belong to whoever writes them.
+// A map must have a node. This map has no partitions, so any client may write its words.
 memmap::Map plain_map(const Settings& settings) {
   memmap::MapDescription description;
   description.name = "plain";
@@ -27,7 +27,7 @@ bool exists(const std::string& ring) {
 }  // namespace
 
 broker::Ring attach_or_make(const Settings& settings) {
-  constexpr int kAttempts = 3;  // it may be made, or removed, between two of our looks
+  constexpr int kAttempts = 3;  // another process may create or remove the ring meanwhile
   for (int attempt = 1;; ++attempt) {
     try {
       if (!exists(settings.ring)) {

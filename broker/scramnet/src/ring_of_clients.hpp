@@ -7,9 +7,9 @@
 
 namespace rths::scramnet {
 
-/// The ring of these settings, made if there is none. Unlike `Ring::create` it keeps a ring on
-/// which nobody is: a card's memory outlives the programs that use it.
-/// @throws Error if it can be neither attached nor made   @setup
+/// Attaches to the ring of these settings; creates it if there is none. Unlike `Ring::create`,
+/// keeps a ring without processes: a card's memory outlives the programs that use it.
+/// @throws Error if the ring can be neither attached nor created   @setup
 [[nodiscard]] broker::Ring attach_or_make(const Settings& settings);
 
 }  // namespace rths::scramnet

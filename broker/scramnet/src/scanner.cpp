@@ -32,11 +32,11 @@ bool sends_interrupt(CardSession::CardView card, std::uint32_t longword) {
 
 }  // namespace
 
-// The right to compare: among the threads of this process, then among the processes of this card.
-// Signals are blocked while it lasts, so that a handler never waits for the thread it interrupted.
-class Scanner::Turn {
+// Lock for a scan: among the threads of this process, then among the processes of this card. Blocks
+// signals while it is held, so that a handler never waits for the thread that it interrupted.
+class Scanner::ScanLock {
  public:
-  explicit Turn(Scanner& scanner) : claim_{&scanner.session_->card().plus.scanner} {
+  explicit ScanLock(Scanner& scanner) : claim_{&scanner.session_->card().plus.scanner} {
     sigset_t all;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before_);
@@ -44,30 +44,30 @@ class Scanner::Turn {
     const broker::Claim self = scanner.session_->self();
     broker::Claim holder = claim_->load();
     if (holder != 0 && holder != self && broker::is_alive(holder)) return;
-    mine_ = claim_->compare_exchange_strong(holder, self);
+    held_ = claim_->compare_exchange_strong(holder, self);
   }
-  ~Turn() {
-    if (mine_) claim_->store(0);
+  ~ScanLock() {
+    if (held_) claim_->store(0);
     lock_.unlock();
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
   }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-  [[nodiscard]] bool is_mine() const { return mine_; }
+  ScanLock(const ScanLock&) = delete;
+  ScanLock& operator=(const ScanLock&) = delete;
+  [[nodiscard]] bool is_held() const { return held_; }
 
  private:
   SharedClaim* claim_;
   sigset_t before_{};
   std::unique_lock<std::mutex> lock_;
-  bool mine_ = false;
+  bool held_ = false;
 };
 
 bool Scanner::is_enabled() const { return receives(Registers{session_->card()}); }
 
-void Scanner::look() {
+void Scanner::scan() {
   if (is_enabled()) {
-    const Turn turn{*this};
-    if (turn.is_mine()) compare();
+    const ScanLock lock{*this};
+    if (lock.is_held()) compare();
   }
   deliver_if_due(session_->card());
 }
@@ -75,23 +75,23 @@ void Scanner::look() {
 void Scanner::compare() {
   rebuild_if_changed();
   const auto& own = session_->own();
-  const auto look_at = [&](std::uint32_t longword) {
+  const auto check = [&](std::uint32_t longword) {
     const std::uint32_t word = words_[longword].load(std::memory_order_acquire);
     if (word == own.known[longword].load(std::memory_order_relaxed)) return;
     own.known[longword].store(word, std::memory_order_relaxed);
-    if (!somebody_interrupts(longword)) return;
+    if (!raises_interrupt(longword)) return;
     if (!push(own.card->plus.fifo, (network_longword_ + longword) * 4))
       Registers{*own.card}.latch(csr1::kInterruptFifoFull);
   };
   if (watches_all_)
-    for (std::uint32_t longword = 0; longword < longwords_; ++longword) look_at(longword);
+    for (std::uint32_t longword = 0; longword < longwords_; ++longword) check(longword);
   else
-    for (const std::uint32_t longword : watched_) look_at(longword);
+    for (const std::uint32_t longword : watched_) check(longword);
 }
 
-// Which card wrote a word cannot be seen. It is counted as foreign if another card sends
-// interrupts there, and as our own if only we do.
-bool Scanner::somebody_interrupts(std::uint32_t longword) const {
+// The writer of a word is unknown. The write counts as foreign if another card sends interrupts for
+// the word, as own if only this card does.
+bool Scanner::raises_interrupt(std::uint32_t longword) const {
   const auto& own = session_->own();
   const Registers registers{*own.card};
   const std::uint32_t network = network_longword_ + longword;
@@ -119,32 +119,32 @@ void Scanner::rebuild_if_changed() {
   has_list_ = true;
 }
 
-// Without room for its last value a word cannot be watched, and the ACR says so.
-void Scanner::remember(std::uint32_t longword) {
+// If memory for the last value is short, the word cannot be scanned: clears its ACR bit.
+void Scanner::set_baseline(std::uint32_t longword) {
   const auto& own = session_->own();
-  if (session_->take_known(longword, 1))
+  if (session_->reserve_known(longword, 1))
     own.known[longword].store(words_[longword].load());
   else
     own.acr[longword].fetch_and(~acr::kReceiveInterrupt);
 }
 
-void Scanner::start_afresh() {
-  const Turn turn{*this};
-  if (!turn.is_mine()) return;
+void Scanner::reset() {
+  const ScanLock lock{*this};
+  if (!lock.is_held()) return;
   has_list_ = false;
   rebuild_if_changed();
-  for (const std::uint32_t longword : watched_) remember(longword);
-  if (!watches_all_ || !session_->take_known(0, longwords_)) return;
+  for (const std::uint32_t longword : watched_) set_baseline(longword);
+  if (!watches_all_ || !session_->reserve_known(0, longwords_)) return;
   for (std::uint32_t i = 0; i < longwords_; ++i) session_->own().known[i].store(words_[i].load());
 }
 
-void Scanner::start_afresh(std::uint32_t longword) {
-  const Turn turn{*this};
-  if (turn.is_mine()) remember(longword);
+void Scanner::reset(std::uint32_t longword) {
+  const ScanLock lock{*this};
+  if (lock.is_held()) set_baseline(longword);
 }
 
 void Scanner::set_window(const Word* words, std::uint32_t longwords, std::uint32_t network) {
-  const Turn turn{*this};
+  const ScanLock lock{*this};
   words_ = words;
   longwords_ = longwords;
   network_longword_ = network;
@@ -158,11 +158,11 @@ void Scanner::run_thread(bool wanted) {
   sigset_t all;
   sigset_t before;
   sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // which the thread inherits: it handles none
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // the thread inherits the mask: handles no signals
   thread_ = std::thread{[this] {
     prctl(PR_SET_TIMERSLACK, 1000UL);
     while (!stop_.load()) {
-      look();
+      scan();
       sleep_for_a_period();
     }
   }};

@@ -11,16 +11,16 @@
 
 namespace rths::scramnet {
 
-/// Finds out that a word which interrupts this card was written.
+/// Detects writes to words that interrupt this card.
 ///
-/// A store through a pointer tells nobody, so the words whose ACR has RIE here are compared with
-/// what they were at the last look; a change counts if a card that may have made it has TIE there.
-/// A look costs about a nanosecond per word. Who waits for an interrupt looks himself, as do calls
-/// that read the FIFO; a thread looks only for those who asked for a signal. In between, a word
-/// that was written twice counts once, and one that got the value it had does not count.
+/// A store through a pointer cannot be intercepted. So a scan compares the words with RIE in this
+/// card's ACR with their values at the last scan. A change is an interrupt if a card that may have
+/// made it has TIE for the word. A scan takes about 1 ns per word. Calls that wait for an interrupt
+/// or read the FIFO scan; a thread scans only while a process is registered for a signal. A word
+/// that is written twice between two scans counts once; a store of the same value does not count.
 class Scanner {
  public:
-  /// Between two looks, of those who wait and of the thread.
+  /// Time between two scans, of a waiting call and of the thread [ns].
   static constexpr long kPeriodNs = 50'000;
 
   Scanner(const CardSession& session, const Word* words, std::uint32_t longwords)
@@ -29,25 +29,26 @@ class Scanner {
   Scanner(const Scanner&) = delete;
   Scanner& operator=(const Scanner&) = delete;
 
-  /// Whether this card takes memory interrupts at all.
+  /// True if this card receives memory interrupts.
   [[nodiscard]] bool is_enabled() const;
-  /// One look, then delivery of what it found. Nothing if another process is looking for this
-  /// card. Keeps all signals blocked meanwhile, so it may be called from a handler.   @any_thread
-  void look();
-  /// From here on counts only what changes after now: interrupts have just been enabled.
-  void start_afresh();
-  /// The same for one word, whose ACR has just been set.
-  void start_afresh(std::uint32_t longword);
+  /// Scans once and delivers the interrupts found. Does not scan if another process is scanning for
+  /// this card. Blocks all signals meanwhile, so a signal handler may call it.   @any_thread
+  void scan();
+  /// Takes the current values as the baseline; called when interrupts are enabled.
+  void reset();
+  /// The same for one word, when its ACR is set.
+  void reset(std::uint32_t longword);
   void run_thread(bool wanted);
-  /// Byte address of the card's first longword on the ring, after virtual paging.
+  /// Sets the words to scan. @param network_longword  offset of the first word on the ring, which
+  /// virtual paging changes
   void set_window(const Word* words, std::uint32_t longwords, std::uint32_t network_longword);
 
  private:
-  class Turn;
+  class ScanLock;
   void compare();
   void rebuild_if_changed();
-  [[nodiscard]] bool somebody_interrupts(std::uint32_t longword) const;
-  void remember(std::uint32_t longword);
+  [[nodiscard]] bool raises_interrupt(std::uint32_t longword) const;
+  void set_baseline(std::uint32_t longword);
 
   const CardSession* session_;
   std::mutex mutex_;  ///< between threads of this process only

@@ -27,7 +27,7 @@ std::optional<std::string> variable(const std::string& name) {
   return value == nullptr ? std::nullopt : std::optional<std::string>{value};
 }
 
-std::string trouble_with_size(std::uint64_t bytes) {
+std::string size_error(std::uint64_t bytes) {
   if (bytes >= kSmallestMemory && bytes <= kLargestMemory && bytes % kPage == 0) return "";
   return fmt::format("is {}, expected {} to {} in whole pages of {}", bytes, kSmallestMemory,
                      kLargestMemory, kPage);
@@ -40,8 +40,7 @@ void read_size(const std::string& name, std::uint64_t& bytes) {
   const auto [end, problem] = std::from_chars(text->data(), text->data() + text->size(), value);
   const bool number = problem == std::errc{} && end == text->data() + text->size();
   if (!number) throw Error{fmt::format("{} is '{}', expected a number of bytes", name, *text)};
-  if (const auto trouble = trouble_with_size(value); !trouble.empty())
-    throw Error{name + " " + trouble};
+  if (const auto error = size_error(value); !error.empty()) throw Error{name + " " + error};
   bytes = value;
 }
 
@@ -56,8 +55,7 @@ void read_environment(const std::string& prefix, Settings& settings) {
 void read_size(const Config& table, const std::string& key, std::uint64_t& bytes) {
   if (!table.has(key)) return;
   bytes = static_cast<std::uint64_t>(table.integer_in(key, 0, std::int64_t{kLargestMemory}));
-  if (const auto trouble = trouble_with_size(bytes); !trouble.empty())
-    table.fail(key, key + " " + trouble);
+  if (const auto error = size_error(bytes); !error.empty()) table.fail(key, key + " " + error);
 }
 
 void read_table(const Config& table, Settings& settings) {

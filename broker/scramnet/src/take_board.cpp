@@ -11,8 +11,8 @@
 namespace rths::scramnet {
 namespace {
 
-// A C interface without handles has one card for the process. It is never destroyed: clients call
-// from destructors of their own that run after ours. At exit it only leaves the ring.
+// The vendor's C interface has no handles, so a process has one card. It is never destroyed, since
+// clients may call from destructors that run after ours. At exit it only leaves the ring.
 std::atomic<Board*> the_board{nullptr};
 std::mutex taking;
 
@@ -21,7 +21,7 @@ BoardError take() noexcept {
   try {
     settings = plus_settings();
   } catch (const std::exception& error) {
-    complain_once("settings", error.what());
+    warn_once("settings", error.what());
     return BoardError::Configuration;
   }
   try {
@@ -29,7 +29,7 @@ BoardError take() noexcept {
     std::atexit([] { the_board.load()->leave(); });
     return BoardError::None;
   } catch (const std::exception& error) {
-    complain_once("ring", error.what());
+    warn_once("ring", error.what());
     return BoardError::Driver;
   }
 }

@@ -11,7 +11,7 @@ namespace {
 
 struct RateSaturation {
   static constexpr std::string_view kName = "rate_saturation";
-  static constexpr std::string_view kTitle = "largest velocity of the actuator";
+  static constexpr std::string_view kTitle = "velocity limit of the actuator";
   static constexpr std::string_view kEquation = "u follows the command with |u'| <= v_max";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Actuator;
@@ -22,29 +22,28 @@ struct RateSaturation {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real* state = term.state + 2 * axis;
       const Real& command = q.displacement[axis];
       if (state[0] == 0) state[0] = 1.0, state[1] = command;
       const Real reach = term.parameters[kRate] * term.time_step;
       const Real missing = command - state[1];
-      const Real way = clipped(missing, reach);
-      if (way == missing) {
+      const Real move = clipped(missing, reach);
+      if (move == missing) {
         state[1] = command;
-        continue;
+        return;
       }
-      state[1] += way;
+      state[1] += move;
       q.displacement[axis] = state[1];
-      q.velocity[axis] = way * (1 / term.time_step);
+      q.velocity[axis] = move * (1 / term.time_step);
       q.acceleration[axis] = Real{0};
-    }
+    });
   }
 };
 
-// T u' = e − clip(e, d), e = command − u: outside the dead band the part x = e ∓ d beyond it obeys
-// x' = s − x/T, s the command's velocity, solved exactly; inside, u rests. A step that comes from
-// the inside has only its part after the edge.
+// T u' = e − clip(e, d), e = command − u. Outside the dead band, the excess x = e ∓ d obeys
+// x' = s − x/T with the command's velocity s, solved exactly; inside, u rests. In a step that
+// leaves the band, only the time after the edge counts.
 struct ValveDeadband {
   static constexpr std::string_view kName = "valve_deadband";
   static constexpr std::string_view kTitle = "dead band of the servo valve";
@@ -58,25 +57,25 @@ struct ValveDeadband {
   static constexpr std::size_t kAxisStates = 4;  // started, command, u, u'
   static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
 
-  // How far the error is beyond the edge, `rest`, and how much of it drives u, `drive`: nothing if
-  // it has come back across the edge within this step.
+  // `rest`: error beyond the edge. `drive`: the share of it that drives u; 0 if the error has
+  // returned across the edge within this step.
   template <class Real>
   struct Beyond {
     Real rest{}, drive{};
   };
 
-  // After a step of the command from `before` to `error` ahead of a resting u.
+  // After a step in which the error would change from `before` to `error` if u rested.
   template <class Real>
   static Beyond<Real> beyond(const Real& before, const Real& error, const Real& edge,
                              const Real& steps, bool came) {
     using std::exp;
     using std::log1p;
-    // Without a lag u is where the edge of the band has pushed it.
+    // Without a lag the edge of the band pushes u directly.
     if (!(steps > kShortestLag)) return {};
     const Real slope = error - before;
     const Real first = came ? Real{0} : Real{before - edge};
-    const Real part = came ? Real{(error - edge) / slope} : Real{1};
-    const Real kept = exp(-part / steps);
+    const Real fraction = came ? Real{(error - edge) / slope} : Real{1};
+    const Real kept = exp(-fraction / steps);
     const Real x = first * kept + steps * slope * (1 - kept);
     const bool crossed = (first > 0 && x < 0) || (first < 0 && x > 0);
     if (!crossed) return {x, x};
@@ -88,18 +87,17 @@ struct ValveDeadband {
     const Real& band = term.parameters[kBand];
     const Real steps = term.parameters[kTimeConstant] * (1 / term.time_step);
     const auto inside = [&](const Real& e) { return e <= band && e >= -band; };
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real* state = term.state + axis * kAxisStates;
       const Real command = q.displacement[axis];
       if (state[0] == 0) state[0] = 1.0, state[1] = state[2] = command;
-      const Real before = state[1] - state[2], error = command - state[2];  // were u to rest
+      const Real before = state[1] - state[2], error = command - state[2];  // if u rests
       state[1] = command;
       const bool came = inside(before) || !(steps > kShortestLag);
       if (came && inside(error)) {
         q.displacement[axis] = state[2];
         if (band > 0) set_velocity(term, q, axis, Real{0});
-        continue;
+        return;
       }
       const Real edge = (came ? error : before) > 0 ? band : -band;
       const Beyond<Real> x = beyond(before, error, edge, steps, came);
@@ -108,10 +106,10 @@ struct ValveDeadband {
         set_velocity(term, q, axis, Real{x.drive / term.parameters[kTimeConstant]});
       else
         state[3] = q.velocity[axis];
-    }
+    });
   }
 
-  // The acceleration jumps at the edges of the band; its mean over the step does not.
+  // Mean acceleration over the step, because the acceleration jumps at the edges of the band.
   template <class Real>
   static void set_velocity(const TermView<Real>& term, Quantities<Real>& q, std::size_t axis,
                            const Real& velocity) {
@@ -124,19 +122,18 @@ struct ValveDeadband {
 
 struct LoadCompliance {
   static constexpr std::string_view kName = "load_compliance";
-  static constexpr std::string_view kTitle = "actuator that yields under load";
+  static constexpr std::string_view kTitle = "compliance of the actuator under load";
   static constexpr std::string_view kEquation =
       "u = command - chi F,  F through T^2 F'' + 2 T F' + F";
-  static constexpr std::string_view kSource =
-      "textbook; how it is solved: docs/theory/machine_terms.md";
+  static constexpr std::string_view kSource = "textbook; solution: docs/theory/machine_terms.md";
   static constexpr Stage kStage = Stage::Actuator;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kCompliance, kStiffness, kTimeConstant };
   static constexpr Parameter kParameters[] = {{"compliance", "m/N", 0, 1e-3, 0, 2e-9},
                                               kStiffnessEstimate,
                                               {"time_constant", "s", 0, 1, 0, 3e-3}};
-  // Of the lag; of the compliance; how much it yields, and how fast. Accelerometers see that; the
-  // velocity of the command stays, for the specimen's sake (compliance.hpp).
+  // Lag, compliance, deflection and its rate. The deflection changes displacement and acceleration,
+  // but not the velocity, which keeps the specimen stable (compliance.hpp).
   static constexpr std::size_t kLagStates = SecondOrderLag<double>::kStates;
   static constexpr std::size_t kAxisStates = kLagStates + Compliance<double>::kStates + 2;
   static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
@@ -144,8 +141,7 @@ struct LoadCompliance {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const SecondOrderLag<Real> lag{term.parameters[kTimeConstant], Real{1}, term.time_step};
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real* state = term.state + axis * kAxisStates + kLagStates;
       Compliance<Real> oil{state, term.parameters[kCompliance], term.parameters[kStiffness]};
       const Real force = lag(state - kLagStates, q.last_specimen_force[axis]);
@@ -157,15 +153,15 @@ struct LoadCompliance {
       q.displacement[axis] -= yield;
       state[2] = yield;
       state[3] = rate;
-    }
+    });
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<RateSaturation>(), kind_of<ValveDeadband>(),
-                               kind_of<LoadCompliance>()};
+constexpr TermKind kActuatorLimitKinds[] = {kind_of<RateSaturation>(), kind_of<ValveDeadband>(),
+                                            kind_of<LoadCompliance>()};
 
 }  // namespace
 
-std::span<const TermKind> actuator_limit_kinds() { return kKinds; }
+std::span<const TermKind> actuator_limit_kinds() { return kActuatorLimitKinds; }
 
 }  // namespace rths::sim

@@ -10,17 +10,18 @@
 namespace rths::sim {
 namespace {
 
-// What is linear acts on velocity and acceleration as it acts on displacement.
+// Linear terms act on displacement, velocity and acceleration alike.
 constexpr std::size_t kSignals = kHorizontalAxes * kMotionSignals;
 
 template <class Lag, class Real>
 void lag_motion(const TermView<Real>& term, Quantities<Real>& q, const Lag& lag) {
-  Real* state = term.state;
-  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+  for_each_active_axis(term, [&](std::size_t axis) {
+    Real* state = term.state + axis * kMotionSignals * Lag::kStates;
     for (Real* signal : motion_of(q, axis)) {
-      if (term.acts_on(axis)) *signal = lag(state, *signal);
+      *signal = lag(state, *signal);
       state += Lag::kStates;
     }
+  });
 }
 
 struct ActuatorDelay {
@@ -43,11 +44,10 @@ struct ActuatorDelay {
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     DelayLine<Real> line{term.state, DelayLine<Real>::capacity(kLongest, term.time_step)};
     line.advance(term.parameters[kDelay] * (1 / term.time_step));
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       std::size_t signal = axis * kMotionSignals;
       for (Real* value : motion_of(q, axis)) *value = line.exchange(signal++, *value);
-    }
+    });
   }
 };
 
@@ -82,7 +82,7 @@ struct SecondOrderActuator {
   }
 };
 
-// A valve that does not open for a small error, and a piston that can go no faster.
+// With the dead band of a valve and the velocity limit of a piston.
 struct ActuatorBandwidth {
   static constexpr std::string_view kName = "actuator_bandwidth";
   static constexpr std::string_view kTitle = "second-order lag of the actuator";
@@ -109,15 +109,15 @@ struct ActuatorBandwidth {
                            is_just(term.parameters[kVelocityLimit], kUnlimited);
     if (is_linear || !(term.parameters[kTimeConstant] > kShortestLag * term.time_step))
       return lag_motion(term, q, lag);
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        servo(term, lag, q, axis,
-              term.state + axis * kMotionSignals * SecondOrderLag<double>::kStates);
+    for_each_active_axis(term, [&](std::size_t axis) {
+      servo(term, lag, q, axis,
+            term.state + axis * kMotionSignals * SecondOrderLag<double>::kStates);
+    });
   }
 
  private:
-  // The dead band takes from the command what it keeps from the valve; how much that is at the end
-  // of the step depends on u there, which is found in two rounds.
+  // The command reduced by the dead band. At the end of the step the reduction depends on u there,
+  // which two iterations find.
   template <class Real>
   static void servo(const TermView<Real>& term, const SecondOrderLag<Real>& lag,
                     Quantities<Real>& q, std::size_t axis, Real* state) {
@@ -134,8 +134,8 @@ struct ActuatorBandwidth {
     std::array<Real, kLagStates> start, end;
     std::copy_n(state, kLagStates, start.begin());
     Real u = start[2] + start[3];
-    constexpr int kRounds = 2;
-    for (int round = 0; round < kRounds; ++round) {
+    constexpr int kIterations = 2;
+    for (int i = 0; i < kIterations; ++i) {
       end = start;
       u = lag(end.data(), seen(command, u));
     }
@@ -154,7 +154,7 @@ struct ActuatorBandwidth {
 
 struct OilColumnResonance : SecondOrderActuator {
   static constexpr std::string_view kName = "oil_column_resonance";
-  static constexpr std::string_view kTitle = "platen on the oil column";
+  static constexpr std::string_view kTitle = "oil-column resonance of the platen";
   static constexpr std::string_view kEquation =
       "T^2 u'' + 2 zeta T u' + u = command,  T^2 = m V / (4 B A^2)";
   static constexpr std::string_view kSource = "Merritt 1967, chapter 6";
@@ -162,11 +162,12 @@ struct OilColumnResonance : SecondOrderActuator {
                                               {"damping", "-", 0.001, 10, 0.1, 0.1}};
 };
 
-constexpr TermKind kKinds[] = {kind_of<ActuatorDelay>(), kind_of<ActuatorLag>(),
-                               kind_of<ActuatorBandwidth>(), kind_of<OilColumnResonance>()};
+constexpr TermKind kLinearActuatorKinds[] = {kind_of<ActuatorDelay>(), kind_of<ActuatorLag>(),
+                                             kind_of<ActuatorBandwidth>(),
+                                             kind_of<OilColumnResonance>()};
 
 }  // namespace
 
-std::span<const TermKind> linear_actuator_kinds() { return kKinds; }
+std::span<const TermKind> linear_actuator_kinds() { return kLinearActuatorKinds; }
 
 }  // namespace rths::sim

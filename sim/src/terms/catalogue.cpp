@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,7 @@
 namespace rths::sim {
 namespace {
 
-// Within a stage, terms act in the order of these groups and of the kinds in each.
+// Within a stage, terms act in the order of these groups and of the kinds in each group.
 std::vector<TermKind> all_kinds() {
   std::vector<TermKind> kinds;
   for (const auto& group : {actuator_kinds(), elastomeric_kinds(), hysteresis_kinds(),
@@ -36,9 +35,14 @@ const TermKind& term_kind(std::string_view name) {
     if (kind.name == name) return kind;
     known.emplace_back(kind.name);
   }
-  const auto meant = nearest(std::string{name}, known);
   throw Error{"there is no term '" + std::string{name} + "'" +
-              (meant ? " (did you mean '" + *meant + "'?)" : "")};
+              did_you_mean(std::string{name}, known)};
+}
+
+const Parameter& parameter_of(const TermKind& kind, std::string_view name) {
+  for (const auto& parameter : kind.parameters)
+    if (parameter.name == name) return parameter;
+  throw Error{"term '" + std::string{kind.name} + "' has no parameter '" + std::string{name} + "'"};
 }
 
 }  // namespace rths::sim

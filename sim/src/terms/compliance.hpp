@@ -5,28 +5,28 @@
 
 namespace rths::sim {
 
-/// What an axis yields by under the specimen's force F: w = clip(χ F, limit), x = u − w.
+/// Deflection w of an axis under the specimen's force F: w = clip(χ F, limit), x = u − w.
 ///
-/// F depends on x, and is computed after it. With an estimate K of the specimen's largest stiffness
-/// the stiff part of F is solved for; the rest, R = F − K x, is extrapolated from the two steps
-/// before:
+/// F depends on x and is computed after it. With an estimate K of the specimen's largest stiffness,
+/// the stiff component K x is solved for implicitly. The remainder R = F − K x is extrapolated from
+/// the last two steps:
 ///     x = (u − χ R*) / (1 + χ K),   R* = 2 R₋₁ − R₋₂
-/// An error decays by g = χ (K − K_t)/(1 + χ K) per step (as g^½ where g > 0), K_t the tangent
-/// stiffness: stable for 0 ≤ K_t < 4/3 K + 1/(3 χ), whatever the time step, and of second order in
-/// it.
+/// An error decays by g = χ (K − K_t)/(1 + χ K) per step (as g^½ where g > 0), with the tangent
+/// stiffness K_t. The scheme is stable for 0 ≤ K_t < 4/3 K + 1/(3 χ) at any time step, and of
+/// second order in the step.
 ///
-/// The specimen is given the velocity of u, not that of x: the difference would feed c/Δt back for
-/// every damping c of the specimen, more than any K can answer for as Δt falls.
+/// The specimen receives the velocity of u, not of x. A velocity from differences of x would feed
+/// back a stiffness c/Δt for every damping c of the specimen, which exceeds any K as Δt falls.
 template <class Real>
 class Compliance {
  public:
-  static constexpr std::size_t kStates = 2;  ///< x and R of one step before
+  static constexpr std::size_t kStates = 2;  ///< x and R of the last step
 
   Compliance(Real* state, const Real& flexibility, const Real& stiffness)
       : state_{state}, flexibility_{flexibility}, stiffness_{stiffness} {}
 
   /// @param u      of the held end [m]
-  /// @param force  of the specimen one step before [N]
+  /// @param force  of the specimen in the last step [N]
   /// @returns x, of the specimen's end [m]
   Real yield(const Real& u, const Real& force, const Real& limit) {
     const Real rest = force - stiffness_ * state_[0];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Devices whose resistance somebody sets while they move: dampers with a magnetorheological fluid.
+// Devices whose resistance is controlled while they move: magnetorheological dampers.
 #include "hysteresis_kinds.hpp"
 #include "kinds.hpp"
 #include "presliding.hpp"
@@ -7,7 +7,7 @@
 namespace rths::sim {
 namespace {
 
-// c_0 + c_1 I + c_2 I², at least 0. At 0 itself it can rise: the derivatives are wanted there.
+// c_0 + c_1 I + c_2 I², at least 0. Exactly at 0 the derivatives are kept.
 template <class Real>
 Real level_of(const Real* coefficients, const Real& current) {
   const Real level = coefficients[0] + current * (coefficients[1] + current * coefficients[2]);
@@ -16,7 +16,7 @@ Real level_of(const Real* coefficients, const Real& current) {
 
 struct CurrentDependentFriction {
   static constexpr std::string_view kName = "current_dependent_friction";
-  static constexpr std::string_view kTitle = "friction that the current of a damper sets";
+  static constexpr std::string_view kTitle = "current-controlled friction of a damper";
   static constexpr std::string_view kEquation =
       "F = max(0, F_0 + F_1 I + F_2 I^2) s |v|/(|v| + v_c),  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource =
@@ -35,20 +35,19 @@ struct CurrentDependentFriction {
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::abs;
     const Real level = level_of(term.parameters + kForce, q.auxiliary) * q.strength;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real speed = abs(q.velocity[axis]);
       const Real force = level * presliding(term, q, axis, term.parameters[kPresliding]) *
                          (speed / (speed + term.parameters[kCreep]));
       q.hysteretic_force[axis] += force;
       q.force[axis] += force;
-    }
+    });
   }
 };
 
 struct CurrentDependentDamping {
   static constexpr std::string_view kName = "current_dependent_damping";
-  static constexpr std::string_view kTitle = "viscosity that the current of a damper sets";
+  static constexpr std::string_view kTitle = "current-controlled viscosity of a damper";
   static constexpr std::string_view kEquation = "F = max(0, c_0 + c_1 I + c_2 I^2) v";
   static constexpr std::string_view kSource = "textbook; the polynomial is ours";
   static constexpr Stage kStage = Stage::Restoring;
@@ -62,16 +61,16 @@ struct CurrentDependentDamping {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real level = level_of(term.parameters + kCoefficient, q.auxiliary);
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis)) q.force[axis] += level * q.velocity[axis];
+    for_each_active_axis(term,
+                         [&](std::size_t axis) { q.force[axis] += level * q.velocity[axis]; });
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<CurrentDependentFriction>(),
-                               kind_of<CurrentDependentDamping>()};
+constexpr TermKind kControlledKinds[] = {kind_of<CurrentDependentFriction>(),
+                                         kind_of<CurrentDependentDamping>()};
 
 }  // namespace
 
-std::span<const TermKind> controlled_kinds() { return kKinds; }
+std::span<const TermKind> controlled_kinds() { return kControlledKinds; }
 
 }  // namespace rths::sim

@@ -10,17 +10,16 @@
 
 namespace rths::sim {
 
-/// Signals as they were some time ago, between samples by Lagrange's cubic through the four around
-/// it. An age of whole steps gives back the sample itself. What is older than the first sample is
-/// equal to it: the signal has rested there.
+/// Delayed signals, interpolated by Lagrange's cubic through the four nearest samples. A delay of
+/// whole steps returns the sample itself. Before the first sample a signal is constant.
 ///
-/// Lives in a term's state: where the newest sample stands, how many there are, and each signal's.
+/// Stored in a term's state: slot of the newest sample, number of samples, samples of each signal.
 template <class Real>
 class DelayLine {
  public:
   static constexpr std::size_t kNodes = 4;
 
-  /// Samples to keep for ages up to `longest` [s].
+  /// Samples to store for ages up to `longest` [s].
   static std::size_t capacity(double longest, double time_step) {
     return static_cast<std::size_t>(std::ceil(longest / time_step)) + kNodes;
   }
@@ -33,7 +32,7 @@ class DelayLine {
     count_ = static_cast<std::size_t>(value_of(state_[1]));
   }
 
-  /// Makes room for the samples of this step, and looks back by `age` [steps], 0 … capacity − 4.
+  /// Begins a step, with a look-back of `age` [steps], 0 … capacity − 4.
   void advance(const Real& age) {
     newest_ = newest_ + 1 < capacity_ ? newest_ + 1 : 0;
     count_ = std::min(count_ + 1, capacity_);
@@ -46,19 +45,19 @@ class DelayLine {
     weights_ = {a * b * c * (-1.0 / 6), x * b * c * 0.5, x * a * c * -0.5, x * a * b * (1.0 / 6)};
   }
 
-  /// Puts a signal's newest sample in and takes out what it was.
+  /// Stores a signal's newest sample and returns the delayed one.
   Real exchange(std::size_t signal, const Real& newest) {
     Real* samples = state_ + 2 + signal * capacity_;
     samples[newest_] = newest;
     Real sum{};
     for (std::size_t i = 0; i < kNodes; ++i)
-      sum += weights_[i] * samples[place(std::min(first_ + i, count_ - 1))];
+      sum += weights_[i] * samples[slot(std::min(first_ + i, count_ - 1))];
     return sum;
   }
 
  private:
-  // Where the sample stands that is `age` steps old.
-  [[nodiscard]] std::size_t place(std::size_t age) const {
+  // Slot of the sample that is `age` steps old.
+  [[nodiscard]] std::size_t slot(std::size_t age) const {
     return newest_ >= age ? newest_ - age : newest_ + capacity_ - age;
   }
 

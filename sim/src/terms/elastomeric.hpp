@@ -10,21 +10,21 @@
 
 namespace rths::sim {
 
-// The kinds of elastomeric bearings by what they act on (docs/theory/lead_rubber.md). Within a
-// stage they act in this order: first what the axial law needs, then the axial law.
+// The kinds of elastomeric bearings (docs/theory/lead_rubber.md). Within a stage they act in this
+// order: first the inputs of the axial law, then the axial law.
 std::span<const TermKind> elastomeric_vertical_kinds();
 std::span<const TermKind> elastomeric_modifier_kinds();
 std::span<const TermKind> lead_heating_kinds();
 std::span<const TermKind> elastomeric_restoring_kinds();
 
-/// A factor that would be negative is 0: strength and stiffness may be lost, not turned round.
+/// Multiplies by the factor, or by 0 if it is negative: strength and stiffness never change sign.
 template <class Real>
 void scale(Real& quantity, const Real& factor) {
   quantity *= factor > 0 ? factor : Real{0};
 }
 
-/// How much of what a modifier does to the strength it does to the stiffness before yield, as a
-/// power of it: 0 leaves the stiffness, 1 leaves the yield displacement.
+/// Exponent of a strength factor's effect on the stiffness before yield: 0 keeps the stiffness, 1
+/// keeps the yield displacement.
 inline constexpr Parameter kElasticShareParameter = {"elastic_share", "-", 0, 1, 0, 0.5};
 
 template <class Real>

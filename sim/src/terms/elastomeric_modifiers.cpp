@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What changes the strength and stiffness of elastomeric bearings, heating apart:
+// Modifiers of elastomeric bearings' strength and stiffness, except heating:
 // docs/theory/lead_rubber.md, "Modifiers".
 #include <cmath>
 
@@ -70,7 +70,7 @@ struct AxialLoadStiffness {
 
 struct Scragging {
   static constexpr std::string_view kName = "scragging";
-  static constexpr std::string_view kTitle = "virgin stiffness lost with the largest displacement";
+  static constexpr std::string_view kTitle = "virgin stiffness lost with peak displacement";
   static constexpr std::string_view kEquation = "K = K_0 (1 + s exp(-u_max/u_s))";
   static constexpr std::string_view kSource = "Mullins 1969; Thompson et al. 2000";
   static constexpr Stage kStage = Stage::Modifier;
@@ -115,7 +115,7 @@ struct RateDependentStrength {
 
 struct AgeingTemperature {
   static constexpr std::string_view kName = "ageing_temperature";
-  static constexpr std::string_view kTitle = "ageing and the temperature of the surroundings";
+  static constexpr std::string_view kTitle = "ageing and ambient temperature";
   static constexpr std::string_view kEquation =
       "K = K_0 (1 + a_K) exp(-k_K T),  Q = Q_0 (1 + a_Q) exp(-k_Q T)";
   static constexpr std::string_view kSource =
@@ -137,13 +137,13 @@ struct AgeingTemperature {
   }
 };
 
-constexpr TermKind kKinds[] = {
+constexpr TermKind kElastomericModifierKinds[] = {
     kind_of<HorizontalStiffnessVariation>(), kind_of<AxialLoadStrength>(),
     kind_of<AxialLoadStiffness>(),           kind_of<Scragging>(),
     kind_of<RateDependentStrength>(),        kind_of<AgeingTemperature>()};
 
 }  // namespace
 
-std::span<const TermKind> elastomeric_modifier_kinds() { return kKinds; }
+std::span<const TermKind> elastomeric_modifier_kinds() { return kElastomericModifierKinds; }
 
 }  // namespace rths::sim

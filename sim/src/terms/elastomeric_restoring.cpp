@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forces of the rubber beside its linear stiffness: docs/theory/lead_rubber.md, "Restoring".
+// Forces of the rubber besides its linear stiffness: docs/theory/lead_rubber.md, "Restoring".
 #include <cmath>
 
 #include "elastomeric.hpp"
@@ -63,9 +63,9 @@ struct AsymmetricStiffness {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        q.force[axis] += term.parameters[kStiffness] * q.displacement[axis] * q.displacement[axis];
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.force[axis] += term.parameters[kStiffness] * q.displacement[axis] * q.displacement[axis];
+    });
   }
 };
 
@@ -89,7 +89,7 @@ struct PDelta {
 
 struct ViscoelasticRelaxation {
   static constexpr std::string_view kName = "viscoelastic_relaxation";
-  static constexpr std::string_view kTitle = "Maxwell branch: a force that relaxes";
+  static constexpr std::string_view kTitle = "viscoelastic relaxation (Maxwell branch)";
   static constexpr std::string_view kEquation = "dF/dt = k du/dt - F/tau";
   static constexpr std::string_view kSource = "Maxwell 1867; exact for u linear within a step";
   static constexpr Stage kStage = Stage::Restoring;
@@ -102,9 +102,9 @@ struct ViscoelasticRelaxation {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::exp;
-    const Real part = term.time_step / term.parameters[kTime];
-    const Real decay = exp(-part);
-    const Real intake = term.parameters[kStiffness] * (1 - decay) / part;
+    const Real ratio = term.time_step / term.parameters[kTime];
+    const Real decay = exp(-ratio);
+    const Real intake = term.parameters[kStiffness] * (1 - decay) / ratio;
     const Plane<Real> u = displacement_of(q);
     const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
     const Plane<Real> force = Plane<Real>{term.state[2], term.state[3]} * decay + du * intake;
@@ -130,12 +130,13 @@ struct ViscousDamping {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<LargeStrainStiffening>(),  kind_of<CubicStiffness>(),
-                               kind_of<AsymmetricStiffness>(),    kind_of<PDelta>(),
-                               kind_of<ViscoelasticRelaxation>(), kind_of<ViscousDamping>()};
+constexpr TermKind kElastomericRestoringKinds[] = {
+    kind_of<LargeStrainStiffening>(),  kind_of<CubicStiffness>(),
+    kind_of<AsymmetricStiffness>(),    kind_of<PDelta>(),
+    kind_of<ViscoelasticRelaxation>(), kind_of<ViscousDamping>()};
 
 }  // namespace
 
-std::span<const TermKind> elastomeric_restoring_kinds() { return kKinds; }
+std::span<const TermKind> elastomeric_restoring_kinds() { return kElastomericRestoringKinds; }
 
 }  // namespace rths::sim

@@ -11,7 +11,7 @@ namespace {
 
 struct BucklingLoadVariation {
   static constexpr std::string_view kName = "buckling_load_variation";
-  static constexpr std::string_view kTitle = "buckling load of the overlapping area";
+  static constexpr std::string_view kTitle = "buckling load reduced by displacement (overlap area)";
   static constexpr std::string_view kEquation =
       "P_cr = P_cr0 max((delta - sin delta)/pi, residual),  delta = 2 acos(|u|/D_2)";
   static constexpr std::string_view kSource = "Warn & Whittaker 2006, as in Kumar et al. 2014";
@@ -75,7 +75,7 @@ struct ElastomericAxial {
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kStiffness, kDamping, kCavitation, kDecay, kThickness, kDamage, kDamageRate, kBuckled };
   static constexpr Parameter kParameters[] = {
-      {"vertical_stiffness", "N/m", 0, 1e12, 0, 5e9},  // 0: the axial load is as given
+      {"vertical_stiffness", "N/m", 0, 1e12, 0, 5e9},  // 0: the axial load is unchanged
       {"vertical_damping", "N*s/m", 0, 1e10, 0, 1e7},
       {"cavitation_force", "N", 0, 1e10, 0, 3e6},  // 0: none
       {"post_cavitation_decay", "1/m", 1e-3, 1e4, 10, 10},
@@ -121,7 +121,7 @@ struct ElastomericAxial {
     if (elongation >= reached) {
       largest = elongation;
       const Real done = p[kDamage] * (1 - exp(-p[kDamageRate] * (elongation - onset) / onset));
-      if (done > damage) damage = done;  // an onset that moves heals nothing
+      if (done > damage) damage = done;  // a moving onset does not reduce damage
       return envelope(elongation);
     }
     const Real damaged = p[kCavitation] * (1 - damage);
@@ -132,11 +132,12 @@ struct ElastomericAxial {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<BucklingLoadVariation>(),
-                               kind_of<VerticalStiffnessVariation>(), kind_of<ElastomericAxial>()};
+constexpr TermKind kElastomericVerticalKinds[] = {kind_of<BucklingLoadVariation>(),
+                                                  kind_of<VerticalStiffnessVariation>(),
+                                                  kind_of<ElastomericAxial>()};
 
 }  // namespace
 
-std::span<const TermKind> elastomeric_vertical_kinds() { return kKinds; }
+std::span<const TermKind> elastomeric_vertical_kinds() { return kElastomericVerticalKinds; }
 
 }  // namespace rths::sim

@@ -4,18 +4,19 @@
 #include <cmath>
 
 #include <Eigen/Core>
-#include <Eigen/QR>
+
+#include <rths/algebra/decompositions.hpp>
 
 namespace rths::sim {
 namespace {
 
-// Rates lie evenly in their logarithm, from somewhat slower than the longest time to somewhat
-// faster than the shortest, where the kernel still needs them.
+// The rates are evenly spaced in their logarithm. They extend slightly beyond the longest and the
+// shortest time, where they still contribute to the kernel.
 constexpr double kSlowest = 0.03;  // over 1/longest [-]
 constexpr double kFastest = 6;     // over 1/shortest [-]
 constexpr Eigen::Index kFitTimes = 300;
 
-// The kernel's relative error is fitted, so each column is scaled to be about 1 where it matters.
+// Each exponential relative to the kernel, so that the fit minimises the relative error.
 Eigen::MatrixXd shares(const Eigen::ArrayXd& times, const std::vector<double>& rates,
                        double power) {
   Eigen::MatrixXd share(times.size(), static_cast<Eigen::Index>(rates.size()));
@@ -36,10 +37,10 @@ std::vector<FadingExponential> fading_exponentials(double power, double shortest
   const Eigen::ArrayXd all = evenly(kSlowest / longest, kFastest / shortest, kFadingExponentials);
   std::vector<double> rates(all.begin(), all.end());
   Eigen::VectorXd share;
-  // Least squares without the rates whose weights come out negative.
+  // Least squares, repeated without the rate of the most negative weight until none is negative.
   while (true) {
-    share =
-        shares(times, rates, power).colPivHouseholderQr().solve(Eigen::VectorXd::Ones(kFitTimes));
+    share = algebra::solve_least_squares(shares(times, rates, power),
+                                         Eigen::VectorXd{Eigen::VectorXd::Ones(kFitTimes)});
     Eigen::Index worst = 0;
     if (share.minCoeff(&worst) >= 0) break;
     rates.erase(rates.begin() + worst);
@@ -50,8 +51,8 @@ std::vector<FadingExponential> fading_exponentials(double power, double shortest
   return exponentials;
 }
 
-// The exponentials serve from one time step on: what a step took in, they hold when the next
-// begins, and M at the end of that step needs what has decayed during it.
+// The exponentials represent the kernel from one time step on. A step's intake is stored for the
+// next step, already decayed to that step's end, where M is evaluated.
 void prepare_fading_memory(double power, double time_step, std::span<double> constants) {
   constants[0] = std::pow(time_step, 1 - power) / (1 - power);
   const auto exponentials = fading_exponentials(power, time_step, kLongestMemory + time_step);

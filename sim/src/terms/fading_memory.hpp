@@ -7,11 +7,11 @@
 
 namespace rths::sim {
 
-// What a body remembers of a flux that fades with a power of time:
+// Memory of a flux that fades with a power of time:
 //     M(t) = ∫₀ᵗ q(t − s) s^(−p) ds,  0 < p < 1
-// The kernel is a sum of decaying exponentials with non-negative weights (docs/theory/sliding.md),
-// so that each remembers all of the past in one number. The kernel's singular part lies in the
-// present step and is integrated exactly there: the flux is constant within a step.
+// The kernel is a sum of decaying exponentials with non-negative weights (docs/theory/sliding.md);
+// each stores its whole history in one number. The kernel's singularity lies in the present step
+// and is integrated exactly there, for a flux constant within the step.
 
 /// weight · e^(−rate t)
 struct FadingExponential {
@@ -23,10 +23,10 @@ inline constexpr std::size_t kFadingExponentials = 24;
 inline constexpr std::size_t kFadingStates = kFadingExponentials;
 inline constexpr std::size_t kFadingConstants = 1 + 2 * kFadingExponentials;
 inline constexpr double kLongestMemory =
-    600;  ///< beyond it, memory fades faster than it should [s]
+    600;  ///< beyond it, the memory fades faster than the power law [s]
 
-/// Exponentials whose sum is t^(−p) between two times: to 0.05 % for p ≥ 0.1 and times that lie a
-/// factor of up to 6e6 apart. Their number is kFadingExponentials; some weights may be 0.
+/// Exponentials whose sum is t^(−p) between two times: within 0.05 % for p ≥ 0.1 and a ratio of the
+/// times up to 6e6. Their number is kFadingExponentials; some weights may be 0.
 /// @param power  0 < p < 1
 /// @setup
 [[nodiscard]] std::vector<FadingExponential> fading_exponentials(double power, double shortest,
@@ -37,9 +37,9 @@ inline constexpr double kLongestMemory =
 /// @setup
 void prepare_fading_memory(double power, double time_step, std::span<double> constants);
 
-/// One step: M at its end, for a flux that was `flux` all along it.
+/// Returns M at the end of one step of constant flux.
 /// @param constants  made by `prepare_fading_memory`
-/// @param memory     of length kFadingStates, zeros when nothing has happened yet   @realtime
+/// @param memory     of length kFadingStates, initially zeros   @realtime
 template <class Real>
 [[nodiscard]] Real remember(const double* constants, Real* memory, const Real& flux) noexcept {
   const double* decay = constants + 1;

@@ -5,12 +5,11 @@
 namespace rths::sim {
 namespace {
 
-// The device holds on to a place p that it slips along with; the way y = u - p from there is bound:
-// first the play, then the elastic length. Force is a function of y, so all of it is solved
-// exactly.
+// The device is attached to a slipping anchor p. Its deflection y = u - p is bounded by the play
+// and the elastic length. The force is a function of y, so the solution is exact.
 struct AsymmetricHysteresis {
   static constexpr std::string_view kName = "asymmetric_hysteresis";
-  static constexpr std::string_view kTitle = "friction of a device behind play";
+  static constexpr std::string_view kTitle = "asymmetric friction of a device with play";
   static constexpr std::string_view kEquation =
       "F = F_+ (y - g/2)/L_+ for y > g/2, F_- (y + g/2)/L_- for y < -g/2, else 0,  "
       "dy = du within -L_- - g/2 ... L_+ + g/2";
@@ -30,30 +29,29 @@ struct AsymmetricHysteresis {
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real* p = term.parameters;
     const Real half = 0.5 * p[kPlay];
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real& before = term.state[2 * axis];
       Real& y = term.state[2 * axis + 1];
       y += q.displacement[axis] - before;
       before = q.displacement[axis];
-      // What is weaker slips earlier; its stiffness stays.
+      // A weaker device slips earlier with the same stiffness.
       const Real most = half + p[kForwardLength] * q.strength;
       const Real least = -half - p[kBackwardLength] * q.strength;
       if (y > most) y = most;
       if (y < least) y = least;
-      if (!(y > half || y < -half)) continue;
+      if (!(y > half || y < -half)) return;
       const Real force = y > half ? Real{p[kForward] / p[kForwardLength] * (y - half)}
                                   : Real{p[kBackward] / p[kBackwardLength] * (y + half)};
       q.hysteretic_force[axis] += force;
       q.force[axis] += force;
-    }
+    });
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<AsymmetricHysteresis>()};
+constexpr TermKind kAsymmetricKinds[] = {kind_of<AsymmetricHysteresis>()};
 
 }  // namespace
 
-std::span<const TermKind> asymmetric_kinds() { return kKinds; }
+std::span<const TermKind> asymmetric_kinds() { return kAsymmetricKinds; }
 
 }  // namespace rths::sim

@@ -7,23 +7,23 @@
 namespace rths::sim {
 namespace {
 
-// z is integrated along the step in parts of a quarter of the yield displacement, shorter where the
-// knee is sharp: Runge-Kutta is stable up to 2.8/eta of it.
-double part_of_yield_displacement(double eta) { return eta > 4 ? 1 / eta : 0.25; }
+// Length of a substep in yield displacements: a quarter, or less for a sharp knee, because
+// Runge-Kutta is stable up to 2.8/eta.
+double substep_for(double eta) { return eta > 4 ? 1 / eta : 0.25; }
 
-// After so many yield displacements along a line, nothing is left of what was before.
+// After this many yield displacements along a line, the initial state has no influence.
 constexpr double kForgotten = 10;
-double most_parts(double part) { return std::ceil(kForgotten / part); }
-// Less coupled axes take longer where one moves far less than the other.
-constexpr double kMostPartsUncoupled = 400;
+double most_substeps(double substep) { return std::ceil(kForgotten / substep); }
+// Weakly coupled axes forget more slowly if one moves far less than the other.
+constexpr double kMostSubstepsUncoupled = 400;
 
 template <class Real>
 Real sign_of(const Real& x) {
   return x > 0 ? Real{1} : (x < 0 ? Real{-1} : Real{0});
 }
 
-// |z|^(eta-2) from |z|². The exponent's derivative is wanted even where it is 2. Without |z| there
-// is nothing to bend.
+// |z|^(eta-2) from |z|². At eta = 2 the shortcut is taken only if no derivative is needed. At z = 0
+// the bending vanishes.
 template <class Real>
 Real sharpness(const Real& square, const Real& eta) {
   using std::pow;
@@ -40,9 +40,9 @@ void runge_kutta(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& 
   z = z + (k1 + k4 + (k2 + k3) * Real{2}) * Real{1.0 / 6};
 }
 
-// One part. Where unloading turns into loading, the rate has a kink that Runge-Kutta would cut.
+// One substep, split where unloading turns into loading: there the rate has a kink.
 template <class Rule, class Real>
-void walk(const TermView<Real>& term, Plane<Real>& z, Plane<Real> du) {
+void integrate_substep(const TermView<Real>& term, Plane<Real>& z, Plane<Real> du) {
   Plane<Real> k1 = Rule::rate(term, z, du);
   const double work = value_of(dot(z, du)), change = value_of(dot(k1, du));
   if (work < 0 && work + change > 0) {
@@ -55,35 +55,36 @@ void walk(const TermView<Real>& term, Plane<Real>& z, Plane<Real> du) {
   Rule::confine(term, z);
 }
 
-// How many parts a way of so many yield displacements takes. Any number (NaN) goes through as one.
-double parts_of(double ways, double part) {
-  const double parts = std::ceil(ways / part);
-  return parts > 1 ? parts : 1;
+// Number of substeps for an increment in yield displacements. NaN gives one substep.
+double substeps_of(double yields, double substep) {
+  const double substeps = std::ceil(yields / substep);
+  return substeps > 1 ? substeps : 1;
 }
 
-// A term with the parameters of `bouc_wen` first and a rate of its own. If the way is longer than
-// what is forgotten, its last parts are walked.
+// Step of a law `Rule` whose first parameters are those of `bouc_wen`. Of an increment that exceeds
+// the memory, only the last substeps are integrated.
 template <class Rule, class Real>
 void step_bouc_wen(const TermView<Real>& term, Quantities<Real>& q) {
   Plane<Real> z{term.state[2], term.state[3]};
-  const Plane<Real> increment = way_of(q, term.state);
-  Rule::walk_all(term, z, increment);
+  const Plane<Real> increment = scaled_increment(q, term.state);
+  Rule::integrate(term, z, increment);
   term.state[2] = z.x, term.state[3] = z.y;
   resist(q, z * (term.parameters[Rule::kStrength] * q.strength),
          term.parameters[Rule::kStiffness] * q.stiffness);
 }
 
 template <class Rule, class Real>
-void walk_evenly(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& way, double part,
-                 double most) {
-  const double ways = value_of(length(way)) / value_of(term.parameters[Rule::kYieldDisplacement]);
-  const double wanted = parts_of(ways, part);
-  const int parts = static_cast<int>(std::min(wanted, most));
-  const Plane<Real> du = way * Real{1 / wanted};
-  for (int i = 0; i < parts; ++i) walk<Rule>(term, z, du);
+void integrate_evenly(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& increment,
+                      double substep, double most) {
+  const double yields =
+      value_of(length(increment)) / value_of(term.parameters[Rule::kYieldDisplacement]);
+  const double wanted = substeps_of(yields, substep);
+  const int substeps = static_cast<int>(std::min(wanted, most));
+  const Plane<Real> du = increment * Real{1 / wanted};
+  for (int i = 0; i < substeps; ++i) integrate_substep<Rule>(term, z, du);
 }
 
-// |z| <= 1 holds exactly for the laws; the integration may leave it by its error.
+// The exact laws keep |z| <= 1; the integration may exceed it by its error.
 template <class Real>
 void into_unit_circle(Plane<Real>& z) {
   const Real radius = length(z);
@@ -107,7 +108,7 @@ struct BoucWen {
   static constexpr std::string_view kSource =
       "Park, Wen & Ang 1986, rotation-invariant form at coupling c = 1";
   static constexpr Stage kStage = Stage::Restoring;
-  // At every beta: unloading is never softer than loading was.
+  // Dissipative at every beta: unloading is never softer than loading.
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kStrength, kStiffness, kYieldDisplacement, kBeta, kEta, kCoupling };
   static constexpr Parameter kParameters[] = {
@@ -119,7 +120,7 @@ struct BoucWen {
       {"coupling", "-", 0, 1, 1, 1}};
   static constexpr std::size_t kStates = 4;  // displacement before, z
 
-  // Along z, per unit of du.
+  // Factor of z in dz/du.
   template <class Real>
   static Real bending(const TermView<Real>& term, const Real& square, const Real& work) {
     const Real& beta = term.parameters[kBeta];
@@ -137,7 +138,7 @@ struct BoucWen {
            per_yield;
   }
 
-  // With less coupling the law itself leaves the circle, on the way to the square of coupling 0.
+  // With coupling below 1 the law itself leaves the unit circle; at coupling 0 it fills the square.
   template <class Real>
   static void confine(const TermView<Real>& term, Plane<Real>& z) {
     if (is_just(term.parameters[kCoupling], 1))
@@ -147,10 +148,11 @@ struct BoucWen {
   }
 
   template <class Real>
-  static void walk_all(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& way) {
-    const double part = part_of_yield_displacement(value_of(term.parameters[kEta]));
-    walk_evenly<BoucWen>(term, z, way, part,
-                         term.parameters[kCoupling] < 1 ? kMostPartsUncoupled : most_parts(part));
+  static void integrate(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& increment) {
+    const double substep = substep_for(value_of(term.parameters[kEta]));
+    integrate_evenly<BoucWen>(
+        term, z, increment, substep,
+        term.parameters[kCoupling] < 1 ? kMostSubstepsUncoupled : most_substeps(substep));
   }
 
   template <class Real>
@@ -185,14 +187,14 @@ struct BoucWenNagarajaiah {
     return (du - z * bent) * (1 / term.parameters[kYieldDisplacement]);
   }
 
-  // With beta < 1 this law itself may leave the circle a little where one axis unloads.
+  // With beta < 1 the law itself may leave the unit circle slightly while one axis unloads.
   template <class Real>
   static void confine(const TermView<Real>&, Plane<Real>&) {}
 
   template <class Real>
-  static void walk_all(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& way) {
-    const double part = part_of_yield_displacement(2);
-    walk_evenly<BoucWenNagarajaiah>(term, z, way, part, most_parts(part));
+  static void integrate(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& increment) {
+    const double substep = substep_for(2);
+    integrate_evenly<BoucWenNagarajaiah>(term, z, increment, substep, most_substeps(substep));
   }
 
   template <class Real>
@@ -231,8 +233,8 @@ struct BoucWenSlip {
            exp(-0.5 * square / (sigma * sigma));
   }
 
-  // Across z the law is dz (u_y + a f) = du; along z, where the bracket of bouc_wen is m,
-  // dz (u_y + a f m) = m du.
+  // Across z the law is dz (u_y + a f) = du. Along z it is dz (u_y + a f m) = m du, where m is the
+  // bracket of bouc_wen.
   template <class Real>
   static Plane<Real> rate(const TermView<Real>& term, const Plane<Real>& z, const Plane<Real>& du) {
     const Real square = dot(z, z), work = dot(z, du);
@@ -241,7 +243,7 @@ struct BoucWenSlip {
     const Real m = 1 - square * bend;
     const Real slip = slip_length(term, square);
     const Real across = 1 / (term.parameters[kYieldDisplacement] + slip);
-    // (along - across) / |z|², where m has been put in so that nothing is divided by 0.
+    // (along - across) / |z|², rewritten with m to avoid a division by zero.
     const Real difference = -bend * term.parameters[kYieldDisplacement] * across /
                             (term.parameters[kYieldDisplacement] + slip * m);
     return du * across + z * (difference * work);
@@ -252,35 +254,36 @@ struct BoucWenSlip {
     into_unit_circle(z);
   }
 
-  // Parts are short in z, not in u: slip makes a long way of it. z takes 2 over that from one side
-  // to the other, and as much as without slip to settle.
+  // Substeps are short in z instead of u, because slip adds displacement. z changes by 2 from one
+  // side to the other; settling then takes as many substeps as without slip.
   template <class Real>
-  static void walk_all(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& way) {
-    const double all = value_of(length(way));
-    const double sharp = part_of_yield_displacement(value_of(term.parameters[kEta]));
+  static void integrate(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& increment) {
+    const double all = value_of(length(increment));
+    const double sharp = substep_for(value_of(term.parameters[kEta]));
     if (!(term.parameters[kSlip] > 0))
-      return walk_evenly<BoucWenSlip>(term, z, way, sharp, most_parts(sharp));
-    const double part = std::min(sharp, kPartOfWidth * value_of(term.parameters[kSigma]));
-    const int most = static_cast<int>(std::ceil(2 / part) + most_parts(part));
+      return integrate_evenly<BoucWenSlip>(term, z, increment, sharp, most_substeps(sharp));
+    const double substep = std::min(sharp, kSubstepOfWidth * value_of(term.parameters[kSigma]));
+    const int most = static_cast<int>(std::ceil(2 / substep) + most_substeps(substep));
     double done = 0;
     for (int i = 0; i < most && !(done >= all); ++i) {
-      const double du = std::min(part * scale(term, z, way), all - done);
-      walk<BoucWenSlip>(term, z, way * Real{du / all});
+      const double du = std::min(substep * scale(term, z, increment), all - done);
+      integrate_substep<BoucWenSlip>(term, z, increment * Real{du / all});
       done += du;
     }
   }
-  // Way over which z changes by about 1 [m]: where it yields, slip no longer helps.
+  // Displacement over which z changes by about 1 [m]. While z yields, there is no slip.
   template <class Real>
-  static double scale(const TermView<Real>& term, const Plane<Real>& z, const Plane<Real>& way) {
+  static double scale(const TermView<Real>& term, const Plane<Real>& z,
+                      const Plane<Real>& increment) {
     const Real square = dot(z, z);
     const double beta = value_of(term.parameters[kBeta]);
-    const double sign = value_of(dot(z, way)) < 0 ? -1 : 1;
+    const double sign = value_of(dot(z, increment)) < 0 ? -1 : 1;
     const double m = 1 - value_of(square) * value_of(sharpness(square, term.parameters[kEta])) *
                              (1 - beta + beta * sign);
     const double slip = value_of(slip_length(term, square)) * std::max(m, 0.0);
     return value_of(term.parameters[kYieldDisplacement]) + slip;
   }
-  static constexpr double kPartOfWidth = 0.5;  // f falls by an eighth within
+  static constexpr double kSubstepOfWidth = 0.5;  // f falls by an eighth within a substep
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -288,11 +291,11 @@ struct BoucWenSlip {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<BoucWen>(), kind_of<BoucWenNagarajaiah>(),
-                               kind_of<BoucWenSlip>()};
+constexpr TermKind kBoucWenKinds[] = {kind_of<BoucWen>(), kind_of<BoucWenNagarajaiah>(),
+                                      kind_of<BoucWenSlip>()};
 
 }  // namespace
 
-std::span<const TermKind> bouc_wen_kinds() { return kKinds; }
+std::span<const TermKind> bouc_wen_kinds() { return kBoucWenKinds; }
 
 }  // namespace rths::sim

@@ -5,15 +5,15 @@
 namespace rths::sim {
 namespace {
 
-// Sliders lie evenly on a logarithmic scale of two decades below the reach. The spline has a knot
-// at every fourth of them.
+// Sliders are evenly spaced on a logarithmic scale over two decades below the reach. Every fourth
+// one is a knot of the spline.
 constexpr std::size_t kKnots = 6;
 constexpr std::size_t kSlidersPerKnot = 4;
 constexpr std::size_t kSliders = (kKnots - 1) * kSlidersPerKnot + 1;
 constexpr double kDecades = 2;
 
-// How much of the strength of the knots to its left and right a slider has: a hat, whose sum over
-// the sliders is 1 for every knot.
+// A slider's shares of the strengths of the knots to its left and right: hat functions, which sum
+// to 1 over the sliders for each knot.
 struct Share {
   std::size_t left;
   double of_left, of_right;
@@ -52,7 +52,7 @@ struct Iwan {
   static constexpr std::size_t kStates = 2 + 2 * kSliders;  // displacement before, z of each
 
   static TermSize size(const TermSetup&) { return {kStates, kSliders}; }
-  // 1/r_j over that of the reach.
+  // reach / r_j
   static void prepare(const TermSetup&, std::span<double> constants) {
     for (std::size_t j = 0; j < kSliders; ++j)
       constants[j] = std::pow(10, kDecades * (1 - static_cast<double>(j) / (kSliders - 1)));
@@ -60,11 +60,11 @@ struct Iwan {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Plane<Real> way = way_of(q, term.state) * (1 / term.parameters[kReach]);
+    const Plane<Real> increment = scaled_increment(q, term.state) * (1 / term.parameters[kReach]);
     Plane<Real> sum;
     for (std::size_t j = 0; j < kSliders; ++j) {
       Real* slider = term.state + 2 + 2 * j;
-      Plane<Real> z = Plane<Real>{slider[0], slider[1]} + way * Real{term.constants[j]};
+      Plane<Real> z = Plane<Real>{slider[0], slider[1]} + increment * Real{term.constants[j]};
       if (dot(z, z) > 1) z = z * (1 / length(z));
       slider[0] = z.x, slider[1] = z.y;
       const Share share = share_of(j);
@@ -75,10 +75,10 @@ struct Iwan {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<Iwan>()};
+constexpr TermKind kIwanKinds[] = {kind_of<Iwan>()};
 
 }  // namespace
 
-std::span<const TermKind> iwan_kinds() { return kKinds; }
+std::span<const TermKind> iwan_kinds() { return kIwanKinds; }
 
 }  // namespace rths::sim

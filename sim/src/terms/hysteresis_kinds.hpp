@@ -16,7 +16,7 @@ std::span<const TermKind> model_form_kinds();
 std::span<const TermKind> asymmetric_kinds();
 std::span<const TermKind> controlled_kinds();
 
-/// Adds what a specimen resists with to its force: what dissipates, and a spring beside it.
+/// Adds a hysteretic force and a parallel spring to the specimen's force.
 template <class Real>
 void resist(Quantities<Real>& q, const Plane<Real>& plug, const Real& stiffness) {
   const Horizontal<Real> plugs{plug.x, plug.y};
@@ -26,12 +26,12 @@ void resist(Quantities<Real>& q, const Plane<Real>& plug, const Real& stiffness)
   }
 }
 
-/// The way since the last step, as long as it seems to a specimen whose strength is a factor off:
-/// stiffness before yield stays unless a modifier says otherwise, so what is weaker yields earlier.
-/// @param before  displacement of the last step; this one's afterwards
+/// Displacement increment of this step, scaled by elastic stiffness / strength. So a modifier of
+/// the strength keeps the stiffness before yield, and a weaker specimen yields earlier.
+/// @param before  in: displacement of the last step; out: of this step
 template <class Real>
-Plane<Real> way_of(const Quantities<Real>& q, Real* before) {
-  constexpr double kWeakest = 1e-3;  // less has no force to speak of
+Plane<Real> scaled_increment(const Quantities<Real>& q, Real* before) {
+  constexpr double kWeakest = 1e-3;  // below it the force is negligible
   const Real strength = q.strength > kWeakest ? q.strength : Real{kWeakest};
   const Plane<Real> du{q.displacement[0] - before[0], q.displacement[1] - before[1]};
   before[0] = q.displacement[0], before[1] = q.displacement[1];

@@ -15,7 +15,7 @@ struct HysteresisShape {
       "F = sum_k q_k h_k,  dh_k = (du - h_k |du|) / L_k,  L_k = L (1, 10/3, 65/6, 37.5)";
   static constexpr std::string_view kSource = "Dahl 1968 for two directions; the sum is ours";
   static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kFrameIndifferent;  // forces below 0 give work back
+  static constexpr unsigned kTraits = kFrameIndifferent;  // negative forces return work
   enum { kLength, kForce };
   static constexpr Parameter kParameters[] = {{"length", "m", 1e-7, 1, 1.2e-3, 1.2e-3},
                                               {"force_1", "N", -1e9, 1e9, 0, 2e4},
@@ -31,14 +31,14 @@ struct HysteresisShape {
     const Plane<Real> u = displacement_of(q);
     const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
     term.state[0] = u.x, term.state[1] = u.y;
-    const Real way = length(du);
-    const Plane<Real> ahead = way > 0 ? du * (1 / way) : Plane<Real>{};
-    const Real ways = way / term.parameters[kLength];
+    const Real path = length(du);
+    const Plane<Real> ahead = path > 0 ? du * (1 / path) : Plane<Real>{};
+    const Real relative_path = path / term.parameters[kLength];
     Plane<Real> sum;
     for (std::size_t k = 0; k < kElements; ++k) {
       Real* state = term.state + 2 + 2 * k;
-      // The law is solved exactly along a straight step.
-      const Real kept = exp(ways * (-1 / kLengths[k]));
+      // Exact solution along a straight step.
+      const Real kept = exp(relative_path * (-1 / kLengths[k]));
       const Plane<Real> h = Plane<Real>{state[0], state[1]} * kept + ahead * (1 - kept);
       state[0] = h.x, state[1] = h.y;
       sum = sum + h * term.parameters[kForce + k];
@@ -64,17 +64,17 @@ struct Degradation {
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     Real& work = term.state[kWorkStates];
     work += work_taken(term.state, q, Real{0});
-    // The force is one step old: a first reversal may lead a little below 0.
+    // The force is one step old, so the first reversal may make the work slightly negative.
     if (work < 0) work = Real{0};
     q.strength *= 1 / (1 + term.parameters[kStrengthLoss] * work);
     q.stiffness *= 1 / (1 + term.parameters[kStiffnessLoss] * work);
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<HysteresisShape>(), kind_of<Degradation>()};
+constexpr TermKind kModelFormKinds[] = {kind_of<HysteresisShape>(), kind_of<Degradation>()};
 
 }  // namespace
 
-std::span<const TermKind> model_form_kinds() { return kKinds; }
+std::span<const TermKind> model_form_kinds() { return kModelFormKinds; }
 
 }  // namespace rths::sim

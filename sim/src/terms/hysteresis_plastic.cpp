@@ -22,9 +22,9 @@ struct Bilinear {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Plane<Real> way = way_of(q, term.state);
-    Plane<Real> z =
-        Plane<Real>{term.state[2], term.state[3]} + way * (1 / term.parameters[kYieldDisplacement]);
+    const Plane<Real> increment = scaled_increment(q, term.state);
+    Plane<Real> z = Plane<Real>{term.state[2], term.state[3]} +
+                    increment * (1 / term.parameters[kYieldDisplacement]);
     const Real radius = length(z);
     if (radius > 1) z = z * (1 / radius);
     term.state[2] = z.x, term.state[3] = z.y;
@@ -33,10 +33,10 @@ struct Bilinear {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<Bilinear>()};
+constexpr TermKind kPlasticKinds[] = {kind_of<Bilinear>()};
 
 }  // namespace
 
-std::span<const TermKind> plastic_kinds() { return kKinds; }
+std::span<const TermKind> plastic_kinds() { return kPlasticKinds; }
 
 }  // namespace rths::sim

@@ -9,7 +9,7 @@
 
 namespace rths::sim {
 
-/// The kinds of several files as one group.   @setup
+/// Joins the kinds of several files into one group.   @setup
 inline std::vector<TermKind> joined(std::initializer_list<std::span<const TermKind>> files) {
   std::vector<TermKind> kinds;
   for (const auto& file : files) kinds.insert(kinds.end(), file.begin(), file.end());

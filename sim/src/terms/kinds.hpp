@@ -8,8 +8,8 @@
 
 namespace rths::sim {
 
-// A term is a struct with its description as constants and its physics as a template over the kind
-// of number:
+// A term is a struct with its description as constants and its physics as a template over the
+// number type:
 //     struct CoulombFriction {
 //       static constexpr std::string_view kName = "coulomb_friction", kTitle, kEquation, kSource;
 //       static constexpr Stage kStage = Stage::Machine;
@@ -46,6 +46,13 @@ constexpr TermKind kind_of() {
   return {Term::kName,       Term::kTitle,           Term::kEquation,     Term::kSource,
           Term::kStage,      Term::kTraits,          Term::kParameters,   &size_of<Term>,
           &prepare_of<Term>, &step_of<Term, double>, &step_of<Term, Dual>};
+}
+
+/// Calls `act(axis)` for each horizontal axis that the term acts on, long first.   @realtime
+template <class Real, class Act>
+void for_each_active_axis(const TermView<Real>& term, Act act) {
+  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+    if (term.acts_on(axis)) act(axis);
 }
 
 std::span<const TermKind> actuator_kinds();

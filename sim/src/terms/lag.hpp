@@ -8,10 +8,10 @@
 
 namespace rths::sim {
 
-// Below this part of a time step a lag is a shift along the line between two samples.
+// Below this fraction of a time step, a lag is a shift along the line between two samples.
 inline constexpr double kShortestLag = 1e-3;
 
-/// T ẏ + y = r, solved exactly for r linear within a step. Rests on the first r.
+/// T ẏ + y = r, solved exactly for r linear within a step. Starts at rest at the first r.
 template <class Real>
 struct FirstOrderLag {
   static constexpr std::size_t kStates = 3;  ///< started, r, y
@@ -31,15 +31,16 @@ struct FirstOrderLag {
   }
 };
 
-/// T² ÿ + 2 ζ T ẏ + y = r, solved exactly for r linear within a step. Rests on the first r.
+/// T² ÿ + 2 ζ T ẏ + y = r, solved exactly for r linear within a step. Starts at rest at the first
+/// r.
 template <class Real>
 struct SecondOrderLag {
   static constexpr std::size_t kStates = 4;  ///< started, r, y, Δt ẏ
 
-  // With time in steps: the free motion e'' = −a e − 2 b e' over one step.
+  // Time in steps; coefficients of the free motion e'' = −a e − 2 b e' over one step.
   Real lag{};       ///< 2 ζ T
-  Real ee{}, ed{};  ///< e after it, of e and of e' before
-  Real de{}, dd{};  ///< e'
+  Real ee{}, ed{};  ///< of e and e' in the next e
+  Real de{}, dd{};  ///< of e and e' in the next e'
   SecondOrderLag(const Real& time_constant, const Real& damping, double time_step) {
     const Real steps = time_constant * (1 / time_step);
     lag = 2 * damping * steps;
@@ -60,7 +61,7 @@ struct SecondOrderLag {
   }
 
  private:
-  // e^−ζω cos ω_d and e^−ζω sin ω_d / ω_d, ω_d² = (1 − ζ²) ω², whatever the sign of that.
+  // e^−ζω cos ω_d and e^−ζω sin ω_d / ω_d with ω_d² = (1 − ζ²) ω² of either sign.
   static void free_motion(const Real& frequency, const Real& damping, Real& c, Real& s) {
     using std::cos;
     using std::exp;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lead heated by the work done on it: docs/theory/lead_rubber.md, "Heating".
+// Lead heated by dissipated work: docs/theory/lead_rubber.md, "Heating".
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 
 struct AdiabaticHeating {
   static constexpr std::string_view kName = "adiabatic_heating";
-  static constexpr std::string_view kTitle = "strength that falls with the work dissipated";
+  static constexpr std::string_view kTitle = "strength that falls with dissipated work";
   static constexpr std::string_view kEquation =
       "Q = Q_0 exp(-b W),  k = k_0 exp(-s b W),  dW/dt = F_h.v - W/t_c";
   static constexpr std::string_view kSource = "Kalpakidis & Constantinou 2009, without conduction";
@@ -32,7 +32,7 @@ struct AdiabaticHeating {
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::exp;
     Real& kept = term.state[kWorkStates];
-    // Implicit: it fades whatever the step.
+    // Implicit, so it decays with any step size.
     kept = (kept + work_taken(term.state, q, Real{0})) /
            (1 + term.time_step / term.parameters[kCoolingTime]);
     const Real weaker = term.parameters[kSoftening] * kept;
@@ -41,13 +41,13 @@ struct AdiabaticHeating {
   }
 };
 
-// What the temperature of a face of the plug remembers of the flux q through it, as a fading memory
-// of y = q a/k, the temperature that the flux would make over one radius:
+// Memory of a plug face's temperature: a fading memory of y = q a/k, where q is the flux through
+// the face and y the temperature difference that q causes over one radius:
 //     T = present y + Σ memory,   then memory ← decay memory + intake y
-// `constants` are present, decays, intakes, as prepare_fading_memory makes them.
+// `constants` are present, decays, intakes, in the order of prepare_fading_memory.
 template <class Real>
 Real remembered(const Real* memory) {
-  constexpr std::size_t kChains = 4;  // additions that need not wait for each other
+  constexpr std::size_t kChains = 4;  // independent sums, for speed
   static_assert(kFadingExponentials % kChains == 0);
   std::array<Real, kChains> sums{};
   for (std::size_t i = 0; i < kFadingExponentials; i += kChains)
@@ -63,13 +63,13 @@ void take_in(const double* constants, Real* memory, const Real& y) {
     memory[i] = memory[i] * decay[i] + y * intake[i];
 }
 
-// A disc on a half-space, against an infinite face: the part that it keeps of the kernel's
-// spectrum about rate s, in units of diffusivity/radius². The spectrum waves faster than the rates
-// of the memory lie apart, so each rate takes the mean over its neighbourhood.
-double part_of_disc(double s) {
+// Ratio of a disc on a half-space to an infinite face, in the kernel's spectrum around rate s, in
+// units of diffusivity/radius². The ratio oscillates faster than the spacing of the memory's rates,
+// so each rate uses the mean over its neighbourhood.
+double disc_factor(double s) {
   constexpr int kPoints = 16;
-  constexpr double kNeighbourhood = 0.8;  // in ln s: about the distance of two rates
-  constexpr double kLikeInfinite = 400;   // what is taken off is below 1e-4
+  constexpr double kNeighbourhood = 0.8;  // in ln s: about the spacing of two rates
+  constexpr double kLikeInfinite = 400;   // beyond it the ratio differs from 1 by less than 1e-4
   double sum = 0;
   for (int i = 0; i < kPoints; ++i) {
     const double x = std::sqrt(s * std::exp(kNeighbourhood * ((i + 0.5) / kPoints - 0.5)));
@@ -98,16 +98,16 @@ struct LeadHeating {
     kDiffusivity,
     kElasticShare
   };
-  // Radius and diffusivity shape the constants, so they cannot be fitted.
+  // Radius and diffusivity enter the constants, so they cannot be fitted.
   static constexpr Parameter kParameters[] = {
       {"softening", "1/K", 0, 1, 0, 0.0069},
       {"lead_radius", "m", 1e-3, 100, 0.18, 0.18},
       {"lead_height", "m", 1e-3, 10, 0.37, 0.37},
       {"shim_thickness", "m", 0, 10, 0.12, 0.12},  // of all shims together
       {"lead_heat_capacity", "J/m3/K", 1, 1e8, 1.456e6, 1.456e6},
-      {"steel_conductivity", "W/m/K", 0, 1e4, 50, 50},  // 0: nothing is lost
+      {"steel_conductivity", "W/m/K", 0, 1e4, 50, 50},  // 0: no heat loss
       {"steel_diffusivity", "m2/s", 1e-8, 1e-2, 1.41e-5, 1.41e-5},
-      {"elastic_share", "-", 0, 1, 0, 0}};  // 1: Q|v||z| heats, also while nothing yields
+      {"elastic_share", "-", 0, 1, 0, 0}};  // 1: Q|v||z| heats, even before yield
   static constexpr std::size_t kTemperature = kWorkStates, kEnds = kTemperature + 1,
                                kShimFaces = kEnds + kFadingStates;
 
@@ -120,11 +120,11 @@ struct LeadHeating {
     const double rate = setup.parameters[kDiffusivity] / (radius * radius);  // tau = rate t
     const auto ends = constants.first(kFadingConstants);
     prepare_scaled(0.5, setup.time_step, std::sqrt(rate / std::numbers::pi), ends);
-    // F(tau) = 2 sqrt(tau/pi) - 2 tau/pi + … Where a step is longer than the series holds, half is
-    // left: what small radii remember is in the exponentials.
+    // F(tau) = 2 sqrt(tau/pi) - 2 tau/pi + … If a step is too long for the series, half of the
+    // first term is used: for small radii the exponentials hold the memory.
     ends[0] = std::max(ends[0] - 2 / std::numbers::pi * rate * setup.time_step, 0.5 * ends[0]);
     for (std::size_t i = 1; i <= kFadingExponentials; ++i)
-      ends[kFadingExponentials + i] *= part_of_disc(-std::log(ends[i]) / (setup.time_step * rate));
+      ends[kFadingExponentials + i] *= disc_factor(-std::log(ends[i]) / (setup.time_step * rate));
     // Step response of the shims: tau^(1/3)/1.274.
     constexpr double kShimFactor = 1.274;
     prepare_scaled(2.0 / 3, setup.time_step, std::cbrt(rate) / (3 * kShimFactor),
@@ -138,7 +138,7 @@ struct LeadHeating {
     for (double& intake : constants.last(kFadingExponentials)) intake *= factor;
   }
 
-  // The balance of the plug at the end of the step, solved for T with the fluxes that T needs.
+  // Heat balance of the plug at the end of the step, solved for T; the fluxes follow from T.
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::exp;
@@ -162,10 +162,10 @@ struct LeadHeating {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<AdiabaticHeating>(), kind_of<LeadHeating>()};
+constexpr TermKind kLeadHeatingKinds[] = {kind_of<AdiabaticHeating>(), kind_of<LeadHeating>()};
 
 }  // namespace
 
-std::span<const TermKind> lead_heating_kinds() { return kKinds; }
+std::span<const TermKind> lead_heating_kinds() { return kLeadHeatingKinds; }
 
 }  // namespace rths::sim

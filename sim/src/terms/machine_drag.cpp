@@ -10,8 +10,7 @@ namespace {
 // Adds f(axis) to the force of each axis that the term acts on.
 template <class Real, class Force>
 void add(const TermView<Real>& term, Quantities<Real>& q, Force force) {
-  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-    if (term.acts_on(axis)) q.force[axis] += force(axis);
+  for_each_active_axis(term, [&](std::size_t axis) { q.force[axis] += force(axis); });
 }
 
 struct ViscousFriction {
@@ -53,7 +52,7 @@ struct AsymmetricViscous {
 
 struct QuadraticDrag {
   static constexpr std::string_view kName = "quadratic_drag";
-  static constexpr std::string_view kTitle = "drag with the square of velocity (pipes, orifices)";
+  static constexpr std::string_view kTitle = "quadratic drag (pipes, orifices)";
   static constexpr std::string_view kEquation = "F = c_2 |v| v";
   static constexpr std::string_view kSource = "textbook; of a pipe c_2 = rho zeta A^3 / (2 a^2)";
   static constexpr Stage kStage = Stage::Machine;
@@ -72,14 +71,14 @@ struct QuadraticDrag {
 };
 
 struct PlatenInertia {
-  static constexpr std::string_view kName = "platen_inertia";
-  static constexpr std::string_view kTitle = "inertia of what moves with the platen";
+  static constexpr std::string_view kName = kPlatenInertia;
+  static constexpr std::string_view kTitle = "inertia of parts moving with the platen";
   static constexpr std::string_view kEquation = "F = m a";
   static constexpr std::string_view kSource = "Newton";
   static constexpr Stage kStage = Stage::Machine;
   static constexpr unsigned kTraits = kFrameIndifferent | kPerAxis;
   enum { kMass };
-  // Below 0: a correction that took away too much.
+  // Negative: the inertia correction was too large.
   static constexpr Parameter kParameters[] = {{"mass", "kg", -1e7, 1e7, 0, 5e3}};
 
   template <class Real>
@@ -90,7 +89,7 @@ struct PlatenInertia {
 
 struct Cogging {
   static constexpr std::string_view kName = "cogging";
-  static constexpr std::string_view kTitle = "force that repeats along the way (cogging)";
+  static constexpr std::string_view kTitle = "force periodic in displacement (cogging)";
   static constexpr std::string_view kEquation = "F = F_g sin(2 pi u / p + phi)";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Machine;
@@ -111,12 +110,12 @@ struct Cogging {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<ViscousFriction>(), kind_of<AsymmetricViscous>(),
-                               kind_of<QuadraticDrag>(), kind_of<PlatenInertia>(),
-                               kind_of<Cogging>()};
+constexpr TermKind kDragKinds[] = {kind_of<ViscousFriction>(), kind_of<AsymmetricViscous>(),
+                                   kind_of<QuadraticDrag>(), kind_of<PlatenInertia>(),
+                                   kind_of<Cogging>()};
 
 }  // namespace
 
-std::span<const TermKind> drag_kinds() { return kKinds; }
+std::span<const TermKind> drag_kinds() { return kDragKinds; }
 
 }  // namespace rths::sim

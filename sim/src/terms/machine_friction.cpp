@@ -20,10 +20,10 @@ struct CoulombFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        q.force[axis] +=
-            term.parameters[kForce] * presliding(term, q, axis, term.parameters[kPresliding]);
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.force[axis] +=
+          term.parameters[kForce] * presliding(term, q, axis, term.parameters[kPresliding]);
+    });
   }
 };
 
@@ -43,22 +43,21 @@ struct AsymmetricFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real& s = presliding(term, q, axis, term.parameters[kPresliding]);
       q.force[axis] += term.parameters[s > 0 ? kForward : kBackward] * s;
-    }
+    });
   }
 };
 
 struct LoadDependentFriction {
   static constexpr std::string_view kName = "load_dependent_friction";
-  static constexpr std::string_view kTitle = "friction in proportion to the vertical force";
+  static constexpr std::string_view kTitle = "friction proportional to the vertical force";
   static constexpr std::string_view kEquation = "F = mu max(N, 0) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = kDahl;
   static constexpr Stage kStage = Stage::Machine;
   static constexpr unsigned kTraits =
-      kPerAxis;  // presliding wound up under little load gives back more
+      kPerAxis;  // not dissipative: presliding built up under low load returns more work
   enum { kCoefficient, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_coefficient", "-", 0, 1, 0, 2e-3},
                                               kPreslidingLength};
@@ -67,10 +66,10 @@ struct LoadDependentFriction {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real load = q.axial_load > 0 ? q.axial_load : Real{0};
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        q.force[axis] += term.parameters[kCoefficient] * load *
-                         presliding(term, q, axis, term.parameters[kPresliding]);
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.force[axis] += term.parameters[kCoefficient] * load *
+                       presliding(term, q, axis, term.parameters[kPresliding]);
+    });
   }
 };
 
@@ -81,7 +80,8 @@ struct StribeckFriction {
       "F = (F_c + dF_s exp(-(v/v_s)^2)) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = "Armstrong-Helouvry, Dupont & Canudas de Wit 1994";
   static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kPerAxis;  // presliding may give back what breakaway lent
+  static constexpr unsigned kTraits =
+      kPerAxis;  // not dissipative: presliding may return work of the breakaway
   enum { kForce, kBreakaway, kVelocity, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
                                               {"breakaway_force", "N", 0, 1e7, 0, 1e4},
@@ -92,24 +92,24 @@ struct StribeckFriction {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::exp;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real ratio = q.velocity[axis] / term.parameters[kVelocity];
       const Real level =
           term.parameters[kForce] + term.parameters[kBreakaway] * exp(-(ratio * ratio));
       q.force[axis] += level * presliding(term, q, axis, term.parameters[kPresliding]);
-    }
+    });
   }
 };
 
 struct PositionDependentFriction {
   static constexpr std::string_view kName = "position_dependent_friction";
-  static constexpr std::string_view kTitle = "friction at one place (rub)";
+  static constexpr std::string_view kTitle = "local friction (rub)";
   static constexpr std::string_view kEquation =
       "F = F_r exp(-((u - u_r)/w)^2) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = "Dahl 1968, exponent 1; the bell is ours";
   static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kPerAxis;  // s is spent elsewhere than where it was wound up
+  static constexpr unsigned kTraits =
+      kPerAxis;  // not dissipative: s builds up and is released at different displacements
   enum { kForce, kPlace, kWidth, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 2e4},
                                               {"place", "m", -10, 10, 0, 0.05},
@@ -120,21 +120,20 @@ struct PositionDependentFriction {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::exp;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real off = (q.displacement[axis] - term.parameters[kPlace]) / term.parameters[kWidth];
       q.force[axis] += term.parameters[kForce] * exp(-(off * off)) *
                        presliding(term, q, axis, term.parameters[kPresliding]);
-    }
+    });
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<CoulombFriction>(), kind_of<AsymmetricFriction>(),
-                               kind_of<LoadDependentFriction>(), kind_of<StribeckFriction>(),
-                               kind_of<PositionDependentFriction>()};
+constexpr TermKind kFrictionKinds[] = {
+    kind_of<CoulombFriction>(), kind_of<AsymmetricFriction>(), kind_of<LoadDependentFriction>(),
+    kind_of<StribeckFriction>(), kind_of<PositionDependentFriction>()};
 
 }  // namespace
 
-std::span<const TermKind> friction_kinds() { return kKinds; }
+std::span<const TermKind> friction_kinds() { return kFrictionKinds; }
 
 }  // namespace rths::sim

@@ -8,11 +8,11 @@
 namespace rths::sim {
 namespace {
 
-constexpr std::string_view kMount = "textbook; how it is solved: docs/theory/machine_terms.md";
+constexpr std::string_view kMount = "textbook; solution: docs/theory/machine_terms.md";
 
 struct SupportFlexibility {
   static constexpr std::string_view kName = "support_flexibility";
-  static constexpr std::string_view kTitle = "support that yields under the specimen's force";
+  static constexpr std::string_view kTitle = "flexibility of the specimen's support";
   static constexpr std::string_view kEquation = "u_specimen = u - chi F";
   static constexpr std::string_view kSource = kMount;
   static constexpr Stage kStage = Stage::Motion;
@@ -24,13 +24,12 @@ struct SupportFlexibility {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real* state = term.state + axis * Compliance<double>::kStates;
       Compliance<Real> support{state, term.parameters[kFlexibility], term.parameters[kStiffness]};
       q.displacement[axis] = support.yield(q.displacement[axis], q.last_specimen_force[axis],
                                            Real{std::numeric_limits<double>::max()});
-    }
+    });
   }
 };
 
@@ -50,12 +49,11 @@ struct MountSlack {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real half = 0.5 * term.parameters[kSlack];
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       Real* state = term.state + axis * Compliance<double>::kStates;
       Compliance<Real> mount{state, half / term.parameters[kSeat], term.parameters[kStiffness]};
       q.displacement[axis] = mount.yield(q.displacement[axis], q.last_specimen_force[axis], half);
-    }
+    });
   }
 };
 
@@ -73,8 +71,7 @@ struct TransducerBacklash {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real half = 0.5 * term.parameters[kGap];
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real& u = q.displacement[axis];
       Real& x = term.state[axis];
       if (u >= x + half)
@@ -84,13 +81,13 @@ struct TransducerBacklash {
       else
         q.velocity[axis] = q.acceleration[axis] = Real{0};
       q.displacement[axis] = x;
-    }
+    });
   }
 };
 
 struct InputDeadZone {
   static constexpr std::string_view kName = "input_dead_zone";
-  static constexpr std::string_view kTitle = "small displacements that do not reach the specimen";
+  static constexpr std::string_view kTitle = "dead zone between platen and specimen";
   static constexpr std::string_view kEquation = "u_specimen = u - clip(u, d)";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Motion;
@@ -100,21 +97,20 @@ struct InputDeadZone {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real lost = clipped(q.displacement[axis], term.parameters[kHalfWidth]);
       if (lost == q.displacement[axis] && term.parameters[kHalfWidth] > 0)
         q.velocity[axis] = q.acceleration[axis] = Real{0};
       q.displacement[axis] -= lost;
-    }
+    });
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<SupportFlexibility>(), kind_of<MountSlack>(),
-                               kind_of<TransducerBacklash>(), kind_of<InputDeadZone>()};
+constexpr TermKind kMountKinds[] = {kind_of<SupportFlexibility>(), kind_of<MountSlack>(),
+                                    kind_of<TransducerBacklash>(), kind_of<InputDeadZone>()};
 
 }  // namespace
 
-std::span<const TermKind> mount_kinds() { return kKinds; }
+std::span<const TermKind> mount_kinds() { return kMountKinds; }
 
 }  // namespace rths::sim

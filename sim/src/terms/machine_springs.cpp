@@ -20,17 +20,16 @@ struct PolynomialStiffness {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real* k = term.parameters;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real& u = q.displacement[axis];
       q.force[axis] += u * (k[kLinear] + u * (k[kQuadratic] + u * k[kCubic]));
-    }
+    });
   }
 };
 
 struct PiecewiseStiffness {
   static constexpr std::string_view kName = "piecewise_stiffness";
-  static constexpr std::string_view kTitle = "spring with one stiffness inside and one outside";
+  static constexpr std::string_view kTitle = "piecewise-linear spring";
   static constexpr std::string_view kEquation = "F = k_1 clip(u, u_b) + k_2 (u - clip(u, u_b))";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Restoring;
@@ -42,18 +41,17 @@ struct PiecewiseStiffness {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real inside = clipped(q.displacement[axis], term.parameters[kBreak]);
       q.force[axis] += term.parameters[kInside] * inside +
                        term.parameters[kOutside] * (q.displacement[axis] - inside);
-    }
+    });
   }
 };
 
 struct PiecewiseDamping {
   static constexpr std::string_view kName = "piecewise_damping";
-  static constexpr std::string_view kTitle = "damper with a slow and a fast coefficient";
+  static constexpr std::string_view kTitle = "piecewise-linear damper";
   static constexpr std::string_view kEquation = "F = c_1 clip(v, v_b) + c_2 (v - clip(v, v_b))";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Restoring;
@@ -65,18 +63,17 @@ struct PiecewiseDamping {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real slow = clipped(q.velocity[axis], term.parameters[kBreak]);
       q.force[axis] +=
           term.parameters[kSlow] * slow + term.parameters[kFast] * (q.velocity[axis] - slow);
-    }
+    });
   }
 };
 
 struct GapContact {
   static constexpr std::string_view kName = "gap_contact";
-  static constexpr std::string_view kTitle = "stop behind a gap, with loss at impact";
+  static constexpr std::string_view kTitle = "stop behind a gap, with impact damping";
   static constexpr std::string_view kEquation =
       "F = sgn(u) max(0, k d (1 + c d')),  d = max(0, |u| - gap)";
   static constexpr std::string_view kSource = "Hunt & Crossley 1975, exponent 1";
@@ -90,21 +87,20 @@ struct GapContact {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     using std::abs;
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const double side = value_of(q.displacement[axis]) < 0 ? -1 : 1;
       const Real depth = abs(q.displacement[axis]) - term.parameters[kGap];
       const Real hold = 1 + term.parameters[kLoss] * q.velocity[axis] * side;
       if (depth > 0 && hold > 0) q.force[axis] += term.parameters[kStiffness] * depth * hold * side;
-    }
+    });
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<PolynomialStiffness>(), kind_of<PiecewiseStiffness>(),
-                               kind_of<PiecewiseDamping>(), kind_of<GapContact>()};
+constexpr TermKind kSpringKinds[] = {kind_of<PolynomialStiffness>(), kind_of<PiecewiseStiffness>(),
+                                     kind_of<PiecewiseDamping>(), kind_of<GapContact>()};
 
 }  // namespace
 
-std::span<const TermKind> spring_kinds() { return kKinds; }
+std::span<const TermKind> spring_kinds() { return kSpringKinds; }
 
 }  // namespace rths::sim

@@ -12,8 +12,8 @@ inline constexpr std::size_t kDahlStates = 2 * kHorizontalAxes;  ///< displaceme
 inline constexpr std::string_view kDahl = "Dahl 1968, exponent 1";
 inline constexpr Parameter kPreslidingLength = {"presliding", "m", 1e-7, 0.1, 1e-4, 1e-4};
 
-/// Part s of full friction of an axis, -1 … 1, after this step: Dahl's law with exponent 1, solved
-/// exactly along a step that does not turn. The term's first states are `kDahlStates`.   @realtime
+/// Fraction s of an axis' full friction, -1 … 1, after this step: Dahl's law with exponent 1, exact
+/// for a step without reversal. The term's first states are `kDahlStates`.   @realtime
 template <class Real>
 const Real& presliding(const TermView<Real>& term, const Quantities<Real>& q, std::size_t axis,
                        const Real& length) {

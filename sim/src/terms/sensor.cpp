@@ -6,7 +6,7 @@
 
 namespace rths::sim {
 
-// As a signal passes: what leaks in, how it is scaled, when it arrives, how it is written down.
+// In the order of a signal's path: crosstalk, scaling, timing, range and resolution.
 std::span<const TermKind> sensor_kinds() {
   static const auto kinds = joined(
       {sensor_cross_kinds(), sensor_scale_kinds(), sensor_time_kinds(), sensor_range_kinds()});

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <rths/core/constants.hpp>
+
 #include "kinds.hpp"
 #include "sensor_kinds.hpp"
 
 namespace rths::sim {
 namespace {
-
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
 
 struct CrosstalkHorizontal {
   static constexpr std::string_view kName = "crosstalk_horizontal";
@@ -31,7 +31,7 @@ struct CrosstalkHorizontal {
 
 struct CrosstalkVertical {
   static constexpr std::string_view kName = "crosstalk_vertical";
-  static constexpr std::string_view kTitle = "vertical force that the horizontal load cells see";
+  static constexpr std::string_view kTitle = "vertical crosstalk into the horizontal load cells";
   static constexpr std::string_view kEquation = "y = F + c (N - N_0)";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Sensor;
@@ -43,8 +43,7 @@ struct CrosstalkVertical {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real seen = term.parameters[kShare] * (q.axial_load - term.parameters[kReference]);
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis)) q.force[axis] += seen;
+    for_each_active_axis(term, [&](std::size_t axis) { q.force[axis] += seen; });
   }
 };
 
@@ -61,19 +60,19 @@ struct AccelerometerTilt {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-      if (term.acts_on(axis))
-        q.acceleration[axis] +=
-            kStandardGravity *
-            (term.parameters[kTilt] + term.parameters[kPerDisplacement] * q.displacement[axis]);
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.acceleration[axis] +=
+          kStandardGravity *
+          (term.parameters[kTilt] + term.parameters[kPerDisplacement] * q.displacement[axis]);
+    });
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<CrosstalkHorizontal>(), kind_of<CrosstalkVertical>(),
-                               kind_of<AccelerometerTilt>()};
+constexpr TermKind kSensorCrossKinds[] = {
+    kind_of<CrosstalkHorizontal>(), kind_of<CrosstalkVertical>(), kind_of<AccelerometerTilt>()};
 
 }  // namespace
 
-std::span<const TermKind> sensor_cross_kinds() { return kKinds; }
+std::span<const TermKind> sensor_cross_kinds() { return kSensorCrossKinds; }
 
 }  // namespace rths::sim

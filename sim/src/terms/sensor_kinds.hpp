@@ -6,6 +6,8 @@
 
 #include <rths/sim/term.hpp>
 
+#include "kinds.hpp"
+
 namespace rths::sim {
 
 std::span<const TermKind> sensor_cross_kinds();
@@ -13,7 +15,7 @@ std::span<const TermKind> sensor_range_kinds();
 std::span<const TermKind> sensor_scale_kinds();
 std::span<const TermKind> sensor_time_kinds();
 
-/// What a sensor term's channel reads: one number per axis, or the axial load alone.
+/// The readings of a sensor term's channel, one per axis; nullptr for the axial load.
 template <class Real>
 Horizontal<Real>* horizontal_channel(const TermView<Real>& term, Quantities<Real>& q) {
   switch (term.channel) {
@@ -29,13 +31,12 @@ Horizontal<Real>* horizontal_channel(const TermView<Real>& term, Quantities<Real
   return nullptr;
 }
 
-/// Gives each reading that the term acts on to `change(place, reading)`, place 0 or 1.
+/// Calls `change(index, reading)` for each reading that the term acts on, index 0 or 1.
 template <class Real, class Change>
 void change_readings(const TermView<Real>& term, Quantities<Real>& q, Change change) {
   Horizontal<Real>* readings = horizontal_channel(term, q);
   if (readings == nullptr) return change(std::size_t{0}, q.axial_load);
-  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-    if (term.acts_on(axis)) change(axis, (*readings)[axis]);
+  for_each_active_axis(term, [&](std::size_t axis) { change(axis, (*readings)[axis]); });
 }
 
 inline constexpr unsigned kSensorTraits = kPerAxis | kPerChannel;

@@ -8,7 +8,7 @@ namespace {
 
 struct Saturation {
   static constexpr std::string_view kName = "saturation";
-  static constexpr std::string_view kTitle = "sensor at the end of its range";
+  static constexpr std::string_view kTitle = "saturation of a sensor";
   static constexpr std::string_view kEquation = "y = clip(x, x_max)";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Sensor;
@@ -25,7 +25,7 @@ struct Saturation {
 
 struct Overflow {
   static constexpr std::string_view kName = "overflow";
-  static constexpr std::string_view kTitle = "number that wraps around";
+  static constexpr std::string_view kTitle = "overflow of a sensor (wrap-around)";
   static constexpr std::string_view kEquation = "y = x - 2 x_max round(x / (2 x_max))";
   static constexpr std::string_view kSource = "two's complement";
   static constexpr Stage kStage = Stage::Sensor;
@@ -44,7 +44,7 @@ struct Overflow {
 
 struct Quantisation {
   static constexpr std::string_view kName = "quantisation";
-  static constexpr std::string_view kTitle = "sensor that counts in steps";
+  static constexpr std::string_view kTitle = "quantisation of a sensor";
   static constexpr std::string_view kEquation = "y = q round(x/q)";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Sensor;
@@ -62,10 +62,11 @@ struct Quantisation {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<Saturation>(), kind_of<Overflow>(), kind_of<Quantisation>()};
+constexpr TermKind kSensorRangeKinds[] = {kind_of<Saturation>(), kind_of<Overflow>(),
+                                          kind_of<Quantisation>()};
 
 }  // namespace
 
-std::span<const TermKind> sensor_range_kinds() { return kKinds; }
+std::span<const TermKind> sensor_range_kinds() { return kSensorRangeKinds; }
 
 }  // namespace rths::sim

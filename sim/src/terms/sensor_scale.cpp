@@ -7,7 +7,7 @@ namespace {
 
 struct Gain {
   static constexpr std::string_view kName = "gain";
-  static constexpr std::string_view kTitle = "wrong gain of a sensor";
+  static constexpr std::string_view kTitle = "gain error of a sensor";
   static constexpr std::string_view kEquation = "y = g x";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Sensor;
@@ -23,7 +23,7 @@ struct Gain {
 
 struct CubicDistortion {
   static constexpr std::string_view kName = "cubic_distortion";
-  static constexpr std::string_view kTitle = "sensor that is not linear";
+  static constexpr std::string_view kTitle = "cubic distortion of a sensor";
   static constexpr std::string_view kEquation = "y = x (1 + c (x/x_r)^2)";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Sensor;
@@ -35,8 +35,8 @@ struct CubicDistortion {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     change_readings(term, q, [&](std::size_t, Real& x) {
-      const Real part = x / term.parameters[kRange];
-      x *= 1 + term.parameters[kShare] * part * part;
+      const Real ratio = x / term.parameters[kRange];
+      x *= 1 + term.parameters[kShare] * ratio * ratio;
     });
   }
 };
@@ -45,7 +45,7 @@ struct AbsoluteValueSensor {
   static constexpr std::string_view kName = "absolute_value_sensor";
   static constexpr std::string_view kTitle = "sensor that loses the sign";
   static constexpr std::string_view kEquation = "y = (1 - a) x + a |x|";
-  static constexpr std::string_view kSource = "ours; a = 1: wholly";
+  static constexpr std::string_view kSource = "ours; a = 1: the sign is lost completely";
   static constexpr Stage kStage = Stage::Sensor;
   static constexpr unsigned kTraits = kSensorTraits;
   enum { kShare };
@@ -94,11 +94,12 @@ struct Drift {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<Gain>(), kind_of<CubicDistortion>(),
-                               kind_of<AbsoluteValueSensor>(), kind_of<Offset>(), kind_of<Drift>()};
+constexpr TermKind kSensorScaleKinds[] = {kind_of<Gain>(), kind_of<CubicDistortion>(),
+                                          kind_of<AbsoluteValueSensor>(), kind_of<Offset>(),
+                                          kind_of<Drift>()};
 
 }  // namespace
 
-std::span<const TermKind> sensor_scale_kinds() { return kKinds; }
+std::span<const TermKind> sensor_scale_kinds() { return kSensorScaleKinds; }
 
 }  // namespace rths::sim

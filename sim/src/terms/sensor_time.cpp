@@ -19,12 +19,12 @@ template <class Real>
 void skew(const TermView<Real>& term, Quantities<Real>& q, Real* state, const Real& age) {
   DelayLine<Real> line{state, DelayLine<Real>::capacity(kLongestSkew, term.time_step)};
   line.advance(within(age, 0, kLongestSkew) * (1 / term.time_step));
-  change_readings(term, q, [&](std::size_t place, Real& x) { x = line.exchange(place, x); });
+  change_readings(term, q, [&](std::size_t index, Real& x) { x = line.exchange(index, x); });
 }
 
 struct TimeSkew {
   static constexpr std::string_view kName = "time_skew";
-  static constexpr std::string_view kTitle = "sensor that reports late";
+  static constexpr std::string_view kTitle = "time skew of a sensor";
   static constexpr std::string_view kEquation = "y(t) = x(t - tau)";
   static constexpr std::string_view kSource = "textbook; cubic interpolation";
   static constexpr Stage kStage = Stage::Sensor;
@@ -42,7 +42,7 @@ struct TimeSkew {
 
 struct ClockDrift {
   static constexpr std::string_view kName = "clock_drift";
-  static constexpr std::string_view kTitle = "sensor whose clock runs at another rate";
+  static constexpr std::string_view kTitle = "clock drift of a sensor";
   static constexpr std::string_view kEquation =
       "y(t) = x(t - tau - epsilon (t - t_0)),  t_0: the first step,  0 <= age <= 0.2 s";
   static constexpr std::string_view kSource = "textbook; cubic interpolation";
@@ -76,16 +76,17 @@ struct FilterLag {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const FirstOrderLag<Real> lag{term.parameters[kTimeConstant], term.time_step};
-    change_readings(term, q, [&](std::size_t place, Real& x) {
-      x = lag(term.state + place * FirstOrderLag<Real>::kStates, x);
+    change_readings(term, q, [&](std::size_t index, Real& x) {
+      x = lag(term.state + index * FirstOrderLag<Real>::kStates, x);
     });
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<TimeSkew>(), kind_of<ClockDrift>(), kind_of<FilterLag>()};
+constexpr TermKind kSensorTimeKinds[] = {kind_of<TimeSkew>(), kind_of<ClockDrift>(),
+                                         kind_of<FilterLag>()};
 
 }  // namespace
 
-std::span<const TermKind> sensor_time_kinds() { return kKinds; }
+std::span<const TermKind> sensor_time_kinds() { return kSensorTimeKinds; }
 
 }  // namespace rths::sim

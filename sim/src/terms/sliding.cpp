@@ -7,17 +7,17 @@ namespace rths::sim {
 namespace {
 
 // States of a slider: displacement before, friction force.
-enum { kBefore, kFriction = 2, kSliderStates = 4 };
+enum { kBefore, kFrictionState = 2, kSliderStates = 4 };
 
-// Steps a slider's friction. In uplift the elastic part lets go.
+// Advances a slider's friction by one step. In uplift the friction force is zero.
 template <class Real>
 Plane<Real> friction(const TermView<Real>& term, const Quantities<Real>& q, const Real& stiffness,
                      const Real& yield) {
   const Plane<Real> u{q.displacement[0], q.displacement[1]};
-  Plane<Real> force{term.state[kFriction], term.state[kFriction + 1]};
+  Plane<Real> force{term.state[kFrictionState], term.state[kFrictionState + 1]};
   slide(force, u - Plane<Real>{term.state[kBefore], term.state[kBefore + 1]}, stiffness, yield);
   term.state[kBefore] = u.x, term.state[kBefore + 1] = u.y;
-  term.state[kFriction] = force.x, term.state[kFriction + 1] = force.y;
+  term.state[kFrictionState] = force.x, term.state[kFrictionState + 1] = force.y;
   return force;
 }
 
@@ -49,7 +49,7 @@ struct FlatSlider {
 
 struct SinglePendulum {
   static constexpr std::string_view kName = "single_pendulum";
-  static constexpr std::string_view kTitle = "slider on a sphere";
+  static constexpr std::string_view kTitle = "single friction pendulum (slider on a sphere)";
   static constexpr std::string_view kEquation =
       "F = N u/R + k0 (u - u_p),  |k0 (u - u_p)| <= mu N,  N = max(0, load)";
   static constexpr std::string_view kSource = "Zayas, Low & Mahin 1987; small slopes";

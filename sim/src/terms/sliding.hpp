@@ -9,26 +9,27 @@
 
 namespace rths::sim {
 
-// What sliders have in common. Equations and sources: docs/theory/sliding.md.
+// Shared by all sliders. Equations and sources: docs/theory/sliding.md.
 
-/// Of stainless steel, which takes the heat of a slider. Source: Kumar, Whittaker & Constantinou
-/// (2015).
+/// Properties of stainless steel, which absorbs the heat of a slider. Source: Kumar, Whittaker &
+/// Constantinou (2015).
 inline constexpr double kSteelConductivity = 18;      ///< [W/(m °C)]
 inline constexpr double kSteelDiffusivity = 4.44e-6;  ///< [m²/s]
 
-/// Friction coefficients are given for this temperature [°C].
+/// Reference temperature of the friction coefficients [°C].
 inline constexpr double kReferenceTemperature = 20;
 /// 0.789(0.7^(T/50 °C) + 0.4), written as r + (1 − r) e^(−(T − 20 °C)/T_s).
 inline constexpr double kResidualFriction = 0.4 / (0.86703978530 + 0.4);  ///< r [-]
 inline constexpr double kTemperatureScale = 140.183663;  ///< T_s = 50/ln(1/0.7) [°C]
 
-/// Rise of a surface's temperature for ∫q/√s = 1 [°C/(W/m² √s)]: √(D/π)/k.
+/// Temperature rise of a surface for ∫q/√s = 1 [°C/(W/m² √s)]: √(D/π)/k.
 [[nodiscard]] inline double steel_heating(double conductivity, double diffusivity) {
   return std::sqrt(diffusivity / std::numbers::pi) / conductivity;
 }
 
-/// Friction of a bilinear slider: an elastic part of `stiffness`, then sliding at `yield`.
-/// @param force  in: before the step; out: after it. Radial return, backward Euler.
+/// Friction of a bilinear slider: elastic with `stiffness` up to `yield`, then sliding. Radial
+/// return, backward Euler.
+/// @param force  in: before the step; out: after the step
 template <class Real>
 void slide(Plane<Real>& force, const Plane<Real>& increment, const Real& stiffness,
            const Real& yield) {
@@ -40,7 +41,7 @@ void slide(Plane<Real>& force, const Plane<Real>& increment, const Real& stiffne
     force = force * (yield / size);
 }
 
-/// Load on a slider: no tension.
+/// Compression on a slider; 0 in tension.
 template <class Real>
 [[nodiscard]] Real contact_load(const Quantities<Real>& q) {
   return q.axial_load > 0 ? q.axial_load : Real{0};

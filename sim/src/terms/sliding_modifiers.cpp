@@ -67,7 +67,7 @@ struct PressureTanhSliding {
   }
 };
 
-// The heat of a step is what last step's friction dissipates at this step's velocity.
+// The heat of a step is the last step's friction times this step's velocity.
 struct FrictionHeating {
   static constexpr std::string_view kName = "friction_heating";
   static constexpr std::string_view kTitle = "friction that falls with the surface's temperature";
@@ -92,7 +92,7 @@ struct FrictionHeating {
     prepare_fading_memory(0.5, setup.time_step, constants);
   }
 
-  // Power that goes into the monitored point, in the middle of the surface.
+  // Heat flux into the monitored point in the middle of the surface.
   template <class Real>
   static Real flux(const TermView<Real>& term, const Quantities<Real>& q) {
     const Real& area = term.parameters[kArea];
@@ -116,11 +116,12 @@ struct FrictionHeating {
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<VelocityDepSliding>(), kind_of<PressureDepSliding>(),
-                               kind_of<PressureTanhSliding>(), kind_of<FrictionHeating>()};
+constexpr TermKind kSlidingModifierKinds[] = {
+    kind_of<VelocityDepSliding>(), kind_of<PressureDepSliding>(), kind_of<PressureTanhSliding>(),
+    kind_of<FrictionHeating>()};
 
 }  // namespace
 
-std::span<const TermKind> sliding_modifier_kinds() { return kKinds; }
+std::span<const TermKind> sliding_modifier_kinds() { return kSlidingModifierKinds; }
 
 }  // namespace rths::sim

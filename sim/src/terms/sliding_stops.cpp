@@ -39,27 +39,26 @@ struct MerSpring {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kStiffness, kGap };
-  // A negative gap is a precompression: both springs push near the middle.
+  // A negative gap is a precompression: near the middle both springs push.
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e12, 0, 1.2e7},
                                               {"gap", "m", -1, 1, 0, 0.01}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis) {
-      if (!term.acts_on(axis)) continue;
+    for_each_active_axis(term, [&](std::size_t axis) {
       const Real& u = q.displacement[axis];
       const Real& gap = term.parameters[kGap];
       const Real stiffness = term.parameters[kStiffness] * q.stiffness;
       if (u > gap) q.force[axis] += stiffness * (u - gap);
       if (-u > gap) q.force[axis] += stiffness * (u + gap);
-    }
+    });
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<MerSpring>(), kind_of<RimStop>()};
+constexpr TermKind kStopKinds[] = {kind_of<MerSpring>(), kind_of<RimStop>()};
 
 }  // namespace
 
-std::span<const TermKind> stop_kinds() { return kKinds; }
+std::span<const TermKind> stop_kinds() { return kStopKinds; }
 
 }  // namespace rths::sim

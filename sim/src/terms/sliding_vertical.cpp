@@ -19,7 +19,7 @@ struct PendulumLift {
     const Real& radius = term.parameters[kRadius];
     if (!(radius > 0)) return;
     const Plane<Real> u{q.displacement[0], q.displacement[1]};
-    // The slider climbs, so the same distance between the plates presses it more.
+    // The slider climbs, so the same distance between the plates compresses it more.
     q.vertical_displacement -= dot(u, u) / (2 * radius);
     q.vertical_velocity -= dot(u, Plane<Real>{q.velocity[0], q.velocity[1]}) / radius;
   }
@@ -52,15 +52,15 @@ struct MultilinearAxial {
     Real load = p[kStiffness1] * e - p[kDamping] * q.vertical_velocity;
     if (e > p[kKnee1]) load += (p[kStiffness2] - p[kStiffness1]) * (e - p[kKnee1]);
     if (e > p[kKnee2]) load += (p[kStiffness3] - p[kStiffness2]) * (e - p[kKnee2]);
-    // Plates that part faster than the spring follows do not pull.
+    // No tension while the plates separate faster than the spring can follow.
     if (load > 0) q.axial_load += load;
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<PendulumLift>(), kind_of<MultilinearAxial>()};
+constexpr TermKind kSlidingVerticalKinds[] = {kind_of<PendulumLift>(), kind_of<MultilinearAxial>()};
 
 }  // namespace
 
-std::span<const TermKind> sliding_vertical_kinds() { return kKinds; }
+std::span<const TermKind> sliding_vertical_kinds() { return kSlidingVerticalKinds; }
 
 }  // namespace rths::sim

@@ -11,8 +11,8 @@
 namespace rths::sim {
 namespace {
 
-// Heat reaches the contact's temperature with this memory: without it, a quasi-static series of
-// sliders whose friction falls as they slide has no solution that depends on its data continuously.
+// Time constant of the contact's heating. Without it, a quasi-static series of sliders with
+// softening friction has no solution that depends continuously on its data.
 constexpr double kHeatingTime = 0.02;  // [s]
 
 struct TriplePendulum {
@@ -35,7 +35,7 @@ struct TriplePendulum {
     kRate,
     kShare
   };
-  // 1: the two inner surfaces, each; 2 and 3: the outer ones. No radii: no bearing.
+  // 1: each of the two inner surfaces; 2 and 3: the outer surfaces. Without radii: no effect.
   static constexpr Parameter kParameters[] = {{"radius_1", "m", 0, 100, 0, 0.4},
                                               {"radius_2", "m", 0, 100, 0, 2},
                                               {"radius_3", "m", 0, 100, 0, 2},
@@ -58,8 +58,8 @@ struct TriplePendulum {
                                               {"rate", "s/m", 0, 1e4, 100, 20},
                                               {"heat_share", "-", 0, 1, 0, 0.9}};
 
-  // Per segment: displacement, its growth in the last step, slip so far, mean flux into its
-  // surface, memory of the flux.
+  // Per segment: displacement, its last increment, total slip, mean flux into its surface, memory
+  // of the flux.
   enum { kDisplacement = 0, kGrowth = 6, kSlipped = 12, kFlux = 18, kMemory = 21 };
   enum { kFluxGain = kFadingConstants, kConstants };
 
@@ -106,7 +106,7 @@ struct TriplePendulum {
     return segments;
   }
 
-  // What the heat of all steps before has left of each friction.
+  // Reduces each friction by the heat of all earlier steps.
   template <class Real>
   static void soften(const TermView<Real>& term, const Quantities<Real>& q,
                      std::array<Segment<Real>, kSegments>& segments) {
@@ -133,7 +133,7 @@ struct TriplePendulum {
     at[0] = value.x, at[1] = value.y;
   }
 
-  // Where the segments are if they go on as in the step before: there the search begins.
+  // Start of the search: displacements extrapolated from the last step.
   template <class Real>
   static SeriesDisplacements expected(const TermView<Real>& term) {
     SeriesDisplacements at;
@@ -145,17 +145,18 @@ struct TriplePendulum {
     return at;
   }
 
-  // Heat of one surface's slip, while its contact covers the middle.
+  // Heat of one surface's slip while its contact covers the middle; 0 otherwise.
   template <class Real>
   static Real heat(const Real& friction, const Plane<Real>& slip, const Plane<Real>& offset,
                    const Real& area) {
     return 4 * dot(offset, offset) > area ? Real{0} : Real{friction * length(slip) / area};
   }
 
-  // Slips of the surfaces from those of the segments; the two inner ones share a temperature.
+  // Heat fluxes of the surfaces. Their slips follow from the segments'; the two inner surfaces
+  // share one temperature.
   template <class Real>
   static void warm(const TermView<Real>& term, const Real& load,
-                   const std::array<Answer<Real>, kSegments>& answers) {
+                   const std::array<Response<Real>, kSegments>& responses) {
     if constexpr (std::is_same_v<Real, double>)
       if (term.parameters[kShare] == 0) return;
     const Real* p = term.parameters;
@@ -163,14 +164,14 @@ struct TriplePendulum {
     const Plane<Real> inner = point(term.state + kDisplacement);
     std::array<Real, kSegments> flux{};
     for (std::size_t i = 1; i < kSegments; ++i) {
-      const Real outer_part = p[kRadius + i] / (p[kRadius + i] - p[kRadius]);
-      const Real inner_part = p[kRadius] / (p[kRadius + i] - p[kRadius]);
+      const Real outer_share = p[kRadius + i] / (p[kRadius + i] - p[kRadius]);
+      const Real inner_share = p[kRadius] / (p[kRadius + i] - p[kRadius]);
       const Plane<Real> outer = point(term.state + kDisplacement + 2 * i);
-      flux[i] = heat(length(answers[i].friction), answers[i].slip * outer_part, outer * outer_part,
-                     p[kArea + i]);
-      flux[0] += 0.5 * heat(length(answers[0].friction),
-                            answers[0].slip * Real{0.5} - answers[i].slip * inner_part,
-                            inner * Real{0.5} - outer * inner_part, p[kArea]);
+      flux[i] = heat(length(responses[i].friction), responses[i].slip * outer_share,
+                     outer * outer_share, p[kArea + i]);
+      flux[0] += 0.5 * heat(length(responses[0].friction),
+                            responses[0].slip * Real{0.5} - responses[i].slip * inner_share,
+                            inner * Real{0.5} - outer * inner_share, p[kArea]);
     }
     for (std::size_t i = 0; i < kSegments; ++i) {
       Real& mean = term.state[kFlux + i];
@@ -178,8 +179,8 @@ struct TriplePendulum {
     }
   }
 
-  // One more Newton step from the solution: it changes values by no more than their imbalance, and
-  // carries the derivatives of parameters, history and displacement.
+  // One more Newton step from the solution. It changes values by no more than their imbalance and
+  // adds the derivatives with respect to parameters, history and displacement.
   template <class Real>
   static std::array<Plane<Real>, kSegments> settle(
       const std::array<Segment<Real>, kSegments>& segments, const Plane<Real>& total,
@@ -190,7 +191,7 @@ struct TriplePendulum {
     Plane<Real> sum = total;
     for (std::size_t i = 0; i < kSegments; ++i) {
       u[i] = {Real{at[i].x}, Real{at[i].y}};
-      const Answer<Real> found = answer(segments[i], u[i]);
+      const Response<Real> found = response_of(segments[i], u[i]);
       compliance[i] = found.tangent.inverse();
       force[i] = found.force;
       all += compliance[i];
@@ -204,30 +205,30 @@ struct TriplePendulum {
   template <class Real>
   static void keep(const TermView<Real>& term, const std::array<Segment<Real>, kSegments>& segments,
                    const std::array<Plane<Real>, kSegments>& u,
-                   const std::array<Answer<Real>, kSegments>& answers) {
+                   const std::array<Response<Real>, kSegments>& responses) {
     for (std::size_t i = 0; i < kSegments; ++i) {
       put(u[i] - point(term.state + kDisplacement + 2 * i), term.state + kGrowth + 2 * i);
       put(u[i], term.state + kDisplacement + 2 * i);
-      put(segments[i].slipped + answers[i].slip, term.state + kSlipped + 2 * i);
+      put(segments[i].slipped + responses[i].slip, term.state + kSlipped + 2 * i);
     }
   }
 
-  // All three carry the same force. The sliders' part of it is the mean of their frictions,
-  // weighted by the radii: u = Σ R_i (F − f_i).
+  // All three segments carry the same force. Its frictional component is the mean of the frictions
+  // weighted by the radii, because u = Σ R_i (F − f_i).
   template <class Real>
   static void act(const std::array<Segment<Real>, kSegments>& segments,
-                  const std::array<Answer<Real>, kSegments>& answers, Quantities<Real>& q) {
+                  const std::array<Response<Real>, kSegments>& responses, Quantities<Real>& q) {
     Plane<Real> friction;
     Real radii{};
     for (std::size_t i = 0; i < kSegments; ++i) {
       const Real radius = 1 / segments[i].curvature;
       radii += radius;
-      friction = friction + answers[i].friction * radius;
+      friction = friction + responses[i].friction * radius;
     }
     const Real load = contact_load(q);
     friction = friction * (load / radii);
     q.hysteretic_force[0] += friction.x, q.hysteretic_force[1] += friction.y;
-    q.force[0] += answers[0].force.x * load, q.force[1] += answers[0].force.y * load;
+    q.force[0] += responses[0].force.x * load, q.force[1] += responses[0].force.y * load;
   }
 
   template <class Real>
@@ -241,24 +242,24 @@ struct TriplePendulum {
         solve_series({plain(segments[0]), plain(segments[1]), plain(segments[2])},
                      {value_of(total.x), value_of(total.y)}, at);
     std::array<Plane<Real>, kSegments> u;
-    std::array<Answer<Real>, kSegments> answers;
+    std::array<Response<Real>, kSegments> responses;
     if constexpr (std::is_same_v<Real, double>) {
       u = at;
-      answers = solution.answers;
+      responses = solution.responses;
     } else {
       u = settle(segments, total, at);
-      for (std::size_t i = 0; i < kSegments; ++i) answers[i] = answer(segments[i], u[i]);
+      for (std::size_t i = 0; i < kSegments; ++i) responses[i] = response_of(segments[i], u[i]);
     }
-    keep(term, segments, u, answers);
-    warm(term, contact_load(q), answers);
-    act(segments, answers, q);
+    keep(term, segments, u, responses);
+    warm(term, contact_load(q), responses);
+    act(segments, responses, q);
   }
 };
 
-constexpr TermKind kKinds[] = {kind_of<TriplePendulum>()};
+constexpr TermKind kTriplePendulumKinds[] = {kind_of<TriplePendulum>()};
 
 }  // namespace
 
-std::span<const TermKind> triple_pendulum_kinds() { return kKinds; }
+std::span<const TermKind> triple_pendulum_kinds() { return kTriplePendulumKinds; }
 
 }  // namespace rths::sim

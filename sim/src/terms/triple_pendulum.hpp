@@ -10,8 +10,8 @@
 
 namespace rths::sim {
 
-// Three segments in series, each a spring, a slider and a stop side by side. Forces are per axial
-// load, so that all of it is independent of the load. Equations: docs/theory/triple_pendulum.md.
+// Three segments in series, each a spring, a slider and a stop in parallel. Forces are divided by
+// the axial load, so the equations do not depend on it. Equations: docs/theory/triple_pendulum.md.
 
 inline constexpr std::size_t kSegments = 3;
 
@@ -44,28 +44,28 @@ struct Segment {
   Real curvature;         ///< of the spring [1/m], > 0
   Real elastic;           ///< stiffness of the slider before it slides [1/m]
   Real strength;          ///< friction at high velocity [-]
-  Real reduction;         ///< of friction at no velocity, part of strength [-]
-  Real rate;              ///< at which the reduction goes with the slip in a step [1/m]
+  Real reduction;         ///< of friction at zero velocity, fraction of strength [-]
+  Real rate;              ///< decay of the reduction with the slip in a step [1/m]
   Real clearance;         ///< of the stop [m]
   Real rim;               ///< its stiffness [1/m]
   Plane<Real> slipped{};  ///< by the slider before this step [m]
 };
 
-/// What a segment answers to a displacement.
+/// Response of a segment to a displacement.
 template <class Real>
-struct Answer {
-  Plane<Real> force, friction, slip;  ///< all of it, the slider's part, its slip [-, -, m]
+struct Response {
+  Plane<Real> force, friction, slip;  ///< total, the slider's share, its slip [-, -, m]
   Symmetric tangent{};                ///< [1/m]
 };
 
-/// Slip in this step of a slider, and the friction that it is short of its strength.
+/// Slip of a slider in this step, and the deficit of its friction to its strength.
 struct Slip {
   double slip = 0, lost = 0;
 };
 
-/// Slip of a slider drawn by `trial` beyond its strength at no velocity: the root of
+/// Slip s of a slider whose trial force exceeds its strength at zero velocity: the root of
 ///     trial − elastic s − strength (1 − reduction e^(−rate s)) = 0
-/// which is convex and falls, so that Newton from the left stays there.
+/// The function is convex and decreasing, so Newton's method from the left converges monotonically.
 [[nodiscard]] inline Slip slip_of(const Segment<double>& segment, double trial) noexcept {
   constexpr int kMostIterations = 12;
   constexpr double kTolerance = 1e-13;  // per trial force
@@ -76,7 +76,7 @@ struct Slip {
     const double excess = trial - segment.elastic * result.slip - segment.strength + result.lost;
     const double step = excess / (segment.elastic + segment.rate * result.lost);
     result.slip += step;
-    // What is left after a step is half the curvature of `lost` times its square.
+    // The residual after a step is half the curvature of `lost` times the step squared.
     const double bend = segment.rate * step;
     if (0.5 * result.lost * bend * bend <= kTolerance * trial) {
       result.lost *= 1 - bend;
@@ -95,7 +95,7 @@ template <class Real>
           value_of(s.rim),       {value_of(s.slipped.x), value_of(s.slipped.y)}};
 }
 
-/// One Newton step from the root changes no value; it carries the derivatives.
+/// One Newton step from the root: keeps the value and adds the derivatives.
 template <class Real>
 [[nodiscard]] Real carried(const Segment<Real>& segment, const Real& trial, const Slip& root,
                            double slope) noexcept {
@@ -106,11 +106,12 @@ template <class Real>
 }
 
 template <class Real>
-[[nodiscard]] Answer<Real> answer(const Segment<Real>& segment, const Plane<Real>& u) noexcept {
+[[nodiscard]] Response<Real> response_of(const Segment<Real>& segment,
+                                         const Plane<Real>& u) noexcept {
   const auto values = [](const Plane<Real>& a) {
     return Plane<double>{value_of(a.x), value_of(a.y)};
   };
-  Answer<Real> result;
+  Response<Real> result;
   result.force = u * segment.curvature;
   result.tangent.xx = result.tangent.yy = value_of(segment.curvature);
 
@@ -146,15 +147,16 @@ using SeriesDisplacements = std::array<Plane<double>, kSegments>;
 
 struct SeriesSolution {
   int evaluations = 0;   ///< of all three segments, ≤ kMostEvaluations
-  double imbalance = 0;  ///< largest difference between a segment's force and that of all [-]
-  std::array<Answer<double>, kSegments> answers{};
+  double imbalance = 0;  ///< largest difference between a segment's and the common force [-]
+  std::array<Response<double>, kSegments> responses{};
 };
 
 inline constexpr int kMostEvaluations = 30;
 
-/// Displacements of the segments that add up to `total` under one force: the minimum of a convex
-/// energy, by Newton's method with a search along its direction. Whatever happens, they add up.
-/// @param u  in: where to begin; out: the solution   @realtime
+/// Displacements of the segments that add up to `total` under a common force: the minimum of a
+/// convex energy, by Newton's method with a line search. They add up to `total` even without
+/// convergence.
+/// @param u  in: start of the search; out: the solution   @realtime
 SeriesSolution solve_series(const std::array<Segment<double>, kSegments>& segments,
                             const Plane<double>& total, SeriesDisplacements& u) noexcept;
 

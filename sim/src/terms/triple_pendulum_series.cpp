@@ -6,19 +6,20 @@
 namespace rths::sim {
 namespace {
 
-// The imbalance that is no longer worth a step, per friction and force.
+// Relative imbalance at which the iteration ends.
 constexpr double kTolerance = 1e-11;
-// A search ends where the energy's slope has lost nine tenths of what it had.
+// A line search ends when the energy's slope has fallen to a tenth.
 constexpr double kEnoughSlope = 0.1;
 
 using Segments = std::array<Segment<double>, kSegments>;
-using Answers = std::array<Answer<double>, kSegments>;
+using Responses = std::array<Response<double>, kSegments>;
 
-Answers answers(const Segments& segments, const SeriesDisplacements& u) {
-  return {answer(segments[0], u[0]), answer(segments[1], u[1]), answer(segments[2], u[2])};
+Responses responses(const Segments& segments, const SeriesDisplacements& u) {
+  return {response_of(segments[0], u[0]), response_of(segments[1], u[1]),
+          response_of(segments[2], u[2])};
 }
 
-// The common force and the way to it, where every segment is replaced by its tangent.
+// The common force and the step towards it, with every segment linearised.
 struct NewtonStep {
   Plane<double> force;
   SeriesDisplacements direction;
@@ -26,7 +27,7 @@ struct NewtonStep {
   double slope = 0;  // of the energy along the direction, ≤ 0 once displacements add up
 };
 
-NewtonStep newton_step(const Answers& found, const Plane<double>& missing) {
+NewtonStep newton_step(const Responses& found, const Plane<double>& missing) {
   std::array<Symmetric, kSegments> compliance;
   Symmetric all;
   Plane<double> sum = missing;
@@ -47,41 +48,41 @@ NewtonStep newton_step(const Answers& found, const Plane<double>& missing) {
   return step;
 }
 
-SeriesDisplacements moved(const SeriesDisplacements& u, const NewtonStep& step, double part) {
+SeriesDisplacements moved(const SeriesDisplacements& u, const NewtonStep& step, double fraction) {
   SeriesDisplacements to = u;
-  for (std::size_t i = 0; i < kSegments; ++i) to[i] = u[i] + step.direction[i] * part;
+  for (std::size_t i = 0; i < kSegments; ++i) to[i] = u[i] + step.direction[i] * fraction;
   return to;
 }
 
-// Directions add up to nothing but round-off, which the common force would make large.
-double slope_at(const Answers& found, const NewtonStep& step) {
+// The directions add up to round-off. Subtracting the common force keeps that from being amplified.
+double slope_at(const Responses& found, const NewtonStep& step) {
   double slope = 0;
   for (std::size_t i = 0; i < kSegments; ++i)
     slope += dot(found[i].force - step.force, step.direction[i]);
   return slope;
 }
 
-// Along the direction of a step, which adds up to nothing. The energy's slope grows along it; its
-// zero is enclosed, so that the point found sees the tangent beyond a corner if there is one.
+// Line search along the direction of a step, which keeps the sum of displacements. The energy's
+// slope increases along it; its zero is bracketed, so the next tangent is taken beyond a corner.
 void search(const Segments& segments, const NewtonStep& step, SeriesDisplacements& u,
-            Answers& found, SeriesSolution& solution) {
+            Responses& found, SeriesSolution& solution) {
   const SeriesDisplacements from = u;
-  double part = 1, before = 0, slope_before = step.slope, beyond = 0, slope_beyond = 0;
+  double fraction = 1, before = 0, slope_before = step.slope, beyond = 0, slope_beyond = 0;
   bool last_over = true;
   while (solution.evaluations < kMostEvaluations) {
-    u = moved(from, step, part);
-    found = answers(segments, u);
+    u = moved(from, step, fraction);
+    found = responses(segments, u);
     ++solution.evaluations;
     const double slope = slope_at(found, step);
     const bool first = beyond == 0;
     const bool over = slope > 0;
-    // Illinois: no end of the interval stays for ever.
+    // Illinois method: halve the slope of an end that did not move, so that both ends converge.
     if (!first && over == last_over) (over ? slope_before : slope_beyond) *= 0.5;
-    (over ? beyond : before) = part;
+    (over ? beyond : before) = fraction;
     (over ? slope_beyond : slope_before) = slope;
     last_over = over;
     if (std::abs(slope) <= -kEnoughSlope * step.slope || (first && slope <= 0)) return;
-    part = before + (beyond - before) * slope_before / (slope_before - slope_beyond);
+    fraction = before + (beyond - before) * slope_before / (slope_before - slope_beyond);
   }
 }
 
@@ -92,12 +93,12 @@ SeriesSolution solve_series(const Segments& segments, const Plane<double>& total
   double strength = 0;
   for (const auto& segment : segments) strength = std::max(strength, segment.strength);
   SeriesSolution solution;
-  Answers& found = solution.answers;
-  found = answers(segments, u);
-  // The first step makes displacements add up, so it is taken whole.
+  Responses& found = solution.responses;
+  found = responses(segments, u);
+  // The first step makes the displacements add up to `total`, so it is a full step.
   NewtonStep step = newton_step(found, total - (u[0] + u[1] + u[2]));
   u = moved(u, step, 1);
-  found = answers(segments, u);
+  found = responses(segments, u);
   solution.evaluations = 2;
   while (true) {
     step = newton_step(found, total - (u[0] + u[1] + u[2]));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The other side of the handshake: consumes each target once, answers with twice its values, and
- * checks that no flag comes twice, late or before its data. */
+ * The controller's side of the handshake: reads each target once, answers with twice its values,
+ * and checks that no flag arrives twice, late or before its data. */
 #include <sched.h>
 #include <scramnet/scrplus.h>
 #include <stdio.h>
@@ -32,7 +32,8 @@ int main(void) {
     if (*new_target < 0) break;
     if (*new_target != 1) return 2;
     for (i = 0; i < SIGNALS; ++i)
-      if (command[i] != (float)(expected + i)) return 3; /* a flag before its data, or one lost */
+      if (command[i] != (float)(expected + i))
+        return 3; /* a flag before its data, or a lost flag */
     *at_target = 0;
     *switch_pc = 1;
     wait_while(new_target, 1);

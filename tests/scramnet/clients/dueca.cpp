@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The shape of DUECA's accessor: each node interrupts the others by storing into its own control
-// word, and passes a number round the ring.
+// Modelled on DUECA's accessor: each node interrupts the others by storing into its own control
+// word, and passes a number around the ring.
 //   dueca NODE NODES ROUNDS wait|signal
 #include <csignal>
 #include <cstdint>
@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
       if (!sleep_until_interrupt(by_signal)) return 4;
       continue;
     }
-    if (address >> 2 != before) continue;  // of another node: not our turn
+    if (address >> 2 != before) continue;  // from another node: ignored
     if (words[before] != round) return 5;
     words[node] = node == 0 ? round + 1 : round;
     ++round;

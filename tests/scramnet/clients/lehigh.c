@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The shape of a Java bridge's C part: calls get_base_mem for every access, and reads and writes
- * whatever type it is asked for, long and double among them. */
+ * Modelled on the C side of a Java bridge: calls get_base_mem for every access, and reads and
+ * writes several types, including long and double. */
 #include <scrplus.h>
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The shapes of old programs: K&R declarations, no configuration structure, the interrupt device
+ * Modelled on old programs: K&R declarations, no configuration structure, the interrupt device
  * opened by its name. */
 #define NO_PROTO
 #define NO_CONFIG

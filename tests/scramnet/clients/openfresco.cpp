@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The shape of OpenFresco's SCRAMNet control: maps without initialising, plain words, no sleep.
+// Modelled on OpenFresco's SCRAMNet control: maps without initialising, plain words, no sleep.
 //   openfresco STEPS
 #include <sched.h>
 
@@ -27,7 +27,7 @@ struct Partition {
 
 void wait_for(volatile int* flag, int value) {
   for (unsigned turn = 0; *flag != value; ++turn)
-    if (turn % 64 == 63) sched_yield();  // the test may have one processor for both
+    if (turn % 64 == 63) sched_yield();  // both programs may share one processor
 }
 
 bool step(const Partition& ring, int number) {
@@ -47,7 +47,7 @@ bool step(const Partition& ring, int number) {
 int main(int argc, char** argv) {
   if (argc < 2) return 9;
   if (scr_reg_mm(MAP) != 0 || scr_mem_mm(MAP) != 0) return 1;
-  int* base = (int*)get_base_mem();  // as C programmers write it
+  int* base = (int*)get_base_mem();  // C cast, as in OpenFresco
   if (base == nullptr) return 2;
   scr_csr_write(SCR_CSR3, 10);
   if (sp_stm_mm(Long_mode) != TRUE) return 3;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Another card: writes 1, 2, 3, … into consecutive words for which it has TIE.
+ * Another card: writes 1, 2, 3, … into consecutive words with TIE in its ACR.
  *   peer FIRST COUNT PERIOD_US */
 #define _POSIX_C_SOURCE 200809L
 #include <scrplus.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The shape of a neural simulator's benchmark on GT cards: a byte per node in one longword is the
- * barrier; small blocks are stored, large ones go by DMA.
+ * Modelled on a neural simulator's benchmark on GT cards: the barrier is a byte per node in one
+ * longword; small blocks are stored directly, large ones by DMA.
  *   ptest NODE ROUNDS */
 #include <scgtapi.h>
 #include <sched.h>
@@ -10,15 +10,15 @@
 
 enum { NODES = 2, FLOATS = 1024 };
 
-/* A node that is through may already have come to the next barrier. */
-static int has_come(uint32 flags, int node, uint8 value) {
+/* A node that has passed this barrier may already be at the next one. */
+static int has_arrived(uint32 flags, int node, uint8 value) {
   return (uint8)((flags >> 8 * node) - value) < 128;
 }
 
 static void barrier(volatile uint8* flags, int node, uint8 value) {
   unsigned turn;
   flags[node] = value;
-  for (turn = 0; !has_come(*(volatile uint32*)flags, 1 - node, value); ++turn)
+  for (turn = 0; !has_arrived(*(volatile uint32*)flags, 1 - node, value); ++turn)
     if (turn % 64 == 63) sched_yield();
 }
 

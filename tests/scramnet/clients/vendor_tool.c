@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The shape of the vendor's throughput and memory tools: burst mode, bits of CSR10, counters,
- * copies by the card's DMA. */
+ * Modelled on the vendor's throughput and memory tools: burst mode, bits of CSR10, counters, copies
+ * by the card's DMA. */
 #include <scrplus.h>
 #include <stdio.h>
 #include <stdlib.h>

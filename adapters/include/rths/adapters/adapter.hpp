@@ -11,61 +11,60 @@
 
 namespace rths::adapters {
 
-/// Which way a value goes, and where it lives on the ring.
+/// The direction of a value, and its location on the ring.
 enum class Direction {
   Input,      ///< read from a signal of the laboratory's map
   Output,     ///< written to a signal of the laboratory's map
-  Monitor,    ///< written to monitor.<node>.<name>: an inner value, to be seen and recorded
-  Parameter,  ///< read from tune.<node>.<name>: a setting that may be changed while running
+  Monitor,    ///< written to monitor.<node>.<name>: an internal value to display and record
+  Parameter,  ///< read from tune.<node>.<name>: a setting that may change during a run
 };
 
 /// One value that an adapter exchanges, in SI units.
 struct Port {
-  std::string name;  ///< full signal name for Input and Output, else a name of the adapter's
+  std::string name;  ///< full signal name of an Input or Output; else local to the adapter
   Direction direction = Direction::Input;
   std::string unit = "1";  ///< SI
   double initial = 0;      ///< of a Parameter [unit]
-  bool event = false;      ///< of a Monitor: a change is worth a line in the run's events
+  bool event = false;      ///< of a Monitor: the run's events list each change
 };
 
-/// What one step has to work with.
+/// Inputs and outputs of one step.
 struct StepData {
-  double time = 0;                 ///< since the run began, as scheduled [s]
+  double time = 0;                 ///< scheduled time since the start of the run [s]
   std::span<const double> inputs;  ///< Inputs and Parameters, in the order of `ports`
-  std::span<double> outputs;       ///< Outputs and Monitors, in the order of `ports`; hold what was
-                                   ///< written last
-  bool stopping = false;           ///< the run is over or a peer has vanished: come to rest
-  const char* message = "";        ///< out: why, with Fault; must outlive the step
+  std::span<double> outputs;       ///< Outputs and Monitors, in the order of `ports`; keep their
+                                   ///< values from step to step
+  bool stopping = false;           ///< the run is over or a peer is lost: come to rest
+  const char* message = "";        ///< out: the reason of a Fault; must outlive the step
 };
 
-/// What may bring an adapter's next step before it is due.
-enum class News {
-  None,     ///< nothing
-  Inputs,   ///< a write to one of its inputs
-  Outside,  ///< something that is not on the ring: it waits for that itself
+/// Events that start an adapter's next step before its scheduled time.
+enum class Wake {
+  None,      ///< none: steps are scheduled
+  Inputs,    ///< a write to one of its inputs
+  External,  ///< an event outside the ring, for which the adapter itself waits
 };
 
-/// Whatever takes part in a test: a solver, a controller, a test machine, a recorder.
+/// A participant of a test: a solver, a controller, a test machine, a recorder.
 ///
-/// It sees arrays of values in SI units and never the ring, so the same adapter runs in a process
-/// of its own, beside others in one process, and in virtual time.
+/// An adapter exchanges arrays of values in SI units and has no access to the ring. The same
+/// adapter therefore runs in its own process, with others in one process, or in virtual time.
 class Adapter {
  public:
   virtual ~Adapter() = default;
-  /// What it exchanges; always the same list. Inputs are read and outputs are written in this
-  /// order, so a flag stands before the inputs that it guards and after the outputs.   @setup
+  /// Returns the exchanged values; the list is constant. The runner reads inputs and writes outputs
+  /// in this order, so a flag precedes the inputs that it guards and follows the outputs.   @setup
   [[nodiscard]] virtual std::vector<Port> ports() const = 0;
-  /// Last chance to allocate, open files and complain. @throws Error   @setup
+  /// Allocates memory and opens files. @throws Error   @setup
   virtual void activate() = 0;
-  /// One period. Done: nothing is left to do, and everything is at rest.   @realtime
+  /// Runs one period. Returns Done when the adapter has finished and is at rest.   @realtime
   [[nodiscard]] virtual Status step(StepData& step) RTHS_REALTIME = 0;
-  /// What it waits for, beside its next step's being due. In virtual time all steps wait for that
-  /// alone.   @realtime
-  [[nodiscard]] virtual News awaits() const RTHS_REALTIME { return News::None; }
-  /// Waits for news from outside, at most so long.
-  virtual void wait_outside(Duration longest) { static_cast<void>(longest); }
-  /// Lets go of what `activate` took. Also called after a fault.
-  /// @throws Error if what it should leave behind is not whole   @setup
+  /// Returns the event that starts the next step early. Ignored in virtual time.   @realtime
+  [[nodiscard]] virtual Wake wakes_on() const RTHS_REALTIME { return Wake::None; }
+  /// Waits for the External event, at most for `longest`.
+  virtual void wait_external(Duration longest) { static_cast<void>(longest); }
+  /// Releases the resources of `activate`. Also called after a fault.
+  /// @throws Error if its output, such as a file, is incomplete   @setup
   virtual void deactivate() = 0;
 };
 

@@ -8,16 +8,15 @@
 
 namespace rths::adapters {
 
-/// A controller and machine that are wherever they are told to be, at once: what comes back is what
-/// was commanded, and the force of a spring. Of any laboratory's map. To try a solver's script
-/// with, and to see what the way there and back costs.
+/// An ideal controller and machine: feedbacks equal the commands at once, forces are those of a
+/// linear spring. Works with every laboratory's map. Use it to try out a solver's script and to
+/// measure the round-trip time.
 struct EchoSettings {
   OpfLayout layout;
   double stiffness = 1e6;  ///< of each axis [N/m, N·m/rad]
-  /// atTarget stays down until the first target has come, as with controllers of the older
-  /// generation.
+  /// atTarget stays 0 until the first target arrives, as with older controllers.
   bool is_down_when_idle = false;
-  bool is_prompt = false;  ///< steps come with the solver's words, not only when they are due
+  bool is_prompt = false;  ///< also steps on each write of the solver, not only on schedule
 };
 
 [[nodiscard]] std::unique_ptr<Adapter> make_echo(const EchoSettings& settings);

@@ -7,44 +7,46 @@
 
 namespace rths::adapters {
 
-/// How a controller begins: the newer generation raises atTarget while it is idle, the older one
-/// only after its first target, so who waits for that would wait for ever.
+/// Start of the handshake: newer controllers raise atTarget while idle. Older controllers raise it
+/// only after their first target, so a solver must not wait for it before that target.
 enum class Handshake { AtTargetFirst, TargetFirst };
 
-/// Reads `handshake = "at_target_first"`, which is the default, or "target_first".
-/// @throws Error with its place if it is another word   @setup
+/// Reads `handshake = "at_target_first"` (default) or "target_first".
+/// @throws Error with its place for any other word   @setup
 [[nodiscard]] Handshake read_handshake(const Config& table);
 
-/// The numerical side of OpenFresco's handshake: newTarget rises when a target stands on the ring,
-/// falls when switchPC has risen, and the specimen is there when switchPC has fallen and atTarget
-/// has risen. A line at a time; nothing waits for ever.
+/// The numerical side of OpenFresco's handshake.
+///
+/// newTarget rises when a target is on the ring and falls when switchPC has risen. The specimen has
+/// reached the target when switchPC has fallen and atTarget has risen. Every wait has a deadline.
 class OpfHandshake {
  public:
   /// @param deadline  for each flag [s]
   explicit OpfHandshake(double deadline, Handshake controller = Handshake::AtTargetFirst)
       : deadline_{deadline},
-        phase_{controller == Handshake::AtTargetFirst ? Phase::WaitForTarget : Phase::There} {}
+        phase_{controller == Handshake::AtTargetFirst ? Phase::WaitForAtTarget : Phase::Ready} {}
 
-  /// Looks at the flags, at a time [s]. @returns Fault, with a message, if one is overdue @realtime
-  [[nodiscard]] Status look(bool at_target, bool switch_pc, double now) RTHS_REALTIME;
-  /// Whether the specimen is where it was told to be: its feedback is valid, a target is welcome.
-  [[nodiscard]] bool is_there() const RTHS_REALTIME { return phase_ == Phase::There; }
-  /// A target stands on the ring. @pre is_there()   @realtime
+  /// Advances with the flags at time `now` [s].
+  /// @returns Fault, with a message, if a flag misses its deadline   @realtime
+  [[nodiscard]] Status update(bool at_target, bool switch_pc, double now) RTHS_REALTIME;
+  /// Whether the specimen is at its target: its feedback is valid, and a new target may be posted.
+  [[nodiscard]] bool is_ready() const RTHS_REALTIME { return phase_ == Phase::Ready; }
+  /// Reports a new target on the ring. @pre is_ready()   @realtime
   void post(double now) RTHS_REALTIME { enter(Phase::WaitForSwitch, now); }
-  /// Forgets how long it has waited.   @realtime
-  void be_patient(double now) RTHS_REALTIME { entered_ = now; }
-  /// No more targets.   @realtime
-  void leave(double now) RTHS_REALTIME { enter(Phase::Leave, now); }
-  [[nodiscard]] bool is_leaving() const RTHS_REALTIME { return phase_ == Phase::Leave; }
-  /// Whether the word that says so has stood there for long enough.   @realtime
-  [[nodiscard]] bool has_left(double now) const RTHS_REALTIME;
+  /// Restarts the deadline of the current wait.   @realtime
+  void restart_deadline(double now) RTHS_REALTIME { entered_ = now; }
+  /// Ends the test: no more targets.   @realtime
+  void stop(double now) RTHS_REALTIME { enter(Phase::Stopping, now); }
+  [[nodiscard]] bool is_stopping() const RTHS_REALTIME { return phase_ == Phase::Stopping; }
+  /// Whether newTarget = −1 has been on the ring long enough to be read.   @realtime
+  [[nodiscard]] bool has_stopped(double now) const RTHS_REALTIME;
 
-  /// The word: 1 a target is there, 0 none, −1 no more.   @realtime
+  /// Value of newTarget: 1 new target, 0 none, −1 end of the test.   @realtime
   [[nodiscard]] double new_target() const RTHS_REALTIME;
   [[nodiscard]] const char* message() const RTHS_REALTIME { return message_; }
 
  private:
-  enum class Phase { WaitForTarget, There, WaitForSwitch, WaitForRelease, Leave };
+  enum class Phase { WaitForAtTarget, Ready, WaitForSwitch, WaitForRelease, Stopping };
   void enter(Phase phase, double now) RTHS_REALTIME {
     phase_ = phase;
     entered_ = now;
@@ -54,7 +56,7 @@ class OpfHandshake {
 
   double deadline_;
   Phase phase_;
-  double entered_ = 0;  ///< when the phase began [s]
+  double entered_ = 0;  ///< start of the phase [s]
   const char* message_ = "";
 };
 

@@ -8,14 +8,13 @@
 
 namespace rths::adapters {
 
-/// The way into the safe state: hold what was commanded last, then ramp to rest along a cosine
-/// bell.
+/// The path to the safe state: hold the last command, then ramp it to rest along a cosine bell.
 struct Retreat {
   double hold = 0.2;  ///< [s]
   double ramp = 1.0;  ///< [s], > 0
 
-  /// Part of the held value to command `since` seconds into the retreat: 1 … 0.   @realtime
-  [[nodiscard]] double part(double since) const RTHS_REALTIME {
+  /// Fraction of the held value to command `since` seconds into the retreat: 1 … 0.   @realtime
+  [[nodiscard]] double fraction(double since) const RTHS_REALTIME {
     const double x = (since - hold) / ramp;
     if (x <= 0) return 1;
     return x >= 1 ? 0 : 0.5 * (1 + std::cos(std::numbers::pi * x));

@@ -16,36 +16,34 @@
 
 namespace rths::broker {
 
-class Drowsy;
-
-/// One write of a node: of a word, or of a tear group.
+/// One write of a node: a word or a tear group.
 struct Write {
   NodeId writer;
   LongwordOffset offset;                   ///< of the word, or of the group's first word
   std::uint32_t value = 0;                 ///< of the word
-  std::span<const std::uint32_t> group{};  ///< its words, until the next call; empty for a word
+  std::span<const std::uint32_t> group{};  ///< words of the group, valid until the next call
 };
 
-/// What a look into a journal came to.
+/// Result of reading a journal.
 enum class Followed {
   Write,    ///< the next write
-  Nothing,  ///< nothing was written since
-  Lost,     ///< the writer was more than a journal ahead: what was in between is gone, go on
+  Nothing,  ///< no new write
+  Lost,     ///< more than a journal behind: skipped to the newest entry
 };
 
-/// Reads the writes of one node, each once and in the order in which they were made, beginning now.
+/// Reads the writes of one node, each once and in order, beginning now.
 ///
-/// Neither disturbs the writer nor is known to it. A journal holds the last 2^bits entries of its
-/// writer; who falls further behind is told so and goes on with the newest.   One thread.
+/// Does not affect the writer. A journal has the last 2^bits entries of its writer; a follower that
+/// is further behind gets `Lost` and continues at the newest entry.   One thread.
 class Follower {
  public:
   Follower(Follower&&) noexcept;
   Follower& operator=(Follower&&) noexcept;
   ~Follower();
 
-  /// @realtime
+  /// Reads the next write.   @realtime
   [[nodiscard]] Followed next(Write& write) RTHS_REALTIME;
-  /// Entries that were gone before they could be read.
+  /// Number of entries that were overwritten before they were read.
   [[nodiscard]] std::uint64_t lost() const;
 
  private:
@@ -62,17 +60,17 @@ struct LongwordRange {
   std::uint32_t longwords = 1;
 };
 
-/// Waits for writes to some words without looking at the words: by following the journals of the
-/// nodes that may write them, awake at first, then asleep.   One thread.
+/// Waits for writes to given words. Follows the journals of the nodes that may write them, first
+/// spinning, then sleeping; does not poll the words.   One thread.
 class Waiter {
  public:
   Waiter(Waiter&&) noexcept;
   Waiter& operator=(Waiter&&) noexcept;
   ~Waiter();
 
-  /// The next write to any of the words, in each writer's own order.
-  /// @returns Ok; Late if there was none until `deadline` (CLOCK_MONOTONIC); LimitExceeded if some
-  ///          were lost, and `write` is not set   @realtime, but for the sleep
+  /// Waits for the next write to any of the words, in each writer's own order.
+  /// @returns Ok; Late if there was none until `deadline` (CLOCK_MONOTONIC); LimitExceeded, with
+  ///          `write` not set, if writes were lost   @realtime, except for the sleep
   [[nodiscard]] Status wait(TimePoint deadline, Write& write) RTHS_REALTIME;
 
  private:
@@ -82,12 +80,12 @@ class Waiter {
   std::unique_ptr<State> state_;
 };
 
-/// Who wrote a word last, and when, as far as the journals still tell.
+/// Writer and time of the last write to a word, as far as the journals still have it.
 struct LastWrite {
-  std::string node;                    ///< the word's owner in the map; empty if it has none
-  std::optional<std::uint32_t> value;  ///< empty if the journal no longer, or not yet, has a write
-  TimePoint not_before{0};             ///< of the write [CLOCK_MONOTONIC]; 0 if that is unknown.
-  TimePoint not_after{0};              ///< Without a value: the word is older than this
+  std::string node;                    ///< owner of the word in the map; empty if it has none
+  std::optional<std::uint32_t> value;  ///< empty if the journal has no write to the word
+  TimePoint not_before{0};             ///< earliest time of the write [CLOCK_MONOTONIC]; 0: unknown
+  TimePoint not_after{0};              ///< latest time of the write; known also without a value
 };
 
 }  // namespace rths::broker

@@ -24,28 +24,27 @@ class Waiter;
 struct LastWrite;
 struct LongwordRange;
 
-/// Sizes of journals, unless asked for otherwise: 1 MiB, which is half a second of a node that
-/// writes a hundred words a millisecond, and 64 KiB.
+/// Default sizes of a journal, log2 of its entries: 1 MiB (half a second of a node that writes 100
+/// words per millisecond) and 64 KiB.
 inline constexpr std::uint32_t kJournalBits = 16;
 inline constexpr std::uint32_t kInProcessJournalBits = 12;
 
-/// Whether a node is on a ring.
+/// State of a node on a ring.
 struct Presence {
   enum class State {
-    Absent,  ///< nobody holds its place: not joined yet, or left in order
+    Absent,  ///< not joined yet, or left in order
     Alive,
-    Vanished,  ///< its process has ended without leaving
+    Vanished,  ///< its process ended without leaving
   };
   State state = State::Absent;
   int pid = 0;
 };
 
-/// A node's place on a ring: reads every word, writes the words of its own partitions.
+/// Membership of a node on a ring: reads every word, writes the words of its own partitions.
 ///
-/// One thread reads and writes; `presence_of` and `beats_of` may be called from others. Several
-/// nodes, in one process or many, need nothing from each other: a longword is written by one node
-/// only, so there is no lock to hold and none to be left held by a process that dies. Leaves the
-/// ring when destroyed; must not outlive its `Ring`.
+/// One thread reads and writes; other threads may call `presence_of` and `beats_of`. Nodes, in one
+/// process or many, are independent: each longword has one writer, so there are no locks, and none
+/// that an ended process could hold. The destructor leaves the ring; must not outlive its `Ring`.
 class Node {
  public:
   Node(Node&&) noexcept;
@@ -54,19 +53,19 @@ class Node {
   Node& operator=(const Node&) = delete;
   ~Node();
 
-  /// The longword as last written by anybody.
+  /// Current value of a longword.
   /// @pre the offset is inside the ring's memory   @realtime
   [[nodiscard]] std::uint32_t read(LongwordOffset offset) const RTHS_REALTIME;
-  /// Makes `word` visible to every node.
-  /// @returns Fault, and writes nothing, if the longword is in no partition of this node, or in one
-  ///          that is written whole only   @realtime
+  /// Writes a longword; every node sees it.
+  /// @returns Fault, and writes nothing, if the longword is in no partition of this node or in a
+  ///          tear group   @realtime
   [[nodiscard]] Status write(LongwordOffset offset, std::uint32_t word) RTHS_REALTIME;
 
-  /// Reads a tear group whole: the words of one and the same write. If its writer stopped in the
-  /// middle of one, for ever or for a while, the last complete one.
+  /// Reads a tear group whole: all words are from the same write, the last complete one. This also
+  /// holds while its writer is stopped, or has ended, in the middle of a write.
   /// @param words  as long as the group
-  /// @returns Stale, with `words` unspecified, if a writer outran each of a bounded number of
-  ///          attempts; Fault, with `words` untouched, if they have another length   @realtime
+  /// @returns Stale, with `words` unspecified, if the writer interfered with each of a bounded
+  ///          number of attempts; Fault, with `words` unchanged, if the length differs   @realtime
   [[nodiscard]] Status read_group(TearGroupId group,
                                   std::span<std::uint32_t> words) const RTHS_REALTIME;
   /// Writes a tear group whole.
@@ -75,12 +74,12 @@ class Node {
   [[nodiscard]] Status write_group(TearGroupId group,
                                    std::span<const std::uint32_t> words) RTHS_REALTIME;
 
-  /// Tells the others that this node is at work; `beats_of` shows it to them. Puts the time into
-  /// the journal: what was written since the beat before was written since then.   @realtime
+  /// Increments this node's heartbeat, which `beats_of` returns to other nodes. Puts the time into
+  /// the journal, which dates the writes between two beats.   @realtime
   void beat() RTHS_REALTIME;
-  /// How often a node of the map has beaten since it joined; 0 if it is not on the ring. @realtime
+  /// Heartbeats of a node of the map since it joined; 0 if it is not on the ring. @realtime
   [[nodiscard]] std::uint64_t beats_of(NodeId node) const RTHS_REALTIME;
-  /// Whether a node of the map is on the ring, by the kernel's word. Any thread.   @setup
+  /// State of a node of the map, from the kernel's process table. Any thread.   @setup
   [[nodiscard]] Presence presence_of(NodeId node) const;
 
  private:
@@ -92,15 +91,15 @@ class Node {
     std::uint32_t begin, end;  ///< longwords [begin, end)
     [[nodiscard]] bool has(std::uint32_t offset) const { return begin <= offset && offset < end; }
   };
-  /// What writing a word takes, in one place.
+  /// Data that writing a word needs, in adjacent memory.
   struct Writer {
     std::uint32_t* words;  ///< of the ring
-    OwnRange range;        ///< that was written last
+    OwnRange range;        ///< of the last write
     Wake* wake;
     JournalWriter journal;
   };
-  [[nodiscard]] Status write_elsewhere(LongwordOffset offset, std::uint32_t word) noexcept;
-  /// A tear group, and what is known about it from the beginning.
+  [[nodiscard]] Status write_other_range(LongwordOffset offset, std::uint32_t word) noexcept;
+  /// A tear group with its addresses and the last read.
   struct GroupAccess;
 
   void take_over(const memmap::Map& map, NodeId id, bool plain);
@@ -108,38 +107,39 @@ class Node {
   Segment* segment_;
   std::uint32_t* words_;  ///< of the ring
   std::uint32_t slot_;
-  std::vector<OwnRange> own_;                ///< but for tear groups
-  mutable std::vector<GroupAccess> groups_;  ///< with what was read last
+  std::vector<OwnRange> own_;                ///< without tear groups
+  mutable std::vector<GroupAccess> groups_;  ///< caches the last read
   std::unique_ptr<Writer> writer_;           ///< of a node that may write
 };
 
 inline Status Node::write(LongwordOffset offset, std::uint32_t word) noexcept {
   Writer* const writer = writer_.get();
-  if (writer == nullptr || !writer->range.has(offset.value())) return write_elsewhere(offset, word);
+  if (writer == nullptr || !writer->range.has(offset.value()))
+    return write_other_range(offset, word);
   std::atomic_ref{writer->words[offset.value()]}.store(word, std::memory_order_release);
   writer->journal.word(offset.value(), word);
   wake_sleepers(*writer->wake);
   return Status::Ok;
 }
 
-/// A software SCRAMNet+ ring: one memory that every node of a host sees at once.
+/// A software SCRAMNet+ ring: one memory shared by all nodes of a host.
 ///
-/// Daemonless: the first process creates it, any process joins and leaves, and it lasts until it
-/// is removed. A process that dies leaves a ring that the others go on using. The map is stored in
-/// the ring, so whoever attaches knows what its words mean.
+/// No daemon: the first process creates the ring, any process joins and leaves, and the ring exists
+/// until it is removed. The others can use it further if a process dies. The ring contains its map,
+/// so a process that attaches needs no map file.
 class Ring {
  public:
-  /// Makes a ring that the other processes of this host can attach to. An abandoned ring of that
-  /// name, on which no process lives, is replaced. The creator is on its ring, though as no node,
-  /// until this object goes.
-  /// @throws Error if a ring of that name is in use, or there is no room for it   @setup
-  /// @param journal_bits  a journal holds 2^journal_bits writes of a node, in 16 bytes each
+  /// Creates a ring to which other processes of this host can attach. Replaces a ring of that name
+  /// on which no process is alive. Until this object is destroyed, the creator is listed on the
+  /// ring, but not as a node.
+  /// @throws Error if a ring of that name is in use or memory is short   @setup
+  /// @param journal_bits  a journal has 2^journal_bits entries of 16 bytes
   [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map,
                                    std::uint32_t journal_bits = kJournalBits);
-  /// Joins processes to an existing ring. Waits up to two seconds for its creator to finish.
-  /// @throws Error if there is none, or it is of another layout version   @setup
+  /// Attaches to an existing ring. Waits up to two seconds for its creator to finish.
+  /// @throws Error if there is no such ring or its layout version differs   @setup
   [[nodiscard]] static Ring attach(const std::string& name);
-  /// A ring in plain memory for one process: the same words, the same rules.   @setup
+  /// A ring in private memory for one process, with the same words and rules.   @setup
   [[nodiscard]] static Ring in_process(const memmap::Map& map,
                                        std::uint32_t journal_bits = kInProcessJournalBits);
 
@@ -149,26 +149,25 @@ class Ring {
 
   [[nodiscard]] const memmap::Map& map() const;
   /// Joins as a node of the map.
-  /// @param map_hash  of the map the caller was built for; 0 to accept whatever the ring holds
-  /// @throws Error if the hashes differ (both are shown), the map has no such node, or a living
-  ///         process already is that node   @setup
+  /// @param map_hash  of the map that the caller was built for; 0 accepts any map
+  /// @throws Error if the hashes differ (the message shows both), if the map has no such node, or
+  ///         if that node is already on the ring   @setup
   [[nodiscard]] Node join(const std::string& node, std::uint64_t map_hash);
-  /// Joins as a node of the map whose words are stored through a plain pointer, by a program that
-  /// knows nothing of this: `Node::write` writes none of them, no journal tells of them, and its
-  /// tear groups are read as the words stand.
-  /// @param node  empty: none of the map's
+  /// Joins as a node of the map that stores its words through a plain pointer, without this API:
+  /// `Node::write` refuses them, no journal records them, and its tear groups are read word by word
+  /// from memory.
+  /// @param node  empty: not a node of the map
   /// @throws Error as `join`   @setup
   [[nodiscard]] Node join_plain(const std::string& node);
   /// Joins as a node that only reads.   @setup
   [[nodiscard]] Node observe();
-  /// Follows what a node writes from now on, whether or not it is on the ring yet. See
-  /// follow.hpp.   @setup
+  /// Follows the writes of a node from now on; the node may join later. See follow.hpp.   @setup
   [[nodiscard]] Follower follow(const std::string& node);
-  /// Waits for writes to these words, or to any if there are none. See follow.hpp.   @setup
+  /// Waits for writes to these words, or to any word if `words` is empty. See follow.hpp.   @setup
   [[nodiscard]] Waiter wait_for(const std::vector<LongwordRange>& words);
-  /// Who wrote a word last, and when.   @setup
+  /// Writer and time of the last write to a word.   @setup
   [[nodiscard]] LastWrite last_write(LongwordOffset offset);
-  /// The tear group of a partition. @throws Error if the partition is none   @setup
+  /// The tear group of a partition. @throws Error if the partition is not a tear group   @setup
   [[nodiscard]] TearGroupId tear_group(const std::string& partition) const;
 
  private:
@@ -179,27 +178,28 @@ class Ring {
   std::unique_ptr<memmap::Map> map_;
 };
 
-/// A process that is, or was, on a ring.
+/// A process that is on a ring, or that ended without leaving it.
 struct Occupant {
-  std::string node;  ///< name in the map; "observer" only reads, "client" is none of the map's,
-                     ///< "creator" made the ring
+  std::string node;  ///< name in the map; "observer" only reads, "client" is not in the map,
+                     ///< "creator" created the ring
   int pid = 0;
   bool alive = false;
   std::uint64_t beats = 0;
 };
 
-/// What there is to say about one ring of this host.
+/// State of one ring of this host.
 struct RingReport {
   std::string name;
-  bool usable = false;   ///< finished, and of this program's layout version
-  bool foreign = false;  ///< of another layout version, or not ours to open: may be in use
-  std::string trouble;   ///< why not, in words
+  bool usable = false;   ///< complete, and of this program's layout version
+  bool foreign = false;  ///< of another layout version, or no permission to open it: may be in use
+  std::string trouble;   ///< reason why the ring is not usable
   std::uint64_t bytes = 0;
   std::string map_name;
   std::uint32_t map_version = 0;
   std::string map_hash;
   std::vector<Occupant> occupants;
-  std::vector<std::string> torn_groups;  ///< partitions whose writer stopped in the middle
+  std::vector<std::string>
+      torn_groups;  ///< partitions whose writer stopped in the middle of a write
 
   [[nodiscard]] bool in_use() const {
     for (const auto& occupant : occupants)
@@ -208,11 +208,12 @@ struct RingReport {
   }
 };
 
-/// One ring of this host, if there is an object of that name.   @setup
+/// State of one ring of this host; empty if there is no object of that name.   @setup
 [[nodiscard]] std::optional<RingReport> inspect_ring(const std::string& name);
 /// All rings of this host, by name.   @setup
 [[nodiscard]] std::vector<RingReport> list_rings();
-/// Removes a ring's name; processes still on it keep their memory. False if there was none. @setup
+/// Removes a ring's name; processes that are still on it keep their memory.
+/// @returns false if there was no such ring   @setup
 bool remove_ring(const std::string& name);
 
 }  // namespace rths::broker

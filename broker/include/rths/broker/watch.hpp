@@ -11,22 +11,22 @@
 
 namespace rths::broker {
 
-/// A store that no journal tells of.
+/// A store that is in no journal.
 struct PlainStore {
   LongwordOffset offset;
   std::uint32_t value = 0;
-  std::string owner;                ///< of the word, by the map; empty: nobody's
-  bool allowed = false;             ///< the owner's own, through its plain pointer
-  std::vector<std::string> others;  ///< if it is not allowed: who could have, by its place
+  std::string owner;                ///< of the word in the map; empty: no owner
+  bool allowed = false;             ///< made by the owner, through its plain pointer
+  std::vector<std::string> others;  ///< if not allowed: the plain clients that may have made it
   TimePoint seen{0};                ///< CLOCK_MONOTONIC
 };
 
-/// Watches the words of a ring for stores through plain pointers, which leave no trace of their
-/// own: by comparing, from time to time, every mapped word with what the journals say it should be.
+/// Finds stores through plain pointers, which no journal records: compares every mapped word with
+/// its value in the journals.
 ///
-/// What a node that joined as a plain client stores into its own words is journalled on its behalf,
-/// so that others can follow it, wait for it and see when it was. Everything else is somebody's
-/// mistake. One watch per ring.   @setup, one thread
+/// A store of a plain client into its own words is journalled on the client's behalf, so that
+/// others can follow it, wait for it and date it. Any other store is an error of some program. One
+/// watch per ring.   @setup, one thread
 class Watch {
  public:
   explicit Watch(Ring& ring);
@@ -34,9 +34,8 @@ class Watch {
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  /// One look at everything. A store that is not allowed is told when it has stood for a tenth of
-  /// a second, since a journal may be a moment behind; one that its owner overwrites sooner is not
-  /// seen.
+  /// Compares all words once. Reports a store that is not allowed after 0.1 s, since a journal may
+  /// be briefly behind; a store that the owner overwrites earlier is not reported.
   [[nodiscard]] std::vector<PlainStore> look();
 
  private:

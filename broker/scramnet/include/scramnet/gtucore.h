@@ -8,7 +8,7 @@
 
 #define SCGT_MAX_DEVICES 16
 
-/* What a call returns */
+/* Return values */
 #define SCGT_SUCCESS 0
 #define SCGT_SYSTEM_ERROR 1
 #define SCGT_BAD_PARAMETER 2
@@ -58,7 +58,7 @@
 #define SCGT_ERROR_INTR 2
 #define SCGT_NO_INTR 3
 
-/* Flags of a transfer; two of them are spelled with an R */
+/* Flags of a transfer; the vendor spells two of them SCGR */
 #define SCGT_RW_PIO 0x1
 #define SCGT_RW_DMA_BYTE_SWAP 0x2
 #define SCGT_RW_DMA_WORD_SWAP 0x4

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * SCRAMNet GT by its vendor's names: the header that clients include. Programs written for the
- * cards compile with it and run on a ring in software; docs/scramnet.md says how exactly.
+ * The vendor's API of SCRAMNet GT: the header that clients include. Programs written for the cards
+ * compile with it and run on a ring in software; docs/scramnet.md describes the differences.
  *
- * The vendor's header gained const in 2021. Define SCGT_API_BEFORE_2021 for the older one. */
+ * The vendor added const in 2021. Define SCGT_API_BEFORE_2021 for the older prototypes. */
 #ifndef RTHS_SCGTAPI_H
 #define RTHS_SCGTAPI_H
 

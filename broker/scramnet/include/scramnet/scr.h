@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * SCRAMNet+ by its vendor's names: types, constants, configuration, and the functions that every
- * card has. Clients include scrplus.h. What the calls do here is in docs/scramnet.md. */
+ * The vendor's API of SCRAMNet+: types, constants, configuration, and the functions of every card.
+ * Clients include scrplus.h. docs/scramnet.md describes the behaviour of the calls. */
 #ifndef RTHS_SCR_H
 #define RTHS_SCR_H
 
@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-/* A longword of the ring has 32 bits on every host. */
+/* A longword has 32 bits on every host. */
 typedef volatile unsigned int* SCR_LONG_PTR;
 typedef volatile unsigned short* SCR_SHORT_PTR;
 typedef volatile unsigned char* SCR_BYTE_PTR;
@@ -85,7 +85,7 @@ typedef unsigned char byte;
 #define RST_BSWP 1
 #define RST_NWH 1
 
-/* Commands, of calls and of ioctl() on scr_csr_fd or the descriptor of SCR_INT_DEV */
+/* Commands of calls, and of ioctl() on scr_csr_fd or a descriptor of SCR_INT_DEV */
 #define INTSIG 1
 #define SCR_LNK 2
 #define TX_INT 3
@@ -104,13 +104,13 @@ typedef unsigned char byte;
 #define SCR_IOCTL_MIN 0
 #define SCR_IOCTL_MAX 15
 #define SCR_MAX_PROC 0x20
-#define WAIT_INTERRUPT 16 /* blocks; the value is ours, clients are compiled with it */
+#define WAIT_INTERRUPT 16 /* blocks; our value: no source gives the vendor's */
 
 #define Long_mode 0
 #define Word_mode 1
 #define Byte_mode 2
 
-/* Defaults, and the configuration in use */
+/* Defaults and current configuration */
 #define SCR_REG_BASE_DEF 0x2000
 #define SCR_MEM_BASE_DEF 0xA0C00000
 #define SCR_MEM_LEN_DEF 0x200000
@@ -129,7 +129,7 @@ typedef struct _scram_config {
   char *scram_mem_dev, *scram_reg_dev, *scram_int_dev;
 } SCRAM_CFG;
 
-/* Defined in the library, whether or not CONFIG_EXTERN says so. */
+/* Defined in the library, with or without CONFIG_EXTERN. */
 extern SCRAM_CFG Scramnet_config;
 
 #ifdef NO_CONFIG
@@ -166,7 +166,7 @@ union scr_fifo_ptr {
 };
 
 struct rd_fifo {
-  union { /* its two views are reached directly, or as one union */
+  union { /* both views are accessible directly and through fifo_ptr */
     unsigned int ntr_addr;
     unsigned short ntr_fifo[2];
     union scr_fifo_ptr fifo_ptr;
@@ -182,7 +182,7 @@ struct scr_device {
   unsigned short scr_csr0, scr_csr1, scr_csr2, scr_csr3, scr_csr4, scr_csr5, scr_csr6, scr_csr7;
 };
 
-/* State of this process, as clients redeclare it */
+/* State of this process; clients may redeclare these */
 extern int scr_csr_fd;
 extern int scr_registers_mapped;
 extern int scr_memory_mapped;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * SCRAMNet+ by its vendor's names: the bits of the registers, the limits of the PCI card, and the
- * calls of the Windows library. Clients include scrplus.h. */
+ * The vendor's API of SCRAMNet+: register bits, limits of the PCI card, and calls of the Windows
+ * library. Clients include scrplus.h. */
 #ifndef __SCRPCI__
 #define __SCRPCI__
 
@@ -41,7 +41,7 @@ typedef struct {
 #define CSR0_RSMF 0x4000
 #define CSR0_INSRT 0x8000
 
-/* CSR1: status; reading clears what is latched */
+/* CSR1: status; reading clears the latched bits */
 #define CSR1_SMFF 0x1
 #define CSR1_SMFNE 0x2
 #define CSR1_SMHF 0x4
@@ -54,7 +54,7 @@ typedef struct {
 #define CSR1_RTRY 0x200
 #define CSR1_IARM 0x4000
 #define CSR1_FOBN 0x8000
-/* the same, as the plus card names them */
+/* the same bits by the plus card's names */
 #define CSR1_TXFF 0x1
 #define CSR1_TXFNE 0x2
 #define CSR1_TXF78 0x4
@@ -125,7 +125,7 @@ typedef struct {
 #define CSR10_SMAEN 0x1
 #define CSR12_VPEN 0x1
 
-/* Offset in units of the width. */
+/* The offset counts units of the access width. */
 unsigned int ReadSCRLong(unsigned long offset, void* value);
 unsigned short ReadSCRWord(unsigned long offset, void* value);
 unsigned char ReadSCRByte(unsigned long offset, void* value);

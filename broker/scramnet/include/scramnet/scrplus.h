@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * SCRAMNet+ by its vendor's names: the header that clients include. Programs written for the
- * cards compile with it and run on a ring in software; docs/scramnet.md says how exactly.
+ * The vendor's API of SCRAMNet+: the header that clients include. Programs written for the cards
+ * compile with it and run on a ring in software; docs/scramnet.md describes the differences.
  *
- * Tolerated, and without effect: CONFIG_EXTERN, NO_PROTO (prototypes are kept: they accept every
- * call that a K&R declaration does). NO_CONFIG gives the constants in place of Scramnet_config,
- * _WINNT adds the names of the Windows libraries. */
+ * CONFIG_EXTERN and NO_PROTO are accepted without effect (the prototypes accept every call that a
+ * K&R declaration accepts). NO_CONFIG selects constants instead of Scramnet_config; _WINNT adds the
+ * functions of the Windows libraries. */
 #ifndef __SCRPLUS__
 #define __SCRPLUS__
 
@@ -48,8 +48,8 @@ extern "C" {
 #define ACR_HIPRO 0x10
 #define ACR_TRIG3 0x20
 
-/* Clients call it with a board and without one, from C and from C++. The argument is not used:
- * which ring a process is on is configured, and C without prototypes may pass anything. */
+/* Clients call it with and without a board number, from C and from C++. The argument is ignored:
+ * the configuration selects the ring, and C without prototypes may pass any value. */
 #if defined(__cplusplus)
 int sp_scram_init(int board = 0);
 #elif __STDC_VERSION__ > 201710L && \

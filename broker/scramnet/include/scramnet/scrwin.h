@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Names that only the vendor's Windows libraries have. They link; on this system they answer as a
- * card without that facility would. */
+ * Functions of the vendor's Windows libraries only. On this system they return the values of a card
+ * without that feature. */
 #ifndef RTHS_SCRWIN_H
 #define RTHS_SCRWIN_H
 

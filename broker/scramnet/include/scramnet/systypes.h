@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Types of the SCRAMNet GT interface, by its vendor's names. */
+ * Types of the vendor's SCRAMNet GT API. */
 #ifndef RTHS_SCGT_SYSTYPES_H
 #define RTHS_SCGT_SYSTYPES_H
 

@@ -6,13 +6,13 @@
 
 namespace rths::controller {
 
-/// How far a measured signal runs behind the one it should follow.
+/// Delay of a measured signal behind its reference.
 struct DelayIdentification {
   double cross_correlation = 0;  ///< lag of the largest correlation [s]; negative: it leads
   double minimum_rms = 0;        ///< shift of the smallest RMS difference [s]
 };
 
-/// How well it follows, without any shift.
+/// Difference between a measured signal and its reference, without any shift.
 struct TrackingError {
   double rms = 0;   ///< of the difference [m]
   double nrms = 0;  ///< RMS / largest |reference| [-]
@@ -24,7 +24,7 @@ struct TrackingError {
 /// @param reference, measured  equally long, equally spaced in time
 /// @param time_step  [s]
 /// @param search     largest shift to either side [s]
-/// @throws Error if the signals differ in length, are shorter than four searches, or do not move
+/// @throws Error if the signals differ in length, are shorter than four searches, or are constant
 /// @setup
 [[nodiscard]] DelayIdentification identify_delay(std::span<const double> reference,
                                                  std::span<const double> measured, double time_step,

@@ -5,9 +5,9 @@
 
 namespace rths::controller {
 
-/// Fixed lead from the command's own rates, added to what a compensator asks for:
+/// Fixed lead from the command's own rates, added to a compensator's reference u:
 ///     r = u + k_v ẋ + k_a ẍ
-/// A servo that closes its position loop with gain K_v runs v/K_v behind; k_v gives that back.
+/// A servo whose position loop has gain K_v lags by v/K_v; k_v compensates for that.
 struct FeedForward {
   double velocity_gain = 0;      ///< k_v [s]
   double acceleration_gain = 0;  ///< k_a [s²]

@@ -8,8 +8,8 @@
 
 namespace rths::controller {
 
-/// Butterworth low-pass of even order: bilinear transform with the cut-off pre-warped, so that the
-/// gain is 1/√2 exactly there. Starts at rest.
+/// Butterworth low-pass of even order by the bilinear transform. The cut-off is pre-warped, so the
+/// gain there is exactly 1/√2. Starts at rest.
 class LowPass {
  public:
   /// @param order    2, 4, 6 or 8
@@ -28,7 +28,7 @@ class LowPass {
   std::vector<Section> sections_;
 };
 
-/// Mean of the last `length` samples; of those there are, until there are enough.
+/// Mean of the last `length` samples, or of all samples while there are fewer.
 class MovingAverage {
  public:
   /// @throws Error if length < 1   @setup
@@ -41,8 +41,8 @@ class MovingAverage {
   std::size_t next_ = 0, count_ = 0;
 };
 
-/// Rate of a noisy signal without lag for motion up to constant acceleration: the slope at its
-/// newest end of the parabola that fits the last `length` samples best.
+/// Rate of a noisy signal: the slope, at the newest sample, of the parabola fitted to the last
+/// `length` samples by least squares. No lag for motion up to constant acceleration.
 class EndSlope {
  public:
   /// @param length  samples fitted, ≥ 3   @throws Error otherwise   @setup

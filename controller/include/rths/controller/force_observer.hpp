@@ -10,7 +10,7 @@
 
 namespace rths::controller {
 
-/// What a test machine adds to the force of its specimen, along one axis:
+/// A test machine's own force along one axis, which its load cells add to the specimen's force:
 ///     F = m_e a + F_s sign(v) + F_d |v|^α sign(v) + d
 /// Equation 1 of the paper; friction is zero below a velocity of 1.27 mm/s (0.05 in/s).
 struct MachineForce {
@@ -33,8 +33,8 @@ struct MachineSetup {
 [[nodiscard]] MachineSetup unison_eqs_setup();
 [[nodiscard]] MachineSetup eps_setup();
 
-/// Takes the machine's own force out of the measured one, sample by sample, from measured signals
-/// alone: velocity is the causal slope of the measured displacement.
+/// Subtracts the machine's own force from the measured force, sample by sample. Uses measured
+/// signals only: the velocity is the causal slope of the measured displacement.
 class ForceObserver {
  public:
   /// @param period  of the samples [s]
@@ -62,7 +62,7 @@ struct ForceIdentification {
 };
 
 /// Least squares for m_e, F_s, F_d ≥ 0 and d, with α given, over a run with an empty table. Samples
-/// slower than 3 % of the run's largest speed are left out: the sign of their friction is a guess.
+/// slower than 3 % of the run's largest speed are left out: their friction's sign is uncertain.
 /// @param displacement [m], acceleration [m/s²], force [N]: equally long, as measured
 /// @param period  of the samples [s]
 /// @throws Error if they differ in length, are too few, or do not excite all four terms   @setup

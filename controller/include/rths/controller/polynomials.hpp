@@ -10,21 +10,21 @@
 
 namespace rths::controller {
 
-/// The polynomials a predictor-corrector can run on, by what they are made of.
+/// The polynomials of a predictor-corrector, named after their data.
 ///
 /// P: target history alone. D: continuous with the command displacement at the last branch switch.
-/// DV: the targets carry velocities. DVA: and accelerations. The number is the order.
+/// DV: targets with velocities. DVA: targets with velocities and accelerations. The number is the
+/// order.
 enum class Polynomial { P0, P1, P2, P3, D1, D2, D3, DV, DVA };
 
 [[nodiscard]] std::optional<Polynomial> polynomial_from_text(std::string_view name);
 [[nodiscard]] const char* to_text(Polynomial polynomial) noexcept;
 
-/// Two frames in which a polynomial is laid out. Predict: the newest target s₁ at x = 0, older ones
-/// at −1, −2, −3. Correct: s₁ at x = 1, older ones at 0, −1, −2, the command s_X at x = ξ.
+/// Frame of local time x. Predict: the newest target s₁ at x = 0, older ones at −1, −2, −3.
+/// Correct: s₁ at x = 1, older ones at 0, −1, −2, the command s_X at x = ξ.
 enum class Branch { Predict, Correct };
 
-/// A value with its first and second derivative in x: so that no polynomial is differentiated by
-/// hand.
+/// A value with its first and second derivative in x (forward differentiation).
 struct Jet {
   double value = 0, slope = 0, curvature = 0;
 
@@ -47,7 +47,7 @@ struct Jet {
   friend constexpr Jet operator/(Jet a, double b) { return (1 / b) * a; }
 };
 
-/// What each known quantity contributes to the command, to its rate and to its second rate.
+/// Weight of each known quantity in the command, in its rate and in its second rate.
 ///
 ///     command(x) = Σ target[i]·s_{i+1} + switch_command·s_X + Σ velocity[i]·v_{i+1}
 ///                  + acceleration·a₁
@@ -61,7 +61,7 @@ struct Weights {
 };
 
 /// Weights of a polynomial at local time x.
-/// @param x   elapsed part of the step [-]
+/// @param x   elapsed fraction of the step [-]
 /// @param xi  local time of the last branch switch, 0 ≤ ξ < 1 when correcting, 0 < ξ ≤ 1 when
 ///            predicting [-]. As ξ → 1 a corrector's weights grow like 1/(1 − ξ).   @realtime
 [[nodiscard]] Weights weights(Polynomial polynomial, Branch branch, double x,

@@ -11,14 +11,14 @@
 
 namespace rths::controller {
 
-/// States of the predictor-corrector; the numbers are those the field records.
+/// States of the predictor-corrector, with the numbers used in the field's recordings.
 enum class PcState : int { Initialize = -1, Correct = 0, Predict = 1, AutoSlowDown = 2 };
 
 struct PredictorCorrectorSettings {
   int axes = 1;                 ///< controlled degrees of freedom, ≥ 1
   int substeps = 100;           ///< N, controller substeps per integration step, ≥ 10
-  double slow_down_from = 0.6;  ///< part of the step after which a late target slows the command
-                                ///< down [-]; the charts in use have 0.8 or 0.6
+  double slow_down_from = 0.6;  ///< fraction of the step after which a late target slows the
+                                ///< command down [-]; the charts in use have 0.8 or 0.6
   Polynomial predictor = Polynomial::D2;
   Polynomial corrector = Polynomial::D2;
   double simulation_step = 0.01;     ///< wall time per integration step [s]
@@ -28,7 +28,7 @@ struct PredictorCorrectorSettings {
   double largest_xi = 0.95;          ///< cap on ξ, which bounds the corrector's weights [-], < 1
 };
 
-/// One target of the integrator. Rates are in model time; they matter to DV and DVA only.
+/// One target of the integrator. Rates are in model time; only DV and DVA use them.
 struct Target {
   Eigen::VectorXd displacement;  ///< axes × 1 [m, rad]
   Eigen::VectorXd velocity;      ///< axes × 1 [m/s, rad/s]
@@ -38,17 +38,17 @@ struct Target {
 /// The predictor-corrector: turns targets that arrive once per integration step, and may be late,
 /// into a smooth command for every substep of the controller.
 ///
-/// While the integrator computes, the command is extrapolated (Predict). If the target is late the
-/// substep counter i slows down towards the hold point (AutoSlowDown). When the target comes, the
-/// command runs into it by the end of the step (Correct). Let p = slow_down_from, h = (1 + p)/2:
+/// While the integrator computes, the command is extrapolated (Predict). If the target is late, the
+/// substep counter i slows down towards the hold point (AutoSlowDown). When the target arrives, the
+/// command reaches it by the end of the step (Correct). Let p = slow_down_from, h = (1 + p)/2:
 ///
 ///     Correct       Δi = clamp(Δi_SD + (i − i_SD)/((h−p) N), 0.001, 1);   i ← min(i + Δi, N)
 ///     Predict       i ← i + 1
 ///     AutoSlowDown  Δi_SD = (h − i/N)/(h−p);   i ← i + Δi_SD;   i_SD ← i
 ///
-/// The rule for each transition is in docs/theory/predictor_corrector.md. Rates of the command are
-/// the polynomials' own derivatives, at the pace Δi of the counter: a command that is held is at
-/// rest. Source: the Stateflow charts of OpenFresco (Schellenberg), whose rates ignore the pace.
+/// The transition rules are in docs/theory/predictor_corrector.md. Rates of the command are the
+/// polynomials' derivatives, scaled by the pace Δi of the counter: a held command has zero rates.
+/// Source: the Stateflow charts of OpenFresco (Schellenberg), whose rates ignore the pace.
 class PredictorCorrector {
  public:
   /// @throws Error if a setting is out of range   @setup
@@ -56,18 +56,18 @@ class PredictorCorrector {
 
   /// One substep.
   /// @param new_target  true in exactly one substep per target
-  /// @param target      the newest target; read when `new_target` is true, and in the very first
-  ///                    substep, where it is the setpoint from which the motion starts   @realtime
+  /// @param target      the newest target; read when `new_target` is true, and in the first
+  ///                    substep, where it is the initial setpoint   @realtime
   void substep(bool new_target, const Target& target) RTHS_REALTIME;
 
   [[nodiscard]] const Eigen::VectorXd& command() const { return command_; }  ///< [m, rad]
   /// In wall time [m/s, rad/s].
   [[nodiscard]] const Eigen::VectorXd& command_velocity() const { return velocity_; }
-  /// In wall time [m/s², rad/s²]. That of the path: what slowing down itself adds is left out, for
-  /// a compensator would answer it with a kick.
+  /// In wall time [m/s², rad/s²]. Acceleration along the path. The contribution of a changing pace
+  /// is left out, because a compensator would turn it into a kick.
   [[nodiscard]] const Eigen::VectorXd& command_acceleration() const { return acceleration_; }
   [[nodiscard]] PcState state() const { return state_; }
-  /// i, 0…N. N while idle in Initialize: the specimen is where it should be.
+  /// i, 0…N. N while idle in Initialize: the specimen is at its target.
   [[nodiscard]] double counter() const { return counter_; }
   [[nodiscard]] const PredictorCorrectorSettings& settings() const { return settings_; }
 
@@ -81,7 +81,7 @@ class PredictorCorrector {
   void evaluate(Branch branch) noexcept;
 
   PredictorCorrectorSettings settings_;
-  double hold_point_;  ///< h: part of the step at which a late target freezes the command [-]
+  double hold_point_;  ///< h: fraction of the step at which a late target freezes the command [-]
   double ramp_;        ///< (h − p) N [substeps]
   PcState state_ = PcState::Initialize;
   bool started_ = false;
@@ -97,17 +97,18 @@ class PredictorCorrector {
   Eigen::VectorXd command_, velocity_, acceleration_;
 };
 
-/// What delayed sampling means for a step: none, worth a warning, or not to be run.
+/// Rating of delayed sampling: fine, to be warned about, or refused.
 enum class DelayVerdict { Fine, Warned, Refused };
 
-/// Part of the step at which a late target freezes the command: h = (1 + p)/2.   @setup
+/// Fraction of the step at which a late target freezes the command: h = (1 + p)/2.   @setup
 [[nodiscard]] double hold_point(double slow_down_from);
 
-/// Ratio of a sampling delay to the step from which on `judge_delay` refuses it.   @setup
+/// Smallest ratio of sampling delay to step that `judge_delay` refuses.   @setup
 [[nodiscard]] double refused_delay_ratio(double slow_down_from);
 
-/// Judges delayed sampling by the ratio of delay to step: warned above 0.6, refused from 0.8 on,
-/// and from the hold point on, which the counter never reaches while a target is late.   @setup
+/// Rates delayed sampling by the ratio of delay to step: warned above 0.6, refused from 0.8 on.
+/// Delays from the hold point on are refused too: the counter never reaches it while a target is
+/// late.   @setup
 [[nodiscard]] DelayVerdict judge_delay(int delay_substeps,
                                        const PredictorCorrectorSettings& settings);
 

@@ -12,24 +12,25 @@ namespace rths::controller {
 
 /// The controller's side of the handshake with the integrator, as flags on the ring.
 ///
-/// A rise of newTarget above 0 is a new target: for one substep `new_target` is true, switchPC goes
-/// up and atTarget down. Its fall to 0 takes switchPC down. When the command has reached the target
-/// (or `delay` substeps later, to let the specimen get there) the feedbacks are sampled and held,
-/// and atTarget goes up. newTarget below 0 stops the test ten substeps later.
+/// A rise of newTarget above 0 is a new target: for one substep `new_target` is true, switchPC is
+/// raised and atTarget is lowered. When newTarget falls to 0, switchPC is lowered. When the command
+/// has reached the target (or `delay` substeps later, so that the specimen arrives), the feedbacks
+/// are sampled and held, and atTarget is raised. newTarget below 0 stops the test ten substeps
+/// later.
 ///
-/// While idle before the first target atTarget is up with live feedbacks: an integrator that waits
-/// for it before it starts would otherwise wait for ever.
+/// Before the first target, atTarget is raised and the feedbacks are live. Otherwise an integrator
+/// that waits for atTarget before its first step would wait forever.
 class TargetExchange {
  public:
   /// @param delay_substeps  per axis: substeps between the command's arrival and the sample, ≥ 0
-  /// @param settings        of the predictor-corrector that the exchange goes with
+  /// @param settings        of the predictor-corrector that this exchange serves
   /// @throws Error if a delay is refused by `judge_delay`   @setup
   TargetExchange(std::vector<int> delay_substeps, const PredictorCorrectorSettings& settings);
 
-  /// Before the predictor-corrector's substep. @param new_target_word  as on the ring
+  /// Call before the predictor-corrector's substep. @param new_target_word  as on the ring
   /// @returns true if this substep has a new target   @realtime
   bool begin(double new_target_word) RTHS_REALTIME;
-  /// After it. Samples what is due.
+  /// Call after the predictor-corrector's substep. Samples the axes that are due.
   /// @param displacement, force  measured, axes × 1 [m], [N]   @realtime
   void end(const PredictorCorrector& command, const Eigen::VectorXd& displacement,
            const Eigen::VectorXd& force) RTHS_REALTIME;

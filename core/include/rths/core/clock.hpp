@@ -7,11 +7,11 @@
 
 namespace rths {
 
-/// A point on a run's time line.
+/// Time since the origin of a run's clock.
 using TimePoint = std::chrono::nanoseconds;
 using Duration = std::chrono::nanoseconds;
 
-/// Seconds as the floating-point number that the physics uses.
+/// Seconds as a floating-point number, as the physics uses them [s].
 [[nodiscard]] constexpr double to_seconds(Duration duration) noexcept {
   return std::chrono::duration<double>(duration).count();
 }
@@ -19,13 +19,14 @@ using Duration = std::chrono::nanoseconds;
   return Duration{static_cast<Duration::rep>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5))};
 }
 
-/// Where the time of a run comes from, so that nothing that waits needs to know.
+/// Clock of a run: wall time or virtual time behind one interface.
 class Clock {
  public:
   virtual ~Clock() = default;
   /// Time now. @realtime
   [[nodiscard]] virtual TimePoint now() const RTHS_REALTIME = 0;
-  /// Returns at `time`, or at once if that has passed. The one wait of a control loop. @realtime
+  /// Sleeps until `time`; returns at once if it has passed. The only wait of a control loop.
+  /// @realtime
   virtual void sleep_until(TimePoint time) RTHS_REALTIME = 0;
 };
 
@@ -36,7 +37,7 @@ class WallClock final : public Clock {
   void sleep_until(TimePoint time) RTHS_REALTIME override;
 };
 
-/// A clock that stands still until somebody sleeps, then jumps: a run in virtual time. One thread.
+/// Clock of a run in virtual time: only `sleep_until` advances it, in one jump. One thread.
 class VirtualClock final : public Clock {
  public:
   [[nodiscard]] TimePoint now() const RTHS_REALTIME override { return now_; }

@@ -15,7 +15,7 @@
 
 namespace rths {
 
-/// One value of a TOML file together with the place where it stands.
+/// One value of a TOML file and its position in the file.
 struct ConfigValue {
   using Array = std::vector<ConfigValue>;
   using Table = std::map<std::string, ConfigValue>;
@@ -23,22 +23,22 @@ struct ConfigValue {
   std::string where;  ///< "file:line:column"
 };
 
-/// A table of a TOML file that knows where each of its values stands and which were asked for.
+/// A table of a TOML file. Keeps the file position of each value and the keys that were read.
 ///
-/// Every getter throws `Error` with file:line:column, what was found and what was expected. Keys
-/// nobody asked for are errors too, so a misspelt key can never be silently ignored: call
-/// `reject_unknown_keys` after the last getter. All of it @setup.
+/// Every getter throws `Error`: "file:line:column: found, expected". A key that no getter reads is
+/// an error too, so a misspelt key cannot be ignored silently: call `reject_unknown_keys` after the
+/// last getter. All functions @setup.
 class Config {
  public:
   /// An empty table.
   Config() = default;
-  /// Reads a file. @throws Error if it cannot be read or is no TOML
+  /// Reads a file. @throws Error if the file cannot be read or is not TOML
   [[nodiscard]] static Config load(const std::filesystem::path& file);
-  /// Reads text; `name` takes the file's place in messages.
+  /// Reads text; messages show `name` as the file.
   [[nodiscard]] static Config parse(std::string_view text, const std::string& name);
 
   [[nodiscard]] bool has(const std::string& key) const;
-  /// What a key holds; to look is not to ask for it.
+  /// Type of a key's value. Does not count as reading the key.
   [[nodiscard]] bool is_table(const std::string& key) const;
   [[nodiscard]] bool is_array(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> keys() const;
@@ -49,7 +49,7 @@ class Config {
   [[nodiscard]] std::string text(const std::string& key) const;
   [[nodiscard]] std::vector<double> numbers(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> texts(const std::string& key) const;
-  /// Rows of numbers, equally long: [[1, 2], [3, 4]].
+  /// Rows of numbers of equal length: [[1, 2], [3, 4]].
   [[nodiscard]] std::vector<std::vector<double>> rows(const std::string& key) const;
   [[nodiscard]] Config table(const std::string& key) const;
 
@@ -62,7 +62,7 @@ class Config {
                                             const std::vector<double>& otherwise) const;
   [[nodiscard]] std::vector<std::string> texts(const std::string& key,
                                                const std::vector<std::string>& otherwise) const;
-  /// The tables of `[[key]]`, none if absent.
+  /// The tables of `[[key]]`; empty if absent.
   [[nodiscard]] std::vector<Config> tables(const std::string& key) const;
   /// The table of `[key]`, an empty one if absent.
   [[nodiscard]] Config table_or_empty(const std::string& key) const;
@@ -73,14 +73,14 @@ class Config {
   [[nodiscard]] std::int64_t integer_in(const std::string& key, std::int64_t low, std::int64_t high,
                                         std::optional<std::int64_t> otherwise = std::nullopt) const;
 
-  /// Place of the value, or of the table if the key is absent: "file:line:column".
+  /// Position of the value, or of the table if the key is absent: "file:line:column".
   [[nodiscard]] std::string where(const std::string& key) const;
   [[nodiscard]] const std::string& where() const { return where_; }
-  /// The file a path in this table is relative to.
+  /// A path of this table as a full path: relative paths start at the folder of the TOML file.
   [[nodiscard]] std::filesystem::path resolve(const std::string& relative) const;
   /// @throws Error "where(key): message"
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
-  /// Result of `make`; an error of its own, which knows no place, gets the place of `key`.
+  /// Returns the result of `make`. Adds the position of `key` to an error that `make` throws.
   template <class Make>
   [[nodiscard]] auto placed(const std::string& key, Make make) const {
     try {
@@ -89,20 +89,20 @@ class Config {
       fail(key, error.what());
     }
   }
-  /// @throws Error for the first key that no getter has asked for, with the nearest known key
+  /// @throws Error for the first key that no getter has read, with the closest known key
   void reject_unknown_keys() const;
 
-  /// This table with what `changes` has in it: tables key by key, anything else replaced.
+  /// This table with `changes` applied: tables are merged key by key, other values are replaced.
   [[nodiscard]] Config overlaid(const Config& changes) const;
   /// This table without one of its keys.
   [[nodiscard]] Config without(const std::string& key) const;
 
-  /// This table as TOML that reads back the same: values first, then tables, keys in order.
+  /// This table as TOML text that reads back the same: values first, then tables, keys in order.
   [[nodiscard]] std::string to_toml() const;
 
-  /// Puts `value` (as TOML text) at a dotted path, as the command line does.
+  /// Sets the value at a dotted path, as `--set` does. @param value  TOML text
   void set(const std::string& dotted_key, const std::string& value);
-  /// Puts a table at a key, in place of what was there.
+  /// Replaces the value of a key by a table.
   void set(const std::string& key, const Config& table);
 
  private:
@@ -116,8 +116,11 @@ class Config {
   mutable std::set<std::string> asked_;
 };
 
-/// The candidate nearest to `word` in spelling, if one is near enough to be what was meant.
+/// The candidate closest to `word` in spelling: at most size / 3 + 1 letters differ.
 [[nodiscard]] std::optional<std::string> nearest(const std::string& word,
                                                  const std::vector<std::string>& candidates);
+/// Hint for an error message: " (did you mean 'x'?)", or "" if no candidate is close.
+[[nodiscard]] std::string did_you_mean(const std::string& word,
+                                       const std::vector<std::string>& candidates);
 
 }  // namespace rths

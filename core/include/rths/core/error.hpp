@@ -6,21 +6,21 @@
 
 namespace rths {
 
-/// The one exception of the project, thrown while setting up and caught once, in the command.
+/// The only exception of the project: thrown during setup, caught once, in the command.
 ///
-/// `what()` is a single line that says where, what was found, and what was expected:
+/// `what()` is a single line: place, found, expected:
 ///     throw Error{"bearing.toml:14:1: stroke_limit_m is 2.0, the machine allows 1.2"};
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Stops the process with the broken claim on standard error. For our own bugs, never for input.
+/// Prints the failed claim on standard error and aborts. For bugs of our own, never for input.
 [[noreturn]] void assertion_failed(const char* claim, const char* file, int line) noexcept;
 
 }  // namespace rths
 
-/// Checks an invariant of our own code. Off when NDEBUG is defined.
+/// Checks an invariant of our own code. Disabled by NDEBUG.
 #ifdef NDEBUG
 #define RTHS_ASSERT(claim) static_cast<void>(0)
 #else

@@ -6,7 +6,7 @@
 
 namespace rths {
 
-/// A number that is counted, not measured, and that no other kind of number can stand in for.
+/// A count or an index as a type of its own: no implicit conversion to or from other numbers.
 template <class Tag, class Integer>
 class StrongId {
  public:
@@ -24,15 +24,15 @@ class StrongId {
 using LongwordOffset = StrongId<struct LongwordOffsetTag, std::uint32_t>;
 /// Position of a byte in the ring's memory, counted from 0.
 using ByteOffset = StrongId<struct ByteOffsetTag, std::uint32_t>;
-/// Position of a longword as laboratory sheets print it, counted from 1.
+/// Position of a longword counted from 1, as on laboratory sheets.
 using Location = StrongId<struct LocationTag, std::uint32_t>;
-/// A host on the ring.
+/// A member of the ring.
 using NodeId = StrongId<struct NodeIdTag, std::uint16_t>;
-/// A signal of a memory map: its position in the map's list of signals.
+/// A signal of a memory map: index into the map's list of signals.
 using SignalId = StrongId<struct SignalIdTag, std::uint32_t>;
-/// A tear group of a memory map: its position in the map's list of groups.
+/// A tear group of a memory map: index into the map's list of groups.
 using TearGroupId = StrongId<struct TearGroupIdTag, std::uint32_t>;
-/// How often something periodic has happened.
+/// Number of cycles of a periodic event.
 using CycleCount = StrongId<struct CycleCountTag, std::uint64_t>;
 
 inline constexpr std::uint32_t kBytesPerLongword = 4;

@@ -7,16 +7,15 @@
 
 namespace rths::diagnosis {
 
-/// Lets what another simulation predicted take the place of a case's model.
+/// Replaces a case's model by the predictions of another simulation.
 ///
-/// The first record to fit gets a channel `predicted.<role>` for each role that the simulation has
-/// a column of, named as the role is ("force.long"), with "predicted." before it, or as a recording
-/// of a run names it ("srmd.long.force.fbk", "displ.long"). Values are in SI; the column "time" [s]
-/// counts from the same instant as the record. Samples that the simulation does not reach are cut
-/// off. Records of other motions are left out: it says nothing about them.
+/// The first record to fit gets a channel `predicted.<role>` for each role that has a column in the
+/// simulation. A column is named by the role ("force.long"), by "predicted." and the role, or as in
+/// the recording of a run ("srmd.long.force.fbk", "displ.long"). Values are in SI. The column
+/// "time" [s] has the same origin as the record. The record is cut to the span of the simulation.
+/// Other records are removed, except references: the simulation does not predict their motions.
 /// @param simulation  text, HDF5 or MAT
-/// @throws Error if the file cannot be read, has no time, or predicts nothing that was measured
-///   @setup
+/// @throws Error if the file cannot be read, has no time, or predicts no measured channel   @setup
 [[nodiscard]] Case with_prediction(Case c, const std::filesystem::path& simulation);
 
 }  // namespace rths::diagnosis

@@ -11,87 +11,84 @@
 
 namespace rths::diagnosis {
 
-/// Version of the format of case.toml. Bumped when a file that was right before would mean
-/// something else, or no longer load.
+/// Version of the format of case.toml. Increased when a valid file would change its meaning or no
+/// longer load.
 inline constexpr int kCaseFormat = 1;
 
-/// What was measured, or predicted, by the role it plays: "displacement.long", "input.voltage".
+/// A measured or predicted quantity, named by its role: "displacement.long", "input.voltage".
 struct Channel {
   std::string role;
   std::string unit;            ///< SI
   std::vector<double> values;  ///< [unit]
 };
 
-/// What a record is for.
+/// Purpose of a record.
 enum class Use {
-  Fit,       ///< parameters are found on it
-  HeldOut,   ///< and proven on it
-  Reference  ///< an empty table, or nothing moving: tells the noise
+  Fit,       ///< parameters are fitted to it
+  HeldOut,   ///< the fitted model is tested on it
+  Reference  ///< an empty table, or no motion: gives the noise
 };
 
 /// One recording: channels of equal length, equally spaced in time. The records of a case may have
-/// been sampled at different rates.
+/// different sampling rates.
 struct Record {
-  std::string name;  ///< that of its file if it was given none; no other record has it
+  std::string name;  ///< unique in its case; default: name of its file
   Use use = Use::Fit;
-  double start = 0;      ///< time of the first sample, by the file's clock [s]
+  double start = 0;      ///< time of the first sample, on the file's clock [s]
   double time_step = 0;  ///< [s]
-  double settle = 0;  ///< how long from the start what came before it is still felt: not compared
-                      ///< [s]
+  double settle = 0;     ///< excluded from the comparison at the start: earlier motion matters [s]
   std::vector<Channel> channels;
-  std::optional<std::pair<std::size_t, std::size_t>> quiet;  ///< samples in which nothing moves
+  std::optional<std::pair<std::size_t, std::size_t>> quiet;  ///< samples without motion
 
   [[nodiscard]] std::size_t samples() const;
-  /// The channel of a role, null if it was not recorded.
+  /// The channel of a role; null if it was not recorded.
   [[nodiscard]] const Channel* find(const std::string& role) const;
 };
 
-/// A parameter of the model that was fitted, and may be fitted again.
+/// A parameter of the model that was fitted and may be fitted again.
 struct FittedParameter {
   std::string name;                                 ///< "term.parameter"
-  std::optional<std::pair<double, double>> bounds;  ///< [SI]; none: those of the term
+  std::optional<std::pair<double, double>> bounds;  ///< [SI]; none: the term's
 };
 
-/// What the simulation assumed.
+/// The model of the simulation.
 struct Model {
   std::string kind =
       "data";    ///< bearing, platen, servo_axis, structure, mass_spring_damper, linear
-  Config table;  ///< [model] as it stands: terms, matrices, whatever the kind needs
+  Config table;  ///< the table [model]: terms, matrices and other data of the kind
   std::vector<FittedParameter> fitted;
 };
 
-/// How far the map of states reaches, from −x to x; nothing: as far as the recordings go.
+/// Range of the map of states, from −x to x; none: the range of the recordings.
 struct MapRange {
   std::optional<double> displacement;  ///< [m]
   std::optional<double> velocity;      ///< [m/s]
 };
 
-/// At what rate the model runs and up to which frequency it is compared; nothing: what suits a
-/// bearing in an earthquake.
+/// Rate of the model and bandwidth of the comparison; none: values for a bearing in an earthquake.
 struct Comparison {
-  std::optional<double>
-      model_rate;                ///< at most; a case is never run faster than it was sampled [Hz]
-  std::optional<double> cutoff;  ///< of the filter that model and measurement take [Hz]
+  std::optional<double> model_rate;  ///< upper limit, besides the record's sampling rate [Hz]
+  std::optional<double> cutoff;      ///< of the filter on prediction and measurement [Hz]
 };
 
-/// A recording and a model that does not explain it.
+/// Recordings, and a model that does not explain them.
 struct Case {
   std::string name;
   std::filesystem::path folder;
-  std::vector<Record> records;  ///< as case.toml lists them
+  std::vector<Record> records;  ///< in the order of case.toml
   Model model;
   MapRange map;
   Comparison comparison;
   std::vector<std::pair<std::string, double>> noise;  ///< standard deviation by role [SI]
 };
 
-/// The recording of a second earthquake, beside that of a run.
+/// File of the recording of a second earthquake, in the folder of a run.
 inline constexpr const char* kHeldOutFile = "held_out.h5";
 
-/// Reads case.toml of a folder and the recordings it names; or the recording of a run (run.h5),
-/// which holds what the simulation assumed, with that of a second earthquake beside it if there is
-/// one.
-/// @throws Error file:line:column, what was found and what was expected   @setup
+/// Reads case.toml of a folder and its recordings. Instead of a folder, `folder_or_run` may be the
+/// recording of a run (run.h5): it contains the model of the simulation. A recording of a second
+/// earthquake in the same folder is read too.
+/// @throws Error file:line:column, found and expected   @setup
 [[nodiscard]] Case load_case(const std::filesystem::path& folder_or_run);
 
 }  // namespace rths::diagnosis

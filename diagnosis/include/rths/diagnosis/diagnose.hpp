@@ -9,12 +9,12 @@
 namespace rths::diagnosis {
 
 struct DiagnosisOptions {
-  std::vector<std::string> without;  ///< kinds of the catalogue that may not be named
-  std::uint64_t seed = 1;            ///< of draws of noise and of resampling
+  std::vector<std::string> without;  ///< excluded kinds of the catalogue, or names in verdicts
+  std::uint64_t seed = 1;            ///< of noise realisations and resampling
 };
 
-/// Finds what the simulation of a case left out.
-/// @throws Error if the case lacks what its model needs, saying what   @setup
+/// Finds the physics that the simulation of a case left out.
+/// @throws Error that names the channel or setting that the model needs and the case lacks   @setup
 [[nodiscard]] Verdict diagnose(const Case& c, const DiagnosisOptions& options = {});
 
 }  // namespace rths::diagnosis

@@ -20,32 +20,31 @@
 
 namespace rths::launch {
 
-/// Version of the experiment file format. Bumped when a file that was right before would mean
-/// something else, or no longer load.
+/// Version of the experiment file format. Incremented when a valid file would change its meaning or
+/// no longer load.
 inline constexpr int kExperimentFormat = 1;
 
 enum class ClockKind { Wall, Virtual };
 
-/// Parameters of a node by name, and their values [SI].
+/// Names and values of parameters of a node [SI].
 using Tuning = std::vector<std::pair<std::string, double>>;
 
 /// A node of the map and the adapter that runs there.
 struct NodePlan {
   std::string node;
   std::string adapter;  ///< numerical, opensees, simulink_like, srmd, ideal_machine, echo,
-                        ///< opensees_specimen or
-                        ///< recorder
+                        ///< opensees_specimen or recorder
   adapters::Schedule schedule;
   std::filesystem::path diagram;                                        ///< of a simulink_like
   adapters::Handshake handshake = adapters::Handshake::AtTargetFirst;   ///< of a numerical
   std::optional<adapters::OpenSeesSettings> opensees;                   ///< of an opensees
   std::optional<adapters::EchoSettings> echo;                           ///< of an echo
   std::optional<adapters::OpenSeesSpecimenSettings> opensees_specimen;  ///< of an opensees_specimen
-  Tuning tune;           ///< first values of its parameters
-  Tuning uncompensated;  ///< what switches its compensation off
+  Tuning tune;           ///< initial values of its parameters
+  Tuning uncompensated;  ///< parameter values that switch compensation off
 };
 
-/// A whole test: what an experiment file says, checked.
+/// Content of an experiment file, checked.
 struct Experiment {
   std::filesystem::path file;
   std::string name;
@@ -54,31 +53,32 @@ struct Experiment {
   double integration_step = 0.01;  ///< Δt_int: model time per target [s]
   double rate = 1;                 ///< Δt_sim/Δt_int: 1 is real time
   double duration = 0;             ///< model time [s]
-  double rest = 0;                 ///< of the machine before the loop is closed [s]
+  double rest = 0;                 ///< time at rest before the loop closes [s]
   std::uint64_t seed = 1;
   std::string motion_name;
   sim::GroundMotion motion;
-  std::optional<sim::GroundMotion> held_out;  ///< a second earthquake, to prove things on
+  std::optional<sim::GroundMotion>
+      held_out;  ///< a second earthquake, for the proof of the diagnosis
   sim::IsolatedPlant plant;
-  sim::Bearing specimen;  ///< what stands on the platen
-  sim::Bearing model;     ///< what the simulation takes it for
+  sim::Bearing specimen;  ///< the bearing on the platen
+  sim::Bearing model;     ///< the bearing as the simulation assumes it
   sim::TestMachine machine;
   double alpha = -0.05;      ///< of α-OS
   double wait_deadline = 1;  ///< [s]
   adapters::ComputingTime computing_time;
-  bool model_computing_time = false;  ///< also in wall time, where the solver is quick by itself
+  bool model_computing_time = false;  ///< also in wall time, where this solver is fast
   adapters::Retreat retreat;
-  std::vector<NodePlan> nodes;                           ///< in the order in which they are started
-  std::optional<adapters::DisplacementHistory> history;  ///< instead of the analysis
-  recording::NamedTexts config;  ///< the files it was read from, for the recording
+  std::vector<NodePlan> nodes;                           ///< in starting order
+  std::optional<adapters::DisplacementHistory> history;  ///< imposed instead of an analysis
+  recording::NamedTexts config;                          ///< input files, for the recording
 
   [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
 };
 
-/// What the command line changes in an experiment file: dotted key, value as TOML.
+/// Changes of the command line to an experiment file: dotted key, value as TOML.
 using Overrides = std::vector<std::pair<std::string, std::string>>;
 
-/// @throws Error file:line:column for the first thing that is wrong   @setup
+/// @throws Error file:line:column of the first fault   @setup
 [[nodiscard]] Experiment load_experiment(const std::filesystem::path& file,
                                          const Overrides& overrides = {});
 

@@ -8,20 +8,21 @@
 
 namespace rths::launch {
 
-/// Folder of the maps and diagrams that come with the command: share/rths beside its bin.   @setup
+/// Folder of the installed maps, diagrams and bearings: share/rths beside bin.   @setup
 [[nodiscard]] std::filesystem::path shared_files();
 
-/// A built-in map by name ("srmd"), or the path itself if it names a file.
-/// @throws Error if there is neither   @setup
+/// Path of a built-in map by name ("srmd"), or the given path.
+/// @throws Error if neither exists   @setup
 [[nodiscard]] std::filesystem::path find_map(const std::string& name_or_path);
 
-/// A bearing that comes along by name ("lprb"), or the path itself if it names a file.
-/// @throws Error if there is neither   @setup
+/// Path of a built-in bearing by name ("lprb"), or the given path.
+/// @throws Error if neither exists   @setup
 [[nodiscard]] std::filesystem::path find_bearing(const std::string& name_or_path);
 
-/// File that a config key names: a path relative to the config, or a bare name of an installed file
-/// in `folder` ("maps", "diagrams", "bearings"); `otherwise` if the key is absent and it is given.
-/// @throws Error with the key's place if there is neither   @setup
+/// Path of the file named by a config key: a path relative to the config file, or the bare name of
+/// an installed file in `folder` ("maps", "diagrams", "bearings").
+/// @param otherwise  value if the key is absent; empty: the key is required
+/// @throws Error with the place of the key if the file does not exist   @setup
 [[nodiscard]] std::filesystem::path find_file(const Config& table, const std::string& key,
                                               const std::string& folder,
                                               const std::string& otherwise = "");

@@ -5,7 +5,7 @@
 
 namespace rths::launch {
 
-/// What this user may not have of what real time wants, in words; empty if all is granted. @setup
+/// Real-time privileges that this user lacks, as text; empty if none.   @setup
 [[nodiscard]] std::string missing_privileges();
 
 }  // namespace rths::launch

@@ -10,27 +10,27 @@
 
 namespace rths::memmap {
 
-/// Between the 32 bits of a longword and a value in SI units: the one place where units convert.
+/// Converts between the 32 bits of a longword and a value in SI units. Units convert only here.
 class Codec {
  public:
   /// @throws Error if the signal's unit does not parse   @setup
   explicit Codec(const Signal& signal);
 
-  /// Value of a word [SI unit of the signal].   @realtime
+  /// Value of a longword [SI unit of the signal].   @realtime
   [[nodiscard]] double decode(std::uint32_t word) const RTHS_REALTIME {
     return scale_ * number(word) + offset_;
   }
-  /// Word for a value [SI unit of the signal]. Integers are rounded to nearest and stop at their
-  /// ends; a value that is not a number becomes 0 in an integer, NaN in a float.   @realtime
+  /// Longword for a value [SI unit of the signal]. Integers are rounded to nearest and saturate;
+  /// NaN becomes 0 in an integer and stays NaN in a float.   @realtime
   [[nodiscard]] std::uint32_t encode(double value) const RTHS_REALTIME {
     const double number = (value - offset_) / scale_;
     if (type_ == WordType::F32) return std::bit_cast<std::uint32_t>(static_cast<float>(number));
     if (std::isnan(number)) return 0;
     return type_ == WordType::I32 ? signed_word(number) : unsigned_word(number);
   }
-  /// A value in the map's unit, in SI.   @realtime
+  /// Converts a value from the map's unit to SI.   @realtime
   [[nodiscard]] double to_si(double value) const RTHS_REALTIME { return scale_ * value + offset_; }
-  /// A value in SI, in the map's unit.   @realtime
+  /// Converts a value from SI to the map's unit.   @realtime
   [[nodiscard]] double from_si(double value) const RTHS_REALTIME {
     return (value - offset_) / scale_;
   }

@@ -7,12 +7,12 @@
 
 namespace rths::memmap {
 
-/// Header for C programs: version, hash, node ids, and for every word its offset, its values' names
-/// and the factor to SI. Needs nothing else.   @setup
+/// Header for C programs: version, hash, node ids; for every word its offset, the names of its
+/// values and the factor to SI. Includes no other header.   @setup
 [[nodiscard]] std::string generate_c(const Map& map);
 
-/// The same for C++20 programs: one typed constant per word that decodes and encodes SI values.
-/// Needs nothing but the standard library.   @setup
+/// Header for C++20 programs: one typed constant per word, which decodes and encodes SI values.
+/// Includes only the standard library.   @setup
 [[nodiscard]] std::string generate_cpp(const Map& map);
 
 }  // namespace rths::memmap

@@ -5,7 +5,7 @@
 
 namespace rths::memmap {
 
-/// How a unit converts to the coherent SI unit of its quantity:  si = scale·value + offset.
+/// Conversion of a unit to the coherent SI unit of its quantity:  si = scale·value + offset.
 struct Unit {
   std::string si;     ///< name of the SI unit: "m", "N", "m/s2", …; "1" for pure numbers
   double scale = 1;   ///< [SI unit per unit]
@@ -13,8 +13,8 @@ struct Unit {
 };
 
 /// Reads a unit as UDUNITS spells it: "mm", "kN", "gravity", "kN.s/m", "1".
-/// @throws Error, without a place, if it does not parse, is no quantity this project handles, or is
-///         "g", which would be a gram where an acceleration is meant.   @setup
+/// @throws Error, without a file position, if the unit does not parse, if its quantity is not
+///         supported, or if it is "g": UDUNITS reads a gram, users mean an acceleration.   @setup
 [[nodiscard]] Unit parse_unit(const std::string& text);
 
 }  // namespace rths::memmap

@@ -6,9 +6,9 @@
 
 namespace rths::report {
 
-/// A line through points.
+/// A curve through points.
 struct Curve {
-  std::string label;  ///< in the legend; empty: in none
+  std::string label;  ///< in the legend; empty: not listed
   std::vector<double> x, y;
   bool is_reference = false;  ///< drawn thin and grey, behind the others
 };
@@ -19,9 +19,9 @@ struct Panel {
   std::vector<Curve> curves;
 };
 
-/// Panels side by side, as a picture in SVG that needs nothing else. The same input gives the same
-/// bytes. Points that lie on the line between their neighbours are left out.
-/// @throws Error if a curve has no points, or as many x as y it has not   @setup
+/// Draws panels side by side as a self-contained SVG picture. The same input gives the same bytes.
+/// Points on the straight line between their neighbours are left out.
+/// @throws Error if a curve has no points, or different numbers of x and y   @setup
 [[nodiscard]] std::string draw(const std::string& title, const std::vector<Panel>& panels);
 
 }  // namespace rths::report

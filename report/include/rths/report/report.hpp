@@ -11,20 +11,21 @@ inline constexpr const char* kRunFile = "run.h5";
 inline constexpr const char* kUncompensatedFile = "uncompensated.h5";
 inline constexpr const char* kNumericalFile = "numerical.h5";
 inline constexpr const char* kImprovedFile =
-    "improved.h5";  ///< as numerical.h5, with what was found
+    "improved.h5";  ///< as numerical.h5, with the improved model
 
-/// What a report came to, for the command's last lines.
+/// Result of a report, for the last lines of the command.
 struct ReportOutcome {
   std::filesystem::path page;     ///< report.html
   std::filesystem::path numbers;  ///< report.json
   std::string summary;            ///< a few lines for the terminal
-  bool conclusive = true;         ///< false: the host was late too often for real-time claims
+  bool conclusive = true;  ///< false: the host was late too often for statements about real time
 };
 
 /// Reads the recordings of a run and writes report.html, one self-contained page that needs no
-/// network, and report.json with every number on it. The recording of the run itself is needed;
-/// those of its companions, and the verdict of a diagnosis, are used if they are there.
-/// @throws Error if the run cannot be read or holds no motion, or the verdict is none   @setup
+/// network, and report.json with every number on it. The recording of the run is required;
+/// recordings of its companion runs and the verdict of a diagnosis are used if present.
+/// @throws Error if the run cannot be read or contains no motion, or verdict.json is not a verdict
+///   @setup
 [[nodiscard]] ReportOutcome make_report(const std::filesystem::path& folder);
 
 }  // namespace rths::report

@@ -8,7 +8,7 @@
 
 namespace rths::sim {
 
-/// The operator-splitting integrator α-OS: explicit towards the specimen, implicit in between.
+/// The operator-splitting integrator α-OS: explicit for the specimen, implicit for the rest.
 ///
 ///     ũ = u + Δt v + Δt²(½ − β) a,   ṽ = v + Δt(1 − γ) a                      predict
 ///     r = r̃(ũ) + K_I (u − ũ)                                    splitting of the restoring force
@@ -28,19 +28,19 @@ class AlphaOs {
   AlphaOs(const Eigen::MatrixXd& M, const Eigen::MatrixXd& C, const Eigen::MatrixXd& K_I, double dt,
           double alpha);
 
-  /// Starts from rest in equilibrium: everything zero.
+  /// Sets displacement, velocity, acceleration and forces to zero.
   void reset();
-  /// First half of a step. @returns ũ, dof × 1 [m]: where the specimen has to be moved  @realtime
+  /// First half of a step. @returns ũ, dof × 1 [m], the specimen's target displacement  @realtime
   const Eigen::VectorXd& predict() RTHS_REALTIME;
   /// Second half of a step.
-  /// @param restoring_force  r̃(ũ): of the structure and of the specimen, dof × 1 [N]
+  /// @param restoring_force  r̃(ũ) of structure and specimen, dof × 1 [N]
   /// @param load             f at the end of the step, dof × 1 [N]   @realtime
   void correct(const Eigen::VectorXd& restoring_force, const Eigen::VectorXd& load) RTHS_REALTIME;
 
   [[nodiscard]] const Eigen::VectorXd& displacement() const { return u_; }  ///< [m]
   [[nodiscard]] const Eigen::VectorXd& velocity() const { return v_; }      ///< [m/s]
   [[nodiscard]] const Eigen::VectorXd& acceleration() const { return a_; }  ///< [m/s²]
-  /// ũ of the step that `predict` began [m].
+  /// ũ of the last `predict` [m].
   [[nodiscard]] const Eigen::VectorXd& predicted_displacement() const { return u_predicted_; }
   /// Rate of ũ, for targets that carry a velocity [m/s].
   [[nodiscard]] const Eigen::VectorXd& predicted_velocity() const { return v_predicted_; }

@@ -16,19 +16,22 @@ namespace rths::sim {
 
 inline constexpr unsigned kBothAxes = 0b11;
 
-/// A term as a configuration asks for it.
+/// One term of a configuration.
 struct TermSettings {
   std::string kind;
-  std::string name;                                        ///< empty: that of the kind
-  std::vector<std::pair<std::string, double>> parameters;  ///< by name, SI; others are absent
+  std::string name;                                        ///< empty: the kind's name
+  std::vector<std::pair<std::string, double>> parameters;  ///< by name, SI; the rest: defaults
   unsigned axes = kBothAxes;                               ///< bit 0: long, bit 1: lat
   Channel channel = Channel::Force;                        ///< of a sensor term
 };
 
-/// Terms that act one after the other: a bearing, a machine, a chain of sensors.
+/// The term's own name, or its kind if it has none.
+[[nodiscard]] const std::string& name_of(const TermSettings& settings);
+
+/// Terms that act one after another: a bearing, a machine, a chain of sensors.
 ///
-/// Const once built; what it remembers is a plain array of numbers that the caller owns, zeros for
-/// a bearing that nothing has happened to. Copy the array to come back to where it was.
+/// Const once built. Its state is a plain array of numbers owned by the caller; all zeros is the
+/// virgin state. Copy the array to restore a state later.
 class Composition {
  public:
   struct Term {
@@ -40,8 +43,8 @@ class Composition {
   };
 
   Composition() = default;
-  /// Orders the terms as the catalogue does, whatever their order here.
-  /// @param time_step  of every step to come [s], > 0
+  /// Sorts the terms into the catalogue's order.
+  /// @param time_step  of every `advance` [s], > 0
   /// @throws Error for an unknown kind or parameter, a value out of bounds, a name used twice
   /// @setup
   Composition(const std::vector<TermSettings>& terms, double time_step);
@@ -50,13 +53,13 @@ class Composition {
   [[nodiscard]] double time_step() const { return time_step_; }
   /// All parameters, term after term.
   [[nodiscard]] std::span<const double> parameters() const { return parameters_; }
-  /// Where a parameter stands in `parameters()`. @throws Error if there is none   @setup
+  /// Index of a parameter in `parameters()`. @throws Error if there is none   @setup
   [[nodiscard]] std::size_t parameter_index(const std::string& term,
                                             const std::string& parameter) const;
   [[nodiscard]] std::size_t states() const { return states_; }
 
-  /// One step to the motion in `q`: fills in everything that the terms compute.
-  /// @param parameters  as `parameters()`, which those with derivatives replace
+  /// Advances one time step to the motion in `q` and fills in the results of all terms.
+  /// @param parameters  in the order of `parameters()`; duals carry the derivatives
   /// @param state  of length `states()`   @realtime
   void advance(std::span<const double> parameters, std::span<double> state,
                Quantities<double>& q) const RTHS_REALTIME;
@@ -65,8 +68,8 @@ class Composition {
   void advance(std::span<double> state, Quantities<double>& q) const RTHS_REALTIME {
     advance(parameters_, state, q);
   }
-  /// Tells terms that yield under the specimen's force what it is, where the specimen is not among
-  /// them: `last_specimen_force` of the next step [N].   @realtime
+  /// Sets `last_specimen_force` of the next step [N], for compliant terms of a composition without
+  /// the specimen.   @realtime
   void set_specimen_force(std::span<double> state,
                           const Horizontal<double>& force) const RTHS_REALTIME;
   void set_specimen_force(std::span<Dual> state,
@@ -82,22 +85,22 @@ class Composition {
 /// "actuator", "motion", …
 [[nodiscard]] std::string_view stage_name(Stage stage);
 
-/// What terms are put into. A specimen has no actuators and no sensors, and knows no acceleration;
-/// a machine has no physics of a specimen; neither has a control input.
+/// The object that terms belong to. A specimen has no actuators, no sensors and no acceleration
+/// input; a machine has no specimen physics; neither has a control input.
 enum class TermOwner { Any, Specimen, Machine };
 
-/// @throws Error if the term would mean nothing there   @setup
+/// @throws Error if the owner cannot have this term   @setup
 void check_owner(const TermSettings& term, TermOwner owner);
 
-/// Reads the terms of a table: each of its tables is a term, its key the kind, or any name if the
-/// table says `kind = "…"`. A parameter may be an array [long, lat] where a term acts on each axis.
-/// `enabled = false` leaves a term out.
+/// Reads the terms of a table. Each subtable is a term. Its key is the kind, or any name if the
+/// subtable has `kind = "…"`. A parameter may be an array [long, lat] if the kind acts on each
+/// axis. `enabled = false` leaves a term out.
 ///
 ///     [specimen.bouc_wen]
 ///     characteristic_strength_N = 1_010_000
 ///
-/// @throws Error with the place of the first wrong key or value, or of a term that means nothing in
-///         its host   @setup
+/// @throws Error with the place of the first wrong key or value, or of a term that its owner cannot
+///         have   @setup
 [[nodiscard]] std::vector<TermSettings> read_terms(const Config& table,
                                                    TermOwner owner = TermOwner::Any);
 

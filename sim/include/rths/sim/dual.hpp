@@ -6,13 +6,13 @@
 
 namespace rths::sim {
 
-/// A number together with its derivatives with respect to a few parameters: forward-mode automatic
-/// differentiation. What is computed with it carries exact derivatives along.
+/// A number with its derivatives with respect to a few parameters: forward-mode automatic
+/// differentiation. Results computed from duals carry exact derivatives.
 ///
-/// A comparison looks at the value alone, so a function with cases is differentiated in the case
-/// it is in. Source: Griewank & Walther, Evaluating Derivatives (2008), chapter 3.
+/// Comparisons use the value alone, so a function with cases is differentiated within its active
+/// case. Source: Griewank & Walther, Evaluating Derivatives (2008), chapter 3.
 struct Dual {
-  static constexpr std::size_t kLanes = 4;  ///< parameters followed at once
+  static constexpr std::size_t kLanes = 4;  ///< parameters differentiated at once
 
   double value = 0;
   std::array<double, kLanes> derivative{};
@@ -20,7 +20,7 @@ struct Dual {
   constexpr Dual() = default;
   constexpr Dual(double constant) : value{constant} {}  // NOLINT: constants mix with duals
 
-  /// The parameter that lane `lane` follows.
+  /// The parameter whose derivative is in lane `lane`.
   [[nodiscard]] static constexpr Dual variable(double value, std::size_t lane) {
     Dual x{value};
     x.derivative[lane] = 1;
@@ -64,12 +64,12 @@ struct Dual {
   friend constexpr auto operator<=>(const Dual& a, const Dual& b) { return a.value <=> b.value; }
 };
 
-/// The plain number in a Dual, or the number itself: for decisions and tables.
+/// The value of a Dual, or the number itself.
 [[nodiscard]] constexpr double value_of(double x) { return x; }
 [[nodiscard]] constexpr double value_of(const Dual& x) { return x.value; }
 
-/// Whether x is this number and nothing is differentiated with respect to it: a short cut that
-/// holds at this number alone loses no derivative then.
+/// True if x equals `number` and has no derivatives. A shortcut for this special value is then
+/// exact, derivatives included.
 [[nodiscard]] constexpr bool is_just(double x, double number) { return x == number; }
 [[nodiscard]] constexpr bool is_just(const Dual& x, double number) {
   return x.value == number && x.derivative == std::array<double, Dual::kLanes>{};
@@ -83,7 +83,7 @@ struct Dual {
 [[nodiscard]] inline Dual log1p(const Dual& x) {
   return x.chain(std::log1p(x.value), 1 / (1 + x.value));
 }
-/// At 0 the slope is infinite; it is taken as 0, which is right for a length whose parts are 0.
+/// At 0 the slope is infinite; 0 is used instead, which is right for the length of a zero vector.
 [[nodiscard]] inline Dual sqrt(const Dual& x) {
   const double f = std::sqrt(x.value);
   return x.chain(f, f > 0 ? 0.5 / f : 0);
@@ -106,7 +106,7 @@ struct Dual {
   return x.chain(std::acos(x.value), -1 / std::sqrt(1 - x.value * x.value));
 }
 [[nodiscard]] inline Dual abs(const Dual& x) { return x.value < 0 ? -x : x; }
-/// x^p for x ≥ 0; at x = 0 the derivatives are taken as 0.
+/// x^p for x ≥ 0; at x = 0 the derivatives are set to 0.
 [[nodiscard]] inline Dual pow(const Dual& x, const Dual& p) {
   const double f = std::pow(x.value, p.value);
   if (!(x.value > 0)) return Dual{f};

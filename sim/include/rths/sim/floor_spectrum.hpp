@@ -11,10 +11,10 @@ namespace rths::sim {
 
 /// Floor response spectrum of motion in two directions.
 ///
-/// For each frequency a damped oscillator rides on the floor in each direction; the value is the
-/// largest length over time of the vector of their two absolute accelerations. The oscillator is
+/// For each frequency, a damped oscillator stands on the floor in each direction. The value is the
+/// largest magnitude over time of the vector of their two absolute accelerations. The oscillator is
 /// solved exactly for acceleration linear between samples (Nigam & Jennings 1969), at 20 points or
-/// more of its period, so that a peak is missed by 1.2 % at most however far samples are apart.
+/// more per period. So a peak is underestimated by 1.2 % at most, whatever the sampling rate.
 /// @param long_acceleration, lat_acceleration  absolute, of the floor [m/s²], equally long
 /// @param time_step  [s]
 /// @param frequencies  of the oscillators [Hz], > 0

@@ -12,8 +12,8 @@ namespace rths::sim {
 struct GroundMotion {
   double time_step = 0;                   ///< [s]
   std::vector<double> long_acceleration;  ///< [m/s²]
-  std::vector<double> lat_acceleration;   ///< [m/s²], as long as the other
-  /// Upwards [m/s²], as long; empty: none. g++ wants the initializer, clang-tidy does not.
+  std::vector<double> lat_acceleration;   ///< [m/s²], same length
+  /// Upwards [m/s²], same length; empty: none. g++ needs the initializer, clang-tidy does not.
   std::vector<double> vert_acceleration = {};  // NOLINT(readability-redundant-member-init)
 
   [[nodiscard]] double duration() const {
@@ -21,7 +21,7 @@ struct GroundMotion {
   }
   /// Linear between samples, zero outside the record: long, lat [m/s²].   @realtime
   [[nodiscard]] Eigen::Vector2d at(double time) const noexcept;
-  [[nodiscard]] double vertical_at(double time) const noexcept;  ///< likewise [m/s²]
+  [[nodiscard]] double vertical_at(double time) const noexcept;  ///< as `at`, upwards [m/s²]
 };
 
 /// One component of a record.
@@ -36,8 +36,9 @@ struct RecordComponent {
 
 /// Reads columns of numbers separated by blanks or commas; lines that start with '#' or a letter
 /// are headings. The first column is time and must be equally spaced.
-/// @param column  which to read, counted from 1 (0 is time)
-/// @throws Error with file:line for a missing column, a word that is no number, uneven time @setup
+/// @param column  index of the column to read, from 1 (0 is time)
+/// @throws Error with file:line for a missing column, a word that is not a number, uneven time
+/// @setup
 [[nodiscard]] RecordComponent read_column(const std::filesystem::path& file, int column);
 
 }  // namespace rths::sim

@@ -7,10 +7,10 @@
 
 namespace rths::sim {
 
-/// Drawing and materials of a round lead-rubber bearing. Without lead (`lead_diameter` 0) it is a
-/// low-damping rubber bearing.
-/// Sources: Kumar, Whittaker & Constantinou (2014) for what follows from it and for the defaults
-/// of cavitation; Kalpakidis & Constantinou (2009) for those of lead and steel.
+/// Dimensions and materials of a round lead-rubber bearing. Without lead (`lead_diameter` 0) it is
+/// a low-damping rubber bearing. Sources: Kumar, Whittaker & Constantinou (2014) for the derived
+/// quantities and for the defaults of cavitation; Kalpakidis & Constantinou (2009) for the defaults
+/// of lead and steel.
 struct LeadRubberDesign {
   double outer_diameter = 0;   ///< of the rubber within the cover, D_2 [m]
   double lead_diameter = 0;    ///< of the plug, D_1 [m]
@@ -26,7 +26,7 @@ struct LeadRubberDesign {
   double horizontal_damping = 0;       ///< c_d [N·s/m]
 
   double post_cavitation_decay = 10;  ///< k_c [1/m]
-  double cavitation_damage = 0.5;     ///< largest part of F_c that cavitation destroys, Φ [-]
+  double cavitation_damage = 0.5;     ///< largest fraction of F_c lost to cavitation, Φ [-]
   double damage_rate = 1;             ///< a_c [-]
 
   double lead_density = 11200;         ///< [kg/m³]
@@ -36,7 +36,7 @@ struct LeadRubberDesign {
   double softening = 0.0069;           ///< of lead with temperature [1/K]
 };
 
-// What follows from a design: docs/theory/lead_rubber.md, "Design".
+// Quantities derived from a design: docs/theory/lead_rubber.md, "Design".
 [[nodiscard]] double rubber_area(const LeadRubberDesign&);       ///< bonded, A [m²]
 [[nodiscard]] double lead_area(const LeadRubberDesign&);         ///< A_L [m²]
 [[nodiscard]] double shape_factor(const LeadRubberDesign&);      ///< loaded over free area, S [-]
@@ -59,16 +59,16 @@ struct LeadRubberDesign {
 [[nodiscard]] double critical_load(const LeadRubberDesign&);     ///< undisplaced, > 0, P_cr0 [N]
 [[nodiscard]] double cavitation_force(const LeadRubberDesign&);  ///< > 0, F_c [N]
 
-/// Which effects a bearing made of terms has, beside hysteresis and the linear axial law.
+/// Effects to include, besides hysteresis and the linear axial law.
 struct LeadRubberEffects {
   bool cavitation = true;                      ///< with damage
-  bool buckling_load_variation = true;         ///< with displacement; else it is constant
+  bool buckling_load_variation = true;         ///< with displacement; false: constant
   bool horizontal_stiffness_variation = true;  ///< with the axial load
   bool vertical_stiffness_variation = true;    ///< with displacement
   bool lead_heating = true;
 };
 
-/// The bearing as terms; needs vertical displacement as an input.
+/// The bearing as terms, which need the vertical displacement as an input.
 /// @throws Error if a dimension or modulus is not positive, or the plug fills the bearing   @setup
 [[nodiscard]] std::vector<TermSettings> terms_of(const LeadRubberDesign& design,
                                                  const LeadRubberEffects& effects = {});

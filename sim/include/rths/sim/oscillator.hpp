@@ -39,7 +39,7 @@ inline OscillatorStep oscillator_step(double omega, double zeta, double h) {
   return step;
 }
 
-/// What it remembers: displacement against what shakes it, and its rate [m], [m/s].
+/// State: displacement relative to the support, and its rate [m], [m/s].
 struct Oscillator {
   double x = 0, v = 0;
 

@@ -16,11 +16,11 @@
 
 namespace rths::sim {
 
-/// The numerical substructure: a plant shaken by a ground motion, one time step at a time, that
-/// asks somebody else what its bearing answers.
+/// The numerical substructure: a plant under a ground motion, integrated one time step at a time.
+/// The caller supplies the bearing's restoring force.
 ///
-/// Up and down it is one mass on springs, on which the horizontal motion has no effect: what the
-/// bearing carries is a result that goes to the specimen, and no answer to it is asked for.
+/// Vertically the plant is one mass on springs, independent of the horizontal motion. The vertical
+/// force is an output for the specimen; no vertical feedback enters the analysis.
 class PlantAnalysis {
  public:
   /// @param bearing_initial_stiffness  of one bearing [N/m]; unused when the plant has no bearings
@@ -29,14 +29,14 @@ class PlantAnalysis {
   PlantAnalysis(PlantMatrices plant, GroundMotion motion, double bearing_initial_stiffness,
                 double time_step, double alpha);
 
-  /// Begins a step. @returns where the bearing has to go at its end: long, lat [m]   @realtime
+  /// Begins a step. @returns the bearing's target displacement at its end: long, lat [m]  @realtime
   Eigen::Vector2d predict() RTHS_REALTIME;
-  /// Ends it. @param bearing_force  of one bearing at that place [N]   @realtime
+  /// Ends the step. @param bearing_force  of one bearing at the target [N]   @realtime
   void correct(const Eigen::Vector2d& bearing_force) RTHS_REALTIME;
 
   [[nodiscard]] double time() const { return time_; }  ///< end of the step [s]
-  /// Compression that the vertical motion adds to one bearing at the end of the step begun [N]; not
-  /// below what would lift it off.
+  /// Compression added to one bearing by the vertical motion, at the end of the step begun [N];
+  /// bounded below by minus the weight (uplift).
   [[nodiscard]] double vertical_force() const { return vertical_force_; }
   [[nodiscard]] Eigen::Vector2d ground_acceleration() const { return ground_; }  ///< [m/s²]
   [[nodiscard]] Eigen::Vector2d predicted_velocity() const;  ///< of the bearing [m/s]
@@ -60,7 +60,7 @@ class PlantAnalysis {
   double vertical_force_ = 0;  ///< [N]
 };
 
-/// What a plant did, sampled every step.
+/// Response of a plant, one sample per step.
 struct ResponseHistory {
   double time_step = 0;                                     ///< [s]
   std::vector<double> displacement_long, displacement_lat;  ///< of the bearing [m]
@@ -72,8 +72,8 @@ struct ResponseHistory {
   std::vector<Floor> floors;
 };
 
-/// The whole analysis with a bearing model in place of a specimen: the purely numerical result.
-/// @param bearing  carries its mean load, and what the vertical motion adds
+/// The complete analysis with a bearing model instead of a specimen: the purely numerical result.
+/// @param bearing  under its static load plus the vertical motion's contribution
 /// @param duration  [s]   @setup
 [[nodiscard]] ResponseHistory numerical_response(const PlantMatrices& plant,
                                                  const GroundMotion& motion, const Bearing& bearing,

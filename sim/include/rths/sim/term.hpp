@@ -16,23 +16,22 @@ inline constexpr int kHorizontalAxes = 2;  ///< long, lat
 template <class Real>
 using Horizontal = std::array<Real, kHorizontalAxes>;  ///< long, lat
 
-/// What a term reads and changes in one time step. `Real` is double, or Dual where derivatives with
-/// respect to parameters are wanted.
+/// Inputs and outputs of terms in one time step. `Real` is double, or Dual for derivatives with
+/// respect to parameters.
 ///
-/// A composition hands one of these through its terms, in the order of the catalogue: what moves
-/// first (the actuator), then what reaches the specimen, the specimen, the machine around it, and
-/// last the sensors that look at all of it. Each term finds what those before it have made.
+/// A composition passes one of these through its terms in the catalogue's order: actuator, mount,
+/// specimen, machine, sensors. Each term reads the results of the terms before it.
 template <class Real>
 struct Quantities {
   double time = 0;                                              ///< any origin [s]
   Horizontal<Real> displacement{}, velocity{}, acceleration{};  ///< [m], [m/s], [m/s²]
   Real vertical_displacement{}, vertical_velocity{};  ///< > 0 lengthens the specimen [m], [m/s]
-  Real axial_load{};   ///< > 0 compresses [N]; given, or computed by a vertical term
-  Real temperature{};  ///< of the surroundings above that of reference [°C]
-  Real auxiliary{};    ///< what controls a device: the current of a damper [A]
+  Real axial_load{};   ///< > 0 compresses [N]; an input, or computed by a vertical term
+  Real temperature{};  ///< ambient, above the reference [°C]
+  Real auxiliary{};    ///< control input of a device: the current of a damper [A]
 
-  // What modifiers have made of the specimen.
-  /// Factor on characteristic strength or friction; stiffness before yield has its own [-].
+  // Effects of modifiers on the specimen.
+  /// Factor on characteristic strength or friction; the stiffness before yield has its own [-].
   Real strength{1};
   Real stiffness{1};           ///< factor on the stiffness after yield [-]
   Real elastic_stiffness{1};   ///< factor on the stiffness before yield [-]
@@ -40,13 +39,13 @@ struct Quantities {
   Real buckling_load{};        ///< critical axial load, > 0 [N]; 0: none
 
   Horizontal<Real> force{};                  ///< resisting the motion, of all terms so far [N]
-  Horizontal<Real> hysteretic_force{};       ///< the part that dissipates: lead plug, slider [N]
-  Horizontal<Real> last_hysteretic_force{};  ///< the same one step before [N]
+  Horizontal<Real> hysteretic_force{};       ///< dissipative component: lead plug, slider [N]
+  Horizontal<Real> last_hysteretic_force{};  ///< the same, one step before [N]
   Horizontal<Real> last_specimen_force{};    ///< `force` after the specimen, one step before [N]
 };
 
-/// Where a term stands in the composition. Terms of Motion give the specimen a motion of its own;
-/// from Machine on, the platen's is seen again: it is what rubs on the guides and what is measured.
+/// Position of a term in the composition. Motion terms change the specimen's motion only; Machine
+/// and Sensor terms act on the platen's motion, which drives the guides and is measured.
 enum class Stage {
   Actuator,   ///< command → displacement
   Motion,     ///< displacement of the platen → displacement of the specimen
@@ -54,10 +53,10 @@ enum class Stage {
   Modifier,   ///< factors on the specimen's strength and stiffness
   Restoring,  ///< the specimen's force
   Machine,    ///< forces between specimen and load cell
-  Sensor,     ///< what is measured of it
+  Sensor,     ///< physical quantity → measurement
 };
 
-/// What a sensor term acts on.
+/// The measured quantity that a sensor term acts on.
 enum class Channel { Force, Displacement, Acceleration, AxialLoad };
 
 /// A parameter of a term. In a configuration its key is name_unit: "characteristic_strength_N".
@@ -65,27 +64,27 @@ struct Parameter {
   std::string_view name;
   std::string_view unit;  ///< "N/m", "-", or one that begins with kChannelUnit: "channel/s"
   double low, high;       ///< bounds
-  double absent;          ///< default: the term has no effect, or its usual shape
-  double typical;         ///< where a fit begins
+  double absent;          ///< default: no effect, or the usual shape
+  double typical;         ///< start value of a fit
 };
 inline constexpr std::string_view kChannelUnit = "channel";
 
-/// Properties of a kind that tests hold it to.
+/// Properties of a kind. Tests verify them.
 enum Trait : unsigned {
   kPlain = 0,
-  kDissipative = 1,       ///< from rest, it never gives back more work than it took
-  kFrameIndifferent = 2,  ///< turning the motion turns its force
-  kPerAxis = 4,           ///< the axes know nothing of each other; may act on one of them alone
+  kDissipative = 1,       ///< from rest, it never returns more work than it absorbed
+  kFrameIndifferent = 2,  ///< rotating the motion rotates its force
+  kPerAxis = 4,           ///< the axes are independent; the term may act on one of them alone
   kPerChannel = 8,        ///< a sensor term that acts on one channel
   kControlled = 16,       ///< reads `auxiliary`
 };
 
-/// Numbers of one term of a composition, where it finds them.
+/// Parameters, constants and state of one term of a composition.
 template <class Real>
 struct TermView {
   const Real* parameters;   ///< in the order of the kind's table
   const double* constants;  ///< made by `prepare`
-  Real* state;              ///< zeros when nothing has happened yet
+  Real* state;              ///< all zeros in the virgin state
   double time_step;         ///< [s]
   unsigned axes;            ///< bit 0: long, bit 1: lat
   Channel channel;
@@ -93,19 +92,19 @@ struct TermView {
   [[nodiscard]] bool acts_on(std::size_t axis) const { return (axes >> axis & 1U) != 0; }
 };
 
-/// What is known of a term when a composition is built.
+/// Inputs for sizing and preparing a term.
 struct TermSetup {
   std::span<const double> parameters;
-  std::span<const Parameter> table;  ///< of the kind: bounds tell how large a delay line must be
+  std::span<const Parameter> table;  ///< of the kind, with bounds
   double time_step;                  ///< [s]
 };
 
-/// What a term needs beside its parameters.
+/// Number of states and constants of a term.
 struct TermSize {
   std::size_t states = 0, constants = 0;
 };
 
-/// One kind of physics: what it is called, its equation, its parameters, and how it steps.
+/// One kind of physics: its name, equation, parameters and step functions.
 struct TermKind {
   std::string_view name;   ///< in configurations and verdicts: "lead_heating"
   std::string_view title;  ///< "lead-core heating"
@@ -125,5 +124,7 @@ struct TermKind {
 
 /// @throws Error naming the nearest known kind   @setup
 [[nodiscard]] const TermKind& term_kind(std::string_view name);
+/// @throws Error if the kind has no parameter of this name   @setup
+[[nodiscard]] const Parameter& parameter_of(const TermKind& kind, std::string_view name);
 
 }  // namespace rths::sim

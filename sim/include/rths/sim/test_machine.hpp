@@ -15,7 +15,7 @@
 
 namespace rths::sim {
 
-/// What an axis of a test machine can do.
+/// Limits of one axis of a test machine.
 struct AxisLimits {
   double stroke = 0;    ///< ± [m]
   double velocity = 0;  ///< ± [m/s]
@@ -29,11 +29,11 @@ struct AxisLimits {
 ///     port flow    Q = Q_r y √(1 − sgn(y) P_L/P_s),  y = x_v outside the dead band, else 0
 ///     oil column   Ṗ_L = (4 B/V) (Q − A ẋ − C_l P_L)
 ///     platen       m_e ẍ = A P_L − F_machine − F_specimen
-///     table force  A P_L + offset + noise:  what the load cells of the actuators see
+///     table force  A P_L + offset + noise, measured by the load cells of the actuators
 ///
-/// Standard equations of servo-hydraulics (Merritt 1967). F_machine is what the machine's terms
-/// give, friction above all; the table force contains it and the platen's inertia, which is why a
-/// hybrid test has to correct it.
+/// Standard equations of servo-hydraulics (Merritt 1967). F_machine is the sum of the machine's
+/// terms, mainly friction. The table force contains it and the platen's inertia, so a hybrid test
+/// has to correct it.
 struct ServoAxis {
   AxisLimits limits;
   double piston_area = 0.43;        ///< A [m²]
@@ -41,7 +41,7 @@ struct ServoAxis {
   double bulk_modulus = 1.4e9;      ///< B [Pa]
   double supply_pressure = 20.7e6;  ///< P_s [Pa]
   double leakage = 2e-10;           ///< C_l [m³/(s·Pa)]
-  double rated_flow = 0.95;         ///< Q_r, valve open, no load [m³/s]
+  double rated_flow = 0.95;         ///< Q_r, valve fully open, no load [m³/s]
   double valve_frequency = 12;      ///< ω_v/2π [Hz]
   double valve_damping = 0.8;       ///< ζ_v [-]
   double dead_band = 0.005;         ///< of the spool [-]
@@ -52,7 +52,7 @@ struct ServoAxis {
   double force_offset = 2'000;      ///< of the table force [N]
 };
 
-/// Noise of the sensors, white and normal: standard deviations.
+/// Standard deviations of the sensors' white normal noise.
 struct SensorNoise {
   double displacement = 5e-5;       ///< [m]
   double force = 5e3;               ///< [N]
@@ -62,8 +62,8 @@ struct SensorNoise {
 /// A bearing test machine with two horizontal axes and a specimen.
 struct TestMachine {
   std::array<ServoAxis, kHorizontalAxes> axes;
-  /// What the equations above leave out: actuator terms act on the reference, motion terms between
-  /// platen and specimen, machine terms on the platen, sensor terms on what is measured.
+  /// Effects missing in the equations above: actuator terms act on the reference, motion terms
+  /// between platen and specimen, machine terms on the platen, sensor terms on the measurements.
   std::vector<TermSettings> terms;
   SensorNoise noise;
   bool has_specimen = true;  ///< false: an empty table
@@ -71,7 +71,7 @@ struct TestMachine {
   std::uint64_t seed = 1;
 };
 
-/// What the machine's sensors report, long and lat.
+/// The machine's measurements, long and lat.
 struct MachineFeedback {
   Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< [m]
   Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  ///< [m/s²]
@@ -82,9 +82,9 @@ struct MachineFeedback {
 /// The machine in motion. Allocates when built, never in `step`.
 class TestMachineRun {
  public:
-  /// @param period  of `step` [s]; integrated in parts of at most 0.1 ms
-  /// @throws Error if a parameter is outside its physical range, a term means nothing where it
-  ///         stands, or something is too stiff or too fast for these parts   @setup
+  /// @param period  of `step` [s]; integrated in substeps of at most 0.1 ms
+  /// @throws Error if a parameter is outside its physical range, a term's owner cannot have it, or
+  ///         the model is too stiff or too fast for these substeps   @setup
   TestMachineRun(const TestMachine& machine, double period);
 
   /// One period with the references held.
@@ -95,7 +95,7 @@ class TestMachineRun {
   [[nodiscard]] Status step(const Eigen::Vector2d& reference, double axial_load,
                             MachineFeedback& feedback) RTHS_REALTIME;
 
-  /// True state, which no sensor shows: displacement [m] and specimen force [N].
+  /// True state, without sensor errors: displacement [m] and specimen force [N].
   [[nodiscard]] Eigen::Vector2d true_displacement() const;
   [[nodiscard]] const Eigen::Vector2d& specimen_force() const { return specimen_force_; }
 
@@ -109,7 +109,7 @@ class TestMachineRun {
     std::size_t delay_head = 0;
   };
 
-  /// Terms of one part of the machine, and what they remember.
+  /// The machine's terms of one stage, with their state.
   struct Terms {
     Composition composition;
     std::vector<double> state;
@@ -119,9 +119,9 @@ class TestMachineRun {
   [[nodiscard]] static Terms terms_of(const TestMachine& machine, Stage stage, double time_step);
   [[nodiscard]] Quantities<double> motion() const noexcept;
   [[nodiscard]] Eigen::Vector2d through_actuator_terms(const Eigen::Vector2d& reference) noexcept;
-  void integrate_part(const Eigen::Vector2d& reference, double axial_load) noexcept;
+  void integrate_substep(const Eigen::Vector2d& reference, double axial_load) noexcept;
   void measure(double axial_load, MachineFeedback& feedback) noexcept;
-  void integrate_part(int axis, double reference) noexcept;
+  void integrate_substep(int axis, double reference) noexcept;
   [[nodiscard]] AxisState rates(int axis, const AxisState& s, double reference,
                                 double resistance) const noexcept;
   [[nodiscard]] double platen_acceleration(int axis, const AxisState& s,
@@ -130,25 +130,25 @@ class TestMachineRun {
   [[nodiscard]] double draw(double standard_deviation) noexcept;
 
   TestMachine machine_;
-  int parts_;
-  double part_;  ///< [s]
+  int substeps_;
+  double substep_;  ///< [s]
   double time_ = 0;
   std::array<Axis, kHorizontalAxes> axes_;
   Terms actuator_, platen_, sensors_;
-  BearingRun specimen_;  ///< and what stands between it and the platen
+  BearingRun specimen_;  ///< with the machine's motion terms in front of it
   Eigen::Vector2d specimen_force_ = Eigen::Vector2d::Zero();
-  /// Of specimen and machine together, now and one part before [N].
+  /// Of specimen and machine together, now and one substep before [N].
   Eigen::Vector2d resistance_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d last_resistance_ = Eigen::Vector2d::Zero();
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
 };
 
-/// Friction of the SRMD's axes, as the configuration of terms that a [machine] table is laid over.
+/// Friction of the SRMD's axes as a configuration of terms: the defaults under a [machine] table.
 [[nodiscard]] Config srmd_terms();
 
-/// The SRMD's axes: the limits of Table 1 of the paper; hydraulics of the right scale, not
-/// measured.
+/// The SRMD's axes: limits from Table 1 of the paper; the hydraulics have realistic magnitudes but
+/// are not measured.
 [[nodiscard]] TestMachine srmd_machine();
 
 }  // namespace rths::sim

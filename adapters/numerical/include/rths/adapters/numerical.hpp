@@ -15,16 +15,16 @@
 
 namespace rths::adapters {
 
-/// How long the solver takes for a step where time is virtual: a seeded model.
+/// A seeded model of the solver's computing time per step in virtual time.
 struct ComputingTime {
   double mean = 0.003;          ///< [s]
   double spread = 0.1;          ///< standard deviation over mean [-]
-  double overrun_fraction = 0;  ///< part of the steps that take longer [-]
-  double overrun = 0.006;       ///< by this much [s]
+  double overrun_fraction = 0;  ///< fraction of the steps that take longer [-]
+  double overrun = 0.006;       ///< additional time of such a step [s]
   std::uint64_t seed = 1;
 };
 
-/// A displacement history to be imposed instead of an analysis.
+/// A displacement history to impose instead of an analysis.
 struct DisplacementHistory {
   double time_step = 0;                   ///< [s]
   std::vector<double> displacement_long;  ///< [m]
@@ -42,7 +42,7 @@ struct NumericalSettings {
   double rest = 0;                       ///< before the first step [s]
   double wait_deadline = 1;              ///< for each flag of the handshake [s]
   Handshake handshake = Handshake::AtTargetFirst;
-  std::optional<ComputingTime> computing_time;  ///< none: it takes the time it takes
+  std::optional<ComputingTime> computing_time;  ///< empty: the actual time
   std::optional<DisplacementHistory> history;   ///< instead of the analysis
 };
 
@@ -51,7 +51,7 @@ struct NumericalSettings {
 /// Reads a [motion] table: .AT2 or columns, scaled. @setup
 [[nodiscard]] sim::GroundMotion read_motion(const Config& table);
 
-/// Our own solver as a node that speaks OpenFresco's words and handshake: it writes targets and
+/// The project's own solver as a node with OpenFresco's words and handshake. It writes targets and
 /// newTarget, waits for switchPC and atTarget, and reads the sampled feedback.
 /// @throws Error if the model cannot be assembled   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_numerical(const NumericalSettings& settings);

@@ -8,15 +8,15 @@
 
 namespace rths::adapters {
 
-/// OpenSees itself, and how long it is waited for.
+/// The OpenSees process and its deadlines.
 struct OpenSeesScript {
-  /// Program, script and arguments. Empty: somebody else starts it.
+  /// Program, script and arguments. Empty: the user starts OpenSees.
   std::vector<std::string> command;
-  std::filesystem::path log;  ///< what it says goes there
-  /// Written before it starts: path, content.
+  std::filesystem::path log;  ///< its output
+  /// Files to write before the start: path, content.
   std::vector<std::pair<std::filesystem::path, std::string>> files;
-  double connect_deadline = 60;  ///< for it to come, on the host's clock [s]
-  double answer_deadline = 10;   ///< for it to say something, on the host's clock [s]
+  double connect_deadline = 60;  ///< for its connection, wall time [s]
+  double answer_deadline = 10;   ///< for its next message, wall time [s]
 };
 
 }  // namespace rths::adapters

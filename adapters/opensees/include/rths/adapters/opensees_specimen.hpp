@@ -12,15 +12,16 @@
 
 namespace rths::adapters {
 
-/// A model in OpenSees in the place of controller, machine and specimen: `element actuator` or
-/// `element adapter` of its script holds it where a solver's targets say, and tells the force.
+/// A model in OpenSees that replaces controller, machine and specimen: an `element actuator` or
+/// `element adapter` of its script moves it to the solver's targets and returns the force.
 struct OpenSeesSpecimenSettings {
-  /// What moves it: name, port, protocol, units, axes. An `actuator` has one, an `adapter` as many
-  /// as it lists. In the order of the script: each of its commands waits for us.
+  /// The elements that move the model: name, port, protocol, units, axes. An `actuator` has one
+  /// axis, an `adapter` one or several. In the order of the script, in which each element command
+  /// waits for its connection.
   std::vector<OpenSeesElement> elements;
   OpfLayout layout;               ///< the block of the laboratory's map
-  double simulation_step = 0.01;  ///< from one arrival to the next, at least [s]
-  bool stops_time = false;        ///< time is virtual: a step takes until OpenSees has answered
+  double simulation_step = 0.01;  ///< shortest time between arrivals [s]
+  bool stops_time = false;        ///< virtual time: a step waits for OpenSees' answer
   OpenSeesScript script;
 };
 
@@ -28,8 +29,9 @@ struct OpenSeesSpecimenSettings {
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] std::vector<OpenSeesElement> read_specimen_elements(const Config& table);
 
-/// It uses sockets: its steps are not @realtime. StepData::message lives until the next step.
-/// @throws Error if the layout lacks an axis; on `activate`, if OpenSees does not come   @setup
+/// Its steps are not @realtime, because they use sockets. StepData::message lives until the next
+/// step.
+/// @throws Error if the layout lacks an axis; on `activate`, if OpenSees does not connect   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_opensees_specimen(
     const OpenSeesSpecimenSettings& settings);
 

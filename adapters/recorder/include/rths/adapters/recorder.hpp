@@ -14,17 +14,17 @@ namespace rths::adapters {
 struct RecorderSettings {
   std::filesystem::path file;
   recording::RecordingInfo info;
-  double linger = 1.5;     ///< goes on recording this long after it is told to stop [s]
-  bool own_thread = true;  ///< write from a thread of its own; false in virtual time
+  double linger = 1.5;     ///< continues recording for this time after the stop [s]
+  bool own_thread = true;  ///< write in a separate thread; false in virtual time
 };
 
-/// What a recorder tells of itself, beside what every node does.
+/// Monitors of a recorder, in addition to those of every node.
 [[nodiscard]] std::vector<Port> recorder_monitors();
 
-/// A node that only listens: one row of every signal of the map per step, into a recording.
+/// A node that only reads: writes one row of all signals of the map per step to a recording.
 ///
-/// In real time a row goes to a queue and a thread of its own writes the file; rows that find the
-/// queue full are counted, never waited for.
+/// In real time a separate thread writes the file from a queue. Rows that do not fit into the queue
+/// are counted and dropped; the step never waits.
 /// @throws Error if the file cannot be created   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_recorder(const memmap::Map& map,
                                                      const RecorderSettings& settings);

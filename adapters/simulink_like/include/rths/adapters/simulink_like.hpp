@@ -11,11 +11,11 @@
 
 namespace rths::adapters {
 
-/// Version of the diagram file format. Bumped when a file that was right before would mean
-/// something else, or no longer load.
+/// Version of the diagram file format. Increases when an existing file would change its meaning or
+/// no longer load.
 inline constexpr int kDiagramFormat = 1;
 
-/// What a diagram is told of the run it takes part in.
+/// Properties of the run that a diagram needs.
 struct DiagramContext {
   std::vector<std::string> axes = {"long", "lat"};  ///< width of every per-axis port
   double integration_step = 0.01;                   ///< model time per target [s]
@@ -23,17 +23,17 @@ struct DiagramContext {
   Retreat retreat;  ///< of ring outputs that ramp when the run stops
 };
 
-/// A real-time target that runs a fixed-step block diagram read from TOML.
+/// A real-time target that runs a fixed-step block diagram from a TOML file.
 ///
 /// Blocks run at the base rate or at `substeps` times it. Every block output is a monitor,
 /// monitor.<node>.<block>.<port>[.<axis>]; every parameter can be tuned,
 /// tune.<node>.<block>.<name>. docs/block_diagrams.md lists the block types.
-/// @throws Error file:line:column for an unknown block or key, a wire to nothing, ports that do not
-///         fit, an algebraic loop, or a base-rate block between fast ones   @setup
+/// @throws Error file:line:column for an unknown block or key, an unconnected wire, mismatched
+///         ports, an algebraic loop, or a base-rate block between fast ones   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_simulink_like(const std::filesystem::path& diagram,
                                                           const DiagramContext& context);
 
-/// The same from text; `name` takes the file's place in messages.   @setup
+/// The same from text; messages show `name` instead of a file.   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_simulink_like_from_text(const std::string& text,
                                                                     const std::string& name,
                                                                     const DiagramContext& context);

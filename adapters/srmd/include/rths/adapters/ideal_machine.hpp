@@ -10,17 +10,17 @@
 
 namespace rths::adapters {
 
-/// A specimen in a machine that is where it is told, at the end of every step: what a solver is
-/// tried with, and what a real test is compared with. Answers OpenFresco's handshake by itself, in
-/// the place of controller and machine.
+/// A specimen in a machine that reaches its target at the end of every step. It replaces controller
+/// and machine, and answers OpenFresco's handshake. Use it to try out a solver and as the reference
+/// for a real test.
 struct IdealMachineSettings {
   sim::Bearing specimen;
   std::vector<std::string> axes = {"long", "lat"};
-  double integration_step = 0.01;  ///< model time from target to target [s]
-  double simulation_step = 0.01;   ///< from one arrival to the next, at least [s]
+  double integration_step = 0.01;  ///< model time between targets [s]
+  double simulation_step = 0.01;   ///< shortest time between arrivals [s]
 };
 
-/// @throws Error as BearingRun does, or for an axis that is none   @setup
+/// @throws Error as BearingRun does, or for an unknown axis   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_ideal_machine(const IdealMachineSettings& settings);
 
 }  // namespace rths::adapters

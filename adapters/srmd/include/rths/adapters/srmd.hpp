@@ -12,17 +12,17 @@
 
 namespace rths::adapters {
 
-/// The virtual SRMD: a bearing test machine behind the words a real one reads and writes.
+/// The virtual SRMD: a bearing test machine with the words of the real one.
 struct SrmdSettings {
   sim::TestMachine machine;
   double period = 0.001;                            ///< [s]
   double compression_time_constant = 0.05;          ///< of the vertical load's first-order lag [s]
   double lift_pressure = 8.963e6;                   ///< of the hydrostatic bearings [Pa]: 1,300 psi
-  std::vector<std::string> axes = {"long", "lat"};  ///< that move; others stay at rest
+  std::vector<std::string> axes = {"long", "lat"};  ///< moving axes; others stay at rest
   Retreat retreat;
 };
 
-/// Reads the [machine] table of an experiment: numbers of the SRMD that it changes, and terms.
+/// Reads the [machine] table of an experiment: changed parameters of the SRMD, and terms.
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] sim::TestMachine read_machine(const Config& table);
 

@@ -8,24 +8,24 @@
 
 namespace rths::bench {
 
-/// What a step of the same bearing takes in OpenSees.
+/// Time of a step of the same bearing in OpenSees.
 struct OpenseesTimes {
   std::string element;
   double alone = 0;    ///< a step of an analysis with one element [ns]
-  double further = 0;  ///< what each further element adds to it [ns]
+  double further = 0;  ///< extra time of each further element [ns]
   std::string version;
-  std::string missing;  ///< why there is nothing above
+  std::string missing;  ///< reason if it was not measured
 };
 
-/// Where OpenSees is.
-struct OpenseesPlace {
-  std::string python;            ///< that has it; empty: none
-  std::filesystem::path script;  ///< that moves its elements
+/// Files that running OpenSees needs.
+struct OpenseesInstallation {
+  std::string python;            ///< a Python with OpenSees; empty: none
+  std::filesystem::path script;  ///< bearing.py
 };
 
-/// Runs an element along a motion, alone and many times over.
+/// Times an analysis along a motion, with one element and with many.
 /// @param description  JSON: the element, its friction models and materials
-[[nodiscard]] OpenseesTimes opensees_times(const OpenseesPlace& place,
+[[nodiscard]] OpenseesTimes opensees_times(const OpenseesInstallation& opensees,
                                            const std::string& description, const Shaking& shaking,
                                            double time_step);
 

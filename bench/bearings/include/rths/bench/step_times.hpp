@@ -7,26 +7,26 @@
 
 namespace rths::bench {
 
-/// Inputs of a composition, step after step.
+/// Inputs of a composition, one per step.
 using Shaking = std::vector<sim::Quantities<double>>;
 
-/// Of single steps, over all passes [ns].
+/// Times of single steps over all passes [ns].
 struct StepTimes {
   double p50 = 0, p99 = 0, p999 = 0;
-  double worst = 0;       ///< interrupts and all
-  double worst_code = 0;  ///< of the steps, each at its quickest pass: what the code itself takes
+  double worst = 0;       ///< includes interrupts
+  double worst_code = 0;  ///< largest of the steps' shortest times over the passes: the code alone
 };
 
-/// Times each step of each pass. A pass begins with a bearing that nothing has happened to.
+/// Times each step of each pass. Each pass begins with a new bearing.
 /// @param tick  of `stamp` [ns]
 [[nodiscard]] StepTimes step_times(const sim::Composition& composition, const Shaking& shaking,
                                    int passes, double tick);
 
-/// A step with four derivatives over one without: medians of whole passes [-].
+/// Time of a step with four derivatives / without: median over passes [-].
 [[nodiscard]] double dual_ratio(const sim::Composition& composition, const Shaking& shaking,
                                 int passes, double tick);
 
-/// Time of one bearing's step where many take theirs one after the other: median over steps [ns].
+/// Time of one bearing's step in a loop over many bearings: median over steps [ns].
 [[nodiscard]] double loop_time(const sim::Composition& composition, const Shaking& shaking,
                                int bearings, double tick);
 

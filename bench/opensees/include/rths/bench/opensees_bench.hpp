@@ -20,30 +20,31 @@ struct OpenseesBenchOptions {
 /// Round trips over one kind of socket: medians over cycles.
 struct TripResult {
   std::string protocol;  ///< "tcp" or "udp"
-  Times through_ring;    ///< from an element's trial to its force, specimen and ring in between
-  Times bare;            ///< a message and an answer of the same bytes
+  Times through_ring;    ///< from an element's trial to its force, through ring and specimen
+  Times bare;            ///< a message and an answer of the same sizes
   double ratio_p50 = 0;  ///< median over cycles [-]
   Interval ratio_interval;
   double ratio_p99 = 0;
-  GateResult verdict = GateResult::NotJudged;
+  GateResult gate_result = GateResult::NotJudged;
 };
 
 struct OpenseesBenchReport {
   Machine machine;
   int cycles = 0, round_trips = 0;
   std::vector<TripResult> trips;
-  double steal = 0;  ///< taken by the host of the two processors' time meanwhile [-]
+  double steal = 0;  ///< share of the two processors' time that the host used [-]
   std::vector<std::string> troubles;
   GateResult result = GateResult::Inconclusive;
 };
 
-/// What is asked: at most so many times the bare ping-pong, at the median.
+/// Gate: upper bound of the median ratio to the bare ping-pong [-].
 inline constexpr double kMostOfBare = 3;
 
-/// @throws Error if the run at the other end does not start or answer   @setup
+/// Measures both protocols. @throws Error if the run at the other end does not start or answer
+/// @setup
 [[nodiscard]] OpenseesBenchReport run_opensees_bench(const OpenseesBenchOptions& options);
 
-/// The report as one JSON document, or as lines for people.
+/// The report as one JSON document, or as lines of text.
 [[nodiscard]] std::string to_json(const OpenseesBenchReport& report);
 [[nodiscard]] std::string to_text(const OpenseesBenchReport& report);
 

@@ -7,28 +7,28 @@
 
 namespace rths::bench {
 
-/// Time that the chosen processors spent since the machine was started [s].
+/// Times of the chosen processors since the start of the machine [s].
 struct CpuTimes {
-  double busy = 0;   ///< at work, whoever's it was
+  double busy = 0;   ///< work of any process
   double idle = 0;   ///< waiting
-  double steal = 0;  ///< ready, while the host gave the processor to somebody else
+  double steal = 0;  ///< ready, but the host ran another guest
 };
 
-/// Reads what the kernel says of the processors in /proc/stat.
+/// Reads the processors' times from the text of /proc/stat.
 /// @param ticks_per_second  unit of the numbers in the text [1/s]
 [[nodiscard]] CpuTimes parse_cpu_times(const std::string& proc_stat, const Cpus& cpus,
                                        double ticks_per_second);
 
-/// What others took of the two processors' time while a cycle was measured.
+/// Share of the two processors' time that others used during a cycle.
 struct Load {
-  double other = 0;  ///< work that was not ours [-]
-  double steal = 0;  ///< taken by the host [-]
+  double other = 0;  ///< by other processes [-]
+  double steal = 0;  ///< by the host [-]
 };
 
-/// @param own  time that our processes were at work in between [s]
+/// Load between two readings. @param own  processor time of our processes in between [s]
 [[nodiscard]] Load load_between(const CpuTimes& before, const CpuTimes& after, double own);
 
-/// Watches the two processors from its birth on.
+/// Measures the load of the two processors since its construction.
 class LoadMeter {
  public:
   explicit LoadMeter(const Cpus& cpus);

@@ -8,46 +8,46 @@
 
 namespace rths::bench {
 
-/// The two processors that a measurement runs on.
+/// The two processors of a measurement.
 struct Cpus {
-  int near = 0;  ///< of the side that takes the time
+  int near = 0;  ///< of the side that measures the time
   int far = 0;   ///< of the side that answers
 };
 
-/// Where a processor sits.
-struct CpuPlace {
+/// Package and core of a processor.
+struct CpuTopology {
   int cpu = 0;
   int package = 0;
-  std::vector<int> siblings;  ///< processors that share its core, itself among them
+  std::vector<int> siblings;  ///< processors of its core, including itself
 };
 
 struct Choice {
   Cpus cpus;
-  bool siblings = false;  ///< the two share a core: what they exchange never leaves its cache
+  bool siblings = false;  ///< the two share a core, so their data never leaves its cache
 };
 
-/// Two processors of one package that share no core; two that do, if there are no others.
-/// Processor 0, which serves most interrupts, is left alone if there is a choice.
-/// @returns nothing if there are fewer than two
-[[nodiscard]] std::optional<Choice> choose_cpus(std::vector<CpuPlace> places);
+/// Chooses two processors of one package that share no core; two that do, if there are no others.
+/// Avoids processor 0, which serves most interrupts.
+/// @returns nothing if there are fewer than two processors
+[[nodiscard]] std::optional<Choice> choose_cpus(std::vector<CpuTopology> cpus);
 
-/// "0,2-4" as the kernel writes lists of processors.
+/// Reads a list of processors in the kernel's format: "0,2-4".
 [[nodiscard]] std::vector<int> parse_cpu_list(std::string_view text);
 
-/// What numbers measured here depend on.
+/// Properties of the machine that affect the measurements.
 struct Machine {
-  std::string cpu;  ///< as the processor calls itself
+  std::string cpu;  ///< model name
   int processors = 0;
-  std::optional<Choice> chosen;  ///< none: there is one processor only
+  std::optional<Choice> chosen;  ///< none on a machine with one processor
   std::string kernel;
-  bool hypervisor = false;  ///< a guest: the host may move or stop its processors unseen
+  bool hypervisor = false;  ///< a guest: the host may move or stop its processors unnoticed
   std::string huge_pages;
 };
 
-/// This machine, and which two of the processors that we may use were chosen.   @setup
+/// Describes this machine and chooses two of the usable processors.   @setup
 [[nodiscard]] Machine describe_machine();
 
-/// As one JSON object, or as two lines for people.
+/// The machine as one JSON object, or as two lines of text.
 [[nodiscard]] std::string to_json(const Machine& machine);
 [[nodiscard]] std::string to_text(const Machine& machine);
 

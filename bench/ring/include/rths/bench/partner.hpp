@@ -15,10 +15,10 @@
 
 namespace rths::bench {
 
-/// Keeps the calling thread on one processor while it lives.
+/// Pins the calling thread to one processor during its lifetime.
 class Pinned {
  public:
-  /// @throws Error if the processor may not be used   @setup
+  /// @throws Error if the processor cannot be used   @setup
   explicit Pinned(int cpu);
   ~Pinned();
   Pinned(const Pinned&) = delete;
@@ -28,7 +28,7 @@ class Pinned {
   std::vector<unsigned char> before_;
 };
 
-/// Memory that this process and those it forks see at once.
+/// Memory shared by this process and its child processes.
 class SharedPages {
  public:
   explicit SharedPages(std::size_t bytes);
@@ -42,7 +42,7 @@ class SharedPages {
   void* address_;
 };
 
-/// One value in memory of its own that this process and those it forks see at once.
+/// One value in memory shared by this process and its child processes.
 template <class T>
 class Shared {
   static_assert(std::is_trivially_destructible_v<T>);
@@ -57,51 +57,51 @@ class Shared {
   T* value_;
 };
 
-/// The process at the other end of a measurement. Killed if it still runs when this object goes,
-/// and by the kernel if this process dies.
+/// The process at the other end of a measurement. The destructor kills it if it still runs; the
+/// kernel kills it if this process dies.
 class Partner {
  public:
-  /// Forks. The child keeps to one processor, does `work` and ends; what `work` throws is thrown
-  /// here by `join`.   @setup
+  /// Forks a child that is pinned to one processor, does `work` and ends. `join` throws the error
+  /// that `work` throws.   @setup
   Partner(int cpu, const std::function<void()>& work);
   ~Partner();
   Partner(const Partner&) = delete;
   Partner& operator=(const Partner&) = delete;
 
-  /// @throws Error if it has ended   @setup
+  /// @throws Error if the child has ended   @setup
   void expect_alive();
-  /// Waits for its end. @throws Error with the reason if it failed   @setup
+  /// Waits for the child's end. @throws Error with the reason if it failed   @setup
   void join();
 
  private:
-  struct Trouble {
+  struct ErrorText {
     char text[256];
   };
   [[noreturn]] void work_and_end(int cpu, const std::function<void()>& work) noexcept;
   [[noreturn]] void fail() const;
-  Shared<Trouble> trouble_;
+  Shared<ErrorText> error_;
   pid_t pid_ = -1;
 };
 
-/// Bounds a wait that spins.
-class Patience {
+/// Bounds a spinning wait.
+class SpinLimit {
  public:
-  /// @param partner  whose death ends the wait as well; none in the partner itself, which does
-  ///                 not outlive the process that waits for it
-  explicit Patience(Partner* partner = nullptr);
-  /// Called once in every round of the wait. @throws Error if it takes too long, or forever
-  void spend() {
-    if (++rounds_ % kRoundsPerLook == 0) look();
+  /// @param partner  its death also ends the wait; null in the partner itself, which the kernel
+  ///                 kills with its parent
+  explicit SpinLimit(Partner* partner = nullptr);
+  /// Called once in every round of the wait. @throws Error after 10 s or if the partner has ended
+  void count() {
+    if (++rounds_ % kRoundsPerCheck == 0) check();
   }
-  /// What was waited for has come.
-  void restore() { rounds_ = 0; }
+  /// Called when the wait is over.
+  void reset() { rounds_ = 0; }
 
  private:
-  static constexpr std::uint64_t kRoundsPerLook = 1U << 20U;  // some milliseconds
-  void look();
+  static constexpr std::uint64_t kRoundsPerCheck = 1U << 20U;  // a few milliseconds
+  void check();
   Partner* partner_;
   std::uint64_t rounds_ = 0;
-  std::chrono::steady_clock::time_point first_look_;
+  std::chrono::steady_clock::time_point first_check_;
 };
 
 }  // namespace rths::bench

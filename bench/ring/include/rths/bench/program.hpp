@@ -7,9 +7,9 @@
 
 namespace rths::bench {
 
-/// Runs a program to its end and returns what it wrote to standard output; the rest is discarded.
-/// @throws Error if it cannot be started, or takes too long and is killed
+/// Runs a program to its end and returns its standard output; discards its standard error.
+/// @throws Error if it cannot be started; or if it exceeds the time-out, then it is killed
 [[nodiscard]] std::string output_of(const std::vector<std::string>& command,
-                                    std::chrono::seconds patience);
+                                    std::chrono::seconds timeout);
 
 }  // namespace rths::bench

@@ -19,13 +19,12 @@ struct Options {
   std::uint64_t seed = 1;              ///< of the intervals
   std::vector<std::string> rows;       ///< names; empty: all
   std::filesystem::path programs;      ///< folder of the peers' programs
-  /// Folder in which each finished cycle is kept, and from which cycles of an interrupted run are
-  /// taken; empty: none.
+  /// Folder for finished cycles; a later run reuses them. Empty: none.
   std::filesystem::path keep;
-  std::function<void(int cycle, const std::string& row)> progress;  ///< told what is measured next
+  std::function<void(int cycle, const std::string& row)> progress;  ///< called before each row
 };
 
-/// What a run found.
+/// Result of a run.
 struct Report {
   Machine machine;
   int cycles = 0;
@@ -33,16 +32,17 @@ struct Report {
   std::uint64_t seed = 0;
   RawSpread raw;
   std::vector<RowResult> rows;
-  std::vector<std::string> troubles;  ///< why the result is inconclusive, if it is
+  std::vector<std::string> troubles;  ///< reasons why the result is inconclusive
   GateResult result = GateResult::Inconclusive;
 };
 
-/// Measures all rows in cycles, one after the other, each paired with raw right before it. Every
-/// second cycle goes backwards. Two processes spin, never more; this one is among them or sleeps.
+/// Measures all rows one after the other, in several cycles, each row directly after its raw
+/// reference. Every second cycle is in reverse order. At most two processes spin; this process is
+/// one of them or sleeps.
 /// @throws Error if a row is unknown or fails   @setup
 [[nodiscard]] Report run_ring_bench(const Options& options);
 
-/// The report as one JSON document, or as tables for people.
+/// The report as one JSON document, or as tables of text.
 [[nodiscard]] std::string to_json(const Report& report);
 [[nodiscard]] std::string to_text(const Report& report);
 

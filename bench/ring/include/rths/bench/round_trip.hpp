@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The one way in which everything here is timed: two processes on two processors pass a number to
-// and fro. What they pass it through is an end, one in each process:
+// Times round trips: two processes on two processors pass a number back and forth. Each process
+// passes it through an end:
 //
 //     struct End {
-//       void send(std::uint32_t number);      // passes it to the other side
-//       bool arrived(std::uint32_t number);   // looks once whether it has come from there
+//       void send(std::uint32_t number);      // sends it to the other side
+//       bool arrived(std::uint32_t number);   // polls once whether it has arrived from there
 //     };
 #pragma once
 
@@ -23,17 +23,17 @@
 
 namespace rths::bench {
 
-/// Which of the two processes.
+/// One of the two processes.
 enum class Side { Near, Far };
 
 [[nodiscard]] constexpr Side other(Side side) {
   return side == Side::Near ? Side::Far : Side::Near;
 }
 
-/// How a side waits: looks again at once, or lets the processor take a breath.
+/// How a side polls: at once again, or after a pause instruction.
 enum class Poll { Tight, Paused };
 
-/// Where and how long to measure.
+/// Processors and length of a measurement.
 struct Setup {
   Cpus cpus;
   std::uint32_t round_trips = 0;
@@ -41,12 +41,12 @@ struct Setup {
 };
 
 template <Poll poll, class End>
-void await(End& end, std::uint32_t number, Patience& patience) {
+void await(End& end, std::uint32_t number, SpinLimit& limit) {
   while (!end.arrived(number)) {
     if constexpr (poll == Poll::Paused) pause();
-    patience.spend();
+    limit.count();
   }
-  patience.restore();
+  limit.reset();
 }
 
 /// Sleeps until the other side has set `ready`.
@@ -57,7 +57,8 @@ inline void await_ready(const std::atomic<std::uint32_t>& ready, Partner& partne
   }
 }
 
-/// Of the trips there and back, the first tenth is left out: caches and predictors learn there.
+/// One-way times, half of the round trips. Leaves out the first tenth, which warms up caches and
+/// predictors.
 [[nodiscard]] inline Times one_way(const std::vector<std::uint64_t>& trips, double tick) {
   std::vector<double> nanoseconds;
   nanoseconds.reserve(trips.size());
@@ -67,28 +68,28 @@ inline void await_ready(const std::atomic<std::uint32_t>& ready, Partner& partne
 }
 
 /// Times round trips.
-/// @param make_end  makes the end of a side, in that side's process
+/// @param make_end  creates the end of a side, in that side's process
 template <Poll poll = Poll::Tight, class MakeEnd>
 [[nodiscard]] Times round_trips(const Setup& setup, MakeEnd make_end) {
   const Shared<std::atomic<std::uint32_t>> ready;
   Partner far{setup.cpus.far, [&] {
                 auto end = make_end(Side::Far);
-                Patience patience;
+                SpinLimit limit;
                 ready->store(1, std::memory_order_release);
                 for (std::uint32_t n = 1; n <= setup.round_trips; ++n) {
-                  await<poll>(end, n, patience);
+                  await<poll>(end, n, limit);
                   end.send(n);
                 }
               }};
   const Pinned pinned{setup.cpus.near};
   auto end = make_end(Side::Near);
   await_ready(*ready, far);
-  Patience patience{&far};
+  SpinLimit limit{&far};
   std::vector<std::uint64_t> trips(setup.round_trips, 0);
   std::uint64_t before = stamp();
   for (std::uint32_t n = 1; n <= setup.round_trips; ++n) {
     end.send(n);
-    await<poll>(end, n, patience);
+    await<poll>(end, n, limit);
     const std::uint64_t now = stamp();
     trips[n - 1] = now - before;
     before = now;
@@ -97,19 +98,19 @@ template <Poll poll = Poll::Tight, class MakeEnd>
   return one_way(trips, setup.tick);
 }
 
-/// The physical limit: two words, each alone on its cache line, with nothing around them.
+/// The physical limit: two words, each alone on its cache line.
 struct RawLines {
   alignas(128) std::atomic<std::uint32_t> there{0};
   alignas(128) std::atomic<std::uint32_t> back{0};
 
-  /// What a side writes, and what it reads.
+  /// The word that a side writes, and the word that it reads.
   [[nodiscard]] std::atomic<std::uint32_t>& out(Side side) {
     return side == Side::Near ? there : back;
   }
   [[nodiscard]] std::atomic<std::uint32_t>& in(Side side) { return out(other(side)); }
 };
 
-/// A word stored through a plain pointer, as programs for the cards do it.
+/// A word stored through a plain pointer, as in programs for the cards.
 class RawEnd {
  public:
   RawEnd(RawLines& lines, Side side) : out_{lines.out(side)}, in_{lines.in(side)} {}

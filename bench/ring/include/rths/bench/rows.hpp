@@ -12,60 +12,60 @@
 
 namespace rths::bench {
 
-/// What a row takes and what it is compared with, measured one right after the other.
+/// A measurement and its reference, measured directly one after the other.
 struct Pairing {
   Times measured;
   Times reference;
-  double raw = 0;  ///< of a cache line right before, where it is not the reference [ns]; 0: unknown
+  double raw = 0;  ///< time of a cache line, if that is not the reference [ns]; 0: unknown
 };
 
-/// What a row is judged by.
+/// Quantity that a gate bounds.
 enum class Quantity {
-  RatioToRaw,    ///< measured / raw; at most so many
-  RatioToOther,  ///< measured / reference, which is not raw; at most so many
-  Time,          ///< measured [ns]; at most so many
-  ExtraTime,     ///< measured − reference [ns]; at most so many
-  TimesCheaper,  ///< reference / measured; at least so many
-  TimesOurs,     ///< a peer's ratio to raw / that of our row of the same meaning; at least so many
+  RatioToRaw,    ///< measured / raw; upper bound
+  RatioToOther,  ///< measured / reference other than raw; upper bound
+  Time,          ///< measured [ns]; upper bound
+  ExtraTime,     ///< measured − reference [ns]; upper bound
+  TimesCheaper,  ///< reference / measured; lower bound
+  TimesOurs,     ///< a peer's ratio to raw / that of our corresponding row; lower bound
 };
 
-/// What a median is held against.
+/// Bounds of a median.
 struct Gate {
-  double goal = 0;   ///< what is aimed at
-  double limit = 0;  ///< what must hold
+  double goal = 0;   ///< desired value
+  double limit = 0;  ///< required value
 };
 
-/// A program that is not ours and takes part in a row.
+/// Another program that takes part in a row.
 struct Peer {
-  std::string program;  ///< beside the command
-  std::string against;  ///< name of our row that a peer's row is held against
+  std::string program;  ///< file name, beside the command
+  std::string against;  ///< name of our row that a peer's row is compared with
 };
 
 struct Row;
 
-/// Where rows are measured.
+/// Settings that all rows share.
 struct Workbench {
   Setup setup;
   std::filesystem::path programs;  ///< folder of the peers' programs
 };
 
-/// One line of the table: a way to pass data, or to write it, and what is asked of it.
+/// One row of the table: a way to pass or write data, and its gate.
 struct Row {
   std::string name;
   std::uint32_t bytes = 0;
-  std::string what;
-  /// @throws Missing if something that it needs is not here, Error if it fails
+  std::string description;
+  /// @throws Missing if a program that the row needs is missing, Error if the measurement fails
   Pairing (*measure)(const Row&, const Workbench&) = nullptr;
   Quantity quantity = Quantity::RatioToRaw;
   std::optional<Gate> gate = std::nullopt;       ///< of the quantity; none: not judged
   std::optional<Gate> tail_gate = std::nullopt;  ///< of the ratio of the 99 % quantiles
-  std::optional<Peer> peer = std::nullopt;       ///< that takes part in it
+  std::optional<Peer> peer = std::nullopt;       ///< if one takes part
 
-  /// Whether it is a peer that is measured, and not the ring.
+  /// True if the row measures a peer instead of the ring.
   [[nodiscard]] bool is_peers() const { return quantity == Quantity::TimesOurs; }
 };
 
-/// Something that a row needs is not on this machine.
+/// A program that a row needs is not on this machine.
 class Missing : public Error {
  public:
   using Error::Error;
@@ -74,8 +74,9 @@ class Missing : public Error {
 /// All rows, in the order in which they are printed.
 [[nodiscard]] std::vector<Row> all_rows();
 
-/// The rows of these names, all if there are none, and those of ours that peers among them need.
-/// @throws Error that lists the rows there are
+/// The rows with these names, and our rows that peers among them are compared with; all rows if
+/// `names` is empty.
+/// @throws Error with a list of all rows if a name is unknown
 [[nodiscard]] std::vector<Row> select_rows(const std::vector<std::string>& names);
 
 }  // namespace rths::bench

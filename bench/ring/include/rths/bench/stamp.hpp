@@ -11,8 +11,8 @@
 
 namespace rths::bench {
 
-/// A point in time, in ticks of the cheapest clock there is: 10 ns to read on x86, where the
-/// system's clock takes 22 ns.
+/// The time in ticks of the cheapest clock: reading it takes 10 ns on x86; the system's clock takes
+/// 22 ns.
 [[nodiscard]] inline std::uint64_t stamp() noexcept {
 #if defined(__x86_64__)
   return __rdtsc();
@@ -21,8 +21,8 @@ namespace rths::bench {
 #endif
 }
 
-/// The same, once everything before it has been executed, and before anything behind it is. Stores
-/// may still be on their way.
+/// The same, after all earlier instructions and before all later ones. Stores may still be in the
+/// store buffer.
 [[nodiscard]] inline std::uint64_t stamp_between() noexcept {
 #if defined(__x86_64__)
   unsigned processor = 0;
@@ -34,7 +34,7 @@ namespace rths::bench {
 #endif
 }
 
-/// Tells the processor that this loop waits, so that it leaves the line it looks at alone.
+/// Pause instruction of a waiting loop: the processor polls the cache line less often.
 inline void pause() noexcept {
 #if defined(__x86_64__)
   _mm_pause();
@@ -43,7 +43,7 @@ inline void pause() noexcept {
 #endif
 }
 
-/// Length of a tick of `stamp`, held against the system's clock [ns].   @setup
+/// Period of a tick of `stamp`, measured by the system's clock [ns].   @setup
 [[nodiscard]] double measure_tick();
 
 }  // namespace rths::bench

@@ -6,22 +6,22 @@
 
 namespace rths::bench {
 
-/// The value below which a part of the values lies, linear between neighbours.
-/// @param values  at least one, in any order
-/// @param part    0 to 1 [-]
-[[nodiscard]] double quantile(std::vector<double> values, double part);
+/// Quantile of the values, interpolated linearly.
+/// @param values    at least one, in any order
+/// @param fraction  of the values below the quantile, 0 to 1 [-]
+[[nodiscard]] double quantile(std::vector<double> values, double fraction);
 [[nodiscard]] double median(std::vector<double> values);
 
 struct Interval {
   double low = 0, high = 0;
 };
 
-/// Where the median would lie in 95 of 100 repetitions, by resampling the values themselves
-/// (percentile bootstrap). The same seed gives the same interval on every machine.
+/// 95 % interval of the median, by resampling the values (percentile bootstrap). The same seed
+/// gives the same interval on every machine.
 /// @param values  at least one
 [[nodiscard]] Interval median_interval(const std::vector<double>& values, std::uint64_t seed);
 
-/// One-way time of a message, or time of a write: the middle and the tail of many.
+/// Median and 99 % quantile of many one-way times or write times.
 struct Times {
   double p50 = 0, p99 = 0;  ///< [ns]
 };

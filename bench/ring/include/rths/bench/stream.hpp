@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How many messages a second go one way, from a process that sends without rest to one that takes
-// them all. Its ends:
+// Throughput in one direction: one process sends without pause, the other receives every message.
+// Ends:
 //
 //     struct End {
-//       bool offer(std::uint32_t number);  // sends, or says that there is no room for more
-//       bool take(std::uint32_t& number);  // the next message, if there is one
+//       bool offer(std::uint32_t number);  // sends; false if the receiver is too far behind
+//       bool take(std::uint32_t& number);  // receives; false if there is no message
 //     };
 #pragma once
 
@@ -19,9 +19,9 @@
 namespace rths::bench {
 
 /// Times a stream.
-/// @param make_end  makes the end of a side, in that side's process
-/// @returns time of a message, over runs of messages of which none is lost
-/// @throws Error if one is
+/// @param make_end  creates the end of a side, in that side's process
+/// @returns time of a message, over runs of messages
+/// @throws Error if a message is lost
 template <class MakeEnd>
 [[nodiscard]] Times stream_times(const Setup& setup, MakeEnd make_end) {
   constexpr std::uint32_t kRun = 1U << 17U;
@@ -30,12 +30,12 @@ template <class MakeEnd>
   const Shared<std::atomic<std::uint32_t>> received;
   Partner far{setup.cpus.far, [&] {
                 auto end = make_end(Side::Far);
-                Patience patience;
+                SpinLimit limit;
                 ready->store(1, std::memory_order_release);
                 for (std::uint32_t n = 0; n < runs * kRun; ++n) {
                   std::uint32_t number = 0;
-                  while (!end.take(number)) patience.spend();
-                  patience.restore();
+                  while (!end.take(number)) limit.count();
+                  limit.reset();
                   if (number != n) throw Error{"a message was lost"};
                   if ((n + 1) % kRun == 0) received->store(n + 1, std::memory_order_release);
                 }
@@ -43,15 +43,15 @@ template <class MakeEnd>
   const Pinned pinned{setup.cpus.near};
   auto end = make_end(Side::Near);
   await_ready(*ready, far);
-  Patience patience{&far};
+  SpinLimit limit{&far};
   std::vector<double> costs;
   for (std::uint32_t run = 0; run < runs; ++run) {
     const std::uint64_t begun = stamp();
     for (std::uint32_t n = run * kRun; n < (run + 1) * kRun; ++n) {
-      while (!end.offer(n)) patience.spend();
-      patience.restore();
+      while (!end.offer(n)) limit.count();
+      limit.reset();
     }
-    while (received->load(std::memory_order_acquire) != (run + 1) * kRun) patience.spend();
+    while (received->load(std::memory_order_acquire) != (run + 1) * kRun) limit.count();
     costs.push_back(static_cast<double>(stamp() - begun) * setup.tick / kRun);
   }
   far.join();

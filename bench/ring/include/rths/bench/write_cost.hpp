@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a write costs the one who writes, alone or while the other processor reads all the time.
+// Time of a write in the writer, without readers or while the other processor reads continuously.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace rths::bench {
 
-/// Times `write(i)`, i = 0, 1, …, in runs of so many that the clock does not show.
+/// Times `write(i)`, i = 0, 1, …, in runs that are long compared with reading the clock.
 /// @returns time of one write
 template <class Write>
 [[nodiscard]] Times write_times(const Setup& setup, Write write) {
@@ -28,10 +28,10 @@ template <class Write>
 }
 
 /// Times the writes of a record that the other processor reads without pause: each from its first
-/// instruction to its last, less what it takes to look at the clock. What the processor still has
-/// to do then, to bring the stores to where others see them, keeps no writer waiting.
+/// to its last instruction, less the time to read the clock. Draining the store buffer afterwards
+/// does not block the writer and is not included.
 /// @param gap       between two writes [ns]
-/// @param make_end  makes an end with `fill(number)`, `write()` and `read()`, in its side's process
+/// @param make_end  creates an end with `fill(number)`, `write()`, `read()`, in its side's process
 template <class MakeEnd>
 [[nodiscard]] Times write_times_under_reader(const Setup& setup, std::uint32_t gap,
                                              MakeEnd make_end) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A writer's journal: everything it wrote, in order, in shared memory. One writer, any number of
-// readers, none of which it knows of. An entry is published by one 16-byte store, and says itself
-// whether it is there: its lap is that of its position.
+// A writer's journal: all its writes, in order, in shared memory. One writer, any number of
+// readers; the writer does not depend on them. One 16-byte store publishes an entry. An entry is
+// valid if its lap is that of its position.
 //
-// Not for use: here only so that `Node::write` becomes part of the loop that calls it.
+// Internal: in a header so that the compiler can inline `Node::write`.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ enum class EntryKind : std::uint32_t {
   Group = 2,  ///< a: offset of the first word, b: longwords, c: count of the record's write; its
               ///< words follow as Data
   Data = 3,   ///< a, b, c: the next three words of a group
-  Time = 4,   ///< a, b: CLOCK_MONOTONIC [ns], low and high half; what follows is later
+  Time = 4,   ///< a, b: CLOCK_MONOTONIC [ns], low and high half; later entries are later
 };
 
 struct alignas(16) JournalEntry {
@@ -34,18 +34,18 @@ struct alignas(16) JournalEntry {
   [[nodiscard]] EntryKind kind() const noexcept { return static_cast<EntryKind>(tag & 0xFU); }
 };
 
-/// In front of the entries, on a line of its own.
+/// Precedes the entries, on a cache line of its own.
 struct alignas(128) JournalHead {
-  std::uint64_t hint;  ///< a position the writer has passed, at most kHintEvery behind its end
+  std::uint64_t hint;  ///< a position at or before the end, by at most kHintEvery
 };
 static_assert(sizeof(JournalEntry) == 16 && sizeof(JournalHead) == 128);
 
 inline constexpr std::uint64_t kHintEvery = 64;
-inline constexpr std::size_t kWordsPerEntry = 3;  ///< of a group
+inline constexpr std::size_t kWordsPerEntry = 3;  ///< words of a group
 inline constexpr std::uint32_t kLapBits = 28;
 
-/// Where a journal lies, and how long it is.
-struct JournalPlace {
+/// Address and size of a journal.
+struct JournalView {
   JournalHead* head = nullptr;
   JournalEntry* entries = nullptr;
   std::uint32_t bits = 0;  ///< 2^bits entries
@@ -53,7 +53,7 @@ struct JournalPlace {
   [[nodiscard]] JournalEntry& slot(std::uint64_t position) const noexcept {
     return entries[position & ((std::uint64_t{1} << bits) - 1)];
   }
-  /// Of the entry that belongs to a position: never 0 for the first 2^28 laps, then again.
+  /// Lap of a position: counted from 1, modulo 2^28.
   [[nodiscard]] std::uint32_t lap(std::uint64_t position) const noexcept {
     return static_cast<std::uint32_t>((position >> bits) + 1) & ((1U << kLapBits) - 1);
   }
@@ -69,18 +69,19 @@ constexpr std::uint32_t high_half(std::uint64_t both) noexcept {
   return static_cast<std::uint32_t>(both >> 32U);
 }
 
-/// Publishes an entry whole. Everything the thread stored before is visible to whoever sees it.
-/// @param ab, ct  its halves: a and b, c and tag
+/// Publishes an entry atomically. A thread that sees it also sees all earlier stores of this one.
+/// @param ab, ct  the entry's halves: a and b, c and tag
 inline void publish(JournalEntry& to, std::uint64_t ab, std::uint64_t ct) noexcept {
 #ifdef RTHS_ONE_STORE
-  // x86-64 with AVX stores aligned 16 bytes at once, and no store before another. Put together from
-  // halves: by way of memory it would have to wait until everything before it is done.
+  // x86-64 with AVX stores 16 aligned bytes atomically and keeps stores in order. The vector is
+  // built from register halves: a load from memory would wait for the earlier stores.
   std::atomic_signal_fence(std::memory_order_seq_cst);
   _mm_store_si128(reinterpret_cast<__m128i*>(&to),
                   _mm_set_epi64x(static_cast<std::int64_t>(ct), static_cast<std::int64_t>(ab)));
   std::atomic_signal_fence(std::memory_order_seq_cst);
 #else
-  // In three: void, contents, valid. Whoever sees new contents also sees that the old tag is gone.
+  // Three phases: invalidate, contents, tag. A reader of new contents also sees the old tag
+  // cleared.
   auto* words = reinterpret_cast<std::uint32_t*>(&to);
   std::atomic_ref{words[3]}.store(0, std::memory_order_relaxed);
   std::atomic_ref{words[0]}.store(low_half(ab), std::memory_order_release);
@@ -94,7 +95,7 @@ inline void publish(JournalEntry& to, std::uint32_t a, std::uint32_t b, std::uin
   publish(to, halves(a, b), halves(c, tag));
 }
 
-/// Publishes three words of a group. The word behind them is read too, and not used.
+/// Publishes three words of a group. Reads a fourth word and ignores it.
 inline void publish_words(JournalEntry& to, const std::uint32_t* words,
                           std::uint32_t tag) noexcept {
 #ifdef RTHS_ONE_STORE
@@ -109,7 +110,7 @@ inline void publish_words(JournalEntry& to, const std::uint32_t* words,
 #endif
 }
 
-/// Publishes words of a group in as many entries as they take.
+/// Publishes words of a group in `entries_of` entries.
 inline void publish_words(JournalEntry* to, std::span<const std::uint32_t> words,
                           std::uint32_t tag) noexcept {
   const std::size_t count = words.size();
@@ -118,7 +119,7 @@ inline void publish_words(JournalEntry* to, std::span<const std::uint32_t> words
     publish_words(*to++, words.data() + i, tag);
     i += kWordsPerEntry;
   };
-  // The few of a line without a loop, whose end a processor could not foresee.
+  // Short groups without a loop: a processor would mispredict the loop's end.
   if (count > 1 * kWordsPerEntry) three_more();
   if (count > 2 * kWordsPerEntry) three_more();
   if (count > 3 * kWordsPerEntry) three_more();
@@ -128,12 +129,12 @@ inline void publish_words(JournalEntry* to, std::span<const std::uint32_t> words
   publish(*to, word(i), word(i + 1), word(i + 2), tag);
 }
 
-/// How many entries words of a group take.
+/// Number of entries for words of a group.
 [[nodiscard]] constexpr std::size_t entries_of(std::size_t longwords) noexcept {
   return (longwords + kWordsPerEntry - 1) / kWordsPerEntry;
 }
 
-/// How many entries a group takes: its first, and those of its words.
+/// Number of entries of a group: the first, and those of its words.
 [[nodiscard]] constexpr std::uint64_t group_entries(std::size_t longwords) noexcept {
   return 1 + entries_of(longwords);
 }
@@ -142,15 +143,15 @@ inline void publish_words(JournalEntry* to, std::span<const std::uint32_t> words
 class JournalWriter {
  public:
   JournalWriter() = default;
-  /// Goes on where a predecessor ended, however it did.
-  explicit JournalWriter(const JournalPlace& place) noexcept;
+  /// Continues at the end of the journal, also after a predecessor that was killed.
+  explicit JournalWriter(const JournalView& journal) noexcept;
 
   void word(std::uint32_t offset, std::uint32_t value) noexcept {
     JournalEntry* const to = next_;
     publish(*to, halves(offset, value), word_half_);
-    pass(to + 1);
+    advance_to(to + 1);
   }
-  /// A word that somebody else wrote, who has no journal.
+  /// Appends a word that another node wrote without journalling it.
   void word_of(std::uint32_t node, std::uint32_t offset, std::uint32_t value) noexcept {
     append(EntryKind::Word, offset, value, node + 1);
   }
@@ -160,7 +161,7 @@ class JournalWriter {
     const std::size_t entries = group_entries(words.size());
     JournalEntry* const to = next_;
     if (entries >= static_cast<std::size_t>(stop_ - to))
-      return group_over_a_hint(base, words, count);
+      return group_across_hint(base, words, count);
     const std::uint32_t data = tag(EntryKind::Data);
     publish(*to, base, static_cast<std::uint32_t>(words.size()), count, tag(EntryKind::Group));
     publish_words(to + 1, words, data);
@@ -173,32 +174,32 @@ class JournalWriter {
  private:
   void append(EntryKind kind, std::uint32_t a, std::uint32_t b, std::uint32_t c) noexcept {
     publish(*next_, a, b, c, tag(kind));
-    pass(next_ + 1);
+    advance_to(next_ + 1);
   }
   [[nodiscard]] std::uint32_t tag(EntryKind kind) const noexcept {
     return lap_tag_ | static_cast<std::uint32_t>(kind);
   }
-  /// All entries up to here are published, and no hint was passed since the last.
-  void pass(JournalEntry* next) noexcept {
+  /// Sets the next entry; stores a hint if one is due.
+  void advance_to(JournalEntry* next) noexcept {
     next_ = next;
     if (next == stop_) [[unlikely]]
-      turn();
+      publish_hint();
   }
-  void group_over_a_hint(std::uint32_t base, std::span<const std::uint32_t> words,
+  void group_across_hint(std::uint32_t base, std::span<const std::uint32_t> words,
                          std::uint32_t count) noexcept;
-  /// Leaves a hint, and begins the next lap where this one ends.
-  void turn() noexcept;
+  /// Stores the position as a hint; begins a new lap at the end of the journal.
+  void publish_hint() noexcept;
   void begin_at(std::uint64_t position) noexcept;
   [[nodiscard]] std::uint64_t position() const noexcept {
-    return lap_begin_ + static_cast<std::uint64_t>(next_ - place_.entries);
+    return lap_begin_ + static_cast<std::uint64_t>(next_ - journal_.entries);
   }
 
   JournalEntry* next_ = nullptr;
-  JournalEntry* stop_ = nullptr;  ///< where the next hint is due
-  std::uint64_t word_half_ = 0;   ///< the half of a word's entry that is the same for a lap
+  JournalEntry* stop_ = nullptr;  ///< the next hint is due here
+  std::uint64_t word_half_ = 0;   ///< half of a word's entry; constant during a lap
   std::uint32_t lap_tag_ = 0;
   std::uint64_t lap_begin_ = 0;  ///< position of the lap's first entry
-  JournalPlace place_;
+  JournalView journal_;
 };
 
 }  // namespace rths::broker

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Waking those who sleep until somebody writes. A writer pays one load of a line that nobody
-// touches while nobody sleeps. Not for use: see journal_writer.hpp.
+// Wakes processes that sleep until the next write. A writer needs one load of a cache line that
+// does not change while no process sleeps. Internal: see journal_writer.hpp.
 #pragma once
 
 #include <atomic>
@@ -9,17 +9,18 @@
 
 namespace rths::broker {
 
-/// Shared by all processes of a ring: two lines, so that sleepers do not disturb each other's word.
+/// Shared by all processes of a ring. Two cache lines: setting a bit does not disturb the futex
+/// word.
 struct alignas(64) Wake {
-  std::uint32_t calls = 0;                 ///< futex word: counts wake-ups
-  alignas(64) std::uint32_t sleepers = 0;  ///< slots that sleep, or are about to, a bit each
+  std::uint32_t calls = 0;                 ///< futex word: number of wake-ups
+  alignas(64) std::uint32_t sleepers = 0;  ///< one bit per slot that sleeps or is about to
 };
 static_assert(sizeof(Wake) == 128);
 
-/// The slow part of `wake_sleepers`.
+/// The slow path of `wake_sleepers`.
 void wake_all(Wake& wake) noexcept;
 
-/// After a write.
+/// Wakes all sleepers; called after each write.
 inline void wake_sleepers(Wake& wake) noexcept {
   if (std::atomic_ref{wake.sleepers}.load(std::memory_order_relaxed) != 0) wake_all(wake);
 }

@@ -14,9 +14,9 @@
 
 namespace rths::diagnosis {
 
-/// Terms at one place of a model, as a composition on one axis in units of its own, and which of
-/// their parameters are free.
-class TermPlace {
+/// Terms at one component of a model, with their free parameters. They form a composition on one
+/// axis, in the component's own units.
+class ComponentTerms {
  public:
   struct Free {
     std::size_t parameter;  ///< of the composition
@@ -24,19 +24,19 @@ class TermPlace {
     double scale;           ///< SI per unit
   };
 
-  TermPlace() = default;
+  ComponentTerms() = default;
   /// @param terms  in SI; their names must differ
-  /// @throws Error if they cannot stand here   @setup
-  TermPlace(const std::vector<sim::TermSettings>& terms, const UnitScales& scales,
-            double time_step);
+  /// @throws Error if the terms do not form a composition   @setup
+  ComponentTerms(const std::vector<sim::TermSettings>& terms, const UnitScales& scales,
+                 double time_step);
 
   [[nodiscard]] const sim::Composition& composition() const { return composition_; }
   [[nodiscard]] const UnitScales& scales() const { return scales_; }
-  /// Lets a parameter follow a free one. @throws Error if there is none of this name   @setup
+  /// Binds a parameter to a free one. @throws Error if no parameter has this name   @setup
   void bind(const std::string& term, const std::string& parameter, Eigen::Index free);
   [[nodiscard]] const std::vector<Free>& free() const { return free_; }
 
-  /// Parameters of the composition at values of the hypothesis' free ones [SI].
+  /// Parameters of the composition for values of the hypothesis' free parameters [SI].
   template <class Real>
   [[nodiscard]] std::vector<Real> parameters(const std::vector<Real>& values) const {
     std::vector<Real> result(composition_.parameters().begin(), composition_.parameters().end());
@@ -51,25 +51,28 @@ class TermPlace {
   std::vector<Free> free_;
 };
 
-/// Terms through which a signal passes, one after the other. It poses as a displacement where the
-/// catalogue's terms move things, and as a force where they measure.
+/// Applies a chain of terms to a signal, one after the other. The signal is a displacement for
+/// terms of the stages actuator and motion, and a force for sensor terms.
 /// @param signal  changed in place [SI]
 /// @param values  of the hypothesis' free parameters [SI]
-void pass(const TermPlace& chain, const std::vector<double>& values, double start,
+void pass(const ComponentTerms& chain, const std::vector<double>& values, double start,
           std::vector<double>& signal);
-void pass(const TermPlace& chain, const std::vector<sim::Dual>& values, double start,
+void pass(const ComponentTerms& chain, const std::vector<sim::Dual>& values, double start,
           std::vector<sim::Dual>& signal);
 
-/// The terms of a chain, ready for `TermPlace`: on one axis, the signal made a force in the middle.
+/// Prepares the terms of a chain for `ComponentTerms`: limits them to one axis, and adds a unit
+/// spring that turns the signal from a displacement into a force.
 [[nodiscard]] std::vector<sim::TermSettings> as_chain(std::vector<sim::TermSettings> terms);
 
-/// The terms of a connection whose linear spring and damper are known elsewhere. If one of them
-/// changes the motion itself (play), spring and damper must see that too: they are put in here, as
-/// the first two bound parameters, and `holds_linear` says so.
+/// Terms of a connection whose linear spring and damper belong to the linear system.
 struct ConnectionTerms {
   std::vector<sim::TermSettings> terms;
+  /// The terms include the spring and damper. A term that changes the motion (play) must act on
+  /// them too, so they become terms, named kLinearSpring and kLinearDamper.
   bool holds_linear = false;
 };
+/// Prepares the terms of a connection. @throws Error for a term that is not a force between two
+/// points   @setup
 [[nodiscard]] ConnectionTerms as_connection(std::vector<sim::TermSettings> terms);
 
 inline constexpr std::string_view kLinearSpring = "its stiffness";

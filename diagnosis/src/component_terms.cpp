@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "term_place.hpp"
+#include "component_terms.hpp"
 
 #include <algorithm>
 
@@ -21,7 +21,7 @@ sim::TermSettings on_one_axis(sim::TermSettings term) {
 }
 
 template <class Real>
-void pass_through(const TermPlace& chain, const std::vector<Real>& values, double start,
+void pass_through(const ComponentTerms& chain, const std::vector<Real>& values, double start,
                   std::vector<Real>& signal) {
   const auto& composition = chain.composition();
   const std::vector<Real> parameters = chain.parameters(values);
@@ -39,26 +39,27 @@ void pass_through(const TermPlace& chain, const std::vector<Real>& values, doubl
 
 }  // namespace
 
-TermPlace::TermPlace(const std::vector<sim::TermSettings>& terms, const UnitScales& scales,
-                     double time_step)
+ComponentTerms::ComponentTerms(const std::vector<sim::TermSettings>& terms,
+                               const UnitScales& scales, double time_step)
     : scales_{scales} {
   std::vector<sim::TermSettings> scaled;
   for (const auto& term : terms) scaled.push_back(in_units(term, scales));
   composition_ = sim::Composition{scaled, time_step / scales.time};
 }
 
-void TermPlace::bind(const std::string& term, const std::string& parameter, Eigen::Index free) {
-  const std::size_t place = composition_.parameter_index(term, parameter);
+void ComponentTerms::bind(const std::string& term, const std::string& parameter,
+                          Eigen::Index free) {
+  const std::size_t index = composition_.parameter_index(term, parameter);
   for (const auto& candidate : composition_.terms())
     if (candidate.name == term)
-      free_.push_back({place, free, scales_.of(parameter_of(*candidate.kind, parameter).unit)});
+      free_.push_back({index, free, scales_.of(parameter_of(*candidate.kind, parameter).unit)});
 }
 
-void pass(const TermPlace& chain, const std::vector<double>& values, double start,
+void pass(const ComponentTerms& chain, const std::vector<double>& values, double start,
           std::vector<double>& signal) {
   pass_through(chain, values, start, signal);
 }
-void pass(const TermPlace& chain, const std::vector<sim::Dual>& values, double start,
+void pass(const ComponentTerms& chain, const std::vector<sim::Dual>& values, double start,
           std::vector<sim::Dual>& signal) {
   pass_through(chain, values, start, signal);
 }
@@ -68,8 +69,7 @@ std::vector<sim::TermSettings> as_chain(std::vector<sim::TermSettings> terms) {
     const sim::Stage stage = sim::term_kind(term.kind).stage;
     if (stage != sim::Stage::Actuator && stage != sim::Stage::Motion && stage != sim::Stage::Sensor)
       throw Error{fmt::format(
-          "'{}' is a force; on a signal there may be terms of the stages actuator, motion and "
-          "sensor",
+          "'{}' is a force; a signal takes terms of the stages actuator, motion and sensor",
           term.kind)};
     term = on_one_axis(std::move(term));
   }
@@ -85,7 +85,7 @@ ConnectionTerms as_connection(std::vector<sim::TermSettings> terms) {
     if (stage == sim::Stage::Actuator || stage == sim::Stage::Sensor ||
         stage == sim::Stage::Vertical)
       throw Error{
-          fmt::format("'{}' is no force between two points; there may be terms of the "
+          fmt::format("'{}' is not a force between two points; a connection takes terms of the "
                       "stages motion, modifier, restoring and machine",
                       term.kind)};
     result.holds_linear |= stage == sim::Stage::Motion;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "complaint.hpp"
+#include "warning.hpp"
 
 #include <array>
 #include <cstdio>
@@ -8,11 +8,11 @@
 
 namespace rths::scramnet {
 
-void complain_once(const char* where, const char* message) noexcept {
+void warn_once(const char* where, const char* message) noexcept {
   static std::mutex mutex;
-  static std::array<const char*, 16> said{};
+  static std::array<const char*, 16> warned{};
   const std::lock_guard lock{mutex};
-  for (const char*& entry : said) {
+  for (const char*& entry : warned) {
     if (entry != nullptr && std::strcmp(entry, where) == 0) return;
     if (entry != nullptr) continue;
     entry = where;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mend.hpp"
+#include "repair.hpp"
 
 #include <atomic>
 #include <vector>
@@ -14,8 +14,9 @@ std::atomic_ref<std::uint32_t> journalled(Group& group) {
   return std::atomic_ref{group.journalled};
 }
 
-// Its writer died between the entry and the mark that says so: then it is the journal's last.
-bool is_last_entry(const JournalPlace& journal, const Group& group, std::uint32_t count) {
+// True if the writer died after it journalled the group and before it marked it as journalled: then
+// the group is the journal's last entry.
+bool is_last_entry(const JournalView& journal, const Group& group, std::uint32_t count) {
   const std::uint64_t end = end_of(journal);
   const std::uint64_t length = group_entries(group.longwords);
   JournalEntry entry;
@@ -25,14 +26,14 @@ bool is_last_entry(const JournalPlace& journal, const Group& group, std::uint32_
 
 }  // namespace
 
-// A writer goes through record, memory and journal in this order.
-bool mend_group(Segment& segment, Group& group, const JournalPlace& journal) {
+// A writer writes record, memory and journal in this order.
+bool repair_group(Segment& segment, Group& group, const JournalView& journal) {
   std::uint32_t* record = segment.record(group);
   std::uint32_t* memory = segment.words() + group.base;
-  if (!is_kept(record)) return false;
+  if (!is_enabled(record)) return false;
   std::vector<std::uint32_t> words(group.longwords);
   if (is_torn(record, group.longwords)) {
-    // The write before, which was journalled. Said first: a mender may die too.
+    // Restores the previous write, which was journalled. Marks it first: this process may die too.
     const std::uint32_t count = count_of(record);
     journalled(group).store(next_count(count), std::memory_order_release);
     load_words(words, memory);
@@ -47,7 +48,7 @@ bool mend_group(Segment& segment, Group& group, const JournalPlace& journal) {
   return journalled(group).load() != count;
 }
 
-void journal_mended_group(Segment& segment, Group& group, JournalWriter& journal) {
+void journal_repaired_group(Segment& segment, Group& group, JournalWriter& journal) {
   std::uint32_t* record = segment.record(group);
   std::vector<std::uint32_t> words(group.longwords);
   if (!read_record(record, words)) return;

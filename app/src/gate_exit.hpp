@@ -7,7 +7,7 @@
 
 namespace rths::app {
 
-/// 0 if everything holds, 1 if this machine cannot tell, 2 if something does not.
+/// @returns 0 for a pass, 1 if inconclusive on this host, 2 for a fail
 inline ExitCode exit_code(bench::GateResult result) {
   if (result == bench::GateResult::Pass) return kOk;
   return result == bench::GateResult::Fail ? kFailure : kConditionNotMet;

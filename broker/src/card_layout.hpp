@@ -5,14 +5,14 @@
 
 namespace rths::broker {
 
-// A card in the ring's object, sparse until it is used:
+// Layout of a card in the ring's object, sparse until it is used:
 //
 //   0                  registers and queues          kCardRegisterBytes
 //   acr_at             auxiliary control RAM (ACR)   a longword for each longword of memory
-//   then               the words' last known values  the same; only of words that interrupt
+//   behind it          last known values of words    the same; only of words that interrupt
 //
-// What is in them is the business of broker/scramnet. GT cards, the ones that may be larger than
-// kLargestPlusMemory, have registers only.
+// broker/scramnet defines the content. GT cards, which may be larger than kLargestPlusMemory, have
+// registers only.
 inline constexpr std::uint64_t kCardRegisterBytes = 128U << 10U;
 inline constexpr std::uint64_t kLargestPlusMemory = 8U << 20U;
 
@@ -20,7 +20,7 @@ inline constexpr std::uint64_t kLargestPlusMemory = 8U << 20U;
   constexpr std::uint64_t kPage = 4096;
   return memory_bytes > kLargestPlusMemory ? 0 : (memory_bytes + kPage - 1) / kPage * kPage;
 }
-[[nodiscard]] constexpr std::uint64_t card_room(std::uint64_t memory_bytes) noexcept {
+[[nodiscard]] constexpr std::uint64_t card_size(std::uint64_t memory_bytes) noexcept {
   return kCardRegisterBytes + 2 * acr_bytes(memory_bytes);
 }
 

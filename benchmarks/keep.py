@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""Writes result files that `./lab bench --full` does not make, to benchmarks/results or --into FOLDER.
+
+usage: keep.py demo REPORT                 report.json of `./lab demo --headless --solver numerical`
+       keep.py examples RTHS               runs examples in virtual time and bearing loops with the command RTHS
+       keep.py kills TESTS                 TESTS: the file that a test program wrote with
+       keep.py real_recordings TESTS         --gtest_output=json:TESTS
+       keep.py opensees_comparison TESTS
+
+Standard library only. tests/style/figures.py compares the pages with these files.
+"""
+import argparse
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+from results_file import RESULTS, TREE, commit, machine, stamp, write
+
+RUN_KEYS = ("name", "clock", "processes", "duration_s", "integration_step_s", "control_rate_hz", "overruns",
+            "slow_downs", "slow_downs_excused", "host_late_max_ms", "steps_excused", "conclusive",
+            "predict_ms_mean", "correct_ms_mean", "axes")
+COLD = {  # no heating, friction independent of velocity
+    "lprb": ["lead_heating.enabled=false"],
+    "eqsb": ["friction_heating.enabled=false", "velocity_dep_sliding.enabled=false"],
+    "tpfb": ["triple_pendulum.heat_share=0"] + [f"triple_pendulum.low_velocity_reduction_{i}=0" for i in (1, 2, 3)],
+}
+AXIAL_LISTED = {"LeadRubberXVerticalStiffness", "LeadRubberXFourEffects", "LeadRubberXAllEffects",
+                "LeadRubberXAllEffectsAndCooling", "LeadRubberXBeyondBuckling"}
+LOOPS = {"lprb": (0.210, 0.3), "eqsb": (0.152, 0.3), "tpfb": (0.584, 0.1)}  # amplitude [m], frequency [Hz]
+
+
+def lowest_and_highest(floors, ratio, band):
+    values = [floor[ratio][band] for floor in floors.values() if ratio in floor]
+    return {"lowest": min(values), "highest": max(values)} if values else None
+
+
+def of_diagnosis(verdict):
+    """The figures of a verdict that pages quote."""
+    def half_width(interval):
+        return (interval[1] - interval[0]) / 2
+    causes = [{"name": cause["name"], "part": cause["part"], "confidence": cause["confidence"],
+               "parameters": {name: values | {"half_width": half_width(values["ci95"])}
+                              for name, values in cause["parameters"].items()},
+               "alternatives": [other["name"] for other in cause["alternatives"]]} for cause in verdict["causes"]]
+    explained = re.search(r"explains (\d+) %", verdict["sentence"])
+    return {"verdict": verdict["verdict"], "sentence": verdict["sentence"], "confidence": verdict["confidence"],
+            "explained_percent": int(explained[1]) if explained else None,
+            "part": verdict["where"]["part"], "causes": causes, "fit": verdict["fit"]}
+
+
+def of_run(report):
+    """The figures of a run's report.json that pages quote."""
+    result = {key: report[key] for key in RUN_KEYS}
+    result["floors_6_to_11_Hz"] = {ratio: lowest_and_highest(report["floors"], ratio, "6_to_11_Hz")
+                                   for ratio in ("hybrid_over_numerical", "hybrid_over_improved")}
+    if report.get("diagnosis"):
+        result["diagnosis"] = of_diagnosis(report["diagnosis"])
+    return result
+
+
+def third_cycle(rths, bearing, changes):
+    """Peak force and strength [kN] of the third full cycle of a bearing's loop."""
+    amplitude, frequency = LOOPS[bearing]
+    options = [part for change in changes for part in ("--set", change)]
+    loop = subprocess.run([rths, "loop", bearing, "--amplitude-m", str(amplitude), "--frequency-Hz", str(frequency),
+                           *options], capture_output=True, text=True, check=True)
+    cycle, peak, strength, *_ = loop.stdout.split("\n")[4].split()
+    if cycle != "3":
+        raise SystemExit(f"rths loop {bearing}: expected cycle 3 in the fifth line, found:\n{loop.stdout}")
+    return {"peak_kN": float(peak), "strength_kN": float(strength)}
+
+
+def examples(rths):
+    """Results of the examples in virtual time, which are the same on every run."""
+    def run(example, *options):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([rths, "run", str(TREE / "examples" / example), "--clock", "virtual", "--out", folder,
+                            *options], check=True, stdout=subprocess.DEVNULL)
+            return of_run(json.loads((pathlib.Path(folder) / "report.json").read_text()))
+    return {
+        "runs": {
+            "lprb": run("srmd_lprb_2d.toml"),
+            "lprb_full_model": run("srmd_lprb_2d.toml", "--no-diagnosis",
+                                   "--set", "model.specimen.lead_heating.enabled=true",
+                                   "--set", "model.machine.load_dependent_friction.enabled=true"),
+            "eqsb": run("srmd_eqsb_2d.toml", "--no-diagnosis"),
+            "tpfb": run("srmd_tpfb_2d.toml", "--no-diagnosis"),
+            "mismatch_tracking": run("mismatch_tracking_2d.toml"),
+            "mismatch_tracking_slow": run("mismatch_tracking_2d.toml", "--no-diagnosis", "--set", "rate=2"),
+            "mismatch_coupling": run("mismatch_coupling.toml"),
+        },
+        "loops": {bearing: {"all_effects": third_cycle(rths, bearing, []),
+                            "cold": third_cycle(rths, bearing, COLD[bearing])} for bearing in LOOPS},
+    }
+
+
+def tests_of(file):
+    """Tests of a --gtest_output=json file with their recorded properties; stops if one failed or was skipped."""
+    known = {"name", "file", "line", "status", "result", "timestamp", "time", "classname", "value_param"}
+    for suite in json.loads(pathlib.Path(file).read_text())["testsuites"]:
+        for test in suite["testsuite"]:
+            name = f"{suite['name']}.{test['name']}"
+            if "failures" in test or test["result"] != "COMPLETED":
+                raise SystemExit(f"{file}: {name} is {test['result']}"
+                                 f"{', failed' if 'failures' in test else ''}; expected a passed test")
+            yield name, {key: number(value) for key, value in test.items() if key not in known}
+
+
+def number(text):
+    """A property as a number, if it is one."""
+    if re.fullmatch(r"-?\d+", str(text)):
+        return int(text)
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def kills(file):
+    """Kills of writers, summed over the lengths of a group; the slowest repair of the three."""
+    rows = {name.rsplit("/", 1)[1]: values for name, values in tests_of(file) if "kills" in values}
+    sums = {key: sum(row[key] for row in rows.values()) for key in ("kills", "stopped", "reads", "torn", "hung", "lost")}
+    return sums | {"repair_p99_ms": max(row["repair_p99_ms"] for row in rows.values()), "by_length": rows}
+
+
+def real_recordings(file):
+    """Verdicts on recordings; `emps_without_coulomb_friction`: with these terms barred, named by the first."""
+    rows = {}
+    for _, values in tests_of(file):
+        if "recording" in values:
+            without = values.pop("without")
+            rows[values["recording"] + (f"_without_{without}" if without else "")] = values
+    return {"recordings": rows}
+
+
+def opensees_comparison(file):
+    """NRMSE [%] of each row and path; the largest of axial force where the page lists no other."""
+    rows = {name.rsplit("/", 1)[-1].split(".")[0]: values for name, values in tests_of(file) if values}
+    largest = max(value for name, values in rows.items() if name not in AXIAL_LISTED
+                  for key, value in values.items() if key.endswith("_axial_percent"))
+    return {"largest_axial_percent": largest, "rows": rows}
+
+
+def main():
+    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples,
+              "kills": kills, "real_recordings": real_recordings, "opensees_comparison": opensees_comparison}
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("name", choices=makers)
+    arguments.add_argument("file", help="the file or command to read from")
+    arguments.add_argument("--into", type=pathlib.Path, default=RESULTS)
+    options = arguments.parse_args()
+    result = makers[options.name](options.file)
+    write(options.into / f"{options.name}.json", stamp(commit()) | {"machine": machine()} | result)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
