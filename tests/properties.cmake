@@ -18,7 +18,7 @@ rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED "example
 rths_tests(rths_diagnosed_run_test "^(VerticalCoupling|DetunedTracking)\\." COST 18)
 rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." COST 8)
 rths_tests(rths_real_data_test "\\.(SilverboxHas|MrDamperHas)" COST 20)
-rths_tests(rths_real_data_test "\\.(SilverboxWithout|MrDamperWithout|Friction)" COST 10)
+rths_tests(rths_real_data_test "\\.(SilverboxWithout|MrDamperWithout|FrictionDeviceHas)" COST 10)
 rths_tests(rths_next_test_test "^Intervals\\." COST 15)
 rths_tests(rths_rule_test "." COST 10)
 rths_tests(rths_diagnosis_test "^Diagnosis\\." COST 6)

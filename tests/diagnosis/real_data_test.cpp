@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings of laboratories, each with a simple model: what is missing is named unaided, its size
-// is that of the literature, and it is proven on a record that it was not fitted to. Without the
-// term in the catalogue the answer is that something unknown is missing, and of what it depends on.
+// Recordings of laboratories, each with a simple model. The diagnosis names the missing term, finds
+// its published size and confirms it on a record that was not fitted. Without that term in the
+// catalogue, the verdict is "unknown" and describes the variables that the residual depends on.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,7 +22,7 @@ using Names = std::vector<std::string>;
 
 class RealData : public testing::Test {
  protected:
-  // Reads the case of tests/diagnosis/real/<name>; skips if its recordings are not there.
+  // Reads the case tests/diagnosis/real/<name>; skips the test if its recordings are missing.
   void open(const std::string& name) {
     recording_ = name;
     if (!fs::exists(test::source_tree() / "../shared/data"))
@@ -37,7 +37,7 @@ class RealData : public testing::Test {
     std::printf("  %s\n  %.1f s\n", verdict.sentence.c_str(), verdict.seconds);
     return verdict;
   }
-  // Over all held-out records together: each counts with the energy of what it measured.
+  // Over all held-out records, weighted with the energy of their measured signals.
   [[nodiscard]] double held_out(const Verdict& verdict, double RecordScore::*error) const {
     double errors = 0, all = 0;
     for (const auto& score : verdict.fit) {
@@ -50,7 +50,7 @@ class RealData : public testing::Test {
     }
     return std::sqrt(errors / all);
   }
-  void print_concealment(const Verdict& verdict) const {
+  void print_refit(const Verdict& verdict) const {
     std::printf("  stated %.3f, fitted without %.3f, with %.4f\n",
                 held_out(verdict, &RecordScore::nrmse_stated),
                 held_out(verdict, &RecordScore::nrmse_before),
@@ -90,7 +90,7 @@ class RealData : public testing::Test {
     }
     if (!verdict.descriptions.empty()) RecordProperty("description", verdict.descriptions[0].form);
   }
-  // Of the channel that is predicted, its mean taken out.
+  // Of the predicted channel, without its mean.
   static double energy_of(const Record& record) {
     const Channel* channel = nullptr;
     for (const char* role : {"force.long", "displacement.long", "output.y"})
@@ -139,7 +139,7 @@ TEST_F(RealData, EmpsHasCoulombFrictionAndAnOffsetAsPublished) {
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.046);
 }
 
-TEST_F(RealData, EmpsRubsMoreBackwardsThanForwards) {
+TEST_F(RealData, EmpsHasMoreFrictionBackwardsThanForwards) {
   open("emps");
   if (IsSkipped()) return;
 
@@ -150,8 +150,8 @@ TEST_F(RealData, EmpsRubsMoreBackwardsThanForwards) {
   EXPECT_EQ(verdict.causes[0].name, "coulomb_friction");
   EXPECT_EQ(verdict.causes.back().name, "asymmetric_viscous");
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.036);
-  print_concealment(verdict);
-  // What is missing hides: without dry friction, the viscous one seems twice what it is.
+  print_refit(verdict);
+  // Without dry friction in the model, the fitted viscous friction is about twice its value.
   ASSERT_EQ(verdict.refitted.size(), 2U);
   EXPECT_GT(verdict.refitted[1].before, 1.9 * 203.5034);
 }
@@ -177,7 +177,7 @@ TEST_F(RealData, SilverboxHasACubicSpring) {
   ASSERT_FALSE(verdict.causes.empty());
   EXPECT_EQ(verdict.causes[0].name, "cubic_stiffness");
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.0102);
-  print_concealment(verdict);
+  print_refit(verdict);
 }
 
 TEST_F(RealData, SilverboxWithoutItInTheCatalogueIsUnknownAndDependsOnDisplacement) {
@@ -192,7 +192,7 @@ TEST_F(RealData, SilverboxWithoutItInTheCatalogueIsUnknownAndDependsOnDisplaceme
   EXPECT_EQ(verdict.descriptions[0].form, "f(u)");
 }
 
-// The recordings of the example come with the sources.
+// The example's recordings are part of the source tree.
 class ActuatorExample : public RealData {
  protected:
   ActuatorExample() {
@@ -201,7 +201,7 @@ class ActuatorExample : public RealData {
   }
 };
 
-TEST_F(ActuatorExample, LagsAndIsNotJustLate) {
+TEST_F(ActuatorExample, LagsAndIsNotOnlyDelayed) {
   const Verdict verdict = diagnosed();
 
   EXPECT_EQ(verdict.outcome, Outcome::Missing);
@@ -211,7 +211,7 @@ TEST_F(ActuatorExample, LagsAndIsNotJustLate) {
               verdict.causes[0].name == "actuator_bandwidth")
       << verdict.causes[0].name;
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.054);
-  print_concealment(verdict);
+  print_refit(verdict);
 }
 
 TEST_F(ActuatorExample, WithoutLagsInTheCatalogueIsUnknownAndDependsOnVelocity) {
@@ -224,7 +224,7 @@ TEST_F(ActuatorExample, WithoutLagsInTheCatalogueIsUnknownAndDependsOnVelocity) 
       << verdict.descriptions[0].form;
 }
 
-TEST_F(RealData, MrDamperHasFrictionThatItsCurrentSets) {
+TEST_F(RealData, MrDamperHasFrictionThatDependsOnItsCurrent) {
   open("mr_damper");
   if (IsSkipped()) return;
 
@@ -235,7 +235,7 @@ TEST_F(RealData, MrDamperHasFrictionThatItsCurrentSets) {
   EXPECT_EQ(verdict.causes[0].name, "current_dependent_friction");
   EXPECT_GT(value_of(verdict, "current_dependent_friction.force_per_current"), 800);
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.156);
-  print_concealment(verdict);
+  print_refit(verdict);
 }
 
 TEST_F(RealData, MrDamperWithoutItInTheCatalogueIsUnknownAndDependsOnVelocityAndCurrent) {
@@ -251,7 +251,7 @@ TEST_F(RealData, MrDamperWithoutItInTheCatalogueIsUnknownAndDependsOnVelocityAnd
   EXPECT_EQ(verdict.descriptions[0].form, "sgn(v) g(I)");
 }
 
-TEST_F(RealData, FrictionDeviceRubsBehindPlay) {
+TEST_F(RealData, FrictionDeviceHasFrictionBehindPlay) {
   open("brfd");
   if (IsSkipped()) return;
 
@@ -264,7 +264,7 @@ TEST_F(RealData, FrictionDeviceRubsBehindPlay) {
   EXPECT_GT(play, 2e-3);
   EXPECT_LT(play, 7e-3);
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.185);
-  print_concealment(verdict);
+  print_refit(verdict);
 }
 
 TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownAndDependsOnVelocity) {

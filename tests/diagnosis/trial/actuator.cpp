@@ -69,8 +69,8 @@ void Actuator::advance_oil(Lag& oil, const Lag& piston) const {
   oil.rate = rate;
 }
 
-// The spring between piston and platen follows the load, its own inertia force included:
-//     s = χ F,  F = load + m (a - s''),  seen through a critically damped lag.
+// The spring between piston and platen deforms under the load and the platen's inertia force:
+//     s = χ F,  F = load + m (a - s''),  through a critically damped lag.
 void Actuator::advance_yielding(std::size_t axis, double acceleration, double load) {
   const double compliance = physics_[kCompliance];
   Lag& yielding = yielding_[axis];

@@ -9,17 +9,17 @@ namespace trial {
 
 /// Two horizontal actuators with their servo loops: transport delay, then
 ///     x'' = ω² (c - x) - 2 ζ ω x',
-/// then what stands between the piston and the platen.
+/// then the oil column and the compliance between piston and platen.
 class Actuator {
  public:
   Actuator(const Physics& physics, double step);
 
-  /// @param command  towards which the controller's ramp has come at the end of this step; it
-  /// reaches what was sent one sample later, which is part of the transport delay [m]
-  /// @param load  that the platen resists with, inertia left out [N]
+  /// @param command  value of the controller's ramp at the end of this step; the ramp reaches the
+  /// sent command one sample later, which the transport delay includes [m]
+  /// @param load  resistance of the platen without its inertia [N]
   void advance(const Plane& command, const Plane& load);
 
-  /// How the platen moves.
+  /// Motion of the platen.
   struct Motion {
     Plane displacement{}, velocity{}, acceleration{};
   };

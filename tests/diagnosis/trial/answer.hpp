@@ -8,13 +8,13 @@
 
 namespace trial {
 
-/// How much of the truth is computed.
+/// Content of an answer.
 enum class TruthDepth {
-  None,  ///< what is concealed, with its numbers
-  Full,  ///< information, separations, place and floor too
+  None,  ///< the concealed effects with their parameters
+  Full,  ///< also information, separations, place and noise floor
 };
 
-/// What a case conceals, as JSON.
+/// Returns the concealed effects of a case, as JSON.
 std::string answer(const TrialCase& trial, TruthDepth depth);
 
 }  // namespace trial

@@ -19,7 +19,7 @@ Plane loop_rate(const Physics& p, double yield, const Plane& z, const Plane& du)
     const std::size_t j = 1 - i;
     const double square = z[i] * z[i] + coupling * z[j] * z[j];
     const double work = z[i] * du[i] + coupling * z[j] * du[j];
-    // With full coupling it is that of the other axis too.
+    // With full coupling both axes have the same value.
     if (i == 0 || coupling != 1) sharp = square > 0 ? std::pow(square, 0.5 * p[kExponent] - 1) : 0;
     const double sign = work > 0 ? 1 : -1;
     rate[i] = (du[i] - z[i] * sharp * work * (1 - p[kBeta] + p[kBeta] * sign)) / yield;
@@ -33,7 +33,7 @@ void heun(const Physics& p, double yield, Plane& z, const Plane& du) {
   for (std::size_t i = 0; i < 2; ++i) z[i] += 0.5 * (first[i] + second[i]);
 }
 
-// Play: follows only when pushed by an edge of the gap.
+// Play: the bearing moves only if an edge of the gap pushes it.
 double pushed(double before, double platen, double gap) {
   return std::clamp(before, platen - 0.5 * gap, platen + 0.5 * gap);
 }
@@ -42,7 +42,7 @@ double pushed(double before, double platen, double gap) {
 
 Bearing::Bearing(const Physics& physics, double step) : physics_(physics), step_(step) {}
 
-// Where the gap is open the bearing rests at zero force; where it is closed the stiff seat pushes.
+// With an open gap the bearing rests at zero force; a closed gap is a stiff contact.
 Plane Bearing::with_slack(const Plane& platen) const {
   const double tangent = physics_[kStiffness] + physics_[kStrength] / physics_[kYieldDisplacement];
   const double half = 0.5 * physics_[kSlack];
@@ -76,7 +76,7 @@ void Bearing::advance_loops(const Plane& increment) {
   remember(increment, {loop_[0] - before[0], loop_[1] - before[1]});
 }
 
-// States that only some effects read.
+// State variables of single effects.
 void Bearing::remember(const Plane& increment, const Plane& turned) {
   const double yield = physics_[kYieldDisplacement];
   const double length = std::hypot(increment[0], increment[1]);
@@ -92,10 +92,10 @@ void Bearing::remember(const Plane& increment, const Plane& turned) {
   }
   for (std::size_t k = 0; k < shape_.size(); ++k) {
     if (physics_[kShape1 + k] == 0) continue;
-    const double way = length / kShapeLengths[k];
+    const double path = length / kShapeLengths[k];
     for (std::size_t i = 0; i < 2; ++i) {
       const double ahead = length > 0 ? increment[i] / length : 0;
-      shape_[k][i] += (ahead - shape_[k][i]) * way / (1 + 0.5 * way);  // trapezoidal
+      shape_[k][i] += (ahead - shape_[k][i]) * path / (1 + 0.5 * path);  // trapezoidal
     }
   }
 }

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr std::array<const char*, 3> kFiles{"fit.csv", "second.csv", "unseen.csv"};
 constexpr double kPerKilo = 1e-3;
 
-// Appends numbers without the detour through streams: most of a case's time would go there.
+// Appends numbers without streams, which would take most of a case's time.
 class Row {
  public:
   explicit Row(std::string& text) : text_(text) {}
@@ -46,11 +46,11 @@ void write(const fs::path& file, const std::string& text) {
 
 std::string csv(const Record& record) {
   constexpr double kCommandResolution = 1e-6;  // [m]
-  constexpr std::size_t kUsualRow = 80;
+  constexpr std::size_t kTypicalRow = 80;      // [bytes]
   std::string text =
       "t [s],c_x [m],c_y [m],u_x [m],u_y [m],a_x [m/s2],a_y [m/s2],F_x [kN],F_y [kN],"
       "N [kN]\n";
-  text.reserve(text.size() + kUsualRow * record.force.size());
+  text.reserve(text.size() + kTypicalRow * record.force.size());
   for (std::size_t k = 0; k < record.force.size(); ++k) {
     Row row{text};
     row.cell(static_cast<double>(k) * kSampleTime);

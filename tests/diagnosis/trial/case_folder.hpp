@@ -7,7 +7,7 @@
 
 namespace trial {
 
-/// Writes all that a diagnosis may see: case.toml and three recordings.
+/// Writes the input of a diagnosis: case.toml and three recordings.
 void write_case_folder(const TrialCase& trial, const std::filesystem::path& folder);
 
 }  // namespace trial

@@ -9,7 +9,7 @@
 
 namespace trial {
 
-/// Which recorded quantities an effect contradicts when all else is as measured.
+/// The recorded quantities between which an effect shows.
 enum class Relation {
   Force,      ///< motion of the platen → force
   Kinematic,  ///< displacement ↔ acceleration
@@ -18,23 +18,23 @@ enum class Relation {
 
 enum class Home { Library, Outside };
 
-/// From where to where a parameter of an effect is drawn.
+/// Range from which a parameter of an effect is drawn.
 struct Draw {
   Parameter parameter;
-  double low, high;          ///< of the standard size
-  bool is_size = false;      ///< the effect grows from nothing with it
-  bool either_sign = false;  ///< mirrored at random
+  double low, high;          ///< at the standard size
+  bool is_size = false;      ///< the effect vanishes as this parameter becomes absent
+  bool either_sign = false;  ///< with a random sign
 };
 
 struct Effect {
-  std::string_view name;     ///< as in the library of the diagnosis
+  std::string_view name;     ///< of the generator; score/names.py maps it to the diagnosis
   std::string_view part;     ///< bearing, machine, actuator, sensor
-  std::string_view channel;  ///< in which it is seen
+  std::string_view channel;  ///< that shows the effect
   Relation relation;
   std::vector<Draw> draws;
   Home home = Home::Library;
-  std::string_view form = "";  ///< for effects outside the library: what may be said of it
-  std::string_view kin = "";   ///< a term that libraries may have by now and that describes it
+  std::string_view form = "";  ///< expected description of an effect outside the library
+  std::string_view kin = "";   ///< term of a later library that describes the effect
 };
 
 std::vector<Effect> bearing_effects();
@@ -44,16 +44,16 @@ std::vector<Effect> other_sensor_effects();
 std::vector<Effect> actuator_effects();
 std::vector<Effect> outside_effects();
 
-/// All of the above, made once.
+/// All effects above.
 const std::vector<Effect>& effects();
 
 /// @throws std::invalid_argument
 const Effect& effect(std::string_view name);
 
-/// Puts the effect, `size` times its standard size, into the physics.
+/// Adds the effect to the physics, at `size` times its standard size.
 void add(const Effect& effect, double size, Random& random, Physics& physics);
 
-/// Takes it out again.
+/// Removes the effect from the physics.
 void remove(const Effect& effect, Physics& physics);
 
 }  // namespace trial

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects.hpp"
 
-// What the library of the diagnosis knows of the specimen and the machine around it. The sizes are
-// those of the trials that this one follows, where they had them.
+// Effects of specimen and machine that are in the library of the diagnosis. Sizes follow earlier
+// trials where these have the effect.
 namespace trial {
 namespace {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects.hpp"
 
-// What the library of the diagnosis did not know when these trials began. Where a term has come in
-// since that describes one of them, it is named beside it.
+// Effects that were not in the library of the diagnosis when these trials began. The last argument
+// names a later term that describes the effect.
 namespace trial {
 namespace {
 

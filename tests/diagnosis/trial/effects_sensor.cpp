@@ -24,7 +24,7 @@ std::vector<Effect> force_sensor_effects() {
       load_cell("crosstalk_vertical", {{kVerticalX, 0.002, 0.008, kSize, kEitherSign},
                                        {kVerticalY, 0.002, 0.008, kSize, kEitherSign}}),
       load_cell("force_time_skew", {{kSkew, 1e-3, 5e-3, kSize}}),
-      // A clock that runs wrong may have begun wrong as well; this one began right.
+      // Terms for a wrong clock rate may have an initial skew; here it is zero.
       load_cell("clock_drift", {{kClock, 60e-6, 200e-6, kSize}, {kSkew, 0, 0, kSize}}),
       load_cell("filter_lag", {{kLag, 1e-3, 4e-3, kSize}}),
       load_cell("absolute_value_sensor", {{kAbsolute, 0.01, 0.05, kSize}}),

@@ -15,10 +15,10 @@ constexpr double kVerticalFrequency = 2 * std::numbers::pi * 8;  ///< of the str
 constexpr double kVerticalDamping = 0.1;
 
 double at(const std::vector<double>& signal, double step, double time) {
-  const double place = time / step;
-  if (place < 0 || place >= static_cast<double>(signal.size() - 1)) return 0;
-  const std::size_t index = static_cast<std::size_t>(place);
-  const double share = place - static_cast<double>(index);
+  const double position = time / step;
+  if (position < 0 || position >= static_cast<double>(signal.size() - 1)) return 0;
+  const std::size_t index = static_cast<std::size_t>(position);
+  const double share = position - static_cast<double>(index);
   return signal[index] + share * (signal[index + 1] - signal[index]);
 }
 
@@ -27,7 +27,7 @@ double taper(double time, double length) {
   return 0.5 - 0.5 * std::cos(std::numbers::pi * edge);
 }
 
-// Where the strongest stretch of that length begins, or 0 if all fits [s].
+// Start of the strongest section of that length; 0 if the whole motion fits [s].
 double strongest_start(const GroundMotion& motion, double length) {
   const std::size_t window = static_cast<std::size_t>(length / motion.step);
   if (window >= motion.first.size()) return 0;
@@ -67,17 +67,17 @@ void fill_ground(const GroundMotion& motion, Excitation& excitation) {
   }
 }
 
-// The vertical mode of the structure presses on the bearing.
+// The vertical mode of the structure varies the axial load of the bearing.
 void fill_axial_load(const GroundMotion& motion, double largest, Excitation& excitation) {
   const double length = kRecordLength - kQuietTime;
   const double start = strongest_start(motion, length);
-  const std::vector<double>& source = motion.has_vertical ? motion.vertical : motion.first;
+  const std::vector<double>& component = motion.has_vertical ? motion.vertical : motion.first;
   const double pace = motion.has_vertical ? 1 : 1.6;
   double value = 0, rate = 0, peak = 0;
   for (std::size_t k = 0; k < kSamples; ++k) {
     const double time = static_cast<double>(k) * kSampleTime - kQuietTime;
     const double ground =
-        time < 0 ? 0 : taper(time, length) * at(source, motion.step, pace * (start + time));
+        time < 0 ? 0 : taper(time, length) * at(component, motion.step, pace * (start + time));
     const double restoring = kVerticalFrequency * kVerticalFrequency * value +
                              2 * kVerticalDamping * kVerticalFrequency * rate;
     rate += kSampleTime * (-ground - restoring);
@@ -103,12 +103,12 @@ double reach_of(const Excitation& excitation, double scale) {
   return reach;
 }
 
-// The reach grows with the scale, though not in proportion, and sometimes by a jump: bisection.
+// By bisection: the reach grows with the scale, but not linearly and sometimes by a jump.
 double scale_for(const Excitation& excitation, double reach) {
-  constexpr int kMostTries = 12;
+  constexpr int kMaxTries = 12;
   constexpr double kCloseEnough = 0.03;
   double low = 0.05, high = 10;
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMaxTries; ++i) {
     const double scale = std::sqrt(low * high);
     const double ratio = reach_of(excitation, scale) / reach;
     if (std::abs(ratio - 1) < kCloseEnough) return scale;

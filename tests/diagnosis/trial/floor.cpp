@@ -16,7 +16,7 @@ double mean(const Signal& signal, std::size_t begin, std::size_t end) {
   return sum / static_cast<double>(end - begin);
 }
 
-// One record as it is seen from outside.
+// The measured motion and force of one record.
 class Measured {
  public:
   Measured(const TrialCase& trial, std::size_t record)

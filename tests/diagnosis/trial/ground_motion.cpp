@@ -51,7 +51,7 @@ std::vector<GroundMotion> read_folder(const fs::path& folder) {
   return motions;
 }
 
-// Noise between about 0.3 and 2 Hz that grows and fades like `like`.
+// Noise between about 0.3 and 2 Hz with the envelope of `like`.
 std::vector<double> modulated_noise(const std::vector<double>& like, double step, Random& random) {
   const double fast = std::exp(-2 * std::numbers::pi * 2 * step);
   const double slow = std::exp(-2 * std::numbers::pi * 0.3 * step);

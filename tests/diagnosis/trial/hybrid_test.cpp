@@ -19,7 +19,7 @@ double peak(const std::vector<Sample>& samples, double (*size)(const Sample&)) {
   return largest;
 }
 
-// Two channels of one kind, with their noise.
+// Noise of a quantity's two channels.
 struct Pair {
   Pair(const NoiseColour& colour, Random& random)
       : noise{Noise{colour, kSampleTime, random}, Noise{colour, kSampleTime, random}} {}
@@ -69,26 +69,27 @@ void Laboratory::sample(Record& record) {
   const Plane u_noise = displacement_.next(random_), a_noise = acceleration_.next(random_);
   const Plane f_noise = force_.next(random_);
   const Physics& p = physics_;
-  const Plane heard = load_cell_.recorded(), felt = accelerometer(p, now_);
+  const Plane force = load_cell_.recorded(), acceleration = accelerometer(p, now_);
   record.truth.push_back(now_);
   record.load.push_back(load_);
   record.fine_displacement.push_back(sampled(now_.displacement, u_noise, kDisplacementResolution));
-  record.fine_acceleration.push_back(sampled(felt, a_noise, kAccelerationResolution));
-  record.fine_force.push_back(sampled(heard, f_noise, kForceResolution));
+  record.fine_acceleration.push_back(sampled(acceleration, a_noise, kAccelerationResolution));
+  record.fine_force.push_back(sampled(force, f_noise, kForceResolution));
   record.axial_load.push_back(
       quantised(now_.axial_load + axial_load_.next(random_), kAxialResolution));
-  // Coarse steps replace the usual resolution: nothing is rounded twice.
+  // Coarse steps replace the default resolution: no value is rounded twice.
   record.displacement.push_back(p[kDisplacementStep] > 0
                                     ? sampled(now_.displacement, u_noise, p[kDisplacementStep])
                                     : record.fine_displacement.back());
   record.acceleration.push_back(p[kAccelerationStep] > 0
-                                    ? sampled(felt, a_noise, p[kAccelerationStep])
+                                    ? sampled(acceleration, a_noise, p[kAccelerationStep])
                                     : record.fine_acceleration.back());
-  record.force.push_back(p[kForceStep] > 0 ? sampled(heard, f_noise, p[kForceStep])
+  record.force.push_back(p[kForceStep] > 0 ? sampled(force, f_noise, p[kForceStep])
                                            : record.fine_force.back());
-  // The controller takes the platen's inertia out of the force, as it believes it to be.
+  // The controller subtracts its own estimate of the platen's inertia force.
   for (std::size_t i = 0; i < 2; ++i)
-    feedback_[i] = load_cell_.at_once()[i] + f_noise[i] - kPlatenMass[i] * (felt[i] + a_noise[i]);
+    feedback_[i] =
+        load_cell_.undelayed()[i] + f_noise[i] - kPlatenMass[i] * (acceleration[i] + a_noise[i]);
 }
 
 void Laboratory::step(const Plane& ground, const Plane& reference, double axial_load) {
@@ -135,7 +136,7 @@ Record Laboratory::run(const Excitation& excitation) {
   return record;
 }
 
-// The amplifier now and then keeps its last value.
+// The amplifier holds its last value at random times.
 void drop_out(double length, Random random, std::vector<Plane>& force) {
   if (length <= 0) return;
   constexpr int kTimes = 20;

@@ -43,7 +43,7 @@ void Json::number(double value) {
     return;
   }
   std::array<char, 32> buffer{};
-  // Whole numbers keep all of their digits.
+  // Integers keep all their digits.
   constexpr double kLargestWhole = 1e15;
   const bool is_whole = value == std::trunc(value) && std::abs(value) < kLargestWhole;
   const auto end = is_whole ? std::to_chars(buffer.data(), buffer.data() + buffer.size(),

@@ -7,7 +7,7 @@
 
 namespace trial {
 
-/// Writes JSON as it goes; the caller opens and closes in order.
+/// Writes JSON sequentially; the caller opens and closes objects in order.
 class Json {
  public:
   void open(std::string_view key = "");  ///< an object

@@ -10,7 +10,7 @@ namespace {
 
 using Matrix = std::vector<std::vector<double>>;
 
-// Gauss's elimination with pivots; a singular system gives a step of zero where it is.
+// Gaussian elimination with pivots. A singular column gives a step of zero.
 std::vector<double> solved(Matrix A, std::vector<double> b) {
   const std::size_t n = b.size();
   for (std::size_t k = 0; k < n; ++k) {
@@ -40,13 +40,13 @@ std::vector<Signal> quotients(const std::function<Signal(const Physics&)>& resid
                               const Signal& here) {
   std::vector<Signal> columns;
   for (const Parameter parameter : parameters) {
-    constexpr double kPart = 0.1;  // of the step that matters
-    double step = kPart * info(parameter).step;
+    constexpr double kFraction = 0.1;  // of the significant step
+    double step = kFraction * info(parameter).step;
     if (at[parameter] + step > info(parameter).high) step = -step;
     Physics beside = at;
     beside[parameter] += step;
     Signal column = difference(residual(beside), here);
-    for (double& value : column) value /= kPart * (step < 0 ? -1 : 1);
+    for (double& value : column) value /= kFraction * (step < 0 ? -1 : 1);
     columns.push_back(std::move(column));
   }
   return columns;
@@ -86,7 +86,7 @@ std::vector<double> step_of(const Normal& normal, double damping) {
 }
 
 constexpr int kTries = 5;
-constexpr double kRelax = 5, kTighten = 8;  // of the damping after success and failure
+constexpr double kRelax = 5, kTighten = 8;  // of the damping after success, failure
 
 }  // namespace
 

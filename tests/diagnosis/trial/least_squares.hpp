@@ -13,13 +13,13 @@ double dot(const Signal& one, const Signal& other);
 
 Signal difference(const Signal& one, const Signal& other);
 
-/// What a set of signals spans.
+/// The subspace that a set of signals spans.
 class Subspace {
  public:
-  /// Nothing happens if it lies in what is spanned already, or is zero.
+  /// Adds a signal; has no effect if the signal is zero or lies in the subspace.
   void add(const Signal& signal);
 
-  /// @returns the part of a signal that no member of the set makes
+  /// @returns the component of a signal orthogonal to the subspace
   [[nodiscard]] Signal outside(const Signal& signal) const;
 
  private:
@@ -31,7 +31,7 @@ struct Fit {
   double cost = 0;  ///< sum of squares
 };
 
-/// Levenberg and Marquardt's method with difference quotients, within the parameters' bounds.
+/// Levenberg–Marquardt with difference quotients, within the parameters' bounds.
 Fit fit(const std::function<Signal(const Physics&)>& residual,
         const std::vector<Parameter>& parameters, const Physics& start, int iterations);
 

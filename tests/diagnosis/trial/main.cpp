@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Makes blind trials for a diagnosis: recordings of bearing tests in which one physical effect, or
-// none, or one that no library has, is concealed. It shares no code with what it tries.
+// Makes blind trials for a diagnosis: recordings of bearing tests that conceal one physical effect,
+// an effect outside the library, or none. Shares no code with the diagnosis.
 #include <charconv>
 #include <chrono>
 #include <fstream>
@@ -22,13 +22,13 @@ namespace fs = std::filesystem;
 constexpr std::string_view kUsage =
     "trial_generator --seed S --cases N --out DIR [options]\n"
     "  --tier A|B|C|D|E  standard, small, noisy, pairs, wrong loop (A)\n"
-    "  --only K          make case K alone; it is the same as among the others\n"
-    "  --truth           compute information, separations, place and noise floor too\n"
-    "  --list            tell which effect each case conceals, make nothing\n"
-    "  --effects         tell which effects there are\n"
+    "  --only K          make only case K, the same as in the whole set\n"
+    "  --truth           also compute information, separations, place and noise floor\n"
+    "  --list            list the effect of each case without making it\n"
+    "  --effects         list all effects\n"
     "  --motions DIR     ground motions (../shared/data/ground_motions)\n"
-    "  --records DIR     used where that is absent (examples/records)\n"
-    "Case K goes to DIR/case_K, what it conceals to DIR/answers/case_K.json.\n";
+    "  --records DIR     used if the former are absent (examples/records)\n"
+    "Writes case K to DIR/case_K and its answer to DIR/answers/case_K.json.\n";
 
 struct Options {
   std::uint64_t seed = 1, cases = 0;
@@ -126,8 +126,8 @@ void run(const Options& options) {
   }
   if (options.out.empty() || last == first) throw std::invalid_argument(std::string(kUsage));
   if (!fs::is_directory(options.motions))
-    std::cout << options.motions.string() << " is not there: variants of "
-              << options.records.string() << " with modulated noise instead\n";
+    std::cout << options.motions.string() << " is missing: uses variants of "
+              << options.records.string() << " with modulated noise\n";
   const auto motions = trial::read_ground_motions(options.motions, options.records);
   for (std::uint64_t k = first; k < last; ++k)
     make({options.seed, k, options.tier}, motions, options);

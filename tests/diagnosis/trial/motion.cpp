@@ -22,7 +22,7 @@ double crossover(const ChannelNoise& noise) {
 
 double smooth(double frequency) { return 1 / (1 + std::pow(frequency / kMotionBand, 8)); }
 
-// One axis of a motion from the channels of its displacement and acceleration.
+// One axis of a motion from its displacement and acceleration channels.
 //     U = U_m (1 - H) - A H / (2 π f)²,  H = f⁴ / (f⁴ + f_c⁴)
 void fuse(const Signal& displacement, const Signal& acceleration, double corner, std::size_t axis,
           Motion& motion) {

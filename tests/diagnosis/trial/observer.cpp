@@ -38,7 +38,7 @@ Signal deviation_of(const std::vector<Signal>& draws) {
 template <std::size_t N>
 using Lags = std::array<double, N>;
 
-// Levinson's recursion: from the autocovariance to the predictor and what it leaves.
+// Levinson's recursion: from the autocovariance to the predictor and its error variance.
 template <std::size_t Order>
 double predictor(const Lags<Order + 1>& covariance, Lags<Order>& keeps) {
   double left = covariance[0];
@@ -76,7 +76,7 @@ void Observer::learn_force_noise(const Physics& physics) {
                   error[k][1] - exact[k][1] + y.next(random)};
     for (std::size_t i = 0; i < 2; ++i) draws[i].push_back(compared(axis_of(error, i), kModelStep));
   }
-  constexpr double kRidge = 0.02;  // there is nothing above the band: not to be blown up
+  constexpr double kRidge = 0.02;  // the signal has no energy above the band: limits the gain there
   for (std::size_t i = 0; i < 2; ++i) {
     whitener_[i].deviation = deviation_of(draws[i]);
     Lags<kOrder + 1> covariance{};
@@ -107,7 +107,7 @@ Signal Observer::whitened_force(const std::vector<Plane>& force, double sample_t
   return both;
 }
 
-// Two-sided, of the channel that the relation looks at given the other one.
+// Two-sided noise density of the relation's channel, given the other channel.
 double Observer::density(double frequency_Hz) const {
   const double omega = 2 * std::numbers::pi * frequency_Hz;
   const double omega4 = std::pow(omega, 4);
@@ -115,7 +115,7 @@ double Observer::density(double frequency_Hz) const {
       noise_.displacement.density(frequency_Hz) + resolution_density(kDisplacementResolution);
   const double a =
       noise_.acceleration.density(frequency_Hz) + resolution_density(kAccelerationResolution);
-  // The acceleration contradicts the displacement, or both tell where the platen is.
+  // Kinematic compares the two channels; otherwise both measure the platen's position.
   return relation_ == Relation::Kinematic ? a + omega4 * u : 1 / (1 / u + omega4 / a);
 }
 

@@ -8,20 +8,21 @@
 
 namespace trial {
 
-/// What of an effect shows in one record, in units of the noise that hides it.
+/// The visible signal of an effect in one record, in units of the noise.
 ///
-/// Every signal is that of both axes, the lateral one behind the longitudinal one, at kCompareRate.
+/// Every signal holds the longitudinal axis, then the lateral one, at kCompareRate.
 class Observer {
  public:
-  /// Of a force the noise is that of the load cell and what the noise of the motion makes of the
-  /// bearing's force: its size follows the stiffness in time, its colour is autoregressive. Of
-  /// displacement and acceleration it is the noise of the one against the other.
+  /// The noise of a force is that of the load cell plus the effect of motion noise on the bearing's
+  /// force: its size follows the stiffness over time, its colour is autoregressive. The noise of
+  /// displacement and acceleration is that of their difference.
   Observer(const TrialCase& trial, std::size_t record, Relation relation);
 
-  /// What would be seen at the same motion under that physics, whitened.
+  /// Returns the whitened signal under that physics and the same motion.
   [[nodiscard]] Signal seen(const Physics& physics) const;
 
-  /// Difference of the record to one with the usual resolution and no samples lost, whitened.
+  /// Returns the whitened difference between the record and one with the default resolution and no
+  /// lost samples.
   [[nodiscard]] Signal seen_of_recorder() const;
 
   [[nodiscard]] const Record& record() const { return record_; }

@@ -7,8 +7,8 @@
 
 namespace trial {
 
-/// Every number of the synthetic laboratory's physics. Those of an effect that is not there stand
-/// at `absent`.
+/// The parameters of the synthetic laboratory's physics. Parameters of an absent effect have their
+/// value `absent`.
 enum Parameter : std::size_t {
   // bearing
   kStiffness,
@@ -124,7 +124,7 @@ enum Parameter : std::size_t {
 struct ParameterInfo {
   Parameter parameter;
   std::string_view name, unit;
-  double absent;     ///< no effect, or the usual shape of one that has none
+  double absent;     ///< value without the effect; for a shape parameter, its default
   double step;       ///< for difference quotients
   double low, high;  ///< bounds of a fit
 };
@@ -140,12 +140,12 @@ inline constexpr double kStandardGravity = 9.80665;  ///< [m/s²], CGPM 1901
 inline constexpr double kReferenceLoad = 8e6;        ///< N_0, axial load at rest [N]
 inline constexpr std::array<double, 2> kPlatenMass{113.3e3, 116.8e3};  ///< long, lat [kg]
 inline constexpr double kRecordLength = 40;                            ///< [s]
-inline constexpr double kQuietTime = 2;                                ///< nothing moves before [s]
-inline constexpr double kSampleTime = 1e-3;                            ///< [s]
-inline constexpr std::size_t kSubsteps = 10;                           ///< internal, per sample
-inline constexpr std::size_t kSamples = 40000;                         ///< of one record
+inline constexpr double kQuietTime = 2;         ///< rest before the motion starts [s]
+inline constexpr double kSampleTime = 1e-3;     ///< [s]
+inline constexpr std::size_t kSubsteps = 10;    ///< internal, per sample
+inline constexpr std::size_t kSamples = 40000;  ///< of one record
 
-/// The actuator as it was bought and as the compensator believes it to be.
+/// Nominal actuator, as the compensator assumes it.
 inline constexpr double kTransportDelay = 4e-3;   ///< [s]
 inline constexpr double kActuatorFrequency = 12;  ///< [Hz]
 inline constexpr double kActuatorDamping = 0.85;  ///< [-]

@@ -11,19 +11,19 @@ namespace trial {
 
 inline constexpr std::size_t kTimeCell = 16;       ///< samples at kCompareRate: 0.256 s
 inline constexpr std::size_t kStateCells = 9;      ///< along displacement and along velocity
-inline constexpr double kStateDisplacement = 0.2;  ///< the outermost cells begin and end here [m]
+inline constexpr double kStateDisplacement = 0.2;  ///< outer edge of the cells on both sides [m]
 inline constexpr double kStateVelocity = 0.8;      ///< [m/s]
 
-/// Edges of the third octaves, the first of which begins at zero [Hz].
+/// Edges of the third octaves; the first one begins at zero [Hz].
 std::vector<double> third_octaves();
 
-/// Smallest sets of cells that hold 80 % of a signal's energy, in rising order.
+/// Smallest sets of cells that hold 80 % of a signal's energy, in ascending order.
 struct Place {
   std::vector<std::size_t> time, frequency;
   std::vector<std::size_t> state;  ///< displacement cell times kStateCells plus velocity cell
 };
 
-/// @param signal  both axes, the lateral one behind the longitudinal one, at kCompareRate
+/// @param signal  longitudinal axis, then lateral axis, at kCompareRate
 Place place_of(const Signal& signal, const Record& record);
 
 }  // namespace trial

@@ -8,17 +8,17 @@
 namespace trial {
 namespace {
 
-// Dahl's law (1968) along a step, in parts that Heun's rule can follow.
+// Dahl's law (1968) along a step, in substeps small enough for Heun's rule.
 //     ds = (du - s |du|) / z_s
 double dahl(double slip, double increment, double presliding) {
-  constexpr double kPart = 0.25;
-  constexpr double kMostParts = 40;
+  constexpr double kSubstep = 0.25;  // of the presliding displacement
+  constexpr double kMaxSubsteps = 40;
   if (increment == 0) return slip;
-  const double parts =
-      std::clamp(std::ceil(std::abs(increment) / (kPart * presliding)), 1.0, kMostParts);
-  const double du = std::min(std::abs(increment) / (parts * presliding), 1.0);
+  const double substeps =
+      std::clamp(std::ceil(std::abs(increment) / (kSubstep * presliding)), 1.0, kMaxSubsteps);
+  const double du = std::min(std::abs(increment) / (substeps * presliding), 1.0);
   const double ahead = increment > 0 ? 1 : -1;
-  for (int i = 0; i < static_cast<int>(parts); ++i) {
+  for (int i = 0; i < static_cast<int>(substeps); ++i) {
     const double first = (ahead - slip) * du;
     slip += 0.5 * (first + (ahead - slip - first) * du);
   }
@@ -46,7 +46,7 @@ double Platen::friction(std::size_t axis, const Boundary& platen) const {
   return (force + p[kWear] * path_[axis]) * slip_[axis];
 }
 
-// A stop that stands beyond a corner: it is met only by going both ways at once.
+// A stop beyond a corner: contact needs displacement along both axes at once.
 double Platen::corner(std::size_t axis, const Boundary& platen) const {
   const Plane towards{physics_[kCornerSide] * platen.displacement[0], platen.displacement[1]};
   const double depth = std::min(towards[0], towards[1]) - physics_[kCornerPlace];

@@ -7,7 +7,7 @@
 namespace trial {
 namespace {
 
-// Fills the state from one word, as the authors of xoshiro advise.
+// Fills the state from one word, as the authors of xoshiro recommend.
 std::uint64_t split_mix(std::uint64_t& word) {
   word += 0x9e3779b97f4a7c15U;
   std::uint64_t mixed = word;
@@ -21,7 +21,7 @@ std::uint64_t split_mix(std::uint64_t& word) {
 Random::Random(std::uint64_t seed, std::uint64_t stream) : state_{} {
   std::uint64_t word = seed;
   word = split_mix(word) ^ stream;
-  for (std::uint64_t& part : state_) part = split_mix(word);
+  for (std::uint64_t& element : state_) element = split_mix(word);
 }
 
 std::uint64_t Random::bits() {

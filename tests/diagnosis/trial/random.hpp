@@ -10,7 +10,7 @@ namespace trial {
 /// Pseudo-random numbers that are the same on every machine: xoshiro256++ (Blackman & Vigna 2019).
 class Random {
  public:
-  /// Streams of one seed know nothing of each other.
+  /// Streams of one seed are independent.
   Random(std::uint64_t seed, std::uint64_t stream);
 
   std::uint64_t bits();

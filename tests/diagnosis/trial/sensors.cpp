@@ -73,13 +73,13 @@ void LoadCell::advance(const Plane& force, const Boundary& platen) {
   const Plane crossed{force[0] + p[kCrossXY] * force[1], force[1] + p[kCrossYX] * force[0]};
   newest_ = (newest_ + 1) % history_.size();
   for (std::size_t i = 0; i < 2; ++i) {
-    double said = crossed[i] + p[kVerticalX + i] * (platen.axial_load - kReferenceLoad);
-    said *= 1 + p[kGainX + i];
-    said += p[kDriftX + i] * platen.time / kRecordLength;
-    said = std::clamp(said, -p[kClipLimit], p[kClipLimit]);
-    at_once_[i] = said + p[kAbsolute] * (std::abs(said) - said);
+    double output = crossed[i] + p[kVerticalX + i] * (platen.axial_load - kReferenceLoad);
+    output *= 1 + p[kGainX + i];
+    output += p[kDriftX + i] * platen.time / kRecordLength;
+    output = std::clamp(output, -p[kClipLimit], p[kClipLimit]);
+    undelayed_[i] = output + p[kAbsolute] * (std::abs(output) - output);
     const double share = p[kLag] > 0 ? -std::expm1(-step_ / p[kLag]) : 1;
-    lagged_[i] += share * (at_once_[i] - lagged_[i]);
+    lagged_[i] += share * (undelayed_[i] - lagged_[i]);
     history_[newest_][i] = lagged_[i];
   }
 }
@@ -91,20 +91,20 @@ Plane LoadCell::recorded() const {
   const std::size_t back = history_.size() - static_cast<std::size_t>(whole);
   const Plane& later = history_[(newest_ + back) % history_.size()];
   const Plane& earlier = history_[(newest_ + back - 1) % history_.size()];
-  Plane heard{};
+  Plane recorded{};
   for (std::size_t i = 0; i < 2; ++i)
-    heard[i] = later[i] + (age - whole) * (earlier[i] - later[i]) + physics_[kOffsetX + i];
-  return heard;
+    recorded[i] = later[i] + (age - whole) * (earlier[i] - later[i]) + physics_[kOffsetX + i];
+  return recorded;
 }
 
 Plane accelerometer(const Physics& p, const Boundary& platen) {
-  Plane said{};
+  Plane output{};
   for (std::size_t i = 0; i < 2; ++i)
-    said[i] = (1 + p[kAccelerationGainX + i]) * platen.acceleration[i] +
-              kStandardGravity * p[kTiltX + i] * platen.displacement[i] +
-              p[kAccelerationDriftX + i] * platen.time / kRecordLength +
-              p[kAccelerationOffsetX + i];
-  return said;
+    output[i] = (1 + p[kAccelerationGainX + i]) * platen.acceleration[i] +
+                kStandardGravity * p[kTiltX + i] * platen.displacement[i] +
+                p[kAccelerationDriftX + i] * platen.time / kRecordLength +
+                p[kAccelerationOffsetX + i];
+  return output;
 }
 
 }  // namespace trial

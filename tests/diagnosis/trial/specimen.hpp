@@ -7,21 +7,21 @@ namespace trial {
 
 using Plane = std::array<double, 2>;  ///< long, lat
 
-/// How the platen moves, and what the vertical actuators press, at an instant.
+/// Motion of the platen and axial load at one instant.
 struct Boundary {
   double time = 0;                                   ///< [s]
   Plane displacement{}, velocity{}, acceleration{};  ///< [m], [m/s], [m/s²]
   double axial_load = kReferenceLoad;                ///< > 0 compresses [N]
 };
 
-/// The lead-rubber bearing and how it is mounted.
+/// The lead-rubber bearing and its mounting.
 ///     F = K u + Q z,   u_y dz_i = du_i - z_i r_i^(n-2) w_i (1 - β + β sgn w_i)
 ///     r_i² = z_i² + η z_j²,   w_i = z_i du_i + η z_j du_j
 class Bearing {
  public:
   explicit Bearing(const Physics& physics, double step);
 
-  /// @returns its force, for the displacement of what it is mounted on [N]
+  /// @returns the bearing's force at the displacement of its mounting [N]
   Plane advance(const Boundary& platen);
 
   [[nodiscard]] const Plane& loop_state() const { return loop_; }  ///< z [-]
@@ -41,12 +41,12 @@ class Bearing {
   double plastic_path_ = 0, largest_ = 0;
 };
 
-/// What lies between the bearing and the load cell beside it.
+/// The machine's components between bearing and load cell.
 class Platen {
  public:
   explicit Platen(const Physics& physics) : physics_(physics) {}
 
-  Plane advance(const Boundary& platen);  ///< @returns its force [N]
+  Plane advance(const Boundary& platen);  ///< @returns the force [N]
 
  private:
   [[nodiscard]] double friction(std::size_t axis, const Boundary& platen) const;

@@ -21,7 +21,7 @@ void reverse_bits(Spectrum& spectrum) {
 
 void butterfly(std::complex<double>& even, std::complex<double>& odd,
                const std::complex<double>& w) {
-  // Written out: the library's product looks for infinities.
+  // Written out: the library's complex product checks for infinities.
   const std::complex<double> turned{odd.real() * w.real() - odd.imag() * w.imag(),
                                     odd.real() * w.imag() + odd.imag() * w.real()};
   odd = even - turned;

@@ -5,7 +5,7 @@
 
 namespace trial {
 
-/// The numerical substructure: for each horizontal axis a base on the bearing and a storey on it.
+/// The numerical substructure: for each horizontal axis a base on the bearing and one storey.
 ///     m_1 u_1'' = -F - c_1 u_1' + k (u_2 - u_1) + c (u_2' - u_1') - m_1 a_g
 ///     m_2 u_2'' =             - k (u_2 - u_1) - c (u_2' - u_1') - m_2 a_g
 class Structure {
@@ -23,7 +23,7 @@ class Structure {
   Plane top_displacement_{}, top_velocity_{};
 };
 
-/// What to send so that the actuator, as it is believed to be, arrives in time.
+/// Returns the command for which the nominal actuator has no delay.
 Plane compensated(const Structure& structure);
 
 }  // namespace trial

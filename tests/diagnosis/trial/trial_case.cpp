@@ -12,7 +12,8 @@ constexpr std::size_t kEmptyCases = 4;  ///< of a block
 constexpr std::size_t kRecords = 3;
 constexpr double kSecondShare = 0.3;  ///< of its standard size, in pairs
 
-// Streams of random numbers: the order of cases is that of the seed, all else that of the case.
+// Streams of random numbers: the seed alone determines the order of cases, the case all other
+// draws.
 constexpr std::uint64_t kOrderStream = 1ULL << 40U;
 constexpr std::uint64_t kNoiseStream = 1ULL << 41U;
 
@@ -20,7 +21,7 @@ double size_of(Tier tier) { return tier == Tier::Small ? 0.25 : 1; }
 
 double noise_level(Tier tier) { return tier == Tier::Noisy ? 0.01 : 0.003; }
 
-// The specimen is not quite what the simulation assumes.
+// The specimen differs slightly from the simulation's assumptions.
 void vary_specimen(Tier tier, Random& random, Physics& p) {
   p[kStiffness] *= random.uniform(0.93, 1.07);
   p[kStrength] *= random.uniform(0.93, 1.07);
@@ -40,8 +41,9 @@ double peak_of(const Record& record, const Physics& physics) {
   return physics[kClipShare] > 0 ? record.peak_force() : record.peak_speed();
 }
 
-// A limit is cut from the peak of this very test. The record that goes second farthest becomes the
-// one to fit and the farthest the second: both reach it, and neither lies mostly beyond.
+// A limit is set below the peak of the case itself. The record with the second largest peak is
+// fitted and the one with the largest is second: both reach the limit, and neither exceeds it most
+// of the time.
 void set_limit(TrialCase& trial) {
   Physics& p = trial.physics;
   if (p[kClipShare] == 0 && p[kSpeedShare] == 0) return;
@@ -80,7 +82,7 @@ bool may_pair(const Effect* candidate) {
          candidate->relation == Relation::Force && candidate->name != "quantisation";
 }
 
-// Effects that share a parameter cannot stand beside each other.
+// Effects that share a parameter cannot form a pair.
 bool disjoint(const Effect& one, const Effect& other) {
   return std::none_of(one.draws.begin(), one.draws.end(), [&](const Draw& mine) {
     return std::any_of(other.draws.begin(), other.draws.end(),

@@ -18,7 +18,7 @@ std::vector<Parameter> nuisances(Relation relation) {
   return {};
 }
 
-// A signal is looked at only as far as the nuisances cannot make it.
+// Compares signals after removal of their projection on the nuisance parameters.
 class Rivalry {
  public:
   Rivalry(const TrialCase& trial, const Effect& effect)
@@ -67,7 +67,7 @@ Parameter moved_by_fit(Parameter parameter) {
   return parameter == kSpeedShare ? kSpeedLimit : parameter;
 }
 
-// How well the rival does if its sizes may be anything, for a start value of its other parameters.
+// Cost of the rival with free sizes, for given start values of its other parameters.
 double Rivalry::linear_cost(const Effect& rival, Physics& start) const {
   const Physics shape = start;
   std::vector<Signal> columns;
@@ -83,7 +83,7 @@ double Rivalry::linear_cost(const Effect& rival, Physics& start) const {
   Subspace spanned;
   for (const Signal& column : columns) spanned.add(column);
   const Signal unexplained = spanned.outside(rest_);
-  // A start for the fit: each size by itself, in proportion to what it explains.
+  // Start values for the fit: each size alone, from its projection on the effect.
   std::size_t next = 0;
   for (const Draw& draw : rival.draws) {
     if (!draw.is_size) continue;
@@ -112,7 +112,7 @@ double Rivalry::separation_from(const Effect& rival) const {
     const double cost = linear_cost(rival, start);
     if (cost < least) least = cost, best = start;
   }
-  // Whoever is far off by free sizes is not worth a fit.
+  // A rival that is distant even with free sizes needs no fit.
   constexpr double kFarOff = 0.3;
   const double enough = 20 * kDistinguishable;
   if (least > kFarOff * all && 0.5 * least > enough) return 0.5 * least;
@@ -121,7 +121,7 @@ double Rivalry::separation_from(const Effect& rival) const {
   return 0.5 * std::min(fitted.cost, all);
 }
 
-// Every size of the effect is one of the rival's too: the rival is the effect and something more.
+// Every size of the effect is also a size of the rival: the rival contains the effect.
 bool is_nested(const Effect& effect, const Effect& rival) {
   const auto has = [&](const Draw& wanted) {
     return std::any_of(rival.draws.begin(), rival.draws.end(), [&](const Draw& draw) {

@@ -9,40 +9,42 @@
 
 namespace trial {
 
-inline constexpr double kDetectable = 25;       ///< information from which an effect can be seen
-inline constexpr double kDistinguishable = 12;  ///< separation from which a rival is not it
+inline constexpr double kDetectable = 25;  ///< least information of a detectable effect [nat]
+inline constexpr double kDistinguishable =
+    12;  ///< least separation from a distinguishable rival [nat]
 
-/// How far the nearest that a rival can come stays away from an effect. Of a rival that is far off
-/// it is an upper bound: only its sizes were free.
+/// Distance of an effect from the best fit of a rival. For a distant rival it is an upper bound,
+/// because only the rival's sizes were fitted.
 struct Separation {
   std::string_view rival;
   double nats = 0;
-  bool contains_it = false;  ///< the effect is a special case: the fewer parameters win
+  bool contains_it = false;  ///< the effect is a special case of the rival and has fewer parameters
 };
 
-/// What there is to be found of one effect, on the fit record.
+/// Detectable information on one effect, on the fit record.
 struct EffectTruth {
   double energy = 0;       ///< ½‖e‖²: recorded with minus without, at the same motion [nat]
-  double information = 0;  ///< ½‖e⊥‖²: what the nuisances cannot make [nat]
+  double information = 0;  ///< ½‖e⊥‖²: beyond the nuisance parameters [nat]
   std::vector<Separation> separations;  ///< nearest first
-  Place of_effect, of_rest;             ///< where e and e⊥ are
+  Place of_effect, of_rest;             ///< of e and e⊥
   [[nodiscard]] bool detectable() const { return information >= kDetectable; }
 };
 
-/// @param with_rivals  they take most of the time
+/// @param with_rivals  computes separations, which take most of the time
 EffectTruth truth_of(const TrialCase& trial, const Effect& effect, bool with_rivals);
 
-/// Errors of a force that is computed from the measured motion, offset removed, over the standard
-/// deviation of the measured force: on the unseen record, parameters fitted to the other two.
+/// Error of the force computed from the measured motion on the unseen record, with the parameters
+/// fitted to the other two records. The offset is removed, and the error divided by the standard
+/// deviation of the measured force.
 struct Floor {
-  double oracle = 0;   ///< the laboratory's own model, with the effects
-  double without = 0;  ///< the same without them
-  double nominal = 0;  ///< the simulation as it is stated, nothing fitted
+  double oracle = 0;   ///< the laboratory's model with the effects
+  double without = 0;  ///< the same model without the effects
+  double nominal = 0;  ///< the stated simulation, without a fit
 };
 
 Floor floor_of(const TrialCase& trial);
 
-/// Parameters of an effect that a fit can move.
+/// Parameters of an effect that a fit can change.
 std::vector<Parameter> fitted_parameters(const Effect& effect);
 
 }  // namespace trial

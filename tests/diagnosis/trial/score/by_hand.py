@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Verdicts and answers made by hand, for tests."""
+"""Handmade verdicts and answers for tests."""
 import sizes
 
 CELLS = {"time_s": 0.5, "frequency_edges_Hz": [0, 1, 2, 4, 8], "state_cells_per_side": 3,

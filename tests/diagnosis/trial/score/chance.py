@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a count of few cases tells of the share behind it."""
+"""Statistics of small counts: confidence intervals, tails and quantiles."""
 import math
 
 Z95 = 1.959963984540054  # two-sided 95 % of a normal distribution
 
 
 def wilson(right, of):
-    """95 % interval of a share (Wilson 1927)."""
+    """95 % interval of a proportion (Wilson 1927)."""
     if of == 0:
         return 0.0, 1.0
     share, square = right / of, Z95 * Z95
@@ -16,7 +16,7 @@ def wilson(right, of):
 
 
 def fewest(of, share, chance=0.01):
-    """The fewest hits of so many that a true share of that much falls below with that chance only."""
+    """Fewest hits of `of` trials that do not refute a true share: P(fewer | share) ≤ chance."""
     below = 0.0
     for hits in range(of + 1):
         below += math.comb(of, hits) * share**hits * (1 - share)**(of - hits)
@@ -28,10 +28,10 @@ def fewest(of, share, chance=0.01):
 def quantile(values, share):
     """Linear between order statistics."""
     ordered = sorted(values)
-    place = share * (len(ordered) - 1)
-    low = int(place)
+    position = share * (len(ordered) - 1)
+    low = int(position)
     high = min(low + 1, len(ordered) - 1)
-    return ordered[low] + (place - low) * (ordered[high] - ordered[low])
+    return ordered[low] + (position - low) * (ordered[high] - ordered[low])
 
 
 def median(values):

@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Holds one verdict against one answer, by the definitions in docs/diagnosis_trials.md.
+"""Compares one verdict with one answer, by the definitions in docs/diagnosis_trials.md.
 
-Names are compared as the generator says them. Only the outcome "missing" names anything: an answer
-"unknown" may list causes, but they count as names that were said, never as the right one.
+Names are compared in the generator's spelling. Only the outcome "missing" can name an effect: causes in
+a verdict "unknown" count as reported names, never as the right one.
 """
 import places
 import sizes
 from names import canonical, is_form
 
 NO_VERDICT = {"verdict": "failed", "where": {}, "causes": [], "fit": {}}
-FIT_RECORD = "fit"  # that the generator's places are of
-UNSEEN_RECORD = "unseen"  # that its floors are of
+FIT_RECORD = "fit"  # of the generator's places
+UNSEEN_RECORD = "unseen"  # of its noise floors
 
 
 def record_of(fit, name):
-    """Scores of a record, whether or not its file's ending is said."""
+    """Scores of a record; its name may have the file's extension."""
     return next((row for record, row in fit.items() if record.split(".")[0] == name), None)
 
 
@@ -27,33 +27,33 @@ def first_cause(verdict):
 
 
 def names_of_tie(cause):
-    """The name and what the tool says it cannot tell from it, the generator's names."""
+    """A cause and its alternatives, in the generator's names."""
     return [canonical(cause["name"])] + [canonical(row["name"]) for row in cause["alternatives"]]
 
 
 def has_wrong_rule(answer):
-    """Whether the specimen's rule of hysteresis is not the simulation's, as in tier E."""
+    """Whether specimen and simulation have different rules of hysteresis, as in tier E."""
     specimen = answer.get("specimen", {})
     return any(specimen[key]["value"] != specimen[key]["absent"]
                for key in ("beta", "share_of_second_loop") if key in specimen)
 
 
 def without_rules(verdict):
-    """The verdict on all but the rule of hysteresis, of a specimen that has another one."""
+    """The verdict without its causes for a wrong rule of hysteresis."""
     causes = [cause for cause in verdict["causes"] if not cause.get("is_rule")]
     is_all = verdict["verdict"] == "missing" and not causes and not has_remainder(verdict)
     return {**verdict, "causes": causes, "verdict": "none" if is_all else verdict["verdict"]}
 
 
 def _right_names(effects):
-    """What counts as naming an effect: the effect, or a term that describes it."""
+    """Names that count as right: the effects and the terms that describe them."""
     names = {effect["name"] for effect in effects}
     return names | {effect["term_that_describes_it"] for effect in effects
                     if "term_that_describes_it" in effect}
 
 
 def spurious_names(verdict, effects):
-    """Names of nothing that is there. In a case that cannot be decided, a tie with the effect is none."""
+    """Names of absent effects. In an indistinguishable case, a tie with the effect does not count."""
     right = _right_names(effects)
     may_tie = any(not effect["truth"]["distinguishable"] for effect in effects)
     return [cause["name"] for cause in verdict["causes"]
@@ -68,22 +68,22 @@ def is_right_first(verdict, effects):
 
 
 def is_right_in_tie(verdict, effects):
-    """Named, alone or in a tie, if it can be told from all rivals; else in a tie that is said to be one."""
+    """The effect is named, alone or in a tie; if it is not distinguishable, only a tie counts."""
     cause = first_cause(verdict)
     if verdict["verdict"] != "missing" or cause is None:
         return False
     tie = names_of_tie(cause)
-    says_so = len(tie) > 1 or all(effect["truth"]["distinguishable"] for effect in effects)
-    return says_so and bool(_right_names(effects) & set(tie))
+    is_tie_reported = len(tie) > 1 or all(effect["truth"]["distinguishable"] for effect in effects)
+    return is_tie_reported and bool(_right_names(effects) & set(tie))
 
 
 def are_all_named(verdict, effects):
-    said = {canonical(cause["name"]) for cause in verdict["causes"]}
-    return verdict["verdict"] == "missing" and all(_right_names([e]) & said for e in effects)
+    named = {canonical(cause["name"]) for cause in verdict["causes"]}
+    return verdict["verdict"] == "missing" and all(_right_names([e]) & named for e in effects)
 
 
 def is_abstention(verdict, effects):
-    """Of an effect that the library did not know: unknown, a remainder, or a term that describes it."""
+    """For an effect outside the library: unknown, a remainder, or a term that describes it."""
     if verdict["verdict"] == "unknown" or (verdict["verdict"] == "missing" and has_remainder(verdict)):
         return True
     return is_right_first(verdict, effects)
@@ -101,10 +101,10 @@ def _channel(role):
 
 
 def _place_rows(verdict, answer, effect):
-    """Where, beside the effect as the nuisances leave it and as it is."""
+    """Overlap of the verdict's place with e⊥, and with e."""
     where = dict(verdict["where"])
     if where.get("record", FIT_RECORD).split(".")[0] != FIT_RECORD:
-        where["intervals_s"] = []  # of another record, whose time is not this one's
+        where["intervals_s"] = []  # times of another record do not compare
     truth = effect["truth"]
     return {"iou": places.compare(where, truth["place_after_nuisances"], answer["cells"]),
             "iou_effect": places.compare(where, truth["place"], answer["cells"])}
@@ -123,7 +123,7 @@ def _record_rows(verdict, answer):
 
 
 def _effect_row(verdict, answer, effect):
-    """What is asked of a case with one effect only."""
+    """The row's entries for a case with one effect."""
     where = verdict["where"]
     row = {"part_right": where.get("part") == effect["part"],
            "channel_right": _channel(where.get("channel")) == effect["channel"],
@@ -137,10 +137,10 @@ def _effect_row(verdict, answer, effect):
 
 
 def judge(verdict, answer):
-    """All that is asked of one case.
+    """The scored row of one case.
 
-    @param verdict  what the tool wrote, or None if it wrote nothing
-    @param answer   what the generator conceals, with its truth
+    @param verdict  of the tool; None if it wrote none
+    @param answer   of the generator, with its truth
     """
     verdict = verdict or NO_VERDICT
     rules = [cause["name"] for cause in verdict["causes"] if cause.get("is_rule")]

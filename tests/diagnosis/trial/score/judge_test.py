@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is right, by definition: names, ties, abstentions."""
+"""Definitions of right names, ties and abstentions."""
 import unittest
 
 import table
@@ -25,7 +25,7 @@ class Names(unittest.TestCase):
         self.assertFalse(row["right_first"])
         self.assertEqual(row["spurious"], ["displacement_quantisation"])
 
-    def test_only_what_is_first_is_named_first(self):
+    def test_only_the_first_cause_is_named_first(self):
         said = verdict("missing", cause("viscous_friction"), cause("coulomb_friction"))
         row = judge(said, answer(effect("coulomb_friction")))
         self.assertFalse(row["right_first"])
@@ -43,7 +43,7 @@ class Names(unittest.TestCase):
 
 
 class Rules(unittest.TestCase):
-    """A rule of hysteresis that is wrong is said beside what is missing, and is no name of it."""
+    """A wrong rule of hysteresis is reported beside the missing effects and is not one of their names."""
     SAID = cause("second_loop") | {"is_rule": True}
 
     @staticmethod
@@ -52,18 +52,18 @@ class Rules(unittest.TestCase):
         made["specimen"]["beta"] = {"value": beta, "absent": 0.5}
         return made
 
-    def test_where_it_is_wrong_what_else_is_said_counts(self):
+    def test_if_it_is_wrong_the_other_causes_count(self):
         said = verdict("missing", cause("coulomb_friction"), self.SAID)
         row = judge(said, self._answer(0.2, effect("coulomb_friction")))
         self.assertTrue(row["right_first"])
         self.assertEqual((row["spurious"], row["rules"]), ([], ["second_loop"]))
 
-    def test_where_it_is_all_that_is_wrong_nothing_else_is_missing(self):
+    def test_if_only_the_rule_is_wrong_nothing_is_missing(self):
         self.assertEqual(judge(verdict("missing", self.SAID), self._answer(0.2, kind="none"))["outcome"], "none")
         left = verdict("missing", self.SAID, remainder=True)
         self.assertEqual(judge(left, self._answer(0.2, kind="none"))["outcome"], "missing")
 
-    def test_where_it_is_right_it_is_a_name_like_any_other(self):
+    def test_if_it_is_right_it_counts_as_a_name(self):
         row = judge(verdict("missing", self.SAID), self._answer(0.5, kind="none"))
         self.assertEqual((row["outcome"], row["spurious"]), ("missing", ["second_loop"]))
 
@@ -71,7 +71,7 @@ class Rules(unittest.TestCase):
 class Ties(unittest.TestCase):
     TIED = {"distinguishable": False, "tie": ["axial_load_stiffness"]}
 
-    def test_what_cannot_be_told_apart_must_be_said_to_be_a_tie(self):
+    def test_an_indistinguishable_effect_must_be_reported_as_a_tie(self):
         alone = judge(verdict("missing", cause("p_delta")), answer(effect("p_delta", **self.TIED)))
         tied = judge(verdict("missing", cause("p_delta", "axial_load_stiffness")),
                      answer(effect("p_delta", **self.TIED)))
@@ -88,7 +88,7 @@ class Ties(unittest.TestCase):
         self.assertFalse(without["right_in_tie"])
         self.assertEqual(without["spurious"], ["axial_load_stiffness"])
 
-    def test_where_it_can_be_told_the_wrong_first_name_is_spurious(self):
+    def test_of_a_distinguishable_effect_a_wrong_first_name_is_spurious(self):
         row = judge(verdict("missing", cause("axial_load_stiffness", "p_delta")), answer(effect("p_delta")))
         self.assertTrue(row["right_in_tie"])
         self.assertFalse(row["right_first"])
@@ -129,7 +129,7 @@ class Abstention(unittest.TestCase):
         self.assertTrue(self.judged(right, self.RUB)["form_right"])
         self.assertFalse(self.judged(second, self.RUB)["form_right"])
 
-    def test_anything_said_where_nothing_is_missing_is_a_false_alarm(self):
+    def test_any_other_verdict_is_a_false_alarm_if_nothing_is_missing(self):
         rows = [judge(said, answer(kind="none")) for said in
                 (verdict("none"), verdict("unknown"), verdict("missing", cause("p_delta")), None)]
         silent = next(row for row in table.score(rows) if row.key == "silent")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes trials and runs the tool on them. What was done before is not done again."""
+"""Makes trials and runs the tool on them. Existing results are kept."""
 import concurrent.futures
 import hashlib
 import json
@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 import time
 
-LIMIT_S = 600  # a case that takes longer has failed
+LIMIT_S = 600  # a longer case counts as failed
 
 
 def digest(*files):
@@ -30,12 +30,12 @@ def _lines(command):
 
 
 def planned(generator, seed, tier, wanted):
-    """Numbers of the first so many cases of each kind, in the seed's own order.
+    """Numbers of the first cases of each kind, in the seed's order.
 
     @param wanted  {"library": n, "none": n, "outside": n}
     """
     home = dict(line.split("\t")[::3] for line in _lines([generator, "--effects"]))
-    many = 100 + 60 * sum(wanted.values())  # kinds are rare: one case in 14 has nothing missing
+    many = 100 + 60 * sum(wanted.values())  # kinds are rare: one case in 14 has no effect
     left, chosen = dict(wanted), []
     for line in _lines([generator, "--seed", str(seed), "--tier", tier, "--cases", str(many), "--list"]):
         if not line.startswith("case_"):
@@ -49,7 +49,7 @@ def planned(generator, seed, tier, wanted):
 
 
 def make_cases(generator, seed, tier, numbers, folder, jobs):
-    """Cases go to folder/cases, answers to folder/answers."""
+    """Writes cases to folder/cases and answers to folder/answers."""
     cases, answers = folder / "cases", folder / "answers"
     for target in (cases, answers):
         target.mkdir(parents=True, exist_ok=True)
@@ -88,9 +88,9 @@ def _timed(command, log, core):
 
 
 def diagnose(tool, case, out, core):
-    """Runs the tool on a copy of the case that lies alone, so that nothing else can be read beside it.
+    """Runs the tool on a copy of the case in its own folder, without access to answers.
 
-    @returns {"verdict", "cpu_s", "wall_s", "status"}; the verdict is None if there is none
+    @returns {"verdict", "cpu_s", "wall_s", "status"}; the verdict is None if the tool wrote none
     """
     stamp = {"tool": digest(tool), "case": digest(*sorted(case.iterdir()))}
     run, told = out / "run.json", out / "verdict.json"
@@ -113,7 +113,7 @@ def diagnose(tool, case, out, core):
 
 
 def diagnose_all(tool, cases, out, jobs, then):
-    """Runs the tool on every case, each on a core of its own; `then` gets folder and result."""
+    """Runs the tool on every case, each on its own core; calls `then` with folder and result."""
     free = queue.Queue()
     for core in (cores() * jobs)[:jobs]:
         free.put(core)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How cases are chosen and run."""
+"""Choice and run of cases."""
 import json
 import pathlib
 import tempfile
@@ -39,7 +39,7 @@ class Laboratory(unittest.TestCase):
         self.assertEqual(result["status"], 0)
         self.assertGreater(result["cpu_s"], 0)
 
-    def test_what_was_run_is_run_again_only_if_tool_or_case_changed(self):
+    def test_a_case_is_run_again_only_if_tool_or_case_changed(self):
         runs = self.tool.parent / "runs"
         for _ in range(2):
             self.diagnose()

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the generator of trials and the tool call the same things.
+"""Names of the same effect in the generator and in the tool.
 
-The generator names effects, the tool names terms of its catalogue (docs/terms.md), or what is wrong
-with a channel: "force_gain". Everything that has to be known of both stands here.
+The generator names effects. The tool names terms of its catalogue (docs/terms.md) or the fault of a
+channel, such as "force_gain".
 """
 import re
 
-# name of the generator: what the tool may call it besides
+# name of the generator: other names of the tool
 SYNONYMS = {
     "load_dep_friction": ["load_dependent_friction"],
     "stribeck_breakaway": ["stribeck_friction"],
     "viscoelastic_relax": ["viscoelastic_relaxation"],
     "lead_heating": ["adiabatic_heating"],
-    "viscous_friction": ["viscous_damping"],  # the same equation, of another part
+    "viscous_friction": ["viscous_damping"],  # the same equation, in another part
     "loadcell_drift": ["force_drift"],
     "loadcell_gain": ["force_gain"],
     "loadcell_saturation": ["force_saturation"],
@@ -29,7 +29,7 @@ SYNONYMS = {
 }
 _OF_TOOL = {theirs: ours for ours, others in SYNONYMS.items() for theirs in others}
 
-# Forms of what has no name: those of the generator, and how else they may be written.
+# Forms of unnamed effects: the generator's spelling and others.
 FORMS = {
     "periodic in displacement": ["periodic f(u)", "f(u) periodic", "f(u), periodic"],
     "sgn(v) g(u)": [],
@@ -45,7 +45,7 @@ FORMS = {
 
 
 def canonical(name):
-    """The generator's name of what the tool names."""
+    """The generator's name for a name of the tool."""
     return _OF_TOOL.get(name, name)
 
 
@@ -54,7 +54,7 @@ def _plain(form):
 
 
 def is_form(said, wanted):
-    """Whether a form is the one that the generator says."""
+    """Whether a form is the generator's."""
     return _plain(said) in {_plain(form) for form in [wanted, *FORMS.get(wanted, [])]}
 
 

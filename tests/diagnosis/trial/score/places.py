@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lays what the tool says of time, frequency and state on the generator's cells."""
+"""Maps the tool's ranges of time, frequency and state to the generator's cells."""
 import math
 
-COVERED = 0.5  # share of a cell that must lie in the tool's set for the cell to count
-FINE = 8  # points of a state cell along each side
+COVERED = 0.5  # fraction of a cell that the tool's ranges must cover
+FINE = 8  # sampling points of a state cell along each side
 
 
 def _finite(ranges):
-    """Ranges without null, which JSON has for what is not finite."""
+    """Ranges with infinity in place of JSON's null."""
     return [(-math.inf if a is None else a, math.inf if b is None else b) for a, b in ranges]
 
 
 def _overlap(low, high, ranges):
-    """Length of [low, high] that lies in a union of ranges."""
+    """Length of [low, high] inside a union of ranges."""
     held, reached = 0.0, low
     for begin, end in sorted((max(a, low), min(b, high)) for a, b in _finite(ranges)):
         begin = max(begin, reached)
@@ -62,7 +62,7 @@ def state_cells(rectangles, cells):
 
 
 def overlap(said, truth):
-    """Intersection over union of two sets of cells; nothing if both are empty."""
+    """Intersection over union of two sets of cells; None if both are empty."""
     union = set(said) | set(truth)
     return len(set(said) & set(truth)) / len(union) if union else None
 

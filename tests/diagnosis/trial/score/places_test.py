@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Places and sizes beside the truth."""
+"""Comparison of places and sizes with the truth."""
 import pathlib
 import unittest
 
@@ -14,7 +14,7 @@ class Places(unittest.TestCase):
         said = places.compare(WHERE, PLACE, CELLS)
         self.assertEqual(said, {"time": 1, "frequency": 1, "state": 1})
 
-    def test_what_counts_is_where_the_nuisances_leave_the_effect(self):
+    def test_the_place_after_nuisances_counts(self):
         row = judge(verdict("missing"), answer(effect("coulomb_friction")))
         self.assertEqual(row["iou"], {"time": 1, "frequency": 1, "state": 1})
         self.assertEqual(row["iou_effect"], {"time": 0.5, "frequency": 0, "state": 0.5})
@@ -25,7 +25,7 @@ class Places(unittest.TestCase):
         self.assertEqual(places.overlap(set(), [2]), 0)
         self.assertIsNone(places.overlap(set(), []))
 
-    def test_a_cell_counts_if_half_of_it_is_held(self):
+    def test_a_cell_counts_if_half_of_it_is_covered(self):
         self.assertEqual(places.time_cells([[0.24, 0.76]], 0.5), {0, 1})
         self.assertEqual(places.time_cells([[0.26, 0.74]], 0.5), set())
         self.assertEqual(places.frequency_cells([[2.9, 5.9]], CELLS["frequency_edges_Hz"]), {2})

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares sizes of effects: the generator's parameters with those that the tool found.
+"""Compares the sizes of effects: the generator's parameters with the tool's.
 
-Only what both have is compared, and only sizes: what an effect grows from nothing with.
+Only parameters that both have are compared, and only those that scale an effect from zero.
 """
 import dataclasses
 import re
 
 PLATEN_MASS = {"long": 113.3e3, "lat": 116.8e3}  # as case.toml states it [kg]
-RECORD_LENGTH = 40  # over which the generator says drifts [s]
+RECORD_LENGTH = 40  # reference time of the generator's drifts [s]
 TRANSPORT_DELAY = 4e-3  # as case.toml states it [s]
-SERVO_TIME = 0.0132629  # likewise [s]
-HEIGHT = 0.37  # of p_delta, default of the catalogue [m]
+SERVO_TIME = 0.0132629  # as case.toml states it [s]
+HEIGHT = 0.37  # of p_delta, default in the catalogue [m]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -18,10 +18,10 @@ class Size:
     """One size of an effect: the tool's value is `absent` + `factor` × the generator's."""
 
     effect: str
-    ours: str  # of the generator; one that belongs to an axis ends with it
+    ours: str  # of the generator; ends with the axis if it has one
     theirs: str  # of the tool's term
     factor: float = 1
-    absent: float = 0  # the tool's value when there is no effect
+    absent: float = 0  # the tool's value without the effect
 
 
 def _axes(effect, ours, theirs, factor=1, absent=0):
@@ -79,17 +79,17 @@ def _axis_of(name):
 
 
 def _expected(size, value, answer, said):
-    """What the tool would have to find, and what it would find without the effect."""
+    """The tool's expected value, and its value without the effect."""
     if size.effect == "p_delta" and "height" in said:
         return value * said["height"]["value"], 0
     return size.absent + size.factor * value, size.absent
 
 
 def _special(effect, answer):
-    """Sizes that need more than a factor: (the generator's name, the tool's, expected, absent)."""
+    """Sizes with a conversion other than a factor: (generator's name, tool's name, expected, absent)."""
     values = {name: row["value"] for name, row in effect["parameters"].items()}
     if effect["name"] == "lead_heating":
-        # exp(-b W) of the work W here, exp(-β s) of the path s = W / Q there.
+        # The tool has exp(-b W) of the work W, the generator exp(-β s) of the path s = W / Q.
         strength = answer["specimen"]["characteristic_strength"]["value"]
         yield "heating", "softening", values["heating"] / strength, 0
     if effect["name"] == "asymmetric_friction":
@@ -110,7 +110,7 @@ def _wanted(effect, answer, said):
 
 
 def compare(effect, answer, parameters):
-    """Rows {name, truth, value, low, high, error, covered} of the sizes that both have.
+    """Rows {name, truth, value, low, high, error, covered} of the sizes that effect and cause share.
 
     @param parameters  of the tool's cause: {"term.parameter": {"value", "ci95", "unit"}}
     """

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The score table: rates with Wilson's intervals, medians with quantiles, and what is asked of them."""
+"""The score table: rates with Wilson's intervals, medians with quantiles, and their required values."""
 from chance import fewest, median, quantile, wilson
 
 
 class Rate:
-    """So many of so many."""
+    """A number of hits among a number of rows."""
 
     def __init__(self, key, label, rows, is_hit, bar=None):
         self.key, self.label, self.bar = key, label, bar
@@ -23,7 +23,7 @@ class Rate:
         return self.bar is None or not self.of or self.hits >= self.bar * self.of
 
     def is_refuted(self):
-        """Whether a share as asked would hardly ever give so few."""
+        """Whether the required rate would give so few hits with at most 1 % probability."""
         return self.bar is not None and self.hits < fewest(self.of, self.bar)
 
     def as_json(self):
@@ -32,7 +32,7 @@ class Rate:
 
 
 class Median:
-    """Middle of values of which more is better, or less."""
+    """Median of values, of which more or less is better."""
 
     def __init__(self, key, label, values, bar=None, more_is_better=False, digits=3):
         self.key, self.label, self.bar, self.digits = key, label, bar, digits
@@ -59,7 +59,7 @@ class Median:
         return self.bar is None or not self.values or self._passes(median(self.values))
 
     def is_refuted(self):
-        """Whether a median as asked would hardly ever leave so few on its good side."""
+        """Whether the required median would leave so few values on its good side with at most 1 % probability."""
         good = sum(1 for value in self.values if self.bar is not None and self._passes(value))
         return self.bar is not None and good < fewest(len(self.values), 0.5)
 
@@ -71,7 +71,7 @@ class Median:
 
 
 class Mean:
-    """So many per case."""
+    """A mean count per case."""
 
     def __init__(self, key, label, rows, count):
         self.key, self.label = key, label
@@ -104,19 +104,19 @@ def _names(rows):
         Rate("right_first", "named right first (detectable, distinguishable)", clear,
              lambda r: r["right_first"], 0.95),
         Rate("right_in_tie", "right in the tie (detectable)", seen, lambda r: r["right_in_tie"]),
-        Rate("ties", "  of these: cannot be told from a rival, and it says so", alike,
+        Rate("ties", "  of these: indistinguishable from a rival, reported as a tie", alike,
              lambda r: r["right_in_tie"]),
-        Rate("right_first_all", "named right first (all, also those too small to see)", single,
+        Rate("right_first_all", "named right first (all, including undetectable)", single,
              lambda r: r["right_first"]),
-        Mean("alternatives", "alternatives per case that names something",
+        Mean("alternatives", "alternatives per case with a cause",
              [r for r in rows if r["names"]], lambda r: len(r["alternatives"])),
         Rate("both_named", "both effects of a pair", pairs, lambda r: r["all_named"]),
         Mean("spurious", "spurious names per case", rows, lambda r: len(r["spurious"])),
-        Mean("spurious_library", "  where the effect is of the library", single,
+        Mean("spurious_library", "  where the effect is in the library", single,
              lambda r: len(r["spurious"])),
-        Rate("rule", "rule of hysteresis that is wrong, and said to be",
+        Rate("rule", "wrong rule of hysteresis, reported",
              [r for r in rows if r["has_wrong_rule"]], lambda r: r["rules"]),
-        Rate("rule_right", "  that is right, and not blamed",
+        Rate("rule_right", "  right rule, not blamed",
              [r for r in rows if not r["has_wrong_rule"]], lambda r: not r["rules"]),
         Rate("silent", "silent where nothing is missing", none,
              lambda r: r["outcome"] == "none", 1.0),
@@ -144,10 +144,10 @@ def _places(rows):
         Rate("channel", "channel right (detectable faults of a channel)", faults,
              lambda r: r["channel_right"], 0.95),
     ]
-    for what, bar in (("time", 0.80), ("frequency", 0.88), ("state", 0.85)):
+    for quantity, bar in (("time", 0.80), ("frequency", 0.88), ("state", 0.85)):
         for whose, key, asked in (("", "iou", bar), (" of the effect before any refit", "iou_effect", None)):
-            table.append(Median(f"{key}_{what}", f"intersection over union, {what}{whose}",
-                                [r[key][what] for r in library], asked, more_is_better=True))
+            table.append(Median(f"{key}_{quantity}", f"intersection over union, {quantity}{whose}",
+                                [r[key][quantity] for r in library], asked, more_is_better=True))
     return table
 
 
@@ -158,7 +158,7 @@ def _sizes_and_proof(rows):
     intervals = [size for size in found if size["covered"] is not None]
     return [
         Median("size_error", "error of sizes (named right)", [s["error"] for s in found]),
-        Rate("coverage", "95 % intervals that hold the size", intervals, lambda s: s["covered"]),
+        Rate("coverage", "95 % intervals that contain the size", intervals, lambda s: s["covered"]),
         Median("before", "error on the unseen record before, NRMSE", [r["nrmse_before"] for r in forces]),
         Median("after", "  after", [r["nrmse_after"] for r in forces]),
         Median("oracle", "  of the oracle", [r["oracle"] for r in forces]),
@@ -178,7 +178,7 @@ def _cost(rows):
 
 
 def score(rows):
-    """All rows of the table, of judged cases."""
+    """All rows of the table, from the rows of the cases."""
     return _names(rows) + _abstentions(rows) + _places(rows) + _sizes_and_proof(rows) + _cost(rows)
 
 
@@ -194,22 +194,22 @@ def _three(values):
 
 
 def print_cases(rows):
-    """One line each: what is concealed, what was said, where, and a mark at what is wrong."""
+    """One line each: concealed effects, verdict, place, and a mark for an error."""
     for r in rows:
         truth = " + ".join(r["truth"]) or "none"
-        said = ", ".join(r["names"]) or "-"
+        named = ", ".join(r["names"]) or "-"
         also = f" ({', '.join(r['alternatives'])})" if r["alternatives"] else ""
         rest = " + remainder" if r["remainder"] else ""
-        print(f"case_{r['case']:<4}{mark(r):<2}{truth:<28}{sees(r):<18}{r['outcome']}: {said}{also}{rest}"
+        print(f"case_{r['case']:<4}{mark(r):<2}{truth:<28}{visibility(r):<18}{r['outcome']}: {named}{also}{rest}"
               f"{forms(r)}  | {r['part']}, {r['channel']} | "
               f"{_three(r['iou']) if 'iou' in r else ''} | {r.get('cpu_s') or 0:.1f} s")
 
 
-def sees(row):
+def visibility(row):
     if "information" not in row:
         return ""
-    told = "" if row["distinguishable"] else " tie"
-    return f"{row['information']:.0f} nat{told}" if row["detectable"] else "too small"
+    tie = "" if row["distinguishable"] else " tie"
+    return f"{row['information']:.0f} nat{tie}" if row["detectable"] else "too small"
 
 
 def forms(row):
@@ -217,7 +217,7 @@ def forms(row):
 
 
 def mark(row):
-    """'x' where the verdict is wrong, 'p' where only the part is, '.' where nothing could be seen."""
+    """'x' for a wrong verdict, 'p' if only the part is wrong, '.' for an undetectable effect."""
     if row["kind"] == "none":
         return "" if row["outcome"] == "none" else "x"
     if row["kind"] == "outside":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is counted among what, and what is asked of it."""
+"""Counts of the score table and their required values."""
 import unittest
 
 import chance
@@ -9,7 +9,7 @@ from judge import judge
 
 
 class Chance(unittest.TestCase):
-    def test_wilson_gives_what_is_published(self):
+    def test_wilson_gives_the_published_intervals(self):
         # Brown, Cai & DasGupta 2001 and Newcombe 1998: 81 of 263, and the closed form z²/(n + z²).
         self.assertAlmostEqual(chance.wilson(81, 263)[0], 0.2553, places=4)
         self.assertAlmostEqual(chance.wilson(81, 263)[1], 0.3662, places=4)
@@ -33,7 +33,7 @@ class Chance(unittest.TestCase):
         self.assertFalse(table.Median("", "", [0.1] * 10, 0.8).is_refuted())
         self.assertTrue(table.Median("", "", [0.9] * 10, 0.8).is_refuted())
 
-    def test_bars_miss_what_is_below_them(self):
+    def test_a_rate_below_its_bar_is_missed(self):
         clear = judge(verdict("missing", cause("p_delta")), answer(effect("p_delta")))
         wrong = judge(verdict("missing", cause("scragging")), answer(effect("p_delta")))
         first = {len(rows): next(r for r in table.score(rows) if r.key == "right_first")
@@ -44,7 +44,7 @@ class Chance(unittest.TestCase):
         self.assertTrue(first[10].is_refuted())
 
 class Table(unittest.TestCase):
-    """Who is counted where: one case of each sort, all rightly named or rightly silent."""
+    """One case of each kind, each with a right verdict."""
 
     def setUp(self):
         def judged(name, kind="library", said=None, **more):
@@ -66,27 +66,27 @@ class Table(unittest.TestCase):
     def counts(self, key):
         return self.table[key].hits, self.table[key].of
 
-    def test_names_are_asked_of_what_can_be_seen_and_told(self):
+    def test_names_count_detectable_and_distinguishable_effects(self):
         self.assertEqual(self.counts("right_first"), (2, 2))
         self.assertEqual(self.counts("right_in_tie"), (2, 3))
         self.assertEqual(self.counts("ties"), (0, 1))
         self.assertEqual(self.counts("right_first_all"), (4, 4))
 
-    def test_abstention_is_asked_of_all_outsiders(self):
+    def test_abstentions_count_all_outsiders(self):
         self.assertEqual(self.counts("abstained"), (2, 2))
         self.assertEqual(self.counts("abstained_seen"), (1, 1))
 
-    def test_places_are_asked_of_what_can_be_seen(self):
+    def test_places_count_detectable_effects(self):
         self.assertEqual(self.counts("part"), (2, 3))
         self.assertEqual(self.counts("part_all"), (3, 4))
         self.assertEqual(self.counts("channel"), (0, 1))
         self.assertEqual(len(self.table["iou_time"].values), 3)
 
-    def test_proof_is_asked_of_what_was_named(self):
+    def test_proofs_count_named_effects(self):
         self.assertEqual(self.table["variance"].values, [1, 2, 8])
         self.assertEqual(self.table["after"].values, [1, 2])
 
-    def test_what_is_asked_is_what_the_trial_must_show(self):
+    def test_required_values_are_those_of_the_trial(self):
         asked = {key: row.bar for key, row in self.table.items() if getattr(row, "bar", None) is not None}
         self.assertEqual(asked, {"right_first": 0.95, "silent": 1, "abstained": 0.9, "part": 0.95,
                                  "channel": 0.95, "iou_time": 0.8, "iou_frequency": 0.88,

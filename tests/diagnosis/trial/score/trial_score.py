@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tries the diagnosis on cases whose answers it never sees, and keeps the score.
+"""Scores the diagnosis on cases whose answers it cannot read.
 
-    trial_score.py --rths PATH --out DIR --cases DIR --answers DIR      cases that are there
-    trial_score.py --rths PATH --out DIR --generator PATH --seed S      cases that are made first
+    trial_score.py --rths PATH --out DIR --cases DIR --answers DIR      existing cases
+    trial_score.py --rths PATH --out DIR --generator PATH --seed S      makes the cases first
         [--tier A] [--library 60] [--none 20] [--outside 20]
-    [--only K …]  these cases only    [--jobs N]  at a time    [--json FILE]  leaves everything there
-    [--short]     few cases: fails only on what the asked figures would give once in a hundred times
+    [--only K …]  these cases only    [--jobs N]  in parallel    [--json FILE]  writes all results
+    [--short]     for few cases: fails only on results with a probability of 1 % or less at the required rates
 
-Runs the command as a user does, on a copy of each case without anything beside it. Prints a line for
-each case and the score table; docs/diagnosis_trials.md defines its rows. Ends with 1 if what is asked is
-missed. Python's standard library only: nothing of what is tried is used.
+Runs the command as a user does, on a copy of each case in its own folder. Prints a line for each case and
+the score table; docs/diagnosis_trials.md defines its rows. Exits with 1 if a required value is missed.
+Uses Python's standard library only and no code of the diagnosis.
 """
 import argparse
 import datetime
@@ -102,7 +102,7 @@ def main():
     answers = {case: json.loads((folder / f"{case.name}.json").read_text()) for case in cases}
     seeds = sorted({(answer["seed"], answer["tier"]) for answer in answers.values()})
     if len(seeds) != 1:
-        sys.exit(f"{folder}: answers of {len(seeds)} seeds and tiers, expected those of one")
+        sys.exit(f"{folder}: answers of {len(seeds)} seeds and tiers, expected one")
     seed, tier = int(seeds[0][0]), seeds[0][1]
     print(f"seed {seed}, tier {tier}, {len(cases)} cases", flush=True)
     rows = []
@@ -122,7 +122,7 @@ def main():
         write(options.json, options, (seed, tier), table, rows)
     bad = [row.label.strip() for row in table
            if (row.is_refuted() if options.short else not row.is_met())]
-    print("\nmissed: " + "; ".join(bad) if bad else "\nall that is asked is met")
+    print("\nmissed: " + "; ".join(bad) if bad else "\nall required values are met")
     return 1 if bad else 0
 
 
