@@ -33,7 +33,7 @@ LOOPS = {"lprb": (0.210, 0.3), "eqsb": (0.152, 0.3), "tpfb": (0.584, 0.1)}  # am
 
 
 def lowest_and_highest(floors, ratio, band):
-    values = [floor[ratio][band] for floor in floors.values() if ratio in floor]
+    values = [floor[ratio][band] for floor in floors.values() if floor.get(ratio)]
     return {"lowest": min(values), "highest": max(values)} if values else None
 
 
@@ -52,7 +52,10 @@ def of_diagnosis(verdict):
 
 
 def of_run(report):
-    """The figures of a run's report.json that pages quote."""
+    """The figures of a run's report.json that pages quote; stops if the host was too busy for a result."""
+    if not report["conclusive"]:
+        raise SystemExit(f"{report['name']}: the run is inconclusive, {report['steps_excused']} steps are excused; "
+                         "repeat it on a quiet machine")
     result = {key: report[key] for key in RUN_KEYS}
     result["floors_6_to_11_Hz"] = {ratio: lowest_and_highest(report["floors"], ratio, "6_to_11_Hz")
                                    for ratio in ("hybrid_over_numerical", "hybrid_over_improved")}
@@ -110,13 +113,13 @@ def tests_of(file):
 
 
 def number(text):
-    """A property as a number, if it is one."""
+    """A property as a number, if it is one. GoogleTest's JSON takes each byte of UTF-8 for a character."""
     if re.fullmatch(r"-?\d+", str(text)):
         return int(text)
     try:
         return float(text)
     except ValueError:
-        return text
+        return text.encode("latin-1", "ignore").decode() if isinstance(text, str) else text
 
 
 def kills(file):
