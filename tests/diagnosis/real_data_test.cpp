@@ -75,10 +75,14 @@ class RealData : public testing::Test {
     RecordProperty("without", without.empty() ? "" : without.front());
     RecordProperty("outcome", name_of(verdict.outcome));
     RecordProperty("sentence", verdict.sentence);
-    property("nrmse_stated", held_out(verdict, &RecordScore::nrmse_stated));
-    property("nrmse_before", held_out(verdict, &RecordScore::nrmse_before));
-    property("nrmse_after", held_out(verdict, &RecordScore::nrmse_after));
-    property("noise_floor", held_out(verdict, &RecordScore::noise_floor));
+    // The last held-out record is the one that the verdict's sentence calls unseen.
+    const auto unseen = std::find_if(verdict.fit.rbegin(), verdict.fit.rend(),
+                                     [](const auto& score) { return score.use == "held_out"; });
+    ASSERT_NE(unseen, verdict.fit.rend());
+    property("nrmse_stated", unseen->nrmse_stated);
+    property("nrmse_before", unseen->nrmse_before);
+    property("nrmse_after", unseen->nrmse_after);
+    property("noise_floor", unseen->noise_floor);
     for (const auto& cause : verdict.causes)
       for (const auto& parameter : cause.parameters) {
         property(parameter.name, parameter.value);
