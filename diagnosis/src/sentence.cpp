@@ -69,7 +69,7 @@ std::string missing_sentence(const Verdict& verdict) {
   for (const auto& cause : verdict.causes) explained = std::min(1.0, explained + cause.explained);
   return fmt::format(
       "Missing: {}, confidence {:.2f}; explains {:.0f} % of the systematic residual; {}.{}{}",
-      list_of(verdict.causes), verdict.causes[0].confidence, 100 * explained, proof_of(verdict),
+      list_of(verdict.causes), verdict.confidence, 100 * explained, proof_of(verdict),
       ties_of(verdict),
       verdict.has_remainder ? " A smaller systematic residual remains unexplained." : "");
 }
