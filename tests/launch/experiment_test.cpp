@@ -197,8 +197,9 @@ TEST_F(ExperimentTest, SaysWhereTheModelIsWrong) {
   EXPECT_EQ(error("[model]\nspecimn.lead_heating.enabled = false"),
             "lab.toml:10:1: unknown key 'specimn' (did you mean 'specimen'?)");
   EXPECT_EQ(error("[model.specimen.lead_heeting]\nenabled = false").find("lab.toml:9:1: "), 0U);
-  EXPECT_EQ(error("[model.machine.bouc_wen]\neta = 2").find("lab.toml:9:1: term 'bouc_wen' belongs to"),
-            0U);
+  EXPECT_EQ(
+      error("[model.machine.bouc_wen]\neta = 2").find("lab.toml:9:1: term 'bouc_wen' belongs to"),
+      0U);
   EXPECT_EQ(error("[model]\nfitted = [\"bouc_wen.eta_\"]"),
             "lab.toml:10:10: the model has no parameter 'bouc_wen.eta_' (did you mean "
             "'bouc_wen.eta'?)");
