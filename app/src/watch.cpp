@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-std::string listed(const std::vector<std::string>& names) {
+std::string writers_of(const std::vector<std::string>& names) {
   return names.empty() ? "an unknown process" : fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -23,7 +23,7 @@ void print_store(const broker::PlainStore& store, TimePoint begun) {
   fmt::print("({:.3f}) longword {} (byte {}) = {:#010x}: {}; stored without a journal by {}\n",
              to_seconds(store.seen - begun), store.offset.value(),
              to_byte_offset(store.offset).value(), store.value,
-             store.owner.empty() ? "no owner" : "owner " + store.owner, listed(store.others));
+             store.owner.empty() ? "no owner" : "owner " + store.owner, writers_of(store.others));
   std::fflush(stdout);
 }
 
