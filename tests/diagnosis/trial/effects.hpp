@@ -26,6 +26,8 @@ struct Draw {
   bool either_sign = false;  ///< with a random sign
 };
 
+inline constexpr bool kSize = true, kEitherSign = true;  ///< values of a Draw's last two members
+
 struct Effect {
   std::string_view name;     ///< of the generator; score/names.py maps it to the diagnosis
   std::string_view part;     ///< bearing, machine, actuator, sensor

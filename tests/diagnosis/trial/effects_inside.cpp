@@ -10,9 +10,6 @@ Effect force_effect(std::string_view part, std::string_view name, std::vector<Dr
   return {name, part, "force", Relation::Force, std::move(draws)};
 }
 
-constexpr bool kSize = true;
-constexpr bool kEitherSign = true;
-
 }  // namespace
 
 std::vector<Effect> bearing_effects() {

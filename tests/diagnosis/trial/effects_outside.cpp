@@ -6,9 +6,6 @@
 namespace trial {
 namespace {
 
-constexpr bool kSize = true;
-constexpr bool kEitherSign = true;
-
 Effect outside(std::string_view part, std::string_view name, std::string_view form,
                std::vector<Draw> draws, std::string_view kin = "") {
   return {name, part, "force", Relation::Force, std::move(draws), Home::Outside, form, kin};

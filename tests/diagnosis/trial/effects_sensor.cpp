@@ -2,12 +2,7 @@
 #include "effects.hpp"
 
 namespace trial {
-namespace {
-
-constexpr bool kSize = true;
-constexpr bool kEitherSign = true;
-
-}  // namespace
+namespace {}  // namespace
 
 std::vector<Effect> force_sensor_effects() {
   const auto load_cell = [](std::string_view name, std::vector<Draw> draws) {
