@@ -160,15 +160,26 @@ std::vector<int> numbers_of(const std::vector<OpfSignal>& words) {
                   role, point.tag, how, words.size(), words.front().name, words.back().name)};
 }
 
+ControlSignal with_word(const Declared& declared, const OpfSignal& word) {
+  ControlSignal signal = declared.options;
+  signal.word = word;
+  signal.lowest *= word.map_unit;
+  signal.highest *= word.map_unit;
+  return signal;
+}
+
+std::vector<ControlSignal> without_control_points(const std::vector<OpfSignal>& words) {
+  std::vector<ControlSignal> signals;
+  for (const auto& word : words) signals.push_back({word});
+  return signals;
+}
+
 std::vector<ControlSignal> checked_signals(const std::vector<OpfSignal>& words,
                                            const std::vector<std::string>& lines,
                                            const char* role) {
-  std::vector<ControlSignal> signals;
-  if (lines.empty()) {
-    for (const auto& word : words) signals.push_back({word});
-    return signals;
-  }
+  if (lines.empty()) return without_control_points(words);
   if (words.empty()) throw Error{fmt::format("the map has no words for {} control points", role)};
+  std::vector<ControlSignal> signals;
   const auto numbers = numbers_of(words);
   std::optional<ControlPoint> previous;
   for (const auto& text : lines) {
@@ -189,10 +200,7 @@ std::vector<ControlSignal> checked_signals(const std::vector<OpfSignal>& words,
         fail(point, role,
              fmt::format("'{}' where '{}' ({}) is expected", found, expected, words[at].name),
              words);
-      signals.push_back(declared.options);
-      signals.back().word = words[at];
-      signals.back().lowest *= words[at].map_unit;
-      signals.back().highest *= words[at].map_unit;
+      signals.push_back(with_word(declared, words[at]));
     }
     previous = point;
   }

@@ -35,6 +35,13 @@ bool is_measured(double code) {
          (code >= kDisplacement && code <= kTime && code == std::floor(code));
 }
 
+// The matrix that a code requests; null for codes of no matrix.
+Eigen::MatrixXd ElementMatrices::*matrix_of(double code) {
+  if (code == kInitialStiffness || code == kTangentStiffness) return &ElementMatrices::stiffness;
+  if (code == kDamping) return &ElementMatrices::damping;
+  return code == kMass ? &ElementMatrices::mass : nullptr;
+}
+
 }  // namespace
 
 GenericClient::GenericClient(std::string name, Index dofs)
@@ -107,10 +114,7 @@ GenericClient::Message GenericClient::receive(std::span<const std::byte> message
   if (code == kCommit || code == kOpen || code == kSetUp || code == kExecute)
     return Message::Commit;
   if (code == kEnd) return Message::End;
-  requested_ = code == kInitialStiffness || code == kTangentStiffness ? &ElementMatrices::stiffness
-               : code == kDamping                                     ? &ElementMatrices::damping
-               : code == kMass                                        ? &ElementMatrices::mass
-                                                                      : nullptr;
+  requested_ = matrix_of(code);
   if (requested_ == nullptr)
     fail(fmt::format("OpenSees sent code {}, expected 1 to 15 or 99", code));
   if (static_cast<std::size_t>(dofs() * dofs()) > reply_.size())

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>

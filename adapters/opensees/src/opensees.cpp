@@ -45,6 +45,7 @@ class OpenSees final : public Adapter {
   // Identifies the specimens with unknown properties, one after another, when OpenSees has
   // connected.
   void identify(const StepData& step);
+  void identify_next(const StepData& step);
   void probe(const StepData& step);
   // The first specimen that is not identified yet.
   [[nodiscard]] auto next_unidentified() {
@@ -52,6 +53,7 @@ class OpenSees final : public Adapter {
                         [](const auto& specimen) { return !specimen.is_identified(); });
   }
   [[nodiscard]] Status finish(double time);
+  [[nodiscard]] Status rest(double time);
   void write_monitors(const StepData& step) const;
   OpenSeesSettings settings_;
   OpfWords words_;
@@ -199,15 +201,18 @@ Status OpenSees::finish(double time) {
   return Status::Ok;
 }
 
+// Before the test, messages wait for the end of the rest.
+Status OpenSees::rest(double time) {
+  opensees_->receive(specimens_);
+  handshake_.restart_deadline(time);
+  return Status::Ok;
+}
+
 Status OpenSees::advance(StepData& step) {
   if (step.stopping && !handshake_.is_stopping()) handshake_.stop(step.time);
   if (handshake_.is_stopping())
     return handshake_.has_stopped(step.time) ? Status::Done : Status::Ok;
-  if (!has_begun_ && step.time < settings_.rest) {
-    opensees_->receive(specimens_);
-    handshake_.restart_deadline(step.time);
-    return Status::Ok;
-  }
+  if (!has_begun_ && step.time < settings_.rest) return rest(step.time);
   const bool was_ready = handshake_.is_ready();
   const Status status =
       handshake_.update(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
@@ -216,11 +221,15 @@ Status OpenSees::advance(StepData& step) {
   if (handshake_.is_ready() && !has_begun_) begin_test(step);
   if (!is_probing_) exchange(step);
   if (opensees_->disconnected()) return finish(step.time);
-  if (has_begun_ && opensees_->connected() && next_unidentified() != specimens_.end()) {
-    identify(step);
-    if (next_unidentified() == specimens_.end()) exchange(step);
-  }
+  identify_next(step);
   return Status::Ok;
+}
+
+// Continues the identification of stiffnesses, if one is left; the test goes on once all are known.
+void OpenSees::identify_next(const StepData& step) {
+  if (!has_begun_ || !opensees_->connected() || next_unidentified() == specimens_.end()) return;
+  identify(step);
+  if (next_unidentified() == specimens_.end()) exchange(step);
 }
 
 void OpenSees::write_monitors(const StepData& step) const {
