@@ -125,17 +125,39 @@ void read_actuators(const Config& table, OpenSeesElement& element) {
                                        element.actuators.size(), moved.size()));
 }
 
-// A component is either moved or held by a spring. "moved" lists the components of actuators.
-void read_components(const Config& table, OpenSeesElement& element) {
-  BearingGeometry& bearing = *element.bearing;
-  const Config axes = table.table_or_empty("axes"), springs = table.table_or_empty("springs"),
-               damping = table.table_or_empty("damping");
+// Reads the components that actuators move.
+std::vector<std::string> read_moved(const Config& table) {
   const auto moved = table.texts("moved", {});
   for (const auto& name : moved)
     if (std::find(std::begin(kComponentNames), std::end(kComponentNames), name) ==
         std::end(kComponentNames))
       table.fail("moved", fmt::format("there is no component '{}', expected one of {}", name,
                                       listed(kComponentNames)));
+  return moved;
+}
+
+// Reads the spring of a component that the machine does not move.
+ComponentSpring read_held(const Config& table, const Config& springs, const Config& damping,
+                          std::size_t component, const OpenSeesElement& element) {
+  const char* name = kComponentNames[component];
+  const bool turns = component >= kTorsion;
+  const double displacement = element.displacement_unit(turns);
+  const double force = element.force_unit_of(turns);
+  if (!springs.has(name))
+    table.fail("springs", fmt::format("component '{}' is neither moved by the machine nor has a "
+                                      "spring: state [….axes] {} or [….springs] {}",
+                                      name, name, name));
+  ComponentSpring spring = read_spring(springs, name, displacement, force);
+  spring.damping = damping.number_in(name, 0, 1e30, 0.0) * force / displacement;
+  return spring;
+}
+
+// A component is either moved or held by a spring. "moved" lists the components of actuators.
+void read_components(const Config& table, OpenSeesElement& element) {
+  BearingGeometry& bearing = *element.bearing;
+  const Config axes = table.table_or_empty("axes"), springs = table.table_or_empty("springs"),
+               damping = table.table_or_empty("damping");
+  const auto moved = read_moved(table);
   const bool is_axial_moved = is_first_of(table, "axial", "deformation", "force");
   for (std::size_t i = 0; i < kComponents; ++i) {
     const char* name = kComponentNames[i];
@@ -144,19 +166,10 @@ void read_components(const Config& table, OpenSeesElement& element) {
     if (is_loaded && by_actuators)
       table.fail("moved", "axial is in 'moved', but axial = \"force\" loads it instead");
     if (is_loaded) bearing.axial_load = read_axis(axes.text(name), i);
-    if (!is_loaded && (axes.has(name) || by_actuators)) {
+    if (!is_loaded && (axes.has(name) || by_actuators))
       element.axes.push_back(read_axis(by_actuators ? name : axes.text(name), i));
-      continue;
-    }
-    const bool turns = i >= kTorsion;
-    const double displacement = element.displacement_unit(turns);
-    const double force = element.force_unit_of(turns);
-    if (!springs.has(name))
-      table.fail("springs", fmt::format("component '{}' is neither moved by the machine nor has a "
-                                        "spring: state [….axes] {} or [….springs] {}",
-                                        name, name, name));
-    bearing.springs[i] = read_spring(springs, name, displacement, force);
-    bearing.springs[i].damping = damping.number_in(name, 0, 1e30, 0.0) * force / displacement;
+    else
+      bearing.springs[i] = read_held(table, springs, damping, i, element);
   }
   axes.reject_unknown_keys();
   springs.reject_unknown_keys();
