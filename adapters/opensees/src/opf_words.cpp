@@ -56,36 +56,18 @@ OpfWords::Word& OpfWords::word(std::vector<Word>& words, const OpenSeesElement& 
                           axes.empty() ? "none" : fmt::format("{}", fmt::join(axes, ", ")))};
 }
 
+void OpfWords::Word::claim(std::size_t by_element, std::size_t by_axis, double with_sign) {
+  element = by_element;
+  axis = by_axis;
+  sign = with_sign;
+}
+
 void OpfWords::bind(const OpenSeesElement& element, std::size_t number) {
   const auto axes = axes_of(element);
   axes_.push_back({std::ssize(axes), false});
-  const auto claim = [&](Word& word, std::size_t axis, double sign) {
-    word.element = number;
-    word.axis = axis;
-    word.sign = sign;
-  };
   for (std::size_t k = 0; k < axes.size(); ++k) {
-    Word& displacement = word(commands_, element, axes[k].axis, Quantity::Displacement);
-    const bool turns = element.actuators.empty() && element.turns(axes[k].index);
-    if ((displacement.signal.word.unit == "rad") != turns)
-      throw Error{fmt::format("{}: '{}' is in {}, but its component is a {}", named(element),
-                              displacement.signal.word.name, displacement.signal.word.unit,
-                              turns ? "rotation" : "translation")};
-    claim(displacement, k, 1);
-    displacement.signal.is_relative_to_first |= element.is_relative;
-    claim(word(feedbacks_, element, axes[k].axis, Quantity::Force), k, 1);
-    // Not every laboratory has these words.
-    for (auto& other : commands_)
-      if (other.signal.word.axis == axes[k].axis &&
-          (other.signal.word.quantity == Quantity::Velocity ||
-           other.signal.word.quantity == Quantity::Acceleration))
-        claim(other, k, 1);
-    for (auto& other : feedbacks_)
-      if (other.signal.word.axis == axes[k].axis &&
-          other.signal.word.quantity == Quantity::Displacement) {
-        claim(other, k, 1);
-        axes_.back().has_displacement = true;
-      }
+    bind_axis(element, number, axes[k], k);
+    bind_optional(number, axes[k].axis, k);
   }
   if (element.needs_identification() && !axes_.back().has_displacement)
     throw Error{
@@ -95,8 +77,33 @@ void OpfWords::bind(const OpenSeesElement& element, std::size_t number) {
   if (!element.bearing || !element.bearing->axial_load) return;
   const MovedAxis& load = *element.bearing->axial_load;
   Word& force = word(commands_, element, load.axis, Quantity::Force);
-  claim(force, 0, load.direction);
+  force.claim(number, 0, load.direction);
   force.is_load = true;
+}
+
+void OpfWords::bind_axis(const OpenSeesElement& element, std::size_t number, const MovedAxis& axis,
+                         std::size_t k) {
+  Word& displacement = word(commands_, element, axis.axis, Quantity::Displacement);
+  const bool turns = element.actuators.empty() && element.turns(axis.index);
+  if ((displacement.signal.word.unit == "rad") != turns)
+    throw Error{fmt::format("{}: '{}' is in {}, but its component is a {}", named(element),
+                            displacement.signal.word.name, displacement.signal.word.unit,
+                            turns ? "rotation" : "translation")};
+  displacement.claim(number, k, 1);
+  displacement.signal.is_relative_to_first |= element.is_relative;
+  word(feedbacks_, element, axis.axis, Quantity::Force).claim(number, k, 1);
+}
+
+void OpfWords::bind_optional(std::size_t number, const std::string& axis, std::size_t k) {
+  for (auto& other : commands_)
+    if (other.signal.word.axis == axis && (other.signal.word.quantity == Quantity::Velocity ||
+                                           other.signal.word.quantity == Quantity::Acceleration))
+      other.claim(number, k, 1);
+  for (auto& other : feedbacks_)
+    if (other.signal.word.axis == axis && other.signal.word.quantity == Quantity::Displacement) {
+      other.claim(number, k, 1);
+      axes_.back().has_displacement = true;
+    }
 }
 
 std::vector<Port> OpfWords::feedbacks() const {

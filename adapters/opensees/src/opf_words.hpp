@@ -51,8 +51,14 @@ class OpfWords {
     double sign = 1;
     bool is_load = false;
     double offset = 0;
+
+    void claim(std::size_t by_element, std::size_t by_axis, double with_sign);
   };
   void bind(const OpenSeesElement& element, std::size_t number);
+  void bind_axis(const OpenSeesElement& element, std::size_t number, const MovedAxis& axis,
+                 std::size_t k);
+  // Not every laboratory has velocities, accelerations and measured displacements.
+  void bind_optional(std::size_t number, const std::string& axis, std::size_t k);
   [[nodiscard]] static Word& word(std::vector<Word>& words, const OpenSeesElement& element,
                                   const std::string& axis, Quantity quantity);
   [[nodiscard]] static double value_of(const Word& word, const Specimen::Command& command);
