@@ -174,6 +174,16 @@ std::vector<ControlSignal> without_control_points(const std::vector<OpfSignal>& 
   return signals;
 }
 
+void require_all_declared(std::size_t declared, const std::vector<OpfSignal>& words,
+                          const ControlPoint& last, const char* role) {
+  if (declared < words.size())
+    fail(last, role,
+         fmt::format("too few signals: '{}' ({}) is the first of {} missing signals",
+                     text_of(numbers_of(words)[declared], words[declared].quantity),
+                     words[declared].name, words.size() - declared),
+         words);
+}
+
 std::vector<ControlSignal> checked_signals(const std::vector<OpfSignal>& words,
                                            const std::vector<std::string>& lines,
                                            const char* role) {
@@ -204,12 +214,7 @@ std::vector<ControlSignal> checked_signals(const std::vector<OpfSignal>& words,
     }
     previous = point;
   }
-  if (signals.size() < words.size())
-    fail(*previous, role,
-         fmt::format("too few signals: '{}' ({}) is the first of {} missing signals",
-                     text_of(numbers[signals.size()], words[signals.size()].quantity),
-                     words[signals.size()].name, words.size() - signals.size()),
-         words);
+  require_all_declared(signals.size(), words, *previous, role);
   return signals;
 }
 
