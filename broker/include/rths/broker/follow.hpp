@@ -19,9 +19,9 @@ namespace rths::broker {
 /// One write of a node: a word or a tear group.
 struct Write {
   NodeId writer;
-  LongwordOffset offset;                   ///< of the word, or of the group's first word
-  std::uint32_t value = 0;                 ///< of the word
-  std::span<const std::uint32_t> group{};  ///< words of the group, valid until the next call
+  LongwordOffset offset;                 ///< of the word, or of the group's first word
+  std::uint32_t value = 0;               ///< of the word
+  std::span<const std::uint32_t> group;  ///< words of the group, valid until the next call
 };
 
 /// Result of reading a journal.
