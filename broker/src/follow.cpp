@@ -41,6 +41,7 @@ struct Follower::State {
 
   [[nodiscard]] Followed next(Write& write) noexcept;
   void skip_to_end() noexcept;
+  void read_word(const JournalEntry& entry, Write& write) const noexcept;
   [[nodiscard]] bool read_group(const JournalEntry& first, Write& write) noexcept;
   [[nodiscard]] GroupState state_of(const JournalEntry& first) const noexcept;
 };
@@ -49,6 +50,14 @@ void Follower::State::skip_to_end() noexcept {
   const std::uint64_t end = end_of(journal);
   lost += end - position;
   position = end;
+}
+
+void Follower::State::read_word(const JournalEntry& entry, Write& write) const noexcept {
+  // Member by member: copying the whole struct would stall on store forwarding.
+  write.writer = entry.c != 0 ? NodeId{static_cast<std::uint16_t>(entry.c - 1)} : writer;
+  write.offset = LongwordOffset{entry.a};
+  write.value = entry.b;
+  write.group = {};
 }
 
 bool Follower::State::read_group(const JournalEntry& first, Write& write) noexcept {
@@ -86,11 +95,7 @@ Followed Follower::State::next(Write& write) noexcept {
     }
     ++position;
     if (entry.kind() == EntryKind::Word) {
-      // Member by member: copying the whole struct would stall on store forwarding.
-      write.writer = entry.c != 0 ? NodeId{static_cast<std::uint16_t>(entry.c - 1)} : writer;
-      write.offset = LongwordOffset{entry.a};
-      write.value = entry.b;
-      write.group = {};
+      read_word(entry, write);
       return Followed::Write;
     }
     if (entry.kind() != EntryKind::Group) continue;
