@@ -130,7 +130,7 @@ def kills(file):
 
 
 def real_recordings(file):
-    """Verdicts on recordings; `emps_without_coulomb_friction`: with these terms barred, named by the first."""
+    """Verdicts on recordings; `emps_without_asymmetric_viscous`: with these terms barred, named by the first."""
     rows = {}
     for _, values in tests_of(file):
         if "recording" in values:

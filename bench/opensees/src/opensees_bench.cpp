@@ -102,7 +102,7 @@ class Element {
     Message end{kEnd};
     try {
       socket_.send(bytes_of(end));
-    } catch (const Error&) {  // the run has ended already
+    } catch (const Error&) {  // NOLINT(bugprone-empty-catch): the run has ended already
     }
   }
   Element(const Element&) = delete;

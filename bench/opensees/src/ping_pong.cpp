@@ -26,7 +26,7 @@ Socket accepted(Transport transport, const Socket& server) {
   const char* const late = "the ping-pong's client did not connect";
   sockaddr_in from{};
   socklen_t size = sizeof from;
-  auto* const address = static_cast<sockaddr*>(static_cast<void*>(&from));
+  auto* const address = reinterpret_cast<sockaddr*>(&from);
   if (transport == Transport::Tcp) {
     Socket socket{accept4(server.get(), address, &size, SOCK_CLOEXEC)};
     if (socket.get() < 0) throw Error{late};

@@ -34,7 +34,7 @@ sockaddr_in address_of(std::uint16_t port) {
 // An address as the system calls expect it.
 struct Address {
   sockaddr_in in;
-  [[nodiscard]] sockaddr* get() { return static_cast<sockaddr*>(static_cast<void*>(&in)); }
+  [[nodiscard]] sockaddr* get() { return reinterpret_cast<sockaddr*>(&in); }
 };
 
 int open(Transport transport) {
