@@ -18,28 +18,32 @@ constexpr std::uint32_t kWrites = 8U << kLongJournalBits;  // a slow follower lo
 constexpr double kWriteTimes[] = {10, 20, 50, 1000};       // [ns]
 constexpr std::uint32_t kBurst = 16;
 
+/// Follows the other side's writes to the last one, or until some are lost.
+void follow_writes(const BenchRing& ring, std::atomic<std::uint32_t>& ready,
+                   std::atomic<std::uint32_t>& lost) {
+  RingSide side{ring, Side::Far};
+  auto journal = side.ring.follow(side.in_partition);
+  broker::Write write;
+  SpinLimit limit;
+  ready.store(1, std::memory_order_release);
+  for (std::uint32_t n = 1; n <= kWrites && journal.lost() == 0;) {
+    if (journal.next(write) != broker::Followed::Write) {
+      limit.count();
+      continue;
+    }
+    limit.reset();
+    if (write.value != n++) throw Error{"a write was followed out of order"};
+  }
+  lost.store(journal.lost() == 0 ? 0 : 1);
+}
+
 /// Writes at a constant rate, in short bursts, while the other side follows.
 /// @returns time per write until the last one was read [ns]; nothing if writes were lost
 std::optional<double> time_of_followed_write(const Workbench& bench, const BenchRing& ring,
                                              double write_time) {
   const Shared<std::atomic<std::uint32_t>> ready;
   const Shared<std::atomic<std::uint32_t>> lost;
-  Partner reader{bench.setup.cpus.far, [&] {
-                   RingSide side{ring, Side::Far};
-                   auto journal = side.ring.follow(side.in_partition);
-                   broker::Write write;
-                   SpinLimit limit;
-                   ready->store(1, std::memory_order_release);
-                   for (std::uint32_t n = 1; n <= kWrites && journal.lost() == 0;) {
-                     if (journal.next(write) != broker::Followed::Write) {
-                       limit.count();
-                       continue;
-                     }
-                     limit.reset();
-                     if (write.value != n++) throw Error{"a write was followed out of order"};
-                   }
-                   lost->store(journal.lost() == 0 ? 0 : 1);
-                 }};
+  Partner reader{bench.setup.cpus.far, [&] { follow_writes(ring, *ready, *lost); }};
   const Pinned pinned{bench.setup.cpus.near};
   RingSide side{ring, Side::Near};
   await_ready(*ready, reader);
