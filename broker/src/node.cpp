@@ -3,6 +3,7 @@
 // The hot path. One writer per longword. Writing a word is a release store; writing a group stores
 // its record, then its words. Then the writer appends either to its journal.
 #include <atomic>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -69,6 +70,14 @@ std::optional<int> conflicting_process(Segment& segment, const Slot& own, NodeId
   return std::nullopt;
 }
 
+// The writer is stopped or dead in the middle of a write, or writes very often, or is plain.
+Status read_disturbed(std::uint32_t* record, std::uint32_t* memory,
+                      std::span<std::uint32_t> words) noexcept {
+  for (int attempt = 0; attempt < kAttempts; ++attempt)
+    if (read_memory(record, memory, words) || read_record(record, words)) return Status::Ok;
+  return Status::Stale;
+}
+
 }  // namespace
 
 struct Node::GroupAccess {
@@ -81,7 +90,7 @@ struct Node::GroupAccess {
   /// Last read of a bulk record. While its count is unchanged, a read touches no other line of the
   /// record, since the writer must fetch back every line that a reader touches.
   std::uint32_t read_count = kNothingRead;
-  std::vector<std::uint32_t> read = {};
+  std::vector<std::uint32_t> read = {};  // NOLINT(readability-redundant-member-init)
 };
 
 Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, bool plain)
@@ -135,7 +144,8 @@ void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
   for (const auto& partition : map.partitions())
     if (!partition.tear_group && map.node(partition.node) == id)
       own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
-  writer_.reset(new Writer{words_, {0, 0}, &segment_->wake(), JournalWriter{journal}});
+  writer_ =
+      std::make_unique<Writer>(Writer{words_, {0, 0}, &segment_->wake(), JournalWriter{journal}});
   writer_->journal.time(now());
 }
 
@@ -210,11 +220,7 @@ Status Node::read_group(TearGroupId id, std::span<std::uint32_t> words) const no
     }
     if ((count & kDisabled) != 0) break;
   }
-  // The writer is stopped or dead in the middle of a write, or writes very often, or is plain.
-  for (int attempt = 0; attempt < kAttempts; ++attempt)
-    if (read_memory(access.record, access.words, words) || read_record(access.record, words))
-      return Status::Ok;
-  return Status::Stale;
+  return read_disturbed(access.record, access.words, words);
 }
 
 Status Node::write_group(TearGroupId id, std::span<const std::uint32_t> words) noexcept {
