@@ -44,6 +44,8 @@ struct Watch::State {
 
   void update_members();
   void read_journals();
+  void expect(const Write& write);
+  void accept_words_of(const std::string& owner);
   void journal(Member& owner, std::uint32_t offset, std::uint32_t value);
   void compare(std::vector<PlainStore>& found);
   void check_word(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
@@ -80,19 +82,26 @@ void Watch::State::read_journals() {
       const Followed followed = member.follower.next(write);
       if (followed == Followed::Nothing) break;
       if (followed == Followed::Lost && member.on_behalf) continue;  // our own entries
-      if (followed == Followed::Lost) {  // accept all words of the owner
-        for (const auto& partition : ring.map().partitions())
-          if (partition.node == member.name)
-            for (std::uint32_t i = 0; i < partition.longwords; ++i)
-              expected[partition.base.value() + i] = word(partition.base.value() + i);
-        continue;
-      }
-      if (write.group.empty())
-        expected[write.offset.value()] = write.value;
+      if (followed == Followed::Lost)
+        accept_words_of(member.name);
       else
-        std::copy(write.group.begin(), write.group.end(), expected.begin() + write.offset.value());
+        expect(write);
     }
   }
+}
+
+void Watch::State::expect(const Write& write) {
+  if (write.group.empty())
+    expected[write.offset.value()] = write.value;
+  else
+    std::copy(write.group.begin(), write.group.end(), expected.begin() + write.offset.value());
+}
+
+void Watch::State::accept_words_of(const std::string& owner) {
+  for (const auto& partition : ring.map().partitions())
+    if (partition.node == owner)
+      for (std::uint32_t i = 0; i < partition.longwords; ++i)
+        expected[partition.base.value() + i] = word(partition.base.value() + i);
 }
 
 void Watch::State::journal(Member& owner, std::uint32_t offset, std::uint32_t value) {
