@@ -16,6 +16,25 @@ namespace {
 
 constexpr double kDifference = 1e-5;  // relative step of a parameter of the linear system
 
+// Returns whether all numbers are finite.
+bool split_duals(const std::vector<std::vector<Dual>>& outputs, MatrixXd& prediction,
+                 std::vector<MatrixXd>& derivatives) {
+  prediction.resize(static_cast<Index>(outputs[0].size()), static_cast<Index>(outputs.size()));
+  for (auto& derivative : derivatives) derivative.resize(prediction.rows(), prediction.cols());
+  bool finite = true;
+  for (Index j = 0; j < prediction.cols(); ++j)
+    for (Index i = 0; i < prediction.rows(); ++i) {
+      const Dual& y = outputs[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
+      prediction(i, j) = y.value;
+      finite &= std::isfinite(y.value);
+      for (std::size_t lane = 0; lane < derivatives.size(); ++lane) {
+        derivatives[lane](i, j) = y.derivative[lane];
+        finite &= std::isfinite(y.derivative[lane]);
+      }
+    }
+  return finite;
+}
+
 }  // namespace
 
 std::vector<double> plain(const VectorXd& values) { return {values.begin(), values.end()}; }
@@ -84,21 +103,7 @@ bool DynamicSimulator::run_lanes(const VectorXd& values, const std::vector<Index
           ? only_at_outputs(lanes) ? through_outputs(setup_, signals_, plain_steps, duals)
                                    : run_freely(setup_, signals_, plain_steps, duals)
           : run_freely(setup_, signals_, with_lanes(plain_steps, differences), duals);
-  if (outputs.empty()) return false;
-  prediction.resize(static_cast<Index>(outputs[0].size()), static_cast<Index>(outputs.size()));
-  for (auto& derivative : derivatives) derivative.resize(prediction.rows(), prediction.cols());
-  bool finite = true;
-  for (Index j = 0; j < prediction.cols(); ++j)
-    for (Index i = 0; i < prediction.rows(); ++i) {
-      const Dual& y = outputs[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
-      prediction(i, j) = y.value;
-      finite &= std::isfinite(y.value);
-      for (std::size_t lane = 0; lane < derivatives.size(); ++lane) {
-        derivatives[lane](i, j) = y.derivative[lane];
-        finite &= std::isfinite(y.derivative[lane]);
-      }
-    }
-  return finite;
+  return !outputs.empty() && split_duals(outputs, prediction, derivatives);
 }
 
 }  // namespace rths::diagnosis
