@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/adapters/numerical.hpp>
 
+#include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::adapters {
 namespace {
-
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
 
 sim::Stick read_stick(const Config& table) {
   sim::Stick stick;
