@@ -189,8 +189,8 @@ void report(const Investigation& found, Verdict& verdict) {
         selection.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300)));
   add_evidence(found, verdict);
   for (const auto& description : found.descriptions) {
-    constexpr double kLeastShare = 0.02;
-    if (description.share > kLeastShare) verdict.descriptions.push_back(description);
+    constexpr double kLeastFormShare = 0.02;
+    if (description.share > kLeastFormShare) verdict.descriptions.push_back(description);
   }
   verdict.has_remainder = verdict.has_remainder || selection.has_remainder();
   verdict.refitted = refitted_of(found);
