@@ -17,10 +17,10 @@ constexpr double kAmplitude = 0.3;           // [m]
 constexpr double kProbeStep = 1e-4;          // [s]
 constexpr double kLargestTemperature = 200;  // above or below the reference [°C]
 
-const Bearing& checked(const Bearing& bearing) {
+const std::vector<TermSettings>& checked_terms(const Bearing& bearing) {
   for (const auto& term : bearing.terms) check_owner(term, TermOwner::Specimen);
   require_given_load(bearing);
-  return bearing;
+  return bearing.terms;
 }
 
 // Moves one axis quasi-statically and records the largest ΔF/Δu.
@@ -60,7 +60,7 @@ class Probe {
 }  // namespace
 
 BearingRun::BearingRun(const Bearing& bearing, double time_step)
-    : composition_{checked(bearing).terms, time_step},
+    : composition_{checked_terms(bearing), time_step},
       state_(composition_.states()),
       temperature_{bearing.temperature} {}
 
