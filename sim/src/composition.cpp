@@ -14,7 +14,7 @@ namespace {
 
 // The first states of a composition hold the hysteretic force and the specimen's force of the
 // previous step.
-constexpr std::size_t kSharedStates = 2 * kHorizontalAxes;
+constexpr std::size_t kSharedStates = std::size_t{2} * kHorizontalAxes;
 
 std::size_t index_of_parameter(const TermKind& kind, const std::string& name) {
   return static_cast<std::size_t>(&parameter_of(kind, name) - kind.parameters.data());
