@@ -18,7 +18,7 @@ struct RateSaturation {
   static constexpr unsigned kTraits = kPerAxis;
   enum { kRate };
   static constexpr Parameter kParameters[] = {{"velocity_limit", "m/s", 1e-4, 1e3, 1e3, 0.3}};
-  static constexpr std::size_t kStates = 2 * kHorizontalAxes;  // started, u
+  static constexpr std::size_t kStates = std::size_t{2} * kHorizontalAxes;  // started, u
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -84,29 +84,33 @@ struct ValveDeadband {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real& band = term.parameters[kBand];
     const Real steps = term.parameters[kTimeConstant] * (1 / term.time_step);
+    for_each_active_axis(term, [&](std::size_t axis) { step_axis(term, q, axis, steps); });
+  }
+
+  template <class Real>
+  static void step_axis(const TermView<Real>& term, Quantities<Real>& q, std::size_t axis,
+                        const Real& steps) {
+    const Real& band = term.parameters[kBand];
     const auto inside = [&](const Real& e) { return e <= band && e >= -band; };
-    for_each_active_axis(term, [&](std::size_t axis) {
-      Real* state = term.state + axis * kAxisStates;
-      const Real command = q.displacement[axis];
-      if (state[0] == 0) state[0] = 1.0, state[1] = state[2] = command;
-      const Real before = state[1] - state[2], error = command - state[2];  // if u rests
-      state[1] = command;
-      const bool came = inside(before) || !(steps > kShortestLag);
-      if (came && inside(error)) {
-        q.displacement[axis] = state[2];
-        if (band > 0) set_velocity(term, q, axis, Real{0});
-        return;
-      }
-      const Real edge = (came ? error : before) > 0 ? band : -band;
-      const Beyond<Real> x = beyond(before, error, edge, steps, came);
-      q.displacement[axis] = state[2] = command - edge - x.rest;
-      if (steps > kShortestLag)
-        set_velocity(term, q, axis, Real{x.drive / term.parameters[kTimeConstant]});
-      else
-        state[3] = q.velocity[axis];
-    });
+    Real* state = term.state + axis * kAxisStates;
+    const Real command = q.displacement[axis];
+    if (state[0] == 0) state[0] = 1.0, state[1] = state[2] = command;
+    const Real before = state[1] - state[2], error = command - state[2];  // if u rests
+    state[1] = command;
+    const bool came = inside(before) || !(steps > kShortestLag);
+    if (came && inside(error)) {
+      q.displacement[axis] = state[2];
+      if (band > 0) set_velocity(term, q, axis, Real{0});
+      return;
+    }
+    const Real edge = (came ? error : before) > 0 ? band : -band;
+    const Beyond<Real> x = beyond(before, error, edge, steps, came);
+    q.displacement[axis] = state[2] = command - edge - x.rest;
+    if (steps > kShortestLag)
+      set_velocity(term, q, axis, Real{x.drive / term.parameters[kTimeConstant]});
+    else
+      state[3] = q.velocity[axis];
   }
 
   // Mean acceleration over the step, because the acceleration jumps at the edges of the band.
