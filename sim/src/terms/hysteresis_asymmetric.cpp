@@ -23,7 +23,8 @@ struct AsymmetricHysteresis {
                                               {"forward_length", "m", 1e-7, 1, 3e-3, 3e-3},
                                               {"backward_length", "m", 1e-7, 1, 3e-3, 4e-3},
                                               {"play", "m", 0, 1, 0, 5e-3}};
-  static constexpr std::size_t kStates = 2 * kHorizontalAxes;  // displacement before, y
+  static constexpr std::size_t kStates =
+      std::size_t{2} * kHorizontalAxes;  // displacement before, y
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {

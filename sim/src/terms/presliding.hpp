@@ -8,7 +8,8 @@
 
 namespace rths::sim {
 
-inline constexpr std::size_t kDahlStates = 2 * kHorizontalAxes;  ///< displacement before, s
+inline constexpr std::size_t kDahlStates =
+    std::size_t{2} * kHorizontalAxes;  ///< displacement before, s
 inline constexpr std::string_view kDahl = "Dahl 1968, exponent 1";
 inline constexpr Parameter kPreslidingLength = {"presliding", "m", 1e-7, 0.1, 1e-4, 1e-4};
 
