@@ -20,6 +20,7 @@ function(rths_add folder)
   endif()
   if(NOT arg_INTERNAL)
     install(TARGETS ${target} EXPORT rths FILE_SET HEADERS)
+    add_dependencies(rths_installed ${target})
   endif()
 endfunction()
 

@@ -43,8 +43,13 @@ struct DumpArguments {
 };
 [[nodiscard]] int dump(const DumpArguments& arguments);
 
+struct WhoArguments {
+  std::string ring;
+  std::vector<std::string> patterns;  ///< signal names; * and ? as in a shell
+  std::string format = "text";        ///< text or json, one object per line
+};
 /// Prints the last writer and write time of words.
-[[nodiscard]] int who(const std::string& ring, const std::vector<std::string>& patterns);
+[[nodiscard]] int who(const WhoArguments& arguments);
 
 struct WatchArguments {
   std::string ring;
@@ -86,8 +91,8 @@ struct LoopArguments {
 
 struct TermsArguments {
   std::vector<std::string> names;  ///< empty: all
-  bool markdown = false;
-  std::string draw;  ///< folder for drawings; empty: print text
+  std::string format = "text";     ///< text, markdown, or json, one object per line
+  std::string draw;                ///< folder for drawings; empty: print text
 };
 /// Prints or draws the catalogue of terms.
 [[nodiscard]] int terms(const TermsArguments& arguments);
@@ -119,6 +124,7 @@ struct DiagnoseArguments {
 /// Finds the physics that a simulation omits. @returns 0 for every verdict
 [[nodiscard]] int diagnose(const DiagnoseArguments& arguments);
 
+[[nodiscard]] int map_list();
 [[nodiscard]] int map_check(const std::string& file);
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);
 [[nodiscard]] int report(const std::string& folder);

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <rths/core/error.hpp>
 
+#include "command_line.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
@@ -30,6 +35,7 @@ struct Arguments {
   RunArguments run;
   NodeArguments node;
   DumpArguments dump;
+  WhoArguments who;
   WatchArguments watch;
   SendArguments send;
   BenchArguments bench;
@@ -107,10 +113,10 @@ void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
 
 void add_who(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("who", "Print the last writer and write time of words");
-  command->add_option("ring", a.dump.ring_or_recording, "Name of a ring")->required();
-  command->add_option("signals", a.dump.patterns, "Signal names; * and ? as in a shell [all]");
-  command->callback(
-      [&] { chosen = [&a] { return who(a.dump.ring_or_recording, a.dump.patterns); }; });
+  command->add_option("ring", a.who.ring, "Name of a ring")->required();
+  command->add_option("signals", a.who.patterns, "Signal names; * and ? as in a shell [all]");
+  command->add_option("--format", a.who.format)->check(CLI::IsMember({"text", "json"}));
+  command->callback([&] { chosen = [&a] { return who(a.who); }; });
 }
 
 void add_watch(CLI::App& app, Arguments& a, Chosen& chosen) {
@@ -222,7 +228,8 @@ void add_terms(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand(
       "terms", "List the terms of bearings, machines and sensors, with equations");
   command->add_option("names", a.terms.names, "Terms to list [all]");
-  command->add_flag("--markdown", a.terms.markdown, "Print Markdown");
+  command->add_option("--format", a.terms.format)
+      ->check(CLI::IsMember({"text", "markdown", "json"}));
   command->add_option("--draw", a.terms.draw,
                       "Draw the effect of each term into this folder, print nothing");
   command->callback([&] { chosen = [&a] { return terms(a.terms); }; });
@@ -249,6 +256,9 @@ void add_diagnose(CLI::App& app, Arguments& a, Chosen& chosen) {
 void add_map(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("map", "Memory maps");
   command->require_subcommand(1);
+  command->add_subcommand("list", "List the built-in maps")->callback([&] {
+    chosen = [] { return map_list(); };
+  });
   auto* check_command = command->add_subcommand("check", "Check a map");
   check_command->add_option("map", a.file, "File, or name of a built-in map")->required();
   check_command->callback([&] { chosen = [&a] { return map_check(a.file); }; });
@@ -270,6 +280,16 @@ void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
   });
 }
 
+// For the shell's completion and for the installation; not in the help.
+std::optional<int> run_hidden(const CLI::App& app, const std::vector<std::string>& words) {
+  if (words.empty() || (words[0] != "complete" && words[0] != "manual")) return std::nullopt;
+  if (words[0] == "manual")
+    fmt::print("{}", manual_page(app, version()));
+  else
+    fmt::print("{}\n", fmt::join(completions(app, {words.begin() + 1, words.end()}), "\n"));
+  return kOk;
+}
+
 int parse_and_run(int argc, char** argv) {
   CLI::App app{"A software SCRAMNet+ ring, and the hybrid-simulation laboratory on it."};
   app.name("rths");
@@ -280,8 +300,14 @@ int parse_and_run(int argc, char** argv) {
   for (const auto add : {add_run, add_node, add_check, add_dump, add_who, add_watch, add_send,
                          add_bench, add_loop, add_terms, add_diagnose, add_map, add_rest})
     add(app, arguments, chosen);
+  const std::vector<std::string> words{argv + 1, argv + argc};
+  if (const auto result = run_hidden(app, words)) return *result;
   try {
+    check_command_names(app, words);
     app.parse(argc, argv);
+  } catch (const Error& error) {
+    fmt::print(stderr, "rths: {}\n", error.what());
+    return kUsage;
   } catch (const CLI::ParseError& error) {
     const bool is_help = error.get_exit_code() == 0;
     app.exit(error);

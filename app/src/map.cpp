@@ -8,6 +8,16 @@
 
 namespace rths::app {
 
+int map_list() {
+  for (const auto& name : launch::built_in_names("maps")) {
+    const auto file = launch::find_map(name);
+    const auto map = memmap::load_map(file);
+    fmt::print("{:<14} {:>2} nodes {:>4} signals  {}\n", name, map.description().nodes.size(),
+               map.signals().size(), file.string());
+  }
+  return kOk;
+}
+
 int map_check(const std::string& file) {
   const auto map = memmap::load_map(launch::find_map(file));
   fmt::print("{}: map '{}', version {}, {} nodes, {} partitions, {} signals, hash {}\n", file,

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <rths/report/drawing.hpp>
 #include <rths/sim/loop_test.hpp>
@@ -101,6 +102,20 @@ std::string markdown_of(const TermKind& kind) {
       parameter_rows(kind, "| `{}` | {:g} | {:g} | {:g} | {:g} |\n"));
 }
 
+std::string json_of(const TermKind& kind) {
+  nlohmann::ordered_json parameters = nlohmann::ordered_json::array();
+  for (const auto& p : kind.parameters)
+    parameters.push_back({{"key", sim::parameter_key(p, sim::Channel::Force)},
+                          {"low", p.low},
+                          {"high", p.high},
+                          {"default", p.absent},
+                          {"typical", p.typical}});
+  const nlohmann::ordered_json json = {
+      {"term", kind.name},         {"title", kind.title},   {"stage", sim::stage_name(kind.stage)},
+      {"equation", kind.equation}, {"source", kind.source}, {"parameters", parameters}};
+  return json.dump() + "\n";
+}
+
 }  // namespace
 
 int terms(const TermsArguments& arguments) {
@@ -115,7 +130,9 @@ int terms(const TermsArguments& arguments) {
     return kOk;
   }
   for (const auto& kind : kinds)
-    fmt::print("{}", arguments.markdown ? markdown_of(kind) : text_of(kind));
+    fmt::print("{}", arguments.format == "json"       ? json_of(kind)
+                     : arguments.format == "markdown" ? markdown_of(kind)
+                                                      : text_of(kind));
   return kOk;
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <rths/broker/follow.hpp>
 #include <rths/core/error.hpp>
@@ -32,20 +33,42 @@ std::string describe(const broker::LastWrite& last, TimePoint now) {
              : fmt::format("by {}, at least {} ago", last.node, newest);
 }
 
+// An unknown age is null.
+nlohmann::ordered_json age_ms(TimePoint time, TimePoint now) {
+  if (time.count() == 0) return nullptr;
+  return std::max(0.0, 1e3 * to_seconds(now - time));
+}
+
+nlohmann::ordered_json json_of(const memmap::SignalEntry& entry, double value,
+                               const broker::LastWrite& last, TimePoint now) {
+  return {{"signal", entry.name},
+          {"value", value},
+          {"unit", entry.signal->unit},
+          {"node", last.node},
+          {"written", last.value.has_value()},
+          {"age_min_ms", age_ms(last.not_after, now)},
+          {"age_max_ms", age_ms(last.not_before, now)}};
+}
+
 }  // namespace
 
-int who(const std::string& name, const std::vector<std::string>& patterns) {
-  broker::Ring ring = broker::Ring::attach(name);
+int who(const WhoArguments& arguments) {
+  broker::Ring ring = broker::Ring::attach(arguments.ring);
   const broker::Node node = ring.observe();
   bool any = false;
   for (const auto& entry : ring.map().signals()) {
-    if (!matches(entry.name, patterns)) continue;
+    if (!matches(entry.name, arguments.patterns)) continue;
     any = true;
     const memmap::Codec codec{*entry.signal};
     const auto offset = entry.signal->offset;
-    fmt::print("{} = {:.7g} {}: {}\n", entry.name, codec.from_si(codec.decode(node.read(offset))),
-               entry.signal->unit == "1" ? "" : entry.signal->unit,
-               describe(ring.last_write(offset), WallClock{}.now()));
+    const double value = codec.from_si(codec.decode(node.read(offset)));
+    const auto last = ring.last_write(offset);
+    const TimePoint now = WallClock{}.now();
+    if (arguments.format == "json")
+      fmt::print("{}\n", json_of(entry, value, last, now).dump());
+    else
+      fmt::print("{} = {:.7g} {}: {}\n", entry.name, value,
+                 entry.signal->unit == "1" ? "" : entry.signal->unit, describe(last, now));
   }
   if (!any) throw Error{"no signal of the ring matches"};
   return kOk;

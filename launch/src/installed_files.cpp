@@ -15,16 +15,6 @@ std::filesystem::path installed(const std::string& name, const std::string& fold
   return shared_files() / folder / (name + ending);
 }
 
-std::string built_in_names(const std::string& folder) {
-  std::set<std::string> names;
-  std::error_code missing;
-  for (const auto& file : std::filesystem::directory_iterator{shared_files() / folder, missing}) {
-    const std::string name = file.path().filename().string();
-    names.insert(name.substr(0, name.find('.')));
-  }
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 bool is_bare_name(const std::string& name) {
   return name.find('/') == std::string::npos && name.find('.') == std::string::npos;
 }
@@ -36,7 +26,7 @@ std::filesystem::path find_named(const std::string& name_or_path, const char* ki
   if (std::filesystem::exists(file)) return file;
   if (std::filesystem::exists(name_or_path)) return name_or_path;
   throw Error{fmt::format("there is no {} '{}', expected a file or one of: {}", kind, name_or_path,
-                          built_in_names(folder))};
+                          fmt::join(built_in_names(folder), ", "))};
 }
 
 }  // namespace
@@ -44,6 +34,16 @@ std::filesystem::path find_named(const std::string& name_or_path, const char* ki
 std::filesystem::path shared_files() {
   const auto command = std::filesystem::read_symlink("/proc/self/exe");
   return command.parent_path().parent_path() / "share" / "rths";
+}
+
+std::vector<std::string> built_in_names(const std::string& folder) {
+  std::set<std::string> names;
+  std::error_code missing;
+  for (const auto& file : std::filesystem::directory_iterator{shared_files() / folder, missing}) {
+    const std::string name = file.path().filename().string();
+    names.insert(name.substr(0, name.find('.')));
+  }
+  return {names.begin(), names.end()};
 }
 
 std::filesystem::path find_map(const std::string& name_or_path) {
@@ -60,7 +60,7 @@ std::filesystem::path find_file(const Config& table, const std::string& key,
   auto file = is_bare_name(name) ? installed(name, folder) : table.resolve(name);
   if (!std::filesystem::exists(file))
     table.fail(key, fmt::format("{} is '{}', expected a file or one of: {}", key, name,
-                                built_in_names(folder)));
+                                fmt::join(built_in_names(folder), ", ")));
   return file;
 }
 

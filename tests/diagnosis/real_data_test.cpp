@@ -26,7 +26,7 @@ class RealData : public testing::Test {
   void open(const std::string& name) {
     recording_ = name;
     if (!fs::exists(test::source_tree() / "../shared/data"))
-      GTEST_SKIP() << "there is no ../shared/data with the recordings of " << name;
+      GTEST_SKIP() << "SKIPPED: there is no ../shared/data with the recordings of " << name;
     case_ = load_case(test::source_tree() / "tests/diagnosis/real" / name);
   }
   [[nodiscard]] Verdict diagnosed(const Names& without = {}) const {

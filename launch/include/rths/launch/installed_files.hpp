@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <rths/core/config.hpp>
 
@@ -10,6 +11,9 @@ namespace rths::launch {
 
 /// Folder of the installed maps, diagrams and bearings: share/rths beside bin.   @setup
 [[nodiscard]] std::filesystem::path shared_files();
+
+/// Names of the installed files of a folder ("maps", "diagrams", "bearings"), sorted.   @setup
+[[nodiscard]] std::vector<std::string> built_in_names(const std::string& folder);
 
 /// Path of a built-in map by name ("srmd"), or the given path.
 /// @throws Error if neither exists   @setup
