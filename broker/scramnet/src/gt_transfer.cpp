@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gt_unit.hpp"
+#include "ring_copy.hpp"
 
 using namespace rths::scramnet;
 
@@ -39,34 +40,39 @@ uint32 defect_of(const Transfer& transfer, const GtUnit& unit, const scgtHandle&
 
 template <class Unit>
 void copy_units(std::byte* to, const std::byte* from, uint32 bytes, bool to_ring) {
-  for (uint32 i = 0; i < bytes; i += sizeof(Unit)) {
-    Unit unit;
-    if (to_ring) {
-      std::memcpy(&unit, from + i, sizeof unit);
-      *reinterpret_cast<volatile Unit*>(to + i) = unit;
-    } else {
-      unit = *reinterpret_cast<const volatile Unit*>(from + i);
-      std::memcpy(to + i, &unit, sizeof unit);
-    }
-  }
+  if (to_ring)
+    write_ring_units<Unit>(to, from, bytes);
+  else
+    read_ring_units<Unit>(to, from, bytes);
+}
+
+// A longword of the ring, or of the user's buffer, which may have any alignment.
+uint32 load_longword(const std::byte* from, bool of_ring) {
+  if (of_ring) return read_ring_unit<uint32>(from);
+  uint32 word = 0;
+  std::memcpy(&word, from, sizeof word);
+  return word;
+}
+void store_longword(std::byte* to, uint32 word, bool of_ring) {
+  if (of_ring) return write_ring_unit(to, word);
+  std::memcpy(to, &word, sizeof word);
 }
 
 // The DMA engine swaps the bytes of a longword, or the longwords of a pair.
-void copy_swapped(std::byte* to, const std::byte* from, const Transfer& transfer) {
+void copy_swapped(std::byte* to, const std::byte* from, const Transfer& transfer, bool to_ring) {
   const bool bytes = (transfer.flags & SCGT_RW_DMA_BYTE_SWAP) != 0;
   const bool words = (transfer.flags & SCGT_RW_DMA_WORD_SWAP) != 0;
   for (uint32 i = 0; i < transfer.bytes; i += 4) {
     const uint32 partner = (i / 4 ^ 1U) * 4;
-    uint32 word = 0;
-    std::memcpy(&word, from + (words && partner < transfer.bytes ? partner : i), 4);
-    if (bytes) word = __builtin_bswap32(word);
-    std::memcpy(to + i, &word, 4);
+    const std::byte* const at = from + (words && partner < transfer.bytes ? partner : i);
+    const uint32 word = load_longword(at, !to_ring);
+    store_longword(to + i, bytes ? __builtin_bswap32(word) : word, to_ring);
   }
 }
 
 void move(std::byte* to, const std::byte* from, const Transfer& transfer, bool to_ring) {
   const bool swaps = (transfer.flags & (SCGT_RW_DMA_BYTE_SWAP | SCGT_RW_DMA_WORD_SWAP)) != 0;
-  if (!transfer.pio && swaps) return copy_swapped(to, from, transfer);
+  if (!transfer.pio && swaps) return copy_swapped(to, from, transfer, to_ring);
   if (transfer.width == 1) return copy_units<uint8>(to, from, transfer.bytes, to_ring);
   if (transfer.width == 2) return copy_units<uint16>(to, from, transfer.bytes, to_ring);
   copy_units<uint32>(to, from, transfer.bytes, to_ring);

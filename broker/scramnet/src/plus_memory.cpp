@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Vendor's calls: the whole memory, the whole ACR, and copies.
-#include <algorithm>
 #include <cstdio>
 #include <cstring>
 
 #include "plus_state.hpp"
+#include "ring_copy.hpp"
 
 #include <scrplus.h>
 
@@ -29,7 +29,7 @@ template <class Value>
 Value read_unit(unsigned long offset, void* to) {
   Value value = 0;
   if (const std::byte* from = range(card_with_memory(), offset * sizeof value, sizeof value))
-    value = *reinterpret_cast<const volatile Value*>(from);
+    value = read_ring_unit<Value>(from);
   if (to != nullptr) std::memcpy(to, &value, sizeof value);
   return value;
 }
@@ -38,7 +38,7 @@ template <class Value>
 int write_unit(unsigned long offset, Value value) {
   std::byte* to = range(card_with_memory(), offset * sizeof value, sizeof value);
   if (to == nullptr) return 0;
-  *reinterpret_cast<volatile Value*>(to) = value;
+  write_ring_unit(to, value);
   return 1;
 }
 
@@ -79,14 +79,14 @@ void scr_smem_mm(int which, unsigned long value) {
 int scr_dma_read(void* user, unsigned long offset, unsigned long length) {
   const std::byte* from = range(card_with_memory(), offset, length);
   if (from == nullptr || user == nullptr) return -1;
-  std::memcpy(user, from, length);
+  read_ring(static_cast<std::byte*>(user), from, length);
   return 0;
 }
 
 int scr_dma_write(void* user, unsigned long offset, unsigned long length) {
   std::byte* to = range(card_with_memory(), offset, length);
   if (to == nullptr || user == nullptr) return -1;
-  std::memcpy(to, user, length);
+  write_ring(to, static_cast<const std::byte*>(user), length);
   return 0;
 }
 
