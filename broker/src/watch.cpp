@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstring>
 #include <map>
 #include <optional>
 
@@ -147,8 +146,10 @@ void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
 void Watch::State::compare(std::vector<PlainStore>& found) {
   for (std::uint32_t begin = 0; begin < expected.size(); begin += kChunkWords) {
     const auto length = std::min<std::size_t>(kChunkWords, expected.size() - begin);
-    // Compares word by word only in a chunk that differs.
-    if (std::memcmp(segment.words() + begin, expected.data() + begin, 4 * length) == 0) continue;
+    // Looks at the words one by one only in a chunk that differs.
+    std::uint32_t difference = 0;
+    for (std::uint32_t i = begin; i < begin + length; ++i) difference |= word(i) ^ expected[i];
+    if (difference == 0) continue;
     for (std::uint32_t i = begin; i < begin + length; ++i) {
       const std::uint32_t now = word(i);
       if (now == expected[i])

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <thread>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "broker/src/record.hpp"
+#include "support/whole_longwords.hpp"
 
 namespace rths::broker {
 namespace {
@@ -117,6 +119,46 @@ TEST(Words, AreCopiedWithoutTouchingTheirNeighbours) {
 }
 
 // A latch has the last whole write even while the next one is being written.
+// Programs with a plain pointer read the words of a group in memory one by one. Vectors begin and
+// end between longwords.
+TEST(Words, AreCopiedWithoutTearingALongword) {
+  constexpr std::size_t kWords = 1003;
+  std::vector<std::uint32_t> shared(kWords + 2);
+  std::vector<std::uint32_t> own(kWords);
+  for (const auto copy : detail::copies()) {
+    std::uint64_t copied = 0;
+    std::uint32_t number = 0;
+    const test::StressEnd end;
+    test::LongwordReader reader{shared};
+    for (; !end.reached(copied, reader.changes()); copied += kWords) {
+      std::fill(own.begin(), own.end(), test::whole_longword(++number));
+      copy(shared.data() + number % 3, own.data(), kWords);
+    }
+    const test::Seen seen = reader.stop();
+    EXPECT_EQ(seen.torn, 0U) << "of " << copied;
+    EXPECT_GE(copied, end.longwords());
+    EXPECT_GE(seen.changes, test::StressEnd::kChanges);
+  }
+}
+
+TEST(Words, AreReadWithoutTearingALongword) {
+  constexpr std::size_t kWords = 1003;
+  std::vector<std::uint32_t> shared(kWords + 2);
+  std::vector<std::uint32_t> own(kWords);
+  for (const auto copy : detail::copies()) {
+    test::Seen seen;
+    const test::StressEnd end;
+    const test::LongwordWriter writer{shared};
+    for (std::size_t i = 0; !end.reached(seen.longwords, seen.changes); ++i) {
+      copy(own.data(), shared.data() + i % 3, kWords);
+      seen.add_block(reinterpret_cast<const std::byte*>(own.data()), 4 * kWords);
+    }
+    EXPECT_EQ(seen.torn, 0U) << "of " << seen.longwords;
+    EXPECT_GE(seen.longwords, end.longwords());
+    EXPECT_GE(seen.changes, test::StressEnd::kChanges);
+  }
+}
+
 TEST(Latch, NeverWaitsForItsWriter) {
   std::vector<Bytes> memory(1);
   const std::vector<std::uint32_t> first{1, 2, 3, 4, 5, 6, 7};
