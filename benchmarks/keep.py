@@ -3,6 +3,7 @@
 
 usage: keep.py demo REPORT                 report.json of `./lab demo --headless --solver numerical`
        keep.py examples RTHS               runs examples in virtual time and bearing loops with the command RTHS
+       keep.py opensees_runs RTHS          runs OpenSees with RTHS, and alone with RTHS_OPENSEES_PYTHON
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
        keep.py real_recordings TESTS         --gtest_output=json:TESTS
        keep.py opensees_comparison TESTS
@@ -11,12 +12,14 @@ Standard library only. tests/style/figures.py compares the pages with these file
 """
 import argparse
 import json
+import os
 import pathlib
 import re
 import subprocess
 import sys
 import tempfile
 
+import opensees_runs
 from results_file import RESULTS, TREE, commit, machine, stamp, write
 
 RUN_KEYS = ("name", "clock", "processes", "duration_s", "integration_step_s", "control_rate_hz", "overruns",
@@ -149,6 +152,7 @@ def opensees_comparison(file):
 
 def main():
     makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples,
+              "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),
               "kills": kills, "real_recordings": real_recordings, "opensees_comparison": opensees_comparison}
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("name", choices=makers)
