@@ -24,3 +24,6 @@ rths_tests(rths_rule_test "." COST 10)
 rths_tests(rths_diagnosis_test "^Diagnosis\\." COST 6)
 rths_tests(rths_dynamic_diagnosis_test "." COST 5)
 rths_tests(rths_opensees_test "." COST 3)
+
+# Thousands of deaths with RTHS_LONG=1, several times slower under sanitizers.
+rths_tests(rths_broker_test "KillsOf" TIMEOUT 900)
