@@ -153,6 +153,7 @@ void AdapterRunner::write_own_monitors(Status status, const Timing& timing) noex
 Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) noexcept {
   Status status = read_inputs();
   step_.time = to_seconds(time);
+  step_.age = timing.clock != nullptr ? to_seconds(timing.clock->now() - timing.due) : 0;
   step_.inputs = inputs_;
   step_.outputs = std::span{outputs_}.subspan(kRunnerPorts);
   step_.stopping = stopping;
@@ -193,12 +194,14 @@ void AdapterRunner::wait_until(TimePoint time, Clock& clock) noexcept {
 LoopEnd run_loop(AdapterRunner& runner, Clock& clock, TimePoint epoch, const Schedule& schedule,
                  const std::atomic<bool>& stopping) noexcept {
   Timing timing;
+  timing.clock = &clock;
   for (Duration due = schedule.phase;;) {
     runner.wait_until(epoch + due, clock);
     const TimePoint begun = clock.now();
     timing.is_early = begun < epoch + due;
     timing.late = timing.is_early ? Duration{0} : begun - (epoch + due);
     const Duration time = timing.is_early ? begun - epoch : due;
+    timing.due = epoch + time;
     const Status status = runner.tick(time, stopping.load(std::memory_order_relaxed), timing);
     timing.duration = clock.now() - begun;
     if (status == Status::Done || status == Status::Fault) return {status, time};

@@ -24,10 +24,12 @@ int check_recording(const std::string& file) {
   const recording::Reader reader{file};
   std::int64_t dropped = 0;
   for (const auto& [node, count] : reader.drops()) dropped += count;
-  fmt::print("{}: recording, {} rows of {} signals, {:.3f} s, {} events, {} steps not recorded{}\n",
-             file, reader.rows(), reader.names().size(),
-             reader.rows() > 0 ? reader.time().back() : 0.0, reader.events().size(), dropped,
-             repaired ? "; was not closed by its writer, repaired" : "");
+  fmt::print(
+      "{}: recording, {} rows of {} signals, {:.3f} s, {} events, {} rows missing, {} steps not "
+      "recorded{}\n",
+      file, reader.rows(), reader.names().size(), reader.rows() > 0 ? reader.time().back() : 0.0,
+      reader.events().size(), reader.rows_missing(), dropped,
+      repaired ? "; was not closed by its writer, repaired" : "");
   return kOk;
 }
 

@@ -118,8 +118,10 @@ int run(const RunArguments& arguments) {
   const launch::RunOutcome outcome = launch::run(experiment, options);
   if (on_terminal) clear_progress();
   const bool recorded = std::filesystem::exists(options.recording);
-  fmt::print("recording {}\n",
-             recorded ? options.recording.string() : "none: the experiment has no recorder");
+  fmt::print(
+      "recording {}{}\n",
+      recorded ? options.recording.string() : "none: the experiment has no recorder",
+      outcome.rows_missing > 0 ? fmt::format(", {} rows missing", outcome.rows_missing) : "");
   if (!outcome.completed) {
     fmt::print(stderr, "rths: the run ended early: {}\n",
                outcome.interrupted ? "interrupted" : outcome.trouble);

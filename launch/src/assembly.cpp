@@ -199,11 +199,16 @@ void extend(memmap::MapDescription& description, const NodePlan& plan,
                    ports, plan);
 }
 
+Duration recorder_period(const Experiment& experiment) {
+  Duration period{0};
+  for (const auto& plan : experiment.nodes)
+    if (plan.adapter == "recorder") period = plan.schedule.period;
+  return period;
+}
+
 std::map<std::string, double> steps_per_row(const Experiment& experiment) {
   std::map<std::string, double> result;
-  Duration row{0};
-  for (const auto& plan : experiment.nodes)
-    if (plan.adapter == "recorder") row = plan.schedule.period;
+  const Duration row = recorder_period(experiment);
   for (const auto& plan : experiment.nodes)
     result[plan.node] = to_seconds(row) / to_seconds(plan.schedule.period);
   return result;
@@ -216,6 +221,7 @@ std::unique_ptr<adapters::Adapter> make_recorder(const Experiment& experiment, C
   settings.file = recording.file;
   settings.info = {experiment.config, recording.meta, steps_per_row(experiment)};
   settings.own_thread = clock == ClockKind::Wall;
+  settings.period = to_seconds(recorder_period(experiment));
   // Records until the other nodes are at rest.
   settings.linger = experiment.retreat.hold + experiment.retreat.ramp + kRecorderOverhang;
   return adapters::make_recorder(map, settings);

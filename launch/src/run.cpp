@@ -75,8 +75,10 @@ RunOutcome run(const Experiment& experiment, const RunOptions& options) {
   outcome.interrupted = result.interrupted;
   outcome.completed = outcome.trouble.empty() && !outcome.interrupted;
   outcome.wall_time = to_seconds(clock.now() - begun);
-  if (outcome.completed && std::filesystem::exists(options.recording))
+  if (outcome.completed && std::filesystem::exists(options.recording)) {
     add_to_meta(options.recording, experiment, outcome, result);
+    outcome.rows_missing = recording::Reader{options.recording}.rows_missing();
+  }
   return outcome;
 }
 

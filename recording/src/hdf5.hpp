@@ -47,6 +47,9 @@ inline void check(herr_t status, const std::string& action) {
 inline constexpr std::int64_t kNoTime = -1;
 inline constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
+/// Name of the dataset with the number of missing rows.
+inline constexpr const char* kRowsMissing = "rows_missing";
+
 /// Disables the library's error output, because `Error` reports failures, and its writes at exit,
 /// because the files are already closed. Call it before any other function of the library.
 inline void silence_hdf5() {

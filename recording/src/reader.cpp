@@ -207,6 +207,11 @@ std::vector<std::pair<std::string, std::int64_t>> Reader::drops() const {
   return drops;
 }
 
+std::int64_t Reader::rows_missing() const {
+  if (H5Lexists(file_->file.id(), kRowsMissing, H5P_DEFAULT) <= 0) return 0;
+  return read_all<std::int64_t>(open_dataset(file_->file.id(), kRowsMissing)).at(0);
+}
+
 bool is_hdf5(const std::filesystem::path& path) {
   constexpr std::array<unsigned char, 8> kSignature{0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
   std::array<unsigned char, 8> begin{};

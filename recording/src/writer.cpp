@@ -56,6 +56,18 @@ Table create_table(hid_t group, const std::string& name, hid_t type, hsize_t col
           type, columns};
 }
 
+// A list of numbers of fixed length.
+Handle create_numbers(hid_t file, const char* name, hsize_t count) {
+  const Handle space{H5Screate_simple(1, &count, nullptr), H5Sclose, "HDF5 space"};
+  return {
+      H5Dcreate2(file, name, H5T_NATIVE_INT64, space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose, std::string{"creating dataset "} + name};
+}
+
+void write_numbers(const Handle& dataset, const std::int64_t* numbers, const char* action) {
+  check(H5Dwrite(dataset.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers), action);
+}
+
 Handle create_group(hid_t file, const std::string& name) {
   return {H5Gcreate2(file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
           "creating group " + name};
@@ -90,6 +102,8 @@ struct Writer::File {
   std::vector<double> last_values;
   Handle drops;
   std::vector<StepCounter> counters;
+  Handle rows_missing;
+  std::int64_t rows_missing_count = 0;
   hsize_t rows = 0, events = 0;
 
   void create(const std::filesystem::path& path);
@@ -161,11 +175,8 @@ void Writer::File::create_drops(const memmap::Map& map, const std::vector<Signal
     counters.push_back({i, per_row->second});
     names.push_back(node);
   }
-  const hsize_t count = counters.size();
-  const Handle space{H5Screate_simple(1, &count, nullptr), H5Sclose, "HDF5 space"};
-  drops = Handle{H5Dcreate2(file.id(), "drops", H5T_NATIVE_INT64, space.id(), H5P_DEFAULT,
-                            H5P_DEFAULT, H5P_DEFAULT),
-                 H5Dclose, "creating dataset drops"};
+  drops = create_numbers(file.id(), "drops", counters.size());
+  rows_missing = create_numbers(file.id(), kRowsMissing, 1);
   write_text_list_attribute(drops.id(), "names", names);
 }
 
@@ -209,10 +220,9 @@ void Writer::File::flush() {
   }
   std::vector<std::int64_t> counts;
   for (const auto& counter : counters) counts.push_back(counter.drops);
-  if (!counts.empty())
-    check(H5Dwrite(drops.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, counts.data()),
-          "writing drops");
+  if (!counts.empty()) write_numbers(drops, counts.data(), "writing drops");
   // Flushing only datasets leaves the end of the file in memory: unreadable after a crash.
+  write_numbers(rows_missing, &rows_missing_count, "writing the number of missing rows");
   check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flushing the recording (is the disk full?)");
 }
 
@@ -266,6 +276,10 @@ void Writer::flush() {
     abandoned.push_back(std::move(file_));
     throw;
   }
+}
+
+void Writer::set_rows_missing(std::uint64_t count) {
+  if (file_) file_->rows_missing_count = static_cast<std::int64_t>(count);
 }
 
 std::uint64_t Writer::rows() const { return file_ ? file_->rows + file_->time_buffer.size() : 0; }

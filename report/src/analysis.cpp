@@ -271,6 +271,7 @@ Analysis analyse(const std::filesystem::path& folder) {
   analysis.duration = run.signal("opf.1.time.target").back();
   analysis.nodes = analyse_nodes(run);
   analysis.drops = run.drops();
+  analysis.rows_missing = run.rows_missing();
   const auto given = [](const auto& reader) { return reader ? &*reader : nullptr; };
   add_companions(analysis, run, given(numerical), given(improved));
   add_spectra(analysis, run, given(numerical), given(improved));

@@ -88,7 +88,8 @@ struct Analysis {
   StepAnalysis steps;
   std::vector<NodeAnalysis> nodes;
   std::vector<std::pair<std::string, std::int64_t>> drops;
-  Series host_late;  ///< largest of each interval [s]; empty in virtual time
+  std::int64_t rows_missing = 0;  ///< of the recording
+  Series host_late;               ///< largest of each interval [s]; empty in virtual time
   std::vector<NumericalAxis> numerical;
   std::vector<NumericalAxis> improved;  ///< with the improved model of a diagnosis
   double numerical_interval = 0;        ///< [s]

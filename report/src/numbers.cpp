@@ -158,6 +158,7 @@ Json numbers_of(const Analysis& analysis) {
   for (const auto& node : analysis.nodes) json["nodes"][node.name] = node_numbers(node);
   json["drops"] = Json::object();
   for (const auto& [node, count] : analysis.drops) json["drops"][node] = count;
+  json["rows_missing"] = analysis.rows_missing;
   json["meta"] = analysis.meta;
   return json;
 }
@@ -183,6 +184,9 @@ std::string summary_of(const Analysis& analysis) {
   text += fmt::format("host    at most {:.2f} ms late, {} of {} steps excused, {} overruns\n",
                       largest(analysis.host_late.values) * kMilli, steps.excused_count,
                       steps.slow.size() + 1, total_overruns(analysis));
+  if (analysis.rows_missing > 0)
+    text += fmt::format("record  {} rows missing: the recorder did not run at their time\n",
+                        analysis.rows_missing);
   if (!is_conclusive(analysis))
     text += "the host was late in more than 1 % of the steps: inconclusive, run again\n";
   return text;

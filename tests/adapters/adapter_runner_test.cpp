@@ -89,11 +89,13 @@ class Echo final : public Adapter {
   int steps = 0;
   int ends_after = 0;
   bool poisoned = false;
+  double oldest = 0;  ///< largest age of its inputs [s]
 
   [[nodiscard]] std::vector<Port> ports() const override { return list; }
   void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override {
     ++steps;
+    oldest = std::max(oldest, step.age);
     step.outputs[0] = poisoned ? std::nan("") : step.inputs[0] * step.inputs[1];
     step.outputs[1] = 2 * step.inputs[0];
     if (step.stopping || (ends_after > 0 && steps >= ends_after)) return Status::Done;
@@ -293,6 +295,29 @@ TEST_F(AdapterRunnerTest, RunsMissedStepsAfterwards) {
 
   EXPECT_EQ(end.time, milliseconds{49});
   EXPECT_EQ(clock.now(), milliseconds{50});
+}
+
+/// Each reading of this clock advances it, as if the host stopped the process there.
+class SlowClock final : public Clock {
+ public:
+  [[nodiscard]] TimePoint now() const noexcept override { return now_ += milliseconds{3}; }
+  void sleep_until(TimePoint time) noexcept override { now_ = std::max(now_, time); }
+
+ private:
+  mutable TimePoint now_{0};
+};
+
+// A pause between the start of a step and the reading of its inputs counts, too.
+TEST_F(AdapterRunnerTest, MeasuresTheAgeOfTheInputsAfterTheyAreRead) {
+  SlowClock clock;
+  const std::atomic<bool> stopping{false};
+  echo.ends_after = 1;
+
+  static_cast<void>(
+      run_loop(runner, clock, TimePoint{0}, {milliseconds{1}, Duration{0}}, stopping));
+
+  EXPECT_EQ(value("monitor.echo.host.late"), 0.003F);
+  EXPECT_EQ(echo.oldest, 0.006);
 }
 
 TEST(Retreat, HoldsThenRampsToRestWithoutAJump) {

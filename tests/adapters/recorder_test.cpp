@@ -61,6 +61,32 @@ TEST(Recorder, CountsTheRowsItLoses) {
   const auto rows = static_cast<double>(recording::Reader{settings.file}.rows());
   EXPECT_GT(bench.out("lost_rows"), 0);
   EXPECT_EQ(rows + bench.out("lost_rows"), kSteps);
+  EXPECT_EQ(recording::Reader{settings.file}.rows_missing(), bench.out("lost_rows"));
+}
+
+// After a pause, the values of now would have the times of the pause.
+TEST(Recorder, LeavesOutRowsWhoseTimeHasPassed) {
+  const test::TemporaryFolder folder;
+  RecorderSettings settings;
+  settings.file = folder.path() / "run.h5";
+  const auto recorder = make_recorder(srmd(), settings);
+  recorder->activate();
+  test::Bench bench{*recorder};
+  for (int i = 0; i < 1000; ++i) {
+    const double paused_until = i >= 400 && i < 700 ? 0.7005 : 0;
+    bench.in("srmd.long.displ.fbk") = std::max(0.001 * i, paused_until);
+    bench.set_age(std::max(0.0, paused_until - 0.001 * i));
+    ASSERT_EQ(bench.step(0.001 * i), Status::Ok);
+  }
+  recorder->deactivate();
+
+  const recording::Reader reader{settings.file};
+  const auto values = reader.signal("srmd.long.displ.fbk");
+  ASSERT_EQ(values.size(), 700U);
+  for (std::size_t row = 0; row < values.size(); ++row)
+    ASSERT_NEAR(values[row], reader.time()[row], 1e-6);
+  EXPECT_EQ(reader.rows_missing(), 300);
+  EXPECT_EQ(bench.out("lost_rows"), 300);
 }
 
 TEST(Recorder, SaysWhenItsFileCannotBeMade) {

@@ -33,6 +33,8 @@ class Bench {
   [[nodiscard]] const std::vector<double>& outputs() const { return outputs_; }
   void fill_inputs(double value) { inputs_.assign(inputs_.size(), value); }
 
+  /// Age of the inputs in all further steps [s].
+  void set_age(double age) { step_.age = age; }
   Status step(double time, bool stopping = false) {
     step_.time = time;
     step_.stopping = stopping;

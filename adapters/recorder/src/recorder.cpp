@@ -37,6 +37,7 @@ class Recorder final : public Adapter {
   void write_queued();
   void run_writer() noexcept;
   void stop_writer() noexcept;
+  void record(StepData& step) noexcept;
   void write_now(const StepData& step) noexcept;
 
   const memmap::Map map_;
@@ -49,7 +50,7 @@ class Recorder final : public Adapter {
   std::atomic<bool> finish_{false};
   std::atomic<bool> failed_{false};
   std::string failure_;
-  double lost_rows_ = 0;
+  std::atomic<std::uint64_t> missing_rows_{0};
   double stopped_at_ = -1;
 };
 
@@ -74,6 +75,7 @@ void Recorder::activate() {
 }
 
 void Recorder::write_queued() {
+  writer_->set_rows_missing(missing_rows_.load(std::memory_order_relaxed));
   while (queue_->read_available() >= row_length()) {
     queue_->pop(incoming_.data(), row_length());
     writer_->append(from_seconds(incoming_[0]), std::span{incoming_}.subspan(1));
@@ -103,20 +105,25 @@ void Recorder::write_now(const StepData& step) noexcept {
   }
 }
 
+void Recorder::record(StepData& step) noexcept {
+  if (step.age >= settings_.period || (queue_ && queue_->write_available() < row_length())) {
+    step.outputs[0] =
+        static_cast<double>(missing_rows_.fetch_add(1, std::memory_order_relaxed) + 1);
+  } else if (queue_) {
+    outgoing_[0] = step.time;
+    std::copy(step.inputs.begin(), step.inputs.end(), outgoing_.begin() + 1);
+    queue_->push(outgoing_.data(), row_length());
+  } else {
+    write_now(step);
+  }
+}
+
 Status Recorder::step(StepData& step) noexcept {
   if (failed_.load(std::memory_order_acquire)) {
     step.message = failure_.c_str();
     return Status::Fault;
   }
-  if (!queue_) {
-    write_now(step);
-  } else if (queue_->write_available() >= row_length()) {
-    outgoing_[0] = step.time;
-    std::copy(step.inputs.begin(), step.inputs.end(), outgoing_.begin() + 1);
-    queue_->push(outgoing_.data(), row_length());
-  } else {
-    step.outputs[0] = ++lost_rows_;
-  }
+  record(step);
   if (!step.stopping) return Status::Ok;
   if (stopped_at_ < 0) stopped_at_ = step.time;
   return step.time - stopped_at_ < settings_.linger ? Status::Ok : Status::Done;

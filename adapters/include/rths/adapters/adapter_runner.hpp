@@ -25,7 +25,9 @@ struct Schedule {
 struct Timing {
   Duration late{0};
   Duration duration{0};
-  bool is_early = false;  ///< started by a Wake event: not counted as a scheduled step
+  bool is_early = false;         ///< started by a Wake event: not counted as a scheduled step
+  const Clock* clock = nullptr;  ///< null in virtual time
+  TimePoint due{0};              ///< scheduled start of the step on this clock
 };
 
 /// Monitors that every node writes, at the start of its monitor partition: see `AdapterRunner`.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -31,6 +32,7 @@ struct RunOutcome {
   std::string trouble;       ///< one line; empty if completed
   double wall_time = 0;      ///< [s]
   int processes = 1;
+  std::int64_t rows_missing = 0;  ///< of the recording of a completed run
 };
 
 /// Runs an experiment to its end or to the first fault and brings everything to rest.

@@ -21,7 +21,8 @@ namespace rths::recording {
 ///     /signals/<p>     float64 [rows × words]  one per partition, SI; attributes names, units
 ///     /events/time, /events/signal, /events/value      changes of signals marked as events
 ///     /drops           int64 [nodes]           steps of each node without a row; attribute names
-///     /map             text                    canonical map; attributes name, version, hash
+///     /rows_missing    int64                   rows that were due but have no values; not in older
+///     files /map             text                    canonical map; attributes name, version, hash
 ///     /config/<file>   text                    input files of the run
 ///     /meta            attributes              data that differ between identical runs
 inline constexpr int kRecordingFormat = 1;
@@ -59,6 +60,8 @@ class Writer {
 
   /// @param row  one value per signal [SI]   @throws Error if the file system refuses
   void append(Duration time, std::span<const double> row);
+  /// Sets the number of rows that were due but have no values. Written with the next batch.
+  void set_rows_missing(std::uint64_t count);
   /// Writes the buffered rows and closes the file. @throws Error if the file system refuses
   void close();
   [[nodiscard]] std::uint64_t rows() const;
@@ -105,6 +108,8 @@ class Reader {
   [[nodiscard]] std::vector<Event> events() const;
   /// Nodes and numbers of their steps without a row.
   [[nodiscard]] std::vector<std::pair<std::string, std::int64_t>> drops() const;
+  /// Rows that were due but have no values: the recorder did not run at their time.
+  [[nodiscard]] std::int64_t rows_missing() const;
 
  private:
   struct File;

@@ -14,6 +14,7 @@ namespace rths::adapters {
 struct RecorderSettings {
   std::filesystem::path file;
   recording::RecordingInfo info;
+  double period = 1e-3;    ///< of the rows [s]
   double linger = 1.5;     ///< continues recording for this time after the stop [s]
   bool own_thread = true;  ///< write in a separate thread; false in virtual time
 };
@@ -23,8 +24,12 @@ struct RecorderSettings {
 
 /// A node that only reads: writes one row of all signals of the map per step to a recording.
 ///
+/// The values of a row are read less than a period after its time. A row that is due while this
+/// node does not run is missing: later values would have a wrong time.
+///
 /// In real time a separate thread writes the file from a queue. Rows that do not fit into the queue
-/// are counted and dropped; the step never waits.
+/// are missing, too; the step never waits. The recording and the monitor lost_rows count missing
+/// rows.
 /// @throws Error if the file cannot be created   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_recorder(const memmap::Map& map,
                                                      const RecorderSettings& settings);
