@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <rths/core/error.hpp>
 
@@ -61,15 +60,12 @@ AdapterRunner::AdapterRunner(Adapter& adapter, broker::Ring& ring, const std::st
 
 void AdapterRunner::bind(const std::vector<Port>& ports, broker::Ring& ring,
                          const std::string& node) {
-  std::set<std::string> peers{peers_.begin(), peers_.end()};
   for (const auto& port : ports) {
     const auto& entry = ring.map().entry(ring.map().signal(signal_name(port, node)));
     const bool reads = is_read(port);
     if (!reads && entry.partition->node != node)
       throw Error{"node '" + node + "' cannot write '" + entry.name + "', which belongs to '" +
                   entry.partition->node + "'"};
-    if (port.direction == Direction::Input && entry.partition->node != node)
-      peers.insert(entry.partition->node);
     auto& values = reads ? inputs_ : outputs_;
     Transfer& transfer = transfer_for(reads ? reads_ : writes_, entry, ring);
     transfer.values.push_back({static_cast<std::uint32_t>(values.size()),
@@ -79,7 +75,6 @@ void AdapterRunner::bind(const std::vector<Port>& ports, broker::Ring& ring,
     values.push_back(transfer.values.back().codec.decode(word));
     transfer.image[transfer.values.back().word] = word;
   }
-  peers_.assign(peers.begin(), peers.end());
 }
 
 AdapterRunner::Transfer& AdapterRunner::transfer_for(std::vector<Transfer>& transfers,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -24,6 +25,9 @@ constexpr int kBarWidth = 40;
 
 // Draws a progress bar. The caller checks for a terminal.
 void show_progress(const launch::Progress& progress) {
+  // Ctrl-S stops the output of a terminal, and writing would stop this process.
+  pollfd terminal{STDERR_FILENO, POLLOUT, 0};
+  if (poll(&terminal, 1, 0) <= 0) return;
   const double fraction = std::min(1.0, std::max(0.0, progress.model_time / progress.duration));
   const int filled = static_cast<int>(fraction * kBarWidth);
   fmt::print(stderr, "\r[{:=<{}}{: <{}}] {:6.2f} / {:.2f} s", "", filled, "", kBarWidth - filled,

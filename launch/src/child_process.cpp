@@ -57,6 +57,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments) {
   input_ = to_child.write_end;
   output_ = from_child.read_end;
   fcntl(output_, F_SETFL, O_NONBLOCK);
+  fcntl(input_, F_SETFL, O_NONBLOCK);  // a stopped child must not stop this process
   if (problem != 0) {
     ended_ = true;
     throw Error{fmt::format("cannot start a process: {}", std::strerror(problem))};
@@ -96,7 +97,7 @@ bool ChildProcess::succeeded() const { return WIFEXITED(status_) && WEXITSTATUS(
 void ChildProcess::send_line(const std::string& line) noexcept {
   if (ended_) return;
   const std::string text = line + "\n";
-  // The pipe buffer is far larger than all lines together. Reading detects a broken pipe.
+  // A pipe takes a short line whole or not at all. Reading detects a broken pipe.
   static_cast<void>(!write(input_, text.data(), text.size()));
 }
 

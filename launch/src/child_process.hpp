@@ -27,7 +27,8 @@ class ChildProcess {
   /// True if it exited with 0.
   [[nodiscard]] bool succeeded() const;
 
-  /// Sends a line; does nothing if the process has ended.
+  /// Sends a line; does nothing if the process has ended. The line is lost if the process has not
+  /// read the last thousands of lines.
   void send_line(const std::string& line) noexcept;
   /// Returns the next complete line, if any. Detects the end of the process.
   [[nodiscard]] std::optional<std::string> read_line();

@@ -2,11 +2,7 @@
 //
 // A node of a run in its own process. The real-time thread runs the adapter. The main thread reads
 // messages of the launcher, watches the peers, and stops the real-time thread.
-#include <poll.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -17,106 +13,56 @@
 
 #include <rths/core/error.hpp>
 
+#include "launcher_link.hpp"
+#include "peer_watch.hpp"
 #include "realtime_thread.hpp"
 #include "run_modes.hpp"
 
 namespace rths::launch {
 namespace {
 
-constexpr int kLauncherPollPeriod = 20;                    // [ms]
-constexpr auto kLongestGo = std::chrono::seconds{30};      // from ready to go
-constexpr auto kSilence = std::chrono::milliseconds{500};  // of a running peer
+constexpr Duration kLookPeriod = std::chrono::milliseconds{20};
+constexpr Duration kLongestSetup = std::chrono::seconds{1};  // without a launcher
 
-// Exchanges lines with the launcher. The launcher has vanished when its end of the pipe closes.
-class Launcher {
+/// Ends the process if the launcher is lost while this object exists. Nothing moves yet, and the
+/// setup can wait for other programs for a long time.
+class SetupGuard {
  public:
-  // Several lines can arrive at once: buffered lines come first, before the end of the pipe.
-  std::optional<std::string> receive_line(int timeout_ms) {
-    if (auto line = take_line()) return line;
-    pollfd descriptor{STDIN_FILENO, POLLIN, 0};
-    if (poll(&descriptor, 1, timeout_ms) <= 0) return std::nullopt;
-    std::array<char, 512> chunk{};
-    const ssize_t count = read(STDIN_FILENO, chunk.data(), chunk.size());
-    vanished_ = count <= 0;
-    if (!vanished_) received_.append(chunk.data(), static_cast<std::size_t>(count));
-    return take_line();
+  SetupGuard(LauncherLink& launcher, const std::string& node)
+      : thread_{[this, &launcher, node] { run(launcher, node); }} {}
+  ~SetupGuard() {
+    done_.store(true, std::memory_order_relaxed);
+    thread_.join();
   }
-  [[nodiscard]] bool vanished() const { return vanished_; }
-  static void send_line(const std::string& line) {
-    fmt::print("{}\n", line);
-    std::fflush(stdout);
-  }
+  SetupGuard(const SetupGuard&) = delete;
+  SetupGuard& operator=(const SetupGuard&) = delete;
 
  private:
-  std::optional<std::string> take_line() {
-    const auto end = received_.find('\n');
-    if (end == std::string::npos) return std::nullopt;
-    std::string line = received_.substr(0, end);
-    received_.erase(0, end + 1);
-    return line;
-  }
-
-  std::string received_;
-  bool vanished_ = false;
-};
-
-// Detects vanished and silent peers. A peer has vanished when the kernel reports the end of its
-// process. It is silent when its heartbeats stop while those of this node continue.
-class PeerWatch {
- public:
-  PeerWatch(adapters::AdapterRunner& runner, const memmap::Map& map, const Experiment& experiment,
-            const std::string& own_name)
-      : node_{runner.node()}, own_{map.node(own_name)} {
-    // Only nodes of the experiment count; others may join to observe or to tune.
-    for (const auto& plan : experiment.nodes)
-      if (std::count(runner.peers().begin(), runner.peers().end(), plan.node) > 0)
-        peers_.push_back({plan.node, map.node(plan.node), 0, {}, 0});
-  }
-
-  std::optional<std::string> find_trouble(TimePoint now) {
-    const std::uint64_t own_beats = node_.beats_of(own_);
-    for (auto& peer : peers_) {
-      const auto presence = node_.presence_of(peer.id);
-      if (presence.state == broker::Presence::State::Vanished)
-        return fmt::format("{} (process {}) vanished", peer.name, presence.pid);
-      if (presence.state == broker::Presence::State::Absent) continue;  // it left in order
-      const std::uint64_t beats = node_.beats_of(peer.id);
-      if (beats != peer.beats || peer.since == TimePoint{}) {
-        peer.beats = beats;
-        peer.since = now;
-        peer.own_beats = own_beats;
-      }
-      // A stopped host also stops this node, so silence is counted in its own steps.
-      if (now - peer.since > kSilence && own_beats > peer.own_beats + kStepsOfSilence)
-        return fmt::format("{} (process {}) is silent", peer.name, presence.pid);
+  void run(LauncherLink& launcher, const std::string& node) {
+    const WallClock clock;
+    TimePoint last_contact = clock.now();
+    while (!done_.load(std::memory_order_relaxed)) {
+      static_cast<void>(launcher.receive_line(kLookPeriod));
+      const auto trouble = launcher.find_trouble(clock.now());
+      if (!trouble) last_contact = clock.now();
+      if (clock.now() - last_contact < kLongestSetup) continue;
+      fmt::print(stderr, "{}: {} before the start\n", node, trouble.value_or(""));
+      std::_Exit(2);
     }
-    return std::nullopt;
   }
 
- private:
-  static constexpr std::uint64_t kStepsOfSilence = 100;
-  struct Peer {
-    std::string name;
-    NodeId id;
-    std::uint64_t beats;
-    TimePoint since;
-    std::uint64_t own_beats;
-  };
-  const broker::Node& node_;
-  NodeId own_;
-  std::vector<Peer> peers_;
+  std::atomic<bool> done_{false};
+  std::thread thread_;  ///< last, because it uses the member above
 };
 
-std::optional<TimePoint> wait_for_go(Launcher& launcher) {
-  WallClock clock;
-  const TimePoint deadline = clock.now() + kLongestGo;
-  while (clock.now() < deadline && !launcher.vanished()) {
-    const auto line = launcher.receive_line(kLauncherPollPeriod);
-    if (!line) continue;
-    if (line->rfind("go ", 0) == 0) return TimePoint{std::stoll(line->substr(3))};
-    return std::nullopt;
+// The common time zero of a run; empty if the run does not start.
+std::optional<TimePoint> wait_for_go(LauncherLink& launcher) {
+  const WallClock clock;
+  for (;;) {
+    const auto line = launcher.receive_line(kLookPeriod);
+    if (line && line->rfind("go ", 0) == 0) return TimePoint{std::stoll(line->substr(3))};
+    if (line || launcher.find_trouble(clock.now())) return std::nullopt;
   }
-  return std::nullopt;
 }
 
 /// The real-time thread and its result.
@@ -156,34 +102,31 @@ struct Reason {
   bool is_known = false;  ///< the launcher gave the reason
 };
 
-// A stop request of the launcher, the end of the launcher, or a peer in trouble.
-std::optional<Reason> reason_to_stop(const std::optional<std::string>& line,
-                                     const Launcher& launcher, PeerWatch& peers) {
+// A stop request of the launcher, the loss of the launcher, or a peer in trouble.
+std::optional<Reason> reason_to_stop(const std::optional<std::string>& line, LauncherLink& launcher,
+                                     PeerWatch& peers, TimePoint now) {
   if (line && line->rfind("stop", 0) == 0)
     return Reason{line->size() > 5 ? line->substr(5) : "", true};
-  if (launcher.vanished()) return Reason{"the launcher vanished", false};
-  if (const auto trouble = peers.find_trouble(WallClock{}.now())) return Reason{*trouble, false};
+  if (const auto trouble = launcher.find_trouble(now)) return Reason{*trouble, false};
+  if (const auto trouble = peers.find_trouble(now)) return Reason{*trouble, false};
   return std::nullopt;
 }
 
 // Waits until the loop ends; stops it if there is a reason.
-Reason watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers, Duration longest_stop) {
+Reason watch(LoopThread& loop, LauncherLink& launcher, PeerWatch& peers, Duration longest_stop) {
   const WallClock clock;
   std::optional<Reason> reason;
   TimePoint give_up{};
   while (!loop.finished()) {
-    const auto line = launcher.receive_line(kLauncherPollPeriod);
+    const auto line = launcher.receive_line(kLookPeriod);
     if (!reason) {
-      reason = reason_to_stop(line, launcher, peers);
+      reason = reason_to_stop(line, launcher, peers, clock.now());
       give_up = clock.now() + longest_stop;
       if (reason) loop.stop();
     } else if (clock.now() > give_up) {
       fmt::print(stderr, "the control loop did not stop in time; ending the process\n");
       std::_Exit(2);
     }
-    // Polling a closed pipe returns at once; avoid a busy loop.
-    if (launcher.vanished())
-      std::this_thread::sleep_for(std::chrono::milliseconds{kLauncherPollPeriod});
   }
   return reason.value_or(Reason{"", true});
 }
@@ -192,13 +135,13 @@ Reason watch(LoopThread& loop, Launcher& launcher, PeerWatch& peers, Duration lo
 int conclude(const LoopThread& loop, const adapters::AdapterRunner& runner, const std::string& node,
              const Reason& reason, const adapters::Retreat& retreat) {
   const double time = to_seconds(loop.end().time);
-  if (!loop.missing().empty()) Launcher::send_line("note " + loop.missing());
+  if (!loop.missing().empty()) LauncherLink::send_line("note " + loop.missing());
   if (loop.end().status == Status::Fault) {
-    Launcher::send_line(fmt::format("fault {}", runner.message()));
+    LauncherLink::send_line(fmt::format("fault {}", runner.message()));
     fmt::print(stderr, "{}: {} at {:.3f} s\n", node, runner.message(), time);
     return 2;
   }
-  Launcher::send_line(reason.is_known ? "done" : "fault " + reason.text);
+  LauncherLink::send_line(reason.is_known ? "done" : "fault " + reason.text);
   if (reason.text.empty()) return 0;
   fmt::print(stderr, "{}: {}: held {:.1f} s, ramped to rest in {:.1f} s, ended at {:.3f} s\n", node,
              reason.text, retreat.hold, retreat.ramp, time);
@@ -211,16 +154,17 @@ int deactivate(adapters::Adapter& adapter, const std::string& node, int code) {
     adapter.deactivate();
     return code;
   } catch (const Error& error) {
-    Launcher::send_line(fmt::format("fault {}", error.what()));
+    LauncherLink::send_line(fmt::format("fault {}", error.what()));
     fmt::print(stderr, "{}: {}\n", node, error.what());
     return 2;
   }
 }
 
 // Signals of a terminal reach all processes of a run. The launcher handles them and brings all
-// nodes to rest; if it cannot, its pipe closes.
+// nodes to rest. If it ends or stops, the nodes come to rest by themselves.
 void leave_signals_to_the_launcher() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) std::signal(signal, SIG_IGN);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGTTOU})
+    std::signal(signal, SIG_IGN);
 }
 
 }  // namespace
@@ -237,9 +181,12 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   broker::Ring ring = broker::Ring::attach(ring_name);
   adapters::AdapterRunner runner{*station->adapter, ring, node, assembly.map.hash(),
                                  station->plan.schedule.period};
-  station->adapter->activate();
-  Launcher launcher;
-  Launcher::send_line("ready");
+  LauncherLink launcher;
+  {
+    const SetupGuard guard{launcher, node};
+    station->adapter->activate();
+  }
+  LauncherLink::send_line("ready");
   const auto epoch = wait_for_go(launcher);
   if (!epoch) {
     fmt::print(stderr, "{}: received no start message\n", node);
@@ -248,7 +195,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   int code = 0;
   {
     LoopThread loop{runner, *epoch, station->plan};
-    PeerWatch peers{runner, assembly.map, experiment, node};
+    PeerWatch peers{runner.node(), assembly.map, experiment, node};
     const Reason reason = watch(loop, launcher, peers, longest_stop(experiment));
     code = conclude(loop, runner, node, reason, experiment.retreat);
   }

@@ -15,6 +15,7 @@
 
 #include "child_process.hpp"
 #include "host_probe.hpp"
+#include "launcher_link.hpp"
 #include "run_modes.hpp"
 
 namespace rths::launch {
@@ -24,7 +25,8 @@ constexpr auto kReadyDeadline = std::chrono::seconds{20};
 constexpr auto kHeadStart = std::chrono::milliseconds{50};  // between "go" and the first step
 constexpr auto kRestMargin = std::chrono::seconds{1};       // beyond the longest stop of a node
 constexpr int kPollPeriod = 50;                             // [ms]
-constexpr double kProbeMargin = 10;                         // [s] beyond the planned duration
+constexpr auto kLifePeriod = std::chrono::milliseconds{50};
+constexpr double kProbeMargin = 10;  // [s] beyond the planned duration
 
 volatile std::sig_atomic_t interrupt_received = 0;  // NOLINT: for the signal handler
 
@@ -86,9 +88,11 @@ class WallRun {
     for (auto& node : nodes_) {
       std::optional<std::string> line;
       while (!(line = node.process.read_line()) && !node.process.ended() &&
-             clock_.now() < deadline && interrupt_received == 0)
+             clock_.now() < deadline && interrupt_received == 0) {
+        show_life();
         wait_for_output();
-      if (line == "ready") continue;
+      }
+      if (line == "ready" && !node.process.ended()) continue;
       if (interrupt_received != 0) return;
       throw Error{fmt::format(
           "node '{}' did not become ready: it {}", node.node,
@@ -105,6 +109,7 @@ class WallRun {
     for (auto& node : nodes_) node.process.send_line(fmt::format("go {}", epoch.count()));
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
     while (!all_ended()) {
+      show_life();
       wait_for_output();
       for (auto& node : nodes_) read_messages(node);
       if (interrupt_received != 0 && !stopping_) stop("interrupted");
@@ -127,6 +132,13 @@ class WallRun {
       arguments.push_back(fmt::format("{}={}", key, value));
     }
     return arguments;
+  }
+
+  // The nodes come to rest without these lines.
+  void show_life() {
+    if (clock_.now() < shown_ + kLifePeriod) return;
+    shown_ = clock_.now();
+    for (auto& node : nodes_) node.process.send_line(kAlive);
   }
 
   void wait_for_output() {
@@ -191,6 +203,7 @@ class WallRun {
   WallClock clock_;
   std::deque<NodeProcess> nodes_;
   std::optional<TimePoint> stopping_;
+  TimePoint shown_{0};
   bool stopped_for_a_reason_ = false;
   WallRunResult result_;
 };

@@ -207,10 +207,6 @@ TEST_F(AdapterRunnerTest, WritesItsHeartbeatWithEveryStep) {
   EXPECT_EQ(sender.beats_of(map.node("echo")), before + 1);
 }
 
-TEST_F(AdapterRunnerTest, ListsTheNodesThatItReads) {
-  EXPECT_EQ(runner.peers(), std::vector<std::string>{"sender"});
-}
-
 TEST_F(AdapterRunnerTest, TicksInRealTime) {
   send(0.1);
   Status status = Status::Ok;

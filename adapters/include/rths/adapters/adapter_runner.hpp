@@ -57,8 +57,6 @@ class AdapterRunner {
   [[nodiscard]] const char* message() const { return step_.message; }
   [[nodiscard]] std::uint64_t overruns() const { return overruns_; }
   [[nodiscard]] broker::Node& node() { return node_; }
-  /// Other nodes whose words this adapter reads.
-  [[nodiscard]] const std::vector<std::string>& peers() const { return peers_; }
 
  private:
   struct Value {
@@ -85,7 +83,6 @@ class AdapterRunner {
   Adapter& adapter_;
   broker::Node node_;
   Duration period_;
-  std::vector<std::string> peers_;
   void wait_for_inputs(TimePoint time) noexcept;
   std::vector<Transfer> reads_, writes_;
   std::optional<broker::Waiter> waiter_;  ///< for writes to the inputs; empty without inputs

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher_link.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <thread>
+
+#include <fmt/format.h>
+
+namespace rths::launch {
+namespace {
+
+// The launcher is an ordinary process, which the host may run later than the nodes.
+constexpr Duration kLongestLauncherSilence = std::chrono::seconds{1};
+
+}  // namespace
+
+// Several lines can arrive at once: buffered lines come first, before the end of the pipe.
+std::optional<std::string> LauncherLink::receive_line(Duration longest) {
+  if (auto line = take_line()) return line;
+  if (vanished_) {  // polling a closed pipe returns at once
+    std::this_thread::sleep_for(longest);
+    return std::nullopt;
+  }
+  pollfd descriptor{STDIN_FILENO, POLLIN, 0};
+  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(longest).count();
+  if (poll(&descriptor, 1, static_cast<int>(milliseconds)) <= 0) return std::nullopt;
+  std::array<char, 512> chunk{};
+  const ssize_t count = read(STDIN_FILENO, chunk.data(), chunk.size());
+  vanished_ = count <= 0;
+  if (!vanished_) received_.append(chunk.data(), static_cast<std::size_t>(count));
+  return take_line();
+}
+
+std::optional<std::string> LauncherLink::find_trouble(TimePoint now) {
+  if (vanished_) return "the launcher vanished";
+  if (silence_.look(now, lines_) > kLongestLauncherSilence) return "the launcher is silent";
+  return std::nullopt;
+}
+
+void LauncherLink::send_line(const std::string& line) {
+  fmt::print("{}\n", line);
+  std::fflush(stdout);
+}
+
+std::optional<std::string> LauncherLink::take_line() {
+  for (;;) {
+    const auto end = received_.find('\n');
+    if (end == std::string::npos) return std::nullopt;
+    std::string line = received_.substr(0, end);
+    received_.erase(0, end + 1);
+    ++lines_;
+    if (line != kAlive) return line;
+  }
+}
+
+}  // namespace rths::launch
