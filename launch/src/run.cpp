@@ -19,9 +19,12 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
   utsname host{};
   uname(&host);
   const std::time_t now = std::time(nullptr);
+  const std::size_t processes = clock == ClockKind::Wall ? experiment.nodes.size() + 1 : 1;
   return {{"experiment", experiment.file.filename().string()},
+          {"experiment_path", experiment.file.string()},
           {"version", version},
           {"clock", clock == ClockKind::Wall ? "wall" : "virtual"},
+          {"processes", std::to_string(processes)},
           {"started", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now))},
           {"host", host.nodename},
           {"kernel", fmt::format("{} {} {}", host.sysname, host.release, host.machine)}};
@@ -34,17 +37,26 @@ Duration longest_stop(const Experiment& experiment) {
 
 namespace {
 
-// Adds data that is available only after the run.
+std::string ending_of(const RunOutcome& outcome) {
+  if (outcome.completed) return "completed";
+  return outcome.interrupted ? "interrupted" : outcome.trouble;
+}
+
+// Adds data that is available only after the run. A killed recorder leaves its file open for
+// writing.
 void add_to_meta(const std::filesystem::path& file, const Experiment& experiment,
                  const RunOutcome& outcome, const WallRunResult& result) {
   std::string privileges;
   for (const auto& line : result.privileges) privileges += (privileges.empty() ? "" : "; ") + line;
-  const double test_time = experiment.duration * experiment.rate;
-  recording::add_meta(file,
-                      {{"processes", std::to_string(outcome.processes)},
-                       {"wall_time_s", fmt::format("{:.3f}", outcome.wall_time)},
-                       {"times_real_time", fmt::format("{:.1f}", test_time / outcome.wall_time)},
-                       {"privileges", privileges.empty() ? "all" : privileges}});
+  recording::NamedTexts meta{{"ending", ending_of(outcome)},
+                             {"wall_time_s", fmt::format("{:.3f}", outcome.wall_time)},
+                             {"privileges", privileges.empty() ? "all" : privileges}};
+  if (outcome.completed)
+    meta.emplace_back(
+        "times_real_time",
+        fmt::format("{:.1f}", experiment.duration * experiment.rate / outcome.wall_time));
+  static_cast<void>(recording::repair(file));
+  recording::add_meta(file, meta);
   if (!result.lateness.largest.empty())
     recording::add_meta_series(file, "host_late", result.lateness.interval,
                                result.lateness.largest);
@@ -69,15 +81,18 @@ RunOutcome run(const Experiment& experiment, const RunOptions& options) {
     result.trouble = run_in_virtual_time(experiment, assembly, options);
   } else {
     result = run_in_wall_time(experiment, assembly, options);
-    outcome.processes = static_cast<int>(assembly.stations.size()) + 1;
   }
   outcome.trouble = result.trouble;
   outcome.interrupted = result.interrupted;
   outcome.completed = outcome.trouble.empty() && !outcome.interrupted;
   outcome.wall_time = to_seconds(clock.now() - begun);
-  if (outcome.completed && std::filesystem::exists(options.recording)) {
+  if (!std::filesystem::exists(options.recording)) return outcome;
+  try {
     add_to_meta(options.recording, experiment, outcome, result);
-    outcome.rows_missing = recording::Reader{options.recording}.rows_missing();
+    if (outcome.completed)
+      outcome.rows_missing = recording::Reader{options.recording}.rows_missing();
+  } catch (const Error&) {
+    if (outcome.completed) throw;  // otherwise the run's own fault is reported
   }
   return outcome;
 }

@@ -7,10 +7,7 @@
 #include <numeric>
 #include <span>
 
-#include <fmt/format.h>
-
 #include <rths/controller/delay.hpp>
-#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/report/report.hpp>
 
@@ -111,6 +108,8 @@ AxisAnalysis analyse_axis(const Reader& run, const ControllerTicks& ticks,
   result.peak_displacement = largest_magnitude(result.measured.values);
   result.peak_shear = largest_magnitude(result.force.values);
   result.tracking = windowed_tracking(result.command, result.measured);
+  result.bands =
+      track_bands(result.command.values, result.measured.values, ticks.interval(), result.delay);
   return result;
 }
 
@@ -215,22 +214,6 @@ void add_companions(Analysis& analysis, const Reader& run, const Reader* numeric
   if (improved != nullptr) analysis.improved = numerical_axes(analysis, run, *improved);
 }
 
-// Name, motion and integration step of the experiment.
-void read_experiment(Analysis& analysis, const Reader& run) {
-  const auto meta = run.meta();
-  const auto file = meta.find("experiment");
-  if (file == meta.end()) return;
-  auto config = Config::parse(run.config(file->second), file->second);
-  for (const auto& line : lines(run.config(recording::kOverridesText)))
-    config.set(line.substr(0, line.find('=')), line.substr(line.find('=') + 1));
-  analysis.name = config.text("name");
-  analysis.integration_step = config.number("integration_step_s", 0.01);
-  const auto motion = config.table("motion");
-  analysis.motion = motion.text("name", motion.text("file", ""));
-  const double scale = motion.number("scale", 1.0);
-  if (scale != 1) analysis.motion += fmt::format(" × {:g}", scale);
-}
-
 std::optional<Reader> open_if_there(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
   return Reader{file};
@@ -257,7 +240,8 @@ Analysis analyse(const std::filesystem::path& folder) {
   analysis.map = run.map().description().name;
   if (analysis.meta.count("processes") > 0)
     analysis.processes = std::stoi(analysis.meta["processes"]);
-  read_experiment(analysis, run);
+  describe(analysis, run);
+  analysis.changes = operator_changes(run);
   const auto late = run.meta_series("host_late");
   analysis.host_late = {0, late.interval, late.values};
   const ControllerTicks ticks{run};

@@ -9,6 +9,8 @@
 
 #include <rths/recording/recording.hpp>
 
+#include "bands.hpp"
+
 namespace rths::report {
 
 /// Values equally spaced in time.
@@ -42,6 +44,7 @@ struct AxisAnalysis {
   double peak_displacement = 0, peak_shear = 0;  ///< [m], [N]
   long ats_limited = 0;                          ///< ticks at a limit
   WindowedTracking tracking;
+  std::vector<BandTracking> bands;
 };
 
 /// States of the predictor-corrector in each integration step.
@@ -77,10 +80,24 @@ struct NumericalAxis {
   double difference = 0;  ///< of its displacement from the test's, rms over rms of the test [-]
 };
 
+/// A change of a word that no node of the run writes, such as a parameter.
+struct OperatorChange {
+  double time = 0;  ///< since the run began [s]
+  std::string signal, unit;
+  double from = 0, to = 0;  ///< [SI]
+};
+
 struct Analysis {
   std::string name, motion, clock, map;
   std::map<std::string, std::string> meta;
-  double duration = 0;      ///< model time [s]
+  double duration = 0;             ///< model time [s]
+  double planned_duration = 0;     ///< model time [s]
+  std::string ending;              ///< why the run ended early; empty: it was completed
+  std::string command;             ///< repeats the run
+  bool synthetic = false;          ///< specimen and machine are models
+  double spectrum_elevation = 0;   ///< [m]
+  std::vector<std::string> scope;  ///< sentences: tested, simulated, assumed
+  std::vector<OperatorChange> changes;
   double control_rate = 0;  ///< [Hz]
   double integration_step = 0;
   int processes = 1;
@@ -99,6 +116,13 @@ struct Analysis {
 
 /// @throws Error if the run cannot be read or contains no motion
 [[nodiscard]] Analysis analyse(const std::filesystem::path& folder);
+
+/// Facts of the experiment and the ending of the run, from the recording.
+void describe(Analysis& analysis, const recording::Reader& run);
+
+/// Changes of words that no node of the run writes, in order of time. A word that changes often is
+/// data of another program and not listed.
+[[nodiscard]] std::vector<OperatorChange> operator_changes(const recording::Reader& run);
 
 /// Floor spectra of the run and its companions, null if not recorded.
 void add_spectra(Analysis& analysis, const recording::Reader& run,

@@ -83,6 +83,21 @@ void add_numerical(Json& json, const std::string& axis, const char* prefix,
   }
 }
 
+Json band_numbers(const BandTracking& band) {
+  Json json{{"from_Hz", rounded(band.from, 3)},
+            {"to_Hz", rounded(band.to, 3)},
+            {"command_percent", rounded(band.command * kPercent, 3)},
+            {"nrms_percent", rounded(band.nrms * kPercent, 3)},
+            {"gain", nullptr},
+            {"delay_ms", nullptr},
+            {"coherence", nullptr}};
+  if (!band.response) return json;
+  json["gain"] = rounded(band.response->gain, 4);
+  json["delay_ms"] = rounded(band.response->delay * kMilli, 2);
+  json["coherence"] = rounded(band.response->coherence, 4);
+  return json;
+}
+
 Json axis_numbers(const AxisAnalysis& axis, const Analysis& analysis) {
   Json json;
   json["delay_raw_ms"] = optional_ms(axis.raw_delay);
@@ -100,9 +115,19 @@ Json axis_numbers(const AxisAnalysis& axis, const Analysis& analysis) {
   json["peak_displacement_mm"] = rounded(axis.peak_displacement * kMilli, 2);
   json["peak_shear_kN"] = rounded(axis.peak_shear * kPerKilo, 1);
   json["ats_ticks_at_a_limit"] = axis.ats_limited;
+  json["tracking_bands"] = Json::array();
+  for (const auto& band : axis.bands) json["tracking_bands"].push_back(band_numbers(band));
   add_numerical(json, axis.name, "numerical", analysis.numerical);
   add_numerical(json, axis.name, "improved", analysis.improved);
   return json;
+}
+
+Json change_numbers(const OperatorChange& change) {
+  return {{"time_s", rounded(change.time, 3)},
+          {"signal", change.signal},
+          {"unit", change.unit},
+          {"from", change.from},
+          {"to", change.to}};
 }
 
 Json node_numbers(const NodeAnalysis& node) {
@@ -120,11 +145,57 @@ long total_overruns(const Analysis& analysis) {
   return overruns;
 }
 
+// Delay and error of an axis, of all frequencies and of each band.
+std::string axis_summary(const AxisAnalysis& axis) {
+  std::string text = fmt::format(
+      "{:<7} delay {}{:.1f} ms (median over 2 s windows {:.1f})  NRMS {:.2f} %  peak "
+      "{:.1f} mm, {:.0f} kN\n",
+      axis.name, axis.raw_delay ? fmt::format("{:.1f} -> ", *axis.raw_delay * kMilli) : "",
+      axis.delay * kMilli, median(numbers_in(axis.tracking.delay.values)) * kMilli,
+      axis.nrms * kPercent, axis.peak_displacement * kMilli, axis.peak_shear * kPerKilo);
+  for (const auto& band : axis.bands)
+    if (band.response)
+      text += fmt::format(
+          "        {:>2.0f} to {:>2.0f} Hz: delay {:.1f} ms  gain {:.3f}  coherence {:.2f}  NRMS "
+          "{:.2f} %\n",
+          band.from, band.to, band.response->delay * kMilli, band.response->gain,
+          band.response->coherence, band.nrms * kPercent);
+  return text;
+}
+
+// How far the test's displacement is from the results with a model instead of the specimen.
+std::string response_summary(const std::string& axis, const Analysis& analysis) {
+  std::string text;
+  const auto add = [&](const char* result, const std::vector<NumericalAxis>& models) {
+    for (const auto& model : models)
+      if (model.name == axis)
+        text += fmt::format("{}{:.1f} % from the {} result", text.empty() ? "" : ", ",
+                            model.difference * kPercent, result);
+  };
+  add("numerical", analysis.numerical);
+  add("improved", analysis.improved);
+  return text.empty() ? "" : "        response differs by " + text + " (rms)\n";
+}
+
+std::string changes_summary(const std::vector<OperatorChange>& changes) {
+  constexpr std::size_t kMostShown = 10;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(changes.size(), kMostShown); ++i)
+    text += fmt::format("changed {} from {:g} to {:g}{} at {:.3f} s\n", changes[i].signal,
+                        changes[i].from, changes[i].to,
+                        changes[i].unit == "1" ? "" : " " + changes[i].unit, changes[i].time);
+  if (changes.size() > kMostShown)
+    text +=
+        fmt::format("changed {} more words: report.json has all\n", changes.size() - kMostShown);
+  return text;
+}
+
 }  // namespace
 
 bool is_conclusive(const Analysis& analysis) {
   const auto steps = static_cast<double>(analysis.steps.slow.size());
-  return static_cast<double>(analysis.steps.excused_count) <= kMostExcused * steps;
+  return analysis.ending.empty() &&
+         static_cast<double>(analysis.steps.excused_count) <= kMostExcused * steps;
 }
 
 Json numbers_of(const Analysis& analysis) {
@@ -133,10 +204,12 @@ Json numbers_of(const Analysis& analysis) {
   json["report_format"] = 1;
   json["name"] = analysis.name;
   json["motion"] = analysis.motion;
-  json["synthetic"] = true;  // specimen and machine are models in this version
+  json["synthetic"] = analysis.synthetic;
   json["processes"] = analysis.processes;
   json["clock"] = analysis.clock;
   json["duration_s"] = rounded(analysis.duration, 6);
+  json["planned_duration_s"] = analysis.planned_duration;
+  json["ending"] = analysis.ending.empty() ? Json(nullptr) : Json(analysis.ending);
   json["control_rate_hz"] = rounded(analysis.control_rate, 3);
   json["integration_step_s"] = analysis.integration_step;
   json["integration_steps"] = steps.slow.size() + 1;
@@ -159,6 +232,12 @@ Json numbers_of(const Analysis& analysis) {
   json["drops"] = Json::object();
   for (const auto& [node, count] : analysis.drops) json["drops"][node] = count;
   json["rows_missing"] = analysis.rows_missing;
+  json["operator_changes"] = Json::array();
+  for (const auto& change : analysis.changes)
+    json["operator_changes"].push_back(change_numbers(change));
+  json["spectrum_elevation_m"] = analysis.spectrum_elevation;
+  json["scope"] = analysis.scope;
+  json["command"] = analysis.command;
   json["meta"] = analysis.meta;
   return json;
 }
@@ -166,28 +245,27 @@ Json numbers_of(const Analysis& analysis) {
 std::string summary_of(const Analysis& analysis) {
   const StepAnalysis& steps = analysis.steps;
   std::string text = fmt::format(
-      "{:.3f} s, {} steps, {} processes, {} clock, {:.0f} Hz\n"
+      "{:.3f} s, {} steps, {} process{}, {} clock, {:.0f} Hz\n"
       "PC      predict {:.1f} ms  correct {:.1f} ms  slow-downs {}{}\n",
-      analysis.duration, steps.slow.size() + 1, analysis.processes, analysis.clock,
-      analysis.control_rate, mean(steps.predict) * kMilli, mean(steps.correct) * kMilli,
-      steps.slow_downs,
+      analysis.duration, steps.slow.size() + 1, analysis.processes,
+      analysis.processes == 1 ? "" : "es", analysis.clock, analysis.control_rate,
+      mean(steps.predict) * kMilli, mean(steps.correct) * kMilli, steps.slow_downs,
       steps.slow_downs_excused > 0
           ? fmt::format(" (and {} while the host was late)", steps.slow_downs_excused)
           : "");
   for (const auto& axis : analysis.axes)
-    text += fmt::format(
-        "{:<7} delay {}{:.1f} ms (median over 2 s windows {:.1f})  NRMS {:.2f} %  peak "
-        "{:.1f} mm, {:.0f} kN\n",
-        axis.name, axis.raw_delay ? fmt::format("{:.1f} -> ", *axis.raw_delay * kMilli) : "",
-        axis.delay * kMilli, median(numbers_in(axis.tracking.delay.values)) * kMilli,
-        axis.nrms * kPercent, axis.peak_displacement * kMilli, axis.peak_shear * kPerKilo);
+    text += axis_summary(axis) + response_summary(axis.name, analysis);
+  text += changes_summary(analysis.changes);
   text += fmt::format("host    at most {:.2f} ms late, {} of {} steps excused, {} overruns\n",
                       largest(analysis.host_late.values) * kMilli, steps.excused_count,
                       steps.slow.size() + 1, total_overruns(analysis));
   if (analysis.rows_missing > 0)
     text += fmt::format("record  {} rows missing: the recorder did not run at their time\n",
                         analysis.rows_missing);
-  if (!is_conclusive(analysis))
+  if (!analysis.ending.empty())
+    text += fmt::format("ended at {:.3f} of {:g} s: {}; inconclusive\n", analysis.duration,
+                        analysis.planned_duration, analysis.ending);
+  else if (!is_conclusive(analysis))
     text += "the host was late in more than 1 % of the steps: inconclusive, run again\n";
   return text;
 }

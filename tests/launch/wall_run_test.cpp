@@ -298,6 +298,32 @@ TEST(WallRun, ComesToRestWhenInterrupted) {
   EXPECT_NEAR(reader.signal("srmd.long.displ.fbk").back(), 0, 0.01);
 }
 
+// The report of a run that a person changed and then interrupted.
+TEST(WallRun, IsReportedWithItsEndingAndTheOperatorsChange) {
+  WallRun run{"report", "30", kShortRest};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+  std::this_thread::sleep_for(milliseconds{1500});
+  ASSERT_EQ(test::run_rths({"send", run.ring, "tune.xpc.feed_forward.enabled=0"}).exit_code, 0);
+  std::this_thread::sleep_for(milliseconds{500});
+  kill(pids.at("launcher"), SIGINT);
+  EXPECT_EQ(run.running.wait(10).exit_code, 1);
+
+  const auto report = test::run_rths({"report", run.folder.path().string()});
+
+  EXPECT_NE(report.out.find("5 processes, wall clock"), std::string::npos) << report.out;
+  EXPECT_NE(report.out.find("of 30 s: interrupted"), std::string::npos) << report.out;
+  EXPECT_NE(report.out.find("changed tune.xpc.feed_forward.enabled from 1 to 0 at "),
+            std::string::npos)
+      << report.out;
+  const Json numbers = Json::parse(test::content_of(run.folder.path() / "report.json"));
+  EXPECT_EQ(numbers["conclusive"], false);
+  EXPECT_EQ(numbers["ending"], "interrupted");
+  EXPECT_EQ(numbers["processes"], 5);
+  EXPECT_EQ(numbers["operator_changes"].size(), 1U);
+  EXPECT_GT(numbers["host_late_max_ms"], 0);
+}
+
 TEST(WallRun, RefusesARingThatIsInUse) {
   WallRun run{"shared", "30"};
   const auto pids = run.wait_until_moving();

@@ -61,6 +61,34 @@ TEST(Numbers, HoldEveryKeyOfAReport) {
     EXPECT_TRUE(numbers.contains(key)) << key;
 }
 
+// A delay of a few milliseconds says little about a closed loop.
+TEST(Summary, ShowsResponseAndBandsBesideTheDelay) {
+  Analysis analysis = run_with(0);
+  BandTracking band;
+  band.from = 3;
+  band.to = 6;
+  band.nrms = 0.004;
+  band.response = {1.16, 0.0048, 0.97};
+  analysis.axes[0].bands = {band};
+  NumericalAxis numerical;
+  numerical.name = "long";
+  numerical.difference = 0.367;
+  analysis.numerical = {numerical};
+
+  const std::string summary = summary_of(analysis);
+  const Json axis = numbers_of(analysis)["axes"]["long"];
+
+  EXPECT_NE(summary.find("3 to  6 Hz: delay 4.8 ms  gain 1.160  coherence 0.97  NRMS 0.40 %"),
+            std::string::npos)
+      << summary;
+  EXPECT_NE(summary.find("response differs by 36.7 % from the numerical result"), std::string::npos)
+      << summary;
+  EXPECT_EQ(axis["numerical_difference_percent"], 36.7);
+  EXPECT_EQ(axis["tracking_bands"][0]["gain"], 1.16);
+  EXPECT_EQ(axis["tracking_bands"][0]["delay_ms"], 4.8);
+  EXPECT_EQ(axis["tracking_bands"][0]["nrms_percent"], 0.4);
+}
+
 TEST(Run, IsInconclusiveWhenTheHostWasLateInMoreThanAHundredthOfTheSteps) {
   EXPECT_TRUE(is_conclusive(run_with(10)));
   EXPECT_FALSE(is_conclusive(run_with(11)));

@@ -31,7 +31,6 @@ struct RunOutcome {
   bool interrupted = false;  ///< by a person
   std::string trouble;       ///< one line; empty if completed
   double wall_time = 0;      ///< [s]
-  int processes = 1;
   std::int64_t rows_missing = 0;  ///< of the recording of a completed run
 };
 

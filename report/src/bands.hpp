@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace rths::report {
+
+/// Tracking in a band of frequencies.
+struct BandTracking {
+  /// Response of the measurement to the command.
+  struct Response {
+    double gain = 0;       ///< [-]
+    double delay = 0;      ///< of the measurement behind the command [s]
+    double coherence = 0;  ///< 0 to 1; the rest is noise or not linear [-]
+  };
+  double from = 0, to = 0;  ///< [Hz]
+  double command = 0;       ///< RMS of the command in the band, over its largest magnitude [-]
+  double nrms = 0;  ///< share of the band: the squares of all bands add up to NRMS squared [-]
+  std::optional<Response> response;  ///< none: too little command, or too short a record
+};
+
+/// Tracking in bands of frequencies, which cover all frequencies. Gain, delay and coherence come
+/// from averaged spectra of overlapping segments (Welch).
+/// @param command, measured  equally long [m]
+/// @param interval           [s]
+/// @param delay              of the whole record; that of a band lies within half a period of it
+/// [s]
+[[nodiscard]] std::vector<BandTracking> track_bands(const std::vector<double>& command,
+                                                    const std::vector<double>& measured,
+                                                    double interval, double delay);
+
+}  // namespace rths::report

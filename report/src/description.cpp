@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Facts of a run in words, from the experiment in its recording.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/core/config.hpp>
+#include <rths/sim/isolated_plant.hpp>
+
+#include "analysis.hpp"
+
+namespace rths::report {
+namespace {
+
+constexpr const char* kCompleted = "completed";
+constexpr const char* kNoEnding =
+    "no ending was recorded: the launcher was killed, or the run has not ended";
+
+// A word of a shell command, quoted where it has to be.
+std::string quoted(const std::string& word) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=+,:-";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string{"'\\''"} : std::string{c};
+  return text + "'";
+}
+
+std::string text_at(const std::map<std::string, std::string>& meta, const std::string& key,
+                    const std::string& otherwise) {
+  const auto found = meta.find(key);
+  return found == meta.end() ? otherwise : found->second;
+}
+
+std::string command_of(const Analysis& analysis, const std::vector<std::string>& overrides) {
+  const auto& meta = analysis.meta;
+  std::string command =
+      "rths run " + quoted(text_at(meta, "experiment_path", text_at(meta, "experiment", "")));
+  for (const auto& change : overrides) command += " --set " + quoted(change);
+  return command + (analysis.clock == "virtual" ? " --clock virtual" : "");
+}
+
+// Names of the tables inside a table; disabled terms are marked.
+std::vector<std::string> terms_in(const Config& table, const std::string& prefix) {
+  std::vector<std::string> names;
+  for (const auto& name : table.keys())
+    if (table.is_table(name))
+      names.push_back(prefix + name + (table.table(name).flag("enabled", true) ? "" : " (off)"));
+  return names;
+}
+
+std::string list_of(const std::vector<std::string>& items) {
+  std::string text;
+  for (const auto& item : items) text += (text.empty() ? "" : ", ") + item;
+  return text;
+}
+
+// The first node with one of the adapters; an empty table if there is none.
+Config node_with(const Config& file, const std::vector<std::string>& adapters) {
+  const Config nodes = file.table_or_empty("node");
+  for (const auto& name : nodes.keys()) {
+    const Config node = nodes.table(name);
+    if (std::find(adapters.begin(), adapters.end(), node.text("adapter", "")) != adapters.end())
+      return node;
+  }
+  return {};
+}
+
+std::string laboratory_sentence(const Config& file, const std::string& machine) {
+  if (machine.empty()) return "Specimen and machine are not nodes of this experiment.";
+  const std::string bearing = file.table_or_empty("specimen").text("model", "lprb");
+  if (machine == "srmd")
+    return fmt::format(
+        "Specimen ({}) and test machine are models in software. No value was measured in a "
+        "laboratory.",
+        bearing);
+  return fmt::format(
+      "The node with adapter {} represents specimen and machine. No value was measured in a "
+      "laboratory.",
+      machine);
+}
+
+std::string structure_sentence(const Config& file) {
+  const Config solver = node_with(file, {"numerical", "opensees"});
+  if (solver.text("adapter", "") == "opensees")
+    return fmt::format(
+        "The structure is that of {}. The numerical result is that of the experiment's [plant]: "
+        "compare them only if both describe the same structure.",
+        solver.text("script", "an OpenSees program"));
+  return fmt::format(
+      "Masses and frequencies of the structure are {}.",
+      file.has("plant") ? "those of the experiment's [plant]" : "assumptions of this project");
+}
+
+std::vector<std::string> scope_of(const Config& file, const std::string& machine) {
+  std::vector<std::string> scope{laboratory_sentence(file, machine)};
+  auto changed = terms_in(file.table_or_empty("specimen"), "specimen.");
+  for (auto& name : terms_in(file.table_or_empty("machine"), "machine."))
+    changed.push_back(std::move(name));
+  if (!changed.empty())
+    scope.push_back("The experiment sets these terms of specimen and machine: " + list_of(changed) +
+                    ".");
+  const Config model = file.table_or_empty("model");
+  auto differences = terms_in(model.table_or_empty("specimen"), "specimen.");
+  for (auto& name : terms_in(model.table_or_empty("machine"), "machine."))
+    differences.push_back(std::move(name));
+  if (!differences.empty())
+    scope.push_back("The model of the simulation differs in: " + list_of(differences) + ".");
+  scope.push_back(structure_sentence(file));
+  const auto axes = file.texts("axes", {"long", "lat"});
+  const Config motion = file.table_or_empty("motion");
+  const bool is_vertical = motion.has("column_vert") || motion.has("file_vert");
+  scope.push_back(fmt::format(
+      "Tested {}: {}. Rotations stay at zero. {}", axes.size() == 1 ? "axis" : "axes",
+      list_of(axes),
+      is_vertical ? "The vertical motion of the ground varies the vertical load of the bearing."
+                  : "The vertical load of the bearing is constant."));
+  return scope;
+}
+
+}  // namespace
+
+void describe(Analysis& analysis, const recording::Reader& run) {
+  const std::string ending = text_at(analysis.meta, "ending", kNoEnding);
+  analysis.ending = ending == kCompleted ? "" : ending;
+  const auto name = analysis.meta.find("experiment");
+  if (name == analysis.meta.end()) return;
+  auto file = Config::parse(run.config(name->second), name->second);
+  const auto overrides = lines(run.config(recording::kOverridesText));
+  for (const auto& line : overrides)
+    file.set(line.substr(0, line.find('=')), line.substr(line.find('=') + 1));
+  analysis.command = command_of(analysis, overrides);
+  analysis.name = file.text("name");
+  analysis.integration_step = file.number("integration_step_s", 0.01);
+  analysis.planned_duration = file.number("duration_s", 0);
+  analysis.spectrum_elevation = file.table_or_empty("plant").number(
+      "spectrum_elevation_m", sim::IsolatedPlant{}.spectrum_elevation);
+  const auto motion = file.table("motion");
+  analysis.motion = motion.text("name", motion.text("file", ""));
+  const double scale = motion.number("scale", 1.0);
+  if (scale != 1) analysis.motion += fmt::format(" × {:g}", scale);
+  const std::string machine =
+      node_with(file, {"srmd", "ideal_machine", "echo", "opensees_specimen"}).text("adapter", "");
+  analysis.synthetic = !machine.empty();
+  analysis.scope = scope_of(file, machine);
+}
+
+}  // namespace rths::report
