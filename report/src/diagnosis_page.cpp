@@ -43,12 +43,12 @@ std::string verdict_page(const diagnosis::Verdict& verdict) {
   const std::size_t most = std::min(
       kMostTracePoints, kMostPointsOfAll / std::max<std::size_t>(1, verdict.traces.size()));
   for (const auto& trace : verdict.traces) data["traces"].push_back(trace_data(trace, most));
-  return assemble(
-      {web::kDiagnosisHtml,
-       {web::kReportCss, web::kVerdictCss, web::kDiagnosisCss},
-       {web::kPlotsJs, web::kQuantitiesJs, web::kSentenceJs, web::kChartsJs, web::kCurtainJs,
-        web::kVerdictJs, web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},
-      data);
+  return assemble({web::kDiagnosisHtml,
+                   {web::kReportCss, web::kVerdictCss, web::kDiagnosisCss},
+                   {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
+                    web::kSentenceJs, web::kChartsJs, web::kCurtainJs, web::kVerdictJs,
+                    web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},
+                  data);
 }
 
 }  // namespace rths::report

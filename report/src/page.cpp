@@ -99,7 +99,8 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
 std::string page_of(const Analysis& analysis, const Json& numbers) {
   return assemble({web::kReportHtml,
                    {web::kReportCss, web::kVerdictCss},
-                   {web::kPlotsJs, web::kQuantitiesJs, web::kSentenceJs, web::kReportJs}},
+                   {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
+                    web::kSentenceJs, web::kReportJs}},
                   page_data(analysis, numbers));
 }
 

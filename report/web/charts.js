@@ -3,8 +3,7 @@
 const charts = (() => {
   const { el, figure } = plots;
   const { ticks, tick, percent } = quantities;
-  const COLOR = { hot: "#b3261e", rest: "#bcc5ce", measured: "#8795a3", ink: "#1c2530", line: "#0b5c8a" };
-  const HEAT = ["#e3e8ec", "#f8d58c", "#ec8a33", "#b3261e"];  // from noise to far beyond it
+  const HEAT = ["heat-0", "heat-1", "heat-2", "heat-3"];  // from noise to far beyond it
 
   const svg = (tag, attributes = {}, ...children) => {
     const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
@@ -14,21 +13,51 @@ const charts = (() => {
   };
   const text = (x, y, content, attributes = {}) => svg("text", { x, y, ...attributes }, content);
 
-  const responsive = (box, height, draw) => {
-    let drawn = 0;
-    const container = el("div");
+  // `draw` returns a function that tells the values at a point of the picture: null, or a title and lines.
+  const responsive = (box, height, summary, draw) => {
+    let drawn = 0, tell = () => null;
+    const container = el("div", { className: "picture" }), tip = el("div", { className: "tip", hidden: true });
     box.append(container);
-    new ResizeObserver(() => requestAnimationFrame(() => {
+    box.setAttribute("aria-label", summary);
+    const redraw = () => {
       const width = Math.floor(container.clientWidth);
-      if (width < 60 || width === drawn) return;
+      if (width < 60) return;
       drawn = width;
-      const picture = svg("svg", { viewBox: `0 0 ${width} ${height}`, height });
-      draw(picture, width, height);
+      const picture = svg("svg", { viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": summary });
+      tell = draw(picture, width, height);
       if (plots.marks.synthetic)
         picture.append(text(width - 10, 13, "synthetic", { "text-anchor": "end", class: "stamp" }));
-      container.replaceChildren(picture);
-    })).observe(container);
+      container.replaceChildren(picture, tip);
+    };
+    redraw();
+    new ResizeObserver(() => requestAnimationFrame(() => { if (Math.floor(container.clientWidth) !== drawn) redraw(); })).observe(container);
+    theme.onChange(redraw);
+    container.addEventListener("mousemove", event => {
+      const area = container.getBoundingClientRect(), left = event.clientX - area.left, top = event.clientY - area.top;
+      const told = tell(left, top);
+      tip.hidden = !told;
+      if (!told) return;
+      tip.replaceChildren(el("b", { textContent: told[0] }), ...told.slice(1).map(line => el("div", { textContent: line })));
+      tip.style.left = left > drawn / 2 ? "" : `${left + 14}px`;
+      tip.style.right = left > drawn / 2 ? `${drawn - left + 14}px` : "";
+      tip.style.top = `${Math.max(0, Math.min(top - 10, height - tip.offsetHeight))}px`;
+    });
+    container.addEventListener("mouseleave", () => { tip.hidden = true; });
   };
+  const brief = value => quantities.brief(value, 3);
+  const shareText = share => `${share > 0 ? percent(share) : "no more than noise"}`;
+  // Tells the cell of a profile below the cursor.
+  const cellAt = (profile, x, label) => left => {
+    const i = profile.share.findIndex((_, c) => left >= x(profile.edges[c]) && left < x(profile.edges[c + 1]));
+    return i < 0 ? null : [`${brief(profile.edges[i])} to ${brief(profile.edges[i + 1])} ${unitOf(label)}`.trim(), shareText(profile.share[i])];
+  };
+  const unitOf = label => /\[(.*)\]/.exec(label)?.[1] ?? "";
+  const summaryOf = (caption, profile, label) => {
+    const i = profile.share.indexOf(Math.max(...profile.share));
+    return `${caption}: the largest share, ${shareText(profile.share[i])}, lies between ${brief(profile.edges[i])} and ${brief(profile.edges[i + 1])} ${unitOf(label)}.`;
+  };
+  // Index of the number nearest to a value.
+  const nearest = (values, value) => values.reduce((best, v, i) => (Math.abs(v - value) < Math.abs(values[best] - value) ? i : best), 0);
 
   // Converts a value to a coordinate, linearly or logarithmically.
   const scale = (domain, range, log = false) => {
@@ -77,7 +106,7 @@ const charts = (() => {
       const [from, to] = [profile.edges[i], profile.edges[i + 1]];
       const left = x(from) + 0.5, width = Math.max(1, x(to) - x(from) - 1);
       picture.append(svg("rect", { x: left, width, y: y(share * 100), height: Math.max(0, y(0) - y(share * 100)), rx: 1,
-        fill: inside(intervals, from, to) ? COLOR.hot : COLOR.rest }));
+        class: inside(intervals, from, to) ? "cell hot" : "cell" }));
     });
   };
 
@@ -87,36 +116,44 @@ const charts = (() => {
   const histogram = (container, caption, given, label, intervals, log = false) => {
     const profile = log && given.edges.length > 2 ? { ...given, edges: positive(given.edges) } : given;
     const box = figure(container, caption, []);
-    responsive(box, 230, (picture, width, height) => {
+    responsive(box, 230, summaryOf(caption, profile, label), (picture, width, height) => {
       const domain = [profile.edges[0], profile.edges[profile.edges.length - 1]];
       const top = Math.max(...profile.share) * 100 || 1;
       const x = scale(domain, [46, width - 8], log), y = scale([0, top * 1.06], [height - 40, 18]);
       yAxis(picture, y, [0, top], 46, width - 8, "[%]");
       bars(picture, profile, x, y, intervals);
       xAxis(picture, x, domain, height - 40, label, log);
+      return cellAt(profile, x, label);
     });
   };
 
   // Measurement over time, and below it the mismatch over time.
   const timeStrip = (container, caption, profile, intervals, curve, units) => {
-    const box = figure(container, caption, [{ label: units.name, color: COLOR.measured }]);
-    responsive(box, curve ? 250 : 170, (picture, width, height) => {
+    const box = figure(container, caption, [{ label: units.name, color: "measured" }]);
+    responsive(box, curve ? 250 : 170, summaryOf(caption, profile, "[s]"), (picture, width, height) => {
       const domain = [profile.edges[0], profile.edges[profile.edges.length - 1]];
       const x = scale(domain, [58, width - 8]);
       const split = curve ? 120 : 8;
       for (const [a, b] of intervals)
-        picture.append(svg("rect", { x: x(a), width: Math.max(1, x(b) - x(a)), y: 4, height: height - 44, fill: "#fbeceb" }));
+        picture.append(svg("rect", { x: x(a), width: Math.max(1, x(b) - x(a)), y: 4, height: height - 44, class: "interval-of" }));
       if (curve) {
         const most = quantities.largest(curve.y) * 1.05 || 1;
         const y = scale([-most, most], [split - 8, 6]);
         yAxis(picture, y, [-most, most], 58, width - 8, units.label);
-        picture.append(svg("path", { d: path(curve.x, curve.y, x, y), fill: "none", stroke: COLOR.measured, "stroke-width": 1.1 }));
+        picture.append(svg("path", { d: path(curve.x, curve.y, x, y), class: "measured" }));
       }
       const top = Math.max(...profile.share) * 100 || 1;
       const y = scale([0, top * 1.06], [height - 40, split + 10]);
       yAxis(picture, y, [0, top], 58, width - 8, "[%]");
       bars(picture, profile, x, y, intervals);
       xAxis(picture, x, domain, height - 40, "time [s]");
+      const cell = cellAt(profile, x, "[s]");
+      return left => {
+        const told = cell(left);
+        if (!told || !curve) return told;
+        const time = domain[0] + (left - 58) / (width - 66) * (domain[1] - domain[0]), i = nearest(curve.x, time);
+        return [...told, `measured: ${brief(curve.y[i])} ${unitOf(units.label)} at ${curve.x[i].toFixed(2)} s`];
+      };
     });
   };
 
@@ -127,7 +164,7 @@ const charts = (() => {
   /// Colour of 0 (noise) to 1 (the most beyond it).
   const heat = share => {
     const at = Math.min(1, Math.max(0, share)) * (HEAT.length - 1), stop = Math.min(HEAT.length - 2, Math.floor(at));
-    return mixed(HEAT[stop], HEAT[stop + 1], at - stop);
+    return mixed(theme.color(HEAT[stop]), theme.color(HEAT[stop + 1]), at - stop);
   };
   const rampKey = (from, to) => el("span", { className: "ramp" }, from, el("b"), to);
 
@@ -142,7 +179,10 @@ const charts = (() => {
     const du = quantities.axis("displacement [m]", size(u)), dv = quantities.axis("velocity [m/s]", size(v));
     const most = Math.max(...cells.map(c => c.share)) || 1;
     const same = (a, b) => a.displacement_m[0] === b.displacement_m[0] && a.velocity_m_per_s[0] === b.velocity_m_per_s[0];
-    responsive(box, 390, (picture, width, height) => {
+    const cellText = c => `${dv.label.replace(/ \[.*/, "")} ${c.velocity_m_per_s.map(value => brief(value * dv.factor)).join(" to ")} ${dv.unit}`;
+    const top = cells.reduce((best, c) => (c.share > best.share ? c : best), cells[0]);
+    const title = c => `displacement ${c.displacement_m.map(value => brief(value * du.factor)).join(" to ")} ${du.unit}`;
+    responsive(box, 390, `${caption}: the largest share, ${shareText(top.share)}, lies at ${title(top)}, ${cellText(top)}.`, (picture, width, height) => {
       const domain = { x: u.map(value => value * du.factor), y: v.map(value => value * dv.factor) };
       const x = scale(domain.x, [58, width - 8]), y = scale(domain.y, [height - 40, 18]);
       yAxis(picture, y, domain.y, 58, width - 8, dv.label);
@@ -152,53 +192,67 @@ const charts = (() => {
         const [bottom, top] = cell.velocity_m_per_s.map(value => y(value * dv.factor));
         const at = { x: left + 1, y: top + 1, width: Math.max(1, right - left - 2), height: Math.max(1, bottom - top - 2), rx: 2 };
         const level = Math.max(0, cell.share) / most;
-        picture.append(svg("rect", { ...at, fill: level > 0 ? heat(Math.sqrt(level)) : "#f3f5f7" }));
+        picture.append(svg("rect", { ...at, fill: level > 0 ? heat(Math.sqrt(level)) : "var(--ground)" }));
         if (chosen.some(c => same(c, cell)))
-          outlines.push(svg("rect", { ...at, fill: "none", stroke: COLOR.ink, "stroke-width": 1.6 }));
+          outlines.push(svg("rect", { ...at, class: "chosen" }));
         if (cell.share >= 0.015 && at.width > 26)
           outlines.push(text((left + right) / 2, (top + bottom) / 2 + 4, (cell.share * 100).toFixed(0),
-            { "text-anchor": "middle", style: `fill:${level > 0.35 ? "#fff" : "#1c2530"}` }));
+            { "text-anchor": "middle", style: `fill:${level > 0.35 ? "var(--on-heat)" : "var(--ink)"}` }));
       }
       picture.append(...outlines);
       xAxis(picture, x, domain.x, height - 40, du.label);
+      return (left, y0) => {
+        const cell = cells.find(c => left >= x(c.displacement_m[0] * du.factor) && left < x(c.displacement_m[1] * du.factor) &&
+          y0 <= y(c.velocity_m_per_s[0] * dv.factor) && y0 > y(c.velocity_m_per_s[1] * dv.factor));
+        return cell ? [shareText(cell.share), title(cell), cellText(cell)] : null;
+      };
     });
   };
 
   // A curve with the band of its standard deviation.
   const bandCurve = (container, caption, x, y, band, xLabel, yLabel) => {
-    const box = figure(container, caption, [{ label: "mean of the residual", color: COLOR.line }]);
+    const box = figure(container, caption, [{ label: "mean of the residual", color: "after" }]);
     const low = y.map((value, i) => value - 2 * (band[i] || 0)), high = y.map((value, i) => value + 2 * (band[i] || 0));
-    responsive(box, 320, (picture, width, height) => {
+    const [least, largest] = [Math.min(...y.filter(Number.isFinite)), Math.max(...y.filter(Number.isFinite))];
+    responsive(box, 320, `${caption}: from ${brief(least)} to ${brief(largest)} ${unitOf(yLabel)}.`, (picture, width, height) => {
       const finite = [...low, ...high].filter(Number.isFinite);
       const domain = { x: [Math.min(...x), Math.max(...x)], y: [Math.min(...finite), Math.max(...finite)] };
       const sx = scale(domain.x, [62, width - 8]), sy = scale(domain.y, [height - 42, 18]);
       yAxis(picture, sy, domain.y, 62, width - 8, yLabel);
       const back = path([...x].reverse(), [...low].reverse(), sx, sy).replace(/^M/, "L");
-      picture.append(svg("path", { d: `${path(x, high, sx, sy)}${back}Z`, fill: "#d5e5ee" }),
-        svg("path", { d: path(x, y, sx, sy), fill: "none", stroke: COLOR.line, "stroke-width": 2 }));
+      picture.append(svg("path", { d: `${path(x, high, sx, sy)}${back}Z`, class: "band" }),
+        svg("path", { d: path(x, y, sx, sy), class: "mean" }));
       xAxis(picture, sx, domain.x, height - 42, xLabel);
+      return left => {
+        const i = nearest(x.map(sx), left);
+        return [`${brief(x[i])} ${unitOf(xLabel)}`, `${brief(y[i])} ± ${brief(2 * (band[i] || 0))} ${unitOf(yLabel)}`];
+      };
     });
   };
 
   // Autocorrelation over the lags, with the bound for noise.
   const correlogram = (container, caption, values, bound) => {
-    const box = figure(container, caption, bound ? [{ label: "95 % of the lags of noise", color: "#c3ccd4" }] : []);
-    responsive(box, 190, (picture, width, height) => {
+    const box = figure(container, caption, bound ? [{ label: "95 % of the lags of noise", color: "noise-line", fill: "noise" }] : []);
+    const beyond = values.filter(value => bound && Math.abs(value ?? 0) > bound).length;
+    responsive(box, 190, `${caption}; ${beyond} of ${values.length} lags lie beyond the bound of noise.`, (picture, width, height) => {
       const top = Math.max(0.2, bound || 0, ...values.map(value => Math.abs(value ?? 0))) * 1.1;
       const domain = [0, values.length + 1];
       const x = scale(domain, [46, width - 8]), y = scale([-top, top], [height - 40, 14]);
       if (bound)
-        picture.append(svg("rect", { x: 46, width: width - 54, y: y(bound), height: y(-bound) - y(bound), fill: "#e9edf0" }));
+        picture.append(svg("rect", { x: 46, width: width - 54, y: y(bound), height: y(-bound) - y(bound), class: "noise" }));
       yAxis(picture, y, [-top, top], 46, width - 8, "[–]");
       values.forEach((value, i) => {
         if (value == null) return;
-        const beyond = bound && Math.abs(value) > bound;
-        const line = { x1: x(i + 1), x2: x(i + 1), y1: y(0), y2: y(value), stroke: beyond ? COLOR.hot : COLOR.line };
-        picture.append(svg("line", { ...line, "stroke-width": 1.6 }),
-          svg("circle", { cx: x(i + 1), cy: y(value), r: 2.4, fill: line.stroke }));
+        const kind = bound && Math.abs(value) > bound ? "lag hot" : "lag";
+        picture.append(svg("line", { x1: x(i + 1), x2: x(i + 1), y1: y(0), y2: y(value), class: kind }),
+          svg("circle", { cx: x(i + 1), cy: y(value), r: 2.4, class: kind }));
       });
       picture.append(svg("line", { x1: 46, x2: width - 8, y1: y(0), y2: y(0), class: "axis-line" }));
       xAxis(picture, x, domain, height - 40, "lag [samples]");
+      return left => {
+        const i = nearest(values.map((_, lag) => x(lag + 1)), left);
+        return [`lag ${i + 1}`, values[i] == null ? "–" : values[i].toFixed(3)];
+      };
     });
   };
 

@@ -1,11 +1,11 @@
 
 // A line divides every figure: before on its left, after on its right. One slider moves all lines.
 const curtain = (() => {
-  const { el, axisStyle, figure, fit, padded, extent, strokeCurve, watermark, watermarkBelow } = plots;
-  const COLOR = { measured: "#aab6c1", before: "#c8501e", after: "#0b5c8a", noise: "#e4e9ed" };
+  const { el } = plots;
   const followers = new Set();  // figures
   const sliders = [];
   const kHeight = 400;
+  const group = figures.group("proof");
   let position = 0.5;
 
   const moveTo = share => {
@@ -19,7 +19,7 @@ const curtain = (() => {
     const edge = bbox.width * position;
     const left = style.side === "after" ? bbox.left + edge : bbox.left;
     const width = style.side === "before" ? edge : style.side === "after" ? bbox.width - edge : bbox.width;
-    return strokeCurve(u, xs, ys, style, left, width);
+    return figures.strokeCurve(u, xs, ys, style, left, width);
   };
 
   // The draggable line; it follows the slider and the other figures.
@@ -51,48 +51,32 @@ const curtain = (() => {
     const { ctx, bbox } = u;
     const top = Math.max(bbox.top, u.valToPos(half, "y", true));
     const bottom = Math.min(bbox.top + bbox.height, u.valToPos(-half, "y", true));
-    ctx.fillStyle = COLOR.noise;
+    ctx.fillStyle = theme.color("noise");
     ctx.fillRect(bbox.left, top, bbox.width, bottom - top);
   };
 
-  const quantityAxis = (label, extra = {}) =>
-    axisStyle(label, { values: (u, splits) => splits.map(value => quantities.tick(value, splits)), ...extra });
-  const keyOf = (curves, noise) => [...curves.map(c => ({ label: c.label, color: c.color })),
-    ...(noise ? [{ label: "noise alone, ±2σ", color: "#c3ccd4" }] : [])];
+  const quantityAxis = { values: (u, splits) => splits.map(value => quantities.tick(value, splits)) };
+  const paint = curve => (u, i) => (u.mode === 2 ? cutCurve(u, ...u.data[i], curve) : cutCurve(u, u.data[0], u.data[i], curve));
 
   // Curves are {label, color, width, side, y}; loops have an x that goes back and forth.
-  const loops = (container, caption, xLabel, yLabel, x, curves, parted) => {
-    const box = figure(container, caption, keyOf(curves));
-    const rangeX = padded(...extent([x])), rangeY = padded(...extent(curves.map(c => c.y)));
-    const plot = new uPlot({
-      mode: 2, width: 400, height: 320, legend: { show: false }, cursor: { show: false },
-      scales: { x: { time: false, range: () => rangeX }, y: { range: () => rangeY } },
-      axes: [quantityAxis(xLabel), quantityAxis(yLabel, { size: 54 })],
-      series: [null, ...curves.map(c => ({ paths: (u, i) => cutCurve(u, ...u.data[i], c),
-        facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }] }))],
-      hooks: { draw: [watermarkBelow] },
-    }, [null, ...curves.map(c => [x, c.y])], box);
+  const loops = (container, caption, xLabel, yLabel, x, time, curves, parted) => {
+    const plot = figures.loops(container, caption, xLabel, yLabel, curves.map(c => ({ ...c, x, time })),
+      { axis: quantityAxis, paint, below: true, height: kHeight });
     if (parted) addHandle(plot);
-    fit(box, plot, () => kHeight);
   };
-
   const histories = (container, caption, yLabel, time, curves, parted, options = {}) => {
-    const box = figure(container, caption, keyOf(curves, options.noise));
-    const plot = new uPlot({
-      width: 400, height: 240, legend: { show: false },
-      cursor: { y: false, points: { show: false }, sync: { key: "proof", setSeries: false } },
-      scales: { x: { time: false }, y: options.range ? { range: () => options.range } : {} },
-      axes: [quantityAxis("time [s]"), quantityAxis(yLabel, { size: 54 })],
-      series: [{}, ...curves.map(c => ({ points: { show: false },
-        paths: (u, i) => cutCurve(u, u.data[0], u.data[i], c) }))],
-      hooks: { drawAxes: options.noise ? [noiseBand(options.noise)] : [], draw: [watermark] },
-    }, [time, ...curves.map(c => c.y)], box);
+    const plot = figures.lines(container, caption, time, "time [s]", yLabel, curves,
+      { axis: quantityAxis, paint, group, height: kHeight, behind: options.noise ? noiseBand(options.noise) : undefined, ...options });
+    if (options.noise)
+      plot.root.parentNode.querySelector(".key").append(el("span", {}, plots.swatch({ color: "noise-line", fill: "noise" }), "noise alone, ±2σ"));
     if (parted) addHandle(plot);
-    fit(box, plot, () => options.height || kHeight);
   };
 
   // Called before other figures replace these.
-  const clear = () => followers.clear();
+  const clear = () => {
+    followers.clear();
+    group.plots.length = 0;
+  };
 
   // The slider with the errors of both sides.
   const slider = container => {
@@ -113,5 +97,5 @@ const curtain = (() => {
     };
   };
 
-  return { COLOR, quantityAxis, loops, histories, slider, clear };
+  return { quantityAxis, loops, histories, slider, clear };
 })();

@@ -57,14 +57,14 @@ const proof = (() => {
     const y = scaled(trace.unit, largest(trace.measured));
     const inUnit = values => values.map(value => value * y.factor);
     const pair = isMissing
-      ? [{ label: "predicted before", color: curtain.COLOR.before, side: "before", width: 1.3, y: inUnit(trace.before) },
-        { label: "predicted after", color: curtain.COLOR.after, side: "after", width: 1.3, y: inUnit(trace.after) }]
-      : [{ label: "predicted", color: curtain.COLOR.after, width: 1.3, y: inUnit(trace.after) }];
-    const measured = { label: "measured", color: curtain.COLOR.measured, width: 3, y: inUnit(trace.measured) };
+      ? [{ label: "predicted before", color: "before", dash: theme.DASH.before, side: "before", width: 1.3, y: inUnit(trace.before) },
+        { label: "predicted after", color: "after", side: "after", width: 1.3, y: inUnit(trace.after) }]
+      : [{ label: "predicted", color: "after", width: 1.3, y: inUnit(trace.after) }];
+    const measured = { label: "measured", color: "measured", width: 3, y: inUnit(trace.measured) };
     const label = `${trace.channel} [${y.unit || "–"}]`;
     if (trace.abscissa.length) {
       const x = axis(trace.abscissa_label, largest(trace.abscissa));
-      curtain.loops("proof-curves", "Loops", x.label, label, trace.abscissa.map(value => value * x.factor), [measured, ...pair], isMissing);
+      curtain.loops("proof-curves", "Loops", x.label, label, trace.abscissa.map(value => value * x.factor), trace.time, [measured, ...pair], isMissing);
     }
     curtain.histories("proof-curves", "Time history", label, trace.time, [measured, ...pair], isMissing);
     const errors = pair.map(c => ({ ...c, label: c.label.replace("predicted", "measured − predicted"), width: 1,
@@ -83,7 +83,7 @@ const proof = (() => {
     const show = trace => {
       const s = v.fit[trace.record] || {};
       setErrors([percent(s.nrmse_before), percent(s.nrmse_after)], `noise alone: ${percent(s.noise_floor)}. Drag the line in ` +
-        "any figure, or the slider. Drag over a time history to zoom in, double-click to zoom out.");
+        "any figure, or the slider. Drag across a figure to zoom in, double-click to zoom out.");
       curves(trace);
     };
     if (traces.length > 1) {

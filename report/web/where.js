@@ -1,14 +1,12 @@
 
 // Where the mismatch is: part, time, state, frequency.
 const where = (() => {
-  const { el, byId, figure } = plots;
+  const { el, byId } = plots;
   const { axis, largest, scaled } = quantities;
   const { v, PART, hide, traceOf } = verdict;
 
   // Measured loops, coloured by the energy beyond the noise; the largest on top.
   const heatedLoops = trace => {
-    const box = figure("where-state", "Position on the loops", [{ label: "predicted", color: "#8795a3" }]);
-    box.querySelector(".key").append(charts.rampKey("noise", "far beyond it"));
     const sorted = [...trace.excess].sort((a, b) => a - b);
     const most = sorted[Math.floor(sorted.length * 0.98)] || 1;
     const level = trace.excess.map(e => Math.min(11, Math.floor(Math.sqrt(Math.max(0, e) / most) * 12)));
@@ -30,17 +28,12 @@ const where = (() => {
       ctx.restore();
       return null;
     };
-    const rangeX = plots.padded(...plots.extent([xs]));
-    const rangeY = plots.padded(...plots.extent([trace.measured, trace.before]).map(value => value * y.factor));
-    const plot = new uPlot({
-      mode: 2, width: 400, height: 320, legend: { show: false }, cursor: { show: false },
-      scales: { x: { time: false, range: () => rangeX }, y: { range: () => rangeY } },
-      axes: [curtain.quantityAxis(x.label), curtain.quantityAxis(`${trace.channel} [${y.unit}]`, { size: 54 })],
-      series: [null, { paths: paint, facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }] },
-        { color: "#8795a3", lineWidth: 0.9, paths: plots.drawCurve, facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }] }],
-      hooks: { draw: [plots.watermarkBelow] },
-    }, [null, [xs, trace.measured], [xs, trace.before.map(value => value * y.factor)]], box);
-    plots.fit(box, plot, () => 390);
+    const inUnit = values => values.map(value => value * y.factor);
+    const plot = figures.loops("where-state", "Position on the loops", x.label, `${trace.channel} [${y.unit}]`, [
+      { label: "measured", color: "measured", x: xs, y: inUnit(trace.measured), time: trace.time, isHeated: true },
+      { label: "predicted", color: "predicted", x: xs, y: inUnit(trace.before), time: trace.time, width: 0.9 },
+    ], { axis: curtain.quantityAxis, below: true, height: 390, paint: curve => curve.isHeated && paint });
+    plot.root.parentNode.querySelector(".key").append(charts.rampKey("noise", "far beyond it"));
   };
 
   const chain = () => {

@@ -52,5 +52,37 @@ TEST_F(Page, DrawsEveryFigureInChromiumWithoutAnError) {
   EXPECT_NE(page.find("no slow-downs"), std::string::npos);
 }
 
+// Replaces a text of the page, which must be there.
+void change(std::string& html, const std::string& from, const std::string& to) {
+  const auto at = html.find(from);
+  ASSERT_NE(at, std::string::npos) << from;
+  html.replace(at, from.size(), to);
+}
+
+TEST_F(Page, AnswersQuestionsInTheDarkOnPaperAndOnATelephone) {
+  if (!std::filesystem::exists(test_support::kBrowser))
+    GTEST_SKIP() << "SKIPPED: no Chromium here; './lab test' installs it";
+  change(html, "\"operator_changes\":[]",
+         "\"operator_changes\":[{\"time_s\":6.0,\"signal\":\"tune.xpc.ats.enabled\",\"unit\":\"1\","
+         "\"from\":1.0,\"to\":0.0}]");
+  const test::TemporaryFolder folder;
+
+  const std::string answers = test_support::probed(
+      html,
+      "{ loops: 'Hysteresis, longitudinal', time: 'Displacement, longitudinal', "
+      "beside: 'Tracking delay', mark: true, "
+      "pairs: [['hybrid', 'numerical'], ['hybrid', 'improved'], ['numerical', 'improved'], "
+      "['hybrid', 'fixed-base'], ['numerical', 'fixed-base'], ['improved', 'fixed-base'], "
+      "['long', 'lat'], ['command', 'hybrid'], ['correct', 'slow']] }",
+      folder);
+
+  for (const auto& answer : test_support::kAnswers)
+    EXPECT_NE(answers.find("\n" + answer + "\n"), std::string::npos) << answer << answers;
+  EXPECT_EQ(answers.find("alike: "), std::string::npos) << answers;
+  EXPECT_NE(answers.find("mmshear force"), std::string::npos) << answers;
+  EXPECT_NE(answers.find("mmmeasured"), std::string::npos) << answers;
+  EXPECT_NE(answers.find("mstune.xpc.ats.enabled: 1 → 0"), std::string::npos) << answers;
+}
+
 }  // namespace
 }  // namespace rths::report

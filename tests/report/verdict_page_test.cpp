@@ -135,6 +135,25 @@ TEST_F(RenderedVerdict, DrawsWithOptionalDataMissing) {
   EXPECT_TRUE(holds(page, "No record was held out: the following is not a proof."));
 }
 
+TEST_F(RenderedVerdict, AnswersQuestionsInTheDarkOnPaperAndOnATelephone) {
+  const test::TemporaryFolder folder;
+
+  const std::string answers = test_support::probed(
+      verdict_page(missing_verdict()),
+      "{ loops: 'Loops', time: 'Time history', beside: 'Residual', "
+      "chart: 'Frequency, in third octaves', "
+      "pairs: [['before', 'after'], ['measured', 'before'], ['measured', 'after']] }",
+      folder);
+
+  for (const auto& answer : test_support::kAnswers)
+    EXPECT_TRUE(holds(answers, "\n" + answer + "\n")) << answer << answers;
+  EXPECT_FALSE(holds(answers, "alike: ")) << answers;
+  EXPECT_TRUE(holds(answers, "kNat ")) << answers;
+  EXPECT_TRUE(holds(answers, "predicted before")) << answers;
+  EXPECT_TRUE(holds(answers, "chart tells: ")) << answers;
+  EXPECT_FALSE(holds(answers, "tells: nothing")) << answers;
+}
+
 TEST_F(RenderedVerdict, DrawsAnEmptyVerdict) {
   EXPECT_EQ(body_of(rendered(diagnosis::Verdict{})), "<body data-figures=\"0\">");
 }
