@@ -58,8 +58,8 @@ class Energy {
 // Spectra of command and measurement, averaged over segments.
 class AveragedSpectra {
  public:
-  AveragedSpectra(const Eigen::VectorXd& command, const Eigen::VectorXd& measured,
-                  double interval) {
+  AveragedSpectra(const Eigen::VectorXd& command, const Eigen::VectorXd& measured, double interval)
+      : interval_{interval} {
     const auto length = static_cast<Eigen::Index>(std::lround(kSegment / interval));
     spacing_ = 1 / (static_cast<double>(length) * interval);
     const Eigen::ArrayXd phase =
@@ -70,6 +70,13 @@ class AveragedSpectra {
           fourier(measured.segment(begin, length).array() * window));
   }
   [[nodiscard]] bool is_averaged() const { return segments_ >= kLeastSegments; }
+  // RMS of the command in a band. The window suppresses leakage from other bands.
+  [[nodiscard]] double command_rms(double from, double to) const {
+    constexpr double kWindowPower = 3.0 / 8;  // mean square of the window
+    const double length = 1 / (spacing_ * interval_);
+    const double sum = command_(bins(from, to)).sum();
+    return std::sqrt(2 * sum / (kWindowPower * length * length * static_cast<double>(segments_)));
+  }
   [[nodiscard]] BandTracking::Response response(double from, double to, double near) const;
 
  private:
@@ -91,19 +98,25 @@ class AveragedSpectra {
     return sum;
   }
 
+  // Indices of the frequencies of a band without 0.
+  [[nodiscard]] Eigen::ArithmeticSequence<Eigen::Index, Eigen::Index> bins(double from,
+                                                                           double to) const {
+    const auto index = [&](double frequency) {
+      return static_cast<Eigen::Index>(std::ceil(frequency / spacing_));
+    };
+    const Eigen::Index first = std::max<Eigen::Index>(1, index(from));
+    return {first, std::min(command_.size(), index(to)) - first};
+  }
+
   std::size_t segments_ = 0;
-  double spacing_ = 0;
+  double spacing_ = 0, interval_ = 0;
   Eigen::VectorXd command_, measured_;
   Eigen::VectorXcd cross_;
 };
 
 BandTracking::Response AveragedSpectra::response(double from, double to, double near) const {
-  const auto first =
-      std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::ceil(from / spacing_)));
-  const auto last =
-      std::min<Eigen::Index>(command_.size(), static_cast<Eigen::Index>(std::ceil(to / spacing_))) -
-      1;
-  const auto range = Eigen::seq(first, last);
+  const auto range = bins(from, to);
+  const Eigen::Index first = range.first(), last = first + range.size() - 1;
   const Eigen::VectorXd power = command_(range);
   const Eigen::VectorXd frequency =
       Eigen::VectorXd::LinSpaced(power.size(), static_cast<double>(first),
@@ -130,13 +143,16 @@ std::vector<BandTracking> track_bands(const std::vector<double>& command,
   const Energy energy{x, interval}, error{y - x, interval};
   const AveragedSpectra spectra{x, y, interval};
   std::vector<BandTracking> bands;
-  for (std::size_t i = 0; i < std::size(kEdges); ++i) {
-    const bool is_last = i + 1 == std::size(kEdges);
+  const double highest = 0.5 / interval;
+  for (std::size_t i = 0; i < std::size(kEdges) && kEdges[i] < highest; ++i) {
+    const bool is_last = i + 1 == std::size(kEdges) || kEdges[i + 1] >= highest;
     BandTracking band;
     band.from = kEdges[i];
-    band.to = is_last ? 0.5 / interval : kEdges[i + 1];
-    const double end = is_last ? 1 / interval : band.to;  // includes the highest frequency
-    band.command = energy.rms(band.from, end) / largest;
+    band.to = is_last ? highest : kEdges[i + 1];
+    const double end = is_last ? 2 * highest : band.to;  // includes the highest frequency
+    band.command =
+        (spectra.is_averaged() ? spectra.command_rms(band.from, end) : energy.rms(band.from, end)) /
+        largest;
     band.nrms = error.rms(band.from, end) / largest;
     if (band.command >= kLeastCommand && spectra.is_averaged())
       band.response = spectra.response(band.from, end, delay);

@@ -59,6 +59,8 @@ TEST(Bands, HaveTheGainAndDelayOfADeadTimeWithALag) {
     EXPECT_NEAR(bands[i].response->delay, -std::arg(filter(frequency)) / (2 * M_PI * frequency),
                 5e-5);
     EXPECT_NEAR(bands[i].response->coherence, 1, 1e-3);
+    EXPECT_NEAR(bands[i].command * largest_of(signals.command), sines[i].second / std::sqrt(2.0),
+                1e-3);
     const double error = sines[i].second * std::abs(filter(frequency) - 1.0) / std::sqrt(2.0);
     EXPECT_NEAR(bands[i].nrms * largest_of(signals.command), error, 0.02 * error);
   }
@@ -92,12 +94,7 @@ TEST(Bands, FindADelayOfMoreThanHalfAPeriod) {
 }
 
 TEST(Bands, HaveNoResponseWhereTheCommandHasNoEnergy) {
-  Filtered signals{{{0.5, 1}, {4.25, 0.3}}};
-  for (std::size_t i = 0; i < signals.command.size(); ++i) {  // begins and ends at rest
-    const double envelope = std::sin(M_PI * kInterval * static_cast<double>(i) / 40);
-    signals.command[i] *= envelope * envelope;
-    signals.measured[i] *= envelope * envelope;
-  }
+  const Filtered signals{{{0.5, 1}, {4.25, 0.3}}};
 
   const auto bands = track_bands(signals.command, signals.measured, kInterval, 0.019);
 
@@ -120,6 +117,16 @@ TEST(Bands, LoseCoherenceToNoiseOfTheMeasurement) {
   ASSERT_TRUE(bands[3].response);
   EXPECT_NEAR(bands[3].response->coherence, 0.5, 0.06);
   EXPECT_NEAR(bands[3].response->gain, 1, 0.1);
+}
+
+TEST(Bands, EndAtHalfTheSamplingRate) {
+  const std::vector<double> slow(1000, 1.0);
+
+  const auto bands = track_bands(slow, slow, 0.1, 0);
+
+  ASSERT_EQ(bands.size(), 3U);
+  EXPECT_EQ(bands[2].from, 3);
+  EXPECT_EQ(bands[2].to, 5);
 }
 
 TEST(Bands, HaveNoResponseInARecordTooShortToAverage) {
