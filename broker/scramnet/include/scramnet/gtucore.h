@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * Constants and structures of the SCRAMNet GT interface, by its vendor's names. */
-#ifndef RTHS_SCGT_GTUCORE_H
-#define RTHS_SCGT_GTUCORE_H
+#ifndef __GT_UCORE_H__
+#define __GT_UCORE_H__
 
 #include "systypes.h"
 
@@ -65,8 +65,6 @@
 #define SCGT_RW_DMA_PHYS_ADDR 0x8
 #define SCGR_RW_PIO_8_BIT 0x10
 #define SCGR_RW_PIO_16_BIT 0x20
-
-typedef uint32 scgtIntrHandle; /* -1 before the first use */
 
 typedef struct _scgtDeviceInfo {
   uint32 reserved;

@@ -4,8 +4,8 @@
  * compile with it and run on a ring in software; docs/scramnet.md describes the differences.
  *
  * The vendor added const in 2021. Define SCGT_API_BEFORE_2021 for the older prototypes. */
-#ifndef RTHS_SCGTAPI_H
-#define RTHS_SCGTAPI_H
+#ifndef __SCGT_API_H__
+#define __SCGT_API_H__
 
 #include "gtucore.h"
 #include "systypes.h"
@@ -26,6 +26,8 @@ typedef struct _scgtHandle {
   uint32* memMapPtr;
   uint32 memMapSize;
 } scgtHandle;
+
+typedef uint32 scgtIntrHandle; /* -1 before the first use */
 
 extern const char* scgtapiRevisionStr;
 const char* scgtGetApiRevStr(void);

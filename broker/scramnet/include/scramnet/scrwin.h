@@ -2,8 +2,8 @@
  *
  * Functions of the vendor's Windows libraries only. On this system they return the values of a card
  * without that feature. */
-#ifndef RTHS_SCRWIN_H
-#define RTHS_SCRWIN_H
+#ifndef __SCRWIN__
+#define __SCRWIN__
 
 #ifdef __cplusplus
 extern "C" {

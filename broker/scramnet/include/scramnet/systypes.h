@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * Types of the vendor's SCRAMNet GT API. */
-#ifndef RTHS_SCGT_SYSTYPES_H
-#define RTHS_SCGT_SYSTYPES_H
+#ifndef __SYS_TYPES_H__
+#define __SYS_TYPES_H__
 
 #include <stddef.h>
 #include <stdint.h>
