@@ -118,7 +118,7 @@ void fill(std::byte* base, const Header& header, const memmap::Map& map,
   std::memcpy(base, &header, sizeof header);
   auto* slots = reinterpret_cast<Slot*>(base + sizeof(Header));
   std::memset(slots, 0, kMaxSlots * sizeof(Slot));
-  slots[0] = {header.creator, kCreator, 0, 0};
+  slots[0] = {header.creator, kCreator, 0, 0, 0};
   fill_groups(base, header, map);
   std::memcpy(base + header.map_text_at, map_text.data(), map_text.size());
   auto* words = reinterpret_cast<std::uint32_t*>(base + header.memory_at);

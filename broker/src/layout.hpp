@@ -58,6 +58,7 @@ struct alignas(128) Slot {
   std::uint32_t node;   ///< node id, kObserver, or kNotYet between claim and join
   std::uint32_t plain;  ///< 1: stores through a plain pointer, without a journal
   std::uint64_t beats;
+  std::uint64_t plain_joins;  ///< high half: joins as a plain node so far; low: the last one's id
 };
 inline constexpr std::uint32_t kNotYet = 0xFFFF'FFFF;
 inline constexpr std::size_t kWakeAt = 256 + kMaxSlots * 128;

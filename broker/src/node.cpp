@@ -140,7 +140,7 @@ void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
     for (Group* group : unjournalled) journal_repaired_group(*segment_, *group, writer);
     wake_sleepers(segment_->wake());
   }
-  if (plain) return become_plain();
+  if (plain) return become_plain(id);
   for (const auto& partition : map.partitions())
     if (!partition.tear_group && map.node(partition.node) == id)
       own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
@@ -149,12 +149,15 @@ void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
   writer_->journal.time(now());
 }
 
-void Node::become_plain() noexcept {
+void Node::become_plain(NodeId id) noexcept {
   for (auto& access : groups_) {
     if (access.own) disable_record(access.record);
     access.own = false;
   }
-  shared(segment_->slots()[slot_].plain).store(1);
+  Slot& slot = segment_->slots()[slot_];
+  const std::uint64_t joins = (shared(slot.plain_joins).load() >> 32U) + 1;
+  shared(slot.plain_joins).store(joins << 32U | id.value());
+  shared(slot.plain).store(1);
 }
 
 Node::Node(Node&& other) noexcept

@@ -2,6 +2,7 @@
 #include <rths/broker/watch.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <map>
 #include <optional>
@@ -25,8 +26,10 @@ struct Watch::State {
   struct Member {
     std::string name;
     NodeId id;
-    Follower follower;  ///< from the start, to see also the first writes after joining
-    Claim plain = 0;    ///< process that is this node as a plain client; 0: none
+    Follower follower;        ///< from the start, to see also the first writes after joining
+    Claim plain = 0;          ///< process that is this node as a plain client; 0: none
+    bool was_plain = false;   ///< a plain client was this node at some time since the last look
+    std::uint64_t beats = 0;  ///< before the journals were read
     std::optional<JournalWriter> on_behalf = std::nullopt;  ///< writes a plain client's journal
   };
 
@@ -38,14 +41,21 @@ struct Watch::State {
   struct Suspect {
     std::uint32_t value;
     TimePoint since;
+    std::uint64_t beats;  ///< of the word's owner, after the value was seen
+    std::uint64_t look;   ///< number of the last look that saw it
   };
-  std::map<std::uint32_t, Suspect> suspects;  ///< by word
+  std::map<std::uint32_t, Suspect> suspects;           ///< by word
+  std::array<std::uint64_t, kMaxSlots> plain_joins{};  ///< of each slot, at the last look
+  std::uint64_t looks = 0;
 
-  void update_members();
+  void note_plain_joins();
+  void update_members(std::vector<PlainStore>& found);
+  void settle(Member& member, std::vector<PlainStore>& found);
   void read_journals();
   void expect(const Write& write);
   void accept_words_of(const std::string& owner);
-  void journal(Member& owner, std::uint32_t offset, std::uint32_t value);
+  void journal(Member& owner, PlainStore store, std::vector<PlainStore>& found);
+  [[nodiscard]] bool is_confirmed(const PlainStore& store, const Member* owner);
   void compare(std::vector<PlainStore>& found);
   void check_word(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
   /// The process that is this node as a plain client; 0: none.
@@ -63,15 +73,48 @@ Claim Watch::State::plain_holder(NodeId id) {
   return is_alive(claim) ? claim : 0;
 }
 
+// A plain client may join, store and leave between two looks.
+void Watch::State::note_plain_joins() {
+  for (std::uint32_t i = 0; i < kMaxSlots; ++i) {
+    const std::uint64_t joins = std::atomic_ref{segment.slots()[i].plain_joins}.load();
+    if (joins == plain_joins[i]) continue;
+    plain_joins[i] = joins;
+    for (auto& member : members)
+      if (member.id.value() == (joins & 0xFFFF'FFFF)) member.was_plain = true;
+  }
+}
+
 // A node that joins or leaves is noticed at the next look.
-void Watch::State::update_members() {
+void Watch::State::update_members(std::vector<PlainStore>& found) {
+  note_plain_joins();
   for (auto& member : members) {
     const Claim plain = plain_holder(member.id);
+    if (plain == 0 && member.was_plain) settle(member, found);
+    member.was_plain = plain != 0;
     if (plain == member.plain) continue;
     member.plain = plain;
     member.on_behalf.reset();
     if (plain != 0) member.on_behalf.emplace(segment.journal(node_index(ring.map(), member.id)));
   }
+}
+
+// The last stores of a plain client that has left are its own. If a node that journals has joined
+// since, the journal is that node's.
+void Watch::State::settle(Member& member, std::vector<PlainStore>& found) {
+  Slot* slot = segment.slot_of(member.id);
+  if (slot != nullptr && std::atomic_ref{slot->plain}.load() == 0)
+    return accept_words_of(member.name);
+  member.on_behalf.emplace(segment.journal(node_index(ring.map(), member.id)));
+  for (const auto& partition : ring.map().partitions()) {
+    if (partition.node != member.name) continue;
+    for (std::uint32_t i = 0; i < partition.longwords; ++i) {
+      const LongwordOffset offset{partition.base.value() + i};
+      const std::uint32_t value = word(offset.value());
+      if (value != expected[offset.value()])
+        journal(member, {offset, value, member.name, true, {}, WallClock{}.now()}, found);
+    }
+  }
+  member.on_behalf.reset();
 }
 
 void Watch::State::read_journals() {
@@ -89,11 +132,15 @@ void Watch::State::read_journals() {
   }
 }
 
+// A newer write of the owner also clears a suspicion: its words then are as the journal has them.
 void Watch::State::expect(const Write& write) {
+  const std::uint32_t begin = write.offset.value();
   if (write.group.empty())
-    expected[write.offset.value()] = write.value;
+    expected[begin] = write.value;
   else
-    std::copy(write.group.begin(), write.group.end(), expected.begin() + write.offset.value());
+    std::copy(write.group.begin(), write.group.end(), expected.begin() + begin);
+  const auto length = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(write.group.size()));
+  suspects.erase(suspects.lower_bound(begin), suspects.lower_bound(begin + length));
 }
 
 void Watch::State::accept_words_of(const std::string& owner) {
@@ -103,9 +150,11 @@ void Watch::State::accept_words_of(const std::string& owner) {
         expected[partition.base.value() + i] = word(partition.base.value() + i);
 }
 
-void Watch::State::journal(Member& owner, std::uint32_t offset, std::uint32_t value) {
-  owner.on_behalf->word_of(owner.id.value(), offset, value);
+void Watch::State::journal(Member& owner, PlainStore store, std::vector<PlainStore>& found) {
+  owner.on_behalf->word_of(owner.id.value(), store.offset.value(), store.value);
   wake_sleepers(segment.wake());
+  expected[store.offset.value()] = store.value;
+  found.push_back(std::move(store));
 }
 
 std::vector<std::string> Watch::State::plain_clients() {
@@ -121,6 +170,19 @@ std::vector<std::string> Watch::State::plain_clients() {
   return names;
 }
 
+// The owner may be stopped between a word and its journal entry. If it beats, it has journalled the
+// word before its next beat, and this look has read that journal after the beat.
+bool Watch::State::is_confirmed(const PlainStore& store, const Member* owner) {
+  const auto beats = [&] { return owner == nullptr ? 0 : observer.beats_of(owner->id); };
+  auto& suspect = suspects.try_emplace(store.offset.value(), Suspect{}).first->second;
+  if (suspect.look == 0 || suspect.value != store.value)
+    suspect = {store.value, store.seen, beats(), looks};
+  suspect.look = looks;
+  if (store.seen - suspect.since < kConfirmation) return false;
+  if (owner == nullptr || suspect.beats == 0 || owner->beats != suspect.beats) return true;
+  return observer.presence_of(owner->id).state != Presence::State::Alive;
+}
+
 void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
                               std::vector<PlainStore>& found) {
   const auto* partition = ring.map().partition_at(LongwordOffset{offset});
@@ -130,14 +192,11 @@ void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
   const auto owner = std::find_if(members.begin(), members.end(),
                                   [&](const Member& m) { return m.name == store.owner; });
   if (owner != members.end() && owner->on_behalf) {
-    journal(*owner, offset, value);
     store.allowed = true;
-  } else {
-    const auto [suspect, is_new] = suspects.try_emplace(offset, Suspect{value, store.seen});
-    if (suspect->second.value != value) suspect->second = {value, store.seen};
-    if (is_new || store.seen - suspect->second.since < kConfirmation) return;
-    store.others = plain_clients();
+    return journal(*owner, std::move(store), found);
   }
+  if (!is_confirmed(store, owner == members.end() ? nullptr : &*owner)) return;
+  store.others = plain_clients();
   suspects.erase(offset);
   expected[offset] = value;
   found.push_back(std::move(store));
@@ -152,12 +211,10 @@ void Watch::State::compare(std::vector<PlainStore>& found) {
     if (difference == 0) continue;
     for (std::uint32_t i = begin; i < begin + length; ++i) {
       const std::uint32_t now = word(i);
-      if (now == expected[i])
-        suspects.erase(i);
-      else
-        check_word(i, now, found);
+      if (now != expected[i]) check_word(i, now, found);
     }
   }
+  std::erase_if(suspects, [&](const auto& suspect) { return suspect.second.look != looks; });
 }
 
 Watch::Watch(Ring& ring) : state_{new State{ring, ring.segment(), ring.observe(), {}, {}, {}}} {
@@ -167,18 +224,23 @@ Watch::Watch(Ring& ring) : state_{new State{ring, ring.segment(), ring.observe()
   for (const auto& node : ring.map().description().nodes)
     state_->members.push_back({node.name, node.id, ring.follow(node.name)});
   register_as_writer();
-  state_->update_members();
   for (std::uint32_t i = 0; i < end; ++i) state_->expected.push_back(state_->word(i));
+  std::vector<PlainStore> found;
+  state_->update_members(found);
 }
 
 Watch::~Watch() = default;
 
 std::vector<PlainStore> Watch::look() {
   std::vector<PlainStore> found;
-  state_->update_members();
+  ++state_->looks;
+  state_->read_journals();
+  state_->update_members(found);
   const auto now = static_cast<std::uint64_t>(WallClock{}.now().count());
-  for (auto& member : state_->members)
+  for (auto& member : state_->members) {
     if (member.on_behalf) member.on_behalf->time(now);
+    member.beats = state_->observer.beats_of(member.id);
+  }
   state_->read_journals();
   state_->compare(found);
   return found;

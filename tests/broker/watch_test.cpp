@@ -114,6 +114,98 @@ TEST_F(WatchTest, ReportsAStoreIntoAWordWithoutOwner) {
   EXPECT_FALSE(found[0].allowed);
 }
 
+// A writer may be stopped between a word and its journal entry. When the entry has come, the same
+// value may be seen again before its entry: that is another write.
+TEST_F(WatchTest, ForgetsASuspicionThatTheJournalHasResolved) {
+  Watch watch{ring};
+  store(kControllerWord, 1);  // not journalled yet
+  EXPECT_TRUE(watch.look().empty());
+  ASSERT_EQ(controller.write(kControllerWord, 1), Status::Ok);
+  EXPECT_TRUE(watch.look().empty());
+  std::this_thread::sleep_for(milliseconds{150});
+  ASSERT_EQ(controller.write(kControllerWord, 0), Status::Ok);
+  EXPECT_TRUE(watch.look().empty());
+
+  store(kControllerWord, 1);  // not journalled yet
+
+  EXPECT_TRUE(watch.look().empty());
+}
+
+TEST_F(WatchTest, ForgetsASuspicionWhenTheOwnerWritesAgainBetweenTwoLooks) {
+  Watch watch{ring};
+  store(kControllerWord, 1);  // not journalled yet
+  EXPECT_TRUE(watch.look().empty());
+  std::this_thread::sleep_for(milliseconds{150});
+  ASSERT_EQ(controller.write(kControllerWord, 1), Status::Ok);
+  ASSERT_EQ(controller.write(kControllerWord, 0), Status::Ok);
+
+  store(kControllerWord, 1);  // not journalled yet
+
+  EXPECT_TRUE(watch.look().empty());
+}
+
+TEST_F(WatchTest, WaitsForAnOwnerThatIsStoppedBeforeItsJournalEntry) {
+  Watch watch{ring};
+  controller.beat();
+  store(kControllerWord, 1);  // not journalled yet
+
+  EXPECT_TRUE(look_long(watch).empty());
+
+  controller.beat();  // it has gone on without an entry
+  const auto found = watch.look();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].owner, "controller");
+  EXPECT_FALSE(found[0].allowed);
+}
+
+// Another plain client is on the ring and must not be blamed.
+TEST_F(WatchTest, JournalsTheLastStoreOfAPlainClientThatLeaves) {
+  const Node other = ring.join_plain("");
+  Watch watch{ring};
+  {
+    const Node plain = ring.join_plain("machine");
+    EXPECT_TRUE(watch.look().empty());
+    store(kMachineWord, 77);
+  }
+
+  const auto found = look_long(watch);
+
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].owner, "machine");
+  EXPECT_TRUE(found[0].allowed);
+  EXPECT_EQ(ring.last_write(kMachineWord).value, 77U);
+}
+
+TEST_F(WatchTest, JournalsTheStoreOfAPlainClientThatJoinsAndLeavesBetweenTwoLooks) {
+  const Node other = ring.join_plain("");
+  Watch watch{ring};
+  {
+    const Node plain = ring.join_plain("machine");
+    store(kMachineWord, 77);
+  }
+
+  const auto found = look_long(watch);
+
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_TRUE(found[0].allowed);
+  EXPECT_EQ(ring.last_write(kMachineWord).value, 77U);
+}
+
+TEST_F(WatchTest, LeavesTheJournalToANodeThatFollowsAPlainClient) {
+  Watch watch{ring};
+  {
+    const Node plain = ring.join_plain("machine");
+    EXPECT_TRUE(watch.look().empty());
+    store(kMachineWord, 77);
+  }
+  Node machine = ring.join("machine", 0);
+  ASSERT_EQ(machine.write(kMachineWord, 78), Status::Ok);
+
+  EXPECT_TRUE(look_long(watch).empty());
+
+  EXPECT_EQ(ring.last_write(kMachineWord).value, 78U);
+}
+
 // A plain client follows a node that journalled: its groups are read word by word from memory.
 TEST_F(WatchTest, LeavesGroupsOfAPlainClientToItsPointer) {
   const std::array<std::uint32_t, 8> words{1, 2, 3, 4, 5, 6, 7, 8};

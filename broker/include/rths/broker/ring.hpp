@@ -103,7 +103,7 @@ class Node {
   struct GroupAccess;
 
   void take_over(const memmap::Map& map, NodeId id, bool plain);
-  void become_plain() noexcept;
+  void become_plain(NodeId id) noexcept;
   Segment* segment_;
   std::uint32_t* words_;  ///< of the ring
   std::uint32_t slot_;
