@@ -3,11 +3,13 @@
 // The layer below the vendor's API: cards, registers, queues and windows. Two boards in one process
 // represent two nodes of a ring.
 #include <array>
+#include <filesystem>
 #include <memory>
 #include <set>
 #include <thread>
 #include <vector>
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
@@ -130,6 +132,54 @@ TEST_F(Cards, FollowTheRulesOfInterruptBits) {
     receiver.scanner().scan();
     EXPECT_EQ(pop(receiver.plus().fifo).has_value(), rule.arrives) << (&rule - rules.data());
   }
+}
+
+// A scan sees the last value only: the bound of interrupts that pointer stores raise.
+TEST_F(Cards, CountWritesBetweenTwoScansOnce) {
+  Board sender{settings("1", 4096)};
+  Board receiver{settings("2", 4096)};
+  ASSERT_TRUE(sender.map_window());
+  sender.write_acr(8, acr::kTransmitInterrupt);
+  receiver.write_acr(8, acr::kReceiveInterrupt);
+  sender.write_csr(0, 0x8103);
+  receiver.write_csr(0, 0x8021);
+  unsigned interrupts = 0;
+  for (const unsigned writes : {1U, 2U, 1U}) {
+    for (unsigned i = 0; i < writes; ++i) word(sender, 8).fetch_add(1);
+    receiver.scanner().scan();
+    while (pop(receiver.plus().fifo)) ++interrupts;
+  }
+
+  EXPECT_EQ(interrupts, 3U) << "of 4 writes";
+}
+
+bool may_have_real_time() {
+  bool allowed = false;
+  std::thread{[&] {
+    const sched_param lowest{1};
+    allowed = pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest) == 0;
+  }}.join();
+  return allowed;
+}
+
+bool has_real_time_thread() {
+  for (const auto& task : std::filesystem::directory_iterator{"/proc/self/task"})
+    if (sched_getscheduler(std::stoi(task.path().filename())) == SCHED_FIFO) return true;
+  return false;
+}
+
+TEST_F(Cards, ScanInRealTimeIfTheProcessMay) {
+  if (!may_have_real_time()) GTEST_SKIP() << "this process may have no real-time scheduling";
+  Board board{settings("1")};
+
+  board.scanner().run_thread(true);
+
+  bool found = false;
+  for (int i = 0; i < 5000 && !found; ++i) {
+    usleep(1000);
+    found = has_real_time_thread();
+  }
+  EXPECT_TRUE(found);
 }
 
 TEST(InterruptFifo, KeepsOrderAndItsOldestEntries) {

@@ -65,6 +65,20 @@ TEST_F(Clients, PassANumberAroundByWaiting) { pass_round("dueca", "wait"); }
 TEST_F(Clients, PassANumberAroundBySignals) { pass_round("dueca", "signal"); }
 TEST_F(Clients, PassANumberAroundWhenLinkedStatically) { pass_round("dueca_static", "wait"); }
 
+// Writes between two scans count once, but the last one always interrupts.
+TEST_F(Clients, GetAnInterruptForTheLastOfManyWrites) {
+  for (const std::string how : {"wait", "signal"}) {
+    Running counter{client("ticks", {how})};
+    Running writer{client("ticks", {"write", "200", "100"})};
+    EXPECT_EQ(writer.wait().exit_code, 0);
+    const Finished counted = counter.wait();
+    EXPECT_EQ(counted.exit_code, 0) << counted.err;
+    EXPECT_GE(std::stoi(counted.out), 1) << how;
+    EXPECT_LE(std::stoi(counted.out), 200) << how;
+    rths::broker::remove_ring(clients_ring());
+  }
+}
+
 TEST_F(Clients, CreateOneRingWhenSeveralStartAtOnce) {
   std::vector<std::unique_ptr<Running>> starting;
   for (unsigned i = 0; i < 8; ++i)

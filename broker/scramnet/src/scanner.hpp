@@ -22,6 +22,7 @@ class Scanner {
  public:
   /// Time between two scans, of a waiting call and of the thread [ns].
   static constexpr long kPeriodNs = 50'000;
+  static constexpr long kLongestSleepNs = 10'000'000;
 
   Scanner(const CardSession& session, const Word* words, std::uint32_t longwords)
       : session_{&session}, words_{words}, longwords_{longwords} {}
@@ -38,6 +39,7 @@ class Scanner {
   void reset();
   /// The same for one word, when its ACR is set.
   void reset(std::uint32_t longword);
+  /// Starts or stops the thread that scans; it has real-time scheduling if the process may have it.
   void run_thread(bool wanted);
   /// Sets the words to scan. @param network_longword  offset of the first word on the ring, which
   /// virtual paging changes
