@@ -129,7 +129,9 @@ struct DiagnoseArguments {
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);
 [[nodiscard]] int report(const std::string& folder);
 [[nodiscard]] int doctor();
-[[nodiscard]] int clean();
+/// Removes rings.
+/// @param rings  empty: those that no process uses, without idle cards
+[[nodiscard]] int clean(const std::vector<std::string>& rings);
 
 /// Version of the program, for recordings.
 [[nodiscard]] std::string version();

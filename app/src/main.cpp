@@ -45,7 +45,7 @@ struct Arguments {
   OpenseesBenchArguments trips;
   DiagnoseArguments diagnose;
   std::string clock = "wall", file, language = "cpp", folder;
-  std::vector<std::string> sets;
+  std::vector<std::string> sets, rings;
 };
 
 void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
@@ -275,9 +275,10 @@ void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
   app.add_subcommand("doctor", "List the rings of this host and their faults")->callback([&] {
     chosen = [] { return doctor(); };
   });
-  app.add_subcommand("clean", "Remove rings that no running process uses")->callback([&] {
-    chosen = [] { return clean(); };
-  });
+  auto* clean_command =
+      app.add_subcommand("clean", "Remove rings that no running process uses, but keep idle cards");
+  clean_command->add_option("ring", a.rings, "Names of rings to remove, also with idle cards");
+  clean_command->callback([&] { chosen = [&a] { return clean(a.rings); }; });
 }
 
 // For the shell's completion and for the installation; not in the help.

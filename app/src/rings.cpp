@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <string>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include <rths/broker/ring.hpp>
+#include <rths/core/error.hpp>
 #include <rths/launch/privileges.hpp>
 
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+std::string cards_of(const broker::RingReport& ring) {
+  return fmt::format("memory and registers of {} {}", ring.cards,
+                     ring.cards == 1 ? "card" : "cards");
+}
 
 void describe(const broker::RingReport& ring) {
   if (!ring.usable) {
@@ -25,7 +34,25 @@ void describe(const broker::RingReport& ring) {
         "  partition '{}' has an unfinished write; readers get the last complete one, and the next "
         "node of the same name repairs it\n",
         group);
-  if (!ring.in_use()) fmt::print("  no process uses it; 'rths clean' removes it\n");
+  if (ring.in_use()) return;
+  if (ring.is_of_cards())
+    fmt::print("  no process uses it; it keeps {}; 'rths clean {}' removes it\n", cards_of(ring),
+               ring.name);
+  else
+    fmt::print("  no process uses it; 'rths clean' removes it\n");
+}
+
+/// Removes an unused ring, or prints why not. @returns whether it is removed
+bool remove(const broker::RingReport& ring) {
+  const bool removed = !ring.in_use() && !ring.foreign && broker::remove_ring(ring.name);
+  if (removed)
+    fmt::print("removed {}\n", ring.name);
+  else
+    fmt::print("kept {}: {}\n", ring.name,
+               ring.in_use()  ? "processes use it"
+               : ring.foreign ? ring.trouble
+                              : "cannot be removed");
+  return removed;
 }
 
 }  // namespace
@@ -35,7 +62,7 @@ int doctor() {
   bool any_unused = false;
   for (const auto& ring : rings) {
     describe(ring);
-    any_unused = any_unused || !ring.in_use();
+    any_unused = any_unused || !(ring.in_use() || ring.is_of_cards());
   }
   if (rings.empty()) fmt::print("no rings\n");
   const std::string missing = launch::missing_privileges();
@@ -44,18 +71,22 @@ int doctor() {
   return any_unused ? kConditionNotMet : kOk;
 }
 
-int clean() {
-  int result = kOk;
+int clean(const std::vector<std::string>& rings) {
+  bool all = true;
+  for (const auto& name : rings) {
+    const auto ring = broker::inspect_ring(name);
+    if (!ring) throw Error{fmt::format("there is no ring '{}'", name)};
+    all = remove(*ring) && all;
+  }
+  if (!rings.empty()) return all ? kOk : kConditionNotMet;
   for (const auto& ring : broker::list_rings()) {
     if (ring.in_use()) continue;
-    if (!ring.foreign && broker::remove_ring(ring.name)) {
-      fmt::print("removed {}\n", ring.name);
-    } else {
-      fmt::print("kept {}: {}\n", ring.name, ring.foreign ? ring.trouble : "cannot be removed");
-      result = kConditionNotMet;
-    }
+    if (ring.is_of_cards())
+      fmt::print("kept {}: {}; 'rths clean {}' removes it\n", ring.name, cards_of(ring), ring.name);
+    else
+      all = remove(ring) && all;
   }
-  return result;
+  return all ? kOk : kConditionNotMet;
 }
 
 }  // namespace rths::app

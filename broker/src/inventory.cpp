@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <filesystem>
 
 #include <boost/interprocess/shared_memory_object.hpp>
@@ -29,7 +30,7 @@ void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& re
                              : node == kNotYet  ? "joining"
                                                : map.node_name(NodeId{static_cast<uint16_t>(node)});
     report.occupants.push_back(
-        {name, pid_of(claim), is_alive(claim), std::atomic_ref{slot.beats}.load()});
+        {name, pid_of(claim), is_alive(claim), plain, std::atomic_ref{slot.beats}.load()});
   }
 }
 
@@ -54,6 +55,8 @@ RingReport inspect(const std::string& name, std::uint64_t bytes) {
     report.map_name = map.description().name;
     report.map_version = map.description().version;
     report.map_hash = memmap::hash_text(map.hash());
+    const std::uint64_t cards = std::atomic_ref{segment->header().cards_in_use}.load();
+    report.cards = static_cast<std::uint32_t>(std::popcount(cards));
     describe_occupants(*segment, map, report);
     describe_groups(*segment, map, report);
     report.usable = true;

@@ -18,12 +18,16 @@ void remove_if_abandoned(const std::string& name) {
   const auto report = inspect_ring(name);
   if (!report) return;
   if (report->foreign) throw Error{report->trouble};
-  if (report->in_use()) {
-    std::string pids;
-    for (const auto& occupant : report->occupants)
-      if (occupant.alive) pids += fmt::format(" {} (pid {})", occupant.node, occupant.pid);
+  std::string pids;
+  for (const auto& occupant : report->occupants)
+    if (occupant.alive) pids += fmt::format(" {} (pid {})", occupant.node, occupant.pid);
+  if (report->is_of_cards())
+    throw Error{fmt::format(
+        "ring '{}' exists already, made by programs written for the cards{}{}; remove it by "
+        "'rths clean {}' and start the run before them",
+        name, pids.empty() ? "" : "; end", pids, name)};
+  if (report->in_use())
     throw Error{fmt::format("ring '{}' is in use by{}; choose another name", name, pids)};
-  }
   remove_ring(name);
 }
 

@@ -132,7 +132,7 @@ class Ring {
   /// Creates a ring to which other processes of this host can attach. Replaces a ring of that name
   /// on which no process is alive. Until this object is destroyed, the creator is listed on the
   /// ring, but not as a node.
-  /// @throws Error if a ring of that name is in use or memory is short   @setup
+  /// @throws Error if a ring of that name is in use or keeps cards, or memory is short   @setup
   /// @param journal_bits  a journal has 2^journal_bits entries of 16 bytes
   [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map,
                                    std::uint32_t journal_bits = kJournalBits);
@@ -184,6 +184,7 @@ struct Occupant {
                      ///< "creator" created the ring
   int pid = 0;
   bool alive = false;
+  bool plain = false;  ///< stores through a plain pointer: a program written for the cards
   std::uint64_t beats = 0;
 };
 
@@ -198,6 +199,7 @@ struct RingReport {
   std::uint32_t map_version = 0;
   std::string map_hash;
   std::vector<Occupant> occupants;
+  std::uint32_t cards = 0;  ///< cards with memory and registers
   std::vector<std::string>
       torn_groups;  ///< partitions whose writer stopped in the middle of a write
 
@@ -205,6 +207,13 @@ struct RingReport {
     for (const auto& occupant : occupants)
       if (occupant.alive) return true;
     return false;
+  }
+  /// True if only programs written for the cards, and observers, are or were on the ring. It keeps
+  /// their cards until it is removed. False for the ring of a run, also of one that crashed.
+  [[nodiscard]] bool is_of_cards() const {
+    for (const auto& occupant : occupants)
+      if (!occupant.plain && occupant.node != "observer") return false;
+    return cards != 0;
   }
 };
 
