@@ -240,6 +240,7 @@ TEST(CardSettings, ComeFromTheEnvironmentThenFromAFile) {
   EXPECT_EQ(plus_settings().ring, "lab");
   EXPECT_EQ(plus_settings().node, "xpc");
   EXPECT_FALSE(plus_settings().bypass_switch);
+  EXPECT_EQ(gt_settings(0).ring, "scgt");
   EXPECT_EQ(gt_settings(2).ring, "scgt2");
   EXPECT_EQ(gt_settings(2).ring_bytes, 1U << 20U);
 
@@ -262,6 +263,9 @@ TEST(CardSettings, ReportErrorsWithTheirPosition) {
   setenv("RTHS_SCRAMNET_BYTES", "two", 1);
   EXPECT_NE(error_of("").find("RTHS_SCRAMNET_BYTES is 'two'"), std::string::npos);
   unsetenv("RTHS_SCRAMNET_BYTES");
+  setenv("RTHS_SCRAMNET_SHARE", "yes", 1);
+  EXPECT_EQ(error_of(""), "RTHS_SCRAMNET_SHARE is 'yes', expected 0 or 1");
+  unsetenv("RTHS_SCRAMNET_SHARE");
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ class VendorRing : public testing::Test {
 
   static void use(const std::string& name) {
     static const RingRemoval plus{ring()};
-    static const RingRemoval gt{ring() + "_gt0"};
+    static const RingRemoval gt{ring() + "_gt"};
     setenv("RTHS_SCRAMNET_RING", name.c_str(), 1);
     setenv("RTHS_SCGT_RING", (ring() + "_gt").c_str(), 1);
   }

@@ -16,6 +16,7 @@
 
 #include "ring_of_clients.hpp"
 #include "segment.hpp"
+#include "warning.hpp"
 
 namespace rths::scramnet {
 namespace {
@@ -54,14 +55,38 @@ std::optional<std::uint16_t> number_of(const std::string& text) {
   return number;
 }
 
+void announce_sharing(const Settings& settings, int process) {
+  if (process == getpid()) return;
+  warn_once("shared", fmt::format("node '{}' of ring '{}' is also process {}", settings.node,
+                                  settings.ring, process)
+                          .c_str());
+}
+
+// Announces the process that is this node already.
+// @throws Error if that process writes the node's words by the library, and they are not shared
+void check_rival(const Settings& settings) {
+  const auto report = broker::inspect_ring(settings.ring);
+  if (!report) return;
+  for (const auto& rival : report->occupants) {
+    if (!rival.alive || rival.node != settings.node) continue;
+    if (!rival.plain && !settings.share)
+      throw Error{fmt::format(
+          "node '{}' of ring '{}' is process {}, which writes its words; choose another node, or "
+          "set {}SHARE=1 to store into them too",
+          settings.node, settings.ring, rival.pid, settings.variables)};
+    announce_sharing(settings, rival.pid);
+  }
+}
+
 // Joins as a node of the map, so that others see whether it is alive. If several processes share a
 // card, the first is the node.
-broker::Node join_as_client(broker::Ring& ring, const std::string& node) {
-  if (node.empty() || number_of(node)) return ring.join_plain("");
-  static_cast<void>(ring.map().node(node));
+broker::Node join_as_client(broker::Ring& ring, const Settings& settings) {
+  if (settings.node.empty() || number_of(settings.node)) return ring.join_plain("");
+  static_cast<void>(ring.map().node(settings.node));
   try {
-    return ring.join_plain(node);
+    return ring.join_plain(settings.node);
   } catch (const Error&) {
+    check_rival(settings);
     return ring.join_plain("");
   }
 }
@@ -72,8 +97,8 @@ CardSession::CardSession(const Settings& settings) : self_{broker::own_claim()} 
   ring_.emplace(attach_or_make(settings));
   try {
     open_object(settings.ring);
+    node_.emplace(join_as_client(*ring_, settings));
     take_card(settings);
-    node_.emplace(join_as_client(*ring_, settings.node));
   } catch (...) {
     if (object_ >= 0) close(object_);
     throw;
@@ -109,8 +134,12 @@ void CardSession::take_card(const Settings& settings) {
     key = kNamed | *number;
   else if (!settings.node.empty())
     key = kNamed | ring_->map().node(settings.node).value();
-  for (index_ = 0; index_ < card_count(); ++index_)
-    if (try_card(index_, key)) return;
+  for (index_ = 0; index_ < card_count(); ++index_) {
+    if (!try_card(index_, key)) continue;
+    const broker::Claim holder = own_.card->holder.load();
+    if (holder != self_ && is_alive(holder)) announce_sharing(settings, broker::pid_of(holder));
+    return;
+  }
   throw Error{fmt::format("ring '{}': all {} cards are in use", settings.ring, card_count())};
 }
 

@@ -3,10 +3,13 @@
 
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
 
 #include "segment.hpp"
+#include "warning.hpp"
 
 namespace rths::scramnet {
 namespace {
@@ -24,6 +27,14 @@ bool exists(const std::string& ring) {
   return access(("/dev/shm/" + broker::object_name(ring)).c_str(), F_OK) == 0;
 }
 
+void announce_plain_ring(const Settings& settings) {
+  warn_once("map",
+            fmt::format("made ring '{}' without a map; to join a run of this name, start the "
+                        "run first; {}MAP gives a new ring a map",
+                        settings.ring, settings.variables)
+                .c_str());
+}
+
 }  // namespace
 
 broker::Ring attach_or_make(const Settings& settings) {
@@ -34,6 +45,7 @@ broker::Ring attach_or_make(const Settings& settings) {
         const auto map =
             settings.map.empty() ? plain_map(settings) : memmap::load_map(settings.map);
         const auto made = broker::Segment::create_shared(settings.ring, map, broker::kJournalBits);
+        if (settings.map.empty() && settings.ring_is_chosen) announce_plain_ring(settings);
       }
       return broker::Ring::attach(settings.ring);
     } catch (const Error&) {

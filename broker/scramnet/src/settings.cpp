@@ -44,12 +44,22 @@ void read_size(const std::string& name, std::uint64_t& bytes) {
   bytes = value;
 }
 
-void read_environment(const std::string& prefix, Settings& settings) {
+void read_flag(const std::string& name, bool& flag) {
+  const auto text = variable(name);
+  if (!text) return;
+  if (*text != "0" && *text != "1")
+    throw Error{fmt::format("{} is '{}', expected 0 or 1", name, *text)};
+  flag = *text == "1";
+}
+
+void read_environment(Settings& settings) {
+  const std::string& prefix = settings.variables;
   settings.ring = variable(prefix + "RING").value_or(settings.ring);
   settings.map = variable(prefix + "MAP").value_or(settings.map);
   settings.node = variable(prefix + "NODE").value_or(settings.node);
   read_size(prefix + "BYTES", settings.ring_bytes);
   read_size(prefix + "CARD_BYTES", settings.card_bytes);
+  read_flag(prefix + "SHARE", settings.share);
 }
 
 void read_size(const Config& table, const std::string& key, std::uint64_t& bytes) {
@@ -65,6 +75,7 @@ void read_table(const Config& table, Settings& settings) {
   read_size(table, "ring_bytes", settings.ring_bytes);
   read_size(table, "card_bytes", settings.card_bytes);
   settings.bypass_switch = table.flag("bypass_switch", settings.bypass_switch);
+  settings.share = table.flag("share", settings.share);
   table.reject_unknown_keys();
 }
 
@@ -80,12 +91,18 @@ void read_file(const std::string& key, Settings& settings) {
   config.reject_unknown_keys();
 }
 
+void read_all(const std::string& table, Settings& settings) {
+  const std::string usual = settings.ring;
+  read_file(table, settings);
+  read_environment(settings);
+  settings.ring_is_chosen = settings.ring != usual;
+}
+
 }  // namespace
 
 Settings plus_settings() {
   Settings settings;
-  read_file("scramnet", settings);
-  read_environment("RTHS_SCRAMNET_", settings);
+  read_all("scramnet", settings);
   return settings;
 }
 
@@ -93,9 +110,9 @@ Settings gt_settings(std::uint32_t unit) {
   Settings settings;
   settings.ring = "scgt";
   settings.ring_bytes = kLargestMemory;
-  read_file("scgt", settings);
-  read_environment("RTHS_SCGT_", settings);
-  settings.ring += fmt::format("{}", unit);
+  settings.variables = "RTHS_SCGT_";
+  read_all("scgt", settings);
+  if (unit != 0) settings.ring += fmt::format("{}", unit);
   return settings;
 }
 
