@@ -17,8 +17,9 @@ using Changes = std::vector<std::pair<std::string, std::string>>;
 struct RunArguments {
   std::string experiment;
   bool virtual_time = false;
-  std::string out;   ///< folder; empty: out/<name of the experiment>
-  std::string ring;  ///< empty: the experiment's name
+  std::string out;     ///< folder; empty: a new one in out/<name of the experiment>
+  bool force = false;  ///< replace the results of an earlier run in `out`
+  std::string ring;    ///< empty: the experiment's name
   Changes changes;
   std::vector<std::string> improvements;  ///< improved.toml files, applied to the model
   bool diagnoses = true;                  ///< diagnose if there is a [held_out] motion
@@ -115,7 +116,7 @@ struct OpenseesBenchArguments {
 [[nodiscard]] int bench_opensees(const OpenseesBenchArguments& arguments);
 
 struct DiagnoseArguments {
-  std::string case_or_recording;     ///< folder of a case, or a recording
+  std::string case_or_recording;     ///< folder of a case or of a run, or a recording
   std::string out;                   ///< folder; empty: out/diagnosis/<name of the case>
   std::string against;               ///< prediction of another simulation; empty: the model's
   std::vector<std::string> without;  ///< excluded terms

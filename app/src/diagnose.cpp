@@ -9,8 +9,10 @@
 #include <rths/diagnosis/against.hpp>
 #include <rths/diagnosis/diagnose.hpp>
 #include <rths/report/diagnosis.hpp>
+#include <rths/report/report.hpp>
 
 #include "commands.hpp"
+#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -23,8 +25,15 @@ std::string folder_name(const diagnosis::Case& c, const std::string& path) {
   return is_name ? name : std::filesystem::canonical(path).filename().string();
 }
 
+// The recording in the folder of a run; otherwise the path itself.
+std::filesystem::path case_at(const std::filesystem::path& path) {
+  const bool is_run = std::filesystem::exists(path / report::kRunFile) &&
+                      !std::filesystem::exists(path / "case.toml");
+  return is_run ? path / report::kRunFile : path;
+}
+
 diagnosis::Case load(const DiagnoseArguments& arguments) {
-  diagnosis::Case c = diagnosis::load_case(arguments.case_or_recording);
+  diagnosis::Case c = diagnosis::load_case(case_at(arguments.case_or_recording));
   return arguments.against.empty() ? c
                                    : diagnosis::with_prediction(std::move(c), arguments.against);
 }
@@ -33,13 +42,15 @@ diagnosis::Case load(const DiagnoseArguments& arguments) {
 
 int diagnose(const DiagnoseArguments& arguments) {
   const diagnosis::Case c = load(arguments);
-  diagnosis::Verdict verdict = diagnosis::diagnose(c, {arguments.without, arguments.seed});
-  // In this version, specimen and machine of a run are models.
-  verdict.synthetic =
-      verdict.synthetic || std::filesystem::is_regular_file(arguments.case_or_recording);
   std::filesystem::path folder = arguments.out;
   if (folder.empty())
     folder = std::filesystem::path{"out/diagnosis"} / folder_name(c, arguments.case_or_recording);
+  create_folder(folder);
+  const FolderLock lock{folder};
+  diagnosis::Verdict verdict = diagnosis::diagnose(c, {arguments.without, arguments.seed});
+  // In this version, specimen and machine of a run are models.
+  verdict.synthetic =
+      verdict.synthetic || std::filesystem::is_regular_file(case_at(arguments.case_or_recording));
   const auto written = report::write_diagnosis(verdict, folder);
   fmt::print("{}\nreport    {}\nnumbers   {}\n", report::verdict_summary(verdict),
              written.page.string(), written.numbers.string());

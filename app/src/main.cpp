@@ -55,7 +55,10 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
       ->add_option("--clock", a.clock,
                    "wall: real time, one process per node; virtual: deterministic, no waiting")
       ->check(CLI::IsMember({"wall", "virtual"}));
-  command->add_option("--out", a.run.out, "Folder for the results [out/<name>]");
+  auto* out = command->add_option("--out", a.run.out,
+                                  "Folder for the results [a new one: out/<name>/<UTC time>]");
+  command->add_flag("--force", a.run.force, "Replace the results of an earlier run in --out")
+      ->needs(out);
   command->add_option("--ring", a.run.ring, "Name of the ring [the experiment's]");
   command->add_option("--set", a.sets, "Override a key of the experiment: key=value")
       ->take_all()
@@ -240,7 +243,7 @@ void add_diagnose(CLI::App& app, Arguments& a, Chosen& chosen) {
       "diagnose", "Find the physics that a simulation omits, or report that none is missing");
   command
       ->add_option("case", a.diagnose.case_or_recording,
-                   "Folder with a case.toml, or a recording of a run")
+                   "Folder with a case.toml, or folder or recording of a run")
       ->required();
   command->add_option("--out", a.diagnose.out, "Folder for the results [out/diagnosis/<name>]");
   command->add_option("--against", a.diagnose.against,

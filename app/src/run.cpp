@@ -17,6 +17,7 @@
 #include <rths/report/report.hpp>
 
 #include "commands.hpp"
+#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -36,12 +37,13 @@ void show_progress(const launch::Progress& progress) {
 
 void clear_progress() { fmt::print(stderr, "\r{: <70}\r", ""); }
 
-// The files as a TOML list of absolute paths.
+// The files as a TOML list of absolute paths. A path through the link `latest` must still lead to
+// the same file when the run has begun.
 std::string listed(const std::vector<std::string>& files) {
   std::string list;
   for (const auto& file : files) {
     std::string text;
-    for (const char c : std::filesystem::absolute(file).string())
+    for (const char c : std::filesystem::weakly_canonical(file).string())
       text += c == '\\' || c == '"' ? std::string{'\\', c} : std::string{c};
     list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", text);
   }
@@ -54,18 +56,24 @@ Changes changes_of(const RunArguments& arguments, const std::vector<std::string>
   return changes;
 }
 
-// Removes the results of an earlier run, which could be taken for this one's.
-void remove_results(const std::filesystem::path& folder,
-                    const std::vector<std::string>& improvements) {
+// The run would replace its own input.
+void refuse_improvements_in(const std::filesystem::path& folder,
+                            const std::vector<std::string>& improvements) {
   for (const auto& file : improvements)
     if (std::filesystem::weakly_canonical(file) ==
         std::filesystem::weakly_canonical(folder / report::kFragmentFile))
       throw Error{file + ": this run replaces it, expected another folder for the results (--out)"};
-  for (const char* file :
-       {report::kRunFile, report::kUncompensatedFile, report::kNumericalFile, report::kImprovedFile,
-        diagnosis::kHeldOutFile, report::kVerdictFile, report::kDiagnosisPage,
-        report::kFragmentFile, "report.html", "report.json"})
-    std::filesystem::remove(folder / file);
+}
+
+RunFolder folder_for(const RunArguments& arguments, const std::string& name) {
+  if (arguments.out.empty()) return RunFolder{std::filesystem::path{"out"} / name};
+  refuse_improvements_in(arguments.out, arguments.improvements);
+  return RunFolder{arguments.out, arguments.force};
+}
+
+bool has_adapter(const launch::Experiment& experiment, const char* adapter) {
+  return std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
+                     [&](const auto& plan) { return plan.adapter == adapter; });
 }
 
 // Writes the diagnosis of a run and, if it improves the model, the improved numerical result.
@@ -103,13 +111,25 @@ int print(const report::ReportOutcome& written) {
   return kOk;
 }
 
+// Computes the companions of a completed run, its diagnosis and its report.
+int conclude(const RunArguments& arguments, const launch::Experiment& experiment,
+             const std::filesystem::path& folder) {
+  launch::run_uncompensated(experiment, folder / report::kRunFile,
+                            folder / report::kUncompensatedFile, version());
+  launch::run_numerical(experiment, folder / report::kNumericalFile);
+  const bool has_held_out =
+      launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
+  if (has_held_out && arguments.diagnoses) diagnose_and_print(arguments, folder);
+  return print(report::make_report(folder));
+}
+
 }  // namespace
 
 int run(const RunArguments& arguments) {
   const Changes changes = changes_of(arguments, arguments.improvements);
   const launch::Experiment experiment = launch::load_experiment(arguments.experiment, changes);
-  const std::filesystem::path folder =
-      arguments.out.empty() ? "out/" + experiment.name : arguments.out;
+  RunFolder run_folder = folder_for(arguments, experiment.name);
+  const std::filesystem::path& folder = run_folder.path();
   const bool on_terminal = isatty(STDERR_FILENO) == 1;
   launch::RunOptions options;
   options.clock = arguments.virtual_time ? launch::ClockKind::Virtual : launch::ClockKind::Wall;
@@ -117,32 +137,24 @@ int run(const RunArguments& arguments) {
   options.ring = arguments.ring.empty() ? experiment.name : arguments.ring;
   options.overrides = changes;
   options.version = version();
+  options.started = [&] { run_folder.begin(); };
   if (on_terminal) options.progress = show_progress;
-  remove_results(folder, arguments.improvements);
   const launch::RunOutcome outcome = launch::run(experiment, options);
   if (on_terminal) clear_progress();
-  const bool recorded = std::filesystem::exists(options.recording);
-  fmt::print(
-      "recording {}{}\n",
-      recorded ? options.recording.string() : "none: the experiment has no recorder",
-      outcome.rows_missing > 0 ? fmt::format(", {} rows missing", outcome.rows_missing) : "");
+  const bool records = has_adapter(experiment, "recorder");
+  if (run_folder.has_begun())
+    fmt::print(
+        "recording {}{}\n",
+        records ? options.recording.string() : "none: the experiment has no recorder",
+        outcome.rows_missing > 0 ? fmt::format(", {} rows missing", outcome.rows_missing) : "");
   if (!outcome.completed) {
     fmt::print(stderr, "rths: the run ended early: {}\n",
                outcome.interrupted ? "interrupted" : outcome.trouble);
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
   // The report is about tracking, so it needs a controller.
-  const bool is_controlled =
-      std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
-                  [](const auto& plan) { return plan.adapter == "simulink_like"; });
-  if (!recorded || !is_controlled) return kOk;
-  launch::run_uncompensated(experiment, options.recording, folder / report::kUncompensatedFile,
-                            version());
-  launch::run_numerical(experiment, folder / report::kNumericalFile);
-  const bool has_held_out =
-      launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
-  if (has_held_out && arguments.diagnoses) diagnose_and_print(arguments, folder);
-  return print(report::make_report(folder));
+  const bool is_controlled = records && has_adapter(experiment, "simulink_like");
+  return is_controlled ? conclude(arguments, experiment, folder) : kOk;
 }
 
 int node(const NodeArguments& arguments) {
@@ -152,7 +164,10 @@ int node(const NodeArguments& arguments) {
                           version());
 }
 
-int report(const std::string& folder) { return print(report::make_report(folder)); }
+int report(const std::string& folder) {
+  const FolderLock lock{folder};
+  return print(report::make_report(folder));
+}
 
 std::string version() { return RTHS_VERSION; }
 

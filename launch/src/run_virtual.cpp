@@ -45,6 +45,7 @@ class VirtualRun {
   }
 
   std::string run() {
+    if (options_.started) options_.started();
     while (Runner* runner = next_due(runners_)) {
       const Status status = runner->runner.tick(runner->due, stopping_since_.has_value(), {});
       if (status == Status::Done || status == Status::Fault) end(*runner, status);

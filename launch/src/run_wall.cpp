@@ -105,6 +105,7 @@ class WallRun {
       result_.interrupted = true;
       return std::move(result_);
     }
+    if (options_.started) options_.started();
     const TimePoint epoch = clock_.now() + kHeadStart;
     for (auto& node : nodes_) node.process.send_line(fmt::format("go {}", epoch.count()));
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};

@@ -133,7 +133,7 @@ TEST(CaseOfARun, IsExplainedByItsModelUnlessAnEffectIsOmitted) {
 
 TEST(CaseOfARun, NeedsARecordingWithTheAssumedModel) {
   const test::TemporaryFolder folder;
-  const auto text = folder.write("run.h5", "no recording");
+  const auto text = folder.write("none.h5", "no recording");
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(load_case(text)); }).find(text.string()), 0U);
   static_cast<void>(case_with(folder.path(), {"duration_s=3"}));

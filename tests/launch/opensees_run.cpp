@@ -74,7 +74,8 @@ port = {}
 }
 
 test::Finished OpenSeesRun::run(const std::string& experiment, const std::string& clock) const {
-  return test::run_rths({"run", experiment, "--clock", clock, "--out", out().string()}, 60);
+  return test::run_rths({"run", experiment, "--clock", clock, "--out", out().string(), "--force"},
+                        60);
 }
 
 Rows OpenSeesRun::own_response(const std::string& bearing) const {

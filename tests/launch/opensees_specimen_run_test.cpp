@@ -26,6 +26,7 @@ class OpenSeesSpecimen : public OpenSeesRun {
         "virtual",
         "--out",
         out().string(),
+        "--force",
         "--set",
         fmt::format(
             "node.xpc={{adapter=\"opensees_specimen\", python=\"{}\", script=\"column.py\", "

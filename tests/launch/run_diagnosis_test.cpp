@@ -166,7 +166,8 @@ TEST(RunDiagnosis, IsOmittedOnRequest) {
   const test::TemporaryFolder folder;
   folder.write("verdict.json", "of an earlier run");
 
-  const auto run = run_example(folder.path(), {"--no-diagnosis", "--set", "duration_s=1"});
+  const auto run =
+      run_example(folder.path(), {"--force", "--no-diagnosis", "--set", "duration_s=1"});
 
   ASSERT_EQ(run.exit_code, 0) << run.err;
   for (const char* file : {"verdict.json", "improved.h5", "diagnosis.html"})

@@ -324,19 +324,30 @@ TEST(WallRun, IsReportedWithItsEndingAndTheOperatorsChange) {
   EXPECT_GT(numbers["host_late_max_ms"], 0);
 }
 
-TEST(WallRun, RefusesARingThatIsInUse) {
+TEST(WallRun, IsNotDisturbedByASecondRunThatIsRefused) {
   WallRun run{"shared", "30"};
   const auto pids = run.wait_until_moving();
   ASSERT_EQ(pids.size(), 5U);
-  const test::TemporaryFolder folder;
+  const auto second = [&](const std::filesystem::path& out) {
+    return test::run_rths(
+        {"run", example(), "--no-diagnosis", "--out", out.string(), "--force", "--ring", run.ring});
+  };
+  const test::TemporaryFolder other;
+  other.write("report.json", "of an earlier run");
 
-  const test::Finished second = test::run_rths(
-      {"run", example(), "--no-diagnosis", "--out", folder.path().string(), "--ring", run.ring});
+  const test::Finished same_folder = second(run.folder.path());
+  const test::Finished same_ring = second(other.path());
 
-  EXPECT_EQ(second.exit_code, 2);
-  EXPECT_NE(second.err.find("ring '" + run.ring + "' is in use by"), std::string::npos);
+  EXPECT_EQ(same_folder.exit_code, 2);
+  EXPECT_EQ(same_folder.err, "rths: " + run.folder.path().string() + ": is in use by process " +
+                                 std::to_string(pids.at("launcher")) +
+                                 ", expected a folder that no process writes to\n");
+  EXPECT_EQ(same_ring.exit_code, 2);
+  EXPECT_NE(same_ring.err.find("ring '" + run.ring + "' is in use by"), std::string::npos);
+  EXPECT_EQ(test::content_of(other.path() / "report.json"), "of an earlier run");
   kill(pids.at("launcher"), SIGINT);
-  static_cast<void>(run.running.wait(10));
+  EXPECT_EQ(run.running.wait(10).exit_code, 1);
+  EXPECT_GT(recording::Reader{run.recording()}.rows(), 500U);
 }
 
 TEST(WallRun, ShowsAndTakesWordsByNameWhileItRuns) {

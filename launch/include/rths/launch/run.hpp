@@ -22,15 +22,17 @@ struct RunOptions {
   std::string ring;                 ///< name of the ring in shared memory; wall clock only
   Overrides overrides;              ///< those of load_experiment; passed on to the processes
   std::string version;              ///< of the program, for the recording
+  /// Called when all nodes are ready, before the first step. If it throws, the run is not started.
+  std::function<void()> started;
   std::function<void(const Progress&)> progress;  ///< called a few times per second; may be empty
 };
 
 /// Result of a run.
 struct RunOutcome {
-  bool completed = false;    ///< reached its end; all nodes came to rest and left
-  bool interrupted = false;  ///< by a person
-  std::string trouble;       ///< one line; empty if completed
-  double wall_time = 0;      ///< [s]
+  bool completed = false;         ///< reached its end; all nodes came to rest and left
+  bool interrupted = false;       ///< by a person
+  std::string trouble;            ///< one line; empty if completed
+  double wall_time = 0;           ///< [s]
   std::int64_t rows_missing = 0;  ///< of the recording of a completed run
 };
 
