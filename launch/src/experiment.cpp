@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kMillisecond = 1e-3;
 constexpr const char* kDefaultSpecimen = "lprb";
+constexpr std::size_t kLongestName = 200;
 constexpr double kShortestTest = 1;  // [s]: shorter tests cannot measure delays
 
 // Order of steps within a millisecond: the machine samples, the controller answers, the recorder
@@ -157,6 +158,18 @@ std::vector<NodePlan> read_nodes(const Config& table, const sim::Bearing& model)
   return nodes;
 }
 
+// The name of a ring and of a folder.
+std::string read_name(const Config& file) {
+  const std::string name = file.text("name");
+  const bool is_plain = std::none_of(
+      name.begin(), name.end(), [](unsigned char c) { return c == '/' || c < ' ' || c == 0x7F; });
+  if (!is_plain || name.empty() || name[0] == '.' || name.size() > kLongestName)
+    file.fail("name", fmt::format("name is '{}', expected a file name: 1 to {} characters without "
+                                  "'/', and no '.' at the start",
+                                  name, kLongestName));
+  return name;
+}
+
 void read_axes(const Config& file, Experiment& experiment) {
   experiment.axes = file.texts("axes", {"long", "lat"});
   const auto& axes = experiment.axes;
@@ -254,7 +267,7 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   Experiment experiment;
   experiment.file = path;
   experiment.config = {{path.filename().string(), file_content(path)}};
-  experiment.name = file.text("name");
+  experiment.name = read_name(file);
   experiment.map = find_file(file, "map", "maps");
   read_axes(file, experiment);
   read_steps(file, experiment);

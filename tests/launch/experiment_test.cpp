@@ -70,6 +70,17 @@ ats.enabled = 0
 )";
 };
 
+TEST_F(ExperimentTest, HasANameThatStaysInItsFolder) {
+  const std::string found = "lab.toml:2:8: name is '";
+  for (const char* name : {"../lab", "a/b", "..", ".lab", "", "/tmp/lab"})
+    EXPECT_EQ(error_with("\"lab\"", '"' + std::string{name} + '"'),
+              found + name +
+                  "', expected a file name: 1 to 200 characters without '/', and no '.' at the "
+                  "start");
+  EXPECT_NE(error_with("\"lab\"", '"' + std::string(201, 'x') + '"'), "");
+  EXPECT_EQ(load_experiment(write("\"lab\"", "\"lab 2.b\"")).name, "lab 2.b");
+}
+
 TEST_F(ExperimentTest, IsReadWithItsDefaults) {
   const Experiment e = load_experiment(write());
 
