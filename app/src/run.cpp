@@ -152,6 +152,8 @@ int run(const RunArguments& arguments) {
                outcome.interrupted ? "interrupted" : outcome.trouble);
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
+  if (records && !std::filesystem::exists(options.recording))
+    throw Error{options.recording.string() + ": was removed during the run"};
   // The report is about tracking, so it needs a controller.
   const bool is_controlled = records && has_adapter(experiment, "simulink_like");
   return is_controlled ? conclude(arguments, experiment, folder) : kOk;

@@ -89,6 +89,7 @@ struct Writer::File {
     double last = 0;
   };
 
+  std::filesystem::path path;
   WriterLock lock;
   Handle file;
   Table time;
@@ -106,7 +107,7 @@ struct Writer::File {
   std::int64_t rows_missing_count = 0;
   hsize_t rows = 0, events = 0;
 
-  void create(const std::filesystem::path& path);
+  void create();
   void create_blocks(const memmap::Map& map, const std::vector<SignalId>& signals);
   void create_events(const memmap::Map& map, const std::vector<SignalId>& signals);
   void create_drops(const memmap::Map& map, const std::vector<SignalId>& signals,
@@ -115,7 +116,7 @@ struct Writer::File {
   void flush();
 };
 
-void Writer::File::create(const std::filesystem::path& path) {
+void Writer::File::create() {
   silence_hdf5();
   const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
   // Single-writer mode needs the newest structures of the file format.
@@ -224,12 +225,15 @@ void Writer::File::flush() {
   // Flushing only datasets leaves the end of the file in memory: unreadable after a crash.
   write_numbers(rows_missing, &rows_missing_count, "writing the number of missing rows");
   check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flushing the recording (is the disk full?)");
+  if (!lock.is_at(path))
+    throw Error{path.string() + ": was removed or replaced while it was written"};
 }
 
 Writer::Writer(const std::filesystem::path& path, const memmap::Map& map,
                const std::vector<SignalId>& signals, const RecordingInfo& info)
     : file_{std::make_unique<File>()} {
-  file_->create(path);
+  file_->path = path;
+  file_->create();
   file_->create_blocks(map, signals);
   file_->create_events(map, signals);
   file_->create_drops(map, signals, info.steps_per_row);

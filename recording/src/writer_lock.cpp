@@ -3,8 +3,10 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <utility>
 
 namespace rths::recording {
@@ -32,6 +34,14 @@ WriterLock& WriterLock::operator=(WriterLock&& other) noexcept {
 
 WriterLock::~WriterLock() {
   if (descriptor_ >= 0) close(descriptor_);
+}
+
+bool WriterLock::is_at(const std::filesystem::path& file) const {
+  struct stat opened {};
+  struct stat named {};
+  if (fstat(descriptor_, &opened) != 0) return true;  // unknown
+  if (stat(file.c_str(), &named) != 0) return errno != ENOENT;
+  return opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
 bool WriterLock::is_held(const std::filesystem::path& file) {

@@ -15,6 +15,8 @@ class WriterLock {
   WriterLock& operator=(WriterLock&& other) noexcept;
   ~WriterLock();
 
+  /// False if the file was removed or replaced by another.
+  [[nodiscard]] bool is_at(const std::filesystem::path& file) const;
   /// True if a process, including this one, holds the lock of a file.
   [[nodiscard]] static bool is_held(const std::filesystem::path& file);
 

@@ -350,6 +350,20 @@ TEST(WallRun, IsNotDisturbedByASecondRunThatIsRefused) {
   EXPECT_GT(recording::Reader{run.recording()}.rows(), 500U);
 }
 
+TEST(WallRun, FailsIfItsRecordingIsRemoved) {
+  WallRun run{"removed", "30"};
+  ASSERT_EQ(run.wait_until_moving().size(), 5U);
+
+  std::filesystem::remove(run.recording());
+  const test::Finished finished = run.running.wait(20);
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("rths: the run ended early: recorder: " + run.recording().string() +
+                              ": was removed or replaced while it was written"),
+            std::string::npos)
+      << finished.err;
+}
+
 TEST(WallRun, ShowsAndTakesWordsByNameWhileItRuns) {
   WallRun run{"words", "30"};
   const auto pids = run.wait_until_moving();

@@ -268,6 +268,20 @@ TEST(Recording, ReportsAFullFileSystem) {
     ASSERT_TRUE(along[i] == row(static_cast<int>(i))[0] || std::isnan(along[i])) << i;
 }
 
+TEST(Recording, FailsIfItsFileIsRemovedOrReplaced) {
+  for (const bool replaced : {false, true}) {
+    const test::TemporaryFolder folder;
+    const auto file = folder.path() / "run.h5";
+    Writer writer = open_writer(file);
+    write_rows(writer, 0, 100);
+    std::filesystem::remove(file);
+    if (replaced) folder.write("run.h5", "another file");
+
+    EXPECT_EQ(test::error_of([&] { write_rows(writer, 100, 200); }),
+              file.string() + ": was removed or replaced while it was written");
+  }
+}
+
 // Only a recording left by a crash is repaired, not one with a live writer.
 TEST(Recording, IsNotRepairedWhileItIsWritten) {
   const test::TemporaryFolder folder;

@@ -58,11 +58,12 @@ class Writer {
   Writer(Writer&&) noexcept;
   Writer& operator=(Writer&&) noexcept;
 
-  /// @param row  one value per signal [SI]   @throws Error if the file system refuses
+  /// @param row  one value per signal [SI]
+  /// @throws Error if the file system refuses, or the file was removed or replaced by another
   void append(Duration time, std::span<const double> row);
   /// Sets the number of rows that were due but have no values. Written with the next batch.
   void set_rows_missing(std::uint64_t count);
-  /// Writes the buffered rows and closes the file. @throws Error if the file system refuses
+  /// Writes the buffered rows and closes the file. @throws Error as `append`
   void close();
   [[nodiscard]] std::uint64_t rows() const;
 
