@@ -13,6 +13,7 @@
 #include <rths/diagnosis/case.hpp>
 #include <rths/diagnosis/diagnose.hpp>
 #include <rths/launch/run.hpp>
+#include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 
@@ -111,15 +112,28 @@ int print(const report::ReportOutcome& written) {
   return kOk;
 }
 
+// An uncompressed recording is complete, so a failure is printed only.
+void compress(const std::filesystem::path& file) {
+  try {
+    if (std::filesystem::exists(file)) recording::compress(file);
+  } catch (const Error& error) {
+    fmt::print(stderr, "rths: {}\n", error.what());
+  }
+}
+
 // Computes the companions of a completed run, its diagnosis and its report.
 int conclude(const RunArguments& arguments, const launch::Experiment& experiment,
              const std::filesystem::path& folder) {
   launch::run_uncompensated(experiment, folder / report::kRunFile,
                             folder / report::kUncompensatedFile, version());
+  compress(folder / report::kUncompensatedFile);
   launch::run_numerical(experiment, folder / report::kNumericalFile);
+  compress(folder / report::kNumericalFile);
   const bool has_held_out =
       launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
+  compress(folder / diagnosis::kHeldOutFile);
   if (has_held_out && arguments.diagnoses) diagnose_and_print(arguments, folder);
+  compress(folder / report::kImprovedFile);
   return print(report::make_report(folder));
 }
 
@@ -154,6 +168,7 @@ int run(const RunArguments& arguments) {
   }
   if (records && !std::filesystem::exists(options.recording))
     throw Error{options.recording.string() + ": was removed during the run"};
+  compress(options.recording);
   // The report is about tracking, so it needs a controller.
   const bool is_controlled = records && has_adapter(experiment, "simulink_like");
   return is_controlled ? conclude(arguments, experiment, folder) : kOk;

@@ -16,6 +16,7 @@
 
 #include <rths/core/error.hpp>
 #include <rths/diagnosis/case.hpp>
+#include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 
@@ -81,7 +82,10 @@ void move_results(const fs::path& from, const fs::path& to) {
 
 void remove_results(const fs::path& folder) {
   std::error_code ignored;
-  for (const char* file : kResults) fs::remove(folder / file, ignored);
+  for (const std::string file : kResults) {
+    fs::remove(folder / file, ignored);
+    fs::remove(folder / (file + recording::kCompressing), ignored);
+  }
 }
 
 // Undoes `set_aside`, also that of a process that was killed before its run began.

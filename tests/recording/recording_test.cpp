@@ -305,6 +305,83 @@ TEST(Recording, IsNotRepairedWhileItIsWritten) {
   expect_rows(Reader{file}, 1000);
 }
 
+void write_recording(const std::filesystem::path& file) {
+  Writer writer = open_writer(file);
+  write_rows(writer, 0, 10'000);
+  writer.close();
+  add_meta_series(file, "host_late", 0.01, {0.5, 0.25});
+}
+
+TEST(Recording, HasTheSameContentAfterItIsCompressed) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  write_recording(file);
+  const auto bytes = std::filesystem::file_size(file);
+  const Reader before{file};
+
+  compress(file);
+
+  EXPECT_LT(std::filesystem::file_size(file), bytes / 4);
+  EXPECT_FALSE(repair(file));
+  const Reader after{file};
+  expect_rows(after, 10'000);
+  EXPECT_EQ(after.names(), before.names());
+  EXPECT_EQ(after.unit("fbk.long.displ"), "m");
+  EXPECT_EQ(after.map().hash(), before.map().hash());
+  EXPECT_EQ(after.config("lab.toml"), "name = \"lab\"\n");
+  EXPECT_EQ(after.meta(), before.meta());
+  EXPECT_EQ(after.meta_series("host_late").interval, 0.01);
+  EXPECT_EQ(after.meta_series("host_late").values, (std::vector<double>{0.5, 0.25}));
+  ASSERT_EQ(after.events().size(), 1U);
+  EXPECT_EQ(after.events()[0].signal, "monitor.machine.host.status");
+  EXPECT_EQ(after.drops(), before.drops());
+}
+
+TEST(Recording, TakesMetaAfterItIsCompressed) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  write_recording(file);
+  compress(file);
+
+  add_meta(file, {{"added", "later"}});
+
+  EXPECT_EQ(Reader{file}.meta().at("added"), "later");
+}
+
+TEST(Recording, IsCompressedToTheSameBytesEveryTime) {
+  const test::TemporaryFolder folder;
+  const auto first = folder.path() / "first.h5", second = folder.path() / "second.h5";
+  write_recording(first);
+  compress(first);
+  usleep(1'100'000);  // times of the clock in the file would differ
+  write_recording(second);
+  compress(second);
+
+  EXPECT_EQ(test::content_of(first), test::content_of(second));
+}
+
+TEST(Recording, StaysAsItIsIfItCannotBeCompressed) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  write_recording(file);
+  const std::string content = test::content_of(file);
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{20'000, 20'000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    const std::string error = test::error_of([&] { compress(file); });
+    // The library can report the full disk when it writes a dataset, or at the end.
+    _exit(error.ends_with("(is the disk full?) failed (it stays uncompressed)") ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_EQ(test::content_of(file), content);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator{folder.path()}, {}), 1);
+}
+
 TEST(AtEachCount, TakesTheFirstValueOfEachCount) {
   EXPECT_EQ(at_each_count({0, 1, 1, 2, 3}, {9, 10, 11, 20, 30}), (std::vector<double>{10, 20, 30}));
 }

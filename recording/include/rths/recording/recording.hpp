@@ -146,6 +146,12 @@ void add_meta(const std::filesystem::path& file, const NamedTexts& meta);
 /// Adds a series of equally spaced values to /meta of a finished recording. @throws Error
 void add_meta_series(const std::filesystem::path& file, const std::string& name, double interval,
                      const std::vector<double>& values);
+/// Ending of the name of the temporary file of `compress`.
+inline constexpr const char* kCompressing = ".compressing";
+/// Compresses a closed recording without loss: writes a copy beside it, then renames the copy. The
+/// copy needs no newer HDF5 than version 1.8.
+/// @throws Error if that fails, for example on a full disk; the file is then unchanged   @setup
+void compress(const std::filesystem::path& file);
 /// Clears the "open for writing" mark of a crashed writer, so that every HDF5 program opens the
 /// file. Does not change a file that has a writer, or one truncated by a full disk; `Reader` reads
 /// both.
