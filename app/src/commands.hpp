@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,6 +50,17 @@ struct WhoArguments {
   std::vector<std::string> patterns;  ///< signal names; * and ? as in a shell
   std::string format = "text";        ///< text or json, one object per line
 };
+struct ExportArguments {
+  std::string recording;              ///< file, or folder of a run
+  std::vector<std::string> patterns;  ///< signal names; * and ? as in a shell; empty: all
+  double from = -std::numeric_limits<double>::infinity();  ///< first time [s]
+  double to = std::numeric_limits<double>::infinity();     ///< last time [s]
+  std::string format = "csv";                              ///< csv or mat
+  std::string out;  ///< file; empty: name of the recording, in the current folder
+};
+/// Writes signals of a recording as a table with one row per time.
+[[nodiscard]] int export_table(const ExportArguments& arguments);
+
 /// Prints the last writer and write time of words.
 [[nodiscard]] int who(const WhoArguments& arguments);
 

@@ -35,6 +35,7 @@ struct Arguments {
   RunArguments run;
   NodeArguments node;
   DumpArguments dump;
+  ExportArguments table;
   WhoArguments who;
   WatchArguments watch;
   SendArguments send;
@@ -112,6 +113,18 @@ void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->add_option("-T,--timeout", a.dump.timeout_ms, "Stop after this time [ms]")
       ->check(CLI::NonNegativeNumber);
   command->callback([&] { chosen = [&a] { return dump(a.dump); }; });
+}
+
+void add_export(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "export", "Write signals of a recording as a table: one row per time, SI units");
+  command->add_option("recording", a.table.recording, "Recording, or folder of a run")->required();
+  command->add_option("--signals", a.table.patterns, "Signal names; * and ? as in a shell [all]");
+  command->add_option("--from", a.table.from, "First time [s]");
+  command->add_option("--to", a.table.to, "Last time [s]");
+  command->add_option("--format", a.table.format)->check(CLI::IsMember({"csv", "mat"}));
+  command->add_option("--out", a.table.out, "File [name of the recording, in this folder]");
+  command->callback([&] { chosen = [&a] { return export_table(a.table); }; });
 }
 
 void add_who(CLI::App& app, Arguments& a, Chosen& chosen) {
@@ -301,8 +314,8 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", version());
   Arguments arguments;
   Chosen chosen;
-  for (const auto add : {add_run, add_node, add_check, add_dump, add_who, add_watch, add_send,
-                         add_bench, add_loop, add_terms, add_diagnose, add_map, add_rest})
+  for (const auto add : {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch,
+                         add_send, add_bench, add_loop, add_terms, add_diagnose, add_map, add_rest})
     add(app, arguments, chosen);
   const std::vector<std::string> words{argv + 1, argv + argc};
   if (const auto result = run_hidden(app, words)) return *result;

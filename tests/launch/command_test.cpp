@@ -28,8 +28,8 @@ TEST(Command, ExitsWithThreeOnWrongUsage) {
 }
 
 TEST(Command, HasHelpForEverySubcommand) {
-  for (const char* command : {"run", "check", "dump", "who", "watch", "send", "bench", "loop",
-                              "terms", "map", "report", "doctor", "clean"}) {
+  for (const char* command : {"run", "check", "dump", "export", "who", "watch", "send", "bench",
+                              "loop", "terms", "map", "report", "doctor", "clean"}) {
     const Finished help = run_rths({command, "--help"});
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_GT(lines(help.out), 2) << command;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/recording/excerpt.hpp>
+#include <rths/report/report.hpp>
+
+#include "commands.hpp"
+#include "patterns.hpp"
+
+namespace rths::app {
+
+int export_table(const ExportArguments& arguments) {
+  std::filesystem::path source = arguments.recording;
+  if (std::filesystem::is_directory(source)) source /= report::kRunFile;
+  const recording::Reader reader{source};
+  const std::filesystem::path target =
+      arguments.out.empty() ? source.stem().string() + "." + arguments.format : arguments.out;
+  std::error_code ignored;
+  if (std::filesystem::equivalent(source, target, ignored))
+    throw Error{target.string() + ": is the recording itself, expected another file (--out)"};
+  const auto excerpt = recording::make_excerpt(reader, selected(reader.names(), arguments.patterns),
+                                               arguments.from, arguments.to);
+  if (arguments.format == "mat")
+    recording::write_mat(excerpt, target);
+  else
+    recording::write_csv(excerpt, target);
+  fmt::print("table     {}\n{} rows of {} signals, {:.3f} to {:.3f} s\n", target.string(),
+             excerpt.time.size(), excerpt.names.size(), excerpt.time.front(), excerpt.time.back());
+  return kOk;
+}
+
+}  // namespace rths::app
