@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <optional>
 #include <tuple>
 
 #include <fmt/format.h>
+
+#include <rths/core/error.hpp>
 
 #include "investigation.hpp"
 #include "where.hpp"
@@ -125,7 +126,7 @@ std::optional<double> error_of_rival(const Investigation& found, const Contender
   try {
     other.set_values(other.fit(found.folds.both, 6).parameters);
     return nrmse(Supposition{*found.proof, other.hypothesis()}, record);
-  } catch (const std::exception&) {
+  } catch (const Error&) {
     return std::nullopt;
   }
 }

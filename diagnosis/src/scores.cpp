@@ -2,8 +2,9 @@
 #include "scores.hpp"
 
 #include <algorithm>
-#include <exception>
 #include <random>
+
+#include <rths/core/error.hpp>
 
 namespace rths::diagnosis {
 
@@ -31,7 +32,7 @@ std::optional<Fit> fit_if_possible(const Problem& problem, const Hypothesis& hyp
                                    const Fold& fold, int iterations) {
   try {
     return Supposition{problem, hypothesis}.fit(fold, iterations);
-  } catch (const std::exception&) {
+  } catch (const Error&) {
     return std::nullopt;
   }
 }
