@@ -17,6 +17,8 @@ rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED "example
 # Tests with the highest cost start first [s].
 rths_tests(rths_diagnosed_run_test "^(VerticalCoupling|DetunedTracking)\\." COST 18)
 rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." COST 8)
+rths_tests(rths_diagnosed_run_test "^RunDiagnosis\\.Compares" COST 30)
+rths_tests(rths_diagnosed_run_test "^RunDiagnosis\\.Compares" TIMEOUT 400)
 rths_tests(rths_real_data_test "\\.(SilverboxHas|MrDamperHas)" COST 20)
 rths_tests(rths_real_data_test "\\.(SilverboxWithout|MrDamperWithout|FrictionDeviceHas)" COST 10)
 rths_tests(rths_next_test_test "^Intervals\\." COST 15)

@@ -5,6 +5,10 @@
 
 namespace rths::diagnosis {
 
+bool is_same(const Candidate& one, const Candidate& other) {
+  return one.name == other.name && one.channel == other.channel;
+}
+
 Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
                     const Eigen::VectorXd& start) {
   Hypothesis result = hypothesis;
@@ -27,6 +31,13 @@ Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
   result.values =
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
   return result;
+}
+
+void take_values(const Hypothesis& from, Hypothesis& to) {
+  for (std::size_t i = 0; i < to.free.size(); ++i)
+    for (std::size_t k = 0; k < from.free.size(); ++k)
+      if (to.free[i].name == from.free[k].name)
+        to.values[static_cast<Eigen::Index>(i)] = from.values[static_cast<Eigen::Index>(k)];
 }
 
 bool may_extend(const Hypothesis& hypothesis, const Candidate& candidate) {

@@ -57,9 +57,15 @@ struct Candidate {
                                       ///< if none of them is acceptable
 };
 
+/// Returns true if both are the same effect on the same channel.
+[[nodiscard]] bool is_same(const Candidate& one, const Candidate& other);
+
 /// The hypothesis with the candidate added, the candidate's parameters at a starting point.
 [[nodiscard]] Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
                                   const Eigen::VectorXd& start);
+
+/// Sets every free parameter that the other hypothesis has too to its value there.
+void take_values(const Hypothesis& from, Hypothesis& to);
 
 /// Returns true if every free parameter still exists after the extension. A term that becomes
 /// another kind may lack a parameter that another candidate has freed.

@@ -69,17 +69,11 @@ void add_evidence(const Investigation& found, Verdict& verdict) {
     verdict.evidence.push_back({contender.candidate.name, contender.candidate.title,
                                 contender.gain / n, contender.low / n, contender.high / n});
   };
-  if (found.selection.rounds.empty()) {
-    for (const auto& contender : found.selection.last) add(contender);
-  } else {
-    const SelectionRound& first = found.selection.rounds[0];
-    std::vector<const Contender*> all{&first.chosen};
-    for (const auto& contender : first.tied) all.push_back(&contender);
-    for (const auto& contender : first.others) all.push_back(&contender);
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Contender* a, const Contender* b) { return a->gain > b->gain; });
-    for (const Contender* contender : all) add(*contender);
-  }
+  const Selection& selection = found.selection;
+  std::vector<Contender> all = selection.rounds.empty() ? selection.last : selection.first;
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
+  for (const auto& contender : all) add(contender);
 }
 
 void add_traces(const Investigation& found, const Problem& problem, std::size_t record,

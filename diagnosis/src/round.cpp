@@ -2,17 +2,44 @@
 #include "round.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 namespace rths::diagnosis {
 namespace {
 
-constexpr int kTrialFit = 3;  // iterations
+constexpr int kTrialFit = 3;        // iterations
+constexpr std::size_t kStarts = 2;  // of a candidate
 constexpr std::size_t kTried = 10, kKept = 5, kMostKept = 10;
 constexpr double kTriedShare = 0.02;    // of the best screened gain
 constexpr double kKeptShare = 0.35;     // of the gain of the best trial fit
 constexpr double kLeastGain = 6;        // [nat]: below it a candidate is not fitted
 constexpr double kFar = 10;             // mean w²: above it, fits also start at the stated values
 constexpr double kReversedShare = 0.5;  // of the best gain on the second fold
+
+double value_there(const Hypothesis& hypothesis, const std::string& parameter) {
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i)
+    if (hypothesis.free[i].name == parameter)
+      return hypothesis.values[static_cast<Eigen::Index>(i)];
+  return 0;
+}
+
+std::string_view last_name(std::string_view parameter) {
+  return parameter.substr(parameter.rfind('.') + 1);
+}
+
+// A candidate in the place of the holder: all parameters have the values of the whole model, and
+// those of the candidate the values of the holder's parameters of the same name.
+Hypothesis in_place(const Hypothesis& rest, const Candidate& candidate, Eigen::VectorXd start,
+                    const Hypothesis& whole, const Candidate& holder) {
+  for (std::size_t i = 0; i < candidate.frees.size(); ++i)
+    for (const auto& held : holder.frees)
+      if (held.unit == candidate.frees[i].unit &&
+          last_name(held.name) == last_name(candidate.frees[i].name))
+        start[static_cast<Eigen::Index>(i)] = value_there(whole, held.name);
+  Hypothesis result = extended(rest, candidate, start);
+  take_values(whole, result);
+  return result;
+}
 
 }  // namespace
 
@@ -30,6 +57,21 @@ Round::Round(Problem& problem, const Folds& folds, const Hypothesis& current,
     as_stated.values.head(stated.size()) = stated;
     try_best(as_stated, candidates, base, trials);
   }
+  compare(base, std::move(trials));
+}
+
+Round::Round(Problem& problem, const Folds& folds, const Hypothesis& rest, const Hypothesis& whole,
+             const Candidate& holder, const std::vector<Candidate>& candidates, std::uint64_t seed)
+    : problem_{problem}, folds_{folds}, seed_{seed} {
+  base_ = fitted(problem, rest, folds.first, kLongFit);
+  base_scores_ = scores(problem, base_, folds.second);
+  const double base = 2 * sum(scores(problem, base_, folds.first));
+  std::vector<TrialFit> trials;
+  try_rivals(whole, holder, candidates, base, trials);
+  compare(base, std::move(trials));
+}
+
+void Round::compare(double base, std::vector<TrialFit> trials) {
   keep_best(base, trials);
   for (auto& trial : trials) finish(trial);
   sort();
@@ -45,9 +87,27 @@ void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candi
   for (std::size_t i = 0; i < std::min(screened.size(), kTried); ++i) {
     if (screened[i].gain < std::max(kLeastGain, kTriedShare * screened[0].gain)) break;
     TrialFit trial{screened[i].candidate, {}, base};
-    const std::size_t tries = std::min<std::size_t>(screened[i].starts.size(), 2);
+    const std::size_t tries = std::min(screened[i].starts.size(), kStarts);
     for (std::size_t k = 0; k < tries; ++k)
       fit_shortly(extended(from, *trial.candidate, screened[i].starts[k]), trial);
+    if (!trial.hypothesis.free.empty()) trials.push_back(std::move(trial));
+  }
+}
+
+// As try_best, but all fits start at the values of the whole model.
+void Round::try_rivals(const Hypothesis& whole, const Candidate& holder,
+                       const std::vector<Candidate>& candidates, double base,
+                       std::vector<TrialFit>& trials) const {
+  const auto screened = screen(Supposition{problem_, base_}, folds_.first, candidates);
+  std::size_t tried = 0;
+  for (const auto& one : screened) {
+    const bool holds = is_same(*one.candidate, holder);
+    const bool is_weak = one.gain < std::max(kLeastGain, kTriedShare * screened[0].gain);
+    if (!holds && (is_weak || ++tried > kTried)) continue;
+    TrialFit trial{one.candidate, {}, base};
+    const std::size_t tries = holds ? 1 : std::min(one.starts.size(), kStarts);
+    for (std::size_t k = 0; k < tries; ++k)
+      fit_shortly(in_place(base_, *one.candidate, one.starts[k], whole, holder), trial);
     if (!trial.hypothesis.free.empty()) trials.push_back(std::move(trial));
   }
 }

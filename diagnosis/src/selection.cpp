@@ -4,73 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
+#include <optional>
 
+#include "acceptance.hpp"
 #include "round.hpp"
 #include "scores.hpp"
 
 namespace rths::diagnosis {
 namespace {
 
-constexpr std::ptrdiff_t kMostTerms = 4;   // besides rules
-constexpr double kAcceptedGain = 18;       // smallest gain [nat] over both folds,
+constexpr std::ptrdiff_t kMostTerms = 4;  // besides rules
+// The smallest gain of a term, besides kLeastAcceptedGain:
 constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation,
 constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of the base
-constexpr double kTieShare = 0.01;         // of the best gain: smaller differences are ties
 constexpr double kMaterial = 2e-4;         // of the output's standard deviation: smallest change
 constexpr double kWhite = 1.02;            // mean w² of a residual that is noise
-
-bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed) {
-  if (contender.gain <= accepted) return false;
-  // An effect at one instant is absent from many resampled records. It is accepted if its gain is
-  // large and it costs nothing elsewhere.
-  const double low = quantile(resampled_sums(contender.differences, seed), 0.01);
-  return low > 0 || (contender.gain > 20 * kAcceptedGain && low > -0.01 * contender.gain);
-}
-
-// Removes and returns candidates that must wait for another acceptable one, see Candidate::after.
-std::vector<Contender> held_back(std::vector<Contender>& contenders, double accepted,
-                                 std::uint64_t seed) {
-  const auto waits = [&](const Contender& contender) {
-    const auto& after = contender.candidate.after;
-    return std::any_of(contenders.begin(), contenders.end(), [&](const Contender& other) {
-      return std::find(after.begin(), after.end(), other.candidate.name) != after.end() &&
-             is_acceptable(other, accepted, seed);
-    });
-  };
-  std::vector<bool> is_waiting;
-  for (const auto& contender : contenders) is_waiting.push_back(waits(contender));
-  std::vector<Contender> free, waiting;
-  for (std::size_t i = 0; i < contenders.size(); ++i)
-    (is_waiting[i] ? waiting : free).push_back(std::move(contenders[i]));
-  contenders = std::move(free);
-  return waiting;
-}
-
-// Chooses the cheapest of the candidates that are not significantly worse than the best.
-SelectionRound chosen(std::vector<Contender> contenders, std::uint64_t seed) {
-  const Contender& best = contenders[0];
-  std::vector<bool> ties(contenders.size(), true);
-  std::size_t cheapest = 0;
-  for (std::size_t i = 1; i < contenders.size(); ++i) {
-    const auto lead = minus(best.differences, contenders[i].differences);
-    const bool is_significant = quantile(resampled_sums(lead, seed), 0.05) > 0;
-    ties[i] = !is_significant || best.gain - contenders[i].gain < kTieShare * best.gain;
-    if (ties[i] && contenders[i].candidate.price < contenders[cheapest].candidate.price)
-      cheapest = i;
-  }
-  SelectionRound round;
-  round.chosen = std::move(contenders[cheapest]);
-  for (std::size_t i = 0; i < contenders.size(); ++i) {
-    if (i == cheapest) continue;
-    // A candidate that contains the chosen one adds an effect that does not show: no alternative.
-    const auto& contained = contenders[i].candidate.contains;
-    const bool is_more = ties[i] && std::find(contained.begin(), contained.end(),
-                                              round.chosen.candidate.name) != contained.end();
-    if (is_more) round.chosen.confidence += contenders[i].confidence;
-    (ties[i] && !is_more ? round.tied : round.others).push_back(std::move(contenders[i]));
-  }
-  return round;
-}
 
 // Change of the prediction due to a term, divided by the standard deviation of the output.
 double change_of(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
@@ -91,6 +40,14 @@ double change_of(const Problem& problem, const Hypothesis& before, const Hypothe
   return std::sqrt(change / std::max(size, 1e-300));
 }
 
+// Every candidate of a round, in no order.
+std::vector<Contender> contenders_of(const SelectionRound& round) {
+  std::vector<Contender> all{round.chosen};
+  all.insert(all.end(), round.tied.begin(), round.tied.end());
+  all.insert(all.end(), round.others.begin(), round.others.end());
+  return all;
+}
+
 // The candidates that are not named yet.
 std::vector<Candidate> left_of(std::vector<Candidate> candidates,
                                const std::vector<SelectionRound>& rounds,
@@ -98,8 +55,7 @@ std::vector<Candidate> left_of(std::vector<Candidate> candidates,
   std::erase_if(candidates, [&](const Candidate& candidate) {
     return !may_extend(current, candidate) ||
            std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& round) {
-             return round.chosen.candidate.name == candidate.name &&
-                    round.chosen.candidate.channel == candidate.channel;
+             return is_same(round.chosen.candidate, candidate);
            });
   });
   return candidates;
@@ -113,10 +69,7 @@ Hypothesis with_rounds(const Hypothesis& base, const std::vector<SelectionRound>
   for (const SelectionRound& round : rounds)
     if (wanted(round))
       rest = extended(rest, round.chosen.candidate, round.chosen.candidate.starts[0]);
-  for (std::size_t i = 0; i < rest.free.size(); ++i)
-    for (std::size_t k = 0; k < current.free.size(); ++k)
-      if (rest.free[i].name == current.free[k].name)
-        rest.values[static_cast<Eigen::Index>(i)] = current.values[static_cast<Eigen::Index>(k)];
+  take_values(current, rest);
   return rest;
 }
 
@@ -127,8 +80,7 @@ void drop_named(std::vector<SelectionRound>& rounds) {
   for (auto& round : rounds) {
     const auto is_named = [&](const Contender& tied) {
       return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& other) {
-        return other.chosen.candidate.name == tied.candidate.name &&
-               other.chosen.candidate.channel == tied.candidate.channel;
+        return is_same(other.chosen.candidate, tied.candidate);
       });
     };
     std::erase_if(round.tied, is_named);
@@ -146,6 +98,7 @@ class Selector {
     bool goes_on = true;
     while (goes_on && effects() < kMostTerms) goes_on = add_term(candidates);
     drop_redundant();
+    if (settle(candidates)) drop_redundant();
     drop_named(selection_.rounds);
     std::stable_partition(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
     fit_final();
@@ -176,22 +129,14 @@ class Selector {
                 stated_.values,
                 left_of(candidates, selection_.rounds, current_),
                 seed_};
-    auto& contenders = round.contenders();
-    const double n = observations(problem_, folds_.both);
-    const double accepted = std::max(
-        {kAcceptedGain, kAcceptedDensity * n, kAcceptedShare * 0.5 * n * std::max(0.0, excess_)});
-    auto waiting = held_back(contenders, accepted, seed_);
-    if (contenders.empty() || !is_acceptable(contenders[0], accepted, seed_) ||
-        change_of(problem_, round.base(), contenders[0].fitted, folds_.second) < kMaterial) {
-      selection_.last = std::move(contenders);
+    auto won = winner(round);
+    if (!won) {
+      selection_.last = std::move(round.contenders());
       return false;
     }
-    selection_.rounds.push_back(chosen(std::move(contenders), seed_));
-    SelectionRound& added = selection_.rounds.back();
-    // Waiting candidates contain the chosen one as a special case, so they support it.
-    for (const auto& contender : waiting) added.chosen.confidence += contender.confidence;
-    added.others.insert(added.others.begin(), std::make_move_iterator(waiting.begin()),
-                        std::make_move_iterator(waiting.end()));
+    if (selection_.rounds.empty()) selection_.first = contenders_of(*won);
+    selection_.rounds.push_back(std::move(*won));
+    const SelectionRound& added = selection_.rounds.back();
     current_ = added.chosen.fitted;
     problem_.renew_noise(current_);
     const double variance = Supposition{problem_, current_}.variance(folds_.second);
@@ -199,6 +144,61 @@ class Selector {
     // Further terms are measured by the excess that the right rule leaves.
     excess_ = variance - 1;
     return true;
+  }
+
+  // Smallest gain of a term that is accepted [nat].
+  [[nodiscard]] double accepted() const {
+    const double n = observations(problem_, folds_.both);
+    return std::max({kLeastAcceptedGain, kAcceptedDensity * n,
+                     kAcceptedShare * 0.5 * n * std::max(0.0, excess_)});
+  }
+
+  // Takes the contenders of a round, if it accepts one.
+  std::optional<SelectionRound> winner(Round& round) const {
+    auto& contenders = round.contenders();
+    auto waiting = held_back(contenders, accepted(), seed_);
+    if (contenders.empty() || !is_acceptable(contenders[0], accepted(), seed_) ||
+        change_of(problem_, round.base(), contenders[0].fitted, folds_.second) < kMaterial)
+      return std::nullopt;
+    SelectionRound won = chosen(std::move(contenders), seed_);
+    // Waiting candidates contain the chosen one as a special case, so they support it.
+    for (const auto& contender : waiting) won.chosen.confidence += contender.confidence;
+    won.others.insert(won.others.begin(), std::make_move_iterator(waiting.begin()),
+                      std::make_move_iterator(waiting.end()));
+    return won;
+  }
+
+  // Compares each named term with its rivals in the final model, from the last term to the first,
+  // until every term has been compared since the last one was replaced.
+  // @returns true if a term was replaced
+  bool settle(const std::vector<Candidate>& candidates) {
+    constexpr std::size_t kMostPasses = 3;
+    const std::size_t count = selection_.rounds.size();
+    bool replaced = false;
+    std::size_t settled = 0;
+    for (std::size_t k = 0; settled < count && k < kMostPasses * count; ++k) {
+      const bool holds = defend(count - 1 - k % count, candidates);
+      settled = holds ? settled + 1 : 1;
+      replaced = replaced || !holds;
+    }
+    return replaced;
+  }
+
+  // Compares a named term with its rivals in its place. @returns false if a rival replaces it
+  bool defend(std::size_t place, const std::vector<Candidate>& candidates) {
+    auto& rounds = selection_.rounds;
+    const Candidate holder = rounds[place].chosen.candidate;
+    const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[place]; };
+    std::vector<SelectionRound> others;
+    std::copy_if(rounds.begin(), rounds.end(), std::back_inserter(others), is_other);
+    const Hypothesis rest = with_rounds(selection_.base, rounds, is_other, current_);
+    Round round{problem_, folds_, rest, current_, holder, left_of(candidates, others, rest), seed_};
+    auto won = winner(round);
+    if (!won) return true;
+    rounds[place] = std::move(*won);
+    current_ = rounds[place].chosen.fitted;
+    problem_.renew_noise(current_);
+    return is_same(rounds[place].chosen.candidate, holder);
   }
 
   // Backward selection: removes candidates that later ones have made redundant.
@@ -211,7 +211,7 @@ class Selector {
                  kLongFit);
       const auto cost =
           minus(scores(problem_, rest, folds_.second), scores(problem_, current_, folds_.second));
-      if (quantile(resampled_sums(cost, seed_), 0.01) > 0 && sum(cost) > kAcceptedGain / 2) {
+      if (quantile(resampled_sums(cost, seed_), 0.01) > 0 && sum(cost) > kLeastAcceptedGain / 2) {
         ++i;
         continue;
       }

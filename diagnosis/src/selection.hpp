@@ -25,7 +25,8 @@ struct Contender {
   double confidence = 0;            ///< share of resampled records in which it is the best
 };
 
-/// Result of a round of the selection: the accepted candidate, and the others.
+/// An accepted candidate, and the others: as extensions of the model that has all other accepted
+/// candidates.
 struct SelectionRound {
   Contender chosen;
   std::vector<Contender> tied;  ///< not significantly worse, or worse by less than 1 % of the gain
@@ -35,6 +36,7 @@ struct SelectionRound {
 /// The terms that a relation lacks.
 struct Selection {
   std::vector<SelectionRound> rounds;  ///< accepted candidates, in order, hysteresis rules last
+  std::vector<Contender> first;        ///< of the round in which the first was accepted
   std::vector<Contender> last;         ///< of the round in which none was accepted
   Hypothesis base;                     ///< fitted to both folds
   Hypothesis ruled;                    ///< the base with the accepted hysteresis rules only
@@ -50,7 +52,8 @@ struct Selection {
   [[nodiscard]] bool has_remainder() const;
 };
 
-/// Forward and backward selection with held-out scores. Renews the problem's noise at the result.
+/// Forward and backward selection with held-out scores, then a comparison of each named term with
+/// its rivals in the final model. Renews the problem's noise at the result.
 [[nodiscard]] Selection select(Problem& problem, const Folds& folds, std::uint64_t seed);
 
 }  // namespace rths::diagnosis

@@ -4,7 +4,9 @@
 // omits, and the run ends with a diagnosis.
 #include <algorithm>
 #include <cstdlib>
+#include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -24,10 +26,10 @@ using test::json_of;
 std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
 
 test::Finished run_example(const std::filesystem::path& out,
-                           const std::vector<std::string>& options = {}) {
+                           const std::vector<std::string>& options = {}, int seconds = 110) {
   std::vector<std::string> arguments{"run", example(), "--clock", "virtual", "--out", out.string()};
   arguments.insert(arguments.end(), options.begin(), options.end());
-  return test::run_rths(arguments, 110);
+  return test::run_rths(arguments, seconds);
 }
 
 /// The unchanged example, run with its diagnosis.
@@ -61,6 +63,42 @@ TEST_F(DiagnosedRun, NamesTheTwoOmittedEffectsAndNothingElse) {
       EXPECT_NEAR(cause["parameters"]["load_dependent_friction.friction_coefficient"]["value"],
                   0.002, 0.0002);
     }
+}
+
+bool is_hidden_effect(const std::string& name) {
+  return name == "adiabatic_heating" || name == "load_dependent_friction";
+}
+
+// Every hidden effect is named or an alternative, and no wrong name is certain.
+void expect_honest(const Json& found, int seed) {
+  std::set<std::string> seen;
+  for (const auto& cause : found["causes"]) {
+    const std::string name = cause["name"];
+    seen.insert(name);
+    if (!is_hidden_effect(name)) {
+      EXPECT_LE(cause["confidence"], 0.9) << "seed " << seed << ": " << found["sentence"];
+    }
+    for (const auto& alternative : cause["alternatives"]) {
+      seen.insert(alternative["name"].get<std::string>());
+    }
+  }
+  EXPECT_EQ(std::count_if(seen.begin(), seen.end(), is_hidden_effect), 2)
+      << "seed " << seed << ": " << found["sentence"];
+}
+
+// Friction from Coulomb's law gains nearly as much as friction proportional to the load. With the
+// noise of seed 11, the fits of the forward selection prefer the wrong one.
+TEST(RunDiagnosis, ComparesEveryCauseWithItsRivalsInTheFinalModel) {
+  std::vector<int> seeds{11};
+  if (std::getenv("RTHS_LONG") != nullptr) seeds = {11, 13, 16};
+  for (const int seed : seeds) {
+    const test::TemporaryFolder folder;
+
+    const auto run = run_example(folder.path(), {"--set", fmt::format("seed={}", seed)}, 300);
+
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    expect_honest(json_of(folder.path() / "verdict.json"), seed);
+  }
 }
 
 TEST_F(DiagnosedRun, ProvesItOnTheSecondEarthquake) {
