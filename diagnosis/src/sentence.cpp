@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cctype>
 
 #include <fmt/format.h>
 
@@ -48,14 +49,30 @@ std::string list_of(const std::vector<Cause>& causes) {
   return text;
 }
 
-// " Could also be viscous friction or quadratic drag. Next test: …"
+std::string capitalised(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+// " Could also be viscous friction or quadratic drag."; with several causes, it starts with the
+// cause.
+std::string alternatives_of(const Cause& cause, bool is_only) {
+  std::string text;
+  for (const auto& alternative : cause.alternatives)
+    text += fmt::format("{}{}", text.empty() ? "" : " or ", alternative.title);
+  if (text.empty()) return text;
+  return is_only ? fmt::format(" Could also be {}.", text)
+                 : fmt::format(" {} could also be {}.", capitalised(cause.title), text);
+}
+
+// The alternatives of every cause, and the next test.
 std::string ties_of(const Verdict& verdict) {
   std::string ties;
-  for (const auto& alternative : verdict.causes[0].alternatives)
-    ties += fmt::format("{}{}", ties.empty() ? " Could also be " : " or ", alternative.title);
+  for (const auto& cause : verdict.causes)
+    ties += alternatives_of(cause, verdict.causes.size() == 1);
   if (ties.empty()) return ties;
-  return ties + (verdict.next_test.empty() ? ". No known test separates them."
-                                           : fmt::format(". Next test: {}.", verdict.next_test));
+  return ties + (verdict.next_test.empty() ? " No known test separates them."
+                                           : fmt::format(" Next test: {}.", verdict.next_test));
 }
 
 std::string none_sentence(const Verdict& verdict) {
@@ -64,13 +81,19 @@ std::string none_sentence(const Verdict& verdict) {
              : fmt::format("Nothing is missing: the residual is noise; {}.", proof_of(verdict));
 }
 
+// The force is predicted from the measured motion, so errors of the motion remain outside.
+std::string of_force(const Verdict& verdict) {
+  return verdict.where.channel.starts_with("force") ? " of the force under the measured motion"
+                                                    : "";
+}
+
 std::string missing_sentence(const Verdict& verdict) {
   double explained = 0;
   for (const auto& cause : verdict.causes) explained = std::min(1.0, explained + cause.explained);
   return fmt::format(
-      "Missing: {}, confidence {:.2f}; explains {:.0f} % of the systematic residual; {}.{}{}",
-      list_of(verdict.causes), verdict.confidence, 100 * explained, proof_of(verdict),
-      ties_of(verdict),
+      "Missing: {}, confidence {:.2f}; explains {:.0f} % of the systematic residual{}; {}.{}{}",
+      list_of(verdict.causes), verdict.confidence, 100 * explained, of_force(verdict),
+      proof_of(verdict), ties_of(verdict),
       verdict.has_remainder ? " A smaller systematic residual remains unexplained." : "");
 }
 

@@ -80,6 +80,9 @@ void expect_honest(const Json& found, int seed) {
     }
     for (const auto& alternative : cause["alternatives"]) {
       seen.insert(alternative["name"].get<std::string>());
+      const std::string title = alternative["title"];
+      EXPECT_NE(found["sentence"].get<std::string>().find(title), std::string::npos)
+          << "seed " << seed << ": " << title;
     }
   }
   EXPECT_EQ(std::count_if(seen.begin(), seen.end(), is_hidden_effect), 2)
