@@ -70,6 +70,21 @@ std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const NodeTicks
   return std::pair{std::size_t{0}, end};
 }
 
+// Ticks without a row. The interpolation of short gaps is far below the comparison's bandwidth.
+std::vector<std::pair<std::size_t, std::size_t>> gaps_of(const NodeTicks& ticks) {
+  constexpr std::size_t kShortest = 5;  // ticks
+  std::vector<std::pair<std::size_t, std::size_t>> gaps;
+  std::size_t last = 0;
+  for (const double value : ticks.counter()) {
+    const auto count = static_cast<std::size_t>(std::lround(std::max(0.0, value)));
+    if (count <= last) continue;
+    if (count > ticks.count()) break;
+    if (last > 0 && count - last > kShortest) gaps.emplace_back(last - 1, count - 1);
+    last = count;
+  }
+  return gaps;
+}
+
 void add_axis(Record& record, const Reader& run, const NodeTicks& machine,
               const NodeTicks& controller, const std::string& axis) {
   const std::string command = "monitor.xpc.pc.command." + axis;
@@ -98,6 +113,7 @@ Record record_of(const Reader& run, const std::string& name, Use use) {
     throw Error{"no axis has a command, expected 'monitor.xpc.pc.command.*'"};
   record.channels.push_back({"vertical_force", "N", machine.values("srmd.vert.force.fbk")});
   record.quiet = quiet_stretch(machine);
+  record.gaps = gaps_of(machine);
   return record;
 }
 

@@ -163,6 +163,13 @@ std::size_t lattices_named(const std::vector<Lattice>& lattices) {
   return families.size();
 }
 
+std::string gaps_in(const Record& record) {
+  std::size_t samples = 0;
+  for (const auto& [last, next] : record.gaps) samples += next - last - 1;
+  return fmt::format("{}: {} gaps of {:.2g} s in all are not compared.", record.name,
+                     record.gaps.size(), static_cast<double>(samples) * record.time_step);
+}
+
 void add_limits(const Case& c, const SensorNoise& noise, const Investigations& all,
                 Verdict& verdict) {
   verdict.noise_model = noise.source();
@@ -186,6 +193,8 @@ void add_limits(const Case& c, const SensorNoise& noise, const Investigations& a
     if (lacks("command."))
       verdict.limits.emplace_back("No command was recorded: actuators were not checked.");
   }
+  for (const auto& one : c.records)
+    if (!one.gaps.empty()) verdict.limits.push_back(gaps_in(one));
   if (verdict.proof_record.empty())
     verdict.limits.emplace_back("No record was held out for a proof.");
   for (const auto& found : all) {

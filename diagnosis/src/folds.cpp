@@ -24,6 +24,15 @@ Eigen::ArrayXd every_other_piece(const Drive& drive, bool odd) {
   return weight;
 }
 
+// Rows near gaps of a record are in no fold.
+void bar_gaps(const Problem& problem, Fold& fold) {
+  for (auto& share : fold.shares) {
+    const Eigen::ArrayXd& present = problem.drive(share.record).present;
+    if (present.size() == 0) continue;
+    share.weight = share.weight.size() > 0 ? Eigen::ArrayXd{share.weight * present} : present;
+  }
+}
+
 }  // namespace
 
 Split split_of(const Case& c) {
@@ -57,6 +66,7 @@ Folds folds_of(const Split& split, const Problem& problem) {
     }
     folds.both.shares.push_back({i, {}});
   }
+  for (Fold* fold : {&folds.first, &folds.second, &folds.both}) bar_gaps(problem, *fold);
   return folds;
 }
 

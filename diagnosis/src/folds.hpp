@@ -19,7 +19,7 @@ struct Split {
 /// other.
 [[nodiscard]] Split split_of(const Case& c);
 
-/// Folds of the problem of a split.
+/// Folds of the problem of a split, without the rows near gaps of the records.
 [[nodiscard]] Folds folds_of(const Split& split, const Problem& problem);
 
 }  // namespace rths::diagnosis

@@ -114,6 +114,22 @@ VectorXd predicted_channel(const Record& record, const MotionChannels& channels,
   return signal;
 }
 
+// Rows that the gaps of a record spoil, also through the filter of the comparison.
+Eigen::ArrayXd present_rows(const Record& record, const MotionDrive& drive) {
+  constexpr double kSpread = 0.1;  // of the filter [s]
+  if (record.gaps.empty()) return {};
+  Eigen::ArrayXd present = Eigen::ArrayXd::Ones(drive.all_rows);
+  const auto row_at = [&](double time) {
+    return std::clamp<Index>(static_cast<Index>(time / drive.time_step), 0, drive.all_rows - 1);
+  };
+  for (const auto& [last, next] : record.gaps) {
+    const Index from = row_at(static_cast<double>(last) * record.time_step - kSpread);
+    const Index to = row_at(static_cast<double>(next) * record.time_step + kSpread);
+    present.segment(from, to - from + 1).setZero();
+  }
+  return present;
+}
+
 }  // namespace
 
 const std::string& axis_name(std::size_t axis) {
@@ -155,6 +171,7 @@ std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChan
   drive->all_rows = std::max<Index>(1, rows - spoilt);
   drive->first_row = std::min<Index>(
       static_cast<Index>(std::ceil(record.settle / drive->time_step)), drive->all_rows - 1);
+  drive->present = present_rows(record, *drive);
   drive->measured.resize(drive->all_rows, static_cast<Index>(axes.size()));
   drive->displacement.resize(drive->all_rows, static_cast<Index>(axes.size()));
   drive->velocity = drive->displacement;

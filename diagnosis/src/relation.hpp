@@ -26,6 +26,7 @@ class Drive {
   /// States over which the residual is mapped: rows × outputs, empty if unknown [m], [m/s].
   Eigen::MatrixXd displacement, velocity;
   std::vector<std::pair<std::string, Eigen::VectorXd>> states;  ///< "axial load [N]", by row
+  Eigen::ArrayXd present;      ///< by row: 0 near gaps of the record, else 1; empty: no gaps
   Eigen::Index first_row = 0;  ///< first compared row: before it the state is unknown
 
   [[nodiscard]] Eigen::Index rows() const { return measured.rows(); }

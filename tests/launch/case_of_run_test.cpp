@@ -8,6 +8,7 @@
 
 #include <rths/diagnosis/case.hpp>
 #include <rths/diagnosis/signal.hpp>
+#include <rths/recording/recording.hpp>
 #include <rths/sim/composition.hpp>
 
 #include "support/files.hpp"
@@ -129,6 +130,47 @@ TEST(CaseOfARun, IsExplainedByItsModelUnlessAnEffectIsOmitted) {
     EXPECT_LT(residual(complete)[i], 6e3) << kAxes[i];
     EXPECT_GT(residual(incomplete)[i], 5 * residual(complete)[i]) << kAxes[i];
   }
+}
+
+// A copy of a recording without the rows of a span [s].
+void copy_without(const std::filesystem::path& from, const std::filesystem::path& to, double begin,
+                  double end) {
+  const recording::Reader run{from};
+  std::vector<SignalId> signals;
+  std::vector<std::vector<double>> columns;
+  for (const auto& name : run.names()) {
+    signals.push_back(run.map().signal(name));
+    columns.push_back(run.signal(name));
+  }
+  recording::RecordingInfo info;
+  info.config = {{recording::kModelText, run.config(recording::kModelText)}};
+  recording::Writer writer{to, run.map(), signals, info};
+  std::vector<double> row(columns.size());
+  for (std::size_t k = 0; k < run.rows(); ++k) {
+    if (run.time()[k] > begin && run.time()[k] < end) continue;
+    for (std::size_t i = 0; i < columns.size(); ++i) row[i] = columns[i][k];
+    writer.append(from_seconds(run.time()[k]), row);
+  }
+  writer.close();
+}
+
+TEST(CaseOfARun, DoesNotCompareTheGapsOfTheRecorder) {
+  const test::TemporaryFolder folder, short_gap, long_gap;
+  const Case whole = case_with(folder.path(), {"duration_s=4"});
+  copy_without(folder.path() / "run.h5", short_gap.path() / "run.h5", 3.0005, 3.0035);
+  copy_without(folder.path() / "run.h5", long_gap.path() / "run.h5", 3.0005, 3.0505);
+
+  EXPECT_TRUE(whole.records[0].gaps.empty());
+  EXPECT_TRUE(load_case(short_gap.path() / "run.h5").records[0].gaps.empty());
+  const Case broken = load_case(long_gap.path() / "run.h5");
+  ASSERT_EQ(broken.records[0].gaps.size(), 1U);
+  const auto [last, next] = broken.records[0].gaps[0];
+  EXPECT_EQ(next - last - 1, 50U);
+  const auto measured = channel(whole.records[0], "force.long");
+  const auto read = channel(broken.records[0], "force.long");
+  const auto end = static_cast<Eigen::Index>(last) + 1, begin = static_cast<Eigen::Index>(next);
+  EXPECT_EQ(read.head(end), measured.head(end));
+  EXPECT_EQ(read.tail(read.size() - begin), measured.tail(measured.size() - begin));
 }
 
 TEST(CaseOfARun, NeedsARecordingWithTheAssumedModel) {

@@ -39,6 +39,9 @@ struct Record {
   double settle = 0;     ///< excluded from the comparison at the start: earlier motion matters [s]
   std::vector<Channel> channels;
   std::optional<std::pair<std::size_t, std::size_t>> quiet;  ///< samples without motion
+  /// Samples, from the last known one to the next, between which the values are interpolated and
+  /// not compared.
+  std::vector<std::pair<std::size_t, std::size_t>> gaps = {};
 
   [[nodiscard]] std::size_t samples() const;
   /// The channel of a role; null if it was not recorded.
