@@ -219,6 +219,16 @@ const Investigation* first_where(const Investigations& all, const Condition& hol
   return first == all.end() ? nullptr : first->get();
 }
 
+void add_once(const std::string& name, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+// The terms that the simulation has, and the effects that were searched for.
+void list_terms(const Relation& relation, Verdict& verdict) {
+  for (const auto& term : relation.base().terms) add_once(term.settings.name, verdict.assumed);
+  for (const auto& candidate : relation.candidates()) add_once(candidate.name, verdict.searched);
+}
+
 // Moves the causes of an investigation to the front.
 void put_first(const Investigation& shown, std::vector<Cause>& causes) {
   const auto& rounds = shown.selection.rounds;
@@ -245,7 +255,10 @@ void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
   verdict.where = where_of(*shown, c.map);
   if (shown->is_named()) verdict.where.part = shown->selection.rounds[0].chosen.candidate.part;
   put_first(*shown, verdict.causes);
-  for (const auto& found : all) verdict.fragment += fragment_of(*found);
+  for (const auto& found : all) {
+    verdict.fragment += fragment_of(*found);
+    list_terms(*found->relation, verdict);
+  }
   verdict.outcome = explained != nullptr ? Outcome::Missing
                     : unknown != nullptr ? Outcome::Unknown
                                          : Outcome::None;

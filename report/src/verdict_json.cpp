@@ -155,6 +155,8 @@ Json verdict_numbers(const Verdict& verdict) {
   json["descriptions"] = each(verdict.descriptions, description_json);
   json["evidence"] = each(verdict.evidence, evidence_json);
   json["limits"] = verdict.limits;
+  json["assumed"] = verdict.assumed;
+  json["searched"] = verdict.searched;
   json["next_test"] = text_or_null(verdict.next_test);
   json["noise_model"] = verdict.noise_model;
   json["improved_model"] = text_or_null(verdict.fragment);

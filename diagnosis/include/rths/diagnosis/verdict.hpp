@@ -148,6 +148,8 @@ struct Verdict {
   std::vector<Description> descriptions;  ///< best first
   std::vector<Evidence> evidence;         ///< best first, of the first term
   std::vector<std::string> limits;        ///< missing channels, noise model, unvisited states
+  std::vector<std::string> assumed;       ///< terms that the simulation already has
+  std::vector<std::string> searched;      ///< effects that could have been named
   std::string next_test;                  ///< proposed next; empty: none
   TestMotion next_motion;                 ///< of that test; no channels: there is none
   std::string noise_model;                ///< source of the noise
