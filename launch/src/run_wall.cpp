@@ -54,10 +54,14 @@ class InterruptGuard {
   struct sigaction previous_[std::size(kSignals)] = {};
 };
 
-/// Removes the name of the ring at the end of the run.
-struct RingRemoval {
-  std::string name;
-  ~RingRemoval() { broker::remove_ring(name); }
+/// Removes the name of the ring at the end of the run, and the file of a recorder that died while
+/// it created the file.
+struct Cleaning {
+  const RunOptions& options;
+  ~Cleaning() {
+    broker::remove_ring(options.ring);
+    recording::remove_unfinished(options.recording);
+  }
 };
 
 // An opensees_specimen is ready only after OpenSees has connected.
@@ -215,7 +219,7 @@ WallRunResult run_in_wall_time(const Experiment& experiment, const Assembly& ass
                                const RunOptions& options) {
   const InterruptGuard guard;
   broker::Ring ring = broker::Ring::create(options.ring, assembly.map);
-  const RingRemoval removal{options.ring};
+  const Cleaning cleaning{options};
   WallRun run{experiment, assembly, options};
   run.wait_until_ready();
   return run.run();

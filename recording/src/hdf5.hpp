@@ -47,6 +47,9 @@ inline void check(herr_t status, const std::string& action) {
 inline constexpr std::int64_t kNoTime = -1;
 inline constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
+/// Group of /meta with the data that are added to a finished recording.
+inline constexpr const char* kAdditions = "added";
+inline constexpr const char* kAddedTexts = "texts";  ///< a group in it
 /// Name of the dataset with the number of missing rows.
 inline constexpr const char* kRowsMissing = "rows_missing";
 

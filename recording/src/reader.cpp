@@ -61,6 +61,21 @@ herr_t append_attribute_name(hid_t, const char* name, const H5A_info_t*, void* n
   return 0;
 }
 
+void read_texts(const Handle& group, std::map<std::string, std::string>& texts) {
+  std::vector<std::string> names;
+  check(H5Aiterate2(group.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, append_attribute_name,
+                    &names),
+        "listing /meta");
+  for (const auto& name : names) texts[name] = read_text_attribute(group.id(), name);
+}
+
+// Older recordings have the additions in /meta itself.
+Handle open_additions(const Handle& file) {
+  Handle meta = open_group(file.id(), "meta");
+  if (H5Lexists(meta.id(), kAdditions, H5P_DEFAULT) <= 0) return meta;
+  return open_group(meta.id(), kAdditions);
+}
+
 }  // namespace
 
 struct Reader::File {
@@ -166,18 +181,16 @@ std::string Reader::config(const std::string& name) const {
 }
 
 std::map<std::string, std::string> Reader::meta() const {
-  const Handle group = open_group(file_->file.id(), "meta");
-  std::vector<std::string> attributes;
-  check(H5Aiterate2(group.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, append_attribute_name,
-                    &attributes),
-        "listing /meta");
   std::map<std::string, std::string> meta;
-  for (const auto& name : attributes) meta[name] = read_text_attribute(group.id(), name);
+  read_texts(open_group(file_->file.id(), "meta"), meta);
+  if (const Handle additions = open_additions(file_->file);
+      H5Lexists(additions.id(), kAddedTexts, H5P_DEFAULT) > 0)
+    read_texts(open_group(additions.id(), kAddedTexts), meta);
   return meta;
 }
 
 Reader::Series Reader::meta_series(const std::string& name) const {
-  const Handle group = open_group(file_->file.id(), "meta");
+  const Handle group = open_additions(file_->file);
   if (H5Lexists(group.id(), name.c_str(), H5P_DEFAULT) <= 0) return {};
   const Handle dataset = open_dataset(group.id(), name);
   return {std::stod(read_text_attribute(dataset.id(), "interval_s")), read_all<double>(dataset)};
@@ -220,28 +233,45 @@ bool is_hdf5(const std::filesystem::path& path) {
   return file.good() && begin == kSignature;
 }
 
-void add_meta(const std::filesystem::path& path, const NamedTexts& meta) {
+namespace {
+
+// Links a new object into the recording when it is complete on disk: a process that dies before
+// leaves the recording as it was.
+void link_addition(const Handle& file, const Handle& object, const std::string& name) {
+  check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "writing " + name);
+  const Handle additions = open_additions(file);
+  check(H5Olink(object.id(), additions.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+        "adding " + name);
+}
+
+Handle open_to_add(const std::filesystem::path& path) {
   silence_hdf5();
-  const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
-                    path.string() + ": opening the recording to add data"};
-  const Handle group = open_group(file.id(), "meta");
-  for (const auto& [name, text] : meta) write_text_attribute(group.id(), name, text);
+  return {H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
+          path.string() + ": opening the recording to add data"};
+}
+
+}  // namespace
+
+void add_meta(const std::filesystem::path& path, const NamedTexts& meta) {
+  const Handle file = open_to_add(path);
+  const Handle texts{H5Gcreate_anon(file.id(), H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
+                     "creating a group"};
+  for (const auto& [name, text] : meta) write_text_attribute(texts.id(), name, text);
+  link_addition(file, texts, kAddedTexts);
 }
 
 void add_meta_series(const std::filesystem::path& path, const std::string& name, double interval,
                      const std::vector<double>& values) {
-  silence_hdf5();
-  const Handle file{H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
-                    path.string() + ": opening the recording to add data"};
-  const Handle group = open_group(file.id(), "meta");
+  const Handle file = open_to_add(path);
   const hsize_t count = values.size();
   const Handle space{H5Screate_simple(1, &count, nullptr), H5Sclose, "HDF5 space"};
-  const Handle dataset{H5Dcreate2(group.id(), name.c_str(), H5T_NATIVE_DOUBLE, space.id(),
-                                  H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                       H5Dclose, "creating dataset " + name};
+  const Handle dataset{
+      H5Dcreate_anon(file.id(), H5T_NATIVE_DOUBLE, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
+      "creating dataset " + name};
   write_text_attribute(dataset.id(), "interval_s", fmt::format("{}", interval));
   check(H5Dwrite(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
         "writing dataset " + name);
+  link_addition(file, dataset, name);
 }
 
 bool repair(const std::filesystem::path& path) {

@@ -73,6 +73,30 @@ Handle create_group(hid_t file, const std::string& name) {
           "creating group " + name};
 }
 
+std::filesystem::path unnamed(const std::filesystem::path& path) { return path.string() + ".new"; }
+
+/// A recording gets its name when it is complete enough to be read: a process that dies before
+/// leaves no broken recording. The destructor removes a file without its name.
+struct Creation {
+  std::filesystem::path path;
+  ~Creation() { remove_unfinished(path); }
+  void finish() const {
+    std::error_code error;
+    std::filesystem::rename(unnamed(path), path, error);
+    if (error) throw Error{path.string() + ": creating the recording failed: " + error.message()};
+  }
+};
+
+// A group with space for links, so that an addition to a finished recording changes nothing else in
+// place.
+void create_additions(hid_t meta) {
+  constexpr unsigned kMost = 4, kNameLength = 16;
+  const Handle properties{H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "HDF5 properties"};
+  check(H5Pset_est_link_info(properties.id(), kMost, kNameLength), "HDF5 links");
+  const Handle group{H5Gcreate2(meta, kAdditions, H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+                     H5Gclose, "creating group for additions"};
+}
+
 }  // namespace
 
 struct Writer::File {
@@ -121,7 +145,7 @@ void Writer::File::create() {
   const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
   // Single-writer mode needs the newest structures of the file format.
   check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "HDF5 version");
-  file = Handle{H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose,
+  file = Handle{H5Fcreate(unnamed(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose,
                 path.string() + ": creating the recording"};
   write_text_attribute(file.id(), "recording_format", std::to_string(kRecordingFormat));
 }
@@ -232,6 +256,7 @@ void Writer::File::flush() {
 Writer::Writer(const std::filesystem::path& path, const memmap::Map& map,
                const std::vector<SignalId>& signals, const RecordingInfo& info)
     : file_{std::make_unique<File>()} {
+  const Creation creation{path};
   file_->path = path;
   file_->create();
   file_->create_blocks(map, signals);
@@ -246,7 +271,9 @@ Writer::Writer(const std::filesystem::path& path, const memmap::Map& map,
   write_text_attribute(map_text.id(), "name", map.description().name);
   write_text_attribute(map_text.id(), "version", std::to_string(map.description().version));
   write_text_attribute(map_text.id(), "hash", memmap::hash_text(map.hash()));
+  create_additions(meta.id());
   check(H5Fstart_swmr_write(file_->file.id()), path.string() + ": starting single-writer mode");
+  creation.finish();
   file_->lock = WriterLock{path};
 }
 
@@ -292,6 +319,11 @@ void Writer::close() {
   if (!file_) return;
   flush();
   file_.reset();
+}
+
+void remove_unfinished(const std::filesystem::path& file) {
+  std::error_code ignored;
+  std::filesystem::remove(unnamed(file), ignored);
 }
 
 }  // namespace rths::recording

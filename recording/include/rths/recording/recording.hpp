@@ -25,6 +25,7 @@ namespace rths::recording {
 ///     files /map             text                    canonical map; attributes name, version, hash
 ///     /config/<file>   text                    input files of the run
 ///     /meta            attributes              data that differ between identical runs
+///     /meta/added      texts, series           the same, added to the finished recording
 inline constexpr int kRecordingFormat = 1;
 
 /// Named texts; the order matters.
@@ -49,6 +50,7 @@ struct RecordingInfo {
 /// the real-time thread: an append can take milliseconds.   One thread.
 class Writer {
  public:
+  /// The file has its name as soon as it can be read.
   /// @param signals  signals of a row, in this order
   /// @throws Error if the file cannot be created   @setup
   Writer(const std::filesystem::path& file, const memmap::Map& map,
@@ -139,11 +141,15 @@ class NodeTicks {
   std::size_t count_ = 0;
 };
 
+/// Removes the file of a recording whose writer died while it created the file.
+void remove_unfinished(const std::filesystem::path& file);
 /// True if the file begins as an HDF5 file does.
 [[nodiscard]] bool is_hdf5(const std::filesystem::path& file);
-/// Adds attributes to /meta of a finished recording. @throws Error
+/// Adds attributes to /meta of a finished recording, once. A process that dies meanwhile leaves the
+/// recording without them. @throws Error
 void add_meta(const std::filesystem::path& file, const NamedTexts& meta);
-/// Adds a series of equally spaced values to /meta of a finished recording. @throws Error
+/// Adds a series of equally spaced values to /meta of a finished recording, in the same way.
+/// @throws Error
 void add_meta_series(const std::filesystem::path& file, const std::string& name, double interval,
                      const std::vector<double>& values);
 /// Ending of the name of the temporary file of `compress`.
