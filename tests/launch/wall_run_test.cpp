@@ -182,6 +182,50 @@ TEST(WallRun, EndsWhenANodeFallsSilent) {
   EXPECT_FALSE(run.ring_is_there());
 }
 
+/// Waits until these processes have ended, at most 10 s. @returns the time that it took [s]
+double seconds_until_gone(const std::vector<int>& pids) {
+  const auto begun = std::chrono::steady_clock::now();
+  const auto took = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  };
+  while (std::any_of(pids.begin(), pids.end(), test::is_running) && took() < 10)
+    std::this_thread::sleep_for(milliseconds{10});
+  return took();
+}
+
+// The nodes find a silent recorder themselves, although none of them reads its words.
+TEST(WallRun, EndsWhenTheRecorderFallsSilent) {
+  WallRun run{"silent_recorder", "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+
+  kill(pids.at("recorder"), SIGSTOP);
+  const double took = seconds_until_gone({pids.at("srmd"), pids.at("xpc"), pids.at("opf")});
+  const test::Finished finished = run.running.wait(20);
+
+  EXPECT_LT(took, 3);
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find(" is silent: held"), std::string::npos) << finished.err;
+  EXPECT_FALSE(test::is_running(pids.at("recorder")));
+}
+
+TEST(WallRun, ComesToRestWhenTheLauncherFallsSilent) {
+  WallRun run{"silent_launcher", "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+
+  kill(pids.at("launcher"), SIGSTOP);
+  const double took =
+      seconds_until_gone({pids.at("srmd"), pids.at("xpc"), pids.at("opf"), pids.at("recorder")});
+  kill(pids.at("launcher"), SIGCONT);
+  const test::Finished finished = run.running.wait(20);
+
+  EXPECT_LT(took, 3);
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("srmd: the launcher is silent: held"), std::string::npos)
+      << finished.err;
+}
+
 // The node resumes, but the run still ends and is not reported as completed.
 TEST(WallRun, IsNotCompletedWhenANodeWasSilentForAWhile) {
   WallRun run{"silent_a_while", "30"};

@@ -41,6 +41,15 @@ void drain(int& descriptor, std::string& into) {
   }
 }
 
+// A file of a process in /proc; empty if the process ends meanwhile.
+std::string process_file(int pid, const char* name) {
+  try {
+    return content_of("/proc/" + std::to_string(pid) + "/" + name);
+  } catch (const std::ios_base::failure&) {
+    return "";
+  }
+}
+
 }  // namespace
 
 Running::Running(const std::vector<std::string>& command) {
@@ -123,12 +132,12 @@ Finished run_rths(const std::vector<std::string>& arguments, double deadline_s) 
 }
 
 bool is_running(int pid) {
-  const std::string stat = content_of("/proc/" + std::to_string(pid) + "/stat");
+  const std::string stat = process_file(pid, "stat");
   return !stat.empty() && stat[stat.rfind(')') + 2] != 'Z';
 }
 
 double processor_time_of(int pid) {
-  const std::string stat = content_of("/proc/" + std::to_string(pid) + "/stat");
+  const std::string stat = process_file(pid, "stat");
   if (stat.empty()) return 0;
   std::istringstream words{stat.substr(stat.rfind(')') + 2)};
   std::string word;
@@ -144,7 +153,7 @@ std::vector<int> children_of(int pid) {
 }
 
 std::string command_line_of(int pid) {
-  std::string words = content_of("/proc/" + std::to_string(pid) + "/cmdline");
+  std::string words = process_file(pid, "cmdline");
   for (char& c : words)
     if (c == '\0') c = ' ';
   return words;
