@@ -5,7 +5,8 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py examples RTHS               runs examples in virtual time and bearing loops with the command RTHS
        keep.py opensees_runs RTHS          runs OpenSees with RTHS, and alone with RTHS_OPENSEES_PYTHON
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
-       keep.py real_recordings TESTS         --gtest_output=json:TESTS
+       keep.py deaths TESTS                  --gtest_output=json:TESTS
+       keep.py real_recordings TESTS
        keep.py opensees_comparison TESTS
 
 Standard library only. tests/style/figures.py compares the pages with these files.
@@ -132,6 +133,14 @@ def kills(file):
     return sums | {"repair_p99_ms": max(row["repair_p99_ms"] for row in rows.values()), "by_length": rows}
 
 
+def deaths(file):
+    """Deaths and stops of the processes of a run, summed over the roles; the slowest rests."""
+    rows = {name.rsplit("/", 1)[1]: values for name, values in tests_of(file) if "rest_after_stop_s" in values}
+    slowest = ("rest_after_kill_s", "rest_after_stop_s")
+    sums = {key: sum(row[key] for row in rows.values()) for key in next(iter(rows.values())) if key not in slowest}
+    return sums | {key: max(row[key] for row in rows.values()) for key in slowest} | {"by_role": rows}
+
+
 def real_recordings(file):
     """Verdicts on recordings; `emps_without_asymmetric_viscous`: with these terms barred, named by the first."""
     rows = {}
@@ -153,7 +162,8 @@ def opensees_comparison(file):
 def main():
     makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples,
               "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),
-              "kills": kills, "real_recordings": real_recordings, "opensees_comparison": opensees_comparison}
+              "kills": kills, "deaths": deaths, "real_recordings": real_recordings,
+              "opensees_comparison": opensees_comparison}
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("name", choices=makers)
     arguments.add_argument("file", help="the file or command to read from")

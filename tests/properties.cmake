@@ -14,6 +14,9 @@ endfunction()
 rths_tests(rths_page_test "^Page\\." FIXTURES_REQUIRED short_run)
 rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED "example_run;short_run")
 
+# With RTHS_LONG=1, forty runs each.
+rths_tests(rths_death_trial_test "." TIMEOUT 1200)
+
 # Tests with the highest cost start first [s].
 rths_tests(rths_diagnosed_run_test "^(VerticalCoupling|DetunedTracking)\\." COST 18)
 rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." COST 8)
