@@ -50,21 +50,6 @@ std::string partition_toml(const Partition& partition) {
   return text;
 }
 
-// Sorts nodes by id, partitions, signals and values by position: one order for all spellings.
-void sort_canonically(MapDescription& description) {
-  const auto by_offset = [](const Signal& a, const Signal& b) { return a.offset < b.offset; };
-  const auto by_base = [](const Partition& a, const Partition& b) { return a.base < b.base; };
-  std::sort(description.nodes.begin(), description.nodes.end(),
-            [](const MapNode& a, const MapNode& b) { return a.id < b.id; });
-  std::stable_sort(description.partitions.begin(), description.partitions.end(), by_base);
-  for (auto& partition : description.partitions) {
-    std::stable_sort(partition.signals.begin(), partition.signals.end(), by_offset);
-    for (auto& signal : partition.signals)
-      std::sort(signal.values.begin(), signal.values.end(),
-                [](const auto& a, const auto& b) { return a.second < b.second; });
-  }
-}
-
 }  // namespace
 
 const char* to_text(WordType type) noexcept {
@@ -81,7 +66,9 @@ const char* to_text(WordType type) noexcept {
 
 Map::Map(MapDescription description) : description_{std::move(description)} {
   sort_canonically(description_);
-  check_rules(description_);
+  Mistakes mistakes;
+  check_rules(description_, mistakes);
+  mistakes.report();
   for (const auto& partition : description_.partitions) {
     for (const auto& signal : partition.signals) {
       by_name_.emplace(partition.name + "." + signal.name,

@@ -7,6 +7,8 @@
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
 
+#include "map_rules.hpp"
+
 namespace rths::memmap {
 namespace {
 
@@ -87,28 +89,25 @@ void append_signals(const Config& table, std::vector<Signal>& signals) {
   table.reject_unknown_keys();
 }
 
-Partition read_partition(const Config& table) {
+void read_partition(const Config& table, MapDescription& description, Mistakes& mistakes) {
   Partition partition;
-  partition.name = table.text("name");
-  partition.node = table.text("node");
-  partition.base = read_offset(table);
-  partition.longwords =
-      static_cast<std::uint32_t>(table.integer_in("longwords", 1, kLargestOffset));
-  partition.tear_group = table.flag("tear_group", false);
-  partition.where = table.where();
-  for (const auto& signal : table.tables("signal")) append_signals(signal, partition.signals);
-  table.reject_unknown_keys();
-  return partition;
+  const bool is_read = mistakes.collect([&] {
+    partition.name = table.text("name");
+    partition.node = table.text("node");
+    partition.base = read_offset(table);
+    partition.longwords =
+        static_cast<std::uint32_t>(table.integer_in("longwords", 1, kLargestOffset));
+    partition.tear_group = table.flag("tear_group", false);
+    partition.where = table.where();
+    static_cast<void>(table.tables("signal"));
+    table.reject_unknown_keys();
+  });
+  for (const auto& signal : table.tables("signal"))
+    mistakes.collect([&] { append_signals(signal, partition.signals); });
+  if (is_read) description.partitions.push_back(std::move(partition));
 }
 
-MapDescription read_description(const Config& file) {
-  constexpr std::int64_t kLargestNodeId = 255;
-  MapDescription description;
-  description.where = file.where("nodes");
-  const std::int64_t format = file.integer("ringmap");
-  if (format != kMapFormat)
-    file.fail("ringmap", fmt::format("ringmap is {}, this program reads {}", format, kMapFormat));
-  const Config ring = file.table("ring");
+void read_ring(const Config& ring, MapDescription& description) {
   description.name = ring.text("name");
   description.version = static_cast<std::uint32_t>(ring.integer_in("version", 1, 1'000'000));
   const std::int64_t bytes = ring.integer_in("size_bytes", 4096, std::int64_t{128} << 20);
@@ -116,14 +115,33 @@ MapDescription read_description(const Config& file) {
     ring.fail("size_bytes", fmt::format("size_bytes is {}, expected a multiple of 4096", bytes));
   description.size_longwords = static_cast<std::uint32_t>(bytes / kBytesPerLongword);
   ring.reject_unknown_keys();
-  const Config nodes = file.table("nodes");
+}
+
+void read_nodes(const Config& nodes, MapDescription& description) {
+  constexpr std::int64_t kLargestNodeId = 255;
   for (const auto& name : nodes.keys())
     description.nodes.push_back(
         {name, NodeId{static_cast<std::uint16_t>(nodes.integer_in(name, 0, kLargestNodeId))},
          nodes.where(name)});
-  for (const auto& partition : file.tables("partition"))
-    description.partitions.push_back(read_partition(partition));
-  file.reject_unknown_keys();
+}
+
+// Throws all mistakes of the file at once. The rules need the ring's size and its nodes.
+MapDescription read_description(const Config& file) {
+  const std::int64_t format = file.integer("ringmap");
+  if (format != kMapFormat)
+    file.fail("ringmap", fmt::format("ringmap is {}, this program reads {}", format, kMapFormat));
+  MapDescription description;
+  Mistakes mistakes;
+  description.where = file.where("nodes");
+  const bool has_ring = mistakes.collect([&] { read_ring(file.table("ring"), description); });
+  const bool has_nodes = mistakes.collect([&] { read_nodes(file.table("nodes"), description); });
+  mistakes.collect([&] {
+    for (const auto& table : file.tables("partition")) read_partition(table, description, mistakes);
+  });
+  mistakes.collect([&] { file.reject_unknown_keys(); });
+  sort_canonically(description);
+  if (has_ring && has_nodes) check_rules(description, mistakes);
+  mistakes.report();
   return description;
 }
 

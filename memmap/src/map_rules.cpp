@@ -30,14 +30,19 @@ void check_name(const std::string& name, const std::string& kind, const std::str
     fail(where, "{} name is '{}', expected letters, digits, '_' and inner '.'", kind, name);
 }
 
-void check_nodes(const MapDescription& description) {
-  if (description.nodes.empty()) fail(description.where, "map '{}' has no nodes", description.name);
+void check_nodes(const MapDescription& description, Mistakes& mistakes) {
+  mistakes.collect([&] {
+    if (description.nodes.empty())
+      fail(description.where, "map '{}' has no nodes", description.name);
+  });
   for (std::size_t i = 1; i < description.nodes.size(); ++i) {
     const MapNode& node = description.nodes[i];
     const MapNode& previous = description.nodes[i - 1];
-    if (node.id == previous.id)
-      fail(node.where, "nodes '{}' and '{}' both have id {}", previous.name, node.name,
-           node.id.value());
+    mistakes.collect([&] {
+      if (node.id == previous.id)
+        fail(node.where, "nodes '{}' and '{}' both have id {}", previous.name, node.name,
+             node.id.value());
+    });
   }
 }
 
@@ -46,7 +51,8 @@ void check_partition(const Partition& partition, const MapDescription& descripti
   std::string known;
   for (const auto& node : description.nodes) known += (known.empty() ? "" : ", ") + node.name;
   const auto is_writer = [&](const MapNode& node) { return node.name == partition.node; };
-  if (std::none_of(description.nodes.begin(), description.nodes.end(), is_writer))
+  const auto& nodes = description.nodes;  // none: a mistake of the map, not of this partition
+  if (!nodes.empty() && std::none_of(nodes.begin(), nodes.end(), is_writer))
     fail(partition.where, "partition '{}' is written by '{}', expected one of {}", partition.name,
          partition.node, known);
   const std::uint64_t end = std::uint64_t{partition.base.value()} + partition.longwords;
@@ -56,18 +62,14 @@ void check_partition(const Partition& partition, const MapDescription& descripti
   if (partition.longwords == 0) fail(partition.where, "partition '{}' is empty", partition.name);
 }
 
-void check_overlaps(const std::vector<Partition>& partitions) {
-  for (std::size_t i = 1; i < partitions.size(); ++i) {
-    const Partition& low = partitions[i - 1];
-    const Partition& high = partitions[i];
-    if (advance(low.base, low.longwords) <= high.base) continue;
-    if (low.node != high.node)
-      fail(high.where, "longword {} has two writers: '{}' (partition '{}') and '{}' ('{}')",
-           high.base.value(), low.node, low.name, high.node, high.name);
-    fail(high.where, "partition '{}' starts at longword {}, inside partition '{}' ({} to {})",
-         high.name, high.base.value(), low.name, low.base.value(),
-         low.base.value() + low.longwords - 1);
-  }
+void check_overlap(const Partition& low, const Partition& high) {
+  if (advance(low.base, low.longwords) <= high.base) return;
+  if (low.node != high.node)
+    fail(high.where, "longword {} has two writers: '{}' (partition '{}') and '{}' ('{}')",
+         high.base.value(), low.node, low.name, high.node, high.name);
+  fail(high.where, "partition '{}' starts at longword {}, inside partition '{}' ({} to {})",
+       high.name, high.base.value(), low.name, low.base.value(),
+       low.base.value() + low.longwords - 1);
 }
 
 void check_integer_values(const Signal& signal) {
@@ -102,47 +104,84 @@ void check_range(const Signal& signal) {
          signal.initial, low, high);
 }
 
-void check_signal(const Signal& signal, const Partition& partition) {
-  check_name(signal.name, "signal", signal.where);
+void check_place(const Signal& signal, const Partition& partition) {
   if (signal.offset < partition.base ||
       signal.offset >= advance(partition.base, partition.longwords))
     fail(signal.where, "signal '{}' is at longword {}, outside partition '{}' ({} to {})",
          signal.name, signal.offset.value(), partition.name, partition.base.value(),
          partition.base.value() + partition.longwords - 1);
+}
+
+void check_unit(const Signal& signal) {
   try {
     static_cast<void>(parse_unit(signal.unit));
   } catch (const Error& error) {
     fail(signal.where, "signal '{}': {}", signal.name, error.what());
   }
-  check_integer_values(signal);
-  check_range(signal);
 }
 
-void check_signals(const Partition& partition, std::set<std::string>& names) {
+void check_signal(const Signal& signal, const Partition& partition, Mistakes& mistakes) {
+  mistakes.collect([&] { check_name(signal.name, "signal", signal.where); });
+  mistakes.collect([&] { check_place(signal, partition); });
+  mistakes.collect([&] { check_unit(signal); });
+  mistakes.collect([&] { check_integer_values(signal); });
+  mistakes.collect([&] { check_range(signal); });
+}
+
+void check_signals(const Partition& partition, std::set<std::string>& names, Mistakes& mistakes) {
   for (std::size_t i = 0; i < partition.signals.size(); ++i) {
     const Signal& signal = partition.signals[i];
-    check_signal(signal, partition);
-    if (i > 0 && signal.offset == partition.signals[i - 1].offset)
-      fail(signal.where, "signals '{}' and '{}' are both at longword {}",
-           partition.signals[i - 1].name, signal.name, signal.offset.value());
-    if (!names.insert(partition.name + "." + signal.name).second)
-      fail(signal.where, "there are two signals '{}.{}'", partition.name, signal.name);
+    check_signal(signal, partition, mistakes);
+    mistakes.collect([&] {
+      if (i > 0 && signal.offset == partition.signals[i - 1].offset)
+        fail(signal.where, "signals '{}' and '{}' are both at longword {}",
+             partition.signals[i - 1].name, signal.name, signal.offset.value());
+    });
+    mistakes.collect([&] {
+      if (!names.insert(partition.name + "." + signal.name).second)
+        fail(signal.where, "there are two signals '{}.{}'", partition.name, signal.name);
+    });
   }
 }
 
 }  // namespace
 
-void check_rules(const MapDescription& description) {
-  check_name(description.name, "ring", description.where);
-  check_nodes(description);
-  for (const auto& partition : description.partitions) check_partition(partition, description);
-  check_overlaps(description.partitions);
+void Mistakes::report() const {
+  if (!lines_.empty()) throw Error{fmt::format("{}", fmt::join(lines_, "\n"))};
+}
+
+void check_rules(const MapDescription& description, Mistakes& mistakes) {
+  mistakes.collect([&] { check_name(description.name, "ring", description.where); });
+  check_nodes(description, mistakes);
+  const auto& partitions = description.partitions;
+  for (const auto& partition : partitions)
+    mistakes.collect([&] { check_partition(partition, description); });
+  for (std::size_t i = 1; i < partitions.size(); ++i)
+    mistakes.collect([&] { check_overlap(partitions[i - 1], partitions[i]); });
   std::set<std::string> partition_names;
   std::set<std::string> signal_names;
-  for (const auto& partition : description.partitions) {
-    if (!partition_names.insert(partition.name).second)
-      fail(partition.where, "there are two partitions '{}'", partition.name);
-    check_signals(partition, signal_names);
+  for (const auto& partition : partitions) {
+    const bool is_new = mistakes.collect([&] {
+      if (!partition_names.insert(partition.name).second)
+        fail(partition.where, "there are two partitions '{}'", partition.name);
+    });
+    // Equal names of signals would only repeat the mistake.
+    std::set<std::string> others;
+    check_signals(partition, is_new ? signal_names : others, mistakes);
+  }
+}
+
+void sort_canonically(MapDescription& description) {
+  const auto by_offset = [](const Signal& a, const Signal& b) { return a.offset < b.offset; };
+  const auto by_base = [](const Partition& a, const Partition& b) { return a.base < b.base; };
+  std::sort(description.nodes.begin(), description.nodes.end(),
+            [](const MapNode& a, const MapNode& b) { return a.id < b.id; });
+  std::stable_sort(description.partitions.begin(), description.partitions.end(), by_base);
+  for (auto& partition : description.partitions) {
+    std::stable_sort(partition.signals.begin(), partition.signals.end(), by_offset);
+    for (auto& signal : partition.signals)
+      std::sort(signal.values.begin(), signal.values.end(),
+                [](const auto& a, const auto& b) { return a.second < b.second; });
   }
 }
 

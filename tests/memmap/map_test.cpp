@@ -80,6 +80,29 @@ TEST(Map, SuggestsTheSignalForAMisspeltOne) {
             "map 'lab' has no signal 'fbk.lng.displ' (did you mean 'fbk.long.displ'?)");
 }
 
+TEST(Map, ReportsEveryMistakeOfAFile) {
+  std::string text = kText;
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("unit = \"mm\"", "unit = \"mmm\"");
+  replace("type = \"u32\"", "type = \"u33\"");
+  replace("machine = 30", "machine = 20");
+  replace("[nodes]", "colour = 3\n[nodes]");
+
+  const std::string error = test::error_of([&] { static_cast<void>(parse_map(text, "lab.toml")); });
+
+  EXPECT_EQ(error,
+            "lab.toml:7:10: unknown key 'colour'\n"
+            "lab.toml:32:8: type is 'u33', expected i32, u32 or f32");
+  replace("colour = 3\n", "");
+  replace("type = \"u33\"", "type = \"u32\"");
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(parse_map(text, "lab.toml")); }),
+            "lab.toml:9:11: nodes 'controller' and 'machine' both have id 20\n"
+            "lab.toml:16:1: signal 'long.displ': unit 'mmm' does not parse\n"
+            "lab.toml:16:1: signal 'lat.displ': unit 'mmm' does not parse");
+}
+
 TEST(Map, ReadsItsCanonicalSpellingBack) {
   const Map map = parse_map(kText, "lab.toml");
 

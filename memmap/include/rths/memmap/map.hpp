@@ -78,7 +78,7 @@ struct SignalEntry {
 /// The meaning of every word of a ring: a checked memory map, constant after construction.
 class Map {
  public:
-  /// @throws Error "file:line:column: …" for the first rule that the description breaks   @setup
+  /// @throws Error "file:line:column: …", a line for each rule that the description breaks   @setup
   explicit Map(MapDescription description);
   Map(const Map& other) : Map(other.description_) {}
   Map(Map&&) noexcept = default;
@@ -114,7 +114,8 @@ class Map {
   std::uint64_t hash_ = 0;
 };
 
-/// Reads and checks a map file. @throws Error "file:line:column: …"   @setup
+/// Reads and checks a map file.
+/// @throws Error "file:line:column: …", a line for each mistake   @setup
 [[nodiscard]] Map load_map(const std::filesystem::path& file);
 /// The same from text; messages show `name` as the file.
 [[nodiscard]] Map parse_map(std::string_view text, const std::string& name);
