@@ -72,6 +72,20 @@ void overlay(ConfigValue::Table& table, const ConfigValue::Table& changes) {
   }
 }
 
+// A text needs no quotes: --set map=sts.
+ConfigValue parse_value(const std::string& value, const std::string& where) {
+  try {
+    return std::move(parse_toml("value = " + value, where).at("value"));
+  } catch (const Error&) {
+    if (!value.empty() && value.find_first_of("\"'[]{}\n") == std::string::npos)
+      return {value, where};
+    throw Error{fmt::format(
+        "{}: the value is {}, expected a number, true, false, a text or a list such as [\"a\", "
+        "\"b\"]; a shell needs quotes around it: '[\"a\", \"b\"]'",
+        where, value.empty() ? "empty" : value)};
+  }
+}
+
 }  // namespace
 
 std::optional<std::string> nearest(const std::string& word,
@@ -92,6 +106,13 @@ std::optional<std::string> nearest(const std::string& word,
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
   const auto meant = nearest(word, candidates);
   return meant ? fmt::format(" (did you mean '{}'?)", *meant) : "";
+}
+
+std::string did_you_mean_one_of(const std::string& word,
+                                const std::vector<std::string>& candidates) {
+  const std::string hint = did_you_mean(word, candidates);
+  if (!hint.empty()) return hint;
+  return candidates.empty() ? "" : fmt::format(", expected one of {}", fmt::join(candidates, ", "));
 }
 
 Config::Config(ConfigValue::Table table, std::string where, std::filesystem::path directory)
@@ -278,7 +299,7 @@ Config Config::without(const std::string& key) const {
 
 void Config::set(const std::string& dotted_key, const std::string& value) {
   const std::string where = fmt::format("--set {}", dotted_key);
-  ConfigValue parsed = std::move(parse_toml("value = " + value, where).at("value"));
+  ConfigValue parsed = parse_value(value, where);
   ConfigValue::Table* table = &table_;
   std::size_t start = 0;
   for (std::size_t dot = dotted_key.find('.'); dot != std::string::npos;

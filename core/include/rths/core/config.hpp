@@ -100,7 +100,8 @@ class Config {
   /// This table as TOML text that reads back the same: values first, then tables, keys in order.
   [[nodiscard]] std::string to_toml() const;
 
-  /// Sets the value at a dotted path, as `--set` does. @param value  TOML text
+  /// Sets the value at a dotted path, as `--set` does. @param value  TOML text, or a text without
+  /// quotes
   void set(const std::string& dotted_key, const std::string& value);
   /// Replaces the value of a key by a table.
   void set(const std::string& key, const Config& table);
@@ -122,5 +123,8 @@ class Config {
 /// Hint for an error message: " (did you mean 'x'?)", or "" if no candidate is close.
 [[nodiscard]] std::string did_you_mean(const std::string& word,
                                        const std::vector<std::string>& candidates);
+/// The same, or ", expected one of x, y" if no candidate is close.
+[[nodiscard]] std::string did_you_mean_one_of(const std::string& word,
+                                              const std::vector<std::string>& candidates);
 
 }  // namespace rths
