@@ -3,8 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/memmap/units.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -47,6 +52,25 @@ std::string signal_name(const Port& port, const std::string& node) {
   }
 }
 
+void check_ports(const std::vector<Port>& ports, const memmap::Map& map, const std::string& node) {
+  std::map<std::string, std::string> si_units;  // parsing a unit is slow
+  const auto si = [&](const std::string& unit) -> const std::string& {
+    auto& known = si_units[unit];
+    if (known.empty()) known = memmap::parse_unit(unit).si;
+    return known;
+  };
+  for (const auto& port : ports) {
+    const auto& entry = map.entry(map.signal(signal_name(port, node)));
+    if (!is_read(port) && entry.partition->node != node)
+      throw Error{"node '" + node + "' cannot write '" + entry.name + "', which belongs to '" +
+                  entry.partition->node + "'"};
+    if (si(port.unit) != si(entry.signal->unit))
+      throw Error{fmt::format("node '{}' {} '{}' in [{}], the map gives [{}]", node,
+                              is_read(port) ? "reads" : "writes", entry.name, si(port.unit),
+                              si(entry.signal->unit))};
+  }
+}
+
 AdapterRunner::AdapterRunner(Adapter& adapter, broker::Ring& ring, const std::string& node,
                              std::uint64_t map_hash, Duration period)
     : adapter_{adapter}, node_{ring.join(node, map_hash)}, period_{period} {
@@ -58,22 +82,35 @@ AdapterRunner::AdapterRunner(Adapter& adapter, broker::Ring& ring, const std::st
   if (!words.empty()) waiter_ = ring.wait_for(words);
 }
 
+AdapterRunner::Value AdapterRunner::value_for(const Port& port, const memmap::SignalEntry& entry,
+                                              std::size_t index, LongwordOffset base) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const memmap::Codec codec{*entry.signal};
+  const auto as_in_word = [&](double value) { return codec.decode(codec.encode(value)); };
+  Value value{static_cast<std::uint32_t>(index), entry.signal->offset.value() - base.value(), codec,
+              -kInfinity, kInfinity};
+  if (port.range) {
+    value.lowest = as_in_word(port.range->first);
+    value.highest = as_in_word(port.range->second);
+  }
+  return value;
+}
+
 void AdapterRunner::bind(const std::vector<Port>& ports, broker::Ring& ring,
                          const std::string& node) {
+  check_ports(ports, ring.map(), node);
   for (const auto& port : ports) {
     const auto& entry = ring.map().entry(ring.map().signal(signal_name(port, node)));
     const bool reads = is_read(port);
-    if (!reads && entry.partition->node != node)
-      throw Error{"node '" + node + "' cannot write '" + entry.name + "', which belongs to '" +
-                  entry.partition->node + "'"};
     auto& values = reads ? inputs_ : outputs_;
     Transfer& transfer = transfer_for(reads ? reads_ : writes_, entry, ring);
-    transfer.values.push_back({static_cast<std::uint32_t>(values.size()),
-                               entry.signal->offset.value() - transfer.base.value(),
-                               memmap::Codec{*entry.signal}});
+    const Value value = value_for(port, entry, values.size(), transfer.base);
     const auto word = node_.read(entry.signal->offset);
-    values.push_back(transfer.values.back().codec.decode(word));
-    transfer.image[transfer.values.back().word] = word;
+    const double now = value.codec.decode(word);
+    const bool is_refused = port.direction == Direction::Parameter && !value.accepts(now);
+    values.push_back(is_refused ? value.codec.to_si(entry.signal->initial) : now);
+    transfer.values.push_back(value);
+    transfer.image[value.word] = word;
   }
 }
 
@@ -106,7 +143,7 @@ Status AdapterRunner::read_inputs() noexcept {
     }
     for (const auto& value : transfer.values) {
       const double now = value.codec.decode(transfer.image[value.word]);
-      if (std::isfinite(now))
+      if (value.accepts(now))
         inputs_[value.index] = now;
       else
         status = Status::Stale;  // NaN would spread to every result

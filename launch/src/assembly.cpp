@@ -89,6 +89,12 @@ std::unique_ptr<adapters::Adapter> make_opensees_specimen(const Experiment& e,
   return adapters::make_opensees_specimen(settings);
 }
 
+std::map<std::string, std::string> units_of(const memmap::Map& map) {
+  std::map<std::string, std::string> units;
+  for (const auto& entry : map.signals()) units[entry.name] = entry.signal->unit;
+  return units;
+}
+
 std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const memmap::Map& laboratory,
                                                 const NodePlan& plan, ClockKind clock,
                                                 const std::filesystem::path& recording) {
@@ -108,7 +114,8 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const memma
     return make_opensees_specimen(e, laboratory, plan, clock, recording);
   if (plan.adapter == "simulink_like")
     return adapters::make_simulink_like(
-        plan.diagram, {e.axes, e.integration_step, e.simulation_step(), e.retreat});
+        plan.diagram,
+        {e.axes, e.integration_step, e.simulation_step(), e.retreat, units_of(laboratory)});
   // A given history needs no OpenSees: the numerical adapter imposes it.
   if (plan.adapter == "opensees" && !e.history)
     return make_opensees(e, laboratory, plan, clock, recording);
@@ -130,15 +137,21 @@ std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const memma
   return adapters::make_numerical(settings);
 }
 
-void check_tuning(const NodePlan& plan, const std::vector<adapters::Port>& ports) {
+void check_tuning(const NodePlan& plan, const std::vector<adapters::Port>& ports,
+                  const Tuning& tuning) {
   std::vector<std::string> known;
   for (const auto& port : ports)
     if (port.direction == adapters::Direction::Parameter) known.push_back(port.name);
-  for (const auto& [name, value] : plan.tune) {
-    static_cast<void>(value);
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    throw Error{fmt::format("node '{}' has no parameter '{}'{}", plan.node, name,
-                            did_you_mean(name, known))};
+  for (const auto& [name, value] : tuning) {
+    const auto port = std::find_if(ports.begin(), ports.end(), [&wanted = name](const auto& p) {
+      return p.direction == adapters::Direction::Parameter && p.name == wanted;
+    });
+    if (port == ports.end())
+      throw Error{fmt::format("node '{}' has no parameter '{}'{}", plan.node, name,
+                              did_you_mean_one_of(name, known))};
+    if (port->range && !(value >= port->range->first && value <= port->range->second))
+      throw Error{fmt::format("node '{}': {} is {}, expected {} to {}", plan.node, name, value,
+                              port->range->first, port->range->second)};
   }
 }
 
@@ -148,6 +161,7 @@ memmap::Signal signal_for(const adapters::Port& port, const NodePlan& plan) {
   signal.unit = port.unit;
   signal.event = port.event || port.direction == adapters::Direction::Parameter;
   signal.initial = port.initial;
+  signal.range = port.range;
   for (const auto& [name, value] : plan.tune)
     if (name == port.name) signal.initial = value;
   return signal;
@@ -191,7 +205,8 @@ void extend(memmap::MapDescription& description, const NodePlan& plan,
             const std::vector<adapters::Port>& adapter_ports) {
   auto ports = adapters::runner_ports();
   ports.insert(ports.end(), adapter_ports.begin(), adapter_ports.end());
-  check_tuning(plan, ports);
+  check_tuning(plan, ports, plan.tune);
+  check_tuning(plan, ports, plan.uncompensated);
   add_node(description, plan.node);
   append_partition(description, "monitor." + plan.node, plan.node, adapters::Direction::Monitor,
                    ports, plan);
@@ -244,6 +259,9 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
            records ? adapters::recorder_monitors() : stations.back().adapter->ports());
   }
   Assembly assembly{memmap::Map{std::move(description)}, std::move(stations)};
+  for (const auto& station : assembly.stations)
+    if (station.adapter)
+      adapters::check_ports(station.adapter->ports(), assembly.map, station.plan.node);
   for (auto& station : assembly.stations)
     if (!station.adapter)
       station.adapter = make_recorder(experiment, clock, recording, assembly.map);

@@ -82,7 +82,7 @@ unit = "m"
 class Echo final : public Adapter {
  public:
   std::vector<Port> list = {{"sender.displ", Direction::Input, "m", 0, false},
-                            {"gain", Direction::Parameter, "1", 3, false},
+                            {"gain", Direction::Parameter, "1", 3, false, {{0, 100.3}}},
                             {"echo.displ", Direction::Output, "m", 0, false},
                             {"twice", Direction::Monitor, "m", 0, false}};
   Status result = Status::Ok;
@@ -184,12 +184,38 @@ TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAnAdapterOutputsNaN) {
 TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAValueOverflowsItsWord) {
   send(0.1);
   static_cast<void>(runner.tick(Duration{0}, false, {}));
-  tune_gain(1e6);
-  send(1e33);
+  tune_gain(100);
+  send(1e35);
 
   EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::LimitExceeded);
 
   EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
+}
+
+// A parameter can be written without `rths send`, which checks its range.
+TEST_F(AdapterRunnerTest, HoldsTheLastValueOfAParameterOutsideItsRange) {
+  tune_gain(5);
+  send(0.1);
+  EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::Ok);
+  for (const double gain : {1e6, -1.0, std::nan("")}) {
+    tune_gain(gain);
+    EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::Stale) << gain;
+    EXPECT_NEAR(value("echo.displ"), 0.5, 1e-6) << gain;
+  }
+  EXPECT_EQ(value("monitor.echo.host.stale"), 3);
+
+  tune_gain(100.3);  // as a float, it is above the bound
+  EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::Ok);
+  EXPECT_NEAR(value("echo.displ"), 10.03, 1e-5);
+}
+
+TEST(AdapterRunner, RefusesAPortInAnotherUnitThanTheMap) {
+  broker::Ring ring = broker::Ring::in_process(memmap::parse_map(bench_map(), "bench"));
+  Echo echo;
+  echo.list[2].unit = "N";
+
+  EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
+            "node 'echo' writes 'echo.displ' in [N], the map gives [m]");
 }
 
 // A stale input does not revoke an adapter's Done.

@@ -33,6 +33,13 @@ std::string error_in(const std::string& blocks) {
   return test::error_of([&] { static_cast<void>(diagram(blocks)); });
 }
 
+Port port_named(const Adapter& adapter, const std::string& name) {
+  for (const auto& port : adapter.ports())
+    if (port.name == name) return port;
+  ADD_FAILURE() << "there is no port " << name;
+  return {};
+}
+
 const std::string kX = input("x", "lab.{axis}.displ");
 
 TEST(Diagram, CarriesAValuePerAxisFromTheRingToTheRing) {
@@ -86,10 +93,100 @@ TEST(Diagram, TakesUnitsFromTheFirstInput) {
   const auto target = diagram(block("c", "gain", "in.in = \"b\"") +
                               block("b", "saturation", "in.in = \"x\"\nlimits = [1, 1]") + kX);
 
-  for (const auto& port : target->ports())
-    if (port.name == "c.out.long") {
-      EXPECT_EQ(port.unit, "m");
-    }
+  EXPECT_EQ(port_named(*target, "c.out.long").unit, "m");
+}
+
+// Two axes of a laboratory, in its own units.
+DiagramContext laboratory() {
+  DiagramContext context;
+  for (const char* axis : {"long", "lat"})
+    for (const auto& [signal, unit] :
+         {std::pair{"displ", "inch"}, std::pair{"force", "kip"}, std::pair{"veloc", "inch/s"}})
+      context.signal_units[std::string{"lab."} + axis + "." + signal] = unit;
+  return context;
+}
+
+const std::string kForce = input("f", "lab.{axis}.force", "N");
+
+std::string error_in_laboratory(const std::string& blocks) {
+  return test::error_of([&] { static_cast<void>(diagram(blocks, laboratory())); });
+}
+
+TEST(Diagram, TakesTheUnitOfTheMapWhereItStatesNone) {
+  const auto target =
+      diagram(block("x", "ring_input", "signal = \"lab.{axis}.displ\"") +
+                  block("y", "ring_output", "in.in = \"x\"\nsignal = \"lab.{axis}.displ\""),
+              laboratory());
+
+  EXPECT_EQ(port_named(*target, "x.out.long").unit, "m");
+}
+
+TEST(Diagram, RefusesAnInputOfAnotherUnitThanTheMap) {
+  EXPECT_EQ(error_in_laboratory(input("x", "lab.{axis}.force", "m")),
+            "d.toml:4:1: block 'x' has unit [m], the map gives 'lab.long.force' [N]");
+}
+
+TEST(Diagram, RefusesASignalThatTheMapLacks) {
+  EXPECT_EQ(error_in_laboratory(input("x", "lab.{axis}.dspl")),
+            "d.toml:4:1: block 'x': the map has no signal 'lab.long.dspl' (did you mean "
+            "'lab.long.displ'?)");
+}
+
+TEST(Diagram, RefusesAForceAsADisplacementOnTheRing) {
+  const std::string out = "in.in = \"{}\"\nsignal = \"lab.{axis}.displ\"";
+  const auto fed_by = [&](const std::string& wire) {
+    return block("y", "ring_output", std::string{out}.replace(out.find("{}"), 2, wire));
+  };
+  EXPECT_EQ(error_in_laboratory(kForce + fed_by("f")),
+            "d.toml:9:1: 'y.in' takes [m], the unit of 'lab.long.displ', 'f' gives [N]");
+  // Through blocks that keep the unit.
+  EXPECT_EQ(
+      error_in_laboratory(kForce + block("k", "gain", "in.in = \"f\"\ngain = 1e-6") +
+                          block("s", "saturation", "in.in = \"k\"\nlimits = [1, 1]") + fed_by("s")),
+      "d.toml:19:1: 'y.in' takes [m], the unit of 'lab.long.displ', 's' gives [N]");
+  EXPECT_EQ(
+      error_in_laboratory(kForce + block("k", "gain", "in.in = \"f\"\ngain = 1e-6\nunit = \"m\"") +
+                          fed_by("k")),
+      "");
+  EXPECT_EQ(error_in_laboratory(block("free", "sine", "amplitude = 0.1") + fed_by("free")),
+            "");  // unknown
+}
+
+TEST(Diagram, RefusesToAddOrSelectDifferentUnits) {
+  const std::string x = input("x", "lab.{axis}.displ", "mm");
+  EXPECT_EQ(error_in_laboratory(x + kForce + block("s", "sum", "in.in1 = \"x\"\nin.in2 = \"f\"")),
+            "d.toml:14:1: 's.in2' takes [mm], 'f' gives [N]");
+  EXPECT_EQ(
+      error_in_laboratory(x + kForce + block("s", "switch", "in.in1 = \"f\"\nin.in2 = \"x\"")),
+      "d.toml:14:1: 's.in2' takes [N], 'x' gives [mm]");
+}
+
+TEST(Diagram, RefusesAWrongUnitOfADerivative) {
+  EXPECT_EQ(error_in(kX + block("v", "derivative", "in.in = \"x\"\nunit = \"m\"")),
+            "d.toml:9:1: 'v' has unit [m], the derivative of [m] has [m/s]");
+}
+
+TEST(Diagram, StatesTheRangesOfItsParameters) {
+  const auto target =
+      diagram(kX + block("k", "gain", "in.in = \"x\"\ngain = 2\nrange.gain = [0, 3]") +
+              block("lead", "feed_forward",
+                    "in.reference = \"x\"\nin.velocity = \"v\"\nin.acceleration = \"a\"") +
+              block("v", "derivative", "in.in = \"x\"\nunit = \"m/s\"") +
+              block("a", "derivative", "in.in = \"v\"\nunit = \"m/s2\""));
+
+  EXPECT_EQ(port_named(*target, "k.gain").range, (std::pair<double, double>{0, 3}));
+  EXPECT_EQ(port_named(*target, "lead.enabled").range, (std::pair<double, double>{0, 1}));
+  EXPECT_EQ(port_named(*target, "lead.velocity_gain_s").range, (std::pair<double, double>{-1, 1}));
+}
+
+TEST(Diagram, RefusesAParameterOutsideItsRange) {
+  const std::string gain = "in.in = \"x\"\ngain = 4\n";
+  EXPECT_EQ(error_in(kX + block("k", "gain", gain + "range.gain = [0, 3]")),
+            "d.toml:13:8: gain is 4, expected 0 to 3");
+  EXPECT_EQ(error_in(kX + block("k", "gain", gain + "range.gain = [3, 0]")),
+            "d.toml:14:14: a range is [lowest, highest]");
+  EXPECT_EQ(error_in(kX + block("k", "gain", gain + "range.gian = [0, 3]")),
+            "d.toml:14:14: unknown key 'gian' (did you mean 'gain'?)");
 }
 
 TEST(Diagram, RunsFastBlocksSeveralTimesAStep) {

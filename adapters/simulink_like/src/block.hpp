@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -18,7 +20,8 @@ namespace rths::adapters {
 struct PortSpec {
   std::string name;
   bool per_axis = true;  ///< one value per axis, else a single value
-  /// SI; empty: that of the first input. g++ needs the initializer, clang-tidy rejects it.
+  /// SI; empty: of an output, that of the first input; still empty after that: unknown. g++ needs
+  /// the initializer, clang-tidy rejects it.
   std::string unit = {};  // NOLINT(readability-redundant-member-init)
   bool optional = false;  ///< an input that may stay unwired and then reads zeros
 };
@@ -28,6 +31,7 @@ struct ParameterSpec {
   std::string name;  ///< the key in the file, with unit: "velocity_gain_s"
   std::string unit = "1";
   double value = 0;
+  std::optional<std::pair<double, double>> range = {};  // NOLINT: lowest and highest [unit]
 };
 
 /// All block types. Ring inputs and outputs do nothing in `step`: the diagram copies their values.
@@ -39,8 +43,9 @@ using BlockKind =
 
 struct Block {
   std::string name;
-  std::string where;  ///< place in the file
-  bool fast = false;  ///< runs at substeps times the base rate
+  std::string where;             ///< place in the file
+  bool fast = false;             ///< runs at substeps times the base rate
+  bool has_equal_units = false;  ///< all inputs and the output have one unit
   std::vector<PortSpec> inputs, outputs;
   std::vector<ParameterSpec> parameters;
   std::vector<std::string> wires;  ///< output that feeds each input, "block.port"; empty if unwired

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/memmap/units.hpp>
 
 #include "block_tables.hpp"
 
@@ -34,11 +35,19 @@ std::vector<double> limits(const Config& table, const BlockContext& context) {
   return values;
 }
 
+// The unit that a block states; empty: none.
+std::string stated_unit(const Config& table) {
+  const std::string unit = table.text("unit", "");
+  if (!unit.empty())
+    static_cast<void>(table.placed("unit", [&] { return memmap::parse_unit(unit); }));
+  return unit;
+}
+
 Block make_ring_input(const Config& table, const BlockContext& context) {
   Block block;
   const std::string pattern = table.text("signal");
   block.kind = RingInput{expand_axes(pattern, context)};
-  block.outputs = {{"out", names_axes(pattern), table.text("unit", "1")}};
+  block.outputs = {{"out", names_axes(pattern), stated_unit(table)}};
   return block;
 }
 
@@ -56,7 +65,7 @@ Block make_ring_output(const Config& table, const BlockContext& context) {
 
 Block make_constant(const Config& table, const BlockContext&) {
   Block block;
-  const std::string unit = table.text("unit", "1");
+  const std::string unit = stated_unit(table);
   add_parameter(block, table, "value", unit, 0);
   block.outputs = {{"out", kSingle, unit}};
   block.kind = Constant{};
@@ -72,7 +81,7 @@ Block make_clock(const Config&, const BlockContext&) {
 
 Block make_sine(const Config& table, const BlockContext&) {
   Block block;
-  const std::string unit = table.text("unit", "1");
+  const std::string unit = stated_unit(table);
   add_parameter(block, table, "amplitude", unit, 1);
   add_parameter(block, table, "frequency_Hz", "Hz", 1);
   block.outputs = {{"out", kPerAxis, unit}};
@@ -91,7 +100,7 @@ Block through(BlockKind kind) {
 
 Block make_gain(const Config& table, const BlockContext&) {
   Block block = through(Gain{});
-  block.outputs[0].unit = table.text("unit", "");
+  block.outputs[0].unit = stated_unit(table);
   add_parameter(block, table, "gain", "1", 1);
   return block;
 }
@@ -108,6 +117,7 @@ Block make_sum(const Config& table, const BlockContext&) {
     block.inputs.push_back({fmt::format("in{}", sum.signs.size()), !sum.is_single});
   }
   block.outputs = {{"out", !sum.is_single}};
+  block.has_equal_units = true;
   block.kind = std::move(sum);
   return block;
 }
@@ -124,7 +134,8 @@ Block make_rate_limiter(const Config& table, const BlockContext& context) {
 Block make_switch(const Config& table, const BlockContext&) {
   Block block = through(Switch{});
   block.inputs = {{"in1"}, {"in2"}};
-  add_parameter(block, table, "first", "1", 1);
+  block.has_equal_units = true;
+  add_parameter(block, table, "first", "1", 1, kOffOrOn);
   return block;
 }
 
@@ -140,7 +151,8 @@ Block make_transport_delay(const Config& table, const BlockContext& context) {
 
 Block make_derivative(const Config& table, const BlockContext& context) {
   Block block = through(Derivative{context.period, std::vector<double>(context.axes())});
-  block.outputs[0].unit = table.text("unit");
+  static_cast<void>(table.text("unit"));
+  block.outputs[0].unit = stated_unit(table);
   return block;
 }
 
@@ -214,6 +226,25 @@ void read_wires(const Config& table, Block& block) {
   wires.reject_unknown_keys();
 }
 
+// `range.<parameter> = [lowest, highest]` replaces the range of the type.
+void read_ranges(const Config& table, Block& block) {
+  const Config ranges = table.table_or_empty("range");
+  for (auto& parameter : block.parameters) {
+    if (ranges.has(parameter.name)) {
+      const auto bounds = ranges.numbers(parameter.name);
+      if (bounds.size() != 2 || !(bounds[0] < bounds[1]))
+        ranges.fail(parameter.name, "a range is [lowest, highest]");
+      parameter.range = {bounds[0], bounds[1]};
+    }
+    if (!parameter.range) continue;
+    const auto [low, high] = *parameter.range;
+    if (!(parameter.value >= low && parameter.value <= high))
+      table.fail(parameter.name, fmt::format("{} is {}, expected {} to {}", parameter.name,
+                                             parameter.value, low, high));
+  }
+  ranges.reject_unknown_keys();
+}
+
 }  // namespace
 
 Block make_block(const Config& table, const DiagramContext& run, double base_period, int substeps) {
@@ -227,6 +258,7 @@ Block make_block(const Config& table, const DiagramContext& run, double base_per
   block.where = table.where();
   block.fast = rate != 1;
   read_wires(table, block);
+  read_ranges(table, block);
   table.reject_unknown_keys();
   return block;
 }

@@ -17,9 +17,13 @@ constexpr bool kSingle = false;
 [[nodiscard]] std::vector<double> per_axis(const Config& table, const std::string& key,
                                            const BlockContext& context, double otherwise);
 
+using Range = std::optional<std::pair<double, double>>;
+inline constexpr std::pair<double, double> kOffOrOn{0, 1};
+
 /// Adds a tunable parameter to a block.
+/// @param range  of the type; `range.<name>` in the table replaces it
 void add_parameter(Block& block, const Config& table, const std::string& name,
-                   const std::string& unit, double otherwise);
+                   const std::string& unit, double otherwise, const Range& range = std::nullopt);
 
 [[nodiscard]] Block make_predictor_corrector(const Config& table, const BlockContext& context);
 [[nodiscard]] Block make_ats(const Config& table, const BlockContext& context);

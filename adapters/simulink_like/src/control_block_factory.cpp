@@ -13,7 +13,8 @@
 namespace rths::adapters {
 namespace {
 
-constexpr double kFadeTime = 0.5;  // to fade compensation in or out [s]
+constexpr double kFadeTime = 0.5;                  // to fade compensation in or out [s]
+constexpr std::pair<double, double> kLead{-1, 1};  // far beyond a machine's delay [s], [s2]
 constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
 
 controller::Polynomial read_polynomial(const Config& table, const std::string& key) {
@@ -75,8 +76,8 @@ std::vector<double> per_axis(const Config& table, const std::string& key,
 }
 
 void add_parameter(Block& block, const Config& table, const std::string& name,
-                   const std::string& unit, double otherwise) {
-  block.parameters.push_back({name, unit, table.number(name, otherwise)});
+                   const std::string& unit, double otherwise, const Range& range) {
+  block.parameters.push_back({name, unit, table.number(name, otherwise), range});
 }
 
 Block make_predictor_corrector(const Config& table, const BlockContext& context) {
@@ -137,8 +138,8 @@ Block make_ats(const Config& table, const BlockContext& context) {
                    {"a1", kPerAxis, "s"},
                    {"a2", kPerAxis, "s2"},
                    {"limited", kPerAxis, "1"}};
-  add_parameter(block, table, "enabled", "1", 1);
-  add_parameter(block, table, "adapt", "1", 1);
+  add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
+  add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   const auto ats = table.placed("name", [&] { return controller::Ats{settings}; });
   block.kind = AtsBlock{std::vector(context.axes(), ats), Fade{context.period / kFadeTime}};
   return block;
@@ -150,9 +151,9 @@ Block make_feed_forward(const Config& table, const BlockContext& context) {
                   {"velocity", kPerAxis, "m/s"},
                   {"acceleration", kPerAxis, "m/s2"}};
   block.outputs = {{"reference", kPerAxis, "m"}};
-  add_parameter(block, table, "enabled", "1", 1);
-  add_parameter(block, table, "velocity_gain_s", "s", 0);
-  add_parameter(block, table, "acceleration_gain_s2", "s2", 0);
+  add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
+  add_parameter(block, table, "velocity_gain_s", "s", 0, kLead);
+  add_parameter(block, table, "acceleration_gain_s2", "s2", 0, kLead);
   block.kind = FeedForwardBlock{Fade{context.period / kFadeTime}};
   return block;
 }
@@ -176,7 +177,7 @@ Block make_force_observer(const Config& table, const BlockContext& context) {
                   {"force", kPerAxis, "N"}};
   block.outputs = {
       {"force", kPerAxis, "N"}, {"velocity", kPerAxis, "m/s"}, {"machine_force", kPerAxis, "N"}};
-  add_parameter(block, table, "enabled", "1", 1);
+  add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   block.kind = std::move(observer);
   return block;
 }

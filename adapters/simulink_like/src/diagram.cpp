@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/memmap/units.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -18,6 +19,14 @@ std::vector<std::string> output_names(const Block& block) {
   for (const auto& output : block.outputs) names.push_back(block.name + "." + output.name);
   return names;
 }
+
+// Spellings of one quantity: "N" and "kN" carry the same SI values.
+bool are_equal_units(const std::string& a, const std::string& b) {
+  return a == b || memmap::parse_unit(a).si == memmap::parse_unit(b).si;
+}
+
+// A port of the adapter has a unit; an unknown one is a pure number.
+std::string or_number(const std::string& unit) { return unit.empty() ? "1" : unit; }
 
 bool is_unit_delay(const Block& block) { return std::holds_alternative<UnitDelay>(block.kind); }
 
@@ -40,6 +49,8 @@ Diagram::Diagram(const Config& file, const DiagramContext& context) : context_{c
   file.reject_unknown_keys();
   if (blocks_.empty()) throw Error{file.where() + ": the diagram has no blocks"};
   allocate_values();
+  take_units_of_map();
+  resolve_units();
   wire();
   order();
   bind_ports();
@@ -92,9 +103,22 @@ void Diagram::check_fit(const WiredBlock& wired, const PortSpec& input, const Po
                             wired.block.name, input.name,
                             input.per_axis ? "one value per axis" : "a single value", wire,
                             output.per_axis ? "one per axis" : "a single one")};
-  if (!input.unit.empty() && !output.unit.empty() && input.unit != output.unit)
-    throw Error{fmt::format("{}: '{}.{}' takes [{}], '{}' gives [{}]", wired.block.where,
-                            wired.block.name, input.name, input.unit, wire, output.unit)};
+  if (input.unit.empty() || output.unit.empty() || are_equal_units(input.unit, output.unit)) return;
+  const auto* ring = std::get_if<RingOutput>(&wired.block.kind);
+  throw Error{fmt::format(
+      "{}: '{}.{}' takes [{}]{}, '{}' gives [{}]", wired.block.where, wired.block.name, input.name,
+      input.unit, ring == nullptr ? "" : fmt::format(", the unit of '{}'", ring->signals[0]), wire,
+      output.unit)};
+}
+
+void Diagram::check_derivative(const WiredBlock& wired) const {
+  if (!std::holds_alternative<Derivative>(wired.block.kind)) return;
+  const std::string input = unit_of_inputs(wired), &stated = wired.block.outputs[0].unit;
+  if (input.empty()) return;
+  const std::string expected = memmap::parse_unit(fmt::format("({}).s-1", input)).si;
+  if (!are_equal_units(expected, stated))
+    throw Error{fmt::format("{}: '{}' has unit [{}], the derivative of [{}] has [{}]",
+                            wired.block.where, wired.block.name, stated, input, expected)};
 }
 
 void Diagram::connect_input(WiredBlock& wired, std::size_t input) {
@@ -111,16 +135,63 @@ void Diagram::connect_input(WiredBlock& wired, std::size_t input) {
   if (!is_unit_delay(wired.block)) feeds_[self].push_back(feed.block);
 }
 
-void Diagram::wire() {
-  feeds_.resize(blocks_.size());
-  // An output without a unit takes that of the first input, which may itself need several passes.
+// A signal of a run's own partitions (monitor.…, tune.…) is not in the laboratory's map.
+void Diagram::take_unit_of_map(Block& block, PortSpec& port,
+                               const std::vector<std::string>& signals) const {
+  for (const auto& signal : signals) {
+    if (signal.starts_with("monitor.") || signal.starts_with("tune.")) continue;
+    const auto known = context_.signal_units.find(signal);
+    if (known == context_.signal_units.end()) {
+      std::vector<std::string> names;
+      for (const auto& [name, unit] : context_.signal_units) names.push_back(name);
+      throw Error{fmt::format("{}: block '{}': the map has no signal '{}'{}", block.where,
+                              block.name, signal, did_you_mean(signal, names))};
+    }
+    if (port.unit.empty()) port.unit = memmap::parse_unit(known->second).si;
+    if (!are_equal_units(port.unit, known->second))
+      throw Error{fmt::format("{}: block '{}' has unit [{}], the map gives '{}' [{}]", block.where,
+                              block.name, port.unit, signal, memmap::parse_unit(known->second).si)};
+  }
+}
+
+void Diagram::take_units_of_map() {
+  if (context_.signal_units.empty()) return;
+  for (auto& wired : blocks_) {
+    Block& block = wired.block;
+    if (const auto* input = std::get_if<RingInput>(&block.kind))
+      take_unit_of_map(block, block.outputs[0], input->signals);
+    if (const auto* output = std::get_if<RingOutput>(&block.kind))
+      take_unit_of_map(block, block.inputs[0], output->signals);
+  }
+}
+
+// Unit of the first input, or of any input if all have one unit; empty: unknown.
+std::string Diagram::unit_of_inputs(const WiredBlock& wired) const {
+  const auto& wires = wired.block.wires;
+  for (std::size_t i = 0; i < (wired.block.has_equal_units ? wires.size() : 1); ++i) {
+    if (i >= wires.size() || wires[i].empty()) continue;
+    const OutputId feed = find_output(wired, wires[i]);
+    const std::string& unit = blocks_[feed.block].block.outputs[feed.output].unit;
+    if (!unit.empty()) return unit;
+  }
+  return "";
+}
+
+void Diagram::resolve_units() {
+  // An input's unit may itself come from an input, which may need several passes.
   for (std::size_t pass = 0; pass < blocks_.size(); ++pass)
     for (auto& wired : blocks_)
       for (auto& output : wired.block.outputs)
-        if (output.unit.empty() && !wired.block.wires.empty()) {
-          const OutputId feed = find_output(wired, wired.block.wires[0]);
-          output.unit = blocks_[feed.block].block.outputs[feed.output].unit;
-        }
+        if (output.unit.empty()) output.unit = unit_of_inputs(wired);
+  for (auto& wired : blocks_) {
+    if (wired.block.has_equal_units)
+      for (auto& input : wired.block.inputs) input.unit = wired.block.outputs[0].unit;
+    check_derivative(wired);
+  }
+}
+
+void Diagram::wire() {
+  feeds_.resize(blocks_.size());
   for (auto& wired : blocks_)
     for (std::size_t input = 0; input < wired.block.inputs.size(); ++input)
       connect_input(wired, input);
@@ -190,7 +261,8 @@ void Diagram::bind_ring_input(const WiredBlock& wired) {
   const auto* ring = std::get_if<RingInput>(&wired.block.kind);
   if (ring == nullptr) return;
   for (std::size_t i = 0; i < ring->signals.size(); ++i) {
-    ports_.push_back({ring->signals[i], Direction::Input, wired.block.outputs[0].unit, 0, false});
+    ports_.push_back(
+        {ring->signals[i], Direction::Input, or_number(wired.block.outputs[0].unit), 0, false});
     copies_in_.push_back({copies_in_.size(), wired.out_at[0] + i});
   }
 }
@@ -198,8 +270,8 @@ void Diagram::bind_ring_input(const WiredBlock& wired) {
 void Diagram::bind_parameters(const WiredBlock& wired) {
   for (std::size_t i = 0; i < wired.block.parameters.size(); ++i) {
     const auto& parameter = wired.block.parameters[i];
-    ports_.push_back({wired.block.name + "." + parameter.name, Direction::Parameter, parameter.unit,
-                      parameter.value, false});
+    ports_.push_back({wired.block.name + "." + parameter.name, Direction::Parameter,
+                      or_number(parameter.unit), parameter.value, false, parameter.range});
     copies_in_.push_back({copies_in_.size(), wired.parameter_at[i]});
   }
 }
@@ -210,8 +282,10 @@ void Diagram::bind_ring_output(const WiredBlock& wired) {
   const OutputId feed = find_output(wired, wired.block.wires[0]);
   const WiredBlock& from = blocks_[feed.block];
   for (std::size_t i = 0; i < ring->signals.size(); ++i) {
-    ports_.push_back(
-        {ring->signals[i], Direction::Output, from.block.outputs[feed.output].unit, 0, false});
+    const std::string& unit = wired.block.inputs[0].unit;
+    ports_.push_back({ring->signals[i], Direction::Output,
+                      or_number(unit.empty() ? from.block.outputs[feed.output].unit : unit), 0,
+                      false});
     if (ring->at_stop == AtStop::Ramp) ramped_outputs_.push_back(copies_out_.size());
     copies_out_.push_back({copies_out_.size(), from.out_at[feed.output] + i});
   }
@@ -222,8 +296,8 @@ void Diagram::bind_monitors(const WiredBlock& wired) {
     const PortSpec& output = wired.block.outputs[o];
     for (std::size_t i = 0; i < width(output); ++i) {
       const std::string axis = output.per_axis ? "." + context_.axes[i] : "";
-      ports_.push_back(
-          {wired.block.name + "." + output.name + axis, Direction::Monitor, output.unit, 0, false});
+      ports_.push_back({wired.block.name + "." + output.name + axis, Direction::Monitor,
+                        or_number(output.unit), 0, false});
       copies_out_.push_back({copies_out_.size(), wired.out_at[o] + i});
     }
   }

@@ -51,10 +51,17 @@ class Diagram {
   };
 
   void allocate_values();
+  // Units of the ring's signals, then of the outputs that follow their inputs.
+  void take_units_of_map();
+  void take_unit_of_map(Block& block, PortSpec& port,
+                        const std::vector<std::string>& signals) const;
+  void resolve_units();
+  [[nodiscard]] std::string unit_of_inputs(const WiredBlock& wired) const;
   void wire();
   void connect_input(WiredBlock& wired, std::size_t input);
   void check_fit(const WiredBlock& wired, const PortSpec& input, const PortSpec& output,
                  const std::string& wire) const;
+  void check_derivative(const WiredBlock& wired) const;
   [[nodiscard]] OutputId find_output(const WiredBlock& wired, const std::string& wire) const;
   [[nodiscard]] std::size_t width(const PortSpec& port) const;
   void order();

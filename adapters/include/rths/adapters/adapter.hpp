@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <rths/core/clock.hpp>
@@ -26,6 +28,8 @@ struct Port {
   std::string unit = "1";  ///< SI
   double initial = 0;      ///< of a Parameter [unit]
   bool event = false;      ///< of a Monitor: the run's events list each change
+  /// Of a Parameter: lowest and highest value [unit]. Another value is not taken.
+  std::optional<std::pair<double, double>> range = {};  // NOLINT: g++ needs the initializer
 };
 
 /// Inputs and outputs of one step.

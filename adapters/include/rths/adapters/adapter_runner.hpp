@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -35,8 +36,8 @@ struct Timing {
 
 /// Runs an adapter on its node of the ring: reads its inputs, runs its step, writes its outputs.
 ///
-/// NaN and infinite values are dropped and the last valid value is held. The step's status is then
-/// Stale for an input, LimitExceeded for an output.
+/// NaN and infinite values, and values outside the range of a parameter, are dropped and the last
+/// valid value is held. The step's status is then Stale for an input, LimitExceeded for an output.
 ///
 /// Adds these monitors to the adapter's own: host.step, host.status, host.overruns, host.stale,
 /// host.late (this step), host.late_max (all steps), host.duration.
@@ -63,6 +64,11 @@ class AdapterRunner {
     std::uint32_t index;  ///< in the adapter's inputs or outputs
     std::uint32_t word;   ///< in the group's image
     memmap::Codec codec;
+    double lowest, highest;  ///< of a parameter with a range, rounded as in its word; else infinite
+
+    [[nodiscard]] bool accepts(double value) const noexcept {
+      return std::isfinite(value) && value >= lowest && value <= highest;
+    }
   };
   /// A tear group or a single word, with the values it carries.
   struct Transfer {
@@ -73,6 +79,8 @@ class AdapterRunner {
     std::vector<Value> values;
   };
   void bind(const std::vector<Port>& ports, broker::Ring& ring, const std::string& node);
+  [[nodiscard]] static Value value_for(const Port& port, const memmap::SignalEntry& entry,
+                                       std::size_t index, LongwordOffset base);
   [[nodiscard]] static Transfer& transfer_for(std::vector<Transfer>& transfers,
                                               const memmap::SignalEntry& entry,
                                               const broker::Ring& ring);
@@ -93,6 +101,11 @@ class AdapterRunner {
 
 /// Returns the signal name of a port of `node`.
 [[nodiscard]] std::string signal_name(const Port& port, const std::string& node);
+
+/// Checks that a map has the signals of a node's ports, in their units, and that the node may write
+/// its outputs.
+/// @throws Error for the first port that does not fit   @setup
+void check_ports(const std::vector<Port>& ports, const memmap::Map& map, const std::string& node);
 
 /// Result of `run_loop`.
 struct LoopEnd {

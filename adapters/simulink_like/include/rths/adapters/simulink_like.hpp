@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ struct DiagramContext {
   double integration_step = 0.01;                   ///< model time per target [s]
   double simulation_step = 0.01;                    ///< wall time per target [s]
   Retreat retreat;  ///< of ring outputs that ramp when the run stops
+  /// Unit of each signal of the laboratory's map; empty: no map is known, signals are not checked.
+  std::map<std::string, std::string> signal_units = {};  // NOLINT: g++ needs the initializer
 };
 
 /// A real-time target that runs a fixed-step block diagram from a TOML file.
@@ -28,8 +31,9 @@ struct DiagramContext {
 /// Blocks run at the base rate or at `substeps` times it. Every block output is a monitor,
 /// monitor.<node>.<block>.<port>[.<axis>]; every parameter can be tuned,
 /// tune.<node>.<block>.<name>. docs/block_diagrams.md lists the block types.
-/// @throws Error file:line:column for an unknown block or key, an unconnected wire, mismatched
-///         ports, an algebraic loop, or a base-rate block between fast ones   @setup
+/// @throws Error file:line:column for an unknown block, key or signal, an unconnected wire,
+///         mismatched ports or units, a parameter outside its range, an algebraic loop, or a
+///         base-rate block between fast ones   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_simulink_like(const std::filesystem::path& diagram,
                                                           const DiagramContext& context);
 
