@@ -2,11 +2,14 @@
 #include <rths/adapters/opf_layout.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/memmap/codec.hpp>
 #include <rths/memmap/units.hpp>
 
 namespace rths::adapters {
@@ -23,6 +26,26 @@ std::optional<Quantity> quantity_named(const std::string& word) {
   return std::nullopt;
 }
 
+template <class T>
+std::pair<double, double> limits_of() {
+  return {static_cast<double>(std::numeric_limits<T>::lowest()),
+          static_cast<double>(std::numeric_limits<T>::max())};
+}
+
+// Lowest and highest value of a word, in the map's unit.
+std::pair<double, double> limits(const memmap::Signal& signal) {
+  if (signal.range) return *signal.range;
+  switch (signal.type) {
+    case memmap::WordType::I32:
+      return limits_of<std::int32_t>();
+    case memmap::WordType::U32:
+      return limits_of<std::uint32_t>();
+    case memmap::WordType::F32:
+      break;
+  }
+  return limits_of<float>();
+}
+
 // "long.displ.target", or "displ.target" with a single axis.
 OpfSignal read_signal(const memmap::SignalEntry& entry, const std::string& ending) {
   const std::string& name = entry.signal->name;
@@ -37,8 +60,12 @@ OpfSignal read_signal(const memmap::SignalEntry& entry, const std::string& endin
   const auto quantity = quantity_named(dot == std::string::npos ? head : head.substr(dot + 1));
   if (!quantity) fail();
   const auto unit = memmap::parse_unit(entry.signal->unit);
-  return {entry.name, dot == std::string::npos ? "1" : head.substr(0, dot), *quantity, unit.si,
-          unit.scale};
+  const memmap::Codec codec{*entry.signal};
+  const auto [lowest, highest] = limits(*entry.signal);
+  return {entry.name,          dot == std::string::npos ? "1" : head.substr(0, dot),
+          *quantity,           unit.si,
+          unit.scale,          codec.to_si(lowest),
+          codec.to_si(highest)};
 }
 
 std::vector<memmap::SignalEntry> signals_of(const memmap::Map& map, const std::string& partition) {

@@ -36,6 +36,13 @@ std::string control_points_error(const OpfLayout& layout, const std::vector<std:
   return "none";
 }
 
+TEST(OpfLayout, KnowsWhatAWordHolds) {
+  const OpfSignal target = layout_of("srmd").commands[0];
+  EXPECT_EQ(target.unit, "m");
+  EXPECT_NEAR(target.highest, 3.4028234663852886e38 * 0.0254, 1e30);
+  EXPECT_EQ(target.lowest, -target.highest);
+}
+
 struct Facility {
   const char* map;
   int dofs;

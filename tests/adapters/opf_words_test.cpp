@@ -2,6 +2,8 @@
 // Commands and measurements of elements on the ring, and the effect of control points.
 #include "opf_words.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include <rths/core/error.hpp>
@@ -100,6 +102,26 @@ TEST(OpfWords, RefuseACommandBeyondTheLimitsOfAControlPoint) {
               "0.1016");
   }
   EXPECT_EQ(commands[0], 0.1);
+}
+
+TEST(OpfWords, RefuseACommandThatItsWordCannotHold) {
+  auto limited = layout();
+  limited.commands[0].lowest = -8e36;
+  limited.commands[0].highest = 8e36;
+  OpfWords words{control_points(limited, {}, {}), {element_on("long")}};
+  std::vector<double> commands(3);
+  for (const double value : {1e300, -1e37, std::nan("")})
+    EXPECT_THROW(words.write(0, command(value, 0), 0, commands), Error) << value;
+  EXPECT_EQ(commands[0], 0);
+}
+
+TEST(OpfWords, MeasureTheFirstMoveFromTheStartPosition) {
+  OpfWords words{control_points(layout(), {}, {}), {element_on("long")}};
+  words.set_start(std::vector<double>{0.3, 0});
+  EXPECT_NO_THROW(words.require_near_start(0, command(0.33, 0), 0.05));
+  EXPECT_TRUE(words.is_away(0, command(0.33, 0), 0.02));
+  EXPECT_FALSE(words.is_away(0, command(0.31, 0), 0.02));
+  EXPECT_THROW(words.require_near_start(0, command(0, 0), 0.05), Error);
 }
 
 TEST(OpfWords, ApplyTheAxialLoadInTheAxisDirection) {

@@ -41,6 +41,7 @@ class OpenSees final : public Adapter {
   [[nodiscard]] std::string deadline_message() const;
   void begin_test(const StepData& step);
   void take_trials(const StepData& step);
+  void check_first_move(std::size_t element, const Specimen::Command& command);
   void answer_requests(const StepData& step);
   // Identifies the specimens with unknown properties, one after another, when OpenSees has
   // connected.
@@ -62,6 +63,7 @@ class OpenSees final : public Adapter {
   std::optional<OpenSeesConnection> opensees_;
   OpfHandshake handshake_;
   std::uint64_t moves_ = 0;
+  std::vector<bool> has_left_rest_;  ///< of each element
   bool has_begun_ = false, has_moved_ = false, is_probing_ = false;
   std::string message_;
 };
@@ -78,6 +80,7 @@ OpenSees::OpenSees(OpenSeesSettings settings)
         "\"target_first\" no flag marks it as valid"};
   for (const auto& element : settings_.elements)
     specimens_.emplace_back(element, settings_.simulation_step);
+  has_left_rest_.assign(specimens_.size(), false);
 }
 
 std::vector<Port> OpenSees::ports() const {
@@ -123,15 +126,31 @@ void OpenSees::answer_requests(const StepData& step) {
     }
 }
 
+// Rounding of a static analysis is no move: the specimen is still at rest.
+void OpenSees::check_first_move(std::size_t element, const Specimen::Command& command) {
+  constexpr double kAtRest = 1e-3;  // of the largest first move
+  const auto& settings = settings_.elements[element];
+  if (has_left_rest_[element] || !words_.is_away(element, command, kAtRest * settings.first_trial))
+    return;
+  try {
+    words_.require_near_start(element, command, settings.first_trial);
+  } catch (const Error& error) {
+    throw Error{fmt::format("element '{}': {}", settings.name, error.what())};
+  }
+  has_left_rest_[element] = true;
+}
+
 void OpenSees::take_trials(const StepData& step) {
   auto& servers = opensees_->servers();
   const bool is_move = std::any_of(servers.begin(), servers.end(),
                                    [](const auto& server) { return server.is_new(); });
   for (std::size_t i = 0; i < servers.size(); ++i) {
-    const Trial& trial = servers[i].trial();
-    const auto& command = specimens_[i].command_for(trial);
+    const auto& command = specimens_[i].command_for(servers[i].trial());
     if (is_move && !has_moved_) words_.set_first_trial(i, command);
-    if (is_move) words_.write(i, command, trial.time, step.outputs);
+    if (is_move) check_first_move(i, command);
+  }
+  for (std::size_t i = 0; i < servers.size(); ++i) {
+    if (is_move) words_.write(i, specimens_[i].command(), servers[i].trial().time, step.outputs);
     servers[i].take_trial();
   }
   if (!is_move) return;
@@ -173,7 +192,8 @@ std::string OpenSees::deadline_message() const {
 }
 
 void OpenSees::begin_test(const StepData& step) {
-  words_.set_start(feedbacks(step));
+  // Older controllers give no valid measurement before the first target.
+  if (settings_.handshake == Handshake::AtTargetFirst) words_.set_start(feedbacks(step));
   words_.write_unused(step.outputs);
   has_begun_ = true;
 }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <cctype>
 #include <optional>
@@ -240,6 +242,11 @@ void read_properties(const Config& table, double of_bearing, OpenSeesElement& el
   element.probe = table.number_in("probe_m", 1e-6, 0.1, element.probe);
 }
 
+bool is_address(const std::string& text) {
+  in_addr address{};
+  return inet_pton(AF_INET, text.c_str(), &address) == 1;
+}
+
 // Reads an element's name, address and units.
 OpenSeesElement read_connection(const Config& table) {
   OpenSeesElement element;
@@ -249,6 +256,9 @@ OpenSeesElement read_connection(const Config& table) {
     table.fail("name", fmt::format("name is '{}', expected letters, digits and _", element.name));
   element.is_udp = !is_first_of(table, "protocol", "tcp", "udp");
   element.address = table.text("address", element.address);
+  if (!is_address(element.address))
+    table.fail("address", fmt::format("address is '{}', expected an IPv4 address such as 127.0.0.1",
+                                      element.address));
   element.port = static_cast<std::uint16_t>(table.integer_in("port", 1, 65535));
   element.length_unit = table.number_in("length_unit_m", 1e-6, 1e3, 1.0);
   element.force_unit = table.number_in("force_unit_N", 1e-6, 1e9, 1.0);
@@ -257,7 +267,12 @@ OpenSeesElement read_connection(const Config& table) {
 
 OpenSeesElement read_element(const Config& table, double initial_stiffness) {
   OpenSeesElement element = read_connection(table);
+  element.peer = table.text("peer", "");
+  if (table.has("peer") && element.peer != "any" && !is_address(element.peer))
+    table.fail("peer",
+               fmt::format("peer is '{}', expected an IPv4 address or \"any\"", element.peer));
   element.is_relative = !is_first_of(table, "trial", "absolute", "relative");
+  element.first_trial = table.number_in("first_trial_m", 1e-6, 10, element.first_trial);
   if (table.has("bearing"))
     read_bearing(table.table("bearing"), element);
   else
@@ -282,8 +297,14 @@ std::vector<OpenSeesElement> read_specimen_elements(const Config& table) {
 }
 
 void read_opensees(const Config& table, double initial_stiffness, OpenSeesSettings& settings) {
-  for (const auto& one : table.tables("element"))
-    settings.elements.push_back(read_element(one, initial_stiffness));
+  for (const auto& one : table.tables("element")) {
+    const OpenSeesElement element = read_element(one, initial_stiffness);
+    for (const auto& other : settings.elements)
+      if (other.port == element.port && other.is_udp == element.is_udp)
+        one.fail("port", fmt::format("port {} is that of element '{}', expected another",
+                                     element.port, other.name));
+    settings.elements.push_back(element);
+  }
   if (settings.elements.empty())
     table.fail("element", "an opensees node needs at least one [[element]]");
   const Config points = table.table_or_empty("control_points");

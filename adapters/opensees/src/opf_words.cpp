@@ -2,6 +2,7 @@
 #include "opf_words.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -123,11 +124,13 @@ std::vector<Port> OpfWords::commands() const {
 void OpfWords::set_start(std::span<const double> feedbacks) {
   for (std::size_t i = 0; i < feedbacks_.size(); ++i) {
     Word& feedback = feedbacks_[i];
-    for (auto& command : commands_)
-      if (command.signal.is_relative_to_measured &&
-          command.signal.word.axis == feedback.signal.word.axis &&
-          command.signal.word.quantity == feedback.signal.word.quantity)
-        command.offset = feedbacks[i];
+    for (auto& command : commands_) {
+      if (command.signal.word.axis != feedback.signal.word.axis ||
+          command.signal.word.quantity != feedback.signal.word.quantity)
+        continue;
+      command.start = feedbacks[i];
+      if (command.signal.is_relative_to_measured) command.offset = feedbacks[i];
+    }
     if (feedback.signal.is_relative_to_measured) feedback.offset = -feedbacks[i];
   }
 }
@@ -181,6 +184,28 @@ double OpfWords::value_of(const Word& word, const Specimen::Command& command) {
   return 0;
 }
 
+double OpfWords::moved_from_start(const Word& word, const Specimen::Command& command) {
+  if (word.is_load || word.signal.word.quantity != Quantity::Displacement) return 0;
+  return std::abs(value_of(word, command) + word.offset - word.start);
+}
+
+bool OpfWords::is_away(std::size_t element, const Specimen::Command& command,
+                       double distance) const {
+  return std::any_of(commands_.begin(), commands_.end(), [&](const Word& word) {
+    return word.element == element && moved_from_start(word, command) > distance;
+  });
+}
+
+void OpfWords::require_near_start(std::size_t element, const Specimen::Command& command,
+                                  double largest) const {
+  for (const auto& word : commands_)
+    if (word.element == element && !(moved_from_start(word, command) <= largest))
+      throw Error{fmt::format(
+          "the first trial moves '{}' by {:.6g} {} from rest, expected at most {:g} "
+          "(first_trial_m)",
+          word.signal.word.name, moved_from_start(word, command), word.signal.word.unit, largest)};
+}
+
 void OpfWords::write(std::size_t element, const Specimen::Command& command, double time,
                      std::span<double> commands) {
   for (std::size_t i = 0; i < commands_.size(); ++i) {
@@ -188,6 +213,10 @@ void OpfWords::write(std::size_t element, const Specimen::Command& command, doub
     if (word.signal.word.quantity == Quantity::Time) commands[i] = time;
     if (word.element != element) continue;
     const double value = value_of(word, command) + word.offset;
+    const OpfSignal& in_map = word.signal.word;
+    if (!(value >= in_map.lowest && value <= in_map.highest))
+      throw Error{fmt::format("'{}' would be {:.6g} {}, its word holds {:.6g} to {:.6g}",
+                              in_map.name, value, in_map.unit, in_map.lowest, in_map.highest)};
     if (value < word.signal.lowest || value > word.signal.highest)
       throw Error{
           fmt::format("'{}' would be {:.6g} {}, the limits of its control point are {:.6g} "

@@ -26,7 +26,8 @@ class OpfWords {
 
   /// Whether any signal is relative to the measurement before the test.
   [[nodiscard]] bool is_relative_to_measured() const;
-  /// Sets the offsets of signals that are relative to the measurement before the test.
+  /// Takes the measurement before the test: the start position, and the offsets of signals that are
+  /// relative to it.
   void set_start(std::span<const double> feedbacks);
   /// Writes the commands of axes without an element: their start position if relative to it, else
   /// 0.
@@ -36,8 +37,15 @@ class OpfWords {
   /// Returns the measurement along the axes of an element; without displacements if the map lacks
   /// them.
   [[nodiscard]] Measurement measured(std::size_t element, std::span<const double> feedbacks) const;
+  /// Whether a command moves an element from its start position by more than `distance` [m, rad].
+  [[nodiscard]] bool is_away(std::size_t element, const Specimen::Command& command,
+                             double distance) const;
+  /// @throws Error if a command moves an element by more than `largest` from its start [m, rad]
+  void require_near_start(std::size_t element, const Specimen::Command& command,
+                          double largest) const;
   /// Writes an element's commands and the time of the trial.
-  /// @throws Error if a value exceeds the limits of its control point; the rest is not written
+  /// @throws Error if a value exceeds its word or the limits of its control point; the rest is not
+  ///         written
   void write(std::size_t element, const Specimen::Command& command, double time,
              std::span<double> commands);
 
@@ -51,6 +59,7 @@ class OpfWords {
     double sign = 1;
     bool is_load = false;
     double offset = 0;
+    double start = 0;  ///< of a displacement: measured before the test
 
     void claim(std::size_t by_element, std::size_t by_axis, double with_sign);
   };
@@ -61,6 +70,7 @@ class OpfWords {
   void bind_optional(std::size_t number, const std::string& axis, std::size_t k);
   [[nodiscard]] static Word& word(std::vector<Word>& words, const OpenSeesElement& element,
                                   const std::string& axis, Quantity quantity);
+  [[nodiscard]] static double moved_from_start(const Word& word, const Specimen::Command& command);
   [[nodiscard]] static double value_of(const Word& word, const Specimen::Command& command);
 
   std::vector<Word> commands_, feedbacks_;

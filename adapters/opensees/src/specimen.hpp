@@ -29,6 +29,8 @@ class Specimen {
   };
   /// Returns the commands of a trial state.
   [[nodiscard]] const Command& command_for(const Trial& trial);
+  /// The commands of the last trial state.
+  [[nodiscard]] const Command& command() const { return command_; }
   /// Returns the answer to the script, in its units: resisting forces and displacements; the
   /// trial's displacements if they are not measured.
   /// @param axes  measurement along the machine's axes [m, rad], [N, N·m]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct OpfSignal {
   Quantity quantity = Quantity::Displacement;
   std::string unit;     ///< SI
   double map_unit = 1;  ///< the map's [SI]
+  /// Values that its word can hold, within the range of the map [SI].
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
 };
 
 /// The block that OpenFresco and a controller share in a laboratory's map: newTarget, commands,

@@ -81,6 +81,9 @@ struct OpenSeesElement {
   bool is_udp = false;
   std::string address = "127.0.0.1";
   std::uint16_t port = 8090;
+  /// Address of its peer; "any": every peer. Empty: the started script, or without a script a
+  /// process of the same user on this host.
+  std::string peer;
   std::vector<bool> is_rotation;           ///< of each degree of freedom, in the script's order
   double length_unit = 1, force_unit = 1;  ///< of the script [m], [N]
   std::optional<BearingGeometry> bearing;  ///< empty: the script's own coordinates
@@ -91,7 +94,8 @@ struct OpenSeesElement {
   /// adds damping · velocity and mass · acceleration to the force, so state only contributions that
   /// the measured force lacks.
   std::optional<SquareMatrix> initial_stiffness, damping, mass;
-  double probe = 1e-3;  ///< amplitude of the identification [m, rad]
+  double probe = 1e-3;        ///< amplitude of the identification [m, rad]
+  double first_trial = 0.05;  ///< largest first move from rest, of each axis [m, rad]
 
   [[nodiscard]] std::ptrdiff_t dofs() const { return std::ssize(is_rotation); }
   /// Whether a moved component or degree of freedom is a rotation.
