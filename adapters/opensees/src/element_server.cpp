@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "element_server.hpp"
 
+#include <cstdio>
+
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
@@ -8,6 +10,7 @@
 namespace rths::adapters {
 namespace {
 
+constexpr int kMostReported = 10;  // refused peers
 constexpr int kMostAtOnce = 1000;  // messages: OpenSees sends far fewer between requests
 
 // OpenSees reads each answer to its requests.
@@ -17,8 +20,26 @@ constexpr auto kSendDeadline = std::chrono::seconds{1};
 
 ElementServer::ElementServer(const OpenSeesElement& element)
     : name_{fmt::format("element '{}'", element.name)},
+      is_udp_{element.is_udp},
       endpoint_{element.is_udp ? Transport::Udp : Transport::Tcp, element.address, element.port},
-      client_{name_, element.dofs()} {}
+      client_{name_, element.dofs()} {
+  if (!element.address.starts_with("127."))
+    fmt::print(stderr, "{}: warning: port {} of {} can be reached from other hosts\n", name_,
+               element.port, element.address);
+}
+
+void ElementServer::admit(const Admission& admission) {
+  const Transport transport = is_udp_ ? Transport::Udp : Transport::Tcp;
+  endpoint_.set_gate([admission, transport, name = name_, refused = 0](
+                         const sockaddr_in& peer, const sockaddr_in& own) mutable {
+    const auto reason = refusal(admission, transport, peer, own);
+    if (!reason) return true;
+    if (++refused <= kMostReported)
+      fmt::print(stderr, "{}: refused {}{}\n", name, *reason,
+                 refused == kMostReported ? "; further refusals are not reported" : "");
+    return false;
+  });
+}
 
 bool ElementServer::receive() {
   int received = 0;

@@ -5,6 +5,7 @@
 
 #include "endpoint.hpp"
 #include "generic_client.hpp"
+#include "peer.hpp"
 
 namespace rths::adapters {
 
@@ -13,6 +14,8 @@ class ElementServer {
  public:
   /// Opens the port. @throws Error on failure
   explicit ElementServer(const OpenSeesElement& element);
+  /// Refuses other peers: closes their connection, with one line on standard error.
+  void admit(const Admission& admission);
 
   /// Receives all pending messages up to the first request.
   /// @returns whether any message was received   @throws Error with the element's name
@@ -43,6 +46,7 @@ class ElementServer {
   void handle(std::span<const std::byte> message);
 
   std::string name_;
+  bool is_udp_;
   Endpoint endpoint_;
   GenericClient client_;
   int trials_ = 0;

@@ -22,6 +22,7 @@ namespace {
 
 constexpr std::size_t kDatagram = 9126;  // largest datagram of OpenSees [bytes]
 constexpr int kConnectTimeout = 100;     // of a client [ms]
+constexpr int kBacklog = 16;             // refused peers must not keep others out
 constexpr char kHello = 'a', kWelcome = 'b';
 
 [[noreturn]] void fail(const std::string& action) {
@@ -54,11 +55,18 @@ bool becomes_ready(int fd, short events) {
   return poll(&one, 1, kConnectTimeout) == 1 && (one.revents & events) != 0;
 }
 
-// If the port is closed, the system may assign it to the connecting socket itself.
-bool is_connected_to_itself(int fd) {
-  sockaddr_in own{}, other{};
+sockaddr_in own_address(int fd) {
+  sockaddr_in own{};
   socklen_t size = sizeof own;
   getsockname(fd, reinterpret_cast<sockaddr*>(&own), &size);
+  return own;
+}
+
+// If the port is closed, the system may assign it to the connecting socket itself.
+bool is_connected_to_itself(int fd) {
+  const sockaddr_in own = own_address(fd);
+  sockaddr_in other{};
+  socklen_t size = sizeof other;
   getpeername(fd, reinterpret_cast<sockaddr*>(&other), &size);
   return own.sin_port == other.sin_port && own.sin_addr.s_addr == other.sin_addr.s_addr;
 }
@@ -82,7 +90,7 @@ Endpoint::Endpoint(Transport transport, const std::string& address, std::uint16_
   // The next test may start at once.
   if (transport == Transport::Tcp) set(listener_.get(), SOL_SOCKET, SO_REUSEADDR);
   if (::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) fail(name);
-  if (transport == Transport::Tcp && ::listen(listener_.get(), 1) != 0) fail(name);
+  if (transport == Transport::Tcp && ::listen(listener_.get(), kBacklog) != 0) fail(name);
 }
 
 std::optional<Endpoint> Endpoint::connect(Transport transport, const std::string& address,
@@ -116,19 +124,33 @@ std::optional<Endpoint> Endpoint::connect(Transport transport, const std::string
 }
 
 void Endpoint::accept() {
-  if (transport_ == Transport::Udp) {
-    char hello = 0;
-    socklen_t size = sizeof client_;
-    const ssize_t count = recvfrom(listener_.get(), &hello, 1, MSG_TRUNC,
-                                   reinterpret_cast<sockaddr*>(&client_), &size);
-    if (count != 1 || hello != kHello) return;
-    is_connected_ = sendto(listener_.get(), &kWelcome, 1, 0,
-                           reinterpret_cast<const sockaddr*>(&client_), sizeof client_) == 1;
-    return;
-  }
-  connection_ =
-      Descriptor{accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)};
-  if (!connection_.is_open()) return;
+  if (transport_ == Transport::Udp)
+    accept_datagrams();
+  else
+    accept_stream();
+}
+
+// The kernel then drops datagrams of other senders.
+void Endpoint::accept_datagrams() {
+  char hello = 0;
+  socklen_t size = sizeof client_;
+  auto* const client = reinterpret_cast<sockaddr*>(&client_);
+  const ssize_t count = recvfrom(listener_.get(), &hello, 1, MSG_TRUNC, client, &size);
+  if (count != 1 || hello != kHello) return;
+  if (gate_ && !gate_(client_, own_address(listener_.get()))) return;
+  is_connected_ = ::connect(listener_.get(), client, sizeof client_) == 0 &&
+                  ::send(listener_.get(), &kWelcome, 1, MSG_NOSIGNAL) == 1;
+}
+
+void Endpoint::accept_stream() {
+  sockaddr_in peer{};
+  socklen_t size = sizeof peer;
+  Descriptor connection{accept4(listener_.get(), reinterpret_cast<sockaddr*>(&peer), &size,
+                                SOCK_NONBLOCK | SOCK_CLOEXEC)};
+  if (!connection.is_open()) return;
+  if (gate_ && !gate_(peer, own_address(connection.get()))) return;
+  connection_ = std::move(connection);
+  listener_ = Descriptor{};  // an element has one peer
   set(connection_.get(), IPPROTO_TCP, TCP_NODELAY);
   is_connected_ = true;
 }

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,12 +37,17 @@ class Descriptor {
 
 enum class Transport { Tcp, Udp };
 
+/// Decides whether a peer may connect, by the addresses of both ends.
+using Gate = std::function<bool(const sockaddr_in& peer, const sockaddr_in& own)>;
+
 /// The server's or the client's end of a socket with one peer. Sends and receives whole messages of
 /// an agreed length. Only `connect`, `send` and `send_last` block.
 class Endpoint {
  public:
   /// Opens a port. @param address  "127.0.0.1"   @throws Error if the port is not available
   Endpoint(Transport transport, const std::string& address, std::uint16_t port);
+  /// Closes connections of peers that the gate refuses, and waits for another.
+  void set_gate(Gate gate) { gate_ = std::move(gate); }
 
   /// Connects as a client. @returns nothing if the port is not open yet
   /// @throws Error if the address is invalid
@@ -70,11 +76,14 @@ class Endpoint {
  private:
   explicit Endpoint(Transport transport) : transport_{transport} {}
   void accept();
+  void accept_stream();
+  void accept_datagrams();
   [[nodiscard]] std::size_t read_some(std::size_t length);
   [[nodiscard]] std::size_t read_datagram(std::size_t length);
 
   Transport transport_;
-  Descriptor listener_, connection_;  ///< UDP uses only the first
+  Gate gate_;                         ///< empty: every peer may connect
+  Descriptor listener_, connection_;  ///< UDP uses only the first; TCP closes it when connected
   bool is_connected_ = false;
   sockaddr_in client_{};  ///< of UDP: the peer's address
   std::vector<std::byte> received_;

@@ -20,7 +20,10 @@ std::vector<ElementServer> listen(const OpenSeesSettings& settings) {
 }  // namespace
 
 OpenSeesConnection::OpenSeesConnection(const OpenSeesSettings& settings)
-    : settings_{settings}, servers_{listen(settings)}, opensees_{settings.script} {}
+    : settings_{settings}, servers_{listen(settings)}, opensees_{settings.script} {
+  for (std::size_t i = 0; i < servers_.size(); ++i)
+    servers_[i].admit({settings.elements[i].peer, opensees_.process()});
+}
 
 // Matrices are answered at once, because OpenSees may send a target next.
 void OpenSeesConnection::receive(const std::vector<Specimen>& specimens) {

@@ -19,6 +19,8 @@ class OpenSeesProcess {
   /// Starts OpenSees if the script has a command. @throws Error on failure
   explicit OpenSeesProcess(const OpenSeesScript& script);
 
+  /// Id of the started process; 0: a user starts it.
+  [[nodiscard]] int process() const { return script_ ? script_->process() : 0; }
   /// Keeps a TCP connection with a user's own OpenSees open.
   void keep(int socket) const;
   /// Returns the time left of a deadline of `longest` [s] since its last restart.

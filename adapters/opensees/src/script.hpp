@@ -23,6 +23,7 @@ class Script {
   /// Kills it if it still runs.
   ~Script();
 
+  [[nodiscard]] int process() const { return pid_; }
   [[nodiscard]] bool has_ended();
   /// Waits for its end, at most for `longest`. @returns has_ended()
   bool wait(Duration longest);
