@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -7,6 +8,7 @@
 #include <rths/core/error.hpp>
 #include <rths/launch/installed_files.hpp>
 #include <rths/report/drawing.hpp>
+#include <rths/sim/composition.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/loop_test.hpp>
 
@@ -48,11 +50,36 @@ std::string csv_of(const LoopHistory& h) {
   return csv;
 }
 
+// A change names a term of the bearing and one of its parameters, or adds a term by its kind.
+void check_change(const Config& bearing, const LoopArguments& arguments, const std::string& key) {
+  const auto dot = key.find('.');
+  if (dot == std::string::npos) return;
+  const std::string term = key.substr(0, dot), parameter = key.substr(dot + 1);
+  const auto& changes = arguments.changes;
+  if (std::any_of(changes.begin(), changes.end(),
+                  [&](const auto& change) { return change.first == term + ".kind"; }))
+    return;
+  if (!bearing.is_table(term)) {
+    std::vector<std::string> terms = bearing.keys();
+    std::erase_if(terms, [&](const std::string& name) { return !bearing.is_table(name); });
+    throw Error{fmt::format("--set {}: bearing '{}' has no term '{}'{}", key, arguments.bearing,
+                            term, did_you_mean_one_of(term, terms))};
+  }
+  std::vector<std::string> known;
+  for (const auto& one : sim::term_kind(bearing.table(term).text("kind", term)).parameters)
+    known.push_back(sim::parameter_key(one, sim::Channel::Force));
+  known.insert(known.end(), {"enabled", "axes"});
+  if (std::find(known.begin(), known.end(), parameter) == known.end())
+    throw Error{fmt::format("--set {}: term '{}' has no parameter '{}'{}", key, term, parameter,
+                            did_you_mean_one_of(parameter, known))};
+}
+
 }  // namespace
 
 int loop(const LoopArguments& arguments) {
   const auto file = launch::find_bearing(arguments.bearing);
   Config table = Config::load(file);
+  for (const auto& [key, value] : arguments.changes) check_change(table, arguments, key);
   for (const auto& [key, value] : arguments.changes) table.set(key, value);
   const double load = arguments.axial_load > 0 ? arguments.axial_load
                                                : sim::weight_per_bearing(sim::example_plant());

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/broker/ring.hpp>
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/codec.hpp>
 #include <rths/memmap/units.hpp>
@@ -51,10 +52,32 @@ void check_range(double si, const std::string& text, const memmap::SignalEntry& 
                             entry.signal->unit)};
 }
 
+// The signals of the partition that a name begins with, else the partitions.
+std::vector<std::string> signals_beside(const std::string& name, const memmap::Map& map) {
+  std::vector<std::string> signals, partitions;
+  for (const auto& partition : map.partitions()) {
+    partitions.push_back(partition.name + ".…");
+    if (!name.starts_with(partition.name + ".")) continue;
+    for (const auto& signal : partition.signals)
+      signals.push_back(partition.name + "." + signal.name);
+  }
+  return signals.empty() ? partitions : signals;
+}
+
+const memmap::SignalEntry& entry_named(const std::string& name, const memmap::Map& map) {
+  if (const auto found = map.find_signal(name)) return map.entry(*found);
+  std::vector<std::string> names;
+  for (const auto& entry : map.signals()) names.push_back(entry.name);
+  std::string hint = did_you_mean(name, names);
+  if (hint.empty()) hint = did_you_mean_one_of(name, signals_beside(name, map));
+  throw Error{
+      fmt::format("the ring's map '{}' has no signal '{}'{}", map.description().name, name, hint)};
+}
+
 Assignment parse_assignment(const std::string& text, const memmap::Map& map) {
   const auto equals = text.find('=');
   if (equals == std::string::npos) throw Error{fmt::format("'{}': expected name=value", text)};
-  const auto& entry = map.entry(map.signal(text.substr(0, equals)));
+  const auto& entry = entry_named(text.substr(0, equals), map);
   const std::string value = text.substr(equals + 1);
   const double si = parse_value(value, entry);
   check_range(si, value, entry);

@@ -41,6 +41,25 @@ TEST(LoopCommand, ChangesATermForOneRun) {
   EXPECT_NE(whole.out, without.out);
 }
 
+TEST(LoopCommand, SaysWhichTermsAndParametersABearingHas) {
+  const auto error_of = [](const char* change) {
+    return run_rths({"loop", "tpfb", "--set", change}).err;
+  };
+  EXPECT_EQ(error_of("lead_heating.enabled=false"),
+            "rths: --set lead_heating.enabled: bearing 'tpfb' has no term 'lead_heating', expected "
+            "one of multilinear_axial, pendulum_lift, pressure_dep_sliding, triple_pendulum\n");
+  EXPECT_EQ(error_of("triple_pendlum.enabled=false"),
+            "rths: --set triple_pendlum.enabled: bearing 'tpfb' has no term 'triple_pendlum' (did "
+            "you mean 'triple_pendulum'?)\n");
+  EXPECT_NE(
+      error_of("triple_pendulum.colour=1")
+          .find("--set triple_pendulum.colour: term 'triple_pendulum' has no parameter 'colour', "
+                "expected one of "),
+      std::string::npos);
+  EXPECT_EQ(run_rths({"loop", "tpfb", "--set", "extra.kind=coulomb_friction", "--cycles", "1"}).err,
+            "");
+}
+
 TEST(LoopCommand, TakesNoMoreStepsForASlowTest) {
   const test::TemporaryFolder folder;
   const auto csv = (folder.path() / "loop.csv").string();
