@@ -3,14 +3,17 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/diagnosis/case.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/sim/bearing.hpp>
+#include <rths/sim/composition.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 
@@ -57,15 +60,48 @@ int check_bearing(const std::string& file, const Config& config) {
   return kOk;
 }
 
+int check_case(const std::string& file) {
+  const auto c = diagnosis::load_case(file);
+  fmt::print("{}: case '{}', {} records, model of kind '{}'\n", file, c.name, c.records.size(),
+             c.model.kind);
+  return kOk;
+}
+
+// An improved.toml is a part of a model: terms of the specimen and of the machine. A term with a
+// kind is whole; others change terms of the experiment.
+int check_improvement(const std::string& file, const Config& config) {
+  std::size_t terms = 0;
+  for (const auto& [side, owner] : {std::pair{"specimen", sim::TermOwner::Specimen},
+                                    std::pair{"machine", sim::TermOwner::Machine}}) {
+    const Config found = config.table_or_empty(side);
+    for (const auto& name : found.keys()) {
+      if (!found.is_table(name)) found.fail(name, name + " is not a term, expected a table");
+      Config whole;
+      whole.set(name, found.table(name));
+      if (found.table(name).has("kind")) static_cast<void>(sim::read_terms(whole, owner));
+      ++terms;
+    }
+  }
+  config.reject_unknown_keys();
+  fmt::print(
+      "{}: improved model of a diagnosis, {} terms; apply it with 'rths run EXPERIMENT --improve "
+      "{}'\n",
+      file, terms, file);
+  return kOk;
+}
+
 int check_toml(const std::string& file) {
   const auto config = Config::load(file);
   if (config.has("ringmap")) return map_check(file);
   if (config.has("diagram")) return check_diagram(file);
   if (config.has("bearing")) return check_bearing(file, config);
-  if (config.has("format")) return check_experiment(file);
+  if (config.has("record") || config.has("channels")) return check_case(file);
+  if (config.has("format") || config.has("node")) return check_experiment(file);
+  if (config.has("specimen") || config.has("machine")) return check_improvement(file, config);
   throw Error{file +
               ": unknown kind of TOML file, expected one of the keys ringmap (map), diagram (block "
-              "diagram), bearing and format (experiment)"};
+              "diagram), bearing, record (case of a diagnosis), format (experiment), specimen and "
+              "machine (improved model)"};
 }
 
 int check_motion(const std::string& file, const sim::RecordComponent& record, const char* kind) {

@@ -8,6 +8,7 @@
 
 #include <rths/diagnosis/against.hpp>
 #include <rths/diagnosis/diagnose.hpp>
+#include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 
@@ -18,18 +19,22 @@ namespace rths::app {
 namespace {
 
 // The case's name without slashes; the name of its folder if that is no file name.
-std::string folder_name(const diagnosis::Case& c, const std::string& path) {
+std::string folder_name(const diagnosis::Case& c) {
   std::string name = c.name;
   std::replace(name.begin(), name.end(), '/', '_');
   const bool is_name = !name.empty() && name != "." && name != "..";
-  return is_name ? name : std::filesystem::canonical(path).filename().string();
+  return is_name ? name : std::filesystem::canonical(c.folder).filename().string();
+}
+
+bool is_run(const std::filesystem::path& path) {
+  return std::filesystem::is_regular_file(path) && recording::is_hdf5(path);
 }
 
 // The recording in the folder of a run; otherwise the path itself.
 std::filesystem::path case_at(const std::filesystem::path& path) {
-  const bool is_run = std::filesystem::exists(path / report::kRunFile) &&
-                      !std::filesystem::exists(path / "case.toml");
-  return is_run ? path / report::kRunFile : path;
+  const bool is_folder_of_run = std::filesystem::exists(path / report::kRunFile) &&
+                                !std::filesystem::exists(path / "case.toml");
+  return is_folder_of_run ? path / report::kRunFile : path;
 }
 
 diagnosis::Case load(const DiagnoseArguments& arguments) {
@@ -43,14 +48,12 @@ diagnosis::Case load(const DiagnoseArguments& arguments) {
 int diagnose(const DiagnoseArguments& arguments) {
   const diagnosis::Case c = load(arguments);
   std::filesystem::path folder = arguments.out;
-  if (folder.empty())
-    folder = std::filesystem::path{"out/diagnosis"} / folder_name(c, arguments.case_or_recording);
+  if (folder.empty()) folder = std::filesystem::path{"out/diagnosis"} / folder_name(c);
   create_folder(folder);
   const FolderLock lock{folder};
   diagnosis::Verdict verdict = diagnosis::diagnose(c, {arguments.without, arguments.seed});
   // In this version, specimen and machine of a run are models.
-  verdict.synthetic =
-      verdict.synthetic || std::filesystem::is_regular_file(case_at(arguments.case_or_recording));
+  verdict.synthetic = verdict.synthetic || is_run(case_at(arguments.case_or_recording));
   const auto written = report::write_diagnosis(verdict, folder);
   fmt::print("{}\nreport    {}\nnumbers   {}\n", report::verdict_summary(verdict),
              written.page.string(), written.numbers.string());

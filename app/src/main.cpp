@@ -61,7 +61,10 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->add_flag("--force", a.run.force, "Replace the results of an earlier run in --out")
       ->needs(out);
   command->add_option("--ring", a.run.ring, "Name of the ring [the experiment's]");
-  command->add_option("--set", a.sets, "Override a key of the experiment: key=value")
+  command
+      ->add_option(
+          "--set", a.sets,
+          "Override a key of the experiment: key=value, such as map=sts or motion.scale=0.5")
       ->take_all()
       ->allow_extra_args(false);
   command
@@ -93,9 +96,9 @@ void add_node(CLI::App& app, Arguments& a, Chosen& chosen) {
 }
 
 void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand(
-      "check",
-      "Check a map, diagram, bearing, experiment, motion or recording; its content decides which");
+  auto* command = app.add_subcommand("check",
+                                     "Check a map, diagram, bearing, experiment, case, improved "
+                                     "model, motion or recording; its content decides which");
   command->add_option("file", a.file)->required();
   command->callback([&] { chosen = [&a] { return check(a.file); }; });
 }
@@ -256,7 +259,7 @@ void add_diagnose(CLI::App& app, Arguments& a, Chosen& chosen) {
       "diagnose", "Find the physics that a simulation omits, or report that none is missing");
   command
       ->add_option("case", a.diagnose.case_or_recording,
-                   "Folder with a case.toml, or folder or recording of a run")
+                   "Folder with a case.toml, a case file, or folder or recording of a run")
       ->required();
   command->add_option("--out", a.diagnose.out, "Folder for the results [out/diagnosis/<name>]");
   command->add_option("--against", a.diagnose.against,

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/recording/recording.hpp>
+
 #include "case_of_run.hpp"
 #include "case_record.hpp"
 #include "roles.hpp"
@@ -96,15 +98,16 @@ const Channel* Record::find(const std::string& role) const {
   return nullptr;
 }
 
-Case load_case(const std::filesystem::path& folder) {
-  if (std::filesystem::is_regular_file(folder)) return case_of_run(folder);
-  const Config file = Config::load(folder / "case.toml");
+namespace {
+
+Case case_of_file(const std::filesystem::path& path) {
+  const Config file = Config::load(path);
   const std::int64_t format = file.integer("format");
   if (format != kCaseFormat)
     file.fail("format", fmt::format("format is {}, this program reads {}", format, kCaseFormat));
   Case result;
-  result.name = file.text("name", folder.filename().string());
-  result.folder = folder;
+  result.folder = path.has_parent_path() ? path.parent_path() : ".";
+  result.name = file.text("name", result.folder.filename().string());
   const Config channels = file.table_or_empty("channels");
   const auto tables = file.tables("record");
   Files files;
@@ -119,6 +122,13 @@ Case load_case(const std::filesystem::path& folder) {
   result.noise = read_noise(file.table_or_empty("noise"));
   file.reject_unknown_keys();
   return result;
+}
+
+}  // namespace
+
+Case load_case(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path)) return case_of_file(path / "case.toml");
+  return recording::is_hdf5(path) ? case_of_run(path) : case_of_file(path);
 }
 
 }  // namespace rths::diagnosis

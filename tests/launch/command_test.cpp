@@ -72,7 +72,8 @@ INSTANTIATE_TEST_SUITE_P(
         Checked{"bearing", in_tree("sim/bearings/tpfb.toml"), ": bearing 'TPFB', 2 terms, "},
         Checked{"experiment", in_tree("examples/srmd_lprb_2d.toml"), ": experiment 'srmd_lprb_2d'"},
         Checked{"columns", in_tree("examples/records/petrolia_1992_riodell_freefield.csv"),
-                "3000 samples, interval 0.02 s, peak 0.385"}),
+                "3000 samples, interval 0.02 s, peak 0.385"},
+        Checked{"case", in_tree("examples/diagnosis/actuator/case.toml"), ": case '"}),
     [](const auto& checked) { return std::string{checked.param.name}; });
 
 TEST(Check, RefusesUnknownFiles) {
@@ -90,6 +91,45 @@ TEST(Check, RefusesUnknownFiles) {
   EXPECT_EQ(run_rths({"check", "/no/such"}).exit_code, 2);
 }
 
+TEST(Check, SaysHowAnImprovedModelIsUsed) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("improved.toml",
+                                 "[specimen.adiabatic_heating]\nkind = \"adiabatic_heating\"\n"
+                                 "softening_1_per_J = 1e-7\n"
+                                 "[machine.coulomb_friction]\nfriction_force_N = 6000\n");
+
+  const Finished checked = run_rths({"check", file.string()});
+
+  EXPECT_EQ(checked.out, file.string() +
+                             ": improved model of a diagnosis, 2 terms; apply it with 'rths run "
+                             "EXPERIMENT --improve " +
+                             file.string() + "'\n")
+      << checked.err;
+  folder.write("improved.toml", "[specimen.heat]\nkind = \"adiabatic_heating\"\nsoftening = 1\n");
+  EXPECT_NE(run_rths({"check", file.string()}).err.find("unknown key 'softening'"),
+            std::string::npos);
+}
+
+TEST(Check, SaysWhereACaseIsWrong) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("mine.toml", "format = 1\n[channels]\n[[record]]\nfil = \"a\"\n");
+
+  const Finished checked = run_rths({"check", file.string()});
+
+  EXPECT_EQ(checked.exit_code, 2);
+  EXPECT_EQ(checked.err.rfind("rths: " + file.string() + ":", 0), 0U) << checked.err;
+}
+
+TEST(Run, TakesATextWithoutQuotes) {
+  const std::string example = in_tree("examples/srmd_lprb_2d.toml");
+  EXPECT_NE(run_rths({"run", example, "--set", "map=stz"})
+                .err.find("map is 'stz', expected a file or one of:"),
+            std::string::npos);
+  EXPECT_EQ(run_rths({"run", example, "--set", "axes=[long]"}).err,
+            "rths: --set axes: the value is [long], expected a number, true, false, a text or a "
+            "list such as [\"a\", \"b\"]; a shell needs quotes around it: '[\"a\", \"b\"]'\n");
+}
+
 TEST(MapCommand, ChecksAndGeneratesBuiltInMaps) {
   EXPECT_NE(run_rths({"map", "check", "srmd"}).out.find("136 signals"), std::string::npos);
   EXPECT_NE(
@@ -100,12 +140,29 @@ TEST(MapCommand, ChecksAndGeneratesBuiltInMaps) {
       std::string::npos);
 }
 
+memmap::Map map_with_a_parameter() {
+  memmap::MapDescription description = test::small_map().description();
+  memmap::Signal gain;
+  gain.name = "gain";
+  gain.unit = "s";
+  gain.range = {0, 0.1};
+  gain.offset = LongwordOffset{600};
+  memmap::Partition parameters;
+  parameters.name = "tune.machine";
+  parameters.node = "controller";
+  parameters.base = gain.offset;
+  parameters.longwords = 1;
+  parameters.signals = {gain};
+  description.partitions.push_back(parameters);
+  return memmap::Map{description};
+}
+
 /// A ring with a live node of this test, so that `rths clean` keeps it.
 class RingCommand : public ::testing::Test {
  protected:
   std::string name = test::unique_ring("command");
   test::RingRemoval removal{name};
-  broker::Ring ring = broker::Ring::create(name, test::small_map());
+  broker::Ring ring = broker::Ring::create(name, map_with_a_parameter());
   broker::Node machine = ring.join("machine", 0);
 };
 
@@ -151,6 +208,26 @@ TEST_F(RingCommand, SendReportsWrongArguments) {
   EXPECT_EQ(run_rths({"send", name, "ref.long"}).err, "rths: 'ref.long': expected name=value\n");
   EXPECT_NE(run_rths({"send", "no_such_ring", "a=1"}).err.find("cannot be attached"),
             std::string::npos);
+}
+
+// The parameters of a run are words with a range.
+TEST_F(RingCommand, SendRefusesAValueOutsideItsRange) {
+  const Finished refused = run_rths({"send", name, "tune.machine.gain=1e6"});
+
+  EXPECT_EQ(refused.err, "rths: tune.machine.gain=1e6: expected 0 to 0.1 s\n");
+  EXPECT_EQ(run_rths({"send", name, "tune.machine.gain=100ms"}).exit_code, 0);
+}
+
+TEST_F(RingCommand, SendListsTheSignalsBesideAnUnknownOne) {
+  EXPECT_EQ(run_rths({"send", name, "tune.machine.gian=1"}).err,
+            "rths: the ring's map 'small' has no signal 'tune.machine.gian' (did you mean "
+            "'tune.machine.gain'?)\n");
+  EXPECT_EQ(run_rths({"send", name, "tune.machine.stiffness_of_spring=1"}).err,
+            "rths: the ring's map 'small' has no signal 'tune.machine.stiffness_of_spring', "
+            "expected one of tune.machine.gain\n");
+  EXPECT_EQ(run_rths({"send", name, "nothing.like.this=1"}).err,
+            "rths: the ring's map 'small' has no signal 'nothing.like.this', expected one of "
+            "fbk.…, echo.…, ref.…, tune.machine.…\n");
 }
 
 TEST_F(RingCommand, DumpExitsWithOneAtItsTimeout) {

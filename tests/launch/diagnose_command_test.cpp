@@ -38,6 +38,16 @@ TEST(DiagnoseCommand, SaysWhereACaseIsWrong) {
   EXPECT_EQ(run.err.find('\n'), run.err.size() - 1) << "one line: " << run.err;
 }
 
+TEST(DiagnoseCommand, TakesACaseFile) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("mine.toml", "format = 1\nnam = \"x\"\n");
+
+  const auto run = run_rths({"diagnose", file.string()});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err.rfind("rths: " + file.string() + ":", 0), 0U) << run.err;
+}
+
 TEST(DiagnoseCommand, WritesNothingIfTheCaseIsWrong) {
   const test::TemporaryFolder folder;
   const auto out = folder.path() / "out";

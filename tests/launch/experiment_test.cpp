@@ -280,7 +280,52 @@ TEST_F(ExperimentTest, RefusesToTuneUnknownParameters) {
 
 TEST_F(ExperimentTest, RefusesANodeThatWritesAnothersWords) {
   EXPECT_EQ(error_with("[node.srmd]\nadapter = \"srmd\"", "[node.machine]\nadapter = \"srmd\""),
-            "");
+            "node 'machine' cannot write 'srmd.long.displ.ref_echo', which belongs to 'srmd'");
+}
+
+TEST_F(ExperimentTest, RefusesATuningOutsideItsRange) {
+  EXPECT_EQ(error_with("tune.ats.enabled = 0", "tune.feed_forward.velocity_gain_s = 1e6"),
+            "node 'xpc': feed_forward.velocity_gain_s is 1000000, expected 0 to 0.1");
+}
+
+// The run without compensation starts after the test; its parameters are checked before it.
+TEST_F(ExperimentTest, RefusesUncompensatedParametersThatDoNotExist) {
+  EXPECT_EQ(error_with("[uncompensated.xpc]\nats.enabled", "[uncompensated.xpc]\natz.enabled"),
+            "node 'xpc' has no parameter 'atz.enabled' (did you mean 'ats.enabled'?)");
+}
+
+TEST_F(ExperimentTest, FindsMistakesOfADiagramThatConcernTheMap) {
+  const std::string controller = test::content_of(folder.path() / "controller.toml");
+  const auto error_with_diagram = [&](const std::string& from, const std::string& to) {
+    std::string text = controller;
+    text.replace(text.find(from), from.size(), to);
+    folder.write("controller.toml", text);
+    return error_with("seed = 7", "seed = 7");
+  };
+  EXPECT_EQ(error_with_diagram("srmd.{axis}.accel.fbk", "srmd.{axis}.acel.fbk"),
+            "controller.toml:28:1: block 'acceleration': the map has no signal "
+            "'srmd.long.acel.fbk' (did you mean 'srmd.long.accel.fbk'?)");
+  EXPECT_EQ(error_with_diagram("in.in = \"limits\"", "in.in = \"observer.force\""),
+            "controller.toml:93:1: 'reference.in' takes [m], the unit of 'xpc.long.displ.ref', "
+            "'observer.force' gives [N]");
+}
+
+TEST_F(ExperimentTest, FindsAScriptWhoseProgramIsMissing) {
+  folder.write("model.py", "");
+  EXPECT_EQ(error_with("adapter = \"numerical\"",
+                       "adapter = \"opensees\"\nscript = \"model.py\"\n"
+                       "python = \"no_such_python\"\nelement = [{ name = \"b\", port = 8090, "
+                       "dofs = [\"long\", \"lat\"] }]"),
+            "node 'opf': there is no program 'no_such_python' to run its script, expected one as "
+            "its key python or as RTHS_OPENSEES_PYTHON");
+}
+
+TEST_F(ExperimentTest, TakesATextOfTheCommandLineWithoutQuotes) {
+  EXPECT_EQ(load_experiment(write(), {{"name", "other"}}).name, "other");
+  EXPECT_EQ(test::error_of([&] {
+              static_cast<void>(load_experiment(write(), {{"duration_s", "long"}}));
+            }),
+            "--set duration_s: duration_s is a string, expected a number");
 }
 
 }  // namespace

@@ -88,10 +88,10 @@ struct Case {
 /// File of the recording of a second earthquake, in the folder of a run.
 inline constexpr const char* kHeldOutFile = "held_out.h5";
 
-/// Reads case.toml of a folder and its recordings. Instead of a folder, `folder_or_run` may be the
+/// Reads case.toml of a folder, or another case file, and its recordings. The path may also be the
 /// recording of a run (run.h5): it contains the model of the simulation. A recording of a second
 /// earthquake in the same folder is read too.
 /// @throws Error file:line:column, found and expected   @setup
-[[nodiscard]] Case load_case(const std::filesystem::path& folder_or_run);
+[[nodiscard]] Case load_case(const std::filesystem::path& path);
 
 }  // namespace rths::diagnosis
