@@ -24,16 +24,41 @@ TEST_F(OpenSeesRun, FeelsABearingOnTheRingAsItsOwn) {
     EXPECT_LT(nrmse(ring, own, column), 1e-4) << column;
 }
 
+// Targets of the project's own solver of the same plant, through the same controller and machine.
+// Like OpenSees in virtual time, it computes in no time.
+Rows targets_of_own_solver(const std::string& experiment, const std::filesystem::path& out,
+                           const std::string& seed) {
+  const auto finished =
+      test::run_rths({"run", experiment, "--clock", "virtual", "--out", out.string(), "--set",
+                      "node.opf={adapter=\"numerical\"}", "--set", "solver.computing_time_s=0",
+                      "--set", "seed=" + seed});
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  const recording::Reader reader{out / "run.h5"};
+  const auto time = reader.signal("opf.1.time.target"),
+             along = reader.signal("opf.long.displ.target"),
+             across = reader.signal("opf.lat.displ.target");
+  Rows rows;
+  for (std::size_t i = 0; i < time.size(); ++i)
+    if (time[i] > (i == 0 ? 0 : time[i - 1])) rows.push_back({time[i], along[i], across[i]});
+  return rows;
+}
+
+// The loop amplifies the noise of the sensors: the machine's residual delay has a large effect with
+// so stiff a bearing. The same solver with another noise is therefore the measure: OpenSees with
+// the same noise is closer.
 TEST_F(OpenSeesRun, MovesTheMachineThroughTheController) {
-  const auto finished = run(experiment({kMachine, kPlant, plant_arguments(), kBoth}), "virtual");
+  const std::string file = experiment({kMachine, kPlant, plant_arguments(), kBoth});
+  const auto finished = run(file, "virtual");
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_TRUE(std::filesystem::exists(out() / "report.html"));
-  const Rows ring = ring_response(), own = own_response("plasticity");
-  ASSERT_EQ(ring.size(), own.size());
-  // The machine's residual delay has a large effect with so stiff a bearing; the project's own
-  // solver differs by the same amount in the demo.
-  EXPECT_LT(nrmse(ring, own, 1), 0.5);
-  EXPECT_LT(nrmse(ring, own, 2), 0.3);
+  const Rows ring = ring_response();
+  const Rows same_noise = targets_of_own_solver(file, folder_.path() / "same", "1"),
+             other_noise = targets_of_own_solver(file, folder_.path() / "other", "2");
+  ASSERT_EQ(ring.size(), 3000U);
+  ASSERT_EQ(same_noise.size(), ring.size());
+  ASSERT_EQ(other_noise.size(), ring.size());
+  for (const std::size_t axis : {1U, 2U})
+    EXPECT_LT(nrmse(ring, same_noise, axis), nrmse(other_noise, same_noise, axis)) << axis;
 }
 
 // Rows at which a signal rises above 0 (or falls back to 0).
