@@ -32,3 +32,6 @@ rths_tests(rths_opensees_test "." COST 3)
 
 # Thousands of deaths with RTHS_LONG=1, several times slower under sanitizers.
 rths_tests(rths_broker_test "KillsOf" TIMEOUT 900)
+rths_tests(rths_damaged_ring_test "CrashesNo" TIMEOUT 3600)
+rths_tests(rths_recording_test "WithDamage" TIMEOUT 900)
+rths_tests(rths_command_test "DamagedRingCommands" TIMEOUT 900)

@@ -141,6 +141,7 @@ Status AdapterRunner::read_inputs() noexcept {
     } else {
       transfer.image[0] = node_.read(transfer.base);
     }
+    if (node_.is_ring_lost()) return Status::Stale;  // the words may be zeros
     for (const auto& value : transfer.values) {
       const double now = value.codec.decode(transfer.image[value.word]);
       if (value.accepts(now))
@@ -188,7 +189,7 @@ Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) n
   step_.age = timing.clock != nullptr ? to_seconds(timing.clock->now() - timing.due) : 0;
   step_.inputs = inputs_;
   step_.outputs = std::span{outputs_}.subspan(kRunnerPorts);
-  step_.stopping = stopping;
+  step_.stopping = stopping || node_.is_ring_lost();
   const Status result = adapter_.step(step_);
   status = worst(status, result);
   write_own_monitors(status, timing);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
 #include <rths/diagnosis/case.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
@@ -113,9 +113,8 @@ int check_motion(const std::string& file, const sim::RecordComponent& record, co
 }
 
 // The first line that is not blank; it distinguishes the text formats.
-std::string first_line(const std::string& file) {
-  std::ifstream stream{file};
-  if (!stream) throw Error{file + ": cannot be read"};
+std::string first_line(const std::string& content) {
+  std::istringstream stream{content};
   std::string line;
   while (std::getline(stream, line))
     if (line.find_first_not_of(" \t\r") != std::string::npos) return line;
@@ -129,12 +128,11 @@ bool looks_like_toml(const std::string& line) {
 }  // namespace
 
 int check(const std::string& file) {
-  if (std::filesystem::is_directory(file)) throw Error{file + ": is a directory, expected a file"};
+  check_is_file(file);
   if (recording::is_hdf5(file)) return check_recording(file);
-  const std::string line = first_line(file);
+  const std::string head = read_file(file, kMostTextBytes);
+  const std::string line = first_line(head);
   if (line.empty()) throw Error{file + ": is empty"};
-  std::ifstream stream{file};
-  const std::string head(std::istreambuf_iterator<char>{stream}, {});
   if (head.find("NPTS") != std::string::npos && head.find("DT") != std::string::npos)
     return check_motion(file, sim::read_at2(file), "ground motion (.AT2)");
   if (line[0] != '#' ? looks_like_toml(line) : head.find("\n[") != std::string::npos)

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
 
 #include "command_line.hpp"
@@ -341,6 +342,7 @@ int parse_and_run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    rths::broker::on_lost_memory(rths::broker::OnLostMemory::Exit);
     return rths::app::parse_and_run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rths: %s\n", error.what());

@@ -62,7 +62,7 @@ int doctor() {
   bool any_unused = false;
   for (const auto& ring : rings) {
     describe(ring);
-    any_unused = any_unused || !(ring.in_use() || ring.is_of_cards());
+    any_unused = any_unused || !(ring.in_use() || ring.is_of_cards() || !ring.other_user.empty());
   }
   if (rings.empty()) fmt::print("no rings\n");
   const std::string missing = launch::missing_privileges();
@@ -81,7 +81,9 @@ int clean(const std::vector<std::string>& rings) {
   if (!rings.empty()) return all ? kOk : kConditionNotMet;
   for (const auto& ring : broker::list_rings()) {
     if (ring.in_use()) continue;
-    if (ring.is_of_cards())
+    if (!ring.other_user.empty())
+      fmt::print("skipped {}: {}\n", ring.name, ring.trouble);
+    else if (ring.is_of_cards())
       fmt::print("kept {}: {}; 'rths clean {}' removes it\n", ring.name, cards_of(ring), ring.name);
     else
       all = remove(ring) && all;

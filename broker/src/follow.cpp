@@ -19,7 +19,8 @@ namespace {
 
 constexpr Duration kLongestSpin = std::chrono::microseconds{50};
 constexpr Duration kLongestSleep = std::chrono::milliseconds{10};  // bounds a missed wake-up
-constexpr int kPollsPerClock = 64;  // reading the clock takes as long as many polls
+constexpr int kMostWritesPerPoll = 1 << 16;  // of one node, before the deadline is checked
+constexpr int kPollsPerClock = 64;           // reading the clock takes as long as many polls
 
 void relax() noexcept {
 #if defined(__x86_64__)
@@ -37,6 +38,7 @@ struct Follower::State {
   NodeId writer;
   std::uint64_t position = 0;
   std::uint64_t lost = 0;
+  std::uint32_t memory_end = 0;      ///< of the ring's memory: entries beyond it are skipped
   std::vector<std::uint32_t> words;  ///< of the group that is being read
 
   [[nodiscard]] Followed next(Write& write) noexcept;
@@ -44,6 +46,10 @@ struct Follower::State {
   void read_word(const JournalEntry& entry, Write& write) const noexcept;
   [[nodiscard]] bool read_group(const JournalEntry& first, Write& write) noexcept;
   [[nodiscard]] GroupState state_of(const JournalEntry& first) const noexcept;
+  [[nodiscard]] bool is_inside(const JournalEntry& group) const noexcept {
+    return group.b > 0 && group.b <= words.size() && group.a < memory_end &&
+           group.b <= memory_end - group.a;
+  }
 };
 
 void Follower::State::skip_to_end() noexcept {
@@ -61,7 +67,7 @@ void Follower::State::read_word(const JournalEntry& entry, Write& write) const n
 }
 
 bool Follower::State::read_group(const JournalEntry& first, Write& write) noexcept {
-  if (first.b > words.size()) return false;
+  if (!is_inside(first)) return false;
   const std::span<std::uint32_t> all{words.data(), first.b};
   if (!read_journalled_group(journal, position - 1, first.a, all)) return false;
   position += group_entries(first.b) - 1;
@@ -71,7 +77,7 @@ bool Follower::State::read_group(const JournalEntry& first, Write& write) noexce
 
 // A group is cut off if its writer died in the middle: then the successor's entries follow.
 Follower::State::GroupState Follower::State::state_of(const JournalEntry& first) const noexcept {
-  if (first.b > words.size()) return GroupState::Cut;
+  if (!is_inside(first)) return GroupState::Cut;
   JournalEntry entry;
   for (std::uint64_t i = 0; i + 1 < group_entries(first.b); ++i) {
     const Fetched fetched = fetch_at(journal, position + i, entry);
@@ -83,7 +89,8 @@ Follower::State::GroupState Follower::State::state_of(const JournalEntry& first)
 
 Followed Follower::State::next(Write& write) noexcept {
   JournalEntry entry;
-  for (;;) {
+  // Ends also if another program writes entries without a write faster than they are read.
+  for (std::uint64_t i = 0; i >> journal.bits < 2; ++i) {
     switch (fetch_at(journal, position, entry)) {
       case Fetched::NotYet:
         return Followed::Nothing;
@@ -94,7 +101,7 @@ Followed Follower::State::next(Write& write) noexcept {
         break;
     }
     ++position;
-    if (entry.kind() == EntryKind::Word) {
+    if (entry.kind() == EntryKind::Word && entry.a < memory_end) {
       read_word(entry, write);
       return Followed::Write;
     }
@@ -105,6 +112,7 @@ Followed Follower::State::next(Write& write) noexcept {
     --position;  // complete by now, or soon: reads its first entry again
     if (state == GroupState::Pending) return Followed::Nothing;
   }
+  return Followed::Nothing;
 }
 
 Follower::Follower(std::unique_ptr<State> state) : state_{std::move(state)} {}
@@ -139,7 +147,7 @@ bool Waiter::State::matches(const Write& write) const noexcept {
 // Ok: a matching write. Stale: none yet.
 Status Waiter::State::poll(Write& write) noexcept {
   for (auto& follower : followers) {
-    for (;;) {
+    for (int i = 0; i < kMostWritesPerPoll; ++i) {
       const Followed followed = follower.next(write);
       if (followed == Followed::Lost) return Status::LimitExceeded;
       if (followed == Followed::Nothing) break;
@@ -178,6 +186,7 @@ Follower Ring::follow(const std::string& node) {
   const NodeId id = map_->node(node);
   state->journal = segment_->journal(node_index(*map_, id));
   state->writer = id;
+  state->memory_end = map_->description().size_longwords;
   state->position = end_of(state->journal);
   std::uint32_t largest = 0;
   for (const auto& partition : map_->partitions())

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <filesystem>
 
-#include <boost/interprocess/shared_memory_object.hpp>
+#include <fmt/format.h>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
@@ -30,36 +34,48 @@ void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& re
                              : node == kNotYet  ? "joining"
                                                : map.node_name(NodeId{static_cast<uint16_t>(node)});
     report.occupants.push_back(
-        {name, pid_of(claim), is_alive(claim), plain, std::atomic_ref{slot.beats}.load()});
+        {name, pid_of(claim), segment.is_member(claim), plain, std::atomic_ref{slot.beats}.load()});
   }
 }
 
 void describe_groups(Segment& segment, const memmap::Map& map, RingReport& report) {
-  const Group* group = segment.groups();
-  for (const auto& partition : map.partitions()) {
-    if (!partition.tear_group) continue;
-    if (is_torn(segment.record(*group), group->longwords))
-      report.torn_groups.push_back(partition.name);
-    ++group;
-  }
+  for (const GroupView& group : segment.groups())
+    if (is_torn(group.record, group.longwords))
+      report.torn_groups.push_back(map.partition_at(LongwordOffset{group.base})->name);
 }
 
-RingReport inspect(const std::string& name, std::uint64_t bytes) {
+// The owner of the object, if it is neither this user nor root; empty otherwise.
+std::string other_user_of(const struct stat& object) {
+  if (object.st_uid == geteuid() || object.st_uid == 0) return "";
+  const passwd* user = getpwuid(object.st_uid);
+  return user != nullptr ? user->pw_name : std::to_string(object.st_uid);
+}
+
+void inspect_segment(RingReport& report) {
+  const auto segment = Segment::attach_shared(report.name, kInventoryTimeout);
+  const memmap::Map& map = segment->map();
+  report.bytes = common_bytes(segment->layout());
+  report.map_name = map.description().name;
+  report.map_version = map.description().version;
+  report.map_hash = memmap::hash_text(map.hash());
+  const std::uint64_t cards = std::atomic_ref{segment->header().cards_in_use}.load();
+  report.cards = static_cast<std::uint32_t>(std::popcount(cards));
+  describe_occupants(*segment, map, report);
+  describe_groups(*segment, map, report);
+  report.usable = true;
+}
+
+std::optional<RingReport> inspect(const std::string& name) {
+  struct stat object {};
+  if (lstat((kObjectFolder + ("/" + object_name(name))).c_str(), &object) != 0) return std::nullopt;
   RingReport report;
   report.name = name;
-  report.bytes = bytes;
+  report.bytes = static_cast<std::uint64_t>(object.st_size);
+  report.other_user = other_user_of(object);
   try {
-    const auto segment = Segment::attach_shared(name, kInventoryTimeout);
-    const memmap::Map map = segment->map();
-    report.bytes = segment->header().memory_at + segment->header().memory_bytes;
-    report.map_name = map.description().name;
-    report.map_version = map.description().version;
-    report.map_hash = memmap::hash_text(map.hash());
-    const std::uint64_t cards = std::atomic_ref{segment->header().cards_in_use}.load();
-    report.cards = static_cast<std::uint32_t>(std::popcount(cards));
-    describe_occupants(*segment, map, report);
-    describe_groups(*segment, map, report);
-    report.usable = true;
+    if (!report.other_user.empty())
+      throw ForeignRing{fmt::format("ring '{}' belongs to user {}", name, report.other_user)};
+    inspect_segment(report);
   } catch (const ForeignRing& error) {
     report.foreign = true;
     report.trouble = error.what();
@@ -78,23 +94,15 @@ std::vector<RingReport> list_rings() {
   for (const auto& file : std::filesystem::directory_iterator{kObjectFolder, unreadable}) {
     const std::string object = file.path().filename().string();
     if (object.rfind(prefix, 0) != 0) continue;
-    reports.push_back(inspect(object.substr(prefix.size()), file.file_size(unreadable)));
+    if (auto report = inspect(object.substr(prefix.size()))) reports.push_back(std::move(*report));
   }
   std::sort(reports.begin(), reports.end(),
             [](const RingReport& a, const RingReport& b) { return a.name < b.name; });
   return reports;
 }
 
-std::optional<RingReport> inspect_ring(const std::string& name) {
-  const auto file = std::filesystem::path{kObjectFolder} / object_name(name);
-  std::error_code missing;
-  const auto bytes = std::filesystem::file_size(file, missing);
-  if (missing) return std::nullopt;
-  return inspect(name, bytes);
-}
+std::optional<RingReport> inspect_ring(const std::string& name) { return inspect(name); }
 
-bool remove_ring(const std::string& name) {
-  return boost::interprocess::shared_memory_object::remove(object_name(name).c_str());
-}
+bool remove_ring(const std::string& name) { return remove_object(name); }
 
 }  // namespace rths::broker

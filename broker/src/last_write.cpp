@@ -6,15 +6,21 @@
 namespace rths::broker {
 namespace {
 
+// Zero, which means unknown, if it is not a time of this host.
 TimePoint time_in(const JournalEntry& entry) {
-  return TimePoint{static_cast<std::int64_t>(halves(entry.a, entry.b))};
+  const TimePoint time{static_cast<std::int64_t>(halves(entry.a, entry.b))};
+  return time > TimePoint{0} && time <= WallClock{}.now() ? time : TimePoint{0};
 }
 
 // Searches a journal from its newest to its oldest entry for the last write of a word and the time
 // before it.
 class Search {
  public:
-  Search(const JournalView& journal, LongwordOffset offset) : journal_{journal}, offset_{offset} {}
+  /// @param partition  of the word
+  Search(const JournalView& journal, const memmap::Partition& partition, LongwordOffset offset)
+      : journal_{journal}, partition_{partition}, offset_{offset} {
+    if (partition.tear_group) group_.resize(partition.longwords);
+  }
 
   void run(LastWrite& found) {
     const std::uint64_t end = end_of(journal_);
@@ -33,18 +39,19 @@ class Search {
 
  private:
   [[nodiscard]] std::optional<std::uint32_t> value_in(const JournalEntry& entry,
-                                                      std::uint64_t position) const {
+                                                      std::uint64_t position) {
     if (entry.kind() == EntryKind::Word && entry.a == offset_.value()) return entry.b;
-    const bool inside = entry.kind() == EntryKind::Group && offset_.value() >= entry.a &&
-                        offset_.value() < entry.a + entry.b;
-    if (!inside) return std::nullopt;
-    std::vector<std::uint32_t> words(entry.b);
-    if (!read_journalled_group(journal_, position, entry.a, words)) return std::nullopt;
-    return words[offset_.value() - entry.a];
+    const std::uint32_t base = partition_.base.value();
+    if (entry.kind() != EntryKind::Group || entry.a != base || group_.empty() ||
+        !read_journalled_group(journal_, position, base, group_))
+      return std::nullopt;
+    return group_[offset_.value() - base];
   }
 
   JournalView journal_;
+  const memmap::Partition& partition_;
   LongwordOffset offset_;
+  std::vector<std::uint32_t> group_;
 };
 
 }  // namespace
@@ -54,7 +61,8 @@ LastWrite Ring::last_write(LongwordOffset offset) {
   const auto* partition = map_->partition_at(offset);
   if (partition == nullptr) return found;
   found.node = partition->node;
-  Search{segment_->journal(node_index(*map_, map_->node(partition->node))), offset}.run(found);
+  Search{segment_->journal(node_index(*map_, map_->node(partition->node))), *partition, offset}.run(
+      found);
   return found;
 }
 

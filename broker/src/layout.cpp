@@ -5,6 +5,9 @@
 #include <atomic>
 #include <cstring>
 
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
 #include <rths/memmap/codec.hpp>
 
 #include "card_layout.hpp"
@@ -15,7 +18,6 @@
 namespace rths::broker {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 256U << 20U;  // of any section: twice the largest memory
 constexpr std::uint32_t kFewestBits = 6;
 constexpr std::uint32_t kMostBits = 24;
 constexpr std::uint64_t kGroupsAt = kWakeAt + sizeof(Wake);
@@ -24,8 +26,6 @@ static_assert(kGroupsAt % alignof(Group) == 0);
 constexpr std::uint64_t round_up(std::uint64_t value, std::uint64_t to) {
   return (value + to - 1) / to * to;
 }
-
-std::uint64_t records_end(const Header& h) { return h.records_at + h.records_bytes; }
 
 std::uint64_t journal_stride(const Header& h) {
   return round_up(journal_bytes(static_cast<std::uint32_t>(h.journal_bits)), kPageBytes);
@@ -42,15 +42,20 @@ std::uint32_t enough_bits(const memmap::Map& map, std::uint32_t bits) {
 }
 
 void fill_groups(std::byte* base, const Header& header, const memmap::Map& map) {
-  auto* group = reinterpret_cast<Group*>(base + header.groups_at);
-  std::uint32_t record_at = 0;
-  for (const auto& partition : map.partitions()) {
-    if (!partition.tear_group) continue;
-    *group++ = {partition.base.value(), partition.longwords,
-                node_index(map, map.node(partition.node)), record_at, 0};
-    disable_record(reinterpret_cast<std::uint32_t*>(base + header.records_at + record_at));
-    record_at += static_cast<std::uint32_t>(record_bytes(partition.longwords));
+  auto* entry = reinterpret_cast<Group*>(base + header.groups_at);
+  for (const Group& group : plan_groups(map)) {
+    *entry++ = group;
+    disable_record(reinterpret_cast<std::uint32_t*>(base + header.records_at + group.record_at));
   }
+}
+
+void check_sizes(const Header& header) {
+  if (header.map_text_bytes > kMostMapText)
+    throw Error{fmt::format("the text of the map has {} bytes, expected at most {}",
+                            header.map_text_bytes, kMostMapText)};
+  if (header.cards_at - header.journals_at > kMostJournals)
+    throw Error{fmt::format("the journals have {} bytes, expected at most {}",
+                            header.cards_at - header.journals_at, kMostJournals)};
 }
 
 }  // namespace
@@ -76,7 +81,7 @@ Header plan_layout(const memmap::Map& map, const std::string& map_text,
     header.records_bytes += record_bytes(partition.longwords);
   }
   header.records_at = round_up(kGroupsAt + header.group_count * sizeof(Group), kPairBytes);
-  header.map_text_at = records_end(header);
+  header.map_text_at = header.records_at + header.records_bytes;
   header.map_text_bytes = map_text.size();
   header.memory_at = round_up(header.map_text_at + header.map_text_bytes, kPageBytes);
   header.memory_bytes = std::uint64_t{map.description().size_longwords} * 4;
@@ -86,6 +91,7 @@ Header plan_layout(const memmap::Map& map, const std::string& map_text,
   header.cards_at = journal_at(header, static_cast<std::uint32_t>(header.journal_count));
   header.card_bytes = card_size(header.memory_bytes);
   header.card_count = kMaxSlots;
+  check_sizes(header);
   return header;
 }
 
@@ -95,18 +101,28 @@ std::uint64_t total_bytes(const Header& header) {
 
 std::uint64_t common_bytes(const Header& header) { return header.journals_at; }
 
-bool layout_is_valid(const Header& h) {
-  for (const std::uint64_t size : {h.group_count, h.group_count * sizeof(Group), h.records_bytes,
-                                   h.map_text_bytes, h.memory_bytes, h.journal_count})
-    if (size > kMostBytes) return false;
-  return h.groups_at == kGroupsAt &&
-         h.records_at == round_up(kGroupsAt + h.group_count * sizeof(Group), kPairBytes) &&
-         h.map_text_at == records_end(h) &&
-         h.memory_at == round_up(h.map_text_at + h.map_text_bytes, kPageBytes) &&
-         h.journals_at == h.memory_at + h.memory_bytes && h.journal_bits >= kFewestBits &&
-         h.journal_bits <= kMostBits &&
-         h.cards_at == journal_at(h, static_cast<std::uint32_t>(h.journal_count)) &&
-         h.card_bytes == card_size(h.memory_bytes) && h.card_count == kMaxSlots;
+bool is_same_layout(const Header& a, const Header& b) {
+  const auto layout = [](Header header) {
+    header.ready = 0;
+    header.creator = 0;
+    header.cards_in_use = 0;
+    return header;
+  };
+  const Header first = layout(a);
+  const Header second = layout(b);
+  return std::memcmp(&first, &second, sizeof first) == 0;
+}
+
+std::vector<Group> plan_groups(const memmap::Map& map) {
+  std::vector<Group> groups;
+  std::uint32_t record_at = 0;
+  for (const auto& partition : map.partitions()) {
+    if (!partition.tear_group) continue;
+    groups.push_back({partition.base.value(), partition.longwords,
+                      node_index(map, map.node(partition.node)), record_at, 0});
+    record_at += static_cast<std::uint32_t>(record_bytes(partition.longwords));
+  }
+  return groups;
 }
 
 std::uint64_t journal_at(const Header& header, std::uint32_t index) {

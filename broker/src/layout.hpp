@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include <rths/memmap/map.hpp>
 
@@ -35,8 +36,10 @@ inline constexpr std::uint32_t kLayoutVersion = 2;
 inline constexpr std::uint32_t kMaxSlots = 32;
 inline constexpr std::size_t kPageBytes = 4096;
 inline constexpr std::uint32_t kReady = 1;
-inline constexpr std::uint32_t kObserver = 0xFFFF;      ///< node id of a slot that only reads
-inline constexpr std::uint32_t kCreator = 0xFFFF'FFFE;  ///< node id of the creator's slot
+inline constexpr std::uint64_t kMostMapText = 4U << 20U;     ///< [B]
+inline constexpr std::uint64_t kMostJournals = 256U << 20U;  ///< of all nodes together [B]
+inline constexpr std::uint32_t kObserver = 0xFFFF;           ///< node id of a slot that only reads
+inline constexpr std::uint32_t kCreator = 0xFFFF'FFFE;       ///< node id of the creator's slot
 
 struct alignas(256) Header {
   std::uint64_t magic;
@@ -78,6 +81,7 @@ static_assert(std::is_trivially_copyable_v<Group> && sizeof(Group) == 128);
 [[nodiscard]] std::uint32_t node_index(const memmap::Map& map, NodeId node);
 
 /// The layout of a ring with this map: a header with all members but `ready`.
+/// @throws Error if the text of the map or the journals are too large
 [[nodiscard]] Header plan_layout(const memmap::Map& map, const std::string& map_text,
                                  std::uint32_t journal_bits);
 /// Bytes of the whole object, and of the common section that every process maps.
@@ -85,8 +89,10 @@ static_assert(std::is_trivially_copyable_v<Group> && sizeof(Group) == 128);
 [[nodiscard]] std::uint64_t common_bytes(const Header& header);
 /// Begin of a journal in the object [B].
 [[nodiscard]] std::uint64_t journal_at(const Header& header, std::uint32_t index);
-/// True if the sections follow each other as in `plan_layout` and their sizes are plausible.
-[[nodiscard]] bool layout_is_valid(const Header& header);
+/// True if both headers have the same layout and map.
+[[nodiscard]] bool is_same_layout(const Header& a, const Header& b);
+/// The table of tear groups of a map.
+[[nodiscard]] std::vector<Group> plan_groups(const memmap::Map& map);
 /// Initialises the common section; stores `ready` last.
 void fill(std::byte* base, const Header& header, const memmap::Map& map,
           const std::string& map_text);

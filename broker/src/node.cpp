@@ -49,9 +49,9 @@ std::uint32_t claim_slot(Segment& segment, std::uint32_t node) {
     }
     return std::nullopt;
   };
-  const auto is_dead = [](Claim holder) { return holder != 0 && !is_alive(holder); };
+  const auto is_dead = [&](Claim holder) { return holder != 0 && !segment.is_member(holder); };
   if (const auto own = claim_where([&](Slot& slot, Claim holder) {
-        return is_dead(holder) && shared(slot.node).load() == node;
+        return shared(slot.node).load() == node && is_dead(holder);
       }))
     return *own;
   if (const auto free = claim_where([](Slot&, Claim holder) { return holder == 0; })) return *free;
@@ -65,7 +65,7 @@ std::optional<int> conflicting_process(Segment& segment, const Slot& own, NodeId
   for (Slot& slot : segment.slots()) {
     const Claim holder = shared(slot.claim).load();
     const bool same = shared(slot.node).load() == id.value();
-    if (&slot != &own && holder != 0 && same && is_alive(holder)) return pid_of(holder);
+    if (&slot != &own && holder != 0 && same && segment.is_member(holder)) return pid_of(holder);
   }
   return std::nullopt;
 }
@@ -80,12 +80,8 @@ Status read_disturbed(std::uint32_t* record, std::uint32_t* memory,
 
 }  // namespace
 
-struct Node::GroupAccess {
-  Group* group;
-  std::uint32_t* record;
-  std::uint32_t* words;
-  std::uint32_t longwords;
-  bool own;
+struct Node::GroupAccess : GroupView {
+  bool own = false;
   std::uint32_t count = 0;  ///< of the last write, if the group is this node's
   /// Last read of a bulk record. While its count is unchanged, a read touches no other line of the
   /// record, since the writer must fetch back every line that a reader touches.
@@ -109,11 +105,8 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
   }
   try {
     segment.populate();
-    for (std::uint64_t i = 0; i < segment.header().group_count; ++i) {
-      Group& group = segment.groups()[i];
-      const bool own = id && group.journal == node_index(map, *id);
-      groups_.push_back(
-          {&group, segment.record(group), segment.words() + group.base, group.longwords, own});
+    for (const GroupView& group : segment.groups()) {
+      groups_.push_back({group, id && group.journal == node_index(map, *id)});
       if (record_kind(group.longwords) == RecordKind::Bulk)
         groups_.back().read.resize(group.longwords);
     }
@@ -129,15 +122,15 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
 void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
   const JournalView journal = segment_->journal(node_index(map, id));
   register_as_writer();
-  std::vector<Group*> unjournalled;
+  std::vector<const GroupView*> unjournalled;
   for (auto& access : groups_) {
     if (!access.own) continue;
-    if (repair_group(*segment_, *access.group, journal)) unjournalled.push_back(access.group);
+    if (repair_group(access, journal)) unjournalled.push_back(&access);
     access.count = count_of(access.record);
   }
   if (!unjournalled.empty()) {
     JournalWriter writer{journal};
-    for (Group* group : unjournalled) journal_repaired_group(*segment_, *group, writer);
+    for (const GroupView* group : unjournalled) journal_repaired_group(*group, writer);
     wake_sleepers(segment_->wake());
   }
   if (plain) return become_plain(id);
@@ -233,8 +226,8 @@ Status Node::write_group(TearGroupId id, std::span<const std::uint32_t> words) n
   access.count = write_record(access.record, words, access.count);
   store_words(access.words, words);
   Writer& writer = *writer_;
-  writer.journal.group(access.group->base, words, access.count);
-  shared(access.group->journalled).store(access.count, std::memory_order_release);
+  writer.journal.group(access.base, words, access.count);
+  shared(*access.journalled).store(access.count, std::memory_order_release);
   wake_sleepers(*writer.wake);
   return Status::Ok;
 }
@@ -244,6 +237,8 @@ void Node::beat() noexcept {
   beats.store(beats.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   if (writer_) writer_->journal.time(now());
 }
+
+bool Node::is_ring_lost() const noexcept { return segment_->is_lost(); }
 
 std::uint64_t Node::beats_of(NodeId node) const noexcept {
   Slot* slot = segment_->slot_of(node);

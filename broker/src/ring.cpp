@@ -12,12 +12,12 @@
 namespace rths::broker {
 namespace {
 
-constexpr auto kCreatorTimeout = std::chrono::seconds{2};  // for a ring in creation
+constexpr auto kCreatorTimeout = std::chrono::seconds{1};  // for a ring in creation
 
 void remove_if_abandoned(const std::string& name) {
   const auto report = inspect_ring(name);
   if (!report) return;
-  if (report->foreign) throw Error{report->trouble};
+  if (report->foreign) throw Error{report->trouble + "; choose another name"};
   std::string pids;
   for (const auto& occupant : report->occupants)
     if (occupant.alive) pids += fmt::format(" {} (pid {})", occupant.node, occupant.pid);
@@ -34,7 +34,7 @@ void remove_if_abandoned(const std::string& name) {
 }  // namespace
 
 Ring::Ring(std::unique_ptr<Segment> segment)
-    : segment_{std::move(segment)}, map_{std::make_unique<memmap::Map>(segment_->map())} {}
+    : segment_{std::move(segment)}, map_{&segment_->map()} {}
 
 Ring::Ring(Ring&&) noexcept = default;
 Ring& Ring::operator=(Ring&&) noexcept = default;
@@ -56,7 +56,7 @@ Ring Ring::in_process(const memmap::Map& map, std::uint32_t journal_bits) {
 const memmap::Map& Ring::map() const { return *map_; }
 
 Node Ring::join(const std::string& node, std::uint64_t map_hash) {
-  const std::uint64_t ring_hash = segment_->header().map_hash;
+  const std::uint64_t ring_hash = segment_->layout().map_hash;
   if (map_hash != 0 && map_hash != ring_hash)
     throw Error{fmt::format("node '{}' was built for map {}, the ring has map '{}' {}", node,
                             memmap::hash_text(map_hash), map_->description().name,

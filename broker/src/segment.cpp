@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "segment.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <new>
+#include <optional>
 #include <thread>
 #include <utility>
 
-#include <fcntl.h>
 #include <sys/mman.h>
 
 #include <fmt/format.h>
-#include <boost/interprocess/mapped_region.hpp>
-#include <boost/interprocess/shared_memory_object.hpp>
 
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
@@ -23,33 +22,16 @@
 namespace rths::broker {
 namespace {
 
-namespace ipc = boost::interprocess;
 using std::chrono::steady_clock;
 
 constexpr auto kReadyPoll = std::chrono::milliseconds{1};
 
-// Any program may have created an object of that name, so everything in it is checked before use.
-std::string defect_of(const Header& header, std::uint64_t object_bytes) {
-  if (header.magic != kMagic) return "it is not an rths ring";
-  if (!layout_is_valid(header)) return "its header is damaged";
-  if (total_bytes(header) != object_bytes)
-    return fmt::format("its size is {} bytes, its header expects {}", object_bytes,
-                       total_bytes(header));
-  return "";
-}
-
-bool object_has_header(const ipc::shared_memory_object& object) {
-  ipc::offset_t size = 0;
-  return object.get_size(size) && size >= static_cast<ipc::offset_t>(sizeof(Header));
-}
-
 // Until `ready` is set, the creator is initialising the object, or has died doing so.
-bool wait_until_ready(const ipc::shared_memory_object& object, std::chrono::milliseconds timeout) {
+bool wait_until_ready(const SharedObject& object, std::chrono::milliseconds timeout) {
   for (const auto deadline = steady_clock::now() + timeout;;) {
-    if (object_has_header(object)) {
-      ipc::mapped_region region{object, ipc::read_write, 0, sizeof(Header)};
-      auto& header = *static_cast<Header*>(region.get_address());
-      if (std::atomic_ref{header.ready}.load(std::memory_order_acquire) == kReady) return true;
+    Header header{};
+    if (object.read(0, &header, sizeof header)) {
+      if (header.ready == kReady) return true;
       if (header.creator != 0 && !is_alive(header.creator)) return false;
     }
     if (steady_clock::now() >= deadline) return false;
@@ -57,46 +39,57 @@ bool wait_until_ready(const ipc::shared_memory_object& object, std::chrono::mill
   }
 }
 
-// Reserves the pages now: a page that is missing later would kill the process that touches it.
-void reserve_space(const ipc::shared_memory_object& object, std::uint64_t begin,
-                   std::uint64_t bytes) {
-  const int problem = posix_fallocate(object.get_mapping_handle().handle, static_cast<off_t>(begin),
-                                      static_cast<off_t>(bytes));
-  if (problem != 0) throw Error{std::strerror(problem)};
-}
-
 // A memory larger than any SCRAMNet+ card's stays sparse: no program uses all 128 MB of a GT card.
 std::uint64_t reserved_bytes(const Header& header) {
   return header.memory_bytes > kLargestPlusMemory ? header.memory_at : common_bytes(header);
 }
 
-ipc::mapped_region map_range(const ipc::shared_memory_object& object, std::uint64_t begin,
-                             std::uint64_t bytes) {
-  return {object, ipc::read_write, static_cast<ipc::offset_t>(begin), bytes};
-}
-
 // Maps reserved pages now, so that no real-time write is the first touch of a page. A kernel that
 // does not support it does nothing.
-void populate_pages(const ipc::mapped_region& region, std::uint64_t bytes) {
-  madvise(region.get_address(), bytes, MADV_POPULATE_WRITE);
+void populate_pages(const Mapping& mapping, std::uint64_t bytes) {
+  madvise(mapping.address(), bytes, MADV_POPULATE_WRITE);
 }
 
-std::uint64_t size_of(const ipc::shared_memory_object& object) {
-  ipc::offset_t size = 0;
-  return object.get_size(size) ? static_cast<std::uint64_t>(size) : 0;
-}
-
-// Reads and checks the header.
-Header checked_header(const ipc::shared_memory_object& object, const std::string& name) {
-  const ipc::mapped_region region = map_range(object, 0, sizeof(Header));
-  const Header header = *static_cast<const Header*>(region.get_address());
-  if (header.magic == kMagic && header.layout_version != kLayoutVersion)
+Header checked_header(const SharedObject& object, const std::string& name) {
+  Header header{};
+  const std::uint64_t size = object.size();
+  if (!object.read(0, &header, sizeof header) || header.magic != kMagic)
+    throw Error{"it is not an rths ring"};
+  if (header.layout_version != kLayoutVersion)
     throw ForeignRing{
         fmt::format("ring '{}' cannot be used: its layout is version {}, this program's is {}",
                     name, header.layout_version, kLayoutVersion)};
-  if (const std::string trouble = defect_of(header, size_of(object)); !trouble.empty())
-    throw Error{fmt::format("ring '{}' cannot be used: {}", name, trouble)};
+  if (total_bytes(header) != size)
+    throw Error{
+        fmt::format("its size is {} bytes, its header expects {}", size, total_bytes(header))};
+  if (header.map_text_bytes > kMostMapText) throw Error{"its header is damaged"};
   return header;
+}
+
+// The map determines the layout, so that every offset, size and count of the header is compared.
+memmap::Map checked_map(const SharedObject& object, const Header& header) {
+  std::string text(header.map_text_bytes, '\0');
+  if (!object.read(header.map_text_at, text.data(), text.size()))
+    throw Error{"its header is damaged"};
+  auto map = memmap::parse_map(text, "the map in the ring");
+  if (map.to_toml() != text) throw Error{"the map in the ring is not in its canonical form"};
+  const Header expected = plan_layout(map, text, static_cast<std::uint32_t>(header.journal_bits));
+  if (!is_same_layout(header, expected))
+    throw Error{"the map in the ring does not match the ring's header"};
+  return map;
+}
+
+bool is_same_entry(const Group& a, const Group& b) {
+  return a.base == b.base && a.longwords == b.longwords && a.journal == b.journal &&
+         a.record_at == b.record_at;
+}
+
+void check_groups(const SharedObject& object, const Header& header, const memmap::Map& map) {
+  const std::vector<Group> expected = plan_groups(map);
+  std::vector<Group> found(expected.size());
+  if (!object.read(header.groups_at, found.data(), found.size() * sizeof(Group)) ||
+      !std::equal(found.begin(), found.end(), expected.begin(), is_same_entry))
+    throw Error{"its table of tear groups does not match its map"};
 }
 
 }  // namespace
@@ -116,34 +109,41 @@ static Heap zeroed_heap(std::uint64_t bytes) {
 
 // Either a shared object or private memory of this process.
 struct Segment::Memory {
-  ipc::shared_memory_object object;
-  ipc::mapped_region common;
-  std::vector<ipc::mapped_region> journals;
+  std::optional<SharedObject> object;
+  Mapping common;
+  std::vector<Mapping> journals;
   Heap heap;
   std::vector<Heap> journal_heaps;
-  bool is_shared = false;
 
-  [[nodiscard]] std::byte* base() const {
-    return is_shared ? static_cast<std::byte*>(common.get_address()) : heap.get();
-  }
+  [[nodiscard]] std::byte* base() const { return object ? common.address() : heap.get(); }
   std::byte* journal(std::uint32_t index, std::uint64_t begin, std::uint64_t bytes) {
-    if (!is_shared) {
+    if (!object) {
       if (!journal_heaps[index]) journal_heaps[index] = zeroed_heap(bytes);
       return journal_heaps[index].get();
     }
-    if (journals[index].get_size() == 0) {
-      reserve_space(object, begin, bytes);
-      journals[index] = map_range(object, begin, bytes);
+    if (journals[index].address() == nullptr) {
+      object->reserve(begin, bytes);
+      journals[index] = object->map(begin, bytes);
       populate_pages(journals[index], bytes);
     }
-    return static_cast<std::byte*>(journals[index].get_address());
+    return journals[index].address();
   }
 };
 
-Segment::Segment(std::unique_ptr<Memory> memory, bool created)
-    : memory_{std::move(memory)}, base_{memory_->base()}, created_{created} {
-  memory_->journals.resize(header().journal_count);
-  memory_->journal_heaps.resize(header().journal_count);
+Segment::Segment(std::unique_ptr<Memory> memory, const Header& layout, const memmap::Map& map,
+                 bool created)
+    : memory_{std::move(memory)},
+      base_{memory_->base()},
+      layout_{layout},
+      map_{map},
+      created_{created} {
+  memory_->journals.resize(layout_.journal_count);
+  memory_->journal_heaps.resize(layout_.journal_count);
+  auto* entry = at<Group>(layout_.groups_at);
+  for (const Group& group : plan_groups(map_))
+    groups_.push_back({group.base, group.longwords, group.journal,
+                       at<std::uint32_t>(layout_.records_at + group.record_at),
+                       words() + group.base, &entry++->journalled});
 }
 
 Segment::~Segment() {
@@ -151,8 +151,8 @@ Segment::~Segment() {
 }
 
 void Segment::populate() {
-  if (!memory_->is_shared || populated_) return;
-  populate_pages(memory_->common, reserved_bytes(header()));
+  if (!memory_->object || populated_) return;
+  populate_pages(memory_->common, reserved_bytes(layout_));
   populated_ = true;
 }
 
@@ -164,67 +164,63 @@ Slot* Segment::slot_of(NodeId node) noexcept {
   return nullptr;
 }
 
+bool Segment::is_member(Claim claim) const {
+  return memory_->object ? is_on(claim, memory_->object->id()) : is_alive(claim);
+}
+
+bool Segment::is_lost() const noexcept {
+  auto& magic = reinterpret_cast<Header*>(base_)->magic;
+  return std::atomic_ref{magic}.load(std::memory_order_relaxed) != kMagic ||
+         (memory_->object && memory_->object->lost().load(std::memory_order_relaxed));
+}
+
 JournalView Segment::journal(std::uint32_t index) {
-  const auto bits = static_cast<std::uint32_t>(header().journal_bits);
-  std::byte* begin = memory_->journal(index, journal_at(header(), index), journal_bytes(bits));
+  const auto bits = static_cast<std::uint32_t>(layout_.journal_bits);
+  std::byte* begin = memory_->journal(index, journal_at(layout_, index), journal_bytes(bits));
   return {reinterpret_cast<JournalHead*>(begin),
           reinterpret_cast<JournalEntry*>(begin + sizeof(JournalHead)), bits};
 }
-
-memmap::Map Segment::map() {
-  const Header& h = header();
-  auto map = memmap::parse_map({at<char>(h.map_text_at), h.map_text_bytes}, "the map in the ring");
-  const Header expected =
-      plan_layout(map, map.to_toml(), static_cast<std::uint32_t>(h.journal_bits));
-  if (h.map_hash != expected.map_hash || total_bytes(h) != total_bytes(expected) ||
-      h.group_count != expected.group_count || h.journal_count != expected.journal_count)
-    throw Error{"the map in the ring does not match the ring's header"};
-  return map;
-}
-
-std::string object_name(const std::string& ring) { return "rths." + ring; }
 
 std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const memmap::Map& map,
                                                 std::uint32_t journal_bits) {
   const std::string text = map.to_toml();
   const Header header = plan_layout(map, text, journal_bits);
   auto memory = std::make_unique<Memory>();
-  memory->is_shared = true;
-  bool made = false;
   try {
-    ipc::permissions permissions;
-    permissions.set_permissions(0660);
-    memory->object = ipc::shared_memory_object{ipc::create_only, object_name(name).c_str(),
-                                               ipc::read_write, permissions};
-    made = true;
-    memory->object.truncate(static_cast<ipc::offset_t>(total_bytes(header)));
-    reserve_space(memory->object, 0, reserved_bytes(header));
-    memory->common = map_range(memory->object, 0, common_bytes(header));
+    memory->object.emplace(SharedObject::create(name, total_bytes(header)));
+    memory->object->reserve(0, reserved_bytes(header));
+    memory->common = memory->object->map(0, common_bytes(header));
   } catch (const std::exception& error) {
-    if (made) ipc::shared_memory_object::remove(object_name(name).c_str());
+    if (memory->object) remove_object(name);
     throw Error{fmt::format("ring '{}' ({} bytes of shared memory) cannot be created: {}", name,
                             common_bytes(header), error.what())};
   }
   fill(memory->base(), header, map, text);
-  return std::unique_ptr<Segment>{new Segment{std::move(memory), true}};
+  return std::unique_ptr<Segment>{new Segment{std::move(memory), header, map, true}};
 }
 
 std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
                                                 std::chrono::milliseconds timeout) {
   auto memory = std::make_unique<Memory>();
-  memory->is_shared = true;
   try {
-    memory->object =
-        ipc::shared_memory_object{ipc::open_only, object_name(name).c_str(), ipc::read_write};
-    if (!wait_until_ready(memory->object, timeout))
-      throw Error{
-          fmt::format("ring '{}' was not completed by its creator; 'rths clean' removes it", name)};
-    const Header header = checked_header(memory->object, name);
-    memory->common = map_range(memory->object, 0, common_bytes(header));
-  } catch (const ipc::interprocess_exception& error) {
+    memory->object.emplace(SharedObject::open(name));
+  } catch (const Error& error) {
     throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
   }
-  return std::unique_ptr<Segment>{new Segment{std::move(memory), false}};
+  if (!wait_until_ready(*memory->object, timeout))
+    throw Error{
+        fmt::format("ring '{}' was not completed by its creator; 'rths clean' removes it", name)};
+  try {
+    const Header header = checked_header(*memory->object, name);
+    const memmap::Map map = checked_map(*memory->object, header);
+    check_groups(*memory->object, header, map);
+    memory->common = memory->object->map(0, common_bytes(header));
+    return std::unique_ptr<Segment>{new Segment{std::move(memory), header, map, false}};
+  } catch (const ForeignRing&) {
+    throw;
+  } catch (const Error& error) {
+    throw Error{fmt::format("ring '{}' cannot be used: {}", name, error.what())};
+  }
 }
 
 std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map,
@@ -234,7 +230,7 @@ std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map,
   auto memory = std::make_unique<Memory>();
   memory->heap = zeroed_heap(common_bytes(header));
   fill(memory->base(), header, map, text);
-  return std::unique_ptr<Segment>{new Segment{std::move(memory), true}};
+  return std::unique_ptr<Segment>{new Segment{std::move(memory), header, map, true}};
 }
 
 }  // namespace rths::broker

@@ -14,6 +14,8 @@
 
 #include "journal.hpp"
 #include "layout.hpp"
+#include "process.hpp"
+#include "shared_object.hpp"
 
 namespace rths::broker {
 
@@ -23,7 +25,20 @@ class ForeignRing : public Error {
   using Error::Error;
 };
 
+/// A tear group: its checked entry in the table, and the addresses of its parts.
+struct GroupView {
+  std::uint32_t base = 0, longwords = 0;
+  std::uint32_t journal = 0;  ///< index of its node's journal
+  std::uint32_t* record = nullptr;
+  std::uint32_t* words = nullptr;
+  std::uint32_t* journalled = nullptr;  ///< count of the record's last write in the journal
+};
+
 /// The memory of a ring, shared or private, and the addresses of its sections.
+///
+/// Any program may have made a shared object, and may change it at any time. So its header, map and
+/// groups are checked against each other and against its size before it is mapped, and the checked
+/// copies are used from then on.
 class Segment {
  public:
   /// Creates named shared memory, initialised from the map, with the creator in slot 0.
@@ -32,7 +47,7 @@ class Segment {
                                                 std::uint32_t journal_bits);
   /// @param timeout  of the wait for a creator that is not finished
   /// @throws ForeignRing if the object may not be opened or its layout version differs; Error if it
-  ///         is not a ring or is damaged
+  ///         is not a ring, or its header, map, groups or size contradict each other
   static std::unique_ptr<Segment> attach_shared(const std::string& name,
                                                 std::chrono::milliseconds timeout);
   static std::unique_ptr<Segment> create_in_process(const memmap::Map& map,
@@ -42,7 +57,10 @@ class Segment {
   Segment& operator=(const Segment&) = delete;
   ~Segment();
 
+  /// The header in the memory; other processes may change it.
   [[nodiscard]] Header& header() { return *reinterpret_cast<Header*>(base_); }
+  /// The checked header.
+  [[nodiscard]] const Header& layout() const { return layout_; }
   [[nodiscard]] std::span<Slot, kMaxSlots> slots() {
     return std::span<Slot, kMaxSlots>{at<Slot>(sizeof(Header)), kMaxSlots};
   }
@@ -50,32 +68,33 @@ class Segment {
   void populate();
   /// The slot of a node that is on the ring or vanished from it; null if none.   @realtime
   [[nodiscard]] Slot* slot_of(NodeId node) noexcept;
-  [[nodiscard]] Group* groups() { return at<Group>(header().groups_at); }
-  [[nodiscard]] std::uint32_t* words() { return at<std::uint32_t>(header().memory_at); }
+  [[nodiscard]] std::span<const GroupView> groups() const { return groups_; }
+  [[nodiscard]] std::uint32_t* words() { return at<std::uint32_t>(layout_.memory_at); }
   [[nodiscard]] Wake& wake() { return *at<Wake>(kWakeAt); }
-  [[nodiscard]] std::uint32_t* record(const Group& group) {
-    return at<std::uint32_t>(header().records_at + group.record_at);
-  }
+  /// True if this process runs and is on the ring.   @setup
+  [[nodiscard]] bool is_member(Claim claim) const;
+  /// True once a page of the memory was lost, or its header was overwritten.   @realtime
+  [[nodiscard]] bool is_lost() const noexcept;
   /// The journal of a node, by the node's index in the map. The first call reserves space for it
   /// and maps it. @throws Error if memory is short   @setup
   [[nodiscard]] JournalView journal(std::uint32_t index);
-  /// The map of the ring. @throws Error if it does not match the ring's header
-  [[nodiscard]] memmap::Map map();
+  [[nodiscard]] const memmap::Map& map() const { return map_; }
 
  private:
   struct Memory;
-  Segment(std::unique_ptr<Memory> memory, bool created);
+  Segment(std::unique_ptr<Memory> memory, const Header& layout, const memmap::Map& map,
+          bool created);
   template <class T>
   [[nodiscard]] T* at(std::uint64_t offset) {
     return reinterpret_cast<T*>(base_ + offset);
   }
   std::unique_ptr<Memory> memory_;
   std::byte* base_;
+  Header layout_;
+  memmap::Map map_;
+  std::vector<GroupView> groups_;
   bool populated_ = false;
   bool created_;  ///< by this object: the destructor frees the creator's slot
 };
-
-/// Name of the shared-memory object of a ring.
-[[nodiscard]] std::string object_name(const std::string& ring);
 
 }  // namespace rths::broker

@@ -15,6 +15,7 @@
 namespace rths::broker {
 namespace {
 
+constexpr int kMostWrites = 1 << 20;     // of a node, read in one look
 constexpr std::size_t kChunkWords = 16;  // compared at once: a cache line
 // The scheduler may stop a writer between a word and its journal entry; such a store is no error.
 constexpr Duration kConfirmation = std::chrono::milliseconds{100};
@@ -120,26 +121,28 @@ void Watch::State::settle(Member& member, std::vector<PlainStore>& found) {
 void Watch::State::read_journals() {
   Write write;
   for (auto& member : members) {
-    for (;;) {
+    for (int i = 0; i < kMostWrites; ++i) {
       const Followed followed = member.follower.next(write);
-      if (followed == Followed::Nothing) break;
-      if (followed == Followed::Lost && member.on_behalf) continue;  // our own entries
-      if (followed == Followed::Lost)
-        accept_words_of(member.name);
-      else
+      if (followed == Followed::Write) {
         expect(write);
+        continue;
+      }
+      if (followed == Followed::Lost && !member.on_behalf) accept_words_of(member.name);
+      break;
     }
   }
 }
 
 // A newer write of the owner also clears a suspicion: its words then are as the journal has them.
+// The journal of a damaged ring may have words of no partition.
 void Watch::State::expect(const Write& write) {
   const std::uint32_t begin = write.offset.value();
+  const auto length = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(write.group.size()));
+  if (begin + length > expected.size()) return;
   if (write.group.empty())
     expected[begin] = write.value;
   else
     std::copy(write.group.begin(), write.group.end(), expected.begin() + begin);
-  const auto length = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(write.group.size()));
   suspects.erase(suspects.lower_bound(begin), suspects.lower_bound(begin + length));
 }
 

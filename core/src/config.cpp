@@ -7,6 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/file.hpp>
+
+#include "toml_depth.hpp"
 #include "toml_text.hpp"
 
 namespace rths {
@@ -119,7 +122,7 @@ Config::Config(ConfigValue::Table table, std::string where, std::filesystem::pat
     : table_{std::move(table)}, where_{std::move(where)}, directory_{std::move(directory)} {}
 
 Config Config::load(const std::filesystem::path& file) {
-  const std::string text = read_text_file(file);
+  const std::string text = read_file(file, kMostConfigBytes);
   return Config{parse_toml(text, file.string()), file.string() + ":1:1", file.parent_path()};
 }
 
@@ -299,6 +302,8 @@ Config Config::without(const std::string& key) const {
 
 void Config::set(const std::string& dotted_key, const std::string& value) {
   const std::string where = fmt::format("--set {}", dotted_key);
+  if (std::count(dotted_key.begin(), dotted_key.end(), '.') >= std::ptrdiff_t{kDeepest})
+    throw Error{fmt::format("--set: a key has more than {} parts", kDeepest)};
   ConfigValue parsed = parse_value(value, where);
   ConfigValue::Table* table = &table_;
   std::size_t start = 0;

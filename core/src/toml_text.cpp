@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "toml_text.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <type_traits>
 #include <variant>
@@ -13,6 +9,8 @@
 #include <toml++/toml.h>
 
 #include <rths/core/error.hpp>
+
+#include "toml_depth.hpp"
 
 namespace rths {
 namespace {
@@ -89,17 +87,11 @@ std::string write_toml(const ConfigValue::Table& table) {
   return stream.str() + "\n";
 }
 
-std::string read_text_file(const std::filesystem::path& file) {
-  std::ifstream stream{file, std::ios::binary};
-  const std::string content{std::istreambuf_iterator<char>{stream}, {}};
-  if (!stream.is_open() || stream.bad())
-    throw Error{fmt::format(
-        "{}: cannot be read: {}", file.string(),
-        std::filesystem::is_directory(file) ? "it is a directory" : std::strerror(errno))};
-  return content;
-}
-
 ConfigValue::Table parse_toml(std::string_view text, const std::string& name) {
+  if (const std::size_t line = line_too_deep(text); line != 0)
+    throw Error{
+        fmt::format("{}:{}: a key or value is nested too deeply, expected at most {} levels", name,
+                    line, kDeepest)};
   try {
     return convert_table(toml::parse(text, name), name);
   } catch (const toml::parse_error& error) {

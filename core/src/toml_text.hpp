@@ -5,9 +5,6 @@
 
 namespace rths {
 
-/// Content of a file. @throws Error if the file cannot be read
-[[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
-
 /// Reads TOML text. Only toml_text.cpp uses the TOML library.
 /// @throws Error "name:line:column: …"
 [[nodiscard]] ConfigValue::Table parse_toml(std::string_view text, const std::string& name);

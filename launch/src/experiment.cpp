@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
 #include <rths/launch/installed_files.hpp>
 
 #include "assumed_model.hpp"
@@ -37,11 +37,6 @@ constexpr KnownAdapter kAdapters[] = {{"recorder", kMillisecond, 0.8 * kMillisec
                                       {"simulink_like", kMillisecond, 0.3 * kMillisecond},
                                       {"numerical", 0.25 * kMillisecond, 0.1 * kMillisecond},
                                       {"opensees", 0.25 * kMillisecond, 0.1 * kMillisecond}};
-
-std::string file_content(const std::filesystem::path& file) {
-  std::ifstream stream{file, std::ios::binary};
-  return {std::istreambuf_iterator<char>{stream}, {}};
-}
 
 const KnownAdapter& adapter_named(const Config& table) {
   const std::string name = table.text("adapter");
@@ -195,7 +190,7 @@ void read_laboratory(const Config& file, Experiment& experiment) {
   static_cast<void>(specimen.text("model", ""));
   const double weight = sim::weight_per_bearing(experiment.plant);
   experiment.specimen = sim::read_bearing(specimen, weight);
-  experiment.config.emplace_back(path.filename().string(), file_content(path));
+  experiment.config.emplace_back(path.filename().string(), read_file(path, kMostTextBytes));
   const Config machine = file.table_or_empty("machine");
   experiment.machine = adapters::read_machine(machine);
   const auto assumed = read_assumed_model(file.table_or_empty("model"), specimen, machine, weight);
@@ -266,7 +261,7 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
               fmt::format("format is {}, this program reads {}", format, kExperimentFormat));
   Experiment experiment;
   experiment.file = path;
-  experiment.config = {{path.filename().string(), file_content(path)}};
+  experiment.config = {{path.filename().string(), read_file(path, kMostTextBytes)}};
   experiment.name = read_name(file);
   experiment.map = find_file(file, "map", "maps");
   read_axes(file, experiment);
@@ -286,7 +281,8 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   spread_seed(experiment);
   for (const auto& plan : experiment.nodes)
     if (!plan.diagram.empty())
-      experiment.config.emplace_back(plan.diagram.filename().string(), file_content(plan.diagram));
+      experiment.config.emplace_back(plan.diagram.filename().string(),
+                                     read_file(plan.diagram, kMostTextBytes));
   std::string changes;
   for (const auto& [key, value] : overrides) changes += fmt::format("{}={}\n", key, value);
   if (!changes.empty()) experiment.config.emplace_back(recording::kOverridesText, changes);

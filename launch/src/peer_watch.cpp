@@ -20,6 +20,7 @@ PeerWatch::PeerWatch(const broker::Node& node, const memmap::Map& map, const Exp
 }
 
 std::optional<std::string> PeerWatch::find_trouble(TimePoint now) {
+  if (is_ring_lost()) return "memory of the ring was lost";
   const std::uint64_t own_beats = node_.beats_of(own_);
   const bool runs = own_beats != own_beats_;
   own_beats_ = own_beats;

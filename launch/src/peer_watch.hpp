@@ -20,8 +20,10 @@ class PeerWatch {
   PeerWatch(const broker::Node& node, const memmap::Map& map, const Experiment& experiment,
             const std::string& own_name);
 
-  /// Call it every few hundredths of a second. @returns the trouble of the first such peer
+  /// Call it every few hundredths of a second. @returns the loss of the ring, or the trouble of the
+  /// first such peer
   [[nodiscard]] std::optional<std::string> find_trouble(TimePoint now);
+  [[nodiscard]] bool is_ring_lost() const { return node_.is_ring_lost(); }
 
  private:
   struct Peer {

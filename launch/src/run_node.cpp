@@ -128,6 +128,8 @@ Reason watch(LoopThread& loop, LauncherLink& launcher, PeerWatch& peers, Duratio
       std::_Exit(2);
     }
   }
+  // A loop that ends because the ring is lost may do so between two looks.
+  if (!reason && peers.is_ring_lost()) reason = reason_to_stop({}, launcher, peers, clock.now());
   return reason.value_or(Reason{"", true});
 }
 
@@ -172,6 +174,7 @@ void leave_signals_to_the_launcher() {
 int run_node(const Experiment& experiment, const std::string& node, const std::string& ring_name,
              const std::filesystem::path& recording, const std::string& version) {
   leave_signals_to_the_launcher();
+  broker::on_lost_memory(broker::OnLostMemory::Continue);
   Assembly assembly = assemble(experiment, ClockKind::Wall,
                                {recording, describe_run(experiment, ClockKind::Wall, version)});
   const auto station = std::find_if(assembly.stations.begin(), assembly.stations.end(),

@@ -218,6 +218,7 @@ class WallRun {
 WallRunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
                                const RunOptions& options) {
   const InterruptGuard guard;
+  broker::on_lost_memory(broker::OnLostMemory::Continue);
   broker::Ring ring = broker::Ring::create(options.ring, assembly.map);
   const Cleaning cleaning{options};
   WallRun run{experiment, assembly, options};

@@ -19,6 +19,14 @@ std::string trimmed(std::string text) {
   return text;
 }
 
+// Bytes of one text of fixed length.
+std::size_t text_size(const Handle& type, const Handle& space, const std::string& name) {
+  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) != 0 ||
+      H5Sget_simple_extent_npoints(space.id()) != 1)
+    throw Error{name + " is no text of fixed length"};
+  return H5Tget_size(type.id());
+}
+
 }  // namespace
 
 void write_text_attribute(hid_t object, const std::string& name, const std::string& text) {
@@ -60,7 +68,8 @@ std::string read_text_attribute(hid_t object, const std::string& name) {
   const Handle attribute{H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose,
                          "reading attribute " + name};
   const Handle type{H5Aget_type(attribute.id()), H5Tclose, "reading attribute " + name};
-  std::string text(H5Tget_size(type.id()), '\0');
+  const Handle space{H5Aget_space(attribute.id()), H5Sclose, "reading attribute " + name};
+  std::string text(text_size(type, space, name), '\0');
   check(H5Aread(attribute.id(), type.id(), text.data()), "reading attribute " + name);
   return trimmed(text);
 }
@@ -70,10 +79,13 @@ std::vector<std::string> read_text_list_attribute(hid_t object, const std::strin
                          "reading attribute " + name};
   const Handle space{H5Aget_space(attribute.id()), H5Sclose, "reading attribute " + name};
   const Handle type{H5Aget_type(attribute.id()), H5Tclose, "reading attribute " + name};
+  if (H5Tis_variable_str(type.id()) <= 0)
+    throw Error{"attribute " + name + " is no list of texts of variable length"};
   std::vector<char*> pointers(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.id())));
   if (pointers.empty()) return {};
   check(H5Aread(attribute.id(), type.id(), pointers.data()), "reading attribute " + name);
-  std::vector<std::string> texts{pointers.begin(), pointers.end()};
+  std::vector<std::string> texts;
+  for (const char* text : pointers) texts.emplace_back(text == nullptr ? "" : text);
   H5Dvlen_reclaim(type.id(), space.id(), H5P_DEFAULT, pointers.data());
   return texts;
 }
@@ -82,7 +94,8 @@ std::string read_text_dataset(hid_t group, const std::string& name) {
   const Handle dataset{H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose,
                        "reading dataset " + name};
   const Handle type{H5Dget_type(dataset.id()), H5Tclose, "reading dataset " + name};
-  std::string text(H5Tget_size(type.id()), '\0');
+  const Handle space{H5Dget_space(dataset.id()), H5Sclose, "reading dataset " + name};
+  std::string text(text_size(type, space, name), '\0');
   check(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()),
         "reading dataset " + name);
   return trimmed(text);

@@ -10,6 +10,7 @@
 #include <rths/recording/recording.hpp>
 
 #include "hdf5.hpp"
+#include "probe.hpp"
 #include "writer_lock.hpp"
 
 namespace rths::recording {
@@ -56,6 +57,18 @@ Handle open_file(const std::filesystem::path& path) {
   return {file, H5Fclose, path.string() + ": opening it as a recording"};
 }
 
+herr_t append_link_name(hid_t, const char* name, const H5L_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+std::vector<std::string> names_in(const Handle& group) {
+  std::vector<std::string> names;
+  check(H5Literate(group.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, append_link_name, &names),
+        "listing a group");
+  return names;
+}
+
 herr_t append_attribute_name(hid_t, const char* name, const H5A_info_t*, void* names) {
   static_cast<std::vector<std::string>*>(names)->emplace_back(name);
   return 0;
@@ -95,6 +108,7 @@ struct Reader::File {
 
   void index_partition(const Handle& signals, const std::string& partition);
   const std::vector<double>& load(const std::string& partition);
+  void read_everything(const Reader& reader);
   [[nodiscard]] std::size_t width(const std::string& partition) const {
     std::size_t count = 0;
     for (const auto& [name, column] : columns) count += column.partition == partition ? 1 : 0;
@@ -108,10 +122,15 @@ void Reader::File::index_partition(const Handle& signals, const std::string& par
   // After a crash, tables can differ in length; a row is valid if all tables have it.
   const Handle space{H5Dget_space(dataset.id()), H5Sclose, "HDF5 space"};
   hsize_t extent[2] = {0, 0};
+  if (H5Sget_simple_extent_ndims(space.id()) != 2)
+    throw Error{"dataset " + partition + " is no table, expected two dimensions"};
   H5Sget_simple_extent_dims(space.id(), extent, nullptr);
   time.resize(std::min<std::size_t>(time.size(), extent[0]));
   const auto signal_names = read_text_list_attribute(dataset.id(), "names");
   const auto units = read_text_list_attribute(dataset.id(), "units");
+  if (units.size() != signal_names.size() || extent[1] != signal_names.size())
+    throw Error{fmt::format("dataset {} has {} columns, {} names and {} units", partition,
+                            extent[1], signal_names.size(), units.size())};
   for (std::size_t i = 0; i < signal_names.size(); ++i) {
     columns[signal_names[i]] = {partition, i, units[i]};
     names.push_back(signal_names[i]);
@@ -126,7 +145,25 @@ const std::vector<double>& Reader::File::load(const std::string& partition) {
   return values;
 }
 
+// Reads what a caller can ask for.
+void Reader::File::read_everything(const Reader& reader) {
+  for (const auto& partition : map->partitions())
+    if (width(partition.name) > 0) static_cast<void>(load(partition.name));
+  static_cast<void>(reader.meta());
+  static_cast<void>(reader.events());
+  static_cast<void>(reader.drops());
+  static_cast<void>(reader.rows_missing());
+  for (const auto& name : names_in(open_group(file.id(), "config")))
+    static_cast<void>(reader.config(name));
+  for (const auto& name : names_in(open_group(file.id(), "meta")))
+    static_cast<void>(reader.meta_series(name));
+}
+
 Reader::Reader(const std::filesystem::path& path) : file_{std::make_unique<File>()} {
+  probe(path, [&] {
+    const Reader reader{path};
+    reader.file_->read_everything(reader);
+  });
   file_->file = open_file(path);
   silence_hdf5();
   if (H5Aexists(file_->file.id(), "recording_format") <= 0)
@@ -228,6 +265,7 @@ std::int64_t Reader::rows_missing() const {
 bool is_hdf5(const std::filesystem::path& path) {
   constexpr std::array<unsigned char, 8> kSignature{0x89, 'H', 'D', 'F', '\r', '\n', 0x1A, '\n'};
   std::array<unsigned char, 8> begin{};
+  if (!std::filesystem::is_regular_file(path)) return false;
   std::ifstream file{path, std::ios::binary};
   file.read(reinterpret_cast<char*>(begin.data()), begin.size());
   return file.good() && begin == kSignature;
@@ -274,7 +312,9 @@ void add_meta_series(const std::filesystem::path& path, const std::string& name,
   link_addition(file, dataset, name);
 }
 
-bool repair(const std::filesystem::path& path) {
+namespace {
+
+bool repair_here(const std::filesystem::path& path) {
   silence_hdf5();
   if (const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); file >= 0) {
     H5Fclose(file);
@@ -292,6 +332,12 @@ bool repair(const std::filesystem::path& path) {
   // closing it would truncate it.
   check(H5Fincrement_filesize(file.id(), 0), path.string() + ": repairing the length of the file");
   return true;
+}
+
+}  // namespace
+
+bool repair(const std::filesystem::path& path) {
+  return in_child(path, [&] { return repair_here(path); });
 }
 
 }  // namespace rths::recording

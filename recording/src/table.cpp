@@ -5,6 +5,7 @@
 
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
 #include <rths/recording/recording.hpp>
 
 #include "table_formats.hpp"
@@ -14,6 +15,7 @@ namespace rths::recording {
 Table Table::load(const std::filesystem::path& file) {
   Table table;
   table.file_ = file.string();
+  check_is_file(file);
   if (is_hdf5(file))
     table.columns_ = read_hdf5_columns(file);
   else if (is_mat(file))

@@ -2,12 +2,14 @@
 #include <rths/recording/recording.hpp>
 
 #include "hdf5.hpp"
+#include "probe.hpp"
 #include "table_formats.hpp"
 
 namespace rths::recording {
 namespace {
 
 constexpr int kMostDimensions = 2;
+constexpr hsize_t kMostValues = hsize_t{1} << 31U;  // of a dataset
 
 Columns own_recording(const Reader& reader) {
   Columns columns{{"time", reader.time(), ""}};
@@ -29,6 +31,7 @@ void add_dataset(hid_t file, const std::string& path, Columns& columns) {
   if (dimensions < 1 || dimensions > kMostDimensions || !is_number(dataset.id())) return;
   hsize_t size[kMostDimensions] = {0, 1};
   H5Sget_simple_extent_dims(space.id(), size, nullptr);
+  if (size[1] != 0 && size[0] > kMostValues / size[1]) throw Error{path + " has too many values"};
   std::vector<double> stored(size[0] * size[1]);
   check(H5Dread(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, stored.data()),
         "reading " + path);
@@ -49,6 +52,7 @@ herr_t collect(hid_t, const char* name, const H5O_info_t* info, void* paths) {
 }  // namespace
 
 Columns read_hdf5_columns(const std::filesystem::path& file) {
+  probe(file, [&] { static_cast<void>(read_hdf5_columns(file)); });
   silence_hdf5();
   std::vector<std::string> paths;
   Columns columns;

@@ -8,6 +8,7 @@
 
 #include <rths/core/error.hpp>
 
+#include "probe.hpp"
 #include "table_formats.hpp"
 
 namespace rths::recording {
@@ -89,6 +90,7 @@ void add_variable(const std::string& name, matvar_t& variable, int depth, Column
 
 bool is_mat(const std::filesystem::path& file) {
   std::array<char, 20> head{};
+  if (!std::filesystem::is_regular_file(file)) return false;
   std::ifstream stream{file, std::ios::binary};
   stream.read(head.data(), head.size());
   for (const char* version : {"MATLAB 5.0 MAT-file", "MATLAB 7.3 MAT-file"})
@@ -101,6 +103,7 @@ bool is_mat(const std::filesystem::path& file) {
 }
 
 Columns read_mat_columns(const std::filesystem::path& file) {
+  probe(file, [&] { static_cast<void>(read_mat_columns(file)); });
   const std::unique_ptr<mat_t, CloseFile> opened{Mat_Open(file.c_str(), MAT_ACC_RDONLY)};
   if (!opened) throw Error{file.string() + ": cannot be read as a MAT file"};
   Columns columns;

@@ -3,8 +3,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -13,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
 
 #include "table_formats.hpp"
 
@@ -207,9 +206,7 @@ class TextReader {
 }  // namespace
 
 Columns read_text_columns(const std::filesystem::path& file) {
-  std::ifstream stream{file, std::ios::binary};
-  if (!stream) throw Error{file.string() + ": cannot be read"};
-  const std::string text{std::istreambuf_iterator<char>{stream}, {}};
+  const std::string text = read_file(file, kMostTextBytes);
   TextReader reader{file};
   std::string_view rest{text};
   while (!rest.empty()) {

@@ -225,6 +225,7 @@ void Writer::File::note_changes(Duration at, std::span<const double> row) {
 
 // Writes the time last, so that a row without values does not count.
 void Writer::File::flush() {
+  silence_hdf5();  // each thread has its own setting
   if (!time_buffer.empty()) {
     for (auto& block : blocks) {
       block.table.append(rows, time_buffer.size(), block.buffer.data());

@@ -5,10 +5,11 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <string>
 
 #include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
 
 namespace rths::sim {
 namespace {
@@ -16,10 +17,8 @@ namespace {
 constexpr int kAt2HeaderLines = 4;
 constexpr double kTimeTolerance = 1e-3;  // of a step: precision of three printed decimals
 
-std::ifstream open(const std::filesystem::path& file) {
-  std::ifstream stream{file};
-  if (!stream) throw Error{file.string() + ": cannot be read"};
-  return stream;
+std::istringstream open(const std::filesystem::path& file) {
+  return std::istringstream{read_file(file, kMostTextBytes)};
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file, std::size_t line,
@@ -99,7 +98,7 @@ double GroundMotion::vertical_at(double time) const noexcept {
 }
 
 RecordComponent read_at2(const std::filesystem::path& file) {
-  std::ifstream stream = open(file);
+  std::istringstream stream = open(file);
   RecordComponent record;
   std::size_t expected = 0;
   std::string line;
@@ -124,7 +123,7 @@ RecordComponent read_at2(const std::filesystem::path& file) {
 }
 
 RecordComponent read_column(const std::filesystem::path& file, int column) {
-  std::ifstream stream = open(file);
+  std::istringstream stream = open(file);
   RecordComponent record;
   std::vector<double> times;
   std::vector<std::size_t> lines;

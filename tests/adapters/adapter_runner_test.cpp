@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 
 #include "support/files.hpp"
 #include "support/realtime_guard.hpp"
+#include "support/ring_maps.hpp"
 
 namespace rths::adapters {
 namespace {
@@ -89,12 +91,14 @@ class Echo final : public Adapter {
   int steps = 0;
   int ends_after = 0;
   bool poisoned = false;
+  double input = 0;   ///< of the last step [m]
   double oldest = 0;  ///< largest age of its inputs [s]
 
   [[nodiscard]] std::vector<Port> ports() const override { return list; }
   void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override {
     ++steps;
+    input = step.inputs[0];
     oldest = std::max(oldest, step.age);
     step.outputs[0] = poisoned ? std::nan("") : step.inputs[0] * step.inputs[1];
     step.outputs[1] = 2 * step.inputs[0];
@@ -238,6 +242,29 @@ TEST_F(AdapterRunnerTest, TicksInRealTime) {
   Status status = Status::Ok;
   EXPECT_REALTIME(status = runner.tick(milliseconds{1}, false, {}));
   EXPECT_EQ(status, Status::Ok);
+}
+
+// The words are gone; zeros must not be taken for a command.
+TEST(AdapterRunner, HoldsItsInputsAndStopsItsAdapterIfTheRingIsLost) {
+  broker::on_lost_memory(broker::OnLostMemory::Continue);
+  const memmap::Map map = memmap::parse_map(bench_map(), "bench");
+  const std::string name = test::unique_ring("lost");
+  const test::RingRemoval removal{name};
+  broker::Ring ring = broker::Ring::create(name, map);
+  broker::Node sender = ring.join("sender", 0);
+  Echo echo;
+  AdapterRunner runner{echo, ring, "echo", map.hash(), milliseconds{1}};
+  const auto& entry = map.entry(map.signal("sender.displ"));
+  const std::uint32_t words[2] = {0, memmap::Codec{*entry.signal}.encode(0.5)};
+  ASSERT_EQ(sender.write_group(ring.tear_group("sender"), words), Status::Ok);
+  ASSERT_EQ(runner.tick(Duration{0}, false, {}), Status::Ok);
+  ASSERT_NEAR(echo.input, 0.5, 1e-6);
+
+  std::filesystem::resize_file("/dev/shm/rths." + name, 0);
+
+  EXPECT_EQ(runner.tick(milliseconds{1}, false, {}), Status::Done);
+  EXPECT_NEAR(echo.input, 0.5, 1e-6);
+  EXPECT_TRUE(runner.node().is_ring_lost());
 }
 
 TEST(AdapterRunner, RefusesAnOutputThatBelongsToAnotherNode) {

@@ -64,9 +64,9 @@ class Aftermath {
   [[nodiscard]] Ring& ring() { return *ring_; }
   /// True if all words of the group's record and memory have this value.
   [[nodiscard]] bool is_repaired(std::uint32_t value) {
-    const Group& group = segment_->groups()[0];
+    const GroupView& group = segment_->groups()[0];
     std::vector<std::uint32_t> words(group.longwords);
-    if (!read_record(segment_->record(group), words)) return false;
+    if (!read_record(group.record, words)) return false;
     const auto* memory = segment_->words() + group.base;
     return std::all_of(words.begin(), words.end(), [&](auto w) { return w == value; }) &&
            std::all_of(memory, memory + group.longwords, [&](auto w) { return w == value; });
@@ -177,7 +177,7 @@ class DeadWriter : public ::testing::Test {
     Node machine = ring.join("machine", 0);
     ASSERT_EQ(machine.write_group(kGroup, ones), Status::Ok);
   }
-  std::uint32_t* record() { return segment->record(segment->groups()[0]); }
+  std::uint32_t* record() { return segment->groups()[0].record; }
   void die_in_the_record_of_twos() {
     record()[0] = (record()[0] & ~kDisabled) | 1U;
     store_words(record() + kLineBytes / 4, {twos.data(), kWords / 2});

@@ -3,6 +3,7 @@
 // Rings shared by processes, and their state after one of them dies.
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -123,7 +124,7 @@ TEST(SharedRing, ReadsTheLastWholeGroupWhenItsWriterDiedInTheMiddle) {
     ASSERT_EQ(machine.write_group(TearGroupId{0}, sent), Status::Ok);
   }
   const auto segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
-  std::uint32_t* record = segment->record(segment->groups()[0]);
+  std::uint32_t* record = segment->groups()[0].record;
   record[0] += 1;
   record[1] = 99;
   std::array<std::uint32_t, 8> read{};
@@ -317,6 +318,79 @@ TEST(SharedRing, RefusesAMapThatDoesNotMatchItsHeader) {
               static_cast<void>(Ring::attach(name));
             }).find("does not match the ring's header"),
             std::string::npos);
+}
+
+TEST(SharedRing, RefusesATableOfGroupsThatDoesNotMatchItsMap) {
+  for (const std::uint32_t value : {0U, 7U, 9U, 1U << 31U, ~0U})
+    for (const auto field : {&Group::base, &Group::longwords, &Group::journal, &Group::record_at}) {
+      const std::string name = unique_ring("groups");
+      const RingRemoval removal{name};
+      const Ring ring = Ring::create(name, small_map());
+      const auto segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
+      auto* table = reinterpret_cast<Group*>(reinterpret_cast<std::byte*>(&segment->header()) +
+                                             segment->layout().groups_at);
+      if (table->*field == value) continue;
+      table->*field = value;
+
+      EXPECT_NE(test::error_of([&] {
+                  static_cast<void>(Ring::attach(name));
+                }).find("its table of tear groups does not match its map"),
+                std::string::npos);
+    }
+}
+
+// The first process of the host runs, but is on no ring.
+TEST(SharedRing, CountsAProcessOnlyIfItHasMappedTheRing) {
+  const std::string name = unique_ring("claimed");
+  const RingRemoval removal{name};
+  { const Ring ring = Ring::create(name, small_map()); }
+  const auto segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
+  for (Slot& slot : segment->slots()) slot = {claim_of(1), 1, 0, 1, 0};
+  ASSERT_TRUE(is_alive(claim_of(1)));
+
+  EXPECT_EQ(report_of(name).occupants.size(), kMaxSlots);
+  EXPECT_FALSE(report_of(name).in_use());
+  {
+    Ring ring = Ring::attach(name);
+    const Node machine = ring.join("machine", 0);
+    EXPECT_TRUE(report_of(name).in_use());
+  }
+  const Ring replaced = Ring::create(name, small_map());
+  EXPECT_TRUE(report_of(name).in_use());
+}
+
+class Umask : public ::testing::TestWithParam<mode_t> {};
+
+TEST_P(Umask, LimitsWhoMayUseARing) {
+  const std::string name = unique_ring("umask");
+  const RingRemoval removal{name};
+  const mode_t before = umask(GetParam());
+  const Ring ring = Ring::create(name, small_map());
+  umask(before);
+
+  struct stat object {};
+  ASSERT_EQ(stat(("/dev/shm/" + object_name(name)).c_str(), &object), 0);
+
+  EXPECT_EQ(object.st_mode & 0777U, 0660U & ~GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Umask, ::testing::Values(0022, 0077, 0002));
+
+TEST(SharedRing, OfAnotherUserIsNamedAndNotOpened) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a ring to another user";
+  constexpr uid_t kOther = 54321;
+  const std::string name = unique_ring("other_user");
+  const RingRemoval removal{name};
+  { const Ring ring = Ring::create(name, small_map()); }
+  ASSERT_EQ(chown(("/dev/shm/" + object_name(name)).c_str(), kOther, kOther), 0);
+
+  const RingReport report = report_of(name);
+
+  EXPECT_EQ(report.other_user, "54321");
+  EXPECT_EQ(report.trouble, "ring '" + name + "' belongs to user 54321");
+  EXPECT_TRUE(report.foreign);
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); }),
+            report.trouble + "; choose another name");
 }
 
 TEST(SharedRing, DoesNotWaitForACreatorThatDied) {

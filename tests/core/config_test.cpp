@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/stat.h>
+
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include <rths/core/config.hpp>
@@ -112,6 +116,58 @@ TEST(Config, ReportsABadOverrideAsAnErrorOfTheCommandLine) {
 TEST(Config, ReportsWhyAFileCannotBeRead) {
   EXPECT_EQ(test::error_of([] { static_cast<void>(Config::load("/no/such.toml")); }),
             "/no/such.toml: cannot be read: No such file or directory");
+}
+
+TEST(Config, RefusesDirectoriesDevicesAndPipes) {
+  const test::TemporaryFolder folder;
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+
+  EXPECT_EQ(test::error_of([] { static_cast<void>(Config::load("/dev/zero")); }),
+            "/dev/zero: cannot be read: it is a device or a pipe, expected a file");
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(Config::load(pipe)); }),
+            pipe.string() + ": cannot be read: it is a device or a pipe, expected a file");
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(Config::load(folder.path())); }),
+            folder.path().string() + ": cannot be read: it is a directory");
+}
+
+TEST(Config, RefusesAFileThatIsTooLarge) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("large.toml", "a = 1");
+  std::filesystem::resize_file(file, std::uint64_t{1} << 40U);
+
+  EXPECT_EQ(
+      test::error_of([&] { static_cast<void>(Config::load(file)); }),
+      file.string() + ": cannot be read: it has 1099511627776 bytes, expected at most 4194304");
+}
+
+// Each would overflow the stack of the parser or of a destructor.
+TEST(Config, RefusesKeysAndValuesThatAreNestedTooDeeply) {
+  std::string key = "a";
+  for (int i = 0; i < 100'000; ++i) key += i % 2 == 0 ? ".a" : " . \"a\"";
+  const std::string brackets(100'000, '[');
+  for (const auto& text : {key + " = 1", "[" + key + "]", "x = {" + key + " = 1}",
+                           "[[" + key + "]]", "x = " + brackets})
+    EXPECT_EQ(test::error_of([&] { static_cast<void>(parse("b = 1\n" + text)); }),
+              "lab.toml:2: a key or value is nested too deeply, expected at most 32 levels");
+  Config config;
+  EXPECT_EQ(test::error_of([&] { config.set(key, "1"); }), "--set: a key has more than 32 parts");
+}
+
+TEST(Config, AcceptsDotsAndBracketsInTextAndNumbers) {
+  const std::string dots(1000, '.');
+  const std::string brackets(1000, '[');
+  std::string numbers = "1.5";
+  for (int i = 0; i < 1000; ++i) numbers += ", 1.5";
+
+  const Config config = parse("a = [" + numbers + "]\nb = \"\\\"" + dots + brackets + "\"  # " +
+                              dots + brackets + "\nc = \"\"\"" + dots + "\n\"" + brackets +
+                              "\"\"\"\nd = '" + dots + "'\ne.f.g = [[1]]");
+
+  EXPECT_EQ(config.numbers("a").size(), 1001U);
+  EXPECT_EQ(config.text("b"), "\"" + dots + brackets);
+  EXPECT_EQ(config.text("c"), dots + "\n\"" + brackets);
+  EXPECT_EQ(config.table("e").table("f").rows("g").size(), 1U);
 }
 
 TEST(Config, ReadsAnEmptyFile) {

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The command's exit codes, output streams and one-line errors.
+#include <unistd.h>
+
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -255,6 +260,32 @@ TEST_F(RingCommand, DoctorListsTheNodesOfARing) {
 
   EXPECT_NE(doctor.out.find(name + ": "), std::string::npos);
   EXPECT_NE(doctor.out.find("machine"), std::string::npos);
+}
+
+TEST_F(RingCommand, EndsWithOneLineWhenTheRingIsTruncated) {
+  test::Running dump{{test::rths_command(), "dump", name, "-T", "20000"}};
+  std::this_thread::sleep_for(std::chrono::milliseconds{500});
+
+  std::filesystem::resize_file("/dev/shm/rths." + name, 0);
+  const Finished finished = dump.wait(10);
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_EQ(finished.err,
+            "rths: memory of the ring was lost: its shared-memory object was truncated\n");
+  broker::on_lost_memory(broker::OnLostMemory::Continue);  // this test has nodes on it, too
+}
+
+TEST(DoctorAndClean, NameAndSkipRingsOfOtherUsers) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a ring to another user";
+  const std::string name = test::unique_ring("other_user");
+  const test::RingRemoval removal{name};
+  { const broker::Ring ring = broker::Ring::create(name, test::small_map()); }
+  ASSERT_EQ(chown(("/dev/shm/rths." + name).c_str(), 54321, 54321), 0);
+
+  const std::string trouble = "ring '" + name + "' belongs to user 54321\n";
+  EXPECT_NE(run_rths({"doctor"}).out.find(" bytes: " + trouble), std::string::npos);
+  EXPECT_NE(run_rths({"clean"}).out.find("skipped " + name + ": " + trouble), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists("/dev/shm/rths." + name));
 }
 
 TEST(CleanCommand, RemovesOnlyUnusedRings) {

@@ -265,7 +265,8 @@ TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
   EXPECT_EQ(error_with("\"srmd\"\n[node.xpc]", "\"smrd\"\n[node.xpc]"),
             "lab.toml:14:11: there is no adapter 'smrd', expected one of recorder, srmd, "
             "ideal_machine, echo, opensees_specimen, simulink_like, numerical, opensees");
-  EXPECT_EQ(error_with("record.csv", "records.csv"), "records.csv: cannot be read");
+  EXPECT_EQ(error_with("record.csv", "records.csv"),
+            "records.csv: cannot be read: No such file or directory");
   EXPECT_NE(error_with("\"controller.toml\"", "\"none.toml\"")
                 .find("lab.toml:17:11: diagram is 'none.toml', expected a file or one of:"),
             std::string::npos);

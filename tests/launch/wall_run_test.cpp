@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <thread>
 
@@ -164,6 +165,27 @@ TEST_P(Death, BringsTheOthersToRestWithinTwoSeconds) {
 
 INSTANTIATE_TEST_SUITE_P(Of, Death, ::testing::Values("srmd", "xpc", "opf", "recorder", "launcher"),
                          [](const auto& victim) { return std::string{victim.param}; });
+
+// Each node finds its memory gone, holds its last inputs and comes to rest by itself.
+TEST(WallRun, ComesToRestWhenItsRingIsTruncated) {
+  WallRun run{"truncated", "30"};
+  const auto pids = run.wait_until_moving();
+  ASSERT_EQ(pids.size(), 5U);
+
+  std::filesystem::resize_file("/dev/shm/rths." + run.ring, 0);
+  const test::Finished finished = run.running.wait(20);
+
+  EXPECT_EQ(finished.exit_code, 2);
+  for (const char* node : {"srmd", "xpc", "opf", "recorder"})
+    EXPECT_NE(finished.err.find(std::string{node} + ": memory of the ring was lost"),
+              std::string::npos)
+        << finished.err;
+  EXPECT_NE(finished.err.find("srmd: memory of the ring was lost: held 0.2 s, ramped to rest"),
+            std::string::npos)
+      << finished.err;
+  EXPECT_FALSE(run.ring_is_there());
+  EXPECT_GT(recording::Reader{run.recording()}.rows(), 200U);
+}
 
 TEST(WallRun, EndsWhenANodeFallsSilent) {
   WallRun run{"silent", "30"};

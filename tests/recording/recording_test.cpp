@@ -4,9 +4,13 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <functional>
 #include <random>
 #include <thread>
 
@@ -14,8 +18,10 @@
 
 #include <rths/core/error.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/recording/table.hpp>
 
 #include "recording/sample_recording.hpp"
+#include "recording/src/probe.hpp"
 #include "support/files.hpp"
 
 namespace rths::recording {
@@ -174,17 +180,23 @@ TEST(Recording, ReportsAFullFileSystem) {
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{200'000, 200'000};
     setrlimit(RLIMIT_FSIZE, &limit);
-    const std::string error = test::error_of([&] {
-      Writer writer = open_writer(folder.path() / "run.h5");
-      write_rows(writer, 0, 100'000);
-      writer.close();
-    });
+    static_cast<void>(!std::freopen((folder.path() / "output").c_str(), "w", stderr));
+    std::string error;
+    // As in the recorder: another thread than the one that opened the file.
+    Writer writer = open_writer(folder.path() / "run.h5");
+    std::thread{[&] {
+      error = test::error_of([&] {
+        write_rows(writer, 0, 100'000);
+        writer.close();
+      });
+    }}.join();
     _exit(error.find("is the disk full?") != std::string::npos ? 0 : 1);
   }
   int status = 0;
   waitpid(child, &status, 0);
 
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_EQ(test::content_of(folder.path() / "output"), "");
 
   // Written values are correct; the others are NaN.
   EXPECT_FALSE(repair(folder.path() / "run.h5"));
@@ -207,6 +219,56 @@ TEST(Recording, FailsIfItsFileIsRemovedOrReplaced) {
     EXPECT_EQ(test::error_of([&] { write_rows(writer, 100, 200); }),
               file.string() + ": was removed or replaced while it was written");
   }
+}
+
+// Some of these crash the HDF5 library, or let it loop or allocate without limit.
+TEST(Recording, WithDamageIsAnErrorOrReadable) {
+  const test::TemporaryFolder folder;
+  {
+    Writer writer = open_writer(folder.path() / "run.h5");
+    write_rows(writer, 0, 300);
+    writer.close();
+  }
+  const std::string good = test::content_of(folder.path() / "run.h5");
+  const std::uint64_t trials = std::getenv("RTHS_LONG") != nullptr ? 2000 : 60;
+  int refused = 0;
+  for (std::uint64_t seed = 0; seed < trials; ++seed) {
+    std::mt19937_64 random{seed};
+    std::string bytes = good;
+    for (int i = 0; i < 200; ++i) bytes[random() % bytes.size()] = static_cast<char>(random());
+    const std::string name = std::to_string(seed) + ".h5";
+    const auto file =
+        folder.write(name, bytes.substr(0, bytes.size() - seed % 2 * (random() % 500)));
+    const auto begun = std::chrono::steady_clock::now();
+    for (const auto& read : {std::function<void()>{[&] { static_cast<void>(repair(file)); }},
+                             std::function<void()>{[&] {
+                               const Reader reader{file};
+                               for (const auto& signal : reader.names())
+                                 static_cast<void>(reader.signal(signal));
+                               static_cast<void>(reader.events());
+                             }},
+                             std::function<void()>{[&] { static_cast<void>(Table::load(file)); }}})
+      refused += test::error_of(read).empty() ? 0 : 1;
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds{60}) << seed;
+    std::filesystem::remove(file);
+  }
+  EXPECT_GT(refused, 0);
+}
+
+// The child that reads a file first ends with it.
+TEST(Recording, IsRefusedIfReadingItCrashes) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("file", "content");
+
+  EXPECT_EQ(test::error_of([&] { probe(file, [] { std::raise(SIGSEGV); }); }),
+            file.string() + ": is damaged: reading it crashed, or took too much time or memory");
+  EXPECT_EQ(test::error_of([&] { probe(file, [] {}); }), "");
+  EXPECT_EQ(test::error_of([&] {
+              static_cast<void>(in_child(file, []() -> bool { throw Error{"of the child"}; }));
+            }),
+            "of the child");
+  EXPECT_TRUE(in_child(file, [] { return true; }));
+  EXPECT_FALSE(in_child(file, [] { return false; }));
 }
 
 // Only a recording left by a crash is repaired, not one with a live writer.

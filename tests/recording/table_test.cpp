@@ -40,6 +40,14 @@ TEST_F(TableTest, ReadsColumnsWithAnySeparator) {
   }
 }
 
+TEST_F(TableTest, RefusesDirectoriesDevicesAndPipes) {
+  for (const std::string& file : {std::string{"/dev/zero"}, folder_.path().string()})
+    EXPECT_NE(test::error_of([&] {
+                static_cast<void>(Table::load(file));
+              }).find(": cannot be read: it is a "),
+              std::string::npos);
+}
+
 TEST_F(TableTest, NumbersColumnsWithoutNames) {
   const Table table = load("0 1\n2 3\n");
 

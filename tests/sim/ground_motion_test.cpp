@@ -53,7 +53,7 @@ TEST(At2Reader, ReportsTheLineOfAnError) {
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(word_path)); }),
             word_path.string() + ":5: 'not_a_number' is not a number");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(folder.path() / "none.AT2")); }),
-            (folder.path() / "none.AT2").string() + ": cannot be read");
+            (folder.path() / "none.AT2").string() + ": cannot be read: No such file or directory");
 }
 
 TEST(ColumnReader, ReadsColumnsWithAnySeparator) {

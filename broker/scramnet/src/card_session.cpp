@@ -114,7 +114,7 @@ void CardSession::leave() {
 CardSession::~CardSession() {
   leave();
   for (auto& base : mapped_)
-    if (std::byte* address = base.load()) munmap(address, header_->card_bytes);
+    if (std::byte* address = base.load()) munmap(address, layout_.card_bytes);
   munmap(header_, sizeof(Header));
   close(object_);
 }
@@ -124,8 +124,13 @@ void CardSession::open_object(const std::string& ring) {
   if (object_ < 0) throw Error{fmt::format("ring '{}': {}", ring, std::strerror(errno))};
   header_ = reinterpret_cast<Header*>(map(nullptr, 0, sizeof(Header)));
   if (header_ == nullptr) throw Error{fmt::format("ring '{}': {}", ring, std::strerror(errno))};
-  if (header_->card_count == 0 || header_->card_count > kMostCards)
-    throw Error{fmt::format("ring '{}' has no space for cards", ring)};
+  // Another object of this name may have replaced that of the ring.
+  layout_ = *header_;
+  const memmap::Map& map_of_ring = ring_->map();
+  if (!broker::is_same_layout(
+          layout_, broker::plan_layout(map_of_ring, map_of_ring.to_toml(),
+                                       static_cast<std::uint32_t>(layout_.journal_bits))))
+    throw Error{fmt::format("ring '{}' was replaced while this program attached to it", ring)};
 }
 
 void CardSession::take_card(const Settings& settings) {
@@ -146,9 +151,9 @@ void CardSession::take_card(const Settings& settings) {
 // Processes take cards in order. A process that finds a card in power-up waits until its key is
 // known, so that no key gets two cards.
 bool CardSession::try_card(std::uint32_t index, std::uint32_t key) {
-  const auto offset = static_cast<off_t>(header_->cards_at + index * header_->card_bytes);
+  const auto offset = static_cast<off_t>(layout_.cards_at + index * layout_.card_bytes);
   const auto bytes =
-      static_cast<off_t>(broker::kCardRegisterBytes + broker::acr_bytes(header_->memory_bytes));
+      static_cast<off_t>(broker::kCardRegisterBytes + broker::acr_bytes(layout_.memory_bytes));
   if (const int problem = posix_fallocate(object_, offset, bytes); problem != 0)
     throw Error{fmt::format("cannot reserve space for a card: {}", std::strerror(problem))};
   own_ = map_card(index);
@@ -170,14 +175,14 @@ bool CardSession::try_card(std::uint32_t index, std::uint32_t key) {
 }
 
 std::uint32_t CardSession::card_count() const {
-  return static_cast<std::uint32_t>(header_->card_count);
+  return static_cast<std::uint32_t>(layout_.card_count);
 }
 
-std::uint64_t CardSession::memory_bytes() const { return header_->memory_bytes; }
+std::uint64_t CardSession::memory_bytes() const { return layout_.memory_bytes; }
 
 CardSession::CardView CardSession::view(std::byte* base) const {
   if (base == nullptr) return {};
-  const std::uint64_t acr = broker::acr_bytes(header_->memory_bytes);
+  const std::uint64_t acr = broker::acr_bytes(layout_.memory_bytes);
   auto* words = reinterpret_cast<Word*>(base + broker::kCardRegisterBytes);
   if (acr == 0) words = nullptr;
   return {reinterpret_cast<Card*>(base), words, words == nullptr ? nullptr : words + acr / 4};
@@ -188,9 +193,9 @@ CardSession::CardView CardSession::map_card(std::uint32_t index) const {
   std::byte* base = mapped_[index].load();
   if (base != nullptr) return view(base);
   std::byte* fresh =
-      map(nullptr, header_->cards_at + index * header_->card_bytes, header_->card_bytes);
+      map(nullptr, layout_.cards_at + index * layout_.card_bytes, layout_.card_bytes);
   if (fresh == nullptr || mapped_[index].compare_exchange_strong(base, fresh)) return view(fresh);
-  munmap(fresh, header_->card_bytes);
+  munmap(fresh, layout_.card_bytes);
   return view(base);
 }
 
@@ -208,18 +213,18 @@ std::byte* CardSession::map(void* at, std::uint64_t offset, std::uint64_t bytes)
 }
 
 std::byte* CardSession::map_memory(void* at, std::uint64_t offset, std::uint64_t bytes) const {
-  return map(at, header_->memory_at + offset, bytes);
+  return map(at, layout_.memory_at + offset, bytes);
 }
 
 std::byte* CardSession::map_acr(void* at, std::uint64_t bytes) const {
-  const std::uint64_t card = header_->cards_at + index_ * header_->card_bytes;
+  const std::uint64_t card = layout_.cards_at + index_ * layout_.card_bytes;
   return map(at, card + broker::kCardRegisterBytes, bytes);
 }
 
 bool CardSession::reserve_known(std::uint32_t first_longword, std::uint32_t longwords) const {
-  const std::uint64_t card = header_->cards_at + index_ * header_->card_bytes;
+  const std::uint64_t card = layout_.cards_at + index_ * layout_.card_bytes;
   const std::uint64_t known =
-      card + broker::kCardRegisterBytes + broker::acr_bytes(header_->memory_bytes);
+      card + broker::kCardRegisterBytes + broker::acr_bytes(layout_.memory_bytes);
   return posix_fallocate(object_, static_cast<off_t>(known + std::uint64_t{first_longword} * 4),
                          static_cast<off_t>(std::uint64_t{longwords} * 4)) == 0;
 }

@@ -12,11 +12,8 @@
 #include <rths/broker/ring.hpp>
 
 #include "card.hpp"
+#include "layout.hpp"
 #include "settings.hpp"
-
-namespace rths::broker {
-struct Header;
-}
 
 namespace rths::scramnet {
 
@@ -75,7 +72,8 @@ class CardSession {
   std::optional<broker::Ring> ring_;
   std::optional<broker::Node> node_;
   int object_ = -1;
-  broker::Header* header_ = nullptr;
+  broker::Header* header_ = nullptr;  ///< in the ring, for the cards in use
+  broker::Header layout_{};           ///< checked
   broker::Claim self_ = 0;
   std::uint32_t index_ = 0;
   CardView own_;

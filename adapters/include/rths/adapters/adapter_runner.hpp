@@ -38,6 +38,7 @@ struct Timing {
 ///
 /// NaN and infinite values, and values outside the range of a parameter, are dropped and the last
 /// valid value is held. The step's status is then Stale for an input, LimitExceeded for an output.
+/// If the memory of the ring is lost, all inputs are held and the adapter is stopped.
 ///
 /// Adds these monitors to the adapter's own: host.step, host.status, host.overruns, host.stale,
 /// host.late (this step), host.late_max (all steps), host.duration.

@@ -24,6 +24,16 @@ class Waiter;
 struct LastWrite;
 struct LongwordRange;
 
+/// Reaction to the loss of memory: another program truncated the ring's object, or a page of a
+/// sparse memory could not be allocated. Without any, the kernel ends the process by SIGBUS.
+enum class OnLostMemory {
+  Exit,      ///< prints one line and ends the process with exit code 2
+  Continue,  ///< replaces the page by private zeros; `Node::is_ring_lost` returns true
+};
+/// Installs the reaction as this process's handler of SIGBUS. Other bus errors still end it.
+/// @setup
+void on_lost_memory(OnLostMemory reaction);
+
 /// Default sizes of a journal, log2 of its entries: 1 MiB (half a second of a node that writes 100
 /// words per millisecond) and 64 KiB.
 inline constexpr std::uint32_t kJournalBits = 16;
@@ -79,6 +89,9 @@ class Node {
   void beat() RTHS_REALTIME;
   /// Heartbeats of a node of the map since it joined; 0 if it is not on the ring. @realtime
   [[nodiscard]] std::uint64_t beats_of(NodeId node) const RTHS_REALTIME;
+  /// True once memory of the ring was lost: then reads return zeros, and no other process sees
+  /// writes. See `OnLostMemory`.   @realtime
+  [[nodiscard]] bool is_ring_lost() const RTHS_REALTIME;
   /// State of a node of the map, from the kernel's process table. Any thread.   @setup
   [[nodiscard]] Presence presence_of(NodeId node) const;
 
@@ -132,12 +145,14 @@ class Ring {
   /// Creates a ring to which other processes of this host can attach. Replaces a ring of that name
   /// on which no process is alive. Until this object is destroyed, the creator is listed on the
   /// ring, but not as a node.
-  /// @throws Error if a ring of that name is in use or keeps cards, or memory is short   @setup
+  /// Owner and group may write to it, as far as the umask permits.
+  /// @throws Error if a ring of that name is in use, keeps cards or is of another user, or memory is
+  ///         short   @setup
   /// @param journal_bits  a journal has 2^journal_bits entries of 16 bytes
   [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map,
                                    std::uint32_t journal_bits = kJournalBits);
-  /// Attaches to an existing ring. Waits up to two seconds for its creator to finish.
-  /// @throws Error if there is no such ring or its layout version differs   @setup
+  /// Attaches to an existing ring. Waits up to one second for its creator to finish.
+  /// @throws Error if there is no such ring, its layout version differs or it is damaged   @setup
   [[nodiscard]] static Ring attach(const std::string& name);
   /// A ring in private memory for one process, with the same words and rules.   @setup
   [[nodiscard]] static Ring in_process(const memmap::Map& map,
@@ -175,7 +190,7 @@ class Ring {
   explicit Ring(std::unique_ptr<Segment> segment);
   [[nodiscard]] Segment& segment() { return *segment_; }
   std::unique_ptr<Segment> segment_;
-  std::unique_ptr<memmap::Map> map_;
+  const memmap::Map* map_;  ///< the segment's
 };
 
 /// A process that is on a ring, or that ended without leaving it.
@@ -193,7 +208,9 @@ struct RingReport {
   std::string name;
   bool usable = false;   ///< complete, and of this program's layout version
   bool foreign = false;  ///< of another layout version, or no permission to open it: may be in use
-  std::string trouble;   ///< reason why the ring is not usable
+  std::string
+      other_user;       ///< owner, if it is neither this user nor root: not opened, may be in use
+  std::string trouble;  ///< reason why the ring is not usable
   std::uint64_t bytes = 0;
   std::string map_name;
   std::uint32_t map_version = 0;

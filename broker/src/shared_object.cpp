@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared_object.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include <rths/core/error.hpp>
+
+#include "lost_memory.hpp"
+
+namespace rths::broker {
+namespace {
+
+constexpr mode_t kForOwnerAndGroup = 0660;
+
+std::string path_of(const std::string& ring) { return "/" + object_name(ring); }
+
+[[noreturn]] void fail(int problem) { throw Error{std::strerror(problem)}; }
+
+ObjectId id_of(int descriptor) {
+  struct stat status {};
+  if (fstat(descriptor, &status) != 0) fail(errno);
+  if (!S_ISREG(status.st_mode)) throw Error{"it is no shared memory"};
+  return {status.st_dev, status.st_ino, status.st_uid, status.st_mode};
+}
+
+}  // namespace
+
+std::string object_name(const std::string& ring) { return "rths." + ring; }
+
+bool remove_object(const std::string& ring) { return shm_unlink(path_of(ring).c_str()) == 0; }
+
+Mapping::Mapping(std::byte* address, std::uint64_t bytes, std::atomic<bool>& lost)
+    : address_{address}, bytes_{bytes} {
+  guard(address, bytes, lost);
+}
+
+Mapping::~Mapping() {
+  if (address_ == nullptr) return;
+  unguard(address_);
+  munmap(address_, bytes_);
+}
+
+SharedObject::SharedObject(int descriptor) : descriptor_{descriptor}, id_{} {
+  if (descriptor < 0) fail(errno);
+  try {
+    id_ = id_of(descriptor);
+  } catch (...) {
+    close(descriptor);
+    throw;
+  }
+}
+
+SharedObject::SharedObject(SharedObject&& other) noexcept
+    : descriptor_{std::exchange(other.descriptor_, -1)},
+      id_{other.id_},
+      lost_{std::move(other.lost_)} {}
+
+SharedObject::~SharedObject() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+SharedObject SharedObject::create(const std::string& ring, std::uint64_t bytes) {
+  SharedObject object{
+      shm_open(path_of(ring).c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, kForOwnerAndGroup)};
+  if (ftruncate(object.descriptor_, static_cast<off_t>(bytes)) != 0) {
+    const int problem = errno;
+    remove_object(ring);
+    fail(problem);
+  }
+  return object;
+}
+
+SharedObject SharedObject::open(const std::string& ring) {
+  return SharedObject{shm_open(path_of(ring).c_str(), O_RDWR | O_CLOEXEC, 0)};
+}
+
+std::uint64_t SharedObject::size() const {
+  struct stat status {};
+  return fstat(descriptor_, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+}
+
+bool SharedObject::read(std::uint64_t begin, void* to, std::size_t bytes) const {
+  for (std::size_t done = 0; done < bytes;) {
+    const ssize_t count = pread(descriptor_, static_cast<std::byte*>(to) + done, bytes - done,
+                                static_cast<off_t>(begin + done));
+    if (count <= 0) return false;
+    done += static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+// Pages are reserved in advance: a page that is missing later is lost memory.
+void SharedObject::reserve(std::uint64_t begin, std::uint64_t bytes) const {
+  const int problem =
+      posix_fallocate(descriptor_, static_cast<off_t>(begin), static_cast<off_t>(bytes));
+  if (problem != 0) fail(problem);
+}
+
+Mapping SharedObject::map(std::uint64_t begin, std::uint64_t bytes) const {
+  void* address = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_,
+                       static_cast<off_t>(begin));
+  if (address == MAP_FAILED) fail(errno);
+  return {static_cast<std::byte*>(address), bytes, *lost_};
+}
+
+}  // namespace rths::broker

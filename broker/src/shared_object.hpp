@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "process.hpp"
+
+namespace rths::broker {
+
+/// A mapped range. Until it is unmapped, lost pages are handled as `OnLostMemory` says.
+class Mapping {
+ public:
+  Mapping() = default;
+  Mapping(std::byte* address, std::uint64_t bytes, std::atomic<bool>& lost);
+  Mapping(Mapping&& other) noexcept { swap(other); }
+  Mapping& operator=(Mapping&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~Mapping();
+  [[nodiscard]] std::byte* address() const { return address_; }
+
+ private:
+  void swap(Mapping& other) noexcept {
+    std::swap(address_, other.address_);
+    std::swap(bytes_, other.bytes_);
+  }
+  std::byte* address_ = nullptr;
+  std::uint64_t bytes_ = 0;
+};
+
+/// The shared-memory object of a ring. Any program may have made it, and may change or truncate it
+/// at any time.
+class SharedObject {
+ public:
+  /// Creates an object of this size, writable for owner and group as far as the umask permits.
+  /// @throws Error if the name is taken or memory is short
+  [[nodiscard]] static SharedObject create(const std::string& ring, std::uint64_t bytes);
+  /// @throws Error with the reason of the system
+  [[nodiscard]] static SharedObject open(const std::string& ring);
+  SharedObject(SharedObject&& other) noexcept;
+  SharedObject& operator=(SharedObject&&) = delete;
+  ~SharedObject();
+
+  [[nodiscard]] const ObjectId& id() const { return id_; }
+  /// Present size [B]; 0 if it is not known.
+  [[nodiscard]] std::uint64_t size() const;
+  /// Copies bytes. @returns false if the object is shorter
+  [[nodiscard]] bool read(std::uint64_t begin, void* to, std::size_t bytes) const;
+  /// Reserves space. @throws Error if memory is short
+  void reserve(std::uint64_t begin, std::uint64_t bytes) const;
+  /// @throws Error if the range cannot be mapped
+  [[nodiscard]] Mapping map(std::uint64_t begin, std::uint64_t bytes) const;
+  /// True once a page of a mapping was lost.
+  [[nodiscard]] const std::atomic<bool>& lost() const { return *lost_; }
+
+ private:
+  explicit SharedObject(int descriptor);
+  int descriptor_;
+  ObjectId id_;
+  std::unique_ptr<std::atomic<bool>> lost_ = std::make_unique<std::atomic<bool>>(false);
+};
+
+/// Name of the shared-memory object of a ring.
+[[nodiscard]] std::string object_name(const std::string& ring);
+/// Removes the name of a ring. @returns false if there was none, or it may not be removed
+bool remove_object(const std::string& ring);
+
+}  // namespace rths::broker

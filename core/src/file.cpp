@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/core/file.hpp>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason) {
+  throw Error{fmt::format("{}: cannot be read: {}", file.string(), reason)};
+}
+
+}  // namespace
+
+void check_is_file(const std::filesystem::path& file) {
+  std::error_code problem;
+  const auto status = std::filesystem::status(file, problem);
+  if (status.type() == std::filesystem::file_type::directory) fail(file, "it is a directory");
+  if (problem) fail(file, problem.message());
+  if (status.type() != std::filesystem::file_type::regular)
+    fail(file, "it is a device or a pipe, expected a file");
+}
+
+std::string read_file(const std::filesystem::path& file, std::uint64_t most_bytes) {
+  check_is_file(file);
+  std::ifstream stream{file, std::ios::binary};
+  if (!stream) fail(file, std::strerror(errno));
+  const std::uint64_t size = std::filesystem::file_size(file);
+  if (size > most_bytes)
+    fail(file, fmt::format("it has {} bytes, expected at most {}", size, most_bytes));
+  std::string content(size, '\0');
+  stream.read(content.data(), static_cast<std::streamsize>(size));
+  content.resize(static_cast<std::size_t>(stream.gcount()));
+  if (stream.bad()) fail(file, std::strerror(errno));
+  return content;
+}
+
+}  // namespace rths

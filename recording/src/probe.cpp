@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "probe.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
+
+namespace rths::recording {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kShortest{10'000};
+constexpr std::uint64_t kSlowest = 10'000;  // of a loaded host [B/ms]
+constexpr std::uint64_t kLeastMemory = std::uint64_t{4} << 30U;
+constexpr std::uint64_t kMemoryPerByte = 16;  // of a file, which may be compressed
+
+bool is_child = false;
+
+// Address sanitizer reserves more memory than any limit.
+void limit_memory([[maybe_unused]] std::uint64_t file_bytes) {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
+  const std::uint64_t most = kLeastMemory + kMemoryPerByte * file_bytes;
+  const rlimit limit{most, most};
+  setrlimit(RLIMIT_AS, &limit);
+#endif
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+}
+
+// Answers of the child; the message follows an error.
+constexpr char kFalse = '0';
+constexpr char kTrue = '1';
+constexpr char kError = 'e';
+
+// Nothing else of the parent runs in the child.
+[[noreturn]] void answer(int to, const std::function<bool()>& act) {
+  std::string text;
+  try {
+    text = std::string(1, act() ? kTrue : kFalse);
+  } catch (const Error& error) {
+    text = std::string(1, kError) + error.what();
+  } catch (const std::exception&) {
+    _exit(1);  // of the library, or of the memory
+  }
+  _exit(write(to, text.data(), text.size()) < 0 ? 1 : 0);
+}
+
+// Reads until the end, which is also the end of the child. Empty: the child crashed or took too
+// long.
+std::string await(int from, milliseconds longest) {
+  std::string text;
+  std::array<char, 512> chunk{};
+  for (const auto deadline = steady_clock::now() + longest;;) {
+    const auto left =
+        std::chrono::duration_cast<milliseconds>(deadline - steady_clock::now()).count();
+    pollfd descriptor{from, POLLIN, 0};
+    if (left <= 0 || poll(&descriptor, 1, static_cast<int>(left)) <= 0) return "";
+    const ssize_t count = read(from, chunk.data(), chunk.size());
+    if (count <= 0) return text;
+    text.append(chunk.data(), static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace
+
+bool in_child(const std::filesystem::path& file, const std::function<bool()>& act) {
+  check_is_file(file);
+  const std::uint64_t bytes = std::filesystem::file_size(file);
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw Error{file.string() + ": no pipe to read it"};
+  const pid_t child = fork();
+  if (child == 0) {
+    is_child = true;
+    limit_memory(bytes);
+    const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    dup2(null, STDOUT_FILENO);
+    dup2(null, STDERR_FILENO);
+    close(ends[0]);
+    answer(ends[1], act);
+  }
+  close(ends[1]);
+  const std::string text =
+      child < 0 ? "" : await(ends[0], kShortest + milliseconds{bytes / kSlowest});
+  close(ends[0]);
+  if (child > 0) kill(child, SIGKILL);
+  if (child > 0) waitpid(child, nullptr, 0);
+  if (text.empty())
+    throw Error{file.string() +
+                ": is damaged: reading it crashed, or took too much time or memory"};
+  if (text[0] == kError) throw Error{text.substr(1)};
+  return text[0] == kTrue;
+}
+
+void probe(const std::filesystem::path& file, const std::function<void()>& read) {
+  check_is_file(file);
+  struct stat now {};
+  if (is_child || stat(file.c_str(), &now) != 0) return;
+  static std::set<std::array<std::int64_t, 5>> probed;
+  const std::array<std::int64_t, 5> version{static_cast<std::int64_t>(now.st_dev),
+                                            static_cast<std::int64_t>(now.st_ino), now.st_size,
+                                            now.st_mtim.tv_sec, now.st_mtim.tv_nsec};
+  if (!probed.insert(version).second) return;
+  try {
+    static_cast<void>(in_child(file, [&] {
+      try {
+        read();
+      } catch (const Error&) {  // NOLINT(bugprone-empty-catch)
+        // The caller finds it again.
+      }
+      return true;
+    }));
+  } catch (const Error&) {
+    probed.erase(version);
+    throw;
+  }
+}
+
+}  // namespace rths::recording
