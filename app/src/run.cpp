@@ -15,6 +15,7 @@
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
+#include <rths/report/judgement.hpp>
 #include <rths/report/report.hpp>
 
 #include "commands.hpp"
@@ -78,10 +79,12 @@ bool has_adapter(const launch::Experiment& experiment, const char* adapter) {
 }
 
 // Writes the diagnosis of a run and, if it improves the model, the improved numerical result.
-diagnosis::Verdict diagnose_run(const RunArguments& arguments,
-                                const std::filesystem::path& folder) {
+diagnosis::Verdict diagnose_run(const RunArguments& arguments, const std::filesystem::path& folder,
+                                const std::vector<report::Broken>& broken) {
   diagnosis::Verdict verdict = diagnosis::diagnose(diagnosis::load_case(folder / report::kRunFile));
   verdict.synthetic = true;  // in this version, specimen and machine are models
+  for (const auto& condition : broken)
+    verdict.limits.push_back("the test is not conclusive: " + condition.text());
   // In virtual time the same experiment gives the same bytes.
   if (arguments.virtual_time) verdict.seconds = std::numeric_limits<double>::quiet_NaN();
   const auto written = report::write_diagnosis(verdict, folder);
@@ -95,10 +98,12 @@ diagnosis::Verdict diagnose_run(const RunArguments& arguments,
 }
 
 // The recordings are complete, so a failed diagnosis is printed and does not stop the report.
-void diagnose_and_print(const RunArguments& arguments, const std::filesystem::path& folder) {
+void diagnose_and_print(const RunArguments& arguments, const std::filesystem::path& folder,
+                        const std::vector<report::Broken>& broken) {
   try {
-    const auto verdict = diagnose_run(arguments, folder);
-    fmt::print("diagnosis {}\n{}\n", (folder / report::kDiagnosisPage).string(), verdict.sentence);
+    const auto verdict = diagnose_run(arguments, folder, broken);
+    fmt::print("diagnosis {}\n{}{}\n", (folder / report::kDiagnosisPage).string(),
+               broken.empty() ? "" : "of a test that is not conclusive: ", verdict.sentence);
     if (!verdict.fragment.empty())
       fmt::print("improved  {}\n", (folder / report::kFragmentFile).string());
   } catch (const Error& error) {
@@ -109,7 +114,7 @@ void diagnose_and_print(const RunArguments& arguments, const std::filesystem::pa
 int print(const report::ReportOutcome& written) {
   fmt::print("report    {}\nnumbers   {}\n{}", written.page.string(), written.numbers.string(),
              written.summary);
-  return kOk;
+  return written.conclusive ? kOk : kConditionNotMet;
 }
 
 // An uncompressed recording is complete, so a failure is printed only.
@@ -123,7 +128,7 @@ void compress(const std::filesystem::path& file) {
 
 // Computes the companions of a completed run, its diagnosis and its report.
 int conclude(const RunArguments& arguments, const launch::Experiment& experiment,
-             const std::filesystem::path& folder) {
+             const std::filesystem::path& folder, const std::vector<report::Broken>& broken) {
   launch::run_uncompensated(experiment, folder / report::kRunFile,
                             folder / report::kUncompensatedFile, version());
   compress(folder / report::kUncompensatedFile);
@@ -132,7 +137,7 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   const bool has_held_out =
       launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
   compress(folder / diagnosis::kHeldOutFile);
-  if (has_held_out && arguments.diagnoses) diagnose_and_print(arguments, folder);
+  if (has_held_out && arguments.diagnoses) diagnose_and_print(arguments, folder, broken);
   compress(folder / report::kImprovedFile);
   return print(report::make_report(folder));
 }
@@ -169,9 +174,13 @@ int run(const RunArguments& arguments) {
   if (records && !std::filesystem::exists(options.recording))
     throw Error{options.recording.string() + ": was removed during the run"};
   compress(options.recording);
+  if (!records) return kOk;
+  const auto broken = report::judge(recording::Reader{options.recording});
   // The report is about tracking, so it needs a controller.
-  const bool is_controlled = records && has_adapter(experiment, "simulink_like");
-  return is_controlled ? conclude(arguments, experiment, folder) : kOk;
+  if (has_adapter(experiment, "simulink_like"))
+    return conclude(arguments, experiment, folder, broken);
+  fmt::print("{}", report::verdict_of(broken));
+  return broken.empty() ? kOk : kConditionNotMet;
 }
 
 int node(const NodeArguments& arguments) {

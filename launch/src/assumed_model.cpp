@@ -134,7 +134,7 @@ AssumedModel read_assumed_model(const Config& table, const Config& specimen, con
   const Config bearing = bearing_of(
       table.table_or_empty("specimen").overlaid(found_in(improvement, "specimen")), specimen);
   static_cast<void>(bearing.text("model", ""));
-  AssumedModel assumed{sim::read_bearing(bearing, axial_load), ""};
+  AssumedModel assumed{sim::read_bearing(bearing, axial_load), "", ""};
 
   const Config changed = machine.overlaid(table.table_or_empty("machine"))
                              .overlaid(as_machine(found_in(improvement, "machine")));
@@ -143,7 +143,10 @@ AssumedModel read_assumed_model(const Config& table, const Config& specimen, con
   model.set("kind", "\"platen\"");
   if (bearing.has("temperature_above_reference_K"))
     model.set("temperature_above_reference_K", fmt::format("{}", assumed.bearing.temperature));
-  if (assumed_machine.has_specimen) add_terms(model, bearing);
+  if (assumed_machine.has_specimen) {
+    add_terms(model, bearing);
+    assumed.specimen = bearing.without("model").to_toml();
+  }
   add_terms(model, sim::srmd_terms().overlaid(changed));
   add_axes(model, assumed_machine);
   check_fitted(table, model);

@@ -12,6 +12,7 @@ namespace rths::launch {
 struct AssumedModel {
   sim::Bearing bearing;  ///< in place of the specimen
   std::string text;      ///< [model] of a case as TOML: bearing, machine, fitted parameters
+  std::string specimen;  ///< the bearing as TOML; empty without a specimen
 };
 
 /// Reads [model]. Its tables `specimen` and `machine` hold the differences between model and

@@ -11,6 +11,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/launch/installed_files.hpp>
+#include <rths/report/judgement.hpp>
 
 #include "assumed_model.hpp"
 #include "script_placeholders.hpp"
@@ -196,6 +197,8 @@ void read_laboratory(const Config& file, Experiment& experiment) {
   const auto assumed = read_assumed_model(file.table_or_empty("model"), specimen, machine, weight);
   experiment.model = assumed.bearing;
   experiment.config.emplace_back(recording::kModelText, assumed.text);
+  if (!assumed.specimen.empty())
+    experiment.config.emplace_back(recording::kSpecimenText, assumed.specimen);
 }
 
 void read_solver(const Config& table, Experiment& experiment) {
@@ -276,6 +279,7 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   read_stop(file.table_or_empty("stop"), experiment);
   experiment.nodes = read_nodes(file.table("node"), experiment.model);
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
+  static_cast<void>(report::read_bounds(file.table_or_empty("conclusive")));
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis.hpp"
+#include "evidence.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,12 +26,6 @@ constexpr double kQuietShare = 0.02;       // of the largest command: a smaller 
 constexpr double kExcusedLateness = 1e-3;  // of the host: one controller tick [s]
 
 const std::vector<std::string> kAxes = {"long", "lat"};
-
-double largest_magnitude(const std::vector<double>& values) {
-  double largest = 0;
-  for (const double value : values) largest = std::max(largest, std::abs(value));
-  return largest;
-}
 
 // Tick interval between the first counted row and the first row of the final count, when the node
 // left.
@@ -59,6 +54,18 @@ class ControllerTicks {
   double interval_;
 };
 
+// Without motion there is no delay.
+controller::DelayIdentification delay_or_none(std::span<const double> command,
+                                              std::span<const double> measured, double interval,
+                                              double search) {
+  try {
+    return controller::identify_delay(command, measured, interval, search);
+  } catch (const Error&) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {kNone, kNone};
+  }
+}
+
 WindowedTracking windowed_tracking(const Series& command, const Series& measured) {
   WindowedTracking tracking;
   tracking.delay.start = tracking.nrms.start = kWindow / 2;
@@ -72,8 +79,7 @@ WindowedTracking windowed_tracking(const Series& command, const Series& measured
     const auto [low, high] = std::minmax_element(reference.begin(), reference.end());
     const bool moves = *high - *low > kQuietShare * largest;
     tracking.delay.values.push_back(
-        moves ? controller::identify_delay(reference, response, command.interval, kWindowSearch)
-                    .minimum_rms
+        moves ? delay_or_none(reference, response, command.interval, kWindowSearch).minimum_rms
               : std::numeric_limits<double>::quiet_NaN());
     double sum = 0;
     for (std::size_t i = 0; i < length; ++i)
@@ -98,8 +104,8 @@ AxisAnalysis analyse_axis(const Reader& run, const ControllerTicks& ticks,
   result.step_displacement =
       at_each_count(targets, run.signal("monitor.xpc.pc.held_displacement." + axis));
   result.step_force = at_each_count(targets, run.signal("monitor.xpc.pc.held_force." + axis));
-  const auto delay = controller::identify_delay(result.command.values, result.measured.values,
-                                                ticks.interval(), kDelaySearch);
+  const auto delay =
+      delay_or_none(result.command.values, result.measured.values, ticks.interval(), kDelaySearch);
   const auto error = controller::tracking_error(result.command.values, result.measured.values);
   result.delay = delay.cross_correlation;
   result.delay_min_rms = delay.minimum_rms;
@@ -116,21 +122,10 @@ AxisAnalysis analyse_axis(const Reader& run, const ControllerTicks& ticks,
 void add_raw_delay(AxisAnalysis& axis, const ControllerTicks& ticks) {
   const auto command = ticks.series("monitor.xpc.pc.command." + axis.name);
   const auto measured = ticks.series("monitor.xpc.displacement.out." + axis.name);
-  const auto delay =
-      controller::identify_delay(command.values, measured.values, ticks.interval(), kDelaySearch);
+  const auto delay = delay_or_none(command.values, measured.values, ticks.interval(), kDelaySearch);
   axis.raw_delay = delay.cross_correlation;
   axis.raw_delay_min_rms = delay.minimum_rms;
   axis.raw_nrms = controller::tracking_error(command.values, measured.values).nrms;
-}
-
-// Returns true if the lateness of the host reached a controller tick in [from, to].
-bool host_was_late(const Series& host_late, double from, double to) {
-  if (host_late.values.empty()) return false;
-  const auto first = static_cast<std::size_t>(std::max(0.0, from / host_late.interval));
-  const auto last = static_cast<std::size_t>(std::max(0.0, to / host_late.interval));
-  for (std::size_t i = first; i <= last && i < host_late.values.size(); ++i)
-    if (host_late.values[i] >= kExcusedLateness) return true;
-  return false;
 }
 
 StepAnalysis analyse_steps(const Reader& run, const Series& host_late) {
@@ -221,6 +216,15 @@ std::optional<Reader> open_if_there(const std::filesystem::path& file) {
 
 }  // namespace
 
+bool host_was_late(const Series& host_late, double from, double to) {
+  if (host_late.values.empty()) return false;
+  const auto first = static_cast<std::size_t>(std::max(0.0, from / host_late.interval));
+  const auto last = static_cast<std::size_t>(std::max(0.0, to / host_late.interval));
+  for (std::size_t i = first; i <= last && i < host_late.values.size(); ++i)
+    if (host_late.values[i] >= kExcusedLateness) return true;
+  return false;
+}
+
 double percentile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0;
   const auto index = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
@@ -254,6 +258,7 @@ Analysis analyse(const std::filesystem::path& folder) {
   analysis.steps = analyse_steps(run, analysis.host_late);
   analysis.duration = run.signal("opf.1.time.target").back();
   analysis.nodes = analyse_nodes(run);
+  analysis.broken = judge(run);
   analysis.drops = run.drops();
   analysis.rows_missing = run.rows_missing();
   const auto given = [](const auto& reader) { return reader ? &*reader : nullptr; };

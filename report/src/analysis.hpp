@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <rths/recording/recording.hpp>
+#include <rths/report/judgement.hpp>
 
 #include "bands.hpp"
 
@@ -112,6 +113,7 @@ struct Analysis {
   double numerical_interval = 0;        ///< [s]
   std::vector<double> frequencies;      ///< of the spectra [Hz]
   std::vector<FloorSpectra> floors;
+  std::vector<Broken> broken;  ///< conditions of a conclusive test; none: the test is conclusive
 };
 
 /// @throws Error if the run cannot be read or contains no motion
@@ -127,6 +129,9 @@ void describe(Analysis& analysis, const recording::Reader& run);
 /// Floor spectra of the run and its companions, null if not recorded.
 void add_spectra(Analysis& analysis, const recording::Reader& run,
                  const recording::Reader* numerical, const recording::Reader* improved);
+
+/// Returns true if the lateness of the host reached a controller tick in [from, to].
+[[nodiscard]] bool host_was_late(const Series& host_late, double from, double to);
 
 /// The lines of a text that each end with a line feed.
 [[nodiscard]] std::vector<std::string> lines(const std::string& text);

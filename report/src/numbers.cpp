@@ -10,8 +10,6 @@
 namespace rths::report {
 namespace {
 
-constexpr double kMostExcused = 0.01;  // fraction of the steps
-
 // Bands for comparing spectra [Hz]: isolation and first modes of the buildings; the band of the
 // machine's errors and of vertical motion; higher frequencies.
 struct Band {
@@ -139,6 +137,18 @@ Json node_numbers(const NodeAnalysis& node) {
           {"late_max_ms", rounded(node.late_max * kMilli, 3)}};
 }
 
+Json broken_numbers(const std::vector<Broken>& conditions) {
+  Json list = Json::array();
+  for (const auto& broken : conditions)
+    list.push_back({{"condition", broken.condition},
+                    {"time_s", rounded(broken.time, 3)},
+                    {"signal", broken.signal},
+                    {"found", broken.found},
+                    {"expected", broken.expected},
+                    {"text", broken.text()}});
+  return list;
+}
+
 long total_overruns(const Analysis& analysis) {
   long overruns = 0;
   for (const auto& node : analysis.nodes) overruns += node.overruns;
@@ -193,9 +203,7 @@ std::string changes_summary(const std::vector<OperatorChange>& changes) {
 }  // namespace
 
 bool is_conclusive(const Analysis& analysis) {
-  const auto steps = static_cast<double>(analysis.steps.slow.size());
-  return analysis.ending.empty() &&
-         static_cast<double>(analysis.steps.excused_count) <= kMostExcused * steps;
+  return analysis.ending.empty() && analysis.broken.empty();
 }
 
 Json numbers_of(const Analysis& analysis) {
@@ -219,6 +227,7 @@ Json numbers_of(const Analysis& analysis) {
   json["host_late_max_ms"] = rounded(largest(analysis.host_late.values) * kMilli, 3);
   json["steps_excused"] = steps.excused_count;
   json["conclusive"] = is_conclusive(analysis);
+  json["broken"] = broken_numbers(analysis.broken);
   json["predict_ms_mean"] = rounded(mean(steps.predict) * kMilli, 4);
   json["correct_ms_mean"] = rounded(mean(steps.correct) * kMilli, 4);
   json["slow_down_ms_mean"] = rounded(mean(steps.slow) * kMilli, 4);
@@ -242,6 +251,13 @@ Json numbers_of(const Analysis& analysis) {
   return json;
 }
 
+std::string verdict_of(const std::vector<Broken>& conditions) {
+  if (conditions.empty()) return "";
+  std::string text = "the test is not conclusive:\n";
+  for (const auto& broken : conditions) text += "  " + broken.text() + "\n";
+  return text;
+}
+
 std::string summary_of(const Analysis& analysis) {
   const StepAnalysis& steps = analysis.steps;
   std::string text = fmt::format(
@@ -263,11 +279,9 @@ std::string summary_of(const Analysis& analysis) {
     text += fmt::format("record  {} rows missing: the recorder did not run at their time\n",
                         analysis.rows_missing);
   if (!analysis.ending.empty())
-    text += fmt::format("ended at {:.3f} of {:g} s: {}; inconclusive\n", analysis.duration,
+    text += fmt::format("ended at {:.3f} of {:g} s: {}\n", analysis.duration,
                         analysis.planned_duration, analysis.ending);
-  else if (!is_conclusive(analysis))
-    text += "the host was late in more than 1 % of the steps: inconclusive, run again\n";
-  return text;
+  return text + verdict_of(analysis.broken);
 }
 
 }  // namespace rths::report

@@ -19,8 +19,7 @@ inline constexpr double kPerKilo = 1e-3;  ///< N to kN
 [[nodiscard]] Json numbers_of(const Analysis& analysis);
 /// A report in a few lines for a terminal.
 [[nodiscard]] std::string summary_of(const Analysis& analysis);
-/// Returns true if at most 1 % of the steps are excused, so that statements about real time are
-/// valid.
+/// Returns true if no condition is broken.
 [[nodiscard]] bool is_conclusive(const Analysis& analysis);
 
 }  // namespace rths::report

@@ -62,8 +62,10 @@
       : n.conclusive
       ? `${n.integration_steps} integration steps at ${Math.round(n.control_rate_hz)} Hz control, ${slow}` +
         (n.steps_excused ? `; ${n.steps_excused} steps excused because the host was late` : "")
-      : `Inconclusive: the host was late in ${n.steps_excused} of ${n.integration_steps} steps. Run again.`;
+      : `Not conclusive: ${n.broken.length} ${n.broken.length === 1 ? "condition is" : "conditions are"} broken`;
     byId("verdict").classList.add(good ? "good" : "bad");
+    byId("broken").hidden = n.conclusive;
+    byId("broken").append(...n.broken.map(b => el("li", { textContent: b.text })));
     cards();
   };
 
@@ -190,7 +192,7 @@
     if (lateness.length) {
       byId("host-note").textContent =
         "Lateness of the host: wake-up latency of an idle 1 ms thread. " +
-        "Steps in which it reaches one control period are excused. If more than 1 % are excused, the run is inconclusive.";
+        "Steps in which it reaches one control period are excused. If more than 1 % are excused, the test is not conclusive.";
       const t = times(data.host_late_ms);
       lines("host", "Host lateness, largest of each 10 ms", t, "time [s]", "lateness [ms]", [
         { ...styled("host"), y: lateness, width: 1 },

@@ -91,7 +91,7 @@ TEST_F(ExperimentTest, IsReadWithItsDefaults) {
   EXPECT_EQ(e.machine.seed, 7U);
   EXPECT_NEAR(e.motion.long_acceleration[1], 0.3 * 2 * 9.80665, 1e-12);
   EXPECT_NEAR(e.motion.lat_acceleration[1], -0.1 * 2 * 9.80665, 1e-12);
-  EXPECT_EQ(e.config.size(), 4U);  // with the bearing, the model and the diagram
+  EXPECT_EQ(e.config.size(), 5U);  // with the bearing, the model, its specimen and the diagram
   EXPECT_NEAR(e.specimen.axial_load, 480e6 * 9.80665 / 486, 1);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The whole laboratory in virtual time, started with the command.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -150,6 +151,29 @@ TEST(VirtualRun, TestsOneAxisAlone) {
   EXPECT_LE(std::abs(numbers["axes"]["lat"]["delay_compensated_ms"].get<double>()), 6.5);
   const recording::Reader reader{folder.path() / "run.h5"};
   for (const double u : reader.signal("monitor.srmd.true.displ.long")) ASSERT_NEAR(u, 0, 1e-3);
+}
+
+TEST(VirtualRun, FailsOnALoadCellOfTheWrongSign) {
+  const test::TemporaryFolder folder;
+  const auto run = test::run_rths(
+      {"run", example(), "--clock", "virtual", "--no-diagnosis", "--out", folder.path().string(),
+       "--set", "duration_s=6", "--set",
+       "machine.load_cell={kind=\"gain\", channel=\"force\", axes=[\"lat\"], factor=-1}"},
+      120);
+
+  EXPECT_EQ(run.exit_code, 1);
+  const Json numbers = Json::parse(test::content_of(folder.path() / "report.json"));
+  EXPECT_EQ(numbers["conclusive"], false);
+  const auto& broken = numbers["broken"];
+  const auto force = std::find_if(broken.begin(), broken.end(), [](const Json& condition) {
+    return condition["condition"] == "force" && condition["signal"] == "srmd.lat.force.fbk";
+  });
+  ASSERT_NE(force, broken.end()) << broken.dump(2);
+  EXPECT_NE(run.out.find((*force)["text"].get<std::string>()), std::string::npos) << run.out;
+
+  const auto again = test::run_rths({"report", folder.path().string()});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_EQ(Json::parse(test::content_of(folder.path() / "report.json"))["broken"], broken);
 }
 
 TEST(VirtualRun, IsRefusedWithoutASolver) {

@@ -83,6 +83,13 @@ class WallRun {
 /// For runs that a test waits for: less time at rest before the loop is closed.
 const std::vector<std::string> kShortRest{"--set", "rest_s=0.5"};
 
+/// The run reached its end. A busy host may have made it inconclusive.
+void expect_regular_end(const test::Finished& run) {
+  EXPECT_GE(run.exit_code, 0);
+  EXPECT_LE(run.exit_code, 1) << run.err;
+  EXPECT_EQ(run.err, "");
+}
+
 TEST(WallRun, RunsEachNodeAsAProcessOfItsOwn) {
   WallRun run{"processes", "3", kShortRest};
   const auto pids = run.wait_until_moving();
@@ -92,11 +99,11 @@ TEST(WallRun, RunsEachNodeAsAProcessOfItsOwn) {
 
   const test::Finished finished = run.running.wait(60);
 
-  EXPECT_EQ(finished.exit_code, 0) << finished.err;
   EXPECT_EQ(finished.err, "");
   EXPECT_NE(finished.out.find("recording " + run.recording().string()), std::string::npos);
   EXPECT_FALSE(run.ring_is_there());
   const Json numbers = Json::parse(test::content_of(run.folder.path() / "report.json"));
+  EXPECT_EQ(finished.exit_code, numbers["conclusive"].get<bool>() ? 0 : 1);
   EXPECT_EQ(numbers["processes"], 5);
   EXPECT_EQ(numbers["clock"], "wall");
   EXPECT_EQ(numbers["duration_s"], 3);
@@ -112,7 +119,7 @@ TEST(WallRun, TakesAsLongAsTheTest) {
 
   const test::Finished finished = run.running.wait(60);
 
-  EXPECT_EQ(finished.exit_code, 0);
+  expect_regular_end(finished);
   // 3.5 s of rest and test, about 2 s to start, stop and report; a loaded machine needs a few more.
   EXPECT_GT(finished.seconds, 3.5);
   EXPECT_LT(finished.seconds, 20);
@@ -296,7 +303,7 @@ TEST(WallRun, DoesNotDependOnATuningNode) {
     std::this_thread::sleep_for(milliseconds{900});
   }
 
-  EXPECT_EQ(run.running.wait(30).exit_code, 0);
+  expect_regular_end(run.running.wait(30));
 }
 
 // A node ignores a NaN on the ring and still ends in order.
@@ -311,7 +318,9 @@ TEST(WallRun, EndsInOrderDespiteANan) {
     ASSERT_EQ(hand.write(gain.signal->offset, 0x7FC0'0000U), Status::Ok);  // a quiet NaN
   }
 
-  EXPECT_EQ(run.running.wait(30).exit_code, 0);
+  const test::Finished finished = run.running.wait(30);
+  expect_regular_end(finished);
+  EXPECT_NE(finished.out.find("monitor.xpc.host.stale: found"), std::string::npos) << finished.out;
 }
 
 class Signal : public ::testing::TestWithParam<int> {};
@@ -345,7 +354,7 @@ TEST(WallRun, TakesAsLongToStopAsConfigured) {
                                    folder.path().string(), "--ring", ring, "--set", "duration_s=1",
                                    "--set", "rest_s=0.5", "--set", "stop.ramp_s=3"});
 
-  EXPECT_EQ(run.exit_code, 0) << run.err;
+  expect_regular_end(run);
 }
 
 TEST(WallRun, ComesToRestWhenInterrupted) {

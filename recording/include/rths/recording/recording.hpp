@@ -36,6 +36,8 @@ inline constexpr const char* kOverridesText = "overrides";
 /// Name of the text of /config with the assumed model of specimen and machine: the [model] of a
 /// case of the diagnosis, as TOML.
 inline constexpr const char* kModelText = "model";
+/// Name of the text of /config with the assumed model of the specimen alone: a bearing's file.
+inline constexpr const char* kSpecimenText = "specimen";
 
 struct RecordingInfo {
   NamedTexts config;                            ///< file name, content

@@ -18,7 +18,7 @@ struct ReportOutcome {
   std::filesystem::path page;     ///< report.html
   std::filesystem::path numbers;  ///< report.json
   std::string summary;            ///< a few lines for the terminal
-  bool conclusive = true;  ///< false: the host was late too often for statements about real time
+  bool conclusive = true;         ///< false: a condition of a conclusive test is broken
 };
 
 /// Reads the recordings of a run and writes report.html, one self-contained page that needs no

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::report {
+namespace {
+
+using recording::NodeTicks;
+using recording::Reader;
+
+constexpr const char* kDirections[] = {"long", "lat"};
+constexpr std::size_t kSmoothing = 10;  // ticks to either side: less noise in the model's velocity
+
+Word word(const Reader& run, const NodeTicks& ticks, const std::string& name) {
+  if (!run.has(name)) return {name, {}};
+  return {name, ticks.values(name)};
+}
+
+std::vector<double> smoothed(const std::vector<double>& values) {
+  std::vector<double> sums(values.size() + 1, 0.0);
+  std::partial_sum(values.begin(), values.end(), sums.begin() + 1);
+  std::vector<double> result(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t reach = std::min({kSmoothing, i, values.size() - 1 - i});
+    result[i] = (sums[i + reach + 1] - sums[i - reach]) / static_cast<double>(2 * reach + 1);
+  }
+  return result;
+}
+
+AxisEvidence axis_of(const Reader& run, const NodeTicks& ticks, std::size_t index) {
+  const std::string axis = kDirections[index];
+  const sim::ServoAxis machine = sim::srmd_machine().axes[index];
+  const auto named = [&](const std::string& name) { return word(run, ticks, name); };
+  AxisEvidence result;
+  result.index = index;
+  result.limits = machine.limits;
+  result.effective_mass = machine.effective_mass;
+  result.command = named("monitor.xpc.pc.command." + axis);
+  result.reference = named("xpc." + axis + ".displ.ref");
+  result.echo = named("srmd." + axis + ".displ.ref_echo");
+  result.target = named("opf." + axis + ".displ.target");
+  result.answer = named("daq." + axis + ".force.fbk");
+  result.unlimited = named("monitor.xpc.feed_forward.reference." + axis);
+  result.limited = named("monitor.xpc.limits.out." + axis);
+  result.displacement = named("srmd." + axis + ".displ.fbk");
+  result.acceleration = named("srmd." + axis + ".accel.fbk");
+  result.force = named("srmd." + axis + ".force.fbk");
+  result.specimen_force = named("monitor.xpc.observer.force." + axis);
+  if (!result.specimen_force.is_recorded()) result.specimen_force = result.force;
+  result.largest_command = std::min(largest_magnitude(result.command.values), result.limits.stroke);
+  return result;
+}
+
+// Counts without rows that are too many for an interpolation.
+std::vector<Window> gaps_in(const std::vector<double>& counter) {
+  constexpr double kLongest = 10;  // [ticks]
+  std::vector<Window> gaps;
+  double last = 0;
+  for (const double count : counter) {
+    if (last > 0 && count > last + kLongest)
+      gaps.push_back({static_cast<std::size_t>(last), static_cast<std::size_t>(count)});
+    last = std::max(last, count);
+  }
+  return gaps;
+}
+
+// Moves the assumed model of the specimen as the platen was measured to move.
+void add_model_force(Evidence& evidence, const Reader& run) {
+  const std::string text = run.config(recording::kSpecimenText);
+  if (text.empty()) return;
+  const double rest_load = evidence.load.is_recorded() ? evidence.load.values.back() : 0;
+  sim::BearingRun model{sim::read_bearing(Config::parse(text, recording::kSpecimenText), rest_load),
+                        evidence.interval};
+  std::array<std::vector<double>, sim::kHorizontalAxes> motion;
+  for (auto& axis : evidence.axes) motion[axis.index] = smoothed(axis.displacement.values);
+  for (std::size_t i = 0; i < evidence.time.size(); ++i) {
+    Eigen::Vector2d displacement = Eigen::Vector2d::Zero(), velocity = displacement;
+    for (const auto& axis : evidence.axes) {
+      const auto& u = motion[axis.index];
+      const auto at = static_cast<Eigen::Index>(axis.index);
+      displacement[at] = u[i];
+      velocity[at] = i == 0 ? 0 : (u[i] - u[i - 1]) / evidence.interval;
+    }
+    const double load =
+        evidence.load_reference.is_recorded() ? evidence.load_reference.values[i] : rest_load;
+    const Eigen::Vector2d force =
+        model.advance(displacement, velocity, load > 0 ? load : rest_load);
+    for (auto& axis : evidence.axes)
+      axis.model_force.push_back(force[static_cast<Eigen::Index>(axis.index)]);
+  }
+}
+
+}  // namespace
+
+double largest_magnitude(std::span<const double> values) {
+  double largest = 0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+std::vector<Window> windows(const Evidence& evidence, double length) {
+  const auto ticks = static_cast<std::size_t>(length * evidence.rate / evidence.interval);
+  const auto reach = static_cast<std::size_t>(kMotionSpan * evidence.rate / evidence.interval);
+  const auto is_near = [&](const Window& window) {
+    return std::any_of(evidence.gaps.begin(), evidence.gaps.end(), [&](const Window& gap) {
+      return gap.begin < window.end + reach && window.begin < gap.end + reach;
+    });
+  };
+  std::vector<Window> result;
+  for (std::size_t begin = 0; ticks > 0 && begin + ticks <= evidence.time.size();
+       begin += std::max<std::size_t>(1, ticks / 4))
+    if (const Window window{begin, begin + ticks}; !is_near(window)) result.push_back(window);
+  return result;
+}
+
+std::span<const double> part(const std::vector<double>& values, const Window& window) {
+  return std::span{values}.subspan(window.begin, window.end - window.begin);
+}
+
+Fit fit(std::span<const double> reference, std::span<const double> response) {
+  const auto n = static_cast<double>(reference.size());
+  const double mean_x = std::accumulate(reference.begin(), reference.end(), 0.0) / n;
+  const double mean_y = std::accumulate(response.begin(), response.end(), 0.0) / n;
+  double xx = 0, yy = 0, xy = 0;
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    const double x = reference[i] - mean_x, y = response[i] - mean_y;
+    xx += x * x;
+    yy += y * y;
+    xy += x * y;
+  }
+  Fit result;
+  result.gain = xx > 0 ? xy / xx : 0;
+  result.offset = mean_y - result.gain * mean_x;
+  result.correlation = xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : 0;
+  result.difference = std::sqrt(std::max(0.0, xx + yy - 2 * xy) / n);
+  result.reference = std::sqrt(xx / n);
+  result.response = std::sqrt(yy / n);
+  return result;
+}
+
+Fit fit_delayed(const Word& reference, const Word& response, const Window& window,
+                std::size_t latest) {
+  constexpr std::size_t kDelays = 20;
+  const std::size_t stride = std::max<std::size_t>(1, latest / kDelays);
+  const std::size_t length = window.end - window.begin;
+  const std::size_t fitted = length > latest ? length - latest : 0;
+  const Window sent{window.begin, window.begin + fitted};
+  Fit best;
+  for (std::size_t delay = 0; fitted > 0 && delay <= latest; delay += stride) {
+    const Fit f = fit(part(reference.values, sent),
+                      part(response.values, {sent.begin + delay, sent.end + delay}));
+    if (delay == 0 || f.difference < best.difference) best = f;
+  }
+  return best;
+}
+
+Evidence gather(const Reader& run, const Config& experiment) {
+  Evidence evidence;
+  for (const char* node : {"monitor.srmd.host.step", "monitor.xpc.host.step"})
+    if (!run.has(node)) return evidence;
+  const NodeTicks ticks{run, "srmd"};
+  evidence.time = recording::at_each_count(ticks.counter(), run.time());
+  evidence.time.resize(std::min(evidence.time.size(), ticks.count()));
+  if (evidence.time.size() < 2) return evidence;
+  evidence.interval = (evidence.time.back() - evidence.time.front()) /
+                      static_cast<double>(evidence.time.size() - 1);
+  evidence.rate = experiment.number("rate", 1.0);
+  evidence.step = evidence.rate * experiment.number("integration_step_s", 0.01);
+  const auto target = ticks.values("opf.newTarget");
+  evidence.rest = static_cast<std::size_t>(
+      std::find_if(target.begin(), target.end(), [](double flag) { return flag > 0; }) -
+      target.begin());
+  evidence.gaps = gaps_in(ticks.counter());
+  evidence.load = word(run, ticks, "srmd.compression.force.fbk");
+  evidence.load_reference = word(run, ticks, "xpc.compression.force.ref");
+  for (std::size_t i = 0; i < std::size(kDirections); ++i)
+    if (run.has(fmt::format("monitor.xpc.pc.command.{}", kDirections[i])))
+      evidence.axes.push_back(axis_of(run, ticks, i));
+  add_model_force(evidence, run);
+  for (auto& axis : evidence.axes) {
+    const auto& scale = axis.model_force.empty() ? axis.specimen_force.values : axis.model_force;
+    axis.largest_force = std::min(largest_magnitude(scale), axis.limits.force);
+  }
+  return evidence;
+}
+
+}  // namespace rths::report

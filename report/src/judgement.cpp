@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/report/judgement.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <rths/core/status.hpp>
+
+#include "analysis.hpp"
+#include "conditions.hpp"
+
+namespace rths::report {
+namespace {
+
+using recording::Reader;
+
+constexpr double kRounding = 0.5;  // of an integration step
+
+Config experiment_of(const Reader& run) {
+  const auto meta = run.meta();
+  const auto file = meta.find("experiment");
+  if (file == meta.end()) throw Error{"the recording holds no experiment, expected /config"};
+  auto config = Config::parse(run.config(file->second), file->second);
+  for (const auto& line : lines(run.config(recording::kOverridesText)))
+    config.set(line.substr(0, line.find('=')), line.substr(line.find('=') + 1));
+  return config;
+}
+
+bool has_adapter(const Config& experiment, const std::string& adapter) {
+  const Config nodes = experiment.table("node");
+  const auto names = nodes.keys();
+  return std::any_of(names.begin(), names.end(), [&](const auto& name) {
+    return nodes.table(name).text("adapter", "") == adapter;
+  });
+}
+
+double end_of(const Reader& run) { return run.time().empty() ? 0 : run.time().back(); }
+
+Break end_of_run(const Reader& run, const Config& experiment) {
+  const double planned = experiment.number("duration_s");
+  const double step = experiment.number("integration_step_s", 0.01);
+  const auto meta = run.meta();
+  const auto ending = meta.find("ending");
+  const std::string how = ending == meta.end() ? "not recorded" : ending->second;
+  const std::string signal = "opf.1.time.target";
+  double reached = planned;
+  // The time of OpenSees restarts with each analysis.
+  if (run.has(signal) && has_adapter(experiment, "numerical")) {
+    reached = 0;
+    for (const double time : run.signal(signal)) reached = std::max(reached, time);
+  }
+  if (how == "completed" && reached > planned - (1 + kRounding) * step) return {};
+  return Broken{"end", end_of(run), signal, fmt::format("{:.2f} s, ending: {}", reached, how),
+                fmt::format("{:g} s, ending: completed", planned)};
+}
+
+Break missing_rows(const Reader& run, const Bounds& bounds) {
+  const auto& time = run.time();
+  if (time.size() < 2)
+    return Broken{"rows", 0, "time", fmt::format("{} rows", time.size()), "a test"};
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < time.size(); ++i) gaps.push_back(time[i] - time[i - 1]);
+  const double period = percentile(gaps, 0.5);
+  double missing = 0, first = 0;
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    if (gaps[i] < 1.5 * period) continue;
+    if (missing == 0) first = time[i];
+    missing += gaps[i] / period - 1;
+  }
+  const double share = missing / (missing + static_cast<double>(time.size()));
+  if (share <= bounds.missing) return {};
+  return Broken{"rows", first, "time", fmt::format("{:.1f} % of the rows are missing", 100 * share),
+                fmt::format("at most {:g} %", 100 * bounds.missing)};
+}
+
+// Counters of the nodes' steps; the recorder's own steps are the rows.
+std::vector<std::string> nodes_of(const Reader& run) {
+  std::vector<std::string> nodes;
+  for (const auto& [node, drops] : run.drops()) {
+    static_cast<void>(drops);
+    if (!run.has("monitor." + node + ".lost_rows")) nodes.push_back(node);
+  }
+  return nodes;
+}
+
+Break unseen_steps(const Reader& run, const std::string& node, const Bounds& bounds) {
+  const auto counter = run.signal("monitor." + node + ".host.step");
+  const double steps = *std::max_element(counter.begin(), counter.end());
+  for (const auto& [name, drops] : run.drops()) {
+    const auto unseen = static_cast<double>(drops);
+    if (name != node || unseen <= bounds.missing * steps) continue;
+    return Broken{"rows", end_of(run), node,
+                  fmt::format("{:.1f} % of its steps have no row", 100 * unseen / steps),
+                  fmt::format("at most {:g} %", 100 * bounds.missing)};
+  }
+  return {};
+}
+
+Break restart_of(const Reader& run, const std::string& node) {
+  const std::string signal = "monitor." + node + ".host.step";
+  const auto counter = run.signal(signal);
+  for (std::size_t i = 1; i < counter.size(); ++i)
+    if (counter[i] < counter[i - 1])
+      return Broken{
+          "restart", run.time()[i], node,
+          fmt::format("its step count fell from {:.0f} to {:.0f}", counter[i - 1], counter[i]),
+          "the same process to the end"};
+  return {};
+}
+
+// Rows of the test, without the retreat after it.
+std::size_t test_rows(const Reader& run) {
+  if (!run.has("opf.newTarget")) return run.rows();
+  const auto flag = run.signal("opf.newTarget");
+  return static_cast<std::size_t>(
+      std::find_if(flag.begin(), flag.end(), [](double value) { return value < 0; }) -
+      flag.begin());
+}
+
+// Invalid or torn inputs. A host that is late in the midst of a write excuses them.
+Break stale_input(const Reader& run, const std::string& node, const Series& host_late) {
+  const std::string signal = "monitor." + node + ".host.stale";
+  const auto count = run.signal(signal);
+  const std::size_t rows = test_rows(run);
+  double stale = 0, first = 0;
+  for (std::size_t i = 1; i < rows; ++i) {
+    const double time = run.time()[i];
+    if (!(count[i] > count[i - 1]) || host_was_late(host_late, time - 0.01, time + 0.01)) continue;
+    if (stale == 0) first = time;
+    stale += count[i] - count[i - 1];
+  }
+  if (stale == 0) return {};
+  return Broken{"stale", first, signal, fmt::format("{:.0f} steps without valid inputs", stale),
+                "none"};
+}
+
+Break node_limit(const Reader& run, const std::string& node, const Bounds& bounds) {
+  const std::string signal = "monitor." + node + ".host.status";
+  const auto status = run.signal(signal);
+  const auto& time = run.time();
+  const std::size_t rows = test_rows(run);
+  double duration = 0, first = 0;
+  for (std::size_t i = 1; i < rows; ++i) {
+    if (status[i] != static_cast<double>(Status::LimitExceeded)) continue;
+    if (duration == 0) first = time[i];
+    duration += time[i] - time[i - 1];
+  }
+  if (duration <= bounds.at_limits) return {};
+  return Broken{"limit", first, signal,
+                fmt::format("stroke, velocity or force at its limit for {:.3f} s", duration),
+                fmt::format("at most {:g} s", bounds.at_limits)};
+}
+
+Break late_host(const Reader& run, const Series& host_late, const Bounds& bounds) {
+  const std::string counter =
+      run.has("monitor.xpc.pc.targets") ? "monitor.xpc.pc.targets" : "monitor.opf.step";
+  if (!run.has(counter) || host_late.values.empty()) return {};
+  const auto start = recording::at_each_count(run.signal(counter), run.time());
+  double late = 0, first = 0;
+  for (std::size_t i = 1; i < start.size(); ++i) {
+    if (!host_was_late(host_late, start[i - 1], start[i])) continue;
+    if (late == 0) first = start[i - 1];
+    ++late;
+  }
+  const auto steps = static_cast<double>(start.size());
+  if (late <= bounds.late * steps) return {};
+  return Broken{"host", first, "host_late",
+                fmt::format("late in {:.1f} % of the steps", 100 * late / steps),
+                fmt::format("at most {:g} %: run again", 100 * bounds.late)};
+}
+
+// Collects the broken conditions.
+class Judgement {
+ public:
+  void add(Break broken) {
+    if (broken) broken_.push_back(std::move(*broken));
+  }
+  [[nodiscard]] std::vector<Broken> by_time() {
+    std::stable_sort(broken_.begin(), broken_.end(),
+                     [](const auto& a, const auto& b) { return a.time < b.time; });
+    return std::move(broken_);
+  }
+  /// Until when the model moves as the specimen: 0 if displacement and acceleration contradict each
+  /// other or stand still, else the first jump or noise of a displacement [s].
+  [[nodiscard]] double time_of_valid_motion() const {
+    double until = std::numeric_limits<double>::infinity();
+    for (const auto& b : broken_) {
+      const bool is_displacement = b.signal.find(".displ.fbk") != std::string::npos;
+      const bool is_acceleration = b.signal.find(".accel.fbk") != std::string::npos;
+      if (b.condition == "motion" || (b.condition == "offset" && !has("tracking")) ||
+          (b.condition == "live" && (is_displacement || is_acceleration)))
+        return 0;
+      if (is_displacement && (b.condition == "jump" || b.condition == "noise"))
+        until = std::min(until, b.time);
+    }
+    return until;
+  }
+
+ private:
+  [[nodiscard]] bool has(const std::string& condition) const {
+    return std::any_of(broken_.begin(), broken_.end(),
+                       [&](const Broken& broken) { return broken.condition == condition; });
+  }
+
+  std::vector<Broken> broken_;
+};
+
+void judge_run(Judgement& judgement, const Reader& run, const Config& experiment,
+               const Bounds& bounds) {
+  const auto late = run.meta_series("host_late");
+  const Series host_late{0, late.interval, late.values};
+  judgement.add(end_of_run(run, experiment));
+  judgement.add(missing_rows(run, bounds));
+  judgement.add(late_host(run, host_late, bounds));
+  for (const auto& node : nodes_of(run)) {
+    judgement.add(unseen_steps(run, node, bounds));
+    judgement.add(restart_of(run, node));
+    judgement.add(stale_input(run, node, host_late));
+    judgement.add(node_limit(run, node, bounds));
+  }
+}
+
+void judge_axes(Judgement& judgement, const Evidence& evidence, const Bounds& bounds) {
+  for (const auto& axis : evidence.axes) {
+    judgement.add(limit_of(axis, evidence, bounds));
+    for (const auto& wire : wires_of(axis, evidence, bounds))
+      judgement.add(wire_of(wire, evidence));
+    judgement.add(tracking_of(axis, evidence, bounds));
+    judgement.add(offset_of(axis, evidence, bounds));
+    judgement.add(motion_of(axis, evidence, bounds));
+    for (const auto& feedback : feedbacks_of(axis, bounds)) {
+      judgement.add(live_of(feedback, evidence, bounds));
+      judgement.add(jump_of(feedback, evidence));
+      judgement.add(noise_of(feedback, evidence, bounds));
+    }
+  }
+  judgement.add(load_of(evidence, bounds));
+  // The expected force follows from the measured motion of both axes.
+  const double until = judgement.time_of_valid_motion();
+  for (const auto& axis : evidence.axes) judgement.add(force_of(axis, evidence, bounds, until));
+}
+
+}  // namespace
+
+Bounds read_bounds(const Config& table) {
+  Bounds b;
+  const auto fraction = [&](const char* key, double& value) {
+    value = table.number_in(key, 0, 1e3, value);
+  };
+  fraction("time_at_limits_s", b.at_limits);
+  fraction("nrms", b.nrms);
+  fraction("window_nrms", b.window_nrms);
+  fraction("delay_s", b.delay);
+  fraction("resolution_m", b.resolution);
+  fraction("displacement_offset", b.offset);
+  fraction("motion_difference", b.motion);
+  b.force_factor = table.number_in("force_factor", 1, 1e3, b.force_factor);
+  fraction("force_delay_s", b.force_delay);
+  fraction("force_offset", b.force_offset);
+  fraction("displacement_jump", b.displacement_jump);
+  fraction("force_jump", b.force_jump);
+  fraction("noise", b.noise);
+  fraction("repeated_samples", b.repeated);
+  fraction("load_difference", b.load);
+  fraction("missing_rows", b.missing);
+  fraction("late_steps", b.late);
+  table.reject_unknown_keys();
+  return b;
+}
+
+std::string Broken::text() const {
+  return fmt::format("{} at {:.3f} s: {}: found {}, expected {}", condition, time, signal, found,
+                     expected);
+}
+
+std::vector<Broken> judge(const Reader& run) {
+  const Config experiment = experiment_of(run);
+  const Bounds bounds = read_bounds(experiment.table_or_empty("conclusive"));
+  Judgement judgement;
+  judge_run(judgement, run, experiment, bounds);
+  if (run.rows() > 1) judge_axes(judgement, gather(run, experiment), bounds);
+  return judgement.by_time();
+}
+
+}  // namespace rths::report
