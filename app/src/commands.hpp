@@ -141,7 +141,8 @@ struct DiagnoseArguments {
 [[nodiscard]] int map_check(const std::string& file);
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);
 [[nodiscard]] int report(const std::string& folder);
-[[nodiscard]] int doctor();
+/// @param format  text or json: a line per ring, and one about real time
+[[nodiscard]] int doctor(const std::string& format);
 /// Removes rings.
 /// @param rings  empty: those that no process uses, without idle cards
 [[nodiscard]] int clean(const std::vector<std::string>& rings);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,7 @@
 
 #include "commands.hpp"
 #include "run_folder.hpp"
+#include "steps.hpp"
 
 namespace rths::app {
 namespace {
@@ -51,10 +53,14 @@ int diagnose(const DiagnoseArguments& arguments) {
   if (folder.empty()) folder = std::filesystem::path{"out/diagnosis"} / folder_name(c);
   create_folder(folder);
   const FolderLock lock{folder};
+  std::optional<Steps> steps{std::in_place, 2};
+  steps->begin("the diagnosis");
   diagnosis::Verdict verdict = diagnosis::diagnose(c, {arguments.without, arguments.seed});
   // In this version, specimen and machine of a run are models.
   verdict.synthetic = verdict.synthetic || is_run(case_at(arguments.case_or_recording));
+  steps->begin("its page");
   const auto written = report::write_diagnosis(verdict, folder);
+  steps.reset();  // removes its line before the results are printed
   fmt::print("{}\nreport    {}\nnumbers   {}\n", report::verdict_summary(verdict),
              written.page.string(), written.numbers.string());
   if (written.fragment) fmt::print("improved  {}\n", written.fragment->string());

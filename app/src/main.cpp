@@ -46,7 +46,7 @@ struct Arguments {
   BearingBenchArguments bearings;
   OpenseesBenchArguments trips;
   DiagnoseArguments diagnose;
-  std::string clock = "wall", file, language = "cpp", folder;
+  std::string clock = "wall", file, language = "cpp", folder, format = "text";
   std::vector<std::string> sets, rings;
 };
 
@@ -292,9 +292,10 @@ void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* report_command = app.add_subcommand("report", "Rewrite the report of a run");
   report_command->add_option("folder", a.folder, "Folder of the run")->required();
   report_command->callback([&] { chosen = [&a] { return report(a.folder); }; });
-  app.add_subcommand("doctor", "List the rings of this host and their faults")->callback([&] {
-    chosen = [] { return doctor(); };
-  });
+  auto* doctor_command =
+      app.add_subcommand("doctor", "List the rings of this host and their faults");
+  doctor_command->add_option("--format", a.format)->check(CLI::IsMember({"text", "json"}));
+  doctor_command->callback([&] { chosen = [&a] { return doctor(a.format); }; });
   auto* clean_command =
       app.add_subcommand("clean", "Remove rings that no running process uses, but keep idle cards");
   clean_command->add_option("ring", a.rings, "Names of rings to remove, also with idle cards");

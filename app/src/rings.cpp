@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
@@ -12,6 +13,8 @@
 
 namespace rths::app {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::string cards_of(const broker::RingReport& ring) {
   return fmt::format("memory and registers of {} {}", ring.cards,
@@ -42,6 +45,29 @@ void describe(const broker::RingReport& ring) {
     fmt::print("  no process uses it; 'rths clean' removes it\n");
 }
 
+Json json_of(const broker::RingReport& ring) {
+  Json json = {{"ring", ring.name},
+               {"bytes", ring.bytes},
+               {"usable", ring.usable},
+               {"in_use", ring.in_use()},
+               {"cards", ring.cards}};
+  if (!ring.usable) {
+    json["trouble"] = ring.trouble;
+    return json;
+  }
+  json["map"] = ring.map_name;
+  json["map_version"] = ring.map_version;
+  json["map_hash"] = ring.map_hash;
+  json["processes"] = Json::array();
+  for (const auto& occupant : ring.occupants)
+    json["processes"].push_back({{"node", occupant.node},
+                                 {"pid", occupant.pid},
+                                 {"alive", occupant.alive},
+                                 {"heartbeats", occupant.beats}});
+  json["torn_groups"] = ring.torn_groups;
+  return json;
+}
+
 /// Removes an unused ring, or prints why not. @returns whether it is removed
 bool remove(const broker::RingReport& ring) {
   const bool removed = !ring.in_use() && !ring.foreign && broker::remove_ring(ring.name);
@@ -57,15 +83,23 @@ bool remove(const broker::RingReport& ring) {
 
 }  // namespace
 
-int doctor() {
+int doctor(const std::string& format) {
   const auto rings = broker::list_rings();
+  const bool as_json = format == "json";
   bool any_unused = false;
   for (const auto& ring : rings) {
-    describe(ring);
+    if (as_json)
+      fmt::print("{}\n", json_of(ring).dump());
+    else
+      describe(ring);
     any_unused = any_unused || !(ring.in_use() || ring.is_of_cards() || !ring.other_user.empty());
   }
-  if (rings.empty()) fmt::print("no rings\n");
   const std::string missing = launch::missing_privileges();
+  if (as_json) {
+    fmt::print("{}\n", Json{{"real_time", missing.empty()}, {"missing", missing}}.dump());
+    return any_unused ? kConditionNotMet : kOk;
+  }
+  if (rings.empty()) fmt::print("no rings\n");
   fmt::print("real time: {}\n",
              missing.empty() ? "scheduling and memory locking are available" : missing);
   return any_unused ? kConditionNotMet : kOk;

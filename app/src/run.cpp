@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -20,6 +22,7 @@
 
 #include "commands.hpp"
 #include "run_folder.hpp"
+#include "steps.hpp"
 
 namespace rths::app {
 namespace {
@@ -97,17 +100,25 @@ diagnosis::Verdict diagnose_run(const RunArguments& arguments, const std::filesy
   return verdict;
 }
 
-// The recordings are complete, so a failed diagnosis is printed and does not stop the report.
-void diagnose_and_print(const RunArguments& arguments, const std::filesystem::path& folder,
-                        const std::vector<report::Broken>& broken) {
+/// Lines about a diagnosis, or the reason why there is none.
+struct Diagnosed {
+  std::string text, trouble;
+};
+
+// The recordings are complete, so a failed diagnosis does not stop the report.
+Diagnosed diagnose(const RunArguments& arguments, const std::filesystem::path& folder,
+                   const std::vector<report::Broken>& broken) {
   try {
     const auto verdict = diagnose_run(arguments, folder, broken);
-    fmt::print("diagnosis {}\n{}{}\n", (folder / report::kDiagnosisPage).string(),
-               broken.empty() ? "" : "of a test that is not conclusive: ", verdict.sentence);
+    Diagnosed diagnosed;
+    diagnosed.text =
+        fmt::format("diagnosis {}\n{}{}\n", (folder / report::kDiagnosisPage).string(),
+                    broken.empty() ? "" : "of a test that is not conclusive: ", verdict.sentence);
     if (!verdict.fragment.empty())
-      fmt::print("improved  {}\n", (folder / report::kFragmentFile).string());
+      diagnosed.text += fmt::format("improved  {}\n", (folder / report::kFragmentFile).string());
+    return diagnosed;
   } catch (const Error& error) {
-    fmt::print(stderr, "rths: no diagnosis: {}\n", error.what());
+    return {"", error.what()};
   }
 }
 
@@ -129,17 +140,33 @@ void compress(const std::filesystem::path& file) {
 // Computes the companions of a completed run, its diagnosis and its report.
 int conclude(const RunArguments& arguments, const launch::Experiment& experiment,
              const std::filesystem::path& folder, const std::vector<report::Broken>& broken) {
+  const bool has_held_out = experiment.held_out.has_value();
+  const bool diagnoses = has_held_out && arguments.diagnoses;
+  std::optional<Steps> steps{std::in_place, 3 + (has_held_out ? 1 : 0) + (diagnoses ? 1 : 0)};
+  steps->begin("the test without compensation");
   launch::run_uncompensated(experiment, folder / report::kRunFile,
                             folder / report::kUncompensatedFile, version());
   compress(folder / report::kUncompensatedFile);
+  steps->begin("the numerical result");
   launch::run_numerical(experiment, folder / report::kNumericalFile);
   compress(folder / report::kNumericalFile);
-  const bool has_held_out =
-      launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
-  compress(folder / diagnosis::kHeldOutFile);
-  if (has_held_out && arguments.diagnoses) diagnose_and_print(arguments, folder, broken);
-  compress(folder / report::kImprovedFile);
-  return print(report::make_report(folder));
+  if (has_held_out) {
+    steps->begin("the test under the second earthquake");
+    launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
+    compress(folder / diagnosis::kHeldOutFile);
+  }
+  Diagnosed diagnosed;
+  if (diagnoses) {
+    steps->begin("the diagnosis");
+    diagnosed = diagnose(arguments, folder, broken);
+    compress(folder / report::kImprovedFile);
+  }
+  steps->begin("the report");
+  const auto written = report::make_report(folder);
+  steps.reset();  // removes its line before the results are printed
+  fmt::print("{}", diagnosed.text);
+  if (!diagnosed.trouble.empty()) fmt::print(stderr, "rths: no diagnosis: {}\n", diagnosed.trouble);
+  return print(written);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace rths::app {
 
 /// Shows on standard error which of several long steps of a command runs, and for how long: once
-/// per second on a terminal, else every 30 s. Nothing of it remains on a terminal.
+/// per second on a terminal, else every 30 s. Its end removes the line from a terminal.
 class Steps {
  public:
   explicit Steps(int count);
@@ -17,7 +17,7 @@ class Steps {
   Steps(const Steps&) = delete;
   Steps& operator=(const Steps&) = delete;
 
-  /// Begins the next step, "compensation switched off".
+  /// Begins the next step.
   void begin(const std::string& name);
 
  private:

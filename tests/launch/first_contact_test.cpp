@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The shell's completion, the manual page, and answers to a misspelt command.
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <set>
 #include <sstream>
 
@@ -96,6 +101,58 @@ TEST(FirstContact, PrintsTermsAndWritersAsJson) {
   const auto first = nlohmann::json::parse(who.out.substr(0, who.out.find('\n')));
   EXPECT_EQ(first["node"], "controller") << who.out << who.err;
   EXPECT_TRUE(first["written"]);
+}
+
+TEST(FirstContact, ListsRingsAsJson) {
+  const std::string name = test::unique_ring("doctor");
+  const test::RingRemoval removal{name};
+  broker::Ring ring = broker::Ring::create(name, test::small_map());
+  const broker::Node node = ring.join("machine", 0);
+  bool found = false;
+  for (const auto& line : lines_of(run_rths({"doctor", "--format", "json"}).out)) {
+    const auto json = nlohmann::json::parse(line);
+    if (json.value("ring", "") != name) continue;
+    found = true;
+    EXPECT_EQ(json["map"], "small");
+    EXPECT_TRUE(json["in_use"]);
+    const auto& processes = json["processes"];
+    EXPECT_TRUE(std::any_of(processes.begin(), processes.end(), [](const auto& process) {
+      return process["node"] == "machine" && process["pid"] == getpid() && process["alive"] == true;
+    })) << line;
+  }
+  EXPECT_TRUE(found);
+}
+
+/// Output of a command on a terminal.
+std::string on_terminal(const std::vector<std::string>& arguments) {
+  int master = -1;
+  const pid_t child = forkpty(&master, nullptr, nullptr, nullptr);
+  if (child == 0) {
+    std::vector<char*> words{const_cast<char*>("rths")};
+    for (const auto& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+    words.push_back(nullptr);
+    execv(test::rths_command().c_str(), words.data());
+    _exit(127);
+  }
+  std::string output;
+  std::array<char, 4096> bytes{};
+  for (ssize_t got = 0; (got = read(master, bytes.data(), bytes.size())) > 0;)
+    output.append(bytes.data(), static_cast<std::size_t>(got));
+  close(master);
+  waitpid(child, nullptr, 0);
+  return output;
+}
+
+TEST(FirstContact, ShowsTheStepsOfADiagnosisOnATerminal) {
+  const test::TemporaryFolder out;
+  const std::string shown =
+      on_terminal({"diagnose", (test::source_tree() / "examples/diagnosis/actuator").string(),
+                   "--out", out.path().string()});
+  EXPECT_NE(shown.find("step 1 of 2: the diagnosis, 0 s"), std::string::npos) << shown;
+  const auto last = shown.rfind("step ");
+  const auto cleared = shown.find("\r\033[K", last);
+  EXPECT_NE(cleared, std::string::npos) << "the line stays";
+  EXPECT_LT(cleared, shown.find("report    ")) << shown;
 }
 
 }  // namespace
