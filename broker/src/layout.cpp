@@ -72,7 +72,6 @@ Header plan_layout(const memmap::Map& map, const std::string& map_text,
   Header header{};
   header.magic = kMagic;
   header.layout_version = kLayoutVersion;
-  header.creator = own_claim();
   header.map_hash = map.hash();
   header.groups_at = kGroupsAt;
   for (const auto& partition : map.partitions()) {

@@ -80,7 +80,7 @@ static_assert(std::is_trivially_copyable_v<Group> && sizeof(Group) == 128);
 /// Index of a node in the map and of its journal.
 [[nodiscard]] std::uint32_t node_index(const memmap::Map& map, NodeId node);
 
-/// The layout of a ring with this map: a header with all members but `ready`.
+/// The layout of a ring with this map: a header with all members but `ready` and `creator`.
 /// @throws Error if the text of the map or the journals are too large
 [[nodiscard]] Header plan_layout(const memmap::Map& map, const std::string& map_text,
                                  std::uint32_t journal_bits);

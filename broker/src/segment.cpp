@@ -130,12 +130,12 @@ struct Segment::Memory {
   }
 };
 
-Segment::Segment(std::unique_ptr<Memory> memory, const Header& layout, const memmap::Map& map,
+Segment::Segment(std::unique_ptr<Memory> memory, const Header& layout, memmap::Map map,
                  bool created)
     : memory_{std::move(memory)},
       base_{memory_->base()},
       layout_{layout},
-      map_{map},
+      map_{std::move(map)},
       created_{created} {
   memory_->journals.resize(layout_.journal_count);
   memory_->journal_heaps.resize(layout_.journal_count);
@@ -184,7 +184,8 @@ JournalView Segment::journal(std::uint32_t index) {
 std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const memmap::Map& map,
                                                 std::uint32_t journal_bits) {
   const std::string text = map.to_toml();
-  const Header header = plan_layout(map, text, journal_bits);
+  Header header = plan_layout(map, text, journal_bits);
+  header.creator = own_claim();
   auto memory = std::make_unique<Memory>();
   try {
     memory->object.emplace(SharedObject::create(name, total_bytes(header)));
@@ -212,10 +213,10 @@ std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
         fmt::format("ring '{}' was not completed by its creator; 'rths clean' removes it", name)};
   try {
     const Header header = checked_header(*memory->object, name);
-    const memmap::Map map = checked_map(*memory->object, header);
+    memmap::Map map = checked_map(*memory->object, header);
     check_groups(*memory->object, header, map);
     memory->common = memory->object->map(0, common_bytes(header));
-    return std::unique_ptr<Segment>{new Segment{std::move(memory), header, map, false}};
+    return std::unique_ptr<Segment>{new Segment{std::move(memory), header, std::move(map), false}};
   } catch (const ForeignRing&) {
     throw;
   } catch (const Error& error) {
@@ -226,7 +227,8 @@ std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
 std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map,
                                                     std::uint32_t journal_bits) {
   const std::string text = map.to_toml();
-  const Header header = plan_layout(map, text, journal_bits);
+  Header header = plan_layout(map, text, journal_bits);
+  header.creator = own_claim();
   auto memory = std::make_unique<Memory>();
   memory->heap = zeroed_heap(common_bytes(header));
   fill(memory->base(), header, map, text);

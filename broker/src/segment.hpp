@@ -82,8 +82,7 @@ class Segment {
 
  private:
   struct Memory;
-  Segment(std::unique_ptr<Memory> memory, const Header& layout, const memmap::Map& map,
-          bool created);
+  Segment(std::unique_ptr<Memory> memory, const Header& layout, memmap::Map map, bool created);
   template <class T>
   [[nodiscard]] T* at(std::uint64_t offset) {
     return reinterpret_cast<T*>(base_ + offset);

@@ -2,8 +2,10 @@
 //
 // A writer dies, or stops, between any two of its instructions. Readers continue, no group is read
 // torn, no complete write is lost, and a successor finds a consistent ring.
+#include <sys/auxv.h>
 #include <sys/mman.h>
 #include <sys/ptrace.h>
+#include <sys/user.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -90,6 +92,14 @@ class Aftermath {
   std::optional<Ring> ring_;
 };
 
+// The kernel's clock repeats its reading if it took too long, so a look inside would never end.
+bool reads_the_clock(pid_t child) {
+  constexpr std::uint64_t kLongest = 16384;
+  user_regs_struct registers{};
+  ptrace(PTRACE_GETREGS, child, nullptr, &registers);
+  return registers.rip - getauxval(AT_SYSINFO_EHDR) < kLongest;
+}
+
 class DeathOf : public ::testing::TestWithParam<std::uint32_t> {};
 
 /// Writes ones, stops, writes twos, stops.
@@ -139,7 +149,7 @@ TEST_P(DeathOf, AWriterLeavesNothingTornAtAnyInstruction) {
     ASSERT_TRUE(now.has_value()) << "torn after instruction " << steps;
     ASSERT_GE(*now, seen) << "an older value after instruction " << steps;
     seen = *now;
-    if (steps % look_after_every != 0) continue;
+    if (steps % look_after_every != 0 || reads_the_clock(child)) continue;
     Aftermath aftermath{name, name + "_copy"};
     Node successor = aftermath.ring().join("machine", 0);
     const auto after = whole_value(successor, length);
