@@ -11,6 +11,7 @@
 #include <chrono>
 #include <csignal>
 #include <ctime>
+#include <list>
 #include <new>
 #include <thread>
 
@@ -141,15 +142,18 @@ std::int64_t processor_time_of_process(clockid_t clock) {
   return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
+// Some commands wait for a creator, so several processes try seeds at once.
+constexpr std::uint64_t kProcesses = 8;
+
 [[noreturn]] void try_seeds(const RingImage& image, const std::string& name, std::uint64_t end,
                             Progress& progress) {
   on_lost_memory(OnLostMemory::Continue);
   const Commands commands{name};
-  for (; progress.seed.load() < end; progress.seed.fetch_add(1)) {
+  for (; progress.seed.load() < end; progress.seed.fetch_add(kProcesses)) {
     progress.processor_time.store(processor_time_of_process(CLOCK_PROCESS_CPUTIME_ID));
     const std::uint64_t seed = progress.seed.load();
     install(damaged(image, seed), name);
-    if (seed % 8 == 0) {
+    if (seed / kProcesses % 8 == 0) {
       const Disturber disturber{name, image, seed};
       commands.run_all();
     } else {
@@ -159,61 +163,99 @@ std::int64_t processor_time_of_process(clockid_t clock) {
   _exit(0);
 }
 
-/// Tries seeds in child processes: a new one after each that crashed or hung.
-class Trials {
- public:
+struct Outcome {
+  std::uint64_t tried = 0;
   std::vector<std::uint64_t> crashed, hung;
+};
 
-  void run(std::uint64_t count) {
-    const std::string name = test::unique_ring("damaged");
-    const test::RingRemoval removal{name};
-    const RingImage image = ring_to_damage();
-    while (progress_->seed.load() < count && crashed.size() + hung.size() < kMostFailures) {
-      progress_->processor_time.store(0);
-      const pid_t child = fork();
-      if (child == 0) try_seeds(image, name, count, *progress_);
-      if (!await(child)) progress_->seed.fetch_add(1);
-    }
+/// Tries every kProcesses-th seed in a child process: a new one after each that crashed or hung.
+class Tester {
+ public:
+  Tester(const RingImage& image, std::uint64_t first, std::uint64_t end, Outcome& outcome)
+      : image_{image},
+        removal_{test::unique_ring("damaged") + "_" + std::to_string(first)},
+        first_{first},
+        end_{end},
+        outcome_{outcome} {
+    progress_->seed.store(first);
+    start();
   }
-  [[nodiscard]] std::uint64_t tried() const { return progress_->seed.load(); }
+  Tester(const Tester&) = delete;
+  Tester& operator=(const Tester&) = delete;
+
+  /// @returns false if all seeds are tried
+  [[nodiscard]] bool look() {
+    int status = 0;
+    if (waitpid(child_, &status, WNOHANG) != 0) {
+      if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+        outcome_.tried += (progress_->seed.load() - first_) / kProcesses;
+        return false;
+      }
+      outcome_.crashed.push_back(progress_->seed.load());
+      return start_next();
+    }
+    count();
+    if (!is_hanging()) return true;
+    outcome_.hung.push_back(seed_);
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+    return start_next();
+  }
 
  private:
   static constexpr std::size_t kMostFailures = 10;
 
+  void start() {
+    progress_->processor_time.store(0);
+    seed_ = progress_->seed.load();
+    since_ = steady_clock::now();
+    child_ = fork();
+    if (child_ == 0) try_seeds(image_, removal_.name, end_, *progress_);
+    clock_getcpuclockid(child_, &clock_);
+  }
+  [[nodiscard]] bool start_next() {
+    progress_->seed.fetch_add(kProcesses);
+    if (outcome_.crashed.size() + outcome_.hung.size() >= kMostFailures) return false;
+    start();
+    return true;
+  }
+  void count() {
+    const std::uint64_t seed = progress_->seed.load();
+    if (seed == seed_) return;
+    seed_ = seed;
+    since_ = steady_clock::now();
+  }
   // A loaded host delays a process, so time counts as its own if it computes.
-  [[nodiscard]] bool is_hanging(clockid_t clock, steady_clock::time_point since) const {
-    const auto computed = processor_time_of_process(clock) - progress_->processor_time.load();
+  [[nodiscard]] bool is_hanging() const {
+    const auto computed = processor_time_of_process(clock_) - progress_->processor_time.load();
     return computed > std::chrono::nanoseconds{seconds{2}}.count() ||
-           steady_clock::now() - since > seconds{20};
+           steady_clock::now() - since_ > seconds{60};
   }
 
-  // False if the child hung or crashed.
-  [[nodiscard]] bool await(pid_t child) {
-    clockid_t clock{};
-    clock_getcpuclockid(child, &clock);
-    std::uint64_t seed = progress_->seed.load();
-    auto since = steady_clock::now();
-    int status = 0;
-    while (waitpid(child, &status, WNOHANG) == 0) {
-      std::this_thread::sleep_for(milliseconds{5});
-      if (progress_->seed.load() != seed) {
-        seed = progress_->seed.load();
-        since = steady_clock::now();
-      } else if (is_hanging(clock, since)) {
-        hung.push_back(seed);
-        kill(child, SIGKILL);
-        waitpid(child, nullptr, 0);
-        return false;
-      }
-    }
-    const bool ended_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    if (!ended_well) crashed.push_back(progress_->seed.load());
-    return ended_well;
-  }
-
+  const RingImage& image_;
+  test::RingRemoval removal_;
+  std::uint64_t first_, end_;
+  Outcome& outcome_;
   Progress* progress_ = new (mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE,
                                   MAP_SHARED | MAP_ANONYMOUS, -1, 0)) Progress;
+  pid_t child_ = -1;
+  clockid_t clock_{};
+  std::uint64_t seed_ = 0;
+  steady_clock::time_point since_;
 };
+
+Outcome try_all(std::uint64_t count) {
+  Outcome outcome;
+  const RingImage image = ring_to_damage();
+  std::list<Tester> testers;
+  for (std::uint64_t first = 0; first < kProcesses; ++first)
+    testers.emplace_back(image, first, count, outcome);
+  while (!testers.empty()) {
+    std::this_thread::sleep_for(milliseconds{5});
+    testers.remove_if([](Tester& tester) { return !tester.look(); });
+  }
+  return outcome;
+}
 
 std::string listed(const std::vector<std::uint64_t>& seeds) {
   std::string text = "seeds";
@@ -223,13 +265,12 @@ std::string listed(const std::vector<std::uint64_t>& seeds) {
 
 TEST(DamagedRing, CrashesNoCommandAndDelaysNone) {
   const std::uint64_t count = std::getenv("RTHS_LONG") != nullptr ? 100'000 : 400;
-  Trials trials;
 
-  trials.run(count);
+  const Outcome outcome = try_all(count);
 
-  EXPECT_TRUE(trials.crashed.empty()) << listed(trials.crashed);
-  EXPECT_TRUE(trials.hung.empty()) << listed(trials.hung);
-  EXPECT_EQ(trials.tried(), count);
+  EXPECT_TRUE(outcome.crashed.empty()) << listed(outcome.crashed);
+  EXPECT_TRUE(outcome.hung.empty()) << listed(outcome.hung);
+  EXPECT_EQ(outcome.tried, count);
 }
 
 // Without damage, the trials' functions find nothing wrong: they reach all code behind the checks.
