@@ -9,7 +9,6 @@
 
 #include <rths/diagnosis/against.hpp>
 #include <rths/diagnosis/diagnose.hpp>
-#include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 
@@ -29,7 +28,7 @@ std::string folder_name(const diagnosis::Case& c) {
 }
 
 bool is_run(const std::filesystem::path& path) {
-  return std::filesystem::is_regular_file(path) && recording::is_hdf5(path);
+  return std::filesystem::is_regular_file(path) && path.extension() != ".toml";
 }
 
 // The recording in the folder of a run; otherwise the path itself.

@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <rths/recording/recording.hpp>
-
 #include "case_of_run.hpp"
 #include "case_record.hpp"
 #include "roles.hpp"
@@ -128,7 +126,7 @@ Case case_of_file(const std::filesystem::path& path) {
 
 Case load_case(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path)) return case_of_file(path / "case.toml");
-  return recording::is_hdf5(path) ? case_of_run(path) : case_of_file(path);
+  return path.extension() == ".toml" ? case_of_file(path) : case_of_run(path);
 }
 
 }  // namespace rths::diagnosis

@@ -88,9 +88,9 @@ struct Case {
 /// File of the recording of a second earthquake, in the folder of a run.
 inline constexpr const char* kHeldOutFile = "held_out.h5";
 
-/// Reads case.toml of a folder, or another case file, and its recordings. The path may also be the
-/// recording of a run (run.h5): it contains the model of the simulation. A recording of a second
-/// earthquake in the same folder is read too.
+/// Reads case.toml of a folder, or another case file (*.toml), and its recordings. The path may
+/// also be the recording of a run (run.h5): it contains the model of the simulation. A recording of
+/// a second earthquake in the same folder is read too.
 /// @throws Error file:line:column, found and expected   @setup
 [[nodiscard]] Case load_case(const std::filesystem::path& path);
 
