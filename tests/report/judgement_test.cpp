@@ -234,7 +234,7 @@ std::vector<Ladder> ladders() {
           {"force_gain_above_one", kForce, gain, {1.1, 1.3, 1.5, 1.7, 2}, 1.7},
           {"force_offset", kForce, offset, {1e5, 2e5, 3e5, 4e5, 5e5}, 4e5},
           {"force_delay", kForce, late, {0.003, 0.005, 0.01, 0.02, 0.05}, 0.01},
-          {"force_range", kForce, clipped, {1.4e6, 1.3e6, 1.2e6, 1e6}, 1.3e6},
+          {"force_range", kForce, clipped, {2e6, 1.6e6, 1.3e6, 1e6}, 1.6e6},
           {"force_noise", kForce, noisy, {1e4, 2e4, 5e4, 1e5}, 5e4},
           {"force_spikes", kForce, spikes, {5e4, 1e5, 2e5, 5e5}, 2e5},
           {"force_held", kForce, holds, {0.002, 0.005, 0.01, 0.02}, 0.01},
