@@ -184,6 +184,15 @@ class Selector {
     return replaced;
   }
 
+  // In a tie, the holder yields to a cheaper rival only if that gains as much.
+  static void keep_in_tie(SelectionRound& round, const Candidate& holder) {
+    const auto held = std::find_if(round.tied.begin(), round.tied.end(), [&](const auto& tied) {
+      return is_same(tied.candidate, holder);
+    });
+    if (held != round.tied.end() && held->gain > round.chosen.gain)
+      std::swap(round.chosen, *held);
+  }
+
   // Compares a named term with its rivals in its place. @returns false if a rival replaces it
   bool defend(std::size_t place, const std::vector<Candidate>& candidates) {
     auto& rounds = selection_.rounds;
@@ -195,6 +204,7 @@ class Selector {
     Round round{problem_, folds_, rest, current_, holder, left_of(candidates, others, rest), seed_};
     auto won = winner(round);
     if (!won) return true;
+    keep_in_tie(*won, holder);
     rounds[place] = std::move(*won);
     current_ = rounds[place].chosen.fitted;
     problem_.renew_noise(current_);
