@@ -72,6 +72,18 @@ struct WatchArguments {
 /// Journals stores of clients that bypass the API; prints stores into other nodes' words.
 [[nodiscard]] int watch(const WatchArguments& arguments);
 
+struct BridgeArguments {
+  std::string ring;
+  std::string joint_name;  ///< of the ring on all hosts; empty: `ring`
+  std::string host;        ///< name of this host
+  std::uint32_t domain = 0;
+  std::string interface;           ///< empty: the network's default
+  std::vector<std::string> peers;  ///< empty: found by multicast
+  long timeout_ms = 0;             ///< stop after this time; 0: never
+};
+/// Connects a ring with those of the same name on other hosts, over DDS.
+[[nodiscard]] int bridge(const BridgeArguments& arguments);
+
 struct SendArguments {
   std::string ring;
   std::vector<std::string> assignments;  ///< name=value; optional unit, default the map's

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/utsname.h>
+
 #include <cstdio>
 #include <functional>
 #include <optional>
@@ -39,6 +41,7 @@ struct Arguments {
   ExportArguments table;
   WhoArguments who;
   WatchArguments watch;
+  BridgeArguments bridge;
   SendArguments send;
   BenchArguments bench;
   LoopArguments loop;
@@ -158,6 +161,35 @@ void add_send(CLI::App& app, Arguments& a, Chosen& chosen) {
       ->add_option("assignments", a.send.assignments, "name=value, optionally with a unit: 12.5mm")
       ->required();
   command->callback([&] { chosen = [&a] { return send(a.send); }; });
+}
+
+std::string this_host() {
+  utsname host{};
+  return uname(&host) == 0 ? host.nodename : "host";
+}
+
+void add_bridge(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command =
+      app.add_subcommand("bridge", "Connect a ring with those of the same name on other hosts");
+  command->add_option("ring", a.bridge.ring, "Name of a ring of this host")->required();
+  command->add_option("--domain", a.bridge.domain, "DDS domain")
+      ->check(CLI::Range(0, 230))
+      ->capture_default_str();
+  command->add_option("--interface", a.bridge.interface,
+                      "Network interface or address [Cyclone DDS chooses]");
+  command
+      ->add_option("--peer", a.bridge.peers,
+                   "Address of another host, for networks without multicast; repeatable")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--host", a.bridge.host, "Name of this host [its network name]");
+  command->add_option("--as", a.bridge.joint_name, "Name of the ring on all hosts [the ring's]");
+  command->add_option("-T,--timeout", a.bridge.timeout_ms, "Stop after this time [ms]")
+      ->check(CLI::NonNegativeNumber);
+  command->callback([&] {
+    if (a.bridge.host.empty()) a.bridge.host = this_host();
+    chosen = [&a] { return bridge(a.bridge); };
+  });
 }
 
 void add_bench_bearings(CLI::App& bench, Arguments& a, Chosen& chosen) {
@@ -319,8 +351,9 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", version());
   Arguments arguments;
   Chosen chosen;
-  for (const auto add : {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch,
-                         add_send, add_bench, add_loop, add_terms, add_diagnose, add_map, add_rest})
+  for (const auto add :
+       {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch, add_bridge,
+        add_send, add_bench, add_loop, add_terms, add_diagnose, add_map, add_rest})
     add(app, arguments, chosen);
   const std::vector<std::string> words{argv + 1, argv + argc};
   if (const auto result = run_hidden(app, words)) return *result;

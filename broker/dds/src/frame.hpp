@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The bytes that gateways exchange. Little-endian; every frame is one DDS sample.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <rths/core/ids.hpp>
+
+namespace rths::dds {
+
+inline constexpr std::uint16_t kFrameVersion = 1;
+/// Largest frame [B]: below the 64 KiB of a UDP datagram.
+inline constexpr std::size_t kLargestFrame = 60'000;
+
+/// Identifies one start of one gateway, so a restart is a new host with new streams.
+using HostId = std::uint64_t;
+
+enum class FrameKind : std::uint8_t {
+  Hello = 1,  ///< the sender's name and its local nodes
+  Updates,    ///< writes of one node, in order
+  Snapshot,   ///< present words of one node; `last` marks the last frame
+  Request,    ///< asks a host for updates again, or for a snapshot
+  Digest,     ///< hash of one node's words at a position of its stream
+};
+
+/// Header of a frame. A stream is the writes of one node of one host, numbered from 0.
+struct FrameHeader {
+  FrameKind kind = FrameKind::Hello;
+  bool last = true;  ///< of a snapshot's frames
+  HostId host = 0;   ///< sender
+  std::uint64_t map_hash = 0;
+  std::uint16_t node = 0;   ///< NodeId of the stream
+  std::uint16_t count = 0;  ///< of updates in the payload
+  std::uint64_t first = 0;  ///< number of the first update; of a snapshot or digest: the next one
+  std::int64_t sent = 0;    ///< CLOCK_REALTIME of the sender [ns]
+};
+
+/// Why bytes are no frame.
+enum class FrameDefect : std::uint8_t { Length, Magic, Version, Kind, Checksum };
+[[nodiscard]] const char* to_text(FrameDefect defect) noexcept;
+
+/// A received frame; its payload refers to the received bytes.
+struct Frame {
+  FrameHeader header;
+  std::span<const std::byte> payload;
+};
+
+/// Reads a frame from bytes that anyone may have sent. Checks length, version and checksum.
+/// @param defect  set if there is none
+[[nodiscard]] std::optional<Frame> decode(std::span<const std::byte> bytes, FrameDefect& defect);
+
+/// One write of a stream: a word, or a tear group with its words.
+struct Update {
+  LongwordOffset offset;
+  std::uint32_t value = 0;                ///< of a word
+  std::vector<std::uint32_t> group = {};  ///< empty: a word
+};
+
+/// Reads the updates of a payload one by one.
+class UpdateReader {
+ public:
+  explicit UpdateReader(std::span<const std::byte> payload) : rest_{payload} {}
+  /// @returns false at the end or at a malformed update, which `malformed` tells apart
+  [[nodiscard]] bool next(Update& update);
+  [[nodiscard]] bool malformed() const { return malformed_; }
+
+ private:
+  std::span<const std::byte> rest_;
+  bool malformed_ = false;
+};
+
+/// Collects updates of one stream and makes frames of them.
+class FrameWriter {
+ public:
+  /// Begins a frame.
+  explicit FrameWriter(const FrameHeader& header);
+  /// Size of an update in a frame [B]; `group` words, or 0 for a word.
+  [[nodiscard]] static std::size_t size_of(std::size_t group) {
+    return 8 + (group > 0 ? 4 * group : 0);
+  }
+  void add_word(LongwordOffset offset, std::uint32_t value);
+  void add_group(LongwordOffset offset, std::span<const std::uint32_t> words);
+  void add_bytes(std::span<const std::byte> bytes);
+  [[nodiscard]] std::size_t bytes() const { return bytes_.size(); }
+  [[nodiscard]] std::uint16_t count() const { return header_.count; }
+  /// The frame, with its checksum.
+  [[nodiscard]] std::vector<std::byte> finish();
+
+ private:
+  void add(std::uint32_t value);
+  FrameHeader header_;
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace rths::dds

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Payloads of the frames that carry no updates.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "frame.hpp"
+
+namespace rths::dds {
+
+/// A node of the sender's host.
+struct Announced {
+  std::uint16_t node = 0;   ///< NodeId
+  std::uint64_t next = 0;   ///< number of its next update
+  std::uint64_t beats = 0;  ///< its heartbeats; unchanged while it is stopped or after its death
+};
+
+/// Payload of a Hello.
+struct Hello {
+  std::string host;  ///< name, at most 63 bytes
+  std::vector<Announced> nodes;
+};
+[[nodiscard]] std::vector<std::byte> to_bytes(const Hello& hello);
+/// Empty if the bytes are malformed.
+[[nodiscard]] std::optional<Hello> hello_from(std::span<const std::byte> bytes);
+
+/// Payload of a Request: updates [header.first, end) of the stream of `host`; end 0: a snapshot.
+struct Request {
+  HostId host = 0;
+  std::uint64_t end = 0;
+};
+/// Part of a snapshot; the last bytes of its payload.
+struct Part {
+  HostId to = 0;  ///< the host that asked; 0: all, since updates are lost
+  std::uint32_t index = 0, parts = 1;
+};
+
+template <class Plain>
+[[nodiscard]] std::span<const std::byte> bytes_of(const Plain& plain) {
+  static_assert(std::is_trivially_copyable_v<Plain>);
+  return std::as_bytes(std::span{&plain, 1});
+}
+/// The plain value at the beginning of the bytes, which it removes.
+template <class Plain>
+[[nodiscard]] std::optional<Plain> take(std::span<const std::byte>& bytes);
+
+}  // namespace rths::dds

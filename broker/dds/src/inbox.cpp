@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "inbox.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::dds {
+namespace {
+
+constexpr Duration kLongestWait = std::chrono::milliseconds{5};
+constexpr Duration kAskAgain = std::chrono::milliseconds{30};
+constexpr Duration kPatience = std::chrono::milliseconds{10};
+constexpr Duration kSilence = std::chrono::seconds{1};  // then a host is not listed any more
+constexpr std::size_t kMostWaiting = 4096;              // frames behind a gap
+
+}  // namespace
+
+Inbox::Inbox(const std::string& ring, Shared& shared)
+    : shared_{shared}, ring_{broker::Ring::attach(ring)} {}
+
+void Inbox::run() {
+  std::vector<std::byte> bytes;
+  while (!shared_.ends.load(std::memory_order_relaxed)) {
+    const bool received = shared_.carrier->receive(bytes, kLongestWait);
+    tick(clock_.now());
+    if (received) receive(bytes);
+  }
+}
+
+void Inbox::bad_frame(const std::string& reason) {
+  ++shared_.counts.bad_frames;
+  if (reported_.insert(reason).second) shared_.report(reason);
+}
+
+Inbox::Stream* Inbox::stream_of(const Frame& frame) {
+  const auto found = streams_.find(frame.header.node);
+  return found == streams_.end() || found->second->host != frame.header.host ? nullptr
+                                                                             : found->second.get();
+}
+
+void Inbox::receive(std::span<const std::byte> bytes) {
+  FrameDefect defect{};
+  const auto frame = decode(bytes, defect);
+  if (!frame) return bad_frame(fmt::format("a frame was dropped: {}", to_text(defect)));
+  if (frame->header.host == shared_.host) return;
+  if (frame->header.map_hash != shared_.map_hash) {
+    const auto hello =
+        frame->header.kind == FrameKind::Hello ? hello_from(frame->payload) : std::nullopt;
+    if (!hello) return;
+    return bad_frame(fmt::format("host '{}' has another map: its hash is {}, ours {}", hello->host,
+                                 memmap::hash_text(frame->header.map_hash),
+                                 memmap::hash_text(shared_.map_hash)));
+  }
+  ++shared_.counts.frames_received;
+  if (frame->header.kind == FrameKind::Hello) return receive_hello(*frame);
+  if (frame->header.kind == FrameKind::Request) return receive_request(*frame);
+  Stream* const stream = stream_of(*frame);
+  if (stream == nullptr) return;  // of a host or node that is not announced yet
+  if (frame->header.kind == FrameKind::Updates) receive_updates(*stream, *frame, bytes);
+  if (frame->header.kind == FrameKind::Snapshot) receive_snapshot(*stream, *frame);
+  if (frame->header.kind == FrameKind::Digest) receive_digest(*stream, *frame);
+}
+
+void Inbox::receive_hello(const Frame& frame) {
+  const auto hello = hello_from(frame.payload);
+  if (!hello) return bad_frame("a frame was dropped: malformed announcement");
+  const HostId id = frame.header.host;
+  if (hosts_.count(id) == 0) shared_.report(fmt::format("host '{}' is here", hello->host));
+  hosts_[id] = {hello->host, now_};
+  {
+    const std::lock_guard lock{shared_.mutex};
+    shared_.heard[hello->host] = now_;
+  }
+  close_streams_that_left(id, *hello);
+  for (const auto& node : hello->nodes) announce(id, hello->host, node);
+}
+
+void Inbox::close_streams_that_left(HostId host, const Hello& hello) {
+  for (auto entry = streams_.begin(); entry != streams_.end();) {
+    const auto& [node, stream] = *entry;
+    const bool stays =
+        stream->host != host || std::any_of(hello.nodes.begin(), hello.nodes.end(),
+                                            [&](const auto& one) { return one.node == node; });
+    if (stays) {
+      ++entry;
+      continue;
+    }
+    set_remote(entry->first, false);
+    entry = streams_.erase(entry);
+  }
+}
+
+void Inbox::set_remote(std::uint16_t node, bool remote) {
+  const std::lock_guard lock{shared_.mutex};
+  if (shared_.is_remote.size() <= node) shared_.is_remote.resize(node + 1U);
+  shared_.is_remote[node] = remote;
+}
+
+void Inbox::announce(HostId host, const std::string& name, const Announced& announced) {
+  const auto& nodes = ring_.map().description().nodes;
+  const auto known = std::find_if(nodes.begin(), nodes.end(), [&](const auto& node) {
+    return node.id.value() == announced.node;
+  });
+  if (known == nodes.end()) return bad_frame("a frame was dropped: unknown node");
+  auto found = streams_.find(announced.node);
+  if (found == streams_.end()) {
+    set_remote(announced.node, true);  // before it joins: it must not be taken for a local node
+    try {
+      auto stream =
+          std::make_unique<Stream>(host, ring_.join(known->name, 0), NodeWords{ring_, known->name});
+      found = streams_.emplace(announced.node, std::move(stream)).first;
+    } catch (const Error& error) {
+      set_remote(announced.node, false);
+      if (refused_.insert({host, announced.node}).second)
+        shared_.report(
+            fmt::format("node '{}' of host '{}' is refused: {}", known->name, name, error.what()));
+      return;
+    }
+  }
+  Stream& stream = *found->second;
+  if (stream.host != host) {
+    const auto owner = hosts_.find(stream.host);
+    const bool is_silent = owner == hosts_.end() || now_ - owner->second.heard > kSilence;
+    const bool is_restart = owner != hosts_.end() && owner->second.name == name;
+    if (!is_silent && !is_restart) {
+      if (refused_.insert({host, announced.node}).second)
+        shared_.report(fmt::format("node '{}' is on two hosts, '{}' and '{}'; that of '{}' counts",
+                                   known->name, owner->second.name, name, owner->second.name));
+      return;
+    }
+    stream.host = host;  // restarted: a new stream of the same node
+    stream.synced = false;
+    stream.waiting.clear();
+    stream.parts.clear();
+    stream.asked = TimePoint{0};
+    stream.beats = 0;
+    stream.expected = 0;
+  }
+  if (announced.beats != stream.beats) {
+    stream.beats = announced.beats;
+    stream.node.beat();
+  }
+  stream.announced = announced.next;
+}
+
+void Inbox::receive_updates(Stream& stream, const Frame& frame, std::span<const std::byte> bytes) {
+  const auto& header = frame.header;
+  if (stream.synced && header.first + header.count <= stream.expected) {
+    shared_.counts.repeated += header.count;
+    return;
+  }
+  if (!stream.synced || header.first > stream.expected) {
+    if (stream.waiting.size() < kMostWaiting)
+      stream.waiting.emplace(header.first, std::vector<std::byte>{bytes.begin(), bytes.end()});
+    return;
+  }
+  apply(stream, frame);
+  apply_waiting(stream);
+}
+
+void Inbox::apply_waiting(Stream& stream) {
+  while (!stream.waiting.empty() && stream.waiting.begin()->first <= stream.expected) {
+    const auto bytes = std::move(stream.waiting.begin()->second);
+    stream.waiting.erase(stream.waiting.begin());
+    FrameDefect defect{};
+    if (const auto frame = decode(bytes, defect)) apply(stream, *frame);
+  }
+}
+
+void Inbox::apply(Stream& stream, const Frame& frame) {
+  UpdateReader reader{frame.payload};
+  Update update;
+  std::uint64_t number = frame.header.first;
+  for (; reader.next(update) && number < frame.header.first + frame.header.count; ++number) {
+    if (number < stream.expected) {
+      ++shared_.counts.repeated;
+      continue;
+    }
+    if (!write(stream, update))
+      return bad_frame("a frame was dropped: it has words of other nodes");
+    stream.expected = number + 1;
+    ++shared_.counts.updates_received;
+  }
+  if (reader.malformed() || number != frame.header.first + frame.header.count)
+    bad_frame("a frame was dropped: malformed updates");
+}
+
+bool Inbox::write(Stream& stream, const Update& update) {
+  if (update.offset.value() >= ring_.map().description().size_longwords) return false;
+  if (update.group.empty()) return stream.node.write(update.offset, update.value) == Status::Ok;
+  const auto* const group = stream.words.group_at(update.offset, update.group.size());
+  return group != nullptr && stream.node.write_group(group->id, update.group) == Status::Ok;
+}
+
+void Inbox::receive_snapshot(Stream& stream, const Frame& frame) {
+  const std::size_t size = frame.payload.size();
+  if (size < sizeof(Part)) return bad_frame("a frame was dropped: malformed snapshot");
+  auto tail = frame.payload.subspan(size - sizeof(Part));
+  const Part part = *take<Part>(tail);
+  if (part.to != shared_.host && part.to != 0) return;
+  if (stream.synced && frame.header.first < stream.expected) return;  // older than the ring
+  if (frame.header.first != stream.part_first || stream.synced) stream.parts.clear();
+  stream.part_first = frame.header.first;
+  stream.synced = false;
+  UpdateReader reader{frame.payload.first(size - sizeof(Part))};
+  for (Update update; reader.next(update);)
+    if (!write(stream, update))
+      return bad_frame("a frame was dropped: it has words of other nodes");
+  if (reader.malformed()) return bad_frame("a frame was dropped: malformed snapshot");
+  stream.parts.insert(part.index);
+  if (stream.parts.size() < part.parts) return;
+  stream.parts.clear();
+  stream.synced = true;
+  stream.expected = frame.header.first;
+  ++shared_.counts.snapshots;
+  apply_waiting(stream);
+}
+
+void Inbox::receive_digest(Stream& stream, const Frame& frame) {
+  auto payload = frame.payload;
+  const auto hash = take<std::uint64_t>(payload);
+  if (!hash || !stream.synced || frame.header.first != stream.expected) return;
+  const auto ours = stream.words.hash(stream.node);
+  if (!ours) return;
+  // A sender that was stopped in the middle of a write makes one digest differ, not two in a row.
+  stream.differing = *ours == *hash ? 0 : stream.differing + 1;
+  if (stream.differing < 2) return;
+  stream.differing = 0;
+  ++shared_.counts.mismatches;
+  stream.asked = TimePoint{0};
+  ask(frame.header.node, stream, 0);
+}
+
+void Inbox::receive_request(const Frame& frame) {
+  auto payload = frame.payload;
+  const auto request = take<Request>(payload);
+  if (!request || request->host != shared_.host) return;
+  const std::lock_guard lock{shared_.mutex};
+  const bool is_there = std::any_of(shared_.asked.begin(), shared_.asked.end(), [&](const auto& a) {
+    return a.by == frame.header.host && a.node == frame.header.node && a.end == request->end;
+  });
+  if (!is_there)
+    shared_.asked.push_back(
+        {frame.header.host, frame.header.node, frame.header.first, request->end});
+}
+
+// end 0, or a stream without a snapshot: asks for a snapshot.
+void Inbox::ask(std::uint16_t node, Stream& stream, std::uint64_t end) {
+  if (stream.asked.count() != 0 && now_ - stream.asked < kAskAgain) return;
+  stream.asked = now_;
+  const bool for_snapshot = !stream.synced || end == 0;
+  if (!for_snapshot) shared_.counts.gaps += end - stream.expected;
+  FrameHeader header;
+  header.kind = FrameKind::Request;
+  header.host = shared_.host;
+  header.map_hash = shared_.map_hash;
+  header.node = node;
+  header.first = for_snapshot ? 0 : stream.expected;
+  FrameWriter frame{header};
+  frame.add_bytes(bytes_of(Request{stream.host, for_snapshot ? 0 : end}));
+  const std::lock_guard lock{shared_.mutex};
+  shared_.to_send.push_back(frame.finish());
+}
+
+void Inbox::tick(TimePoint now) {
+  now_ = now;
+  for (auto& [node, stream] : streams_) {
+    const bool lacks = !stream->waiting.empty() || stream->announced > stream->expected;
+    if (stream->synced && !lacks) stream->complete = now;
+    if (!stream->synced) ask(node, *stream, 0);
+    // Frames may overtake each other, so a gap is real only after a while.
+    if (lacks && now - stream->complete > kPatience)
+      ask(node, *stream,
+          stream->waiting.empty() ? stream->announced : stream->waiting.begin()->first);
+  }
+}
+
+}  // namespace rths::dds

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The receiving half of a gateway: writes the updates of other hosts' nodes into this ring.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rths/broker/ring.hpp>
+
+#include "frame.hpp"
+#include "hello.hpp"
+#include "node_words.hpp"
+#include "shared.hpp"
+
+namespace rths::dds {
+
+/// Receives the writes of other hosts' nodes. One thread runs it.
+class Inbox {
+ public:
+  Inbox(const std::string& ring, Shared& shared);
+  /// Until the gateway ends.
+  void run();
+  /// Handles received bytes, which anyone may have sent.
+  void receive(std::span<const std::byte> bytes);
+  /// Asks again for missing updates.
+  void tick(TimePoint now);
+
+ private:
+  /// The writes of one node of another host.
+  struct Stream {
+    Stream(HostId of, broker::Node joined, NodeWords its)
+        : host{of}, node{std::move(joined)}, words{std::move(its)} {}
+    HostId host;
+    broker::Node node;
+    NodeWords words;
+    bool synced = false;          ///< has a snapshot, or all updates from the first
+    std::uint64_t expected = 0;   ///< number of the next update to apply
+    std::uint64_t announced = 0;  ///< its owner has sent all before this number
+    TimePoint complete{0};        ///< when no update was known to be missing
+    std::uint64_t beats = 0;
+    std::map<std::uint64_t, std::vector<std::byte>> waiting;  ///< frames behind a gap, by first
+    std::uint64_t part_first = 0;                             ///< snapshot that is being received
+    std::set<std::uint32_t> parts;
+    TimePoint asked{0};  ///< when updates were asked for
+    int differing = 0;   ///< digests in a row that differed
+  };
+  struct Host {
+    std::string name;
+    TimePoint heard{0};
+  };
+
+  void receive_hello(const Frame& frame);
+  void announce(HostId host, const std::string& name, const Announced& announced);
+  void close_streams_that_left(HostId host, const Hello& hello);
+  void receive_updates(Stream& stream, const Frame& frame, std::span<const std::byte> bytes);
+  void receive_snapshot(Stream& stream, const Frame& frame);
+  void receive_digest(Stream& stream, const Frame& frame);
+  void receive_request(const Frame& frame);
+  void apply_waiting(Stream& stream);
+  /// Writes the updates from number `expected` on.
+  void apply(Stream& stream, const Frame& frame);
+  [[nodiscard]] bool write(Stream& stream, const Update& update);
+  /// Asks for the updates before `end`, or, with 0, for a snapshot; not again within 30 ms.
+  void ask(std::uint16_t node, Stream& stream, std::uint64_t end);
+  [[nodiscard]] Stream* stream_of(const Frame& frame);
+  void bad_frame(const std::string& reason);
+  void set_remote(std::uint16_t node, bool remote);
+
+  Shared& shared_;
+  broker::Ring ring_;
+  WallClock clock_;
+  TimePoint now_{0};
+  std::map<std::uint16_t, std::unique_ptr<Stream>> streams_;  ///< by NodeId: one owner per node
+  std::map<HostId, Host> hosts_;
+  std::set<std::pair<HostId, std::uint16_t>> refused_;  ///< reported once
+  std::set<std::string> reported_;                      ///< reasons of bad frames, once each
+};
+
+}  // namespace rths::dds

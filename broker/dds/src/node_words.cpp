@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "node_words.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <rths/core/error.hpp>
+
+#include "frame.hpp"
+
+namespace rths::dds {
+namespace {
+
+constexpr std::size_t kLargestGroup = kLargestFrame / 4 - 64;  // [longwords]; one frame holds it
+
+}  // namespace
+
+NodeWords::NodeWords(const broker::Ring& ring, const std::string& node) {
+  for (const auto& partition : ring.map().partitions()) {
+    if (partition.node != node) continue;
+    if (!partition.tear_group) {
+      words_.push_back({partition.base, partition.longwords});
+      continue;
+    }
+    if (partition.longwords > kLargestGroup)
+      throw Error{
+          fmt::format("partition '{}' has {} longwords; a tear group that crosses hosts "
+                      "has at most {}",
+                      partition.name, partition.longwords, kLargestGroup)};
+    groups_.push_back({ring.tear_group(partition.name), partition.base, partition.longwords});
+  }
+}
+
+void NodeWords::visit(
+    const broker::Node& reader, const std::function<void(LongwordOffset, std::uint32_t)>& word,
+    const std::function<void(const Group&, std::span<const std::uint32_t>)>& group) const {
+  for (const auto& range : words_)
+    for (std::uint32_t i = 0; i < range.longwords; ++i)
+      word(advance(range.base, i), reader.read(advance(range.base, i)));
+  std::vector<std::uint32_t> values;
+  for (const auto& one : groups_) {
+    values.resize(one.longwords);
+    if (reader.read_group(one.id, values) == Status::Ok) group(one, values);
+  }
+}
+
+std::optional<std::uint64_t> NodeWords::hash(const broker::Node& reader) const {
+  std::vector<std::uint32_t> all;
+  std::size_t groups = 0;
+  visit(
+      reader, [&](LongwordOffset, std::uint32_t value) { all.push_back(value); },
+      [&](const Group&, std::span<const std::uint32_t> values) {
+        all.insert(all.end(), values.begin(), values.end());
+        ++groups;
+      });
+  if (groups != groups_.size()) return std::nullopt;
+  return XXH3_64bits(all.data(), 4 * all.size());
+}
+
+const NodeWords::Group* NodeWords::group_at(LongwordOffset base, std::size_t longwords) const {
+  const auto found = std::find_if(groups_.begin(), groups_.end(), [&](const Group& group) {
+    return group.base == base && group.longwords == longwords;
+  });
+  return found == groups_.end() ? nullptr : &*found;
+}
+
+}  // namespace rths::dds

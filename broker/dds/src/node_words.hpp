@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <rths/broker/ring.hpp>
+
+namespace rths::dds {
+
+/// The words that one node may write: single words, and tear groups.
+class NodeWords {
+ public:
+  struct Group {
+    TearGroupId id;
+    LongwordOffset base;
+    std::uint32_t longwords;
+  };
+  NodeWords(const broker::Ring& ring, const std::string& node);
+
+  /// Visits the present value of every word and group. A group that its writer keeps changing is
+  /// left out; its next write brings it.
+  void visit(const broker::Node& reader,
+             const std::function<void(LongwordOffset, std::uint32_t)>& word,
+             const std::function<void(const Group&, std::span<const std::uint32_t>)>& group) const;
+  /// Hash of all values; empty while a group is being written.
+  [[nodiscard]] std::optional<std::uint64_t> hash(const broker::Node& reader) const;
+  /// The group that begins at this word and has this length; null if none.
+  [[nodiscard]] const Group* group_at(LongwordOffset base, std::size_t longwords) const;
+
+ private:
+  struct Range {
+    LongwordOffset base;
+    std::uint32_t longwords;
+  };
+  std::vector<Range> words_;
+  std::vector<Group> groups_;
+};
+
+}  // namespace rths::dds

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "outbox.hpp"
+
+#include <algorithm>
+#include <ctime>
+
+#include "hello.hpp"
+
+namespace rths::dds {
+namespace {
+
+constexpr std::size_t kFullFrame = 8 * 1024;        // [B]
+constexpr std::size_t kSnapshotFrame = 56 * 1024;   // [B]
+constexpr std::size_t kHistory = 16 * 1024 * 1024;  // sent bytes kept per stream
+constexpr Duration kHelloPeriod = std::chrono::milliseconds{50};
+constexpr Duration kDigestPeriod = std::chrono::seconds{1};
+constexpr Duration kRest = std::chrono::microseconds{50};
+constexpr Duration kLongestWait = std::chrono::milliseconds{2};
+
+std::int64_t real_time() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
+}
+
+}  // namespace
+
+Outbox::Outbox(const std::string& ring, Shared& shared)
+    : shared_{shared},
+      ring_{broker::Ring::attach(ring)},
+      reader_{ring_.observe()},
+      waiter_{ring_.wait_for({})} {
+  for (const auto& node : ring_.map().description().nodes) {
+    Stream stream{node.id, node.name, NodeWords{ring_, node.name}, false, 0, {}, {}, 0};
+    streams_.emplace(node.id.value(), std::move(stream));
+  }
+}
+
+void Outbox::run() {
+  const WallClock clock;
+  TimePoint hello = clock.now(), digest = hello + kDigestPeriod;
+  while (!shared_.ends.load(std::memory_order_relaxed)) {
+    const TimePoint now = clock.now();
+    if (now >= hello) {
+      find_local_nodes();
+      flush_all();  // an announcement follows the updates that it counts
+      send_hello();
+      hello = now + kHelloPeriod;
+    }
+    if (now >= digest) {
+      for (const auto& [id, stream] : streams_)
+        if (stream.announced) undigested_.insert(id);
+      digest = now + kDigestPeriod;
+    }
+    answer();
+    const bool any_pending = std::any_of(streams_.begin(), streams_.end(),
+                                         [](const auto& entry) { return !!entry.second.pending; });
+    // With updates to send, looks only whether there are more.
+    if (take_write(any_pending ? now : std::min(hello, now + kLongestWait))) continue;
+    flush_all();
+    send_digest();
+  }
+  flush_all();
+}
+
+bool Outbox::take_write(TimePoint deadline) {
+  broker::Write write{};
+  const Status status = waiter_.wait(deadline, write);
+  if (status == Status::LimitExceeded) resume_after_loss();
+  if (status != Status::Ok) return status == Status::LimitExceeded;
+  if (Stream* const stream = stream_of(write.writer); stream && !is_remote(write.writer))
+    append(*stream, write);
+  return true;
+}
+
+// A journal has lost writes, it is not known of which node.
+void Outbox::resume_after_loss() {
+  ++shared_.counts.lapped;
+  flush_all();
+  for (auto& [id, stream] : streams_) {
+    if (!stream.announced) continue;
+    stream.sent.clear();
+    stream.sent_bytes = 0;
+    ++stream.next;
+    send_snapshot(stream, 0);
+  }
+}
+
+Outbox::Stream* Outbox::stream_of(NodeId node) {
+  const auto found = streams_.find(node.value());
+  return found == streams_.end() ? nullptr : &found->second;
+}
+
+bool Outbox::is_remote(NodeId node) {
+  const std::lock_guard lock{shared_.mutex};
+  return node.value() < shared_.is_remote.size() && shared_.is_remote[node.value()];
+}
+
+FrameHeader Outbox::header(FrameKind kind, const Stream& stream) const {
+  FrameHeader header;
+  header.kind = kind;
+  header.host = shared_.host;
+  header.map_hash = shared_.map_hash;
+  header.node = stream.node.value();
+  header.first = stream.next;
+  header.sent = real_time();
+  return header;
+}
+
+void Outbox::append(Stream& stream, const broker::Write& write) {
+  const std::size_t bytes = FrameWriter::size_of(write.group.size());
+  if (stream.pending && stream.pending->bytes() + bytes > kFullFrame) flush(stream);
+  if (!stream.pending) stream.pending.emplace(header(FrameKind::Updates, stream));
+  if (write.group.empty())
+    stream.pending->add_word(write.offset, write.value);
+  else
+    stream.pending->add_group(write.offset, write.group);
+  ++stream.next;
+}
+
+void Outbox::flush(Stream& stream) {
+  if (!stream.pending) return;
+  SentFrame frame;
+  frame.count = stream.pending->count();
+  frame.first = stream.next - frame.count;
+  frame.bytes = stream.pending->finish();
+  stream.pending.reset();
+  send(frame.bytes);
+  shared_.counts.updates_sent += frame.count;
+  stream.sent_bytes += frame.bytes.size();
+  stream.sent.push_back(std::move(frame));
+  while (stream.sent_bytes > kHistory) {
+    stream.sent_bytes -= stream.sent.front().bytes.size();
+    stream.sent.pop_front();
+  }
+}
+
+void Outbox::flush_all() {
+  for (auto& [id, stream] : streams_) flush(stream);
+}
+
+void Outbox::send(std::span<const std::byte> bytes) {
+  const WallClock clock;
+  const TimePoint begun = clock.now();
+  if (shared_.carrier->send(bytes)) ++shared_.counts.frames_sent;
+  constexpr Duration kUnblocked = std::chrono::microseconds{200};
+  const Duration took = clock.now() - begun;
+  if (took > kUnblocked) shared_.counts.hold_off_ns += static_cast<std::uint64_t>(took.count());
+}
+
+// A node belongs to this host from its first write or announcement here until it leaves.
+void Outbox::find_local_nodes() {
+  for (auto& [id, stream] : streams_) {
+    const bool is_here =
+        reader_.presence_of(stream.node).state != broker::Presence::State::Absent &&
+        !is_remote(stream.node);
+    if (!is_here) flush(stream);
+    stream.announced = is_here;
+  }
+}
+
+void Outbox::send_hello() {
+  Hello hello{shared_.options.host, {}};
+  for (const auto& [id, stream] : streams_)
+    if (stream.announced) hello.nodes.push_back({id, stream.next, reader_.beats_of(stream.node)});
+  FrameHeader header;
+  header.kind = FrameKind::Hello;
+  header.host = shared_.host;
+  header.map_hash = shared_.map_hash;
+  header.sent = real_time();
+  FrameWriter frame{header};
+  frame.add_bytes(to_bytes(hello));
+  send(frame.finish());
+}
+
+// A write during the hash would make the digests differ, so the node's words have to rest a while.
+void Outbox::send_digest() {
+  if (undigested_.empty()) return;
+  const Stream& stream = streams_.at(*undigested_.begin());
+  const auto hash = stream.words.hash(reader_);
+  if (take_write(WallClock{}.now() + kRest)) return;
+  undigested_.erase(undigested_.begin());
+  if (!hash) return;
+  FrameWriter frame{header(FrameKind::Digest, stream)};
+  frame.add_bytes(bytes_of(*hash));
+  send(frame.finish());
+}
+
+void Outbox::answer() {
+  std::vector<Asked> asked;
+  std::vector<std::vector<std::byte>> to_send;
+  {
+    const std::lock_guard lock{shared_.mutex};
+    asked.swap(shared_.asked);
+    to_send.swap(shared_.to_send);
+  }
+  for (const auto& bytes : to_send) send(bytes);
+  for (const auto& one : asked)
+    if (Stream* const stream = stream_of(NodeId{one.node}); stream && !is_remote(stream->node))
+      answer(*stream, one);
+}
+
+void Outbox::answer(Stream& stream, const Asked& asked) {
+  flush(stream);
+  const bool has_them = asked.end != 0 && !stream.sent.empty() &&
+                        stream.sent.front().first <= asked.first && asked.first < stream.next;
+  if (!has_them) return send_snapshot(stream, asked.by);
+  for (const auto& frame : stream.sent) {
+    if (frame.first + frame.count <= asked.first || frame.first >= asked.end) continue;
+    send(frame.bytes);
+    ++shared_.counts.sent_again;
+  }
+}
+
+// The words are read after the number of the next update, so they are as new as that update or
+// newer; the updates that follow repeat the newest values.
+void Outbox::send_snapshot(Stream& stream, HostId to) {
+  flush(stream);
+  std::vector<FrameWriter> frames;
+  const auto room_for = [&](std::size_t group) -> FrameWriter& {
+    if (frames.empty() || frames.back().bytes() + FrameWriter::size_of(group) > kSnapshotFrame)
+      frames.emplace_back(header(FrameKind::Snapshot, stream));
+    return frames.back();
+  };
+  stream.words.visit(
+      reader_,
+      [&](LongwordOffset offset, std::uint32_t value) { room_for(0).add_word(offset, value); },
+      [&](const NodeWords::Group& group, std::span<const std::uint32_t> values) {
+        room_for(values.size()).add_group(group.base, values);
+      });
+  if (frames.empty()) frames.emplace_back(header(FrameKind::Snapshot, stream));
+  for (std::uint32_t i = 0; i < frames.size(); ++i) {
+    // The part stands behind the updates, where it disturbs no reader of them.
+    const Part part{to, i, static_cast<std::uint32_t>(frames.size())};
+    frames[i].add_bytes(bytes_of(part));
+    send(frames[i].finish());
+  }
+}
+
+}  // namespace rths::dds

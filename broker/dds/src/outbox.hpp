@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The sending half of a gateway: follows the journals of the nodes on this host.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <rths/broker/follow.hpp>
+#include <rths/broker/ring.hpp>
+
+#include "frame.hpp"
+#include "node_words.hpp"
+#include "shared.hpp"
+
+namespace rths::dds {
+
+/// Sends the writes of local nodes. One thread runs it.
+class Outbox {
+ public:
+  /// @throws Error if a tear group is too long for a frame
+  Outbox(const std::string& ring, Shared& shared);
+  /// Until the gateway ends.
+  void run();
+
+ private:
+  struct SentFrame {
+    std::uint64_t first = 0;
+    std::uint16_t count = 0;
+    std::vector<std::byte> bytes;
+  };
+  /// The writes of one local node.
+  struct Stream {
+    NodeId node;
+    std::string name;
+    NodeWords words;
+    bool announced = false;
+    std::uint64_t next = 0;              ///< number of the next update
+    std::optional<FrameWriter> pending;  ///< updates that are not sent yet
+    std::deque<SentFrame> sent;          ///< for hosts that miss some
+    std::size_t sent_bytes = 0;
+  };
+
+  /// Takes the next write of a local node. @returns false if there was none until the deadline
+  [[nodiscard]] bool take_write(TimePoint deadline);
+  void resume_after_loss();
+  void append(Stream& stream, const broker::Write& write);
+  void flush(Stream& stream);
+  void flush_all();
+  void find_local_nodes();
+  void send_hello();
+  void send_digest();
+  void answer();
+  void answer(Stream& stream, const Asked& asked);
+  void send_snapshot(Stream& stream, HostId to);
+  void send(std::span<const std::byte> bytes);
+  [[nodiscard]] FrameHeader header(FrameKind kind, const Stream& stream) const;
+  [[nodiscard]] bool is_remote(NodeId node);
+  [[nodiscard]] Stream* stream_of(NodeId node);
+
+  Shared& shared_;
+  broker::Ring ring_;
+  broker::Node reader_;
+  broker::Waiter waiter_;
+  std::map<std::uint16_t, Stream> streams_;
+  std::set<std::uint16_t> undigested_;  ///< nodes whose digest is due
+};
+
+}  // namespace rths::dds

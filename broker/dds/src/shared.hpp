@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Data that the two threads of a gateway share.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <rths/core/clock.hpp>
+#include <rths/dds/gateway.hpp>
+
+#include "frame.hpp"
+
+namespace rths::dds {
+
+/// Updates that another host asks for; end 0: a snapshot.
+struct Asked {
+  HostId by = 0;
+  std::uint16_t node = 0;
+  std::uint64_t first = 0, end = 0;
+};
+
+/// Counts of both threads.
+struct AtomicCounts {
+  std::atomic<std::uint64_t> frames_sent{0}, updates_sent{0}, frames_received{0},
+      updates_received{0}, bad_frames{0}, repeated{0}, gaps{0}, sent_again{0}, snapshots{0},
+      mismatches{0}, lapped{0}, hold_off_ns{0};
+};
+
+struct Shared {
+  HostId host = 0;
+  std::uint64_t map_hash = 0;
+  GatewayOptions options;
+  Carrier* carrier = nullptr;
+  AtomicCounts counts;
+  std::atomic<bool> ends{false};
+
+  std::mutex mutex;
+  std::vector<bool> is_remote;  ///< by NodeId: joined here on behalf of another host
+  std::vector<Asked> asked;     ///< by other hosts
+  std::vector<std::vector<std::byte>> to_send;  ///< the receiver's requests
+  std::map<std::string, TimePoint> heard;       ///< hosts, and when
+
+  void report(const std::string& line) const {
+    if (options.report) options.report(line);
+  }
+};
+
+}  // namespace rths::dds

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Rings of several hosts that gateways connect, over a relay with faults.
+#include <cstdio>
+#include <cstdlib>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include <rths/broker/follow.hpp>
+
+#include "hosts.hpp"
+#include "relay.hpp"
+
+namespace rths {
+namespace {
+
+using broker::Followed;
+using broker::Presence;
+using test::becomes_true;
+using test::kControllerWord;
+using test::kMachineWord;
+using test::RingHost;
+
+constexpr std::uint32_t kGroupWords = 8;
+
+class GatewayTest : public ::testing::Test {
+ protected:
+  std::shared_ptr<test::Relay> relay_ = std::make_shared<test::Relay>(1);
+  memmap::Map map_ = test::small_map(kGroupWords);
+  RingHost here_{"here", map_}, there_{"there", map_};
+
+  void start() {
+    here_.start(relay_->connect());
+    there_.start(relay_->connect());
+  }
+  [[nodiscard]] static bool has(RingHost& host, const std::string& node) {
+    const broker::Node reader = host.ring().observe();
+    return reader.presence_of(host.ring().map().node(node)).state == Presence::State::Alive;
+  }
+};
+
+TEST_F(GatewayTest, BringsWordsAndGroupsToTheOtherHost) {
+  start();
+  broker::Node machine = here_.ring().join("machine", 0);
+  const broker::Node reader = there_.ring().observe();
+  const auto group = there_.ring().tear_group("fbk");
+  std::vector<std::uint32_t> sent(kGroupWords), read(kGroupWords);
+  std::iota(sent.begin(), sent.end(), 100);
+
+  ASSERT_EQ(machine.write(kMachineWord, 7), Status::Ok);
+  ASSERT_EQ(machine.write_group(group, sent), Status::Ok);
+
+  EXPECT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 7; }));
+  EXPECT_TRUE(
+      becomes_true([&] { return reader.read_group(group, read) == Status::Ok && read == sent; }));
+  EXPECT_TRUE(has(there_, "machine"));
+}
+
+TEST_F(GatewayTest, MakesRemoteWritesLookLikeLocalOnes) {
+  start();
+  auto follower = there_.ring().follow("machine");
+  broker::Node machine = here_.ring().join("machine", 0);
+  ASSERT_TRUE(becomes_true([&] { return has(there_, "machine"); }));
+  ASSERT_EQ(machine.write(kMachineWord, 11), Status::Ok);
+
+  broker::Write write{};
+  ASSERT_TRUE(becomes_true([&] {
+    return follower.next(write) == Followed::Write && write.offset == kMachineWord &&
+           write.value == 11;
+  }));
+  EXPECT_EQ(there_.ring().last_write(kMachineWord).node, "machine");
+}
+
+TEST_F(GatewayTest, BringsTheWholeImageToALateHost) {
+  here_.start(relay_->connect());
+  broker::Node machine = here_.ring().join("machine", 0);
+  broker::Node controller = here_.ring().join("controller", 0);
+  for (std::uint32_t i = 0; i < 1000; ++i) ASSERT_EQ(machine.write(kMachineWord, i), Status::Ok);
+  ASSERT_EQ(controller.write(kControllerWord, 12), Status::Ok);
+  std::this_thread::sleep_for(std::chrono::milliseconds{100});
+
+  there_.start(relay_->connect());
+
+  const broker::Node reader = there_.ring().observe();
+  EXPECT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 999; }));
+  EXPECT_TRUE(becomes_true([&] { return reader.read(kControllerWord) == 12; }));
+  EXPECT_GE(there_.gateway().counts().snapshots, 2U);
+}
+
+TEST_F(GatewayTest, LetsHeartbeatsThroughAndLeavesWithTheNode) {
+  start();
+  {
+    broker::Node machine = here_.ring().join("machine", 0);
+    ASSERT_TRUE(becomes_true([&] { return has(there_, "machine"); }));
+    const broker::Node reader = there_.ring().observe();
+    const NodeId id = there_.ring().map().node("machine");
+    const auto before = reader.beats_of(id);
+    machine.beat();
+    EXPECT_TRUE(becomes_true([&] { return reader.beats_of(id) > before; }));
+    std::this_thread::sleep_for(std::chrono::milliseconds{200});
+    const auto after = reader.beats_of(id);
+    std::this_thread::sleep_for(std::chrono::milliseconds{200});
+    EXPECT_EQ(reader.beats_of(id), after) << "a silent node is silent there too";
+  }
+  EXPECT_TRUE(becomes_true([&] { return !has(there_, "machine"); }));
+}
+
+TEST_F(GatewayTest, RefusesANodeThatIsOnBothHosts) {
+  broker::Node ours = here_.ring().join("machine", 0);
+  broker::Node theirs = there_.ring().join("machine", 0);
+  start();
+  const auto refusals = [](RingHost& host) {
+    const auto lines = host.lines();
+    return std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
+      return line.find("node 'machine' of host") != std::string::npos &&
+             line.find("is refused") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(becomes_true([&] { return refusals(here_) == 1 && refusals(there_) == 1; }));
+  ASSERT_EQ(ours.write(kMachineWord, 1), Status::Ok);
+  ASSERT_EQ(theirs.write(kMachineWord, 2), Status::Ok);
+  std::this_thread::sleep_for(std::chrono::milliseconds{200});
+  EXPECT_EQ(ours.read(kMachineWord), 1U);
+  EXPECT_EQ(theirs.read(kMachineWord), 2U);
+  EXPECT_EQ(refusals(here_), 1) << "said once";
+}
+
+TEST_F(GatewayTest, NamesAHostWithAnotherMap) {
+  RingHost other{"other", test::small_map(4)};
+  here_.start(relay_->connect());
+  other.start(relay_->connect());
+  EXPECT_TRUE(becomes_true([&] {
+    const auto lines = here_.lines();
+    return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+      return line.find("host 'other' has another map: its hash is ") == 0;
+    });
+  }));
+  EXPECT_GT(here_.gateway().counts().bad_frames, 0U);
+}
+
+TEST_F(GatewayTest, SurvivesGarbageOfAHostileParticipant) {
+  start();
+  broker::Node machine = here_.ring().join("machine", 0);
+  ASSERT_EQ(machine.write(kMachineWord, 5), Status::Ok);
+  const broker::Node reader = there_.ring().observe();
+  ASSERT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 5; }));
+  std::mt19937_64 random{3};
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::byte> bytes(random() % 300);
+    for (auto& byte : bytes) byte = static_cast<std::byte>(random());
+    relay_->inject(bytes);
+  }
+  EXPECT_TRUE(becomes_true([&] { return there_.gateway().counts().bad_frames >= 2000; }));
+  ASSERT_EQ(machine.write(kMachineWord, 6), Status::Ok);
+  EXPECT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 6; }));
+}
+
+// Words that a program stored past the API reach no journal; the digests of the two images differ.
+TEST_F(GatewayTest, RepairsAnImageThatDiffers) {
+  start();
+  broker::Node machine = here_.ring().join("machine", 0);
+  ASSERT_EQ(machine.write(kMachineWord, 21), Status::Ok);
+  const broker::Node reader = there_.ring().observe();
+  ASSERT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 21; }));
+  // The other host's copy is damaged as by a stray store.
+  {
+    test::overwrite_word(there_.ring_name(), kMachineWord, 99);
+    ASSERT_EQ(reader.read(kMachineWord), 99U);
+  }
+  EXPECT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 21; }));
+  EXPECT_GE(there_.gateway().counts().mismatches, 1U);
+}
+
+TEST_F(GatewayTest, ConvergesAfterItWasCutOff) {
+  start();
+  broker::Node machine = here_.ring().join("machine", 0);
+  ASSERT_EQ(machine.write(kMachineWord, 1), Status::Ok);
+  const broker::Node reader = there_.ring().observe();
+  ASSERT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 1; }));
+  relay_->cut(1, true);
+  for (std::uint32_t i = 2; i <= 500; ++i) {
+    ASSERT_EQ(machine.write(kMachineWord, i), Status::Ok);
+    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  }
+  EXPECT_EQ(reader.read(kMachineWord), 1U);
+  relay_->cut(1, false);
+  EXPECT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 500; }));
+}
+
+TEST_F(GatewayTest, GoesOnAfterARestartOfEitherSide) {
+  start();
+  broker::Node machine = here_.ring().join("machine", 0);
+  const broker::Node reader = there_.ring().observe();
+  for (std::uint32_t round = 1; round <= 3; ++round) {
+    RingHost& restarted = round % 2 == 0 ? here_ : there_;
+    restarted.stop();
+    ASSERT_EQ(machine.write(kMachineWord, 10 * round), Status::Ok);
+    restarted.start(relay_->connect());
+    EXPECT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 10 * round; })) << round;
+    ASSERT_EQ(machine.write(kMachineWord, 10 * round + 1), Status::Ok);
+    EXPECT_TRUE(becomes_true([&] { return reader.read(kMachineWord) == 10 * round + 1; })) << round;
+  }
+}
+
+/// Reads every write of a node and checks that tagged values arrive once and in order.
+struct Check {
+  broker::Follower follower;
+  std::uint32_t next = 1;
+  std::uint64_t wrong = 0, torn = 0, journal_lost = 0;
+
+  void read() {
+    broker::Write write{};
+    for (;;) {
+      const Followed followed = follower.next(write);
+      if (followed == Followed::Nothing) return;
+      if (followed == Followed::Lost) ++journal_lost;
+      if (followed != Followed::Write) continue;
+      const std::uint32_t tag = write.group.empty() ? write.value : write.group[0];
+      for (const std::uint32_t word : write.group) torn += word != tag ? 1 : 0;
+      if (tag + 1 == next || tag == 0) continue;  // of the snapshot at the start
+      wrong += tag == next ? 0 : 1;
+      next = tag + 1;
+    }
+  }
+};
+
+// Each of three hosts has one writer; every host reads the other two.
+TEST(Gateways, LoseNothingAndKeepOrderUnderFaults) {
+  const std::uint32_t writes = std::getenv("RTHS_LONG") != nullptr ? 10'000'000 : 100'000;
+  constexpr std::uint64_t kSeed = 20261123;
+  memmap::MapDescription description;
+  description.name = "three";
+  description.size_longwords = 1024;
+  for (std::uint16_t i = 0; i < 3; ++i) {
+    const std::string node = "n" + std::to_string(i);
+    description.nodes.push_back({node, NodeId{static_cast<std::uint16_t>(i + 1)}, ""});
+    memmap::Partition word, group;
+    word.name = "word" + std::to_string(i);
+    group.name = "group" + std::to_string(i);
+    word.node = group.node = node;
+    word.base = LongwordOffset{100U * i};
+    word.longwords = 1;
+    group.base = LongwordOffset{100U * i + 32};
+    group.longwords = 20;
+    group.tear_group = true;
+    description.partitions.push_back(word);
+    description.partitions.push_back(group);
+  }
+  const memmap::Map map{description};
+  const auto relay = std::make_shared<test::Relay>(
+      kSeed, test::RelayFaults{0.05, 0.01, 0.02, std::chrono::milliseconds{20}});
+  std::vector<std::unique_ptr<RingHost>> hosts;
+  std::vector<broker::Node> writers;
+  for (std::size_t i = 0; i < 3; ++i) {
+    hosts.push_back(std::make_unique<RingHost>("h" + std::to_string(i), map));
+    writers.push_back(hosts[i]->ring().join("n" + std::to_string(i), 0));
+    hosts[i]->start(relay->connect());
+  }
+  std::vector<Check> checks;
+  for (auto& host : hosts)
+    for (std::size_t node = 0; node < 3; ++node) {
+      ASSERT_TRUE(becomes_true([&] {
+        const auto reader = host->ring().observe();
+        return reader.presence_of(map.node("n" + std::to_string(node))).state ==
+                   Presence::State::Alive &&
+               (host == hosts[node] || host->gateway().counts().snapshots >= 2);
+      }));
+      if (host != hosts[node]) checks.push_back({host->ring().follow("n" + std::to_string(node))});
+    }
+  // Every tenth write is a group. Pauses keep the checks within one journal.
+  std::vector<std::uint32_t> group(20);
+  for (std::uint32_t tag = 1; tag <= writes; ++tag) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (tag % 10 != 0) {
+        ASSERT_EQ(writers[i].write(LongwordOffset{static_cast<std::uint32_t>(100 * i)}, tag),
+                  Status::Ok);
+        continue;
+      }
+      std::fill(group.begin(), group.end(), tag);
+      ASSERT_EQ(
+          writers[i].write_group(hosts[i]->ring().tear_group("group" + std::to_string(i)), group),
+          Status::Ok);
+    }
+    if (tag % 500 == 0) {
+      for (auto& check : checks) check.read();
+      std::this_thread::sleep_for(std::chrono::milliseconds{2});
+      const auto behind = [&] {
+        for (auto& check : checks) check.read();
+        return std::all_of(checks.begin(), checks.end(),
+                           [&](const Check& check) { return check.next + 20'000 > tag; });
+      };
+      ASSERT_TRUE(becomes_true(behind)) << tag;
+    }
+  }
+  ASSERT_TRUE(becomes_true([&] {
+    for (auto& check : checks) check.read();
+    return std::all_of(checks.begin(), checks.end(),
+                       [&](const Check& check) { return check.next == writes + 1; });
+  }));
+  for (const auto& check : checks) {
+    EXPECT_EQ(check.wrong, 0U);
+    EXPECT_EQ(check.torn, 0U);
+    EXPECT_EQ(check.journal_lost, 0U);
+  }
+  for (std::uint32_t offset = 0; offset < 1024; ++offset)
+    for (auto& host : hosts)
+      ASSERT_EQ(host->ring().observe().read(LongwordOffset{offset}),
+                hosts[0]->ring().observe().read(LongwordOffset{offset}))
+          << offset;
+  const auto counts = relay->counts();
+  EXPECT_GT(counts.lost, 0U);
+  EXPECT_GT(counts.delayed, 0U);
+  std::printf(
+      "seed %llu: %llu frames passed, %llu lost, %llu delayed, %llu duplicated\n",
+      static_cast<unsigned long long>(kSeed), static_cast<unsigned long long>(counts.passed),
+      static_cast<unsigned long long>(counts.lost), static_cast<unsigned long long>(counts.delayed),
+      static_cast<unsigned long long>(counts.duplicated));
+  for (auto& host : hosts) {
+    const auto c = host->gateway().counts();
+    std::printf(
+        "  sent %llu, received %llu updates, %llu missing, %llu repeated, %llu frames again\n",
+        static_cast<unsigned long long>(c.updates_sent),
+        static_cast<unsigned long long>(c.updates_received),
+        static_cast<unsigned long long>(c.gaps), static_cast<unsigned long long>(c.repeated),
+        static_cast<unsigned long long>(c.sent_again));
+    EXPECT_EQ(c.lapped, 0U);
+  }
+}
+
+}  // namespace
+}  // namespace rths
