@@ -129,7 +129,7 @@ class Selector {
                 stated_.values,
                 left_of(candidates, selection_.rounds, current_),
                 seed_};
-    auto won = winner(round);
+    auto won = winner(round, true);
     if (!won) {
       selection_.last = std::move(round.contenders());
       return false;
@@ -153,10 +153,12 @@ class Selector {
                      kAcceptedShare * 0.5 * n * std::max(0.0, excess_)});
   }
 
-  // Takes the contenders of a round, if it accepts one.
-  std::optional<SelectionRound> winner(Round& round) const {
+  // Takes the contenders of a round, if it accepts one. A term that is added may have to wait for
+  // another one; a term that is compared with its rivals has waited already.
+  std::optional<SelectionRound> winner(Round& round, bool adds) const {
     auto& contenders = round.contenders();
-    auto waiting = held_back(contenders, accepted(), seed_);
+    std::vector<Contender> waiting;
+    if (adds) waiting = held_back(contenders, accepted(), seed_);
     if (contenders.empty() || !is_acceptable(contenders[0], accepted(), seed_) ||
         change_of(problem_, round.base(), contenders[0].fitted, folds_.second) < kMaterial)
       return std::nullopt;
@@ -202,7 +204,7 @@ class Selector {
     std::copy_if(rounds.begin(), rounds.end(), std::back_inserter(others), is_other);
     const Hypothesis rest = with_rounds(selection_.base, rounds, is_other, current_);
     Round round{problem_, folds_, rest, current_, holder, left_of(candidates, others, rest), seed_};
-    auto won = winner(round);
+    auto won = winner(round, false);
     if (!won) return true;
     keep_in_tie(*won, holder);
     rounds[place] = std::move(*won);

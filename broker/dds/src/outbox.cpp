@@ -15,7 +15,7 @@ constexpr std::size_t kHistory = 16 * 1024 * 1024;  // sent bytes kept per strea
 constexpr Duration kHelloPeriod = std::chrono::milliseconds{50};
 constexpr Duration kDigestPeriod = std::chrono::seconds{1};
 constexpr Duration kRest = std::chrono::microseconds{50};
-constexpr Duration kLongestWait = std::chrono::milliseconds{2};
+constexpr Duration kLongestIdle = std::chrono::milliseconds{2};
 
 std::int64_t real_time() {
   timespec now{};
@@ -56,7 +56,7 @@ void Outbox::run() {
     const bool any_pending = std::any_of(streams_.begin(), streams_.end(),
                                          [](const auto& entry) { return !!entry.second.pending; });
     // With updates to send, looks only whether there are more.
-    if (take_write(any_pending ? now : std::min(hello, now + kLongestWait))) continue;
+    if (take_write(any_pending ? now : std::min(hello, now + kLongestIdle))) continue;
     flush_all();
     send_digest();
   }
