@@ -191,8 +191,7 @@ class Selector {
     const auto held = std::find_if(round.tied.begin(), round.tied.end(), [&](const auto& tied) {
       return is_same(tied.candidate, holder);
     });
-    if (held != round.tied.end() && held->gain > round.chosen.gain)
-      std::swap(round.chosen, *held);
+    if (held != round.tied.end() && held->gain > round.chosen.gain) std::swap(round.chosen, *held);
   }
 
   // Compares a named term with its rivals in its place. @returns false if a rival replaces it
