@@ -32,13 +32,21 @@ constexpr std::uint64_t kMemoryPerByte = 16;  // of a file, which may be compres
 
 bool is_child = false;
 
-// Address sanitizer reserves more memory than any limit.
-void limit_memory([[maybe_unused]] std::uint64_t file_bytes) {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
-  const std::uint64_t most = kLeastMemory + kMemoryPerByte * file_bytes;
-  const rlimit limit{most, most};
-  setrlimit(RLIMIT_AS, &limit);
+// Sanitizers reserve more memory than any limit.
+#if defined(__has_feature)
+constexpr bool kIsSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kIsSanitized = true;
+#else
+constexpr bool kIsSanitized = false;
 #endif
+
+void limit_memory(std::uint64_t file_bytes) {
+  if (!kIsSanitized) {
+    const std::uint64_t most = kLeastMemory + kMemoryPerByte * file_bytes;
+    const rlimit limit{most, most};
+    setrlimit(RLIMIT_AS, &limit);
+  }
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
 }

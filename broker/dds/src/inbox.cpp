@@ -80,15 +80,15 @@ void Inbox::receive_hello(const Frame& frame) {
 
 void Inbox::close_streams_that_left(HostId host, const Hello& hello) {
   for (auto entry = streams_.begin(); entry != streams_.end();) {
-    const auto& [node, stream] = *entry;
-    const bool stays =
-        stream->host != host || std::any_of(hello.nodes.begin(), hello.nodes.end(),
-                                            [&](const auto& one) { return one.node == node; });
+    const std::uint16_t node = entry->first;
+    const bool stays = entry->second->host != host ||
+                       std::any_of(hello.nodes.begin(), hello.nodes.end(),
+                                   [&](const auto& one) { return one.node == node; });
     if (stays) {
       ++entry;
       continue;
     }
-    set_remote(entry->first, false);
+    set_remote(node, false);
     entry = streams_.erase(entry);
   }
 }
