@@ -59,18 +59,18 @@ class BlockCopies : public rths::test::VendorRing {
   [[nodiscard]] std::vector<NamedCall> gt_reads() {
     std::vector<NamedCall> calls;
     for (const auto& [name, flags] : kGtFlags)
-      calls.push_back({name, [this, flags](void* user, unsigned offset, unsigned bytes) {
+      calls.push_back({name, [this, how = flags](void* user, unsigned offset, unsigned bytes) {
                          return static_cast<int>(
-                             scgtRead(&handle_, offset, user, bytes, flags, nullptr));
+                             scgtRead(&handle_, offset, user, bytes, how, nullptr));
                        }});
     return calls;
   }
   [[nodiscard]] std::vector<NamedCall> gt_writes() {
     std::vector<NamedCall> calls;
     for (const auto& [name, flags] : kGtFlags)
-      calls.push_back({name, [this, flags](void* user, unsigned offset, unsigned bytes) {
+      calls.push_back({name, [this, how = flags](void* user, unsigned offset, unsigned bytes) {
                          return static_cast<int>(
-                             scgtWrite(&handle_, offset, user, bytes, flags, nullptr, nullptr));
+                             scgtWrite(&handle_, offset, user, bytes, how, nullptr, nullptr));
                        }});
     return calls;
   }
