@@ -290,14 +290,16 @@ TEST(Gateways, LoseNothingAndKeepOrderUnderFaults) {
         return std::all_of(checks.begin(), checks.end(),
                            [&](const Check& check) { return check.next + 20'000 > tag; });
       };
-      ASSERT_TRUE(becomes_true(behind)) << tag;
+      ASSERT_TRUE(becomes_true(behind, 60)) << tag;
     }
   }
-  ASSERT_TRUE(becomes_true([&] {
-    for (auto& check : checks) check.read();
-    return std::all_of(checks.begin(), checks.end(),
-                       [&](const Check& check) { return check.next == writes + 1; });
-  }));
+  ASSERT_TRUE(becomes_true(
+      [&] {
+        for (auto& check : checks) check.read();
+        return std::all_of(checks.begin(), checks.end(),
+                           [&](const Check& check) { return check.next == writes + 1; });
+      },
+      60));
   for (const auto& check : checks) {
     EXPECT_EQ(check.wrong, 0U);
     EXPECT_EQ(check.torn, 0U);
