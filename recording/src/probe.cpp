@@ -126,11 +126,7 @@ void probe(const std::filesystem::path& file, const std::function<void()>& read)
   if (!probed.insert(version).second) return;
   try {
     static_cast<void>(in_child(file, [&] {
-      try {
-        read();
-      } catch (const Error&) {  // NOLINT(bugprone-empty-catch)
-        // The caller finds it again.
-      }
+      read();
       return true;
     }));
   } catch (const Error&) {

@@ -13,9 +13,10 @@ namespace rths::recording {
 ///          much time or too much memory
 [[nodiscard]] bool in_child(const std::filesystem::path& file, const std::function<bool()>& act);
 
-/// Calls `read` in a child process, once for each version of a file. Its errors are not reported:
-/// the caller reads the same afterwards, in this process.
-/// @throws Error as `in_child`
+/// Calls `read` in a child process, once for each version of a file. The caller reads the same
+/// afterwards, in this process.
+/// @throws Error as `in_child`. A size that is wrong by far is an error in the child only, whose
+///         memory is limited.
 void probe(const std::filesystem::path& file, const std::function<void()>& read);
 
 }  // namespace rths::recording
