@@ -12,6 +12,7 @@
 #include <rths/diagnosis/case.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/report/judgement.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/composition.hpp>
 #include <rths/sim/ground_motion.hpp>
@@ -38,6 +39,7 @@ int check_recording(const std::string& file) {
 
 int check_experiment(const std::string& file) {
   const auto experiment = launch::load_experiment(file);
+  static_cast<void>(report::read_bounds(experiment.conclusive));
   launch::check_assembly(experiment);
   fmt::print("{}: experiment '{}', {} nodes, {:g} s of '{}'\n", file, experiment.name,
              experiment.nodes.size(), experiment.duration, experiment.motion_name);

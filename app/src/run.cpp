@@ -174,6 +174,7 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
 int run(const RunArguments& arguments) {
   const Changes changes = changes_of(arguments, arguments.improvements);
   const launch::Experiment experiment = launch::load_experiment(arguments.experiment, changes);
+  static_cast<void>(report::read_bounds(experiment.conclusive));
   RunFolder run_folder = folder_for(arguments, experiment.name);
   const std::filesystem::path& folder = run_folder.path();
   const bool on_terminal = isatty(STDERR_FILENO) == 1;

@@ -11,7 +11,6 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/launch/installed_files.hpp>
-#include <rths/report/judgement.hpp>
 
 #include "assumed_model.hpp"
 #include "script_placeholders.hpp"
@@ -279,7 +278,7 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   read_stop(file.table_or_empty("stop"), experiment);
   experiment.nodes = read_nodes(file.table("node"), experiment.model);
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
-  static_cast<void>(report::read_bounds(file.table_or_empty("conclusive")));
+  experiment.conclusive = file.table_or_empty("conclusive");
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);

@@ -81,6 +81,19 @@ INSTANTIATE_TEST_SUITE_P(
         Checked{"case", in_tree("examples/diagnosis/actuator/case.toml"), ": case '"}),
     [](const auto& checked) { return std::string{checked.param.name}; });
 
+TEST(Check, RefusesAWrongBoundOfAConclusiveTest) {
+  const test::TemporaryFolder folder;
+  const std::string example = test::content_of(test::source_tree() / "examples/srmd_lprb_2d.toml");
+  std::filesystem::copy(test::source_tree() / "examples/records", folder.path() / "records");
+  const auto file = folder.write("wrong.toml", example + "\n[conclusive]\nnrmse = 0.1\n");
+  for (const char* command : {"check", "run"}) {
+    const Finished refused = run_rths({command, file.string()});
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_NE(refused.err.find("unknown key 'nrmse' (did you mean 'nrms'?)"), std::string::npos)
+        << refused.err;
+  }
+}
+
 TEST(Check, RefusesUnknownFiles) {
   const test::TemporaryFolder folder;
   const auto binary = folder.write("a.bin", std::string("\x7f"

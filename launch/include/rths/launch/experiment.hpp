@@ -70,7 +70,8 @@ struct Experiment {
   adapters::Retreat retreat;
   std::vector<NodePlan> nodes;                           ///< in starting order
   std::optional<adapters::DisplacementHistory> history;  ///< imposed instead of an analysis
-  recording::NamedTexts config;                          ///< input files, for the recording
+  Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
+  recording::NamedTexts config;  ///< input files, for the recording
 
   [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
 };
