@@ -162,7 +162,7 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
     compress(folder / report::kImprovedFile);
   }
   steps->begin("the report");
-  const auto written = report::make_report(folder);
+  const auto written = report::make_report(folder, broken);
   steps.reset();  // removes its line before the results are printed
   fmt::print("{}", diagnosed.text);
   if (!diagnosed.trouble.empty()) fmt::print(stderr, "rths: no diagnosis: {}\n", diagnosed.trouble);
@@ -220,7 +220,8 @@ int node(const NodeArguments& arguments) {
 
 int report(const std::string& folder) {
   const FolderLock lock{folder};
-  return print(report::make_report(folder));
+  const std::filesystem::path recording = std::filesystem::path{folder} / report::kRunFile;
+  return print(report::make_report(folder, report::judge(recording::Reader{recording})));
 }
 
 std::string version() { return RTHS_VERSION; }

@@ -2,6 +2,7 @@
 #include <rths/report/report.hpp>
 
 #include <fstream>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,8 +28,9 @@ Json verdict_in(const std::filesystem::path& folder) {
 
 }  // namespace
 
-ReportOutcome make_report(const std::filesystem::path& folder) {
-  const Analysis analysis = analyse(folder);
+ReportOutcome make_report(const std::filesystem::path& folder, std::vector<Broken> broken) {
+  Analysis analysis = analyse(folder);
+  analysis.broken = std::move(broken);
   Json numbers = numbers_of(analysis);
   numbers["diagnosis"] = verdict_in(folder);
   const ReportOutcome outcome{folder / "report.html", folder / "report.json", summary_of(analysis),

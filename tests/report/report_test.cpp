@@ -110,8 +110,9 @@ TEST(Run, IsNotConclusiveIfAConditionIsBroken) {
 TEST(Report, NamesTheMissingRecording) {
   const test::TemporaryFolder folder;
 
-  EXPECT_NE(test::error_of([&] { static_cast<void>(make_report(folder.path())); }).find("run.h5"),
-            std::string::npos);
+  EXPECT_NE(
+      test::error_of([&] { static_cast<void>(make_report(folder.path(), {})); }).find("run.h5"),
+      std::string::npos);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
+
+#include <rths/report/judgement.hpp>
 
 namespace rths::report {
 
@@ -24,8 +27,10 @@ struct ReportOutcome {
 /// Reads the recordings of a run and writes report.html, one self-contained page that needs no
 /// network, and report.json with every number on it. The recording of the run is required;
 /// recordings of its companion runs and the verdict of a diagnosis are used if present.
+/// @param broken  the judgement of the run, see judgement.hpp
 /// @throws Error if the run cannot be read or contains no motion, or verdict.json is not a verdict
 ///   @setup
-[[nodiscard]] ReportOutcome make_report(const std::filesystem::path& folder);
+[[nodiscard]] ReportOutcome make_report(const std::filesystem::path& folder,
+                                        std::vector<Broken> broken);
 
 }  // namespace rths::report
