@@ -225,6 +225,12 @@ bool host_was_late(const Series& host_late, double from, double to) {
   return false;
 }
 
+double mean(std::span<const double> values) {
+  return values.empty() ? 0
+                        : std::accumulate(values.begin(), values.end(), 0.0) /
+                              static_cast<double>(values.size());
+}
+
 double percentile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0;
   const auto index = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct Series {
 };
 
 /// The value below which a fraction of the values lies; 0 if there are none.
+/// Mean of values; 0 without any.
+[[nodiscard]] double mean(std::span<const double> values);
 /// @param fraction  0 to 1 [-]
 [[nodiscard]] double percentile(std::vector<double> values, double fraction);
 
@@ -118,6 +121,9 @@ struct Analysis {
 
 /// @throws Error if the run cannot be read or contains no motion
 [[nodiscard]] Analysis analyse(const std::filesystem::path& folder);
+
+/// The recorded experiment with its overrides; empty if the recording holds none.
+[[nodiscard]] std::optional<Config> experiment_in(const recording::Reader& run);
 
 /// Facts of the experiment and the ending of the run, from the recording.
 void describe(Analysis& analysis, const recording::Reader& run);

@@ -121,16 +121,23 @@ std::vector<std::string> scope_of(const Config& file, const std::string& machine
 
 }  // namespace
 
+std::optional<Config> experiment_in(const recording::Reader& run) {
+  const auto meta = run.meta();
+  const auto name = meta.find("experiment");
+  if (name == meta.end()) return std::nullopt;
+  auto file = Config::parse(run.config(name->second), name->second);
+  for (const auto& line : lines(run.config(recording::kOverridesText)))
+    file.set(line.substr(0, line.find('=')), line.substr(line.find('=') + 1));
+  return file;
+}
+
 void describe(Analysis& analysis, const recording::Reader& run) {
   const std::string ending = text_at(analysis.meta, "ending", kNoEnding);
   analysis.ending = ending == kCompleted ? "" : ending;
-  const auto name = analysis.meta.find("experiment");
-  if (name == analysis.meta.end()) return;
-  auto file = Config::parse(run.config(name->second), name->second);
-  const auto overrides = lines(run.config(recording::kOverridesText));
-  for (const auto& line : overrides)
-    file.set(line.substr(0, line.find('=')), line.substr(line.find('=') + 1));
-  analysis.command = command_of(analysis, overrides);
+  const auto experiment = experiment_in(run);
+  if (!experiment) return;
+  const Config& file = *experiment;
+  analysis.command = command_of(analysis, lines(run.config(recording::kOverridesText)));
   analysis.name = file.text("name");
   analysis.integration_step = file.number("integration_step_s", 0.01);
   analysis.planned_duration = file.number("duration_s", 0);

@@ -19,16 +19,6 @@ using recording::Reader;
 
 constexpr double kRounding = 0.5;  // of an integration step
 
-Config experiment_of(const Reader& run) {
-  const auto meta = run.meta();
-  const auto file = meta.find("experiment");
-  if (file == meta.end()) throw Error{"the recording holds no experiment, expected /config"};
-  auto config = Config::parse(run.config(file->second), file->second);
-  for (const auto& line : lines(run.config(recording::kOverridesText)))
-    config.set(line.substr(0, line.find('=')), line.substr(line.find('=') + 1));
-  return config;
-}
-
 bool has_adapter(const Config& experiment, const std::string& adapter) {
   const Config nodes = experiment.table("node");
   const auto names = nodes.keys();
@@ -277,7 +267,9 @@ std::string Broken::text() const {
 }
 
 std::vector<Broken> judge(const Reader& run) {
-  const Config experiment = experiment_of(run);
+  const auto recorded = experiment_in(run);
+  if (!recorded) throw Error{"the recording holds no experiment, expected /config"};
+  const Config& experiment = *recorded;
   const Bounds bounds = read_bounds(experiment.table_or_empty("conclusive"));
   Judgement judgement;
   judge_run(judgement, run, experiment, bounds);

@@ -41,12 +41,6 @@ std::vector<double> integral(const std::vector<double>& x, double interval) {
   return result;
 }
 
-double mean(std::span<const double> values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
 }  // namespace
 
 std::string proportion(const Fit& f, const std::string& reference) {

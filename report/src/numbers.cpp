@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -17,12 +16,6 @@ struct Band {
   double from, to;
 };
 constexpr Band kBands[] = {{"below_6_Hz", 0, 6}, {"6_to_11_Hz", 6, 11}, {"above_11_Hz", 11, 1e3}};
-
-double mean(const std::vector<double>& values) {
-  return values.empty() ? 0
-                        : std::accumulate(values.begin(), values.end(), 0.0) /
-                              static_cast<double>(values.size());
-}
 
 double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
