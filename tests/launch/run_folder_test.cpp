@@ -14,6 +14,7 @@
 
 #include <rths/recording/recording.hpp>
 
+#include "support/diagrams.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
 
@@ -48,17 +49,7 @@ class RunFolder : public ::testing::Test {
   }
   /// Options with which no run can start: the controller writes a signal that is not in the map.
   [[nodiscard]] std::vector<std::string> unknown_signal() const {
-    const auto diagram = place.write("unknown.toml", R"(diagram = 1
-base_rate_Hz = 1000
-[[block]]
-name = "zero"
-type = "constant"
-[[block]]
-name = "flag"
-type = "ring_output"
-in.in = "zero"
-signal = "daq.nothing"
-)");
+    const auto diagram = place.write("unknown.toml", test::zero_diagram("daq.nothing"));
     return {"--set", "node.xpc.diagram=\"" + diagram.string() + "\"", "--set", "uncompensated={}"};
   }
   [[nodiscard]] fs::path at(const std::string& path) const { return place.path() / path; }
@@ -188,13 +179,15 @@ TEST_F(RunFolder, IsReportedInOneLineIfItCannotBeWritten) {
   EXPECT_EQ(rths({"report", "nowhere"}).err,
             "rths: nowhere: cannot be written: No such file or directory\n");
 
-  // A folder of another user: root may write everywhere, so it takes another user's place.
+  // A folder of another user: root may write everywhere, so it takes another user's place. That
+  // user may have no access to this source tree.
   fs::create_directory(at("theirs"));
+  fs::copy(test::source_tree() / "examples", at("examples"), fs::copy_options::recursive);
   fs::permissions(place.path(), fs::perms{0755});
   fs::permissions(at("theirs"), fs::perms{0555});
   std::vector<std::string> command{test::rths_command(),
                                    "run",
-                                   (test::source_tree() / "examples/srmd_lprb_2d.toml").string(),
+                                   at("examples/srmd_lprb_2d.toml").string(),
                                    "--clock",
                                    "virtual",
                                    "--out",

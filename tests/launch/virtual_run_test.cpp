@@ -10,6 +10,7 @@
 
 #include <rths/recording/recording.hpp>
 
+#include "support/diagrams.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
 
@@ -194,17 +195,7 @@ TEST(VirtualRun, IsRefusedWithoutASolver) {
 TEST(VirtualRun, EndsInOrderWhenANodeFails) {
   const test::TemporaryFolder folder;
   // A controller that never raises atTarget, so that the first step cannot begin.
-  const auto diagram = folder.write("mute.toml", R"(diagram = 1
-base_rate_Hz = 1000
-[[block]]
-name = "zero"
-type = "constant"
-[[block]]
-name = "flag"
-type = "ring_output"
-in.in = "zero"
-signal = "daq.atTarget"
-)");
+  const auto diagram = folder.write("mute.toml", test::zero_diagram("daq.atTarget"));
   const test::Finished run = test::run_rths(
       {"run", example(), "--clock", "virtual", "--out", folder.path().string(), "--set",
        "node.xpc.diagram=\"" + diagram.string() + "\"", "--set", "uncompensated={}"});
