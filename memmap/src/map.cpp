@@ -46,6 +46,7 @@ std::string partition_toml(const Partition& partition) {
       fmt::format("[[partition]]\nname = \"{}\"\nnode = \"{}\"\noffset = {}\nlongwords = {}\n",
                   partition.name, partition.node, partition.base.value(), partition.longwords);
   if (partition.tear_group) text += "tear_group = true\n";
+  if (partition.latest) text += "replication = \"latest\"\n";
   for (const auto& signal : partition.signals) text += signal_toml(signal);
   return text;
 }

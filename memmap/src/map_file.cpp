@@ -89,6 +89,14 @@ void append_signals(const Config& table, std::vector<Signal>& signals) {
   table.reject_unknown_keys();
 }
 
+// True for "latest".
+bool read_replication(const Config& table) {
+  const std::string text = table.text("replication", "every");
+  if (text != "every" && text != "latest")
+    table.fail("replication", fmt::format("replication is '{}', expected every or latest", text));
+  return text == "latest";
+}
+
 void read_partition(const Config& table, MapDescription& description, Mistakes& mistakes) {
   Partition partition;
   const bool is_read = mistakes.collect([&] {
@@ -98,6 +106,7 @@ void read_partition(const Config& table, MapDescription& description, Mistakes& 
     partition.longwords =
         static_cast<std::uint32_t>(table.integer_in("longwords", 1, kLargestOffset));
     partition.tear_group = table.flag("tear_group", false);
+    partition.latest = read_replication(table);
     partition.where = table.where();
     static_cast<void>(table.tables("signal"));
     table.reject_unknown_keys();

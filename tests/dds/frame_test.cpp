@@ -21,7 +21,7 @@ FrameHeader header() {
   header.map_hash = 77;
   header.node = 3;
   header.first = 1'000'000'000'000;
-  header.sent = -5;
+  header.sent = 5;
   return header;
 }
 
@@ -40,7 +40,7 @@ TEST(Frame, IsReadAsItWasWritten) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->header.host, header().host);
   EXPECT_EQ(frame->header.first, header().first);
-  EXPECT_EQ(frame->header.sent, -5);
+  EXPECT_EQ(frame->header.sent, 5);
   EXPECT_EQ(frame->header.node, 3);
   EXPECT_EQ(frame->header.count, 3);
 
@@ -112,18 +112,22 @@ TEST(Frame, SurvivesRandomPayloads) {
     ASSERT_LE(bytes, payload.size());
     if (const auto hello = hello_from(payload)) {
       ASSERT_LE(hello->host.size(), payload.size());
-      ASSERT_LE(hello->nodes.size() * 24, payload.size());
+      ASSERT_LE((hello->nodes.size() + hello->echoes.size()) * 24, payload.size());
     }
   }
   EXPECT_GT(read, static_cast<std::uint64_t>(cases));
 }
 
 TEST(Frame, AnnouncesNodesWithPrintableNames) {
-  const auto hello = hello_from(to_bytes({"lab\n2", {{5, 6, 7}, {8, 9, 10}}}));
+  const auto hello = hello_from(to_bytes(
+      {"lab\n2", Duration{4}, {{5, 6, 7}, {8, 9, 10}}, {{11, TimePoint{12}, TimePoint{13}}}}));
   ASSERT_TRUE(hello);
   EXPECT_EQ(hello->host, "lab?2");
   ASSERT_EQ(hello->nodes.size(), 2U);
   EXPECT_EQ(hello->nodes[1].beats, 10U);
+  EXPECT_EQ(hello->real_time, Duration{4});
+  ASSERT_EQ(hello->echoes.size(), 1U);
+  EXPECT_EQ(hello->echoes[0].received, TimePoint{13});
 }
 
 }  // namespace

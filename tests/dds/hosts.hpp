@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cstring>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <rths/broker/ring.hpp>
 #include <rths/dds/gateway.hpp>
 
 #include "broker/src/layout.hpp"
+#include "broker/src/shared_object.hpp"
 #include "support/ring_maps.hpp"
+#include "support/waiting.hpp"
 
 namespace rths::test {
 
@@ -29,13 +25,13 @@ class RingHost {
         removal_{unique_ring("dds_" + name)},
         ring_{broker::Ring::create(removal_.name, map)} {}
 
-  void start(std::unique_ptr<dds::Carrier> carrier) {
-    gateway_ =
-        std::make_unique<dds::Gateway>(removal_.name, std::move(carrier),
-                                       dds::GatewayOptions{name_, [this](const std::string& line) {
-                                                             const std::lock_guard lock{mutex_};
-                                                             lines_.push_back(line);
-                                                           }});
+  void start(std::unique_ptr<dds::Carrier> carrier, dds::GatewayOptions options = {}) {
+    options.host = name_;
+    options.report = [this](const std::string& line) {
+      const std::lock_guard lock{mutex_};
+      lines_.push_back(line);
+    };
+    gateway_ = std::make_unique<dds::Gateway>(removal_.name, std::move(carrier), options);
   }
   void stop() { gateway_.reset(); }
   [[nodiscard]] broker::Ring& ring() { return ring_; }
@@ -57,28 +53,10 @@ class RingHost {
 
 /// Stores into a word of a ring past every API, as a stray pointer does.
 inline void overwrite_word(const std::string& ring, LongwordOffset offset, std::uint32_t value) {
-  const int file = shm_open(("/rths." + ring).c_str(), O_RDWR, 0);
-  struct stat status {};
-  fstat(file, &status);
-  const auto bytes = static_cast<std::size_t>(status.st_size);
-  auto* const all =
-      static_cast<std::byte*>(mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0));
-  const auto* const header = reinterpret_cast<const broker::Header*>(all);
-  std::memcpy(all + header->memory_at + 4UL * offset.value(), &value, sizeof value);
-  munmap(all, bytes);
-  close(file);
-}
-
-/// Waits up to ten seconds for a condition.
-template <class Condition>
-[[nodiscard]] bool becomes_true(const Condition& condition, double seconds = 10) {
-  const WallClock clock;
-  const TimePoint deadline = clock.now() + from_seconds(seconds);
-  while (!condition()) {
-    if (clock.now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds{2});
-  }
-  return true;
+  const auto object = broker::SharedObject::open(ring);
+  const auto mapping = object.map(0, object.size());
+  const auto* const header = reinterpret_cast<const broker::Header*>(mapping.address());
+  std::memcpy(mapping.address() + header->memory_at + 4UL * offset.value(), &value, sizeof value);
 }
 
 }  // namespace rths::test

@@ -12,6 +12,7 @@
 #include <rths/recording/recording.hpp>
 
 #include "opensees_run.hpp"
+#include "support/waiting.hpp"
 
 namespace rths {
 namespace {
@@ -95,16 +96,16 @@ TEST_F(OpenSeesRun, LeavesAUsersOpenSeesAsleepIfItIsKilled) {
   test::Running laboratory{
       {test::rths_command(), "run", file, "--clock", "virtual", "--out", out().string()}};
   // The keeper starts when the port is open.
-  ASSERT_TRUE(comes_true([&] { return !test::children_of(laboratory.pid()).empty(); }));
+  ASSERT_TRUE(test::comes_true([&] { return !test::children_of(laboratory.pid()).empty(); }));
   const auto keepers = test::children_of(laboratory.pid());
   ASSERT_EQ(keepers.size(), 1U);
   const auto moving = folder_.path() / "moving";
   test::Running opensees{{python_, (test::source_tree() / "tests/opensees/patient.py").string(),
                           std::to_string(port_), moving.string()}};
-  ASSERT_TRUE(comes_true([&] { return std::filesystem::exists(moving); }));
+  ASSERT_TRUE(test::comes_true([&] { return std::filesystem::exists(moving); }));
 
   kill(laboratory.pid(), SIGKILL);
-  ASSERT_TRUE(comes_true([&] { return !test::is_running(laboratory.pid()); }));
+  ASSERT_TRUE(test::comes_true([&] { return !test::is_running(laboratory.pid()); }));
 
   // A polling OpenSees would use a whole processor.
   std::this_thread::sleep_for(std::chrono::milliseconds{200});
@@ -113,14 +114,14 @@ TEST_F(OpenSeesRun, LeavesAUsersOpenSeesAsleepIfItIsKilled) {
   EXPECT_LT(test::processor_time_of(opensees.pid()) - before, 0.1);
   EXPECT_TRUE(test::is_running(keepers[0]));
   kill(opensees.pid(), SIGKILL);
-  EXPECT_TRUE(comes_true([&] { return !test::is_running(keepers[0]); }));
+  EXPECT_TRUE(test::comes_true([&] { return !test::is_running(keepers[0]); }));
 }
 
 TEST_F(OpenSeesRun, LeavesNothingBehindAfterAUsersOpenSees) {
   const std::string file = experiment({kIdeal, "", ""});
   test::Running laboratory{
       {test::rths_command(), "run", file, "--clock", "virtual", "--out", out().string()}};
-  ASSERT_TRUE(comes_true([&] { return !test::children_of(laboratory.pid()).empty(); }));
+  ASSERT_TRUE(test::comes_true([&] { return !test::children_of(laboratory.pid()).empty(); }));
   const int keeper = test::children_of(laboratory.pid())[0];
   test::Running opensees{{python_, (test::source_tree() / "tests/opensees/fated.py").string(),
                           std::to_string(port_), "leave", "50"}};

@@ -22,14 +22,6 @@ using Rows = std::vector<std::vector<double>>;
 /// Root mean square of the difference over that of the reference about its mean.
 [[nodiscard]] double nrmse(const Rows& ours, const Rows& reference, std::size_t column);
 
-/// Waits for a condition, up to ten seconds.
-template <class Condition>
-bool comes_true(const Condition& condition) {
-  for (int check = 0; check < 1000 && !condition(); ++check)
-    std::this_thread::sleep_for(std::chrono::milliseconds{10});
-  return condition();
-}
-
 /// Runs of an experiment with the real OpenSees as the solver.
 class OpenSeesRun : public test::WithOpenSees<> {
  protected:

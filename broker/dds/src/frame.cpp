@@ -11,14 +11,15 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "frames are little-endian");
 
-constexpr std::uint32_t kMagic = 0x46485452;  // "RTHF"
-constexpr std::uint32_t kGroup = 0x80000000;  // in an update's first word
+constexpr std::uint32_t kMagic = 0x46485452;                 // "RTHF"
+constexpr std::uint32_t kGroup = 0x80000000;                 // in an update's first word
+constexpr std::int64_t kLatestTime = std::int64_t{1} << 60;  // [ns], 36 years after the start
 
 /// The header as it is in a frame.
 struct Wire {
   std::uint32_t magic;
   std::uint16_t version;
-  std::uint8_t kind, last;
+  std::uint8_t kind, reserved;
   std::uint64_t host, map_hash;
   std::uint16_t node, count;
   std::uint32_t payload_bytes;
@@ -51,6 +52,8 @@ const char* to_text(FrameDefect defect) noexcept {
       return "another version of frames";
     case FrameDefect::Kind:
       return "unknown kind of frame";
+    case FrameDefect::Time:
+      return "impossible time";
     case FrameDefect::Checksum:
       return "wrong checksum";
   }
@@ -74,8 +77,9 @@ std::optional<Frame> decode(std::span<const std::byte> bytes, FrameDefect& defec
   if (wire.kind < static_cast<std::uint8_t>(FrameKind::Hello) ||
       wire.kind > static_cast<std::uint8_t>(FrameKind::Digest))
     return refuse(FrameDefect::Kind);
-  return Frame{{static_cast<FrameKind>(wire.kind), wire.last != 0, wire.host, wire.map_hash,
-                wire.node, wire.count, wire.first, wire.sent},
+  if (wire.sent < 0 || wire.sent > kLatestTime) return refuse(FrameDefect::Time);
+  return Frame{{static_cast<FrameKind>(wire.kind), wire.host, wire.map_hash, wire.node, wire.count,
+                wire.first, wire.sent},
                payload};
 }
 
@@ -131,7 +135,7 @@ std::vector<std::byte> FrameWriter::finish() {
   Wire wire{kMagic,
             kFrameVersion,
             static_cast<std::uint8_t>(header_.kind),
-            static_cast<std::uint8_t>(header_.last ? 1 : 0),
+            0,
             header_.host,
             header_.map_hash,
             header_.node,

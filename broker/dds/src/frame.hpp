@@ -23,7 +23,7 @@ using HostId = std::uint64_t;
 enum class FrameKind : std::uint8_t {
   Hello = 1,  ///< the sender's name and its local nodes
   Updates,    ///< writes of one node, in order
-  Snapshot,   ///< present words of one node; `last` marks the last frame
+  Snapshot,   ///< present words of one node
   Request,    ///< asks a host for updates again, or for a snapshot
   Digest,     ///< hash of one node's words at a position of its stream
 };
@@ -31,17 +31,16 @@ enum class FrameKind : std::uint8_t {
 /// Header of a frame. A stream is the writes of one node of one host, numbered from 0.
 struct FrameHeader {
   FrameKind kind = FrameKind::Hello;
-  bool last = true;  ///< of a snapshot's frames
-  HostId host = 0;   ///< sender
+  HostId host = 0;  ///< sender
   std::uint64_t map_hash = 0;
   std::uint16_t node = 0;   ///< NodeId of the stream
   std::uint16_t count = 0;  ///< of updates in the payload
   std::uint64_t first = 0;  ///< number of the first update; of a snapshot or digest: the next one
-  std::int64_t sent = 0;    ///< CLOCK_REALTIME of the sender [ns]
+  std::int64_t sent = 0;    ///< CLOCK_MONOTONIC of the sender [ns]
 };
 
 /// Why bytes are no frame.
-enum class FrameDefect : std::uint8_t { Length, Magic, Version, Kind, Checksum };
+enum class FrameDefect : std::uint8_t { Length, Magic, Version, Kind, Time, Checksum };
 [[nodiscard]] const char* to_text(FrameDefect defect) noexcept;
 
 /// A received frame; its payload refers to the received bytes.

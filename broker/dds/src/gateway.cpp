@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/dds/gateway.hpp>
 
+#include <algorithm>
 #include <random>
 #include <thread>
 #include <utility>
@@ -17,6 +18,14 @@ HostId new_host_id() {
   return (HostId{random()} << 32U | random()) | 1U;
 }
 
+// One more than the largest NodeId.
+std::size_t ids_of(const memmap::Map& map) {
+  std::size_t ids = 0;
+  for (const auto& node : map.description().nodes)
+    ids = std::max<std::size_t>(ids, node.id.value() + 1U);
+  return ids;
+}
+
 }  // namespace
 
 struct Gateway::State {
@@ -25,7 +34,9 @@ struct Gateway::State {
     shared.host = new_host_id();
     shared.options = std::move(options);
     shared.carrier = carrier.get();
-    shared.map_hash = broker::Ring::attach(ring).map().hash();
+    const auto attached = broker::Ring::attach(ring);
+    shared.map_hash = attached.map().hash();
+    shared.is_remote = std::vector<std::atomic<bool>>(ids_of(attached.map()));
     outbox = std::make_unique<Outbox>(ring, shared);
     inbox = std::make_unique<Inbox>(ring, shared);
     sender = std::thread{[this] { outbox->run(); }};
@@ -57,13 +68,9 @@ GatewayCounts Gateway::counts() const {
           c.lapped,      c.hold_off_ns};
 }
 
-std::vector<std::string> Gateway::hosts() const {
+GatewayStatus Gateway::status() const {
   const std::lock_guard lock{state_->shared.mutex};
-  const TimePoint now = WallClock{}.now();
-  std::vector<std::string> names;
-  for (const auto& [name, heard] : state_->shared.heard)
-    if (now - heard < std::chrono::seconds{1}) names.push_back(name);
-  return names;
+  return state_->shared.status;
 }
 
 }  // namespace rths::dds

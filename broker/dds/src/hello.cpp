@@ -8,11 +8,20 @@ namespace rths::dds {
 namespace {
 
 constexpr std::size_t kLongestName = 63;
-constexpr std::size_t kMostNodes = 1024;
+constexpr std::size_t kMostNodes = 1024, kMostHosts = 1024;
+constexpr std::int64_t kLatestRealTime = std::int64_t{1} << 62;  // [ns], the year 2116
 
-/// A node as it is in a frame.
+/// The numbers of a Hello as they are in a frame, before its nodes and echoes.
+struct WireHello {
+  std::int64_t real_time;
+  std::uint64_t nodes;
+};
 struct WireNode {
   std::uint64_t node, next, beats;
+};
+struct WireEcho {
+  std::uint64_t host;
+  std::int64_t sent, received;
 };
 
 void append(std::vector<std::byte>& to, std::span<const std::byte> bytes) {
@@ -39,8 +48,11 @@ std::vector<std::byte> to_bytes(const Hello& hello) {
   std::vector<std::byte> bytes;
   append(bytes, bytes_of(length));
   append(bytes, std::as_bytes(std::span{hello.host.data(), length}));
+  append(bytes, bytes_of(WireHello{hello.real_time.count(), hello.nodes.size()}));
   for (const auto& node : hello.nodes)
     append(bytes, bytes_of(WireNode{node.node, node.next, node.beats}));
+  for (const auto& echo : hello.echoes)
+    append(bytes, bytes_of(WireEcho{echo.host, echo.sent.count(), echo.received.count()}));
   return bytes;
 }
 
@@ -53,10 +65,19 @@ std::optional<Hello> hello_from(std::span<const std::byte> bytes) {
   std::replace_if(
       hello.host.begin(), hello.host.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   bytes = bytes.subspan(*length);
-  if (bytes.size() % sizeof(WireNode) != 0 || bytes.size() / sizeof(WireNode) > kMostNodes)
-    return std::nullopt;
-  while (const auto node = take<WireNode>(bytes))
+  const auto numbers = take<WireHello>(bytes);
+  if (!numbers || numbers->nodes > kMostNodes) return std::nullopt;
+  if (numbers->real_time < 0 || numbers->real_time > kLatestRealTime) return std::nullopt;
+  hello.real_time = Duration{numbers->real_time};
+  for (std::uint64_t i = 0; i < numbers->nodes; ++i) {
+    const auto node = take<WireNode>(bytes);
+    if (!node) return std::nullopt;
     hello.nodes.push_back({static_cast<std::uint16_t>(node->node), node->next, node->beats});
+  }
+  if (bytes.size() % sizeof(WireEcho) != 0 || bytes.size() / sizeof(WireEcho) > kMostHosts)
+    return std::nullopt;
+  while (const auto echo = take<WireEcho>(bytes))
+    hello.echoes.push_back({echo->host, TimePoint{echo->sent}, TimePoint{echo->received}});
   return hello;
 }
 

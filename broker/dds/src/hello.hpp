@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <rths/core/clock.hpp>
+
 #include "frame.hpp"
 
 namespace rths::dds {
@@ -20,10 +22,19 @@ struct Announced {
   std::uint64_t beats = 0;  ///< its heartbeats; unchanged while it is stopped or after its death
 };
 
+/// Another host's last Hello, as the sender received it.
+struct Echo {
+  HostId host = 0;
+  TimePoint sent{0};      ///< on that host's clock
+  TimePoint received{0};  ///< on the sender's clock
+};
+
 /// Payload of a Hello.
 struct Hello {
-  std::string host;  ///< name, at most 63 bytes
+  std::string host;       ///< name, at most 63 bytes
+  Duration real_time{0};  ///< CLOCK_REALTIME minus CLOCK_MONOTONIC
   std::vector<Announced> nodes;
+  std::vector<Echo> echoes;
 };
 [[nodiscard]] std::vector<std::byte> to_bytes(const Hello& hello);
 /// Empty if the bytes are malformed.

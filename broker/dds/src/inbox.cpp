@@ -15,11 +15,16 @@ constexpr Duration kAskAgain = std::chrono::milliseconds{30};
 constexpr Duration kPatience = std::chrono::milliseconds{10};
 constexpr Duration kSilence = std::chrono::seconds{1};  // then a host is not listed any more
 constexpr std::size_t kMostWaiting = 4096;              // frames behind a gap
+constexpr std::size_t kMostRemoteHosts = 64;
+constexpr Duration kStatusPeriod = std::chrono::milliseconds{10};
+constexpr Duration kWrongClock = std::chrono::seconds{1};
 
 }  // namespace
 
 Inbox::Inbox(const std::string& ring, Shared& shared)
-    : shared_{shared}, ring_{broker::Ring::attach(ring)} {}
+    : shared_{shared},
+      ring_{broker::Ring::attach(ring)},
+      signals_{ring_, shared.options.is_deterministic ? "" : shared.options.host} {}
 
 void Inbox::run() {
   std::vector<std::byte> bytes;
@@ -68,14 +73,64 @@ void Inbox::receive_hello(const Frame& frame) {
   const auto hello = hello_from(frame.payload);
   if (!hello) return bad_frame("a frame was dropped: malformed announcement");
   const HostId id = frame.header.host;
-  if (hosts_.count(id) == 0) shared_.report(fmt::format("host '{}' is here", hello->host));
-  hosts_[id] = {hello->host, now_};
-  {
-    const std::lock_guard lock{shared_.mutex};
-    shared_.heard[hello->host] = now_;
+  if (hosts_.count(id) == 0) {
+    if (hosts_.size() == kMostRemoteHosts) return bad_frame("a frame was dropped: too many hosts");
+    shared_.report(fmt::format("host '{}' is here", hello->host));
   }
+  Host& host = hosts_[id];
+  host.name = hello->host;
+  compare_clocks(host, *hello, TimePoint{frame.header.sent});
   close_streams_that_left(id, *hello);
-  for (const auto& node : hello->nodes) announce(id, hello->host, node);
+  for (const auto& node : hello->nodes)
+    announce(id, hello->host, node, TimePoint{frame.header.sent});
+}
+
+void Inbox::compare_clocks(Host& host, const Hello& hello, TimePoint sent) {
+  host.heard = now_;
+  host.announced = sent;
+  for (const auto& echo : hello.echoes)
+    if (echo.host == shared_.host) host.clock.add(echo.sent, echo.received, sent, now_);
+  const auto clock = host.clock.at(now_);
+  if (!clock) return;
+  host.real_time_ahead = hello.real_time + clock->offset - real_time_offset();
+  if (std::chrono::abs(host.real_time_ahead) < kWrongClock || host.has_wrong_clock) return;
+  host.has_wrong_clock = true;
+  shared_.report(
+      fmt::format("the clock of host '{}' is {:.1f} s {} of ours; its times are corrected",
+                  host.name, std::abs(to_seconds(host.real_time_ahead)),
+                  host.real_time_ahead > Duration{0} ? "ahead" : "behind"));
+}
+
+void Inbox::note_time(Stream& stream, TimePoint sent) {
+  stream.as_of = std::max(stream.as_of, sent);
+  const auto host = hosts_.find(stream.host);
+  if (host == hosts_.end()) return;
+  if (const auto clock = host->second.clock.at(now_)) stream.delay = now_ - (sent - clock->offset);
+}
+
+void Inbox::publish_status(TimePoint now) {
+  if (now < published_ + kStatusPeriod) return;
+  published_ = now;
+  GatewayStatus status;
+  std::vector<Echo> echoes;
+  for (const auto& [id, host] : hosts_) {
+    if (now - host.heard > kSilence) continue;
+    RemoteHost remote{host.name, now - host.heard, {}, host.real_time_ahead};
+    if (const auto clock = host.clock.at(now)) remote.clock = {clock->offset, clock->error};
+    status.hosts.push_back(std::move(remote));
+    echoes.push_back({id, host.announced, host.heard});
+  }
+  for (const auto& [id, stream] : streams_) {
+    const auto host = hosts_.find(stream->host);
+    const auto clock = host == hosts_.end() ? std::nullopt : host->second.clock.at(now);
+    if (!clock || stream->as_of == TimePoint{0}) continue;
+    status.nodes.push_back({ring_.map().node_name(NodeId{id}), host->second.name,
+                            now - (stream->as_of - clock->offset), stream->delay});
+  }
+  signals_.write(status);
+  const std::lock_guard lock{shared_.mutex};
+  shared_.status = std::move(status);
+  shared_.echoes = std::move(echoes);
 }
 
 void Inbox::close_streams_that_left(HostId host, const Hello& hello) {
@@ -94,12 +149,11 @@ void Inbox::close_streams_that_left(HostId host, const Hello& hello) {
 }
 
 void Inbox::set_remote(std::uint16_t node, bool remote) {
-  const std::lock_guard lock{shared_.mutex};
-  if (shared_.is_remote.size() <= node) shared_.is_remote.resize(node + 1U);
-  shared_.is_remote[node] = remote;
+  shared_.is_remote[node].store(remote, std::memory_order_release);
 }
 
-void Inbox::announce(HostId host, const std::string& name, const Announced& announced) {
+void Inbox::announce(HostId host, const std::string& name, const Announced& announced,
+                     TimePoint sent) {
   const auto& nodes = ring_.map().description().nodes;
   const auto known = std::find_if(nodes.begin(), nodes.end(), [&](const auto& node) {
     return node.id.value() == announced.node;
@@ -138,12 +192,15 @@ void Inbox::announce(HostId host, const std::string& name, const Announced& anno
     stream.asked = TimePoint{0};
     stream.beats = 0;
     stream.expected = 0;
+    stream.as_of = TimePoint{0};
   }
   if (announced.beats != stream.beats) {
     stream.beats = announced.beats;
     stream.node.beat();
   }
   stream.announced = announced.next;
+  if (stream.synced && stream.expected >= announced.next)
+    stream.as_of = std::max(stream.as_of, sent);
 }
 
 void Inbox::receive_updates(Stream& stream, const Frame& frame, std::span<const std::byte> bytes) {
@@ -185,7 +242,8 @@ void Inbox::apply(Stream& stream, const Frame& frame) {
     ++shared_.counts.updates_received;
   }
   if (reader.malformed() || number != frame.header.first + frame.header.count)
-    bad_frame("a frame was dropped: malformed updates");
+    return bad_frame("a frame was dropped: malformed updates");
+  note_time(stream, TimePoint{frame.header.sent});
 }
 
 bool Inbox::write(Stream& stream, const Update& update) {
@@ -267,6 +325,7 @@ void Inbox::ask(std::uint16_t node, Stream& stream, std::uint64_t end) {
 
 void Inbox::tick(TimePoint now) {
   now_ = now;
+  publish_status(now);
   for (auto& [node, stream] : streams_) {
     const bool lacks = !stream->waiting.empty() || stream->announced > stream->expected;
     if (stream->synced && !lacks) stream->complete = now;

@@ -13,10 +13,12 @@
 
 #include <rths/broker/ring.hpp>
 
+#include "clock_offset.hpp"
 #include "frame.hpp"
 #include "hello.hpp"
 #include "node_words.hpp"
 #include "shared.hpp"
+#include "signals.hpp"
 
 namespace rths::dds {
 
@@ -49,14 +51,24 @@ class Inbox {
     std::set<std::uint32_t> parts;
     TimePoint asked{0};  ///< when updates were asked for
     int differing = 0;   ///< digests in a row that differed
+    TimePoint as_of{0};  ///< on its host's clock: all earlier writes are here
+    Duration delay{0};   ///< of the last updates
   };
   struct Host {
     std::string name;
-    TimePoint heard{0};
+    TimePoint heard{0};      ///< arrival of its last announcement
+    TimePoint announced{0};  ///< when that was sent, on its clock
+    Duration real_time_ahead{0};
+    ClockOffset clock;
+    bool has_wrong_clock = false;  ///< reported
   };
 
   void receive_hello(const Frame& frame);
-  void announce(HostId host, const std::string& name, const Announced& announced);
+  void compare_clocks(Host& host, const Hello& hello, TimePoint sent);
+  /// Notes that the words are here as they were on their host at this time of its clock.
+  void note_time(Stream& stream, TimePoint sent);
+  void publish_status(TimePoint now);
+  void announce(HostId host, const std::string& name, const Announced& announced, TimePoint sent);
   void close_streams_that_left(HostId host, const Hello& hello);
   void receive_updates(Stream& stream, const Frame& frame, std::span<const std::byte> bytes);
   void receive_snapshot(Stream& stream, const Frame& frame);
@@ -78,6 +90,8 @@ class Inbox {
   TimePoint now_{0};
   std::map<std::uint16_t, std::unique_ptr<Stream>> streams_;  ///< by NodeId: one owner per node
   std::map<HostId, Host> hosts_;
+  Signals signals_;
+  TimePoint published_{0};
   std::set<std::pair<HostId, std::uint16_t>> refused_;  ///< reported once
   std::set<std::string> reported_;                      ///< reasons of bad frames, once each
 };

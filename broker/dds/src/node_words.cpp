@@ -20,8 +20,9 @@ constexpr std::size_t kLargestGroup = kLargestFrame / 4 - 64;  // [longwords]; o
 NodeWords::NodeWords(const broker::Ring& ring, const std::string& node) {
   for (const auto& partition : ring.map().partitions()) {
     if (partition.node != node) continue;
+    any_latest_ = any_latest_ || partition.latest;
     if (!partition.tear_group) {
-      words_.push_back({partition.base, partition.longwords});
+      words_.push_back({partition.base, partition.longwords, partition.latest});
       continue;
     }
     if (partition.longwords > kLargestGroup)
@@ -29,7 +30,8 @@ NodeWords::NodeWords(const broker::Ring& ring, const std::string& node) {
           fmt::format("partition '{}' has {} longwords; a tear group that crosses hosts "
                       "has at most {}",
                       partition.name, partition.longwords, kLargestGroup)};
-    groups_.push_back({ring.tear_group(partition.name), partition.base, partition.longwords});
+    groups_.push_back(
+        {ring.tear_group(partition.name), partition.base, partition.longwords, partition.latest});
   }
 }
 
@@ -59,11 +61,24 @@ std::optional<std::uint64_t> NodeWords::hash(const broker::Node& reader) const {
   return XXH3_64bits(all.data(), 4 * all.size());
 }
 
-const NodeWords::Group* NodeWords::group_at(LongwordOffset base, std::size_t longwords) const {
-  const auto found = std::find_if(groups_.begin(), groups_.end(), [&](const Group& group) {
-    return group.base == base && group.longwords == longwords;
-  });
+const NodeWords::Group* NodeWords::group_from(LongwordOffset base) const {
+  const auto found = std::find_if(groups_.begin(), groups_.end(),
+                                  [&](const Group& group) { return group.base == base; });
   return found == groups_.end() ? nullptr : &*found;
+}
+
+const NodeWords::Group* NodeWords::group_at(LongwordOffset base, std::size_t longwords) const {
+  const Group* const group = group_from(base);
+  return group != nullptr && group->longwords == longwords ? group : nullptr;
+}
+
+bool NodeWords::is_latest(LongwordOffset word) const {
+  if (!any_latest_) return false;
+  const auto has = [&](const auto& range) {
+    return range.latest && word >= range.base && word < advance(range.base, range.longwords);
+  };
+  return std::any_of(words_.begin(), words_.end(), has) ||
+         std::any_of(groups_.begin(), groups_.end(), has);
 }
 
 }  // namespace rths::dds

@@ -19,6 +19,7 @@ class NodeWords {
     TearGroupId id;
     LongwordOffset base;
     std::uint32_t longwords;
+    bool latest;  ///< other hosts get its newest values, not each write
   };
   NodeWords(const broker::Ring& ring, const std::string& node);
 
@@ -31,14 +32,20 @@ class NodeWords {
   [[nodiscard]] std::optional<std::uint64_t> hash(const broker::Node& reader) const;
   /// The group that begins at this word and has this length; null if none.
   [[nodiscard]] const Group* group_at(LongwordOffset base, std::size_t longwords) const;
+  /// The group that begins at this word; null if none.
+  [[nodiscard]] const Group* group_from(LongwordOffset base) const;
+  /// True if other hosts get only the newest values of this word.
+  [[nodiscard]] bool is_latest(LongwordOffset word) const;
 
  private:
   struct Range {
     LongwordOffset base;
     std::uint32_t longwords;
+    bool latest;
   };
   std::vector<Range> words_;
   std::vector<Group> groups_;
+  bool any_latest_ = false;
 };
 
 }  // namespace rths::dds

@@ -2,8 +2,8 @@
 #include "outbox.hpp"
 
 #include <algorithm>
-#include <ctime>
 
+#include "clock_offset.hpp"
 #include "hello.hpp"
 
 namespace rths::dds {
@@ -16,12 +16,7 @@ constexpr Duration kHelloPeriod = std::chrono::milliseconds{50};
 constexpr Duration kDigestPeriod = std::chrono::seconds{1};
 constexpr Duration kRest = std::chrono::microseconds{50};
 constexpr Duration kLongestIdle = std::chrono::milliseconds{2};
-
-std::int64_t real_time() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
-}
+constexpr Duration kLatestPeriod = std::chrono::milliseconds{1};
 
 }  // namespace
 
@@ -29,11 +24,13 @@ Outbox::Outbox(const std::string& ring, Shared& shared)
     : shared_{shared},
       ring_{broker::Ring::attach(ring)},
       reader_{ring_.observe()},
-      waiter_{ring_.wait_for({})} {
+      waiter_{ring_.wait_for({})},
+      by_id_(shared.is_remote.size()) {
   for (const auto& node : ring_.map().description().nodes) {
     Stream stream{node.id, node.name, NodeWords{ring_, node.name}, false, 0, {}, {}, 0};
-    streams_.emplace(node.id.value(), std::move(stream));
+    by_id_[node.id.value()] = &streams_.emplace(node.id.value(), std::move(stream)).first->second;
   }
+  if (shared.options.skips_unchanged) sent_.resize(ring_.map().description().size_longwords);
 }
 
 void Outbox::run() {
@@ -53,6 +50,10 @@ void Outbox::run() {
       digest = now + kDigestPeriod;
     }
     answer();
+    if (now >= latest_) {
+      append_latest();
+      latest_ = now + kLatestPeriod;
+    }
     const bool any_pending = std::any_of(streams_.begin(), streams_.end(),
                                          [](const auto& entry) { return !!entry.second.pending; });
     // With updates to send, looks only whether there are more.
@@ -69,14 +70,53 @@ bool Outbox::take_write(TimePoint deadline) {
   if (status == Status::LimitExceeded) resume_after_loss();
   if (status != Status::Ok) return status == Status::LimitExceeded;
   if (Stream* const stream = stream_of(write.writer); stream && !is_remote(write.writer))
-    append(*stream, write);
+    take(*stream, write);
   return true;
+}
+
+void Outbox::take(Stream& stream, const broker::Write& write) {
+  if (!sent_.empty() && leaves_all_as_sent(write)) return;
+  if (!shared_.options.is_deterministic && stream.words.is_latest(write.offset))
+    stream.changed.insert(write.offset);
+  else
+    append(stream, write);
+}
+
+bool Outbox::leaves_all_as_sent(const broker::Write& write) {
+  const std::span words = write.group.empty() ? std::span{&write.value, 1} : write.group;
+  const auto begin = sent_.begin() + write.offset.value();
+  if (std::equal(words.begin(), words.end(), begin)) return true;
+  std::copy(words.begin(), words.end(), begin);
+  return false;
+}
+
+void Outbox::append_latest() {
+  std::vector<std::uint32_t> values;
+  for (auto& [id, stream] : streams_) {
+    for (auto word = stream.changed.begin(); word != stream.changed.end();) {
+      broker::Write write{stream.node, *word, 0, {}};
+      const auto* const group = stream.words.group_from(*word);
+      if (group == nullptr) {
+        write.value = reader_.read(*word);
+      } else {
+        values.resize(group->longwords);
+        if (reader_.read_group(group->id, values) != Status::Ok) {
+          ++word;  // being written: next time
+          continue;
+        }
+        write.group = values;
+      }
+      append(stream, write);
+      word = stream.changed.erase(word);
+    }
+  }
 }
 
 // A journal has lost writes, it is not known of which node.
 void Outbox::resume_after_loss() {
   ++shared_.counts.lapped;
   flush_all();
+  std::fill(sent_.begin(), sent_.end(), std::nullopt);
   for (auto& [id, stream] : streams_) {
     if (!stream.announced) continue;
     stream.sent.clear();
@@ -86,14 +126,12 @@ void Outbox::resume_after_loss() {
   }
 }
 
-Outbox::Stream* Outbox::stream_of(NodeId node) {
-  const auto found = streams_.find(node.value());
-  return found == streams_.end() ? nullptr : &found->second;
+Outbox::Stream* Outbox::stream_of(NodeId node) const {
+  return node.value() < by_id_.size() ? by_id_[node.value()] : nullptr;
 }
 
-bool Outbox::is_remote(NodeId node) {
-  const std::lock_guard lock{shared_.mutex};
-  return node.value() < shared_.is_remote.size() && shared_.is_remote[node.value()];
+bool Outbox::is_remote(NodeId node) const {
+  return shared_.is_remote[node.value()].load(std::memory_order_acquire);
 }
 
 FrameHeader Outbox::header(FrameKind kind, const Stream& stream) const {
@@ -103,7 +141,7 @@ FrameHeader Outbox::header(FrameKind kind, const Stream& stream) const {
   header.map_hash = shared_.map_hash;
   header.node = stream.node.value();
   header.first = stream.next;
-  header.sent = real_time();
+  header.sent = WallClock{}.now().count();
   return header;
 }
 
@@ -160,14 +198,18 @@ void Outbox::find_local_nodes() {
 }
 
 void Outbox::send_hello() {
-  Hello hello{shared_.options.host, {}};
+  Hello hello{shared_.options.host, real_time_offset(), {}, {}};
+  {
+    const std::lock_guard lock{shared_.mutex};
+    hello.echoes = shared_.echoes;
+  }
   for (const auto& [id, stream] : streams_)
     if (stream.announced) hello.nodes.push_back({id, stream.next, reader_.beats_of(stream.node)});
   FrameHeader header;
   header.kind = FrameKind::Hello;
   header.host = shared_.host;
   header.map_hash = shared_.map_hash;
-  header.sent = real_time();
+  header.sent = WallClock{}.now().count();
   FrameWriter frame{header};
   frame.add_bytes(to_bytes(hello));
   send(frame.finish());
@@ -177,6 +219,7 @@ void Outbox::send_hello() {
 void Outbox::send_digest() {
   if (undigested_.empty()) return;
   const Stream& stream = streams_.at(*undigested_.begin());
+  if (!stream.changed.empty()) return;
   const auto hash = stream.words.hash(reader_);
   if (take_write(WallClock{}.now() + kRest)) return;
   undigested_.erase(undigested_.begin());

@@ -43,12 +43,18 @@ class Outbox {
     std::optional<FrameWriter> pending;  ///< updates that are not sent yet
     std::deque<SentFrame> sent;          ///< for hosts that miss some
     std::size_t sent_bytes = 0;
+    std::set<LongwordOffset> changed = {};  ///< words, and first words of groups, of which only
+                                            ///< the newest values are sent
   };
 
   /// Takes the next write of a local node. @returns false if there was none until the deadline
   [[nodiscard]] bool take_write(TimePoint deadline);
   void resume_after_loss();
+  void take(Stream& stream, const broker::Write& write);
   void append(Stream& stream, const broker::Write& write);
+  /// Appends the present values of the words that changed.
+  void append_latest();
+  [[nodiscard]] bool leaves_all_as_sent(const broker::Write& write);
   void flush(Stream& stream);
   void flush_all();
   void find_local_nodes();
@@ -59,15 +65,18 @@ class Outbox {
   void send_snapshot(Stream& stream, HostId to);
   void send(std::span<const std::byte> bytes);
   [[nodiscard]] FrameHeader header(FrameKind kind, const Stream& stream) const;
-  [[nodiscard]] bool is_remote(NodeId node);
-  [[nodiscard]] Stream* stream_of(NodeId node);
+  [[nodiscard]] bool is_remote(NodeId node) const;
+  [[nodiscard]] Stream* stream_of(NodeId node) const;
 
   Shared& shared_;
   broker::Ring ring_;
   broker::Node reader_;
   broker::Waiter waiter_;
   std::map<std::uint16_t, Stream> streams_;
-  std::set<std::uint16_t> undigested_;  ///< nodes whose digest is due
+  std::vector<Stream*> by_id_;                      ///< by NodeId; null: no node
+  std::vector<std::optional<std::uint32_t>> sent_;  ///< the ring's words, to skip unchanged ones
+  TimePoint latest_{0};                             ///< when `append_latest` is due
+  std::set<std::uint16_t> undigested_;              ///< nodes whose digest is due
 };
 
 }  // namespace rths::dds

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -15,6 +14,7 @@
 #include <rths/dds/gateway.hpp>
 
 #include "frame.hpp"
+#include "hello.hpp"
 
 namespace rths::dds {
 
@@ -40,11 +40,14 @@ struct Shared {
   AtomicCounts counts;
   std::atomic<bool> ends{false};
 
+  /// By NodeId: joined here on behalf of another host.
+  std::vector<std::atomic<bool>> is_remote;
+
   std::mutex mutex;
-  std::vector<bool> is_remote;  ///< by NodeId: joined here on behalf of another host
-  std::vector<Asked> asked;     ///< by other hosts
+  std::vector<Asked> asked;                     ///< by other hosts
   std::vector<std::vector<std::byte>> to_send;  ///< the receiver's requests
-  std::map<std::string, TimePoint> heard;       ///< hosts, and when
+  std::vector<Echo> echoes;                     ///< of the other hosts' announcements
+  GatewayStatus status;
 
   void report(const std::string& line) const {
     if (options.report) options.report(line);

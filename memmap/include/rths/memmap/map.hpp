@@ -47,6 +47,7 @@ struct Partition {
   LongwordOffset base;
   std::uint32_t longwords = 0;
   bool tear_group = false;      ///< always read and written whole
+  bool latest = false;          ///< other hosts get its newest values, not each write
   std::vector<Signal> signals;  ///< in order of offset
   std::string where;
 };

@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <rths/broker/ring.hpp>
+#include <rths/core/clock.hpp>
 #include <rths/dds/carrier.hpp>
 
 namespace rths::dds {
@@ -26,9 +29,38 @@ struct GatewayCounts {
   std::uint64_t hold_off_ns = 0;  ///< time during which sending blocked
 };
 
+/// Another host, as its announcements show it.
+struct RemoteHost {
+  /// Estimate from the times of messages in both directions.
+  struct ClockDifference {
+    Duration offset{0};  ///< its CLOCK_MONOTONIC minus ours
+    Duration error{0};   ///< the true offset differs by at most this
+  };
+  std::string name;
+  Duration silence{0};                   ///< since it was heard
+  std::optional<ClockDifference> clock;  ///< empty before the first exchange
+  Duration real_time_ahead{0};           ///< its CLOCK_REALTIME minus ours, if `clock` is known
+};
+
+/// A node of another host.
+struct RemoteNode {
+  std::string node, host;
+  Duration age{0};    ///< its words are here as they were there this long ago
+  Duration delay{0};  ///< of its last updates, from sending to this ring
+};
+
+/// The other hosts and their nodes, at most 10 ms old.
+struct GatewayStatus {
+  std::vector<RemoteHost> hosts;
+  std::vector<RemoteNode> nodes;
+};
+
 struct GatewayOptions {
   std::string host;                                ///< name of this host, in messages
   std::function<void(const std::string&)> report;  ///< one line per event; from both threads
+  bool skips_unchanged = false;  ///< does not send writes that leave a word as it was
+  /// For virtual time: sends every write, also of `latest` partitions, and writes no signals.
+  bool is_deterministic = false;
 };
 
 /// Makes the rings of several hosts one: sends the writes of the nodes on this host to the others,
@@ -47,8 +79,7 @@ class Gateway {
   Gateway& operator=(const Gateway&) = delete;
 
   [[nodiscard]] GatewayCounts counts() const;
-  /// Names of the hosts heard in the last second.
-  [[nodiscard]] std::vector<std::string> hosts() const;
+  [[nodiscard]] GatewayStatus status() const;
 
  private:
   struct State;
