@@ -40,8 +40,11 @@ int bridge(const BridgeArguments& arguments) {
   network.interface = arguments.interface;
   network.peers = arguments.peers;
   network.ring = arguments.joint_name.empty() ? arguments.ring : arguments.joint_name;
-  const dds::Gateway gateway{
-      arguments.ring, dds::make_cyclone_carrier(network), {arguments.host, report}};
+  dds::GatewayOptions options;
+  options.host = arguments.host;
+  options.report = report;
+  options.skips_unchanged = arguments.skips_unchanged;
+  const dds::Gateway gateway{arguments.ring, dds::make_cyclone_carrier(network), options};
   fmt::print("ring '{}' is open to domain {} as '{}'\n", arguments.ring, arguments.domain,
              arguments.host);
   std::fflush(stdout);

@@ -18,9 +18,11 @@ using Changes = std::vector<std::pair<std::string, std::string>>;
 struct RunArguments {
   std::string experiment;
   bool virtual_time = false;
-  std::string out;     ///< folder; empty: a new one in out/<name of the experiment>
-  bool force = false;  ///< replace the results of an earlier run in `out`
-  std::string ring;    ///< empty: the experiment's name
+  std::string out;        ///< folder; empty: a new one in out/<name of the experiment>
+  bool force = false;     ///< replace the results of an earlier run in `out`
+  std::string ring;       ///< empty: the experiment's name
+  std::string host;       ///< this host, of an experiment on several; empty: all nodes run here
+  std::string interface;  ///< of the network to the other hosts; empty: the experiment's
   Changes changes;
   std::vector<std::string> improvements;  ///< improved.toml files, applied to the model
   bool diagnoses = true;                  ///< diagnose if there is a [held_out] motion
@@ -79,6 +81,7 @@ struct BridgeArguments {
   std::uint32_t domain = 0;
   std::string interface;           ///< empty: the network's default
   std::vector<std::string> peers;  ///< empty: found by multicast
+  bool skips_unchanged = false;    ///< does not send writes that leave a word as it was
   long timeout_ms = 0;             ///< stop after this time; 0: never
 };
 /// Connects a ring with those of the same name on other hosts, over DDS.
@@ -138,6 +141,14 @@ struct OpenseesBenchArguments {
 };
 /// @returns 0 if the gate passes, 1 if inconclusive on this host, 2 if it fails
 [[nodiscard]] int bench_opensees(const OpenseesBenchArguments& arguments);
+
+struct BridgeBenchArguments {
+  int cycles = 5;
+  std::uint32_t domain = 211;  ///< of DDS
+  bool json = false;
+};
+/// @returns 0 if all gates pass, 1 if inconclusive on this host, 2 if a gate fails
+[[nodiscard]] int bench_bridge(const BridgeBenchArguments& arguments);
 
 struct DiagnoseArguments {
   std::string case_or_recording;     ///< folder of a case or of a run, or a recording

@@ -48,6 +48,7 @@ struct Arguments {
   TermsArguments terms;
   BearingBenchArguments bearings;
   OpenseesBenchArguments trips;
+  BridgeBenchArguments bridge_bench;
   DiagnoseArguments diagnose;
   std::string clock = "wall", file, language = "cpp", folder, format = "text";
   std::vector<std::string> sets, rings;
@@ -65,6 +66,13 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->add_flag("--force", a.run.force, "Replace the results of an earlier run in --out")
       ->needs(out);
   command->add_option("--ring", a.run.ring, "Name of the ring [the experiment's]");
+  auto* host = command->add_option("--host", a.run.host,
+                                   "Run only the nodes of this host, together with the other hosts "
+                                   "of the experiment");
+  command
+      ->add_option("--interface", a.run.interface,
+                   "Network interface or address, with --host [the experiment's]")
+      ->needs(host);
   command
       ->add_option(
           "--set", a.sets,
@@ -183,6 +191,8 @@ void add_bridge(CLI::App& app, Arguments& a, Chosen& chosen) {
       ->take_all()
       ->allow_extra_args(false);
   command->add_option("--host", a.bridge.host, "Name of this host [its network name]");
+  command->add_flag("--skip-unchanged", a.bridge.skips_unchanged,
+                    "Do not send writes that leave a word as it was");
   command->add_option("--as", a.bridge.joint_name, "Name of the ring on all hosts [the ring's]");
   command->add_option("-T,--timeout", a.bridge.timeout_ms, "Stop after this time [ms]")
       ->check(CLI::NonNegativeNumber);
@@ -205,6 +215,19 @@ void add_bench_bearings(CLI::App& bench, Arguments& a, Chosen& chosen) {
   command->add_option("--opensees", a.bearings.opensees,
                       "Python with OpenSees [RTHS_OPENSEES_PYTHON, or that of ./lab]");
   command->callback([&] { chosen = [&a] { return bench_bearings(a.bearings); }; });
+}
+
+void add_bench_bridge(CLI::App& bench, Arguments& a, Chosen& chosen) {
+  auto* command = bench.add_subcommand(
+      "bridge", "From one ring to another over DDS, compared with bare DDS samples");
+  command->add_flag("--json", a.bridge_bench.json, "One JSON document instead of lines");
+  command->add_option("--cycles", a.bridge_bench.cycles, "Measurements in turns with bare samples")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--domain", a.bridge_bench.domain, "DDS domain")
+      ->check(CLI::Range(0, 230))
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return bench_bridge(a.bridge_bench); }; });
 }
 
 void add_bench_opensees(CLI::App& bench, Arguments& a, Chosen& chosen) {
@@ -245,6 +268,7 @@ void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   ring->callback([&] { chosen = [&a] { return bench_ring(a.bench); }; });
   add_bench_bearings(*command, a, chosen);
   add_bench_opensees(*command, a, chosen);
+  add_bench_bridge(*command, a, chosen);
 }
 
 void add_loop(CLI::App& app, Arguments& a, Chosen& chosen) {

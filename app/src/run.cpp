@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <rths/core/error.hpp>
 #include <rths/diagnosis/case.hpp>
@@ -79,6 +80,17 @@ RunFolder folder_for(const RunArguments& arguments, const std::string& name) {
 bool has_adapter(const launch::Experiment& experiment, const char* adapter) {
   return std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
                      [&](const auto& plan) { return plan.adapter == adapter; });
+}
+
+void check_host(const RunArguments& arguments, const launch::Experiment& experiment) {
+  if (arguments.host.empty()) return;
+  std::vector<std::string> known;
+  for (const auto& host : experiment.hosts) known.push_back(host.name);
+  if (std::find(known.begin(), known.end(), arguments.host) != known.end()) return;
+  throw Error{fmt::format("{}: has no host '{}', {}", arguments.experiment, arguments.host,
+                          known.empty()
+                              ? "expected tables [host.…]"
+                              : fmt::format("expected one of {}", fmt::join(known, ", ")))};
 }
 
 // Writes the diagnosis of a run and, if it improves the model, the improved numerical result.
@@ -175,6 +187,7 @@ int run(const RunArguments& arguments) {
   const Changes changes = changes_of(arguments, arguments.improvements);
   const launch::Experiment experiment = launch::load_experiment(arguments.experiment, changes);
   static_cast<void>(report::read_bounds(experiment.conclusive));
+  check_host(arguments, experiment);
   RunFolder run_folder = folder_for(arguments, experiment.name);
   const std::filesystem::path& folder = run_folder.path();
   const bool on_terminal = isatty(STDERR_FILENO) == 1;
@@ -182,17 +195,25 @@ int run(const RunArguments& arguments) {
   options.clock = arguments.virtual_time ? launch::ClockKind::Virtual : launch::ClockKind::Wall;
   options.recording = folder / report::kRunFile;
   options.ring = arguments.ring.empty() ? experiment.name : arguments.ring;
+  options.host = arguments.host;
+  options.interface = arguments.interface;
+  options.report = [](const std::string& line) { fmt::print(stderr, "rths: {}\n", line); };
   options.overrides = changes;
   options.version = version();
   options.started = [&] { run_folder.begin(); };
   if (on_terminal) options.progress = show_progress;
   const launch::RunOutcome outcome = launch::run(experiment, options);
   if (on_terminal) clear_progress();
-  const bool records = has_adapter(experiment, "recorder");
+  const bool has_recorder = has_adapter(experiment, "recorder");
+  const bool is_elsewhere =
+      has_recorder && !arguments.host.empty() && arguments.host != experiment.leading_host();
+  const bool records = has_recorder && !is_elsewhere;
   if (run_folder.has_begun())
     fmt::print(
         "recording {}{}\n",
-        records ? options.recording.string() : "none: the experiment has no recorder",
+        records        ? options.recording.string()
+        : is_elsewhere ? fmt::format("on host '{}'", experiment.leading_host())
+                       : "none: the experiment has no recorder",
         outcome.rows_missing > 0 ? fmt::format(", {} rows missing", outcome.rows_missing) : "");
   if (!outcome.completed) {
     fmt::print(stderr, "rths: the run ended early: {}\n",

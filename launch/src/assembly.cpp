@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "assembly.hpp"
+#include "host_words.hpp"
 #include "script_placeholders.hpp"
 
 #include <algorithm>
@@ -214,6 +215,42 @@ void extend(memmap::MapDescription& description, const NodePlan& plan,
                    ports, plan);
 }
 
+// Words of the gateways and launchers of a test on several hosts, and of its order in virtual time.
+void extend_for_hosts(memmap::MapDescription& description, const Experiment& experiment) {
+  const auto append = [&](const std::string& name, const std::string& node,
+                          std::uint32_t longwords) -> memmap::Partition& {
+    add_node(description, node);
+    memmap::Partition partition;
+    partition.name = name;
+    partition.node = node;
+    partition.base = LongwordOffset{first_free(description)};
+    partition.longwords = longwords;
+    return description.partitions.emplace_back(std::move(partition));
+  };
+  for (const auto& host : experiment.hosts) {
+    append(launcher_partition(host.name), launcher_node(host.name), kLauncherLongwords).tear_group =
+        true;
+    std::vector<std::string> signals;
+    for (const auto& plan : experiment.nodes)
+      if (plan.host != host.name)
+        signals.insert(signals.end(), {"age." + plan.node, "delay." + plan.node});
+    for (const auto& other : experiment.hosts)
+      if (other.name != host.name)
+        signals.insert(signals.end(), {"clock_offset." + other.name, "clock_error." + other.name});
+    auto& partition = append("gateway." + host.name, "gateway_" + host.name,
+                             static_cast<std::uint32_t>(signals.size()));
+    for (std::uint32_t i = 0; i < signals.size(); ++i) {
+      memmap::Signal signal;
+      signal.name = signals[i];
+      signal.unit = "s";
+      signal.offset = advance(partition.base, i);
+      partition.signals.push_back(std::move(signal));
+    }
+  }
+  if (experiment.hosts.empty()) return;
+  for (const auto& plan : experiment.nodes) append(turn_partition(plan.node), plan.node, 1);
+}
+
 Duration recorder_period(const Experiment& experiment) {
   Duration period{0};
   for (const auto& plan : experiment.nodes)
@@ -258,6 +295,7 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
     extend(description, plan,
            records ? adapters::recorder_monitors() : stations.back().adapter->ports());
   }
+  extend_for_hosts(description, experiment);
   Assembly assembly{memmap::Map{std::move(description)}, std::move(stations)};
   for (const auto& station : assembly.stations)
     if (station.adapter)

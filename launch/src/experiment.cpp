@@ -2,10 +2,12 @@
 #include <rths/launch/experiment.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
@@ -120,6 +122,7 @@ NodePlan read_node(const std::string& node, const Config& table, const sim::Bear
   NodePlan plan;
   plan.node = node;
   plan.adapter = adapter.name;
+  plan.host = table.text("host", "");
   double period = adapter.period;
   if (plan.adapter == "simulink_like") {
     plan.diagram = find_file(table, "diagram", "diagrams");
@@ -219,6 +222,57 @@ void read_stop(const Config& table, Experiment& experiment) {
   table.reject_unknown_keys();
 }
 
+// A part of the names of nodes and signals.
+bool is_host_name(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_';
+  });
+}
+
+void read_hosts(const Config& file, Experiment& experiment) {
+  const Config hosts = file.table_or_empty("host");
+  for (const auto& name : hosts.keys()) {
+    if (!is_host_name(name))
+      hosts.fail(name,
+                 fmt::format("the host's name is '{}', expected letters, digits and '_'", name));
+    const Config table = hosts.table(name);
+    HostPlan host{name, table.text("address", ""), table.text("interface", "")};
+    if (host.interface.empty()) host.interface = host.address;
+    table.reject_unknown_keys();
+    experiment.hosts.push_back(std::move(host));
+  }
+  if (experiment.hosts.size() == 1)
+    hosts.fail(experiment.hosts[0].name, "there is one host, expected none or at least two");
+  std::sort(experiment.hosts.begin(), experiment.hosts.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  const Config network = file.table_or_empty("network");
+  experiment.domain = static_cast<std::uint32_t>(network.integer_in("domain", 0, 230, 0));
+  experiment.host_deadline = network.number_in("deadline_s", 0.1, 1e5, experiment.host_deadline);
+  network.reject_unknown_keys();
+}
+
+// Every node of a test on several hosts is on one of them.
+void check_hosts(const Config& file, const Experiment& experiment) {
+  std::vector<std::string> known;
+  for (const auto& host : experiment.hosts) known.push_back(host.name);
+  for (const auto& plan : experiment.nodes) {
+    const Config table = file.table("node").table(plan.node);
+    if (plan.host.empty() && !known.empty())
+      throw Error{fmt::format("{}: node '{}' has no host, expected host = one of {}", table.where(),
+                              plan.node, fmt::join(known, ", "))};
+    if (!plan.host.empty() && std::find(known.begin(), known.end(), plan.host) == known.end())
+      table.fail("host",
+                 fmt::format("host is '{}', expected {}", plan.host,
+                             known.empty() ? "a table [host." + plan.host + "]"
+                                           : fmt::format("one of {}", fmt::join(known, ", "))));
+  }
+  const auto has_address = [](const HostPlan& host) { return !host.address.empty(); };
+  const auto count = std::count_if(experiment.hosts.begin(), experiment.hosts.end(), has_address);
+  if (count != 0 && count != static_cast<long>(known.size()))
+    file.fail("host", fmt::format("{} of {} hosts have an address, expected all or none", count,
+                                  known.size()));
+}
+
 void read_uncompensated(const Config& table, Experiment& experiment) {
   for (const auto& node : table.keys()) {
     const auto plan = std::find_if(experiment.nodes.begin(), experiment.nodes.end(),
@@ -254,6 +308,12 @@ void spread_seed(Experiment& experiment) {
 
 }  // namespace
 
+std::string Experiment::leading_host() const {
+  for (const auto& plan : nodes)
+    if (plan.adapter == "recorder") return plan.host;
+  return hosts.empty() ? "" : hosts.front().name;
+}
+
 Experiment load_experiment(const std::filesystem::path& path, const Overrides& overrides) {
   Config file = Config::load(path);
   for (const auto& [key, value] : overrides) file.set(key, value);
@@ -277,6 +337,8 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   read_solver(file.table_or_empty("solver"), experiment);
   read_stop(file.table_or_empty("stop"), experiment);
   experiment.nodes = read_nodes(file.table("node"), experiment.model);
+  read_hosts(file, experiment);
+  check_hosts(file, experiment);
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
   experiment.conclusive = file.table_or_empty("conclusive");
   if (experiment.held_out) require_motion(file, experiment);

@@ -19,6 +19,16 @@ namespace rths::launch {
 /// retreats of its peers.
 [[nodiscard]] Duration longest_stop(const Experiment& experiment);
 
+/// Removes the name of the ring at the end of a run, and the file of a recorder that died while it
+/// created the file.
+struct RunCleaning {
+  const RunOptions& options;
+  ~RunCleaning() {
+    broker::remove_ring(options.ring);
+    recording::remove_unfinished(options.recording);
+  }
+};
+
 /// @returns the fault, empty if none
 [[nodiscard]] std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                                               const RunOptions& options);

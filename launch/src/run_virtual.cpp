@@ -1,24 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A run in virtual time: all adapters in this process, on a ring in private memory, stepped in the
-// order of their due times. Nothing reads a clock, so the same experiment gives the same bits.
+// A run in virtual time: all adapters are stepped in the order of their due times. On one host they
+// are in this process, on a ring in private memory. On several hosts, each makes the steps of its
+// nodes and waits for those of the others. No step reads a clock, so the same experiment gives the
+// same bits.
 #include "run_modes.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
 
+#include "host_link.hpp"
+#include "interrupt.hpp"
+#include "turns.hpp"
+
 namespace rths::launch {
 namespace {
 
 constexpr Duration kProgressPeriod = std::chrono::milliseconds{500};
+constexpr Duration kLongestFarewell = std::chrono::seconds{5};
 
+/// A node of the test; on another host without a runner.
 struct Runner {
   const Station* station;
-  adapters::AdapterRunner runner;
+  std::unique_ptr<adapters::AdapterRunner> runner;
   Duration due;
   bool finished = false;
 };
@@ -32,23 +41,28 @@ Runner* next_due(std::vector<Runner>& runners) {
 
 class VirtualRun {
  public:
-  VirtualRun(const Experiment& experiment, Assembly& assembly, const RunOptions& options)
-      : experiment_{experiment}, options_{options}, ring_{broker::Ring::in_process(assembly.map)} {
+  /// @param turns  order of the steps of all hosts; null on one host
+  VirtualRun(const Experiment& experiment, Assembly& assembly, const RunOptions& options,
+             broker::Ring& ring, Turns* turns)
+      : experiment_{experiment}, options_{options}, turns_{turns} {
     for (auto& station : assembly.stations) {
-      station.adapter->activate();
-      runners_.push_back(
-          {&station,
-           adapters::AdapterRunner{*station.adapter, ring_, station.plan.node, assembly.map.hash(),
-                                   station.plan.schedule.period},
-           station.plan.schedule.phase, false});
+      const bool is_here = turns == nullptr || station.plan.host == options.host;
+      if (is_here) station.adapter->activate();
+      runners_.push_back({&station,
+                          is_here ? std::make_unique<adapters::AdapterRunner>(
+                                        *station.adapter, ring, station.plan.node,
+                                        assembly.map.hash(), station.plan.schedule.period)
+                                  : nullptr,
+                          station.plan.schedule.phase, false});
     }
   }
 
   std::string run() {
     if (options_.started) options_.started();
     while (Runner* runner = next_due(runners_)) {
-      const Status status = runner->runner.tick(runner->due, stopping_since_.has_value(), {});
-      if (status == Status::Done || status == Status::Fault) end(*runner, status);
+      const auto status = step(*runner);
+      if (!status) return trouble_;
+      if (*status == Status::Done || *status == Status::Fault) end(*runner, *status);
       if (stopping_since_ && runner->due > *stopping_since_ + longest_stop(experiment_))
         return "a node did not come to rest";
       report_progress(runner->due);
@@ -58,12 +72,28 @@ class VirtualRun {
   }
 
  private:
+  // Empty if another host did not make its step.
+  std::optional<Status> step(Runner& runner) {
+    const std::string& node = runner.station->plan.node;
+    if (!runner.runner) {
+      const auto waited = turns_->wait_for(node);
+      if (!waited.trouble.empty()) trouble_ = waited.trouble;
+      return waited.status;
+    }
+    const Status status = runner.runner->tick(runner.due, stopping_since_.has_value(), {});
+    if (turns_ != nullptr) turns_->pass_on(runner.runner->node(), node, status);
+    return status;
+  }
+
   void end(Runner& runner, Status status) {
     runner.finished = true;
     if (!stopping_since_) stopping_since_ = runner.due;
-    if (status == Status::Fault && trouble_.empty())
-      trouble_ = fmt::format("{}: {} at {:.3f} s", runner.station->plan.node,
-                             runner.runner.message(), to_seconds(runner.due));
+    if (status != Status::Fault || !trouble_.empty()) return;
+    const auto& plan = runner.station->plan;
+    trouble_ = runner.runner ? fmt::format("{}: {} at {:.3f} s", plan.node,
+                                           runner.runner->message(), to_seconds(runner.due))
+                             : fmt::format("{} on host '{}': a fault at {:.3f} s", plan.node,
+                                           plan.host, to_seconds(runner.due));
   }
 
   void report_progress(Duration now) {
@@ -74,12 +104,41 @@ class VirtualRun {
 
   const Experiment& experiment_;
   const RunOptions& options_;
-  broker::Ring ring_;
+  Turns* turns_;
   std::vector<Runner> runners_;
   std::optional<Duration> stopping_since_;
   Duration next_progress_{0};
   std::string trouble_;
 };
+
+std::string run_on_one_host(const Experiment& experiment, Assembly& assembly,
+                            const RunOptions& options) {
+  broker::Ring ring = broker::Ring::in_process(assembly.map);
+  return VirtualRun{experiment, assembly, options, ring, nullptr}.run();
+}
+
+// The nodes of the other hosts step there, in the same order.
+std::string run_on_several_hosts(const Experiment& experiment, Assembly& assembly,
+                                 const RunOptions& options) {
+  const InterruptGuard guard;
+  broker::Ring ring = broker::Ring::create(options.ring, assembly.map);
+  const RunCleaning cleaning{options};
+  HostLink link{ring, experiment, options};
+  std::string trouble;
+  try {
+    Turns turns{ring, experiment, link};
+    VirtualRun run{experiment, assembly, options, ring, &turns};
+    link.wait_until_ready([] { return InterruptGuard::is_interrupted(); });
+    trouble = InterruptGuard::is_interrupted() ? "interrupted" : run.run();
+  } catch (const Error& error) {
+    link.publish(HostState::Failed, error.what());
+    link.wait_until_ended(kLongestFarewell);
+    throw;
+  }
+  link.publish(trouble.empty() ? HostState::Completed : HostState::Failed, trouble);
+  link.wait_until_ended(kLongestFarewell);
+  return trouble;
+}
 
 }  // namespace
 
@@ -94,8 +153,10 @@ std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly
         experiment.file.string() +
         ": no node has the adapter 'numerical' or 'opensees', expected one to end a run in virtual "
         "time"};
-  std::string trouble = VirtualRun{experiment, assembly, options}.run();
+  std::string trouble = options.host.empty() ? run_on_one_host(experiment, assembly, options)
+                                             : run_on_several_hosts(experiment, assembly, options);
   for (auto& station : assembly.stations) {
+    if (!options.host.empty() && station.plan.host != options.host) continue;
     try {
       station.adapter->deactivate();
     } catch (const Error& error) {

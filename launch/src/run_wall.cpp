@@ -14,7 +14,9 @@
 #include <rths/core/error.hpp>
 
 #include "child_process.hpp"
+#include "host_link.hpp"
 #include "host_probe.hpp"
+#include "interrupt.hpp"
 #include "launcher_link.hpp"
 #include "run_modes.hpp"
 
@@ -23,46 +25,11 @@ namespace {
 
 constexpr auto kReadyDeadline = std::chrono::seconds{20};
 constexpr auto kHeadStart = std::chrono::milliseconds{50};  // between "go" and the first step
-constexpr auto kRestMargin = std::chrono::seconds{1};       // beyond the longest stop of a node
-constexpr int kPollPeriod = 50;                             // [ms]
+constexpr auto kHeadStartOfHosts = std::chrono::milliseconds{500};
+constexpr auto kRestMargin = std::chrono::seconds{1};  // beyond the longest stop of a node
+constexpr int kPollPeriod = 50;                        // [ms]
 constexpr auto kLifePeriod = std::chrono::milliseconds{50};
 constexpr double kProbeMargin = 10;  // [s] beyond the planned duration
-
-volatile std::sig_atomic_t interrupt_received = 0;  // NOLINT: for the signal handler
-
-extern "C" void note_interrupt(int) { interrupt_received = 1; }
-
-/// Installs the signal handlers during its lifetime.
-class InterruptGuard {
- public:
-  InterruptGuard() {
-    interrupt_received = 0;
-    struct sigaction action {};
-    action.sa_handler = note_interrupt;
-    for (std::size_t i = 0; i < std::size(kSignals); ++i)
-      sigaction(kSignals[i], &action, &previous_[i]);
-  }
-  ~InterruptGuard() {
-    for (std::size_t i = 0; i < std::size(kSignals); ++i)
-      sigaction(kSignals[i], &previous_[i], nullptr);
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
-  struct sigaction previous_[std::size(kSignals)] = {};
-};
-
-/// Removes the name of the ring at the end of the run, and the file of a recorder that died while
-/// it created the file.
-struct Cleaning {
-  const RunOptions& options;
-  ~Cleaning() {
-    broker::remove_ring(options.ring);
-    recording::remove_unfinished(options.recording);
-  }
-};
 
 // An opensees_specimen is ready only after OpenSees has connected.
 Duration longest_start(const Experiment& experiment) {
@@ -81,10 +48,13 @@ struct NodeProcess {
 
 class WallRun {
  public:
-  WallRun(const Experiment& experiment, const Assembly& assembly, const RunOptions& options)
-      : experiment_{experiment}, options_{options} {
+  /// @param link  to the other hosts of the test; null on one host
+  WallRun(const Experiment& experiment, const Assembly& assembly, const RunOptions& options,
+          HostLink* link)
+      : experiment_{experiment}, options_{options}, link_{link} {
     for (const auto& station : assembly.stations)
-      nodes_.push_back({station.plan.node, ChildProcess{arguments_for(station.plan.node)}});
+      if (link == nullptr || station.plan.host == options.host)
+        nodes_.push_back({station.plan.node, ChildProcess{arguments_for(station.plan.node)}});
   }
 
   void wait_until_ready() {
@@ -92,42 +62,86 @@ class WallRun {
     for (auto& node : nodes_) {
       std::optional<std::string> line;
       while (!(line = node.process.read_line()) && !node.process.ended() &&
-             clock_.now() < deadline && interrupt_received == 0) {
+             clock_.now() < deadline && !InterruptGuard::is_interrupted()) {
         show_life();
         wait_for_output();
       }
       if (line == "ready" && !node.process.ended()) continue;
-      if (interrupt_received != 0) return;
+      if (InterruptGuard::is_interrupted()) return;
       throw Error{fmt::format(
           "node '{}' did not become ready: it {}", node.node,
           node.process.ended() ? node.process.ending() : "sent no message before the deadline")};
     }
+    if (link_ != nullptr) link_->wait_until_ready([this] { return has_lost_a_node(); });
   }
 
   WallRunResult run() {
-    if (interrupt_received != 0) {
+    if (InterruptGuard::is_interrupted()) {
       result_.interrupted = true;
       return std::move(result_);
     }
     if (options_.started) options_.started();
-    const TimePoint epoch = clock_.now() + kHeadStart;
+    const auto agreed = agree_on_epoch();
+    if (!agreed) return std::move(result_);
+    const TimePoint epoch = *agreed;
     for (auto& node : nodes_) node.process.send_line(fmt::format("go {}", epoch.count()));
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
     while (!all_ended()) {
       show_life();
       wait_for_output();
       for (auto& node : nodes_) read_messages(node);
-      if (interrupt_received != 0 && !stopping_) stop("interrupted");
+      if (InterruptGuard::is_interrupted() && !stopping_) stop("interrupted");
+      if (link_ != nullptr && !stopping_) follow_other_hosts();
       if (stopping_ && clock_.now() > *stopping_ + longest_stop(experiment_) + kRestMargin)
         kill_remaining();
       report_progress(epoch);
     }
-    result_.interrupted = interrupt_received != 0;
+    result_.interrupted = InterruptGuard::is_interrupted();
     result_.lateness = probe.finish();
     return std::move(result_);
   }
 
  private:
+  // The leading host sets the common time zero. Empty if there is none: the result has the reason.
+  std::optional<TimePoint> agree_on_epoch() {
+    if (link_ == nullptr) return clock_.now() + kHeadStart;
+    if (link_->is_leader()) {
+      const TimePoint epoch = clock_.now() + kHeadStartOfHosts;
+      link_->publish(HostState::Going, "", epoch);
+      return epoch;
+    }
+    const TimePoint deadline = clock_.now() + kReadyDeadline;
+    while (clock_.now() < deadline && !has_lost_a_node()) {
+      if (const auto epoch = link_->epoch()) return epoch;
+      if (const auto trouble = link_->find_trouble()) {
+        result_.trouble = *trouble;
+        return std::nullopt;
+      }
+    }
+    result_.interrupted = InterruptGuard::is_interrupted();
+    result_.trouble = "the leading host did not start the test";
+    return std::nullopt;
+  }
+
+  // Before the start: shows life to the nodes, which wait. @throws Error if one has ended
+  bool has_lost_a_node() {
+    show_life();
+    wait_for_output();
+    for (const auto& node : nodes_)
+      if (node.process.ended())
+        throw Error{fmt::format("node '{}' {} before the start", node.node, node.process.ending())};
+    return InterruptGuard::is_interrupted();
+  }
+
+  void follow_other_hosts() {
+    if (const auto trouble = link_->find_trouble()) {
+      if (result_.trouble.empty()) result_.trouble = *trouble;
+      stop(*trouble);
+    } else if (link_->is_test_over()) {
+      stop("");
+    }
+  }
+
   [[nodiscard]] std::vector<std::string> arguments_for(const std::string& node) const {
     std::vector<std::string> arguments{
         "node",        experiment_.file.string(),  "--node", node, "--ring", options_.ring,
@@ -187,6 +201,7 @@ class WallRun {
     stopping_ = clock_.now();
     stopped_for_a_reason_ = !reason.empty();
     for (auto& node : nodes_) node.process.send_line(reason.empty() ? "stop" : "stop " + reason);
+    if (link_ != nullptr) link_->publish(HostState::Stopping, reason);
   }
 
   void kill_remaining() {
@@ -205,6 +220,7 @@ class WallRun {
 
   const Experiment& experiment_;
   const RunOptions& options_;
+  HostLink* link_;
   WallClock clock_;
   std::deque<NodeProcess> nodes_;
   std::optional<TimePoint> stopping_;
@@ -213,6 +229,26 @@ class WallRun {
   WallRunResult result_;
 };
 
+// Tells the other hosts how the test ended here.
+WallRunResult run_with_other_hosts(const Experiment& experiment, const Assembly& assembly,
+                                   const RunOptions& options, HostLink& link) {
+  const Duration farewell = longest_stop(experiment) + kRestMargin;
+  WallRunResult result;
+  try {
+    WallRun run{experiment, assembly, options, &link};
+    run.wait_until_ready();
+    result = run.run();
+  } catch (const Error& error) {
+    link.publish(HostState::Failed, error.what());
+    link.wait_until_ended(farewell);
+    throw;
+  }
+  const std::string reason = result.interrupted ? "interrupted" : result.trouble;
+  link.publish(reason.empty() ? HostState::Completed : HostState::Failed, reason);
+  link.wait_until_ended(farewell);
+  return result;
+}
+
 }  // namespace
 
 WallRunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
@@ -220,10 +256,14 @@ WallRunResult run_in_wall_time(const Experiment& experiment, const Assembly& ass
   const InterruptGuard guard;
   broker::on_lost_memory(broker::OnLostMemory::Continue);
   broker::Ring ring = broker::Ring::create(options.ring, assembly.map);
-  const Cleaning cleaning{options};
-  WallRun run{experiment, assembly, options};
-  run.wait_until_ready();
-  return run.run();
+  const RunCleaning cleaning{options};
+  if (options.host.empty()) {
+    WallRun run{experiment, assembly, options, nullptr};
+    run.wait_until_ready();
+    return run.run();
+  }
+  HostLink link{ring, experiment, options};
+  return run_with_other_hosts(experiment, assembly, options, link);
 }
 
 }  // namespace rths::launch

@@ -264,6 +264,7 @@ Analysis analyse(const std::filesystem::path& folder) {
   analysis.steps = analyse_steps(run, analysis.host_late);
   analysis.duration = run.signal("opf.1.time.target").back();
   analysis.nodes = analyse_nodes(run);
+  analysis.hops = analyse_hops(run);
   analysis.drops = run.drops();
   analysis.rows_missing = run.rows_missing();
   const auto given = [](const auto& reader) { return reader ? &*reader : nullptr; };

@@ -22,9 +22,9 @@ struct Series {
   std::vector<double> values;
 };
 
-/// The value below which a fraction of the values lies; 0 if there are none.
 /// Mean of values; 0 without any.
 [[nodiscard]] double mean(std::span<const double> values);
+/// The value below which a fraction of the values lies; 0 if there are none.
 /// @param fraction  0 to 1 [-]
 [[nodiscard]] double percentile(std::vector<double> values, double fraction);
 
@@ -64,6 +64,13 @@ struct NodeAnalysis {
   std::string name;
   long steps = 0, overruns = 0, stale = 0;
   double late_p50 = 0, late_p99 = 0, late_max = 0;  ///< [s]
+};
+
+/// Updates of a node on another host of the test.
+struct HopAnalysis {
+  std::string from, to;                                ///< node, host
+  double delay_p50 = 0, delay_p99 = 0, delay_max = 0;  ///< from sending to the ring of the host [s]
+  double age_p99 = 0, age_max = 0;                     ///< of the words on that host [s]
 };
 
 /// A floor spectrum and its source.
@@ -108,6 +115,7 @@ struct Analysis {
   std::vector<AxisAnalysis> axes;
   StepAnalysis steps;
   std::vector<NodeAnalysis> nodes;
+  std::vector<HopAnalysis> hops;  ///< of a test on several hosts in real time
   std::vector<std::pair<std::string, std::int64_t>> drops;
   std::int64_t rows_missing = 0;  ///< of the recording
   Series host_late;               ///< largest of each interval [s]; empty in virtual time
@@ -127,6 +135,11 @@ struct Analysis {
 
 /// Facts of the experiment and the ending of the run, from the recording.
 void describe(Analysis& analysis, const recording::Reader& run);
+
+/// Hops of updates between the hosts of a test, from the signals of their gateways.
+[[nodiscard]] std::vector<HopAnalysis> analyse_hops(const recording::Reader& run);
+/// Name of the host of a gateway's signals: "lab" of partition "gateway.lab"; empty for others.
+[[nodiscard]] std::string host_of_gateway(const std::string& partition);
 
 /// Changes of words that no node of the run writes, in order of time. A word that changes often is
 /// data of another program and not listed.

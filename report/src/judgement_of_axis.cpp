@@ -150,12 +150,10 @@ Break offset_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bou
   const auto& d = axis.displacement;
   const auto error = difference(d.values, axis.command.values);
   const auto beyond = [&](const Window& window, double allowed) -> Break {
-    double mean = 0;
-    for (const double e : part(error, window))
-      mean += e / static_cast<double>(window.end - window.begin);
-    if (std::abs(mean) <= allowed) return {};
+    const double offset = mean(part(error, window));
+    if (std::abs(offset) <= allowed) return {};
     return Broken{"offset", all.time[window.begin], d.name,
-                  fmt::format("an offset of {:.1f} mm from the command", 1e3 * mean),
+                  fmt::format("an offset of {:.1f} mm from the command", 1e3 * offset),
                   fmt::format("at most {:.1f} mm", 1e3 * allowed)};
   };
   if (static_cast<double>(all.rest) * all.interval > kShortestRest)
@@ -173,14 +171,12 @@ Break offset_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bou
 Break load_of(const Evidence& all, const Bounds& bounds) {
   if (!all.load.is_recorded() || !all.load_reference.is_recorded()) return {};
   for (const auto& window : windows(all, kSecond)) {
-    double load = 0, reference = 0;
-    for (const double value : part(all.load.values, window)) load += value;
-    for (const double value : part(all.load_reference.values, window)) reference += value;
+    const double load = mean(part(all.load.values, window));
+    const double reference = mean(part(all.load_reference.values, window));
     if (std::abs(load - reference) <= bounds.load * std::abs(reference)) continue;
-    const auto ticks = static_cast<double>(window.end - window.begin);
     return Broken{"load", all.time[window.begin], all.load.name,
-                  fmt::format("{:.0f} kN", load / ticks * 1e-3),
-                  fmt::format("{:.0f} kN", reference / ticks * 1e-3)};
+                  fmt::format("{:.0f} kN", load * 1e-3),
+                  fmt::format("{:.0f} kN", reference * 1e-3)};
   }
   return {};
 }

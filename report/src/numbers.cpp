@@ -130,6 +130,30 @@ Json node_numbers(const NodeAnalysis& node) {
           {"late_max_ms", rounded(node.late_max * kMilli, 3)}};
 }
 
+Json hop_numbers(const HopAnalysis& hop) {
+  return {{"from", hop.from},
+          {"to", hop.to},
+          {"delay_p50_ms", rounded(hop.delay_p50 * kMilli, 4)},
+          {"delay_p99_ms", rounded(hop.delay_p99 * kMilli, 4)},
+          {"delay_max_ms", rounded(hop.delay_max * kMilli, 3)},
+          {"age_p99_ms", rounded(hop.age_p99 * kMilli, 3)},
+          {"age_max_ms", rounded(hop.age_max * kMilli, 3)}};
+}
+
+// The slowest hop between two hosts.
+std::string hops_summary(const std::vector<HopAnalysis>& hops) {
+  if (hops.empty()) return "";
+  const auto slowest = std::max_element(hops.begin(), hops.end(), [](const auto& a, const auto& b) {
+    return a.delay_p99 < b.delay_p99;
+  });
+  return fmt::format(
+      "hosts   updates of {} reach host {} in {:.2f} ms (p99 {:.2f}, at most {:.1f}), the slowest "
+      "of {} "
+      "hops\n",
+      slowest->from, slowest->to, slowest->delay_p50 * kMilli, slowest->delay_p99 * kMilli,
+      slowest->delay_max * kMilli, hops.size());
+}
+
 Json broken_numbers(const std::vector<Broken>& conditions) {
   Json list = Json::array();
   for (const auto& broken : conditions)
@@ -231,6 +255,8 @@ Json numbers_of(const Analysis& analysis) {
     json["floors"][floor.floor] = floor_numbers(floor, analysis.frequencies);
   json["nodes"] = Json::object();
   for (const auto& node : analysis.nodes) json["nodes"][node.name] = node_numbers(node);
+  json["hops"] = Json::array();
+  for (const auto& hop : analysis.hops) json["hops"].push_back(hop_numbers(hop));
   json["drops"] = Json::object();
   for (const auto& [node, count] : analysis.drops) json["drops"][node] = count;
   json["rows_missing"] = analysis.rows_missing;
@@ -268,6 +294,7 @@ std::string summary_of(const Analysis& analysis) {
   text += fmt::format("host    at most {:.2f} ms late, {} of {} steps excused, {} overruns\n",
                       largest(analysis.host_late.values) * kMilli, steps.excused_count,
                       steps.slow.size() + 1, total_overruns(analysis));
+  text += hops_summary(analysis.hops);
   if (analysis.rows_missing > 0)
     text += fmt::format("record  {} rows missing: the recorder did not run at their time\n",
                         analysis.rows_missing);

@@ -28,6 +28,7 @@ std::vector<OperatorChange> operator_changes(const recording::Reader& run) {
   for (std::uint32_t i = 0; i < run.map().signals().size(); ++i) {
     const auto& entry = run.map().entry(SignalId{i});
     if (nodes.count(entry.partition->node) > 0 || !run.has(entry.name)) continue;
+    if (!host_of_gateway(entry.partition->name).empty()) continue;
     const auto changes = changes_of(run, entry.name);
     if (changes.size() <= kMostChanges) all.insert(all.end(), changes.begin(), changes.end());
   }

@@ -206,6 +206,10 @@
     table("nodes", ["node", "steps", "late p50 [ms]", "p99", "max", "overruns", "stale reads", "not recorded"],
       Object.entries(n.nodes).map(([name, s]) => [name, s.steps, fixed(s.late_p50_ms, 3), fixed(s.late_p99_ms, 3),
         fixed(s.late_max_ms, 3), s.overruns, s.stale_reads, n.drops[name] ?? "–"]));
+    if (n.hops.length === 0) return;
+    table("hops", ["updates of", "reach host", "after p50 [ms]", "p99", "max", "age of the words p99 [ms]", "max"],
+      n.hops.map((h) => [h.from, h.to, fixed(h.delay_p50_ms, 3), fixed(h.delay_p99_ms, 3), fixed(h.delay_max_ms, 2),
+        fixed(h.age_p99_ms, 1), fixed(h.age_max_ms, 1)]));
   };
 
   const numbers = () => {

@@ -29,9 +29,17 @@ enum class ClockKind { Wall, Virtual };
 /// Names and values of parameters of a node [SI].
 using Tuning = std::vector<std::pair<std::string, double>>;
 
+/// A host of a test that runs on several.
+struct HostPlan {
+  std::string name;
+  std::string address;    ///< for the other hosts; empty: found by multicast
+  std::string interface;  ///< name or address; empty: `address`, or else the network's default
+};
+
 /// A node of the map and the adapter that runs there.
 struct NodePlan {
   std::string node;
+  std::string host;     ///< empty: the test runs on one host
   std::string adapter;  ///< numerical, opensees, simulink_like, srmd, ideal_machine, echo,
                         ///< opensees_specimen or recorder
   adapters::Schedule schedule;
@@ -68,12 +76,17 @@ struct Experiment {
   adapters::ComputingTime computing_time;
   bool model_computing_time = false;  ///< also in wall time, where this solver is fast
   adapters::Retreat retreat;
+  std::vector<HostPlan> hosts;                           ///< by name; empty: one host
+  std::uint32_t domain = 0;                              ///< of DDS, between the hosts
+  double host_deadline = 60;                             ///< wait for the other hosts [s]
   std::vector<NodePlan> nodes;                           ///< in starting order
   std::optional<adapters::DisplacementHistory> history;  ///< imposed instead of an analysis
   Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
   recording::NamedTexts config;  ///< input files, for the recording
 
   [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
+  /// The host that starts the test and has the recording; empty if there is one host.
+  [[nodiscard]] std::string leading_host() const;
 };
 
 /// Changes of the command line to an experiment file: dotted key, value as TOML.

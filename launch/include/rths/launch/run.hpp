@@ -19,12 +19,15 @@ struct Progress {
 struct RunOptions {
   ClockKind clock = ClockKind::Wall;
   std::filesystem::path recording;  ///< file to write
-  std::string ring;                 ///< name of the ring in shared memory; wall clock only
+  std::string ring;                 ///< name of the ring in shared memory
+  std::string host;                 ///< this host of a test on several; empty: all nodes run here
+  std::string interface;            ///< of the network; empty: the experiment's
   Overrides overrides;              ///< those of load_experiment; passed on to the processes
   std::string version;              ///< of the program, for the recording
   /// Called when all nodes are ready, before the first step. If it throws, the run is not started.
   std::function<void()> started;
-  std::function<void(const Progress&)> progress;  ///< called a few times per second; may be empty
+  std::function<void(const Progress&)> progress;   ///< called a few times per second; may be empty
+  std::function<void(const std::string&)> report;  ///< a line per event of the network, any thread
 };
 
 /// Result of a run.

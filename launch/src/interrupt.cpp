@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "interrupt.hpp"
+
+namespace rths::launch {
+namespace {
+
+volatile std::sig_atomic_t interrupt_received = 0;  // NOLINT: for the signal handler
+
+extern "C" void note_interrupt(int) { interrupt_received = 1; }
+
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+  interrupt_received = 0;
+  struct sigaction action {};
+  action.sa_handler = note_interrupt;
+  for (std::size_t i = 0; i < kCount; ++i) sigaction(kSignals[i], &action, &previous_[i]);
+}
+
+InterruptGuard::~InterruptGuard() {
+  for (std::size_t i = 0; i < kCount; ++i) sigaction(kSignals[i], &previous_[i], nullptr);
+}
+
+bool InterruptGuard::is_interrupted() { return interrupt_received != 0; }
+
+}  // namespace rths::launch

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Experiments on several hosts: network namespaces, real sockets, one `rths run --host` on each.
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <map>
+#include <memory>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/recording/recording.hpp>
+
+#include "support/files.hpp"
+#include "support/network.hpp"
+#include "support/process.hpp"
+#include "support/waiting.hpp"
+
+namespace rths::launch {
+namespace {
+
+using Json = nlohmann::json;
+
+bool is_long() { return std::getenv("RTHS_LONG") != nullptr; }
+
+class SeveralHosts : public ::testing::Test {
+ protected:
+  static constexpr const char* kHosts[] = {"simulation", "control", "machine"};
+  void SetUp() override {
+    if (!network_.exists()) GTEST_SKIP() << "SKIPPED: network namespaces cannot be made here";
+  }
+  [[nodiscard]] std::filesystem::path out(const std::string& host) const {
+    return folder_.path() / host;
+  }
+  /// Starts the example on one host. All hosts share this computer's memory, so that each ring has
+  /// a name of its own.
+  void start(int host, const std::string& options) {
+    const std::string name = kHosts[host];
+    running_[name] = std::make_unique<test::Running>(std::vector<std::string>{
+        "/bin/sh", "-c",
+        fmt::format("exec {}{} run {} --host {} --ring hosts_{}_{} --out {} --interface eth0 "
+                    "--no-diagnosis {}",
+                    network_.on(host + 1), test::rths_command(),
+                    (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(), name,
+                    getpid(), name, out(name).string(), options)});
+  }
+  void start_all(const std::string& options) {
+    for (int host = 0; host < 3; ++host) start(host, options);
+  }
+  [[nodiscard]] test::Finished end_of(const std::string& host, double deadline = 60) {
+    return running_.at(host)->wait(deadline);
+  }
+
+  const test::Network network_{3};
+  const test::TemporaryFolder folder_;
+  std::map<std::string, std::unique_ptr<test::Running>> running_;
+};
+
+TEST_F(SeveralHosts, GiveTheBytesOfOneHostInVirtualTime) {
+  const std::string options =
+      is_long() ? "--clock virtual" : "--clock virtual --set duration_s=3 --set rest_s=0.5";
+  start_all(options);
+  for (const char* host : kHosts) {
+    const auto ended = end_of(host, 400);
+    EXPECT_EQ(ended.exit_code, 0) << host << ended.err;
+    std::printf("%s: %.1f s\n", host, ended.seconds);
+  }
+  const auto alone = folder_.path() / "alone";
+  const auto ended = test::run_rths(
+      {"run", (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(), "--no-diagnosis",
+       "--out", alone.string(), "--clock", "virtual", "--set",
+       is_long() ? "seed=1992" : "duration_s=3", "--set", is_long() ? "rate=1" : "rest_s=0.5"},
+      200);
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  const std::string command =
+      fmt::format("h5diff --exclude-path=/meta {} {}", (out("simulation") / "run.h5").string(),
+                  (alone / "run.h5").string());
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(recording::Reader{out("simulation") / "run.h5"}.rows(),
+            recording::Reader{alone / "run.h5"}.rows());
+  EXPECT_FALSE(std::filesystem::exists(out("control") / "run.h5"));
+}
+
+TEST_F(SeveralHosts, RunOneTestInRealTime) {
+  start_all("--set duration_s=5 --set rest_s=1");
+  for (const char* host : kHosts) {
+    const auto ended = end_of(host);
+    // 1: a busy computer makes the test inconclusive
+    EXPECT_LE(ended.exit_code, 1) << host << ended.out << ended.err;
+    EXPECT_GE(ended.exit_code, 0) << host << ended.err;
+  }
+  const recording::Reader run{out("simulation") / "run.h5"};
+  EXPECT_EQ(run.meta().at("ending"), "completed");
+  EXPECT_GT(run.rows(), 6000U);
+  // Ages of all hops: of the nodes of other hosts, on each host.
+  for (const char* signal : {"gateway.simulation.age.srmd", "gateway.simulation.age.xpc",
+                             "gateway.control.age.opf", "gateway.machine.delay.xpc"}) {
+    const auto values = run.signal(signal);
+    ASSERT_FALSE(values.empty()) << signal;
+    std::vector<double> sorted{values.begin() + static_cast<long>(values.size() / 2), values.end()};
+    std::sort(sorted.begin(), sorted.end());
+    const double median = sorted[sorted.size() / 2];
+    EXPECT_GT(median, 1e-6) << signal;
+    EXPECT_LT(median, 0.05) << signal;
+    std::printf("%s: median %.3f ms, p99 %.3f ms\n", signal, 1e3 * median,
+                1e3 * sorted[sorted.size() * 99 / 100]);
+  }
+}
+
+TEST_F(SeveralHosts, ComeToRestWhenOneIsLost) {
+  start_all("--set duration_s=30");
+  ASSERT_TRUE(test::comes_true(
+      [&] {
+        return !test::children_of(running_.at("machine")->pid()).empty() &&
+               std::filesystem::exists(out("simulation") / "run.h5");
+      },
+      std::chrono::seconds{30}));
+  std::this_thread::sleep_for(std::chrono::seconds{4});
+  kill(running_.at("control")->pid(), SIGKILL);
+  const auto simulation = end_of("simulation", 15), machine = end_of("machine", 15);
+  for (const auto& ended : {simulation, machine}) {
+    EXPECT_EQ(ended.exit_code, 2) << ended.err;
+    EXPECT_NE(ended.err.find("silent"), std::string::npos) << ended.err;
+  }
+  EXPECT_EQ(recording::Reader{out("simulation") / "run.h5"}.meta().count("ending"), 1U);
+}
+
+TEST_F(SeveralHosts, SayWhichOneIsMissing) {
+  start(0, "--set network.deadline_s=2");
+  const auto ended = end_of("simulation", 20);
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_NE(ended.err.find("host 'control', 'machine' not ready after 2 s"), std::string::npos)
+      << ended.err;
+}
+
+TEST_F(SeveralHosts, RefuseAnotherExperiment) {
+  start(0, "");
+  start(1, "--set seed=7");
+  for (const char* host : {"simulation", "control"}) {
+    const auto ended = end_of(host, 20);
+    EXPECT_EQ(ended.exit_code, 2);
+    EXPECT_NE(ended.err.find("runs another experiment"), std::string::npos) << ended.err;
+  }
+}
+
+TEST_F(SeveralHosts, NameAHostWithAnotherMap) {
+  start(0, "--set network.deadline_s=5");
+  start(1, "--set network.deadline_s=5 --set node.xpc.tune.ats.enabled=0");
+  const auto ended = end_of("simulation", 20);
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_NE(ended.err.find("host 'control' has another map"), std::string::npos) << ended.err;
+}
+
+TEST(SeveralHostsOnTheCommandLine, RefuseAnUnknownName) {
+  const auto ended =
+      test::run_rths({"run", (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(),
+                      "--host", "lab"});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_NE(ended.err.find("has no host 'lab', expected one of control, machine, simulation"),
+            std::string::npos)
+      << ended.err;
+}
+
+}  // namespace
+}  // namespace rths::launch
