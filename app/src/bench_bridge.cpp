@@ -11,6 +11,7 @@ namespace rths::app {
 int bench_bridge(const BridgeBenchArguments& arguments) {
   bench::BridgeBenchOptions options;
   options.cycles = arguments.cycles;
+  options.updates = arguments.updates;
   options.domain = arguments.domain;
   const bench::BridgeBenchReport report = bench::run_bridge_bench(options);
   fmt::print("{}", arguments.json ? bench::to_json(report) : bench::to_text(report));

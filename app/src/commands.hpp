@@ -144,6 +144,7 @@ struct OpenseesBenchArguments {
 
 struct BridgeBenchArguments {
   int cycles = 5;
+  std::uint32_t updates = 2'000'000;  ///< of each cycle
   std::uint32_t domain = 211;  ///< of DDS
   bool json = false;
 };

@@ -224,8 +224,11 @@ void add_bench_bridge(CLI::App& bench, Arguments& a, Chosen& chosen) {
   command->add_option("--cycles", a.bridge_bench.cycles, "Measurements in turns with bare samples")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--domain", a.bridge_bench.domain, "DDS domain")
-      ->check(CLI::Range(0, 230))
+  command->add_option("--updates", a.bridge_bench.updates, "Writes of each cycle")
+      ->check(CLI::Range(1000, 1'000'000'000))
+      ->capture_default_str();
+  command->add_option("--domain", a.bridge_bench.domain, "DDS domain; the next one is used, too")
+      ->check(CLI::Range(0, 229))
       ->capture_default_str();
   command->callback([&] { chosen = [&a] { return bench_bridge(a.bridge_bench); }; });
 }

@@ -17,7 +17,6 @@
 namespace rths::broker {
 namespace {
 
-constexpr Duration kLongestSpin = std::chrono::microseconds{50};
 constexpr Duration kLongestSleep = std::chrono::milliseconds{10};  // bounds a missed wake-up
 constexpr int kMostWritesPerPoll = 1 << 16;  // of one node, before the deadline is checked
 constexpr int kPollsPerClock = 64;           // reading the clock takes as long as many polls
@@ -38,6 +37,7 @@ struct Follower::State {
   NodeId writer;
   std::uint64_t position = 0;
   std::uint64_t lost = 0;
+  bool ignored = false;              ///< by its waiter
   std::uint32_t memory_end = 0;      ///< of the ring's memory: entries beyond it are skipped
   std::vector<std::uint32_t> words;  ///< of the group that is being read
 
@@ -147,6 +147,7 @@ bool Waiter::State::matches(const Write& write) const noexcept {
 // Ok: a matching write. Stale: none yet.
 Status Waiter::State::poll(Write& write) noexcept {
   for (auto& follower : followers) {
+    if (follower.state_->ignored) continue;
     for (int i = 0; i < kMostWritesPerPoll; ++i) {
       const Followed followed = follower.next(write);
       if (followed == Followed::Lost) return Status::LimitExceeded;
@@ -163,6 +164,9 @@ Waiter& Waiter::operator=(Waiter&&) noexcept = default;
 Waiter::~Waiter() = default;
 
 Status Waiter::wait(TimePoint deadline, Write& write) noexcept {
+  const Status first = state_->poll(write);
+  if (first != Status::Stale) return first;
+  if (deadline == TimePoint{0}) return Status::Late;
   const WallClock clock;
   const TimePoint sleep_from = clock.now() + state_->spin;
   for (;;) {
@@ -181,6 +185,15 @@ Status Waiter::wait(TimePoint deadline, Write& write) noexcept {
   }
 }
 
+void Waiter::ignore(NodeId writer, bool ignored) noexcept {
+  for (auto& follower : state_->followers) {
+    auto& state = *follower.state_;
+    if (state.writer != writer || state.ignored == ignored) continue;
+    state.ignored = ignored;
+    if (!ignored) state.position = end_of(state.journal);
+  }
+}
+
 Follower Ring::follow(const std::string& node) {
   auto state = std::make_unique<Follower::State>();
   const NodeId id = map_->node(node);
@@ -195,14 +208,14 @@ Follower Ring::follow(const std::string& node) {
   return Follower{std::move(state)};
 }
 
-Waiter Ring::wait_for(const std::vector<LongwordRange>& words) {
+Waiter Ring::wait_for(const std::vector<LongwordRange>& words, Duration longest_spin) {
   auto state = std::make_unique<Waiter::State>();
   state->observer.emplace(observe());
   state->slot = state->observer->slot_;
   state->wake = &segment_->wake();
   state->words = words;
   // On a single processor, spinning would block the writer.
-  state->spin = std::thread::hardware_concurrency() > 1 ? kLongestSpin : Duration{0};
+  state->spin = std::thread::hardware_concurrency() > 1 ? longest_spin : Duration{0};
   for (const auto& node : map_->description().nodes) {
     const auto may_write = [&](const LongwordRange& range) {
       return std::any_of(map_->partitions().begin(), map_->partitions().end(),

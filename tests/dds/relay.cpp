@@ -2,6 +2,8 @@
 #include "relay.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <thread>
 
 namespace rths::test {
 
@@ -12,13 +14,24 @@ class Relay::Port final : public dds::Carrier {
     relay_->send(index_, bytes);
     return true;
   }
-  bool receive(std::vector<std::byte>& bytes, Duration timeout) override {
-    return relay_->receive(index_, bytes, timeout);
+  ~Port() override { listen({}); }
+  void listen(Handler handle) override {
+    ends_ = true;
+    if (thread_.joinable()) thread_.join();
+    if (!handle) return;
+    ends_ = false;
+    thread_ = std::thread{[this, handle] {
+      std::vector<std::byte> bytes;
+      while (!ends_)
+        if (relay_->receive(index_, bytes, std::chrono::milliseconds{5})) handle(bytes);
+    }};
   }
 
  private:
   std::shared_ptr<Relay> relay_;
   std::size_t index_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
 };
 
 std::unique_ptr<dds::Carrier> Relay::connect() {

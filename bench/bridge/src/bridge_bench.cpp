@@ -63,7 +63,7 @@ class NearSide {
       : samples_{samples},
         open_{"words", "near", small_map(), domain},
         near_{open_.ring().join("near", 0)},
-        waiter_{open_.ring().wait_for({{kFarWord, 1}})} {
+        waiter_{open_.ring().wait_for({{kFarWord, 1}}, Duration{0})} {
     wait_for("the ring of the second process", [&] {
       return near_.presence_of(NodeId{2}).state == broker::Presence::State::Alive &&
              open_.gateway().counts().snapshots > 0;
@@ -87,7 +87,9 @@ class NearSide {
   }
   /// Writes through the ring. @returns updates per second
   double write(std::uint32_t count, BridgeBenchReport& report) {
-    const std::uint64_t sent = open_.gateway().counts().updates_sent;
+    const auto before = open_.gateway().counts();
+    const std::uint64_t sent = before.updates_sent;
+    samples_.send({Message::kFollow, tag_ + count});
     const TimePoint begun = clock_.now();
     for (std::uint32_t i = 0; i < count; ++i) {
       if (i % 1024 == 0)
@@ -95,10 +97,14 @@ class NearSide {
           std::this_thread::sleep_for(std::chrono::microseconds{100});
       write_next();
     }
-    const Message answer = ask({Message::kFollow, tag_});
+    const Message answer = samples_.receive();
+    const double seconds = to_seconds(clock_.now() - begun);
+    const auto after = open_.gateway().counts();
     report.lost += answer.lost;
     report.reordered += answer.reordered;
-    return count / to_seconds(clock_.now() - begun);
+    report.updates_per_frame = static_cast<double>(after.updates_sent - before.updates_sent) /
+                               static_cast<double>(after.frames_sent - before.frames_sent);
+    return count / seconds;
   }
   /// One-way times through the ring [ns].
   std::vector<double> ring_trips(int round_trips) {
@@ -192,7 +198,7 @@ void measure(const BridgeBenchOptions& options, BridgeBenchReport& report) {
   Samples samples{options.domain};
   // The first message waits until the two processes have found each other.
   std::this_thread::sleep_for(std::chrono::seconds{1});
-  NearSide near{samples, options.domain};
+  NearSide near{samples, options.domain + 1};
   std::vector<double> updates, bare, ratios, bytes;
   std::vector<Times> ring, straight;
   std::vector<double> trips;
@@ -213,7 +219,7 @@ void measure(const BridgeBenchOptions& options, BridgeBenchReport& report) {
   report.latency_ratio_p50 = median(trips);
   report.latency_ratio_interval = median_interval(trips, kSeed);
   near.measure_load(report);
-  measure_resync(samples, options.domain, median(bytes), report);
+  measure_resync(samples, options.domain + 1, median(bytes), report);
   samples.send({Message::kEnd});
 }
 

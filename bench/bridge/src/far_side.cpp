@@ -17,7 +17,7 @@
 namespace rths::bench {
 namespace {
 
-constexpr Duration kLongestAnswer = std::chrono::seconds{60};
+constexpr Duration kLongestWait = std::chrono::seconds{60};
 
 dds::CycloneOptions loopback(std::uint32_t domain, const std::string& ring) {
   dds::CycloneOptions options;
@@ -31,7 +31,7 @@ dds::CycloneOptions loopback(std::uint32_t domain, const std::string& ring) {
 // Tags are written once each, in rising order. @param next  the next expected tag
 Message follow(broker::Follower& follower, std::uint64_t& next, std::uint64_t last) {
   const WallClock clock;
-  const TimePoint deadline = clock.now() + kLongestAnswer;
+  const TimePoint deadline = clock.now() + kLongestWait;
   Message answer;
   while (next <= last) {
     broker::Write write{};
@@ -40,6 +40,7 @@ Message follow(broker::Follower& follower, std::uint64_t& next, std::uint64_t la
       std::this_thread::sleep_for(std::chrono::microseconds{50});
       continue;
     }
+    if (write.offset != kNearWord || write.value == 0) continue;  // of the first snapshot
     if (write.value < next) ++answer.reordered;
     if (write.value > next) answer.lost += write.value - next;
     next = std::max<std::uint64_t>(next, write.value + 1ULL);
@@ -53,7 +54,7 @@ void echo(broker::Node& far, broker::Waiter& waiter, std::uint64_t writes) {
   const WallClock clock;
   for (std::uint64_t i = 0; i < writes; ++i) {
     broker::Write write{};
-    if (waiter.wait(clock.now() + kLongestAnswer, write) != Status::Ok) return;
+    if (waiter.wait(clock.now() + kLongestWait, write) != Status::Ok) return;
     static_cast<void>(far.write(kFarWord, write.value));
   }
 }
@@ -75,29 +76,6 @@ Message receive_image(std::uint32_t domain) {
 }
 
 }  // namespace
-
-Samples::Samples(std::uint32_t domain)
-    : carrier_{dds::make_cyclone_carrier(loopback(domain, "rths_bridge_bench"))} {}
-
-void Samples::send(const Message& message) {
-  if (!carrier_->send(std::as_bytes(std::span{&message, 1})))
-    throw Error{"a sample could not be sent"};
-}
-
-void Samples::send_bytes(std::size_t bytes) {
-  buffer_.assign(bytes, std::byte{0});
-  const std::uint64_t kind = Message::kSample;
-  std::memcpy(buffer_.data(), &kind, std::min(bytes, sizeof kind));
-  if (!carrier_->send(buffer_)) throw Error{"a sample could not be sent"};
-}
-
-Message Samples::receive() {
-  std::vector<std::byte> bytes;
-  if (!carrier_->receive(bytes, kLongestAnswer)) throw Error{"the other process does not answer"};
-  Message message;
-  std::memcpy(&message, bytes.data(), std::min(bytes.size(), sizeof message));
-  return message;
-}
 
 OpenRing::OpenRing(const std::string& joint_name, const std::string& side, const memmap::Map& map,
                    std::uint32_t domain)
@@ -125,7 +103,7 @@ double processor_time() {
 
 void wait_for(const char* what, const std::function<bool()>& condition) {
   const WallClock clock;
-  const TimePoint deadline = clock.now() + kLongestAnswer;
+  const TimePoint deadline = clock.now() + kLongestWait;
   while (!condition()) {
     if (clock.now() > deadline) throw Error{fmt::format("waited in vain for {}", what)};
     std::this_thread::sleep_for(std::chrono::microseconds{100});
@@ -134,10 +112,10 @@ void wait_for(const char* what, const std::function<bool()>& condition) {
 
 void run_far_side(std::uint32_t domain) {
   Samples samples{domain};
-  OpenRing open{"words", "far", small_map(), domain};
+  OpenRing open{"words", "far", small_map(), domain + 1};
   broker::Node far = open.ring().join("far", 0);
   broker::Follower follower = open.ring().follow("near");
-  broker::Waiter waiter = open.ring().wait_for({{kNearWord, 1}});
+  broker::Waiter waiter = open.ring().wait_for({{kNearWord, 1}}, Duration{0});
   std::uint64_t count = 0, tag = 1;
   for (;;) {
     Message message = samples.receive();
@@ -159,7 +137,7 @@ void run_far_side(std::uint32_t domain) {
         echo(far, waiter, message.number);
         continue;
       case Message::kImage:
-        message = receive_image(domain);
+        message = receive_image(domain + 1);
         break;
       case Message::kRest: {
         const double before = processor_time();

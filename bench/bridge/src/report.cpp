@@ -21,6 +21,7 @@ std::string to_json(const BridgeBenchReport& r) {
                         {"updates_per_s", r.updates_per_s},
                         {"samples_per_s", r.samples_per_s},
                         {"updates_ratio", r.updates_ratio},
+                        {"updates_per_frame", r.updates_per_frame},
                         {"goal", kUpdatesGoal},
                         {"gate", kUpdatesGate},
                         {"lost", r.lost},
@@ -51,9 +52,9 @@ std::string to_text(const BridgeBenchReport& r) {
   text += fmt::format(
       "\nupdates  {:.2f} million/s, bare samples {:.3f} million/s: {:.0f} times (goal {:g}, gate "
       "{:g})\n"
-      "         {} lost, {} reordered\n",
+      "         {} lost, {} reordered, {:.0f} updates per frame\n",
       1e-6 * r.updates_per_s, 1e-6 * r.samples_per_s, r.updates_ratio, kUpdatesGoal, kUpdatesGate,
-      r.lost, r.reordered);
+      r.lost, r.reordered, r.updates_per_frame);
   text += fmt::format(
       "latency  {:.1f} us (p99 {:.1f}), bare {:.1f} us (p99 {:.1f}): {:.2f} times, 95 % {:.2f} to "
       "{:.2f} "

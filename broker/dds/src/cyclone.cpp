@@ -3,6 +3,7 @@
 // The carrier over Cyclone DDS: one reliable topic; a ring's name is its DDS partition.
 #include <array>
 #include <mutex>
+#include <utility>
 
 #include <dds/dds.h>
 #include <fmt/format.h>
@@ -16,6 +17,7 @@ namespace rths::dds {
 namespace {
 
 constexpr dds_duration_t kLongestBlock = DDS_SECS(1);
+constexpr std::size_t kSamples = 16;  // taken at once
 
 std::string escaped(const std::string& text) {
   std::string result;
@@ -85,10 +87,10 @@ class CycloneCarrier final : public Carrier {
     return dds_write(writer_, &sample) == DDS_RETCODE_OK;
   }
 
-  bool receive(std::vector<std::byte>& bytes, Duration timeout) override {
-    if (take(bytes)) return true;
-    dds_waitset_wait(arrival_, nullptr, 0, timeout.count());
-    return take(bytes);
+  void listen(Handler handle) override {
+    const std::lock_guard lock{mutex_};
+    handle_ = std::move(handle);
+    if (handle_) hand_over();
   }
 
  private:
@@ -108,29 +110,36 @@ class CycloneCarrier final : public Carrier {
         checked(dds_create_subscriber(participant_, of_ring.qos, nullptr), "subscriber");
     writer_ = checked(dds_create_writer(publisher, topic, reliable.qos, nullptr), "writer");
     reader_ = checked(dds_create_reader(subscriber, topic, reliable.qos, nullptr), "reader");
-    arrival_ = checked(dds_create_waitset(participant_), "waitset");
-    dds_set_status_mask(reader_, DDS_DATA_AVAILABLE_STATUS);
-    dds_waitset_attach(arrival_, reader_, 0);
+    dds_listener_t* const listener = dds_create_listener(this);
+    dds_lset_data_available(listener, [](dds_entity_t, void* carrier) {
+      auto& self = *static_cast<CycloneCarrier*>(carrier);
+      const std::lock_guard lock{self.mutex_};
+      if (self.handle_) self.hand_over();
+    });
+    dds_set_listener(reader_, listener);
+    dds_delete_listener(listener);
   }
 
-  bool take(std::vector<std::byte>& bytes) {
-    std::array<void*, 1> samples{};
-    dds_sample_info_t info{};
+  // Hands over the samples that are here, as long as others come.
+  void hand_over() {
+    std::array<void*, kSamples> samples{};
+    std::array<dds_sample_info_t, kSamples> infos{};
     for (;;) {
-      const dds_return_t count = dds_take(reader_, samples.data(), &info, 1, 1);
-      if (count <= 0) return false;
-      const bool valid = info.valid_data;
-      if (valid) {
-        const auto& content = static_cast<const rths_dds_Bytes*>(samples[0])->content;
-        const auto* begin = reinterpret_cast<const std::byte*>(content._buffer);
-        bytes.assign(begin, begin + content._length);
+      const dds_return_t count =
+          dds_take(reader_, samples.data(), infos.data(), kSamples, kSamples);
+      if (count <= 0) return;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+        if (!infos[i].valid_data) continue;
+        const auto& content = static_cast<const rths_dds_Bytes*>(samples[i])->content;
+        handle_({reinterpret_cast<const std::byte*>(content._buffer), content._length});
       }
       dds_return_loan(reader_, samples.data(), count);
-      if (valid) return true;
     }
   }
 
-  dds_entity_t participant_ = 0, writer_ = 0, reader_ = 0, arrival_ = 0;
+  std::mutex mutex_;  ///< of the handler and the reader
+  Handler handle_;
+  dds_entity_t participant_ = 0, writer_ = 0, reader_ = 0;
 };
 
 }  // namespace

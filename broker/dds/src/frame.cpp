@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "frame.hpp"
 
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -11,9 +12,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "frames are little-endian");
 
-constexpr std::uint32_t kMagic = 0x46485452;                 // "RTHF"
-constexpr std::uint32_t kGroup = 0x80000000;                 // in an update's first word
-constexpr std::int64_t kLatestTime = std::int64_t{1} << 60;  // [ns], 36 years after the start
+constexpr std::uint32_t kMagic = 0x46485452;                     // "RTHF"
+constexpr std::uint32_t kGroup = 0x80000000, kRun = 0x40000000;  // in an update's first word
+constexpr std::size_t kUsualFrame = 8 * 1024;                    // [B]
+constexpr std::int64_t kLatestTime = std::int64_t{1} << 60;      // [ns], 36 years after the start
 
 /// The header as it is in a frame.
 struct Wire {
@@ -89,9 +91,10 @@ bool UpdateReader::next(Update& update) {
   malformed_ = rest_.size() % 4 != 0 || words < 2;
   if (malformed_) return false;
   const std::uint32_t head = word_at(rest_, 0), second = word_at(rest_, 1);
-  update.offset = LongwordOffset{head & ~kGroup};
+  update.offset = LongwordOffset{head & ~(kGroup | kRun)};
+  update.is_run = (head & kRun) != 0;
   update.group.clear();
-  if ((head & kGroup) == 0) {
+  if ((head & (kGroup | kRun)) == 0) {
     update.value = second;
     rest_ = rest_.subspan(8);
     return true;
@@ -104,24 +107,30 @@ bool UpdateReader::next(Update& update) {
   return true;
 }
 
-FrameWriter::FrameWriter(const FrameHeader& header) : header_{header}, bytes_(sizeof(Wire)) {
+FrameWriter::FrameWriter(const FrameHeader& header) : header_{header} {
+  bytes_.reserve(kUsualFrame);
+  bytes_.resize(sizeof(Wire));
   header_.count = 0;
 }
 
-void FrameWriter::add(std::uint32_t value) {
-  const auto* begin = reinterpret_cast<const std::byte*>(&value);
-  bytes_.insert(bytes_.end(), begin, begin + sizeof value);
+void FrameWriter::add(std::uint32_t first, std::uint32_t second) {
+  const std::array<std::uint32_t, 2> words{first, second};
+  add_bytes(std::as_bytes(std::span{words}));
 }
 
 void FrameWriter::add_word(LongwordOffset offset, std::uint32_t value) {
-  add(offset.value());
-  add(value);
+  add(offset.value(), value);
   ++header_.count;
 }
 
 void FrameWriter::add_group(LongwordOffset offset, std::span<const std::uint32_t> words) {
-  add(offset.value() | kGroup);
-  add(static_cast<std::uint32_t>(words.size()));
+  add(offset.value() | kGroup, static_cast<std::uint32_t>(words.size()));
+  add_bytes(std::as_bytes(words));
+  ++header_.count;
+}
+
+void FrameWriter::add_run(LongwordOffset offset, std::span<const std::uint32_t> words) {
+  add(offset.value() | kRun, static_cast<std::uint32_t>(words.size()));
   add_bytes(std::as_bytes(words));
   ++header_.count;
 }

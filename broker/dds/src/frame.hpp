@@ -53,11 +53,13 @@ struct Frame {
 /// @param defect  set if there is none
 [[nodiscard]] std::optional<Frame> decode(std::span<const std::byte> bytes, FrameDefect& defect);
 
-/// One write of a stream: a word, or a tear group with its words.
+/// One write of a stream: a word, or a tear group with its words. In a snapshot also a run of
+/// words.
 struct Update {
   LongwordOffset offset;
   std::uint32_t value = 0;                ///< of a word
-  std::vector<std::uint32_t> group = {};  ///< empty: a word
+  std::vector<std::uint32_t> group = {};  ///< of a group or a run; empty: a word
+  bool is_run = false;
 };
 
 /// Reads the updates of a payload one by one.
@@ -78,12 +80,13 @@ class FrameWriter {
  public:
   /// Begins a frame.
   explicit FrameWriter(const FrameHeader& header);
-  /// Size of an update in a frame [B]; `group` words, or 0 for a word.
+  /// Size of an update in a frame [B]; words of the group or run, or 0 for a word.
   [[nodiscard]] static std::size_t size_of(std::size_t group) {
     return 8 + (group > 0 ? 4 * group : 0);
   }
   void add_word(LongwordOffset offset, std::uint32_t value);
   void add_group(LongwordOffset offset, std::span<const std::uint32_t> words);
+  void add_run(LongwordOffset offset, std::span<const std::uint32_t> words);
   void add_bytes(std::span<const std::byte> bytes);
   [[nodiscard]] std::size_t bytes() const { return bytes_.size(); }
   [[nodiscard]] std::uint16_t count() const { return header_.count; }
@@ -91,7 +94,7 @@ class FrameWriter {
   [[nodiscard]] std::vector<std::byte> finish();
 
  private:
-  void add(std::uint32_t value);
+  void add(std::uint32_t first, std::uint32_t second);
   FrameHeader header_;
   std::vector<std::byte> bytes_;
 };

@@ -2,6 +2,7 @@
 #include "inbox.hpp"
 
 #include <algorithm>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -10,7 +11,7 @@
 namespace rths::dds {
 namespace {
 
-constexpr Duration kLongestWait = std::chrono::milliseconds{5};
+constexpr Duration kTickPeriod = std::chrono::milliseconds{5};
 constexpr Duration kAskAgain = std::chrono::milliseconds{30};
 constexpr Duration kPatience = std::chrono::milliseconds{10};
 constexpr Duration kSilence = std::chrono::seconds{1};  // then a host is not listed any more
@@ -27,12 +28,17 @@ Inbox::Inbox(const std::string& ring, Shared& shared)
       signals_{ring_, shared.options.is_deterministic ? "" : shared.options.host} {}
 
 void Inbox::run() {
-  std::vector<std::byte> bytes;
+  shared_.carrier->listen([this](std::span<const std::byte> bytes) {
+    const std::lock_guard lock{mutex_};
+    now_ = clock_.now();
+    receive(bytes);
+  });
   while (!shared_.ends.load(std::memory_order_relaxed)) {
-    const bool received = shared_.carrier->receive(bytes, kLongestWait);
+    std::this_thread::sleep_for(kTickPeriod);
+    const std::lock_guard lock{mutex_};
     tick(clock_.now());
-    if (received) receive(bytes);
   }
+  shared_.carrier->listen({});
 }
 
 void Inbox::bad_frame(const std::string& reason) {
@@ -248,9 +254,19 @@ void Inbox::apply(Stream& stream, const Frame& frame) {
 
 bool Inbox::write(Stream& stream, const Update& update) {
   if (update.offset.value() >= ring_.map().description().size_longwords) return false;
+  if (update.is_run) return write_run(stream, update);
   if (update.group.empty()) return stream.node.write(update.offset, update.value) == Status::Ok;
   const auto* const group = stream.words.group_at(update.offset, update.group.size());
   return group != nullptr && stream.node.write_group(group->id, update.group) == Status::Ok;
+}
+
+bool Inbox::write_run(Stream& stream, const Update& run) {
+  const std::uint32_t size = ring_.map().description().size_longwords;
+  if (run.group.size() > size - run.offset.value()) return false;
+  Status status = Status::Ok;
+  for (std::uint32_t i = 0; i < run.group.size() && status == Status::Ok; ++i)
+    status = stream.node.write(advance(run.offset, i), run.group[i]);
+  return status == Status::Ok;
 }
 
 void Inbox::receive_snapshot(Stream& stream, const Frame& frame) {

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -22,18 +23,20 @@
 
 namespace rths::dds {
 
-/// Receives the writes of other hosts' nodes. One thread runs it.
+/// Receives the writes of other hosts' nodes. A thread of the carrier hands over their bytes,
+/// another one runs the timers.
 class Inbox {
  public:
   Inbox(const std::string& ring, Shared& shared);
   /// Until the gateway ends.
   void run();
+
+ private:
   /// Handles received bytes, which anyone may have sent.
   void receive(std::span<const std::byte> bytes);
   /// Asks again for missing updates.
   void tick(TimePoint now);
 
- private:
   /// The writes of one node of another host.
   struct Stream {
     Stream(HostId of, broker::Node joined, NodeWords its)
@@ -78,6 +81,7 @@ class Inbox {
   /// Writes the updates from number `expected` on.
   void apply(Stream& stream, const Frame& frame);
   [[nodiscard]] bool write(Stream& stream, const Update& update);
+  [[nodiscard]] bool write_run(Stream& stream, const Update& run);
   /// Asks for the updates before `end`, or, with 0, for a snapshot; not again within 30 ms.
   void ask(std::uint16_t node, Stream& stream, std::uint64_t end);
   [[nodiscard]] Stream* stream_of(const Frame& frame);
@@ -87,6 +91,7 @@ class Inbox {
   Shared& shared_;
   broker::Ring ring_;
   WallClock clock_;
+  std::mutex mutex_;  ///< of all below, for the two threads
   TimePoint now_{0};
   std::map<std::uint16_t, std::unique_ptr<Stream>> streams_;  ///< by NodeId: one owner per node
   std::map<HostId, Host> hosts_;

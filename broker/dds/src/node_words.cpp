@@ -36,12 +36,17 @@ NodeWords::NodeWords(const broker::Ring& ring, const std::string& node) {
 }
 
 void NodeWords::visit(
-    const broker::Node& reader, const std::function<void(LongwordOffset, std::uint32_t)>& word,
+    const broker::Node& reader,
+    const std::function<void(LongwordOffset, std::span<const std::uint32_t>)>& run,
     const std::function<void(const Group&, std::span<const std::uint32_t>)>& group) const {
-  for (const auto& range : words_)
-    for (std::uint32_t i = 0; i < range.longwords; ++i)
-      word(advance(range.base, i), reader.read(advance(range.base, i)));
   std::vector<std::uint32_t> values;
+  for (const auto& range : words_)
+    for (std::uint32_t begin = 0; begin < range.longwords; begin += kLongestRun) {
+      values.resize(std::min(kLongestRun, range.longwords - begin));
+      const auto base = advance(range.base, begin);
+      for (std::uint32_t i = 0; i < values.size(); ++i) values[i] = reader.read(advance(base, i));
+      run(base, values);
+    }
   for (const auto& one : groups_) {
     values.resize(one.longwords);
     if (reader.read_group(one.id, values) == Status::Ok) group(one, values);
@@ -52,7 +57,10 @@ std::optional<std::uint64_t> NodeWords::hash(const broker::Node& reader) const {
   std::vector<std::uint32_t> all;
   std::size_t groups = 0;
   visit(
-      reader, [&](LongwordOffset, std::uint32_t value) { all.push_back(value); },
+      reader,
+      [&](LongwordOffset, std::span<const std::uint32_t> values) {
+        all.insert(all.end(), values.begin(), values.end());
+      },
       [&](const Group&, std::span<const std::uint32_t> values) {
         all.insert(all.end(), values.begin(), values.end());
         ++groups;

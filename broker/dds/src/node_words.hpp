@@ -23,10 +23,11 @@ class NodeWords {
   };
   NodeWords(const broker::Ring& ring, const std::string& node);
 
-  /// Visits the present value of every word and group. A group that its writer keeps changing is
-  /// left out; its next write brings it.
+  /// Visits the present values of all words, in runs of at most `kLongestRun`, and of all groups. A
+  /// group that its writer keeps changing is left out; its next write brings it.
+  static constexpr std::uint32_t kLongestRun = 4096;
   void visit(const broker::Node& reader,
-             const std::function<void(LongwordOffset, std::uint32_t)>& word,
+             const std::function<void(LongwordOffset, std::span<const std::uint32_t>)>& run,
              const std::function<void(const Group&, std::span<const std::uint32_t>)>& group) const;
   /// Hash of all values; empty while a group is being written.
   [[nodiscard]] std::optional<std::uint64_t> hash(const broker::Node& reader) const;

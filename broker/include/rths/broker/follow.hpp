@@ -69,9 +69,12 @@ class Waiter {
   ~Waiter();
 
   /// Waits for the next write to any of the words, in each writer's own order.
-  /// @returns Ok; Late if there was none until `deadline` (CLOCK_MONOTONIC); LimitExceeded, with
+  /// @param deadline  on CLOCK_MONOTONIC; 0: does not wait
+  /// @returns Ok; Late if there was none until the deadline; LimitExceeded, with
   ///          `write` not set, if writes were lost   @realtime, except for the sleep
   [[nodiscard]] Status wait(TimePoint deadline, Write& write) RTHS_REALTIME;
+  /// Ignores the writes of a node, or follows them again from now on.   @realtime
+  void ignore(NodeId writer, bool ignored) RTHS_REALTIME;
 
  private:
   friend class Ring;

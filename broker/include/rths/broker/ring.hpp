@@ -11,6 +11,7 @@
 
 #include <rths/broker/detail/journal_writer.hpp>
 #include <rths/broker/detail/wake.hpp>
+#include <rths/core/clock.hpp>
 #include <rths/core/ids.hpp>
 #include <rths/core/realtime.hpp>
 #include <rths/core/status.hpp>
@@ -38,6 +39,9 @@ void on_lost_memory(OnLostMemory reaction);
 /// words per millisecond) and 64 KiB.
 inline constexpr std::uint32_t kJournalBits = 16;
 inline constexpr std::uint32_t kInProcessJournalBits = 12;
+
+/// A waiter spins for this long before it sleeps.
+inline constexpr Duration kLongestSpin = std::chrono::microseconds{50};
 
 /// State of a node on a ring.
 struct Presence {
@@ -179,8 +183,10 @@ class Ring {
   [[nodiscard]] Node observe();
   /// Follows the writes of a node from now on; the node may join later. See follow.hpp.   @setup
   [[nodiscard]] Follower follow(const std::string& node);
-  /// Waits for writes to these words, or to any word if `words` is empty. See follow.hpp.   @setup
-  [[nodiscard]] Waiter wait_for(const std::vector<LongwordRange>& words);
+  /// Waits for writes to these words, or to any word if `words` is empty. See follow.hpp.
+  /// @param longest_spin  before it sleeps; on a single processor it does not spin   @setup
+  [[nodiscard]] Waiter wait_for(const std::vector<LongwordRange>& words,
+                                Duration longest_spin = kLongestSpin);
   /// Writer and time of the last write to a word.   @setup
   [[nodiscard]] LastWrite last_write(LongwordOffset offset);
   /// The tear group of a partition. @throws Error if the partition is not a tear group   @setup

@@ -16,7 +16,7 @@ struct BridgeBenchOptions {
   std::uint32_t updates = 2'000'000;  ///< of each cycle
   std::uint32_t samples = 100'000;    ///< bare samples of each cycle, one word each
   int round_trips = 2'000;            ///< of each kind in each cycle
-  std::uint32_t domain = 211;         ///< of DDS
+  std::uint32_t domain = 211;         ///< of the bare samples; the gateways use the next one
 };
 
 /// Bounds: what is aimed at, and what fails [-].
@@ -29,6 +29,7 @@ struct BridgeBenchReport {
   int cycles = 0;
   double updates_per_s = 0, samples_per_s = 0;  ///< medians over cycles
   double updates_ratio = 0;
+  double updates_per_frame = 0;           ///< of the last cycle
   std::uint64_t lost = 0, reordered = 0;  ///< updates of all cycles
   Times latency, bare_latency;            ///< one way, medians over cycles
   double latency_ratio_p50 = 0;

@@ -3,27 +3,28 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <rths/core/clock.hpp>
 
 namespace rths::dds {
 
 /// Carries bytes from one gateway to all others, whole or not at all. Bytes may be lost, repeated,
 /// reordered or made by others: the gateway checks and repairs.
 ///
-/// One thread sends, another receives.
+/// One thread sends; a thread of the carrier hands over the bytes that arrive.
 class Carrier {
  public:
+  using Handler = std::function<void(std::span<const std::byte>)>;
   virtual ~Carrier() = default;
   /// Sends to all others. Blocks while they are behind. @returns false if it gave up after a
   /// second
   [[nodiscard]] virtual bool send(std::span<const std::byte> bytes) = 0;
-  /// Waits for the next bytes from others. @returns false if there were none until the timeout
-  [[nodiscard]] virtual bool receive(std::vector<std::byte>& bytes, Duration timeout) = 0;
+  /// Calls `handle` with all bytes that arrive from now on, one call at a time. Empty: ends this;
+  /// after the return, no call is running.
+  virtual void listen(Handler handle) = 0;
 };
 
 struct CycloneOptions {
