@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -145,7 +146,7 @@ struct OpenseesBenchArguments {
 struct BridgeBenchArguments {
   int cycles = 5;
   std::uint32_t updates = 2'000'000;  ///< of each cycle
-  std::uint32_t domain = 211;  ///< of DDS
+  std::uint32_t domain = 211;         ///< of DDS
   bool json = false;
 };
 /// @returns 0 if all gates pass, 1 if inconclusive on this host, 2 if a gate fails
@@ -165,8 +166,16 @@ struct DiagnoseArguments {
 [[nodiscard]] int map_check(const std::string& file);
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);
 [[nodiscard]] int report(const std::string& folder);
-/// @param format  text or json: a line per ring, and one about real time
-[[nodiscard]] int doctor(const std::string& format);
+struct DoctorArguments {
+  std::string format = "text";          ///< text or json: a line per ring, and one about real time
+  std::optional<std::uint32_t> domain;  ///< of DDS: examines the network instead
+  std::string interface;
+  std::vector<std::string> peers;
+};
+[[nodiscard]] int doctor(const DoctorArguments& arguments);
+/// Interfaces of this host, gateways of the domain and their clocks; advice.
+/// @returns 0 if a gateway was heard, otherwise 1
+[[nodiscard]] int doctor_of_network(const DoctorArguments& arguments);
 /// Removes rings.
 /// @param rings  empty: those that no process uses, without idle cards
 [[nodiscard]] int clean(const std::vector<std::string>& rings);

@@ -42,6 +42,7 @@ struct Arguments {
   WhoArguments who;
   WatchArguments watch;
   BridgeArguments bridge;
+  DoctorArguments doctor;
   SendArguments send;
   BenchArguments bench;
   LoopArguments loop;
@@ -351,10 +352,21 @@ void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* report_command = app.add_subcommand("report", "Rewrite the report of a run");
   report_command->add_option("folder", a.folder, "Folder of the run")->required();
   report_command->callback([&] { chosen = [&a] { return report(a.folder); }; });
-  auto* doctor_command =
-      app.add_subcommand("doctor", "List the rings of this host and their faults");
-  doctor_command->add_option("--format", a.format)->check(CLI::IsMember({"text", "json"}));
-  doctor_command->callback([&] { chosen = [&a] { return doctor(a.format); }; });
+  auto* doctor_command = app.add_subcommand(
+      "doctor", "List the rings of this host and their faults, or the network's");
+  doctor_command->add_option("--format", a.doctor.format)->check(CLI::IsMember({"text", "json"}));
+  auto* domain =
+      doctor_command
+          ->add_option("--domain", a.doctor.domain,
+                       "Examine the network: interfaces, gateways of this DDS domain, their clocks")
+          ->check(CLI::Range(0, 230));
+  doctor_command->add_option("--interface", a.doctor.interface, "As for the gateway of this host")
+      ->needs(domain);
+  doctor_command->add_option("--peer", a.doctor.peers, "As for the gateway of this host")
+      ->take_all()
+      ->allow_extra_args(false)
+      ->needs(domain);
+  doctor_command->callback([&] { chosen = [&a] { return doctor(a.doctor); }; });
   auto* clean_command =
       app.add_subcommand("clean", "Remove rings that no running process uses, but keep idle cards");
   clean_command->add_option("ring", a.rings, "Names of rings to remove, also with idle cards");

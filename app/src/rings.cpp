@@ -83,7 +83,9 @@ bool remove(const broker::RingReport& ring) {
 
 }  // namespace
 
-int doctor(const std::string& format) {
+int doctor(const DoctorArguments& arguments) {
+  if (arguments.domain) return doctor_of_network(arguments);
+  const std::string& format = arguments.format;
   const auto rings = broker::list_rings();
   const bool as_json = format == "json";
   bool any_unused = false;

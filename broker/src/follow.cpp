@@ -185,6 +185,10 @@ Status Waiter::wait(TimePoint deadline, Write& write) noexcept {
   }
 }
 
+void Node::spare(const Waiter& waiter) {
+  if (writer_) writer_->spared |= 1U << waiter.state_->slot;
+}
+
 void Waiter::ignore(NodeId writer, bool ignored) noexcept {
   for (auto& follower : state_->followers) {
     auto& state = *follower.state_;

@@ -228,7 +228,7 @@ Status Node::write_group(TearGroupId id, std::span<const std::uint32_t> words) n
   Writer& writer = *writer_;
   writer.journal.group(access.base, words, access.count);
   shared(*access.journalled).store(access.count, std::memory_order_release);
-  wake_sleepers(*writer.wake);
+  wake_sleepers(*writer.wake, writer.spared);
   return Status::Ok;
 }
 

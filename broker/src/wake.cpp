@@ -16,16 +16,17 @@ long membarrier(int command) noexcept {
   return syscall(SYS_membarrier, command, 0U, 0);  // NOLINT(cppcoreguidelines-pro-type-vararg)
 }
 
-long futex(std::uint32_t& word, int operation, std::uint32_t value,
-           const timespec* timeout) noexcept {
+/// @param bits  a sleeper with any of the bits is woken
+long futex(std::uint32_t& word, int operation, std::uint32_t value, const timespec* timeout,
+           std::uint32_t bits) noexcept {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
-  return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
+  return syscall(SYS_futex, &word, operation, value, timeout, nullptr, bits);
 }
 
 /// @returns the number of processes woken
-long wake_up(Wake& wake) noexcept {
+long wake_up(Wake& wake, std::uint32_t bits) noexcept {
   std::atomic_ref{wake.calls}.fetch_add(1);
-  return futex(wake.calls, FUTEX_WAKE, INT_MAX, nullptr);
+  return futex(wake.calls, FUTEX_WAKE_BITSET, INT_MAX, nullptr, bits);
 }
 
 }  // namespace
@@ -36,11 +37,12 @@ void register_as_writer() {
 
 // If no process woke, the bits are those of processes that died while they slept. A bit may also
 // belong to a process that is just about to sleep again: the second wake-up keeps it awake.
-void wake_all(Wake& wake) noexcept {
-  const std::uint32_t seen = std::atomic_ref{wake.sleepers}.load(std::memory_order_relaxed);
-  if (wake_up(wake) != 0) return;
+void wake_all(Wake& wake, std::uint32_t spared) noexcept {
+  const std::uint32_t seen =
+      std::atomic_ref{wake.sleepers}.load(std::memory_order_relaxed) & ~spared;
+  if (seen == 0 || wake_up(wake, ~spared) != 0) return;
   std::atomic_ref{wake.sleepers}.fetch_and(~seen);
-  wake_up(wake);
+  wake_up(wake, ~spared);
 }
 
 Sleeper::Sleeper(Wake& wake, std::uint32_t slot) noexcept
@@ -55,8 +57,9 @@ Sleeper::~Sleeper() { std::atomic_ref{wake_.sleepers}.fetch_and(~bit_); }
 
 void Sleeper::sleep(Duration most) noexcept {
   constexpr std::int64_t kSecond = 1'000'000'000;
-  const timespec timeout{most.count() / kSecond, most.count() % kSecond};
-  futex(wake_.calls, FUTEX_WAIT, calls_, &timeout);
+  const auto until = (WallClock{}.now() + most).count();
+  const timespec timeout{until / kSecond, until % kSecond};
+  futex(wake_.calls, FUTEX_WAIT_BITSET, calls_, &timeout, bit_);
 }
 
 }  // namespace rths::broker

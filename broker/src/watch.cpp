@@ -39,6 +39,12 @@ struct Watch::State {
   Node observer;
   std::vector<Member> members;
   std::vector<std::uint32_t> expected;  ///< value of each word by the journals
+  /// A word whose changes tell others that data are ready: an event signal of the map.
+  struct Flag {
+    std::uint32_t offset, value;
+  };
+  std::vector<Flag> flags = {};
+  std::vector<bool> is_flag = {};  ///< by word
   struct Suspect {
     std::uint32_t value;
     TimePoint since;
@@ -58,6 +64,7 @@ struct Watch::State {
   void journal(Member& owner, PlainStore store, std::vector<PlainStore>& found);
   [[nodiscard]] bool is_confirmed(const PlainStore& store, const Member* owner);
   void compare(std::vector<PlainStore>& found);
+  void compare_data(std::vector<PlainStore>& found);
   void check_word(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
   /// The process that is this node as a plain client; 0: none.
   [[nodiscard]] Claim plain_holder(NodeId id);
@@ -205,7 +212,20 @@ void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
   found.push_back(std::move(store));
 }
 
+// A program stores its data before the flag that announces them, and clears flags before it sets
+// others. Flags are read first and journalled last, so the data of a flag precede it in the
+// journal.
 void Watch::State::compare(std::vector<PlainStore>& found) {
+  for (auto& flag : flags) flag.value = word(flag.offset);
+  compare_data(found);
+  for (const bool is_set : {false, true})
+    for (const auto& flag : flags)
+      if (flag.value != expected[flag.offset] && (flag.value != 0) == is_set)
+        check_word(flag.offset, flag.value, found);
+  std::erase_if(suspects, [&](const auto& suspect) { return suspect.second.look != looks; });
+}
+
+void Watch::State::compare_data(std::vector<PlainStore>& found) {
   for (std::uint32_t begin = 0; begin < expected.size(); begin += kChunkWords) {
     const auto length = std::min<std::size_t>(kChunkWords, expected.size() - begin);
     // Looks at the words one by one only in a chunk that differs.
@@ -214,13 +234,13 @@ void Watch::State::compare(std::vector<PlainStore>& found) {
     if (difference == 0) continue;
     for (std::uint32_t i = begin; i < begin + length; ++i) {
       const std::uint32_t now = word(i);
-      if (now != expected[i]) check_word(i, now, found);
+      if (now != expected[i] && !is_flag[i]) check_word(i, now, found);
     }
   }
-  std::erase_if(suspects, [&](const auto& suspect) { return suspect.second.look != looks; });
 }
 
-Watch::Watch(Ring& ring) : state_{new State{ring, ring.segment(), ring.observe(), {}, {}, {}}} {
+Watch::Watch(Ring& ring)
+    : state_{new State{ring, ring.segment(), ring.observe(), {}, {}, {}, {}, {}}} {
   std::uint32_t end = 0;
   for (const auto& partition : ring.map().partitions())
     end = std::max(end, partition.base.value() + partition.longwords);
@@ -228,6 +248,12 @@ Watch::Watch(Ring& ring) : state_{new State{ring, ring.segment(), ring.observe()
     state_->members.push_back({node.name, node.id, ring.follow(node.name)});
   register_as_writer();
   for (std::uint32_t i = 0; i < end; ++i) state_->expected.push_back(state_->word(i));
+  state_->is_flag.resize(end);
+  for (const auto& entry : ring.map().signals()) {
+    if (!entry.signal->event) continue;
+    state_->flags.push_back({entry.signal->offset.value(), 0});
+    state_->is_flag[entry.signal->offset.value()] = true;
+  }
   std::vector<PlainStore> found;
   state_->update_members(found);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/launch/experiment.hpp>
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
@@ -229,6 +231,11 @@ bool is_host_name(const std::string& name) {
   });
 }
 
+bool is_ip_address(const std::string& text) {
+  in_addr address{};
+  return inet_pton(AF_INET, text.c_str(), &address) == 1;
+}
+
 void read_hosts(const Config& file, Experiment& experiment) {
   const Config hosts = file.table_or_empty("host");
   for (const auto& name : hosts.keys()) {
@@ -237,7 +244,7 @@ void read_hosts(const Config& file, Experiment& experiment) {
                  fmt::format("the host's name is '{}', expected letters, digits and '_'", name));
     const Config table = hosts.table(name);
     HostPlan host{name, table.text("address", ""), table.text("interface", "")};
-    if (host.interface.empty()) host.interface = host.address;
+    if (host.interface.empty() && is_ip_address(host.address)) host.interface = host.address;
     table.reject_unknown_keys();
     experiment.hosts.push_back(std::move(host));
   }

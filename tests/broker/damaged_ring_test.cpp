@@ -22,6 +22,7 @@
 
 #include "broker/src/segment.hpp"
 #include "damage.hpp"
+#include "support/long_run.hpp"
 #include "support/ring_maps.hpp"
 
 namespace rths::broker {
@@ -264,7 +265,7 @@ std::string listed(const std::vector<std::uint64_t>& seeds) {
 }
 
 TEST(DamagedRing, CrashesNoCommandAndDelaysNone) {
-  const std::uint64_t count = std::getenv("RTHS_LONG") != nullptr ? 100'000 : 400;
+  const std::uint64_t count = test::is_long() ? 100'000 : 400;
 
   const Outcome outcome = try_all(count);
 

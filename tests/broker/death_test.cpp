@@ -13,7 +13,6 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -25,6 +24,7 @@
 
 #include "broker/src/record.hpp"
 #include "broker/src/segment.hpp"
+#include "support/long_run.hpp"
 #include "support/realtime_guard.hpp"
 #include "support/ring_maps.hpp"
 
@@ -378,7 +378,7 @@ TEST_P(KillsOf, AWriterCauseNoTornLostOrHangingRead) {
   constexpr unsigned kSeed = 4;
   std::mt19937 random{kSeed};
   Tally tally;
-  const int kills = std::getenv("RTHS_LONG") != nullptr ? 3400 : 100;
+  const int kills = test::is_long() ? 3400 : 100;
 
   while (tally.kills < kills) kill_one(name, length, progress, random, reader, tally);
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The bytes of a frame: what is written is read, and nothing else is.
-#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "broker/dds/src/frame.hpp"
 #include "broker/dds/src/hello.hpp"
+#include "support/long_run.hpp"
 
 namespace rths::dds {
 namespace {
@@ -98,7 +98,7 @@ TEST(Frame, TellsMalformedUpdatesFromTheEnd) {
 
 // Payloads behind a correct checksum, as a hostile participant makes them.
 TEST(Frame, SurvivesRandomPayloads) {
-  const long cases = std::getenv("RTHS_LONG") != nullptr ? 10'000'000 : 100'000;
+  const long cases = test::is_long() ? 10'000'000 : 100'000;
   std::mt19937_64 random{20261123};
   std::vector<std::uint64_t> noise(64);
   std::uint64_t read = 0;

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <numeric>
 
@@ -12,8 +11,12 @@
 
 #include <rths/broker/follow.hpp>
 
+#include "broker/dds/src/clock_offset.hpp"
+#include "broker/dds/src/frame.hpp"
+#include "broker/dds/src/hello.hpp"
 #include "hosts.hpp"
 #include "relay.hpp"
+#include "support/long_run.hpp"
 
 namespace rths {
 namespace {
@@ -228,6 +231,53 @@ TEST_F(GatewayTest, KnowsTheClocksOfOtherHostsAndTheAgesOfTheirWords) {
   EXPECT_TRUE(comes_true([&] { return age() < 0.2; }));
 }
 
+/// A host that only announces itself, with a calendar clock of its own.
+class Stranger {
+ public:
+  Stranger(std::unique_ptr<dds::Carrier> carrier, std::uint64_t map_hash, Duration ahead)
+      : carrier_{std::move(carrier)}, map_hash_{map_hash}, ahead_{ahead} {
+    carrier_->listen([this](std::span<const std::byte> bytes) { answer(bytes); });
+  }
+  ~Stranger() { carrier_->listen({}); }
+  Stranger(const Stranger&) = delete;
+  Stranger& operator=(const Stranger&) = delete;
+
+ private:
+  void answer(std::span<const std::byte> bytes) {
+    dds::FrameDefect defect{};
+    const auto frame = dds::decode(bytes, defect);
+    if (!frame || frame->header.kind != dds::FrameKind::Hello) return;
+    const TimePoint now = WallClock{}.now();
+    dds::FrameHeader header;
+    header.host = 77;
+    header.map_hash = map_hash_;
+    header.sent = now.count();
+    dds::FrameWriter writer{header};
+    writer.add_bytes(dds::to_bytes({"stranger",
+                                    dds::real_time_offset() + ahead_,
+                                    {},
+                                    {{frame->header.host, TimePoint{frame->header.sent}, now}}}));
+    static_cast<void>(carrier_->send(writer.finish()));
+  }
+  std::unique_ptr<dds::Carrier> carrier_;
+  std::uint64_t map_hash_;
+  Duration ahead_;
+};
+
+TEST_F(GatewayTest, NamesAHostWhoseCalendarIsAnHourOff) {
+  here_.start(relay_->connect());
+  const Stranger stranger{relay_->connect(), map_.hash(), -std::chrono::hours{1}};
+  const auto complaints = [&] {
+    const auto lines = here_.lines();
+    return std::count(lines.begin(), lines.end(),
+                      "the clock of host 'stranger' is 3600.0 s behind ours; its times are "
+                      "corrected");
+  };
+  EXPECT_TRUE(comes_true([&] { return complaints() == 1; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds{200});
+  EXPECT_EQ(complaints(), 1) << "said once";
+}
+
 memmap::Map two_policies() {
   return memmap::parse_map(R"(ringmap = 1
 [ring]
@@ -389,7 +439,7 @@ struct Check {
 
 // Each of three hosts has one writer; every host reads the other two.
 TEST(Gateways, LoseNothingAndKeepOrderUnderFaults) {
-  const std::uint32_t writes = std::getenv("RTHS_LONG") != nullptr ? 10'000'000 : 100'000;
+  const std::uint32_t writes = test::is_long() ? 10'000'000 : 100'000;
   constexpr std::uint64_t kSeed = 20261123;
   memmap::MapDescription description;
   description.name = "three";

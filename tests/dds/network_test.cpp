@@ -89,6 +89,33 @@ TEST_F(TwoHosts, ConvergeAfterAGatewayIsKilled) {
   }
 }
 
+TEST_F(TwoHosts, AreHeardByTheDoctor) {
+  test::RingHost first{"first", test::small_map()};
+  const broker::Node machine = first.ring().join("machine", 0);
+  test::Running one{bridge(1, first.ring_name())};
+  test::Running doctor{{"/bin/sh", "-c",
+                        fmt::format("exec {}{} doctor --domain 7 --interface eth0", network_.on(2),
+                                    test::rths_command())}};
+  const auto heard = doctor.wait(20);
+  EXPECT_EQ(heard.exit_code, 0) << heard.err;
+  EXPECT_NE(heard.out.find("eth0         10.77.0.2        up, multicast, MTU "), std::string::npos)
+      << heard.out;
+  EXPECT_NE(heard.out.find("host 'host1': 1 nodes, map " +
+                           memmap::hash_text(first.ring().map().hash()) + ", clock known to 0."),
+            std::string::npos)
+      << heard.out;
+  kill(one.pid(), SIGTERM);
+  EXPECT_EQ(one.wait(10).err, "") << "the doctor is no host";
+
+  test::Running alone{{"/bin/sh", "-c",
+                       fmt::format("exec {}{} doctor --domain 9 --interface eth0", network_.on(2),
+                                   test::rths_command())}};
+  const auto nothing = alone.wait(20);
+  EXPECT_EQ(nothing.exit_code, 1) << nothing.err;
+  EXPECT_NE(nothing.out.find("no gateway was heard within 2 s"), std::string::npos) << nothing.out;
+  EXPECT_NE(nothing.out.find("UDP ports 9650 to 9899"), std::string::npos) << nothing.out;
+}
+
 TEST_F(TwoHosts, NameAnInterfaceThatIsNotThere) {
   test::RingHost first{"first", test::small_map()};
   test::Running one{

@@ -13,6 +13,7 @@
 #include <rths/diagnosis/diagnose.hpp>
 
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -172,6 +173,7 @@ TEST_F(RealData, EmpsWithoutFrictionInTheCatalogueIsUnknownAndDependsOnVelocity)
 }
 
 TEST_F(RealData, SilverboxHasACubicSpring) {
+  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("silverbox");
   if (IsSkipped()) return;
 
@@ -185,6 +187,7 @@ TEST_F(RealData, SilverboxHasACubicSpring) {
 }
 
 TEST_F(RealData, SilverboxWithoutItInTheCatalogueIsUnknownAndDependsOnDisplacement) {
+  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("silverbox");
   if (IsSkipped()) return;
 

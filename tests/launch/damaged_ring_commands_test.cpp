@@ -2,11 +2,11 @@
 //
 // The commands on rings that another program has damaged; tests/broker has many more of these.
 #include <algorithm>
-#include <cstdlib>
 
 #include <gtest/gtest.h>
 
 #include "broker/damage.hpp"
+#include "support/long_run.hpp"
 #include "support/process.hpp"
 #include "support/ring_maps.hpp"
 
@@ -17,7 +17,7 @@ TEST(DamagedRingCommands, EndWithAtMostOneLineOfError) {
   const std::string name = test::unique_ring("damaged_command");
   const test::RingRemoval removal{name};
   const broker::RingImage image = broker::ring_to_damage();
-  const std::uint64_t seeds = std::getenv("RTHS_LONG") != nullptr ? 300 : 10;
+  const std::uint64_t seeds = test::is_long() ? 300 : 10;
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     broker::install(broker::damaged(image, seed), name);
     for (const std::vector<std::string>& command : {std::vector<std::string>{"doctor"},

@@ -21,6 +21,7 @@
 
 #include "launch/recorded_times.hpp"
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 #include "support/process.hpp"
 #include "support/ring_maps.hpp"
 
@@ -247,7 +248,7 @@ class Trial {
 class DeathTrial : public ::testing::TestWithParam<const char*> {
  protected:
   [[nodiscard]] static int cases(const std::string& role) {
-    if (std::getenv("RTHS_LONG") != nullptr) return 40;
+    if (test::is_long()) return 40;
     return role == "xpc" || role == "opf" ? 1 : 2;
   }
 };

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "opensees_run.hpp"
+#include "support/waiting.hpp"
 
 namespace rths {
 namespace {
@@ -66,7 +67,7 @@ TEST_F(OpenSeesSpecimen, IsDrivenByASolverAsIfItWereOneModel) {
 TEST_F(OpenSeesSpecimen, EndsTheRunWhenItDies) {
   test::Running laboratory{command("", "tcp")};
   int column = 0;
-  ASSERT_TRUE(comes_true([&] {
+  ASSERT_TRUE(test::comes_true([&] {
     for (const int child : test::children_of(laboratory.pid()))
       if (test::command_line_of(child).find("column.py") != std::string::npos) column = child;
     return column != 0 && std::filesystem::exists(folder_.path() / "ring.csv");

@@ -14,6 +14,7 @@
 
 #include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/long_run.hpp"
 #include "support/process.hpp"
 #include "support/shared_run.hpp"
 
@@ -44,8 +45,7 @@ class DiagnosedRun : public ::testing::Test {
 
   const test::SharedRun run = test::example_run();
   /// For tests that take as long as the run itself.
-  const test::SharedRun repeatable =
-      std::getenv("RTHS_LONG") != nullptr ? test::example_run() : test::short_run();
+  const test::SharedRun repeatable = test::is_long() ? test::example_run() : test::short_run();
   Json verdict;
 };
 
@@ -92,9 +92,8 @@ void expect_honest(const Json& found, int seed) {
 // Friction from Coulomb's law gains nearly as much as friction proportional to the load. With the
 // noise of seed 11, the fits of the forward selection prefer the wrong one.
 TEST(RunDiagnosis, ComparesEveryCauseWithItsRivalsInTheFinalModel) {
-  std::vector<int> seeds{11};
-  if (std::getenv("RTHS_LONG") != nullptr) seeds = {11, 13, 16};
-  for (const int seed : seeds) {
+  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
+  for (const int seed : {11, 13, 16}) {
     const test::TemporaryFolder folder;
 
     const auto run = run_example(folder.path(), {"--set", fmt::format("seed={}", seed)}, 300);

@@ -16,6 +16,7 @@
 #include <rths/recording/recording.hpp>
 
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 #include "support/network.hpp"
 #include "support/process.hpp"
 #include "support/waiting.hpp"
@@ -24,8 +25,6 @@ namespace rths::launch {
 namespace {
 
 using Json = nlohmann::json;
-
-bool is_long() { return std::getenv("RTHS_LONG") != nullptr; }
 
 class SeveralHosts : public ::testing::Test {
  protected:
@@ -48,6 +47,23 @@ class SeveralHosts : public ::testing::Test {
                     (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(), name,
                     getpid(), name, out(name).string(), options)});
   }
+  /// Options of a host in examples/containers/compose.yaml, with the addresses of this network.
+  [[nodiscard]] static std::string options_in_compose_file(const std::string& host) {
+    std::string text = test::content_of(test::source_tree() / "examples/containers/compose.yaml");
+    const auto begin = text.find("--host, ", text.find("\n  " + host + ":"));
+    text = text.substr(begin, text.find(']', begin) - begin);
+    for (const auto& [from, to] :
+         std::vector<std::pair<std::string, std::string>>{{",", ""},
+                                                          {"\n", " "},
+                                                          {"172.30.77.2", "10.77.0.1"},
+                                                          {"172.30.77.3", "10.77.0.2"},
+                                                          {"172.30.77.4", "10.77.0.3"},
+                                                          {"--out /work/results --force", ""}})
+      for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+        text.replace(at, from.size(), to);
+    EXPECT_EQ(text.rfind("--host " + host + " --clock virtual", 0), 0U) << text;
+    return text.substr(std::string{"--host "}.size() + host.size());
+  }
   void start_all(const std::string& options) {
     for (int host = 0; host < 3; ++host) start(host, options);
   }
@@ -61,20 +77,20 @@ class SeveralHosts : public ::testing::Test {
 };
 
 TEST_F(SeveralHosts, GiveTheBytesOfOneHostInVirtualTime) {
-  const std::string options =
-      is_long() ? "--clock virtual" : "--clock virtual --set duration_s=3 --set rest_s=0.5";
-  start_all(options);
+  const std::string shorter = test::is_long() ? "" : " --set duration_s=3 --set rest_s=0.5";
+  for (int host = 0; host < 3; ++host) start(host, options_in_compose_file(kHosts[host]) + shorter);
   for (const char* host : kHosts) {
     const auto ended = end_of(host, 400);
     EXPECT_EQ(ended.exit_code, 0) << host << ended.err;
     std::printf("%s: %.1f s\n", host, ended.seconds);
   }
   const auto alone = folder_.path() / "alone";
-  const auto ended = test::run_rths(
-      {"run", (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(), "--no-diagnosis",
-       "--out", alone.string(), "--clock", "virtual", "--set",
-       is_long() ? "seed=1992" : "duration_s=3", "--set", is_long() ? "rate=1" : "rest_s=0.5"},
-      200);
+  const auto ended =
+      test::run_rths({"run", (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(),
+                      "--no-diagnosis", "--out", alone.string(), "--clock", "virtual", "--set",
+                      test::is_long() ? "seed=1992" : "duration_s=3", "--set",
+                      test::is_long() ? "rate=1" : "rest_s=0.5"},
+                     200);
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   const std::string command =
       fmt::format("h5diff --exclude-path=/meta {} {}", (out("simulation") / "run.h5").string(),
@@ -86,7 +102,7 @@ TEST_F(SeveralHosts, GiveTheBytesOfOneHostInVirtualTime) {
 }
 
 TEST_F(SeveralHosts, RunOneTestInRealTime) {
-  start_all("--set duration_s=5 --set rest_s=1");
+  start_all("--set duration_s=3 --set rest_s=0.5");
   for (const char* host : kHosts) {
     const auto ended = end_of(host);
     // 1: a busy computer makes the test inconclusive
@@ -95,7 +111,7 @@ TEST_F(SeveralHosts, RunOneTestInRealTime) {
   }
   const recording::Reader run{out("simulation") / "run.h5"};
   EXPECT_EQ(run.meta().at("ending"), "completed");
-  EXPECT_GT(run.rows(), 6000U);
+  EXPECT_GT(run.rows(), 3500U);
   // Ages of all hops: of the nodes of other hosts, on each host.
   for (const char* signal : {"gateway.simulation.age.srmd", "gateway.simulation.age.xpc",
                              "gateway.control.age.opf", "gateway.machine.delay.xpc"}) {
@@ -119,7 +135,7 @@ TEST_F(SeveralHosts, ComeToRestWhenOneIsLost) {
                std::filesystem::exists(out("simulation") / "run.h5");
       },
       std::chrono::seconds{30}));
-  std::this_thread::sleep_for(std::chrono::seconds{4});
+  std::this_thread::sleep_for(std::chrono::seconds{1});
   kill(running_.at("control")->pid(), SIGKILL);
   const auto simulation = end_of("simulation", 15), machine = end_of("machine", 15);
   for (const auto& ended : {simulation, machine}) {
@@ -148,8 +164,8 @@ TEST_F(SeveralHosts, RefuseAnotherExperiment) {
 }
 
 TEST_F(SeveralHosts, NameAHostWithAnotherMap) {
-  start(0, "--set network.deadline_s=5");
-  start(1, "--set network.deadline_s=5 --set node.xpc.tune.ats.enabled=0");
+  start(0, "--set network.deadline_s=2");
+  start(1, "--set network.deadline_s=2 --set node.xpc.tune.ats.enabled=0");
   const auto ended = end_of("simulation", 20);
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_NE(ended.err.find("host 'control' has another map"), std::string::npos) << ended.err;

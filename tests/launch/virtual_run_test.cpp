@@ -12,6 +12,7 @@
 
 #include "support/diagrams.hpp"
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 #include "support/process.hpp"
 
 namespace rths::launch {
@@ -92,8 +93,7 @@ INSTANTIATE_TEST_SUITE_P(Examples, EveryBearing, ::testing::Values("eqsb", "tpfb
 TEST(VirtualRun, GivesTheSameBitsEveryTime) {
   const test::TemporaryFolder first;
   const test::TemporaryFolder second;
-  const std::vector<std::string> changes{std::getenv("RTHS_LONG") != nullptr ? "duration_s=40"
-                                                                             : "duration_s=10"};
+  const std::vector<std::string> changes{test::is_long() ? "duration_s=40" : "duration_s=10"};
   static_cast<void>(numbers_of(first.path(), changes));
   static_cast<void>(numbers_of(second.path(), changes));
 
@@ -129,6 +129,7 @@ TEST(VirtualRun, SlowsDownWhereTheSolverOverruns) {
 class Rate : public ::testing::TestWithParam<int> {};
 
 TEST_P(Rate, StretchesTheTestButNotTheResult) {
+  if (GetParam() > 2 && !test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   const test::TemporaryFolder folder;
   const Json numbers =
       numbers_of(folder.path(), {"duration_s=12", "rate=" + std::to_string(GetParam())});

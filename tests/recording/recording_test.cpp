@@ -8,7 +8,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <random>
@@ -23,6 +22,7 @@
 #include "recording/sample_recording.hpp"
 #include "recording/src/probe.hpp"
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 
 namespace rths::recording {
 namespace {
@@ -145,7 +145,7 @@ TEST(Recording, NeedsNoRepairAfterItIsClosed) {
 TEST(Recording, SurvivesKillAtAnyMoment) {
   std::mt19937 random{17};
   std::uniform_int_distribution<int> microseconds{0, 50'000};
-  const int trials = std::getenv("RTHS_LONG") != nullptr ? 200 : 20;
+  const int trials = test::is_long() ? 200 : 20;
   for (int trial = 0; trial < trials; ++trial) {
     const test::TemporaryFolder folder;
     const auto file = folder.path() / "run.h5";
@@ -230,7 +230,7 @@ TEST(Recording, WithDamageIsAnErrorOrReadable) {
     writer.close();
   }
   const std::string good = test::content_of(folder.path() / "run.h5");
-  const std::uint64_t trials = std::getenv("RTHS_LONG") != nullptr ? 2000 : 60;
+  const std::uint64_t trials = test::is_long() ? 2000 : 20;
   int refused = 0;
   for (std::uint64_t seed = 0; seed < trials; ++seed) {
     std::mt19937_64 random{seed};

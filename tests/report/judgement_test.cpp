@@ -14,6 +14,7 @@
 
 #include "faulty_laboratory.hpp"
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 
 namespace rths::report {
 namespace {
@@ -252,7 +253,7 @@ std::vector<Ladder> ladders() {
 class Smallest : public ::testing::TestWithParam<Ladder> {};
 
 TEST_P(Smallest, FaultThatIsFoundIsAsStated) {
-  if (std::getenv("RTHS_LONG") == nullptr) GTEST_SKIP() << "RTHS_LONG=1 runs this";
+  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   const Ladder& ladder = GetParam();
   const bool grows = ladder.sizes.back() > ladder.sizes.front();
   for (const double size : ladder.sizes) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 
 #include <rths/core/constants.hpp>
@@ -12,6 +11,7 @@
 
 #include "support/files.hpp"
 #include "support/lead_rubber.hpp"
+#include "support/long_run.hpp"
 
 namespace rths::sim::test_support {
 namespace {
@@ -143,7 +143,7 @@ Path two_bursts(double amplitude, double time_step) {
 
 std::vector<Path> all_paths(double amplitude, double time_step) {
   std::vector<Path> paths{cloverleaf(amplitude, time_step), recorded(amplitude, time_step)};
-  if (std::getenv("RTHS_LONG") != nullptr) {
+  if (test::is_long()) {
     paths.push_back(circle(amplitude, time_step));
     paths.push_back(spiral(amplitude, time_step));
   }

@@ -14,6 +14,7 @@
 #include <rths/sim/composition.hpp>
 
 #include "sim/term_cases.hpp"
+#include "support/long_run.hpp"
 
 namespace rths::sim {
 namespace {
@@ -25,7 +26,7 @@ using Eigen::VectorXd;
 struct Trials {
   int seeds, enough;
 };
-Trials trials() { return std::getenv("RTHS_LONG") != nullptr ? Trials{100, 90} : Trials{20, 16}; }
+Trials trials() { return test::is_long() ? Trials{100, 90} : Trials{20, 16}; }
 constexpr int kIterations = 60;
 constexpr double kNormalQuantile = 1.959964;  // two-sided 95 %
 

@@ -5,10 +5,11 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <thread>
+
+#include "support/long_run.hpp"
 
 namespace rths::test {
 
@@ -32,7 +33,7 @@ class StressEnd {
   static constexpr std::uint64_t kChanges = 1000;
 
  private:
-  std::uint64_t longwords_ = std::getenv("RTHS_LONG") != nullptr ? 100'000'000U : 1'000'000U;
+  std::uint64_t longwords_ = test::is_long() ? 100'000'000U : 1'000'000U;
   std::chrono::steady_clock::time_point deadline_ =
       std::chrono::steady_clock::now() + std::chrono::seconds{60};
 };

@@ -38,6 +38,7 @@ struct Gateway::State {
     shared.map_hash = attached.map().hash();
     shared.is_remote = std::vector<std::atomic<bool>>(ids_of(attached.map()));
     outbox = std::make_unique<Outbox>(ring, shared);
+    shared.sender = &outbox->waiter();
     inbox = std::make_unique<Inbox>(ring, shared);
     sender = std::thread{[this] { outbox->run(); }};
     receiver = std::thread{[this] { inbox->run(); }};

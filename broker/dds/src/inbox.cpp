@@ -57,6 +57,7 @@ void Inbox::receive(std::span<const std::byte> bytes) {
   const auto frame = decode(bytes, defect);
   if (!frame) return bad_frame(fmt::format("a frame was dropped: {}", to_text(defect)));
   if (frame->header.host == shared_.host) return;
+  if (frame->header.map_hash == 0) return receive_visitor(*frame);
   if (frame->header.map_hash != shared_.map_hash) {
     const auto hello =
         frame->header.kind == FrameKind::Hello ? hello_from(frame->payload) : std::nullopt;
@@ -73,6 +74,12 @@ void Inbox::receive(std::span<const std::byte> bytes) {
   if (frame->header.kind == FrameKind::Updates) receive_updates(*stream, *frame, bytes);
   if (frame->header.kind == FrameKind::Snapshot) receive_snapshot(*stream, *frame);
   if (frame->header.kind == FrameKind::Digest) receive_digest(*stream, *frame);
+}
+
+// A program without a map asks for the time: see network.hpp.
+void Inbox::receive_visitor(const Frame& frame) {
+  if (frame.header.kind != FrameKind::Hello) return;
+  visitor_ = {frame.header.host, TimePoint{frame.header.sent}, now_};
 }
 
 void Inbox::receive_hello(const Frame& frame) {
@@ -101,10 +108,9 @@ void Inbox::compare_clocks(Host& host, const Hello& hello, TimePoint sent) {
   host.real_time_ahead = hello.real_time + clock->offset - real_time_offset();
   if (std::chrono::abs(host.real_time_ahead) < kWrongClock || host.has_wrong_clock) return;
   host.has_wrong_clock = true;
-  shared_.report(
-      fmt::format("the clock of host '{}' is {:.1f} s {} of ours; its times are corrected",
-                  host.name, std::abs(to_seconds(host.real_time_ahead)),
-                  host.real_time_ahead > Duration{0} ? "ahead" : "behind"));
+  shared_.report(fmt::format("the clock of host '{}' is {:.1f} s {}; its times are corrected",
+                             host.name, std::abs(to_seconds(host.real_time_ahead)),
+                             host.real_time_ahead > Duration{0} ? "ahead of ours" : "behind ours"));
 }
 
 void Inbox::note_time(Stream& stream, TimePoint sent) {
@@ -126,6 +132,7 @@ void Inbox::publish_status(TimePoint now) {
     status.hosts.push_back(std::move(remote));
     echoes.push_back({id, host.announced, host.heard});
   }
+  if (visitor_.host != 0 && now - visitor_.received < kSilence) echoes.push_back(visitor_);
   for (const auto& [id, stream] : streams_) {
     const auto host = hosts_.find(stream->host);
     const auto clock = host == hosts_.end() ? std::nullopt : host->second.clock.at(now);
@@ -171,6 +178,7 @@ void Inbox::announce(HostId host, const std::string& name, const Announced& anno
     try {
       auto stream =
           std::make_unique<Stream>(host, ring_.join(known->name, 0), NodeWords{ring_, known->name});
+      stream->node.spare(*shared_.sender);
       found = streams_.emplace(announced.node, std::move(stream)).first;
     } catch (const Error& error) {
       set_remote(announced.node, false);
@@ -255,9 +263,21 @@ void Inbox::apply(Stream& stream, const Frame& frame) {
 bool Inbox::write(Stream& stream, const Update& update) {
   if (update.offset.value() >= ring_.map().description().size_longwords) return false;
   if (update.is_run) return write_run(stream, update);
-  if (update.group.empty()) return stream.node.write(update.offset, update.value) == Status::Ok;
+  if (update.group.empty())
+    return stream.node.write(update.offset, update.value) == Status::Ok ||
+           write_into_group(stream, update);
   const auto* const group = stream.words.group_at(update.offset, update.group.size());
   return group != nullptr && stream.node.write_group(group->id, update.group) == Status::Ok;
+}
+
+// A program written for the cards stores the words of a tear group one by one.
+bool Inbox::write_into_group(Stream& stream, const Update& update) {
+  const auto* const group = stream.words.group_with(update.offset);
+  if (group == nullptr) return false;
+  std::vector<std::uint32_t> words(group->longwords);
+  if (stream.node.read_group(group->id, words) != Status::Ok) return false;
+  words[update.offset.value() - group->base.value()] = update.value;
+  return stream.node.write_group(group->id, words) == Status::Ok;
 }
 
 bool Inbox::write_run(Stream& stream, const Update& run) {

@@ -67,6 +67,7 @@ class Inbox {
   };
 
   void receive_hello(const Frame& frame);
+  void receive_visitor(const Frame& frame);
   void compare_clocks(Host& host, const Hello& hello, TimePoint sent);
   /// Notes that the words are here as they were on their host at this time of its clock.
   void note_time(Stream& stream, TimePoint sent);
@@ -81,6 +82,7 @@ class Inbox {
   /// Writes the updates from number `expected` on.
   void apply(Stream& stream, const Frame& frame);
   [[nodiscard]] bool write(Stream& stream, const Update& update);
+  [[nodiscard]] static bool write_into_group(Stream& stream, const Update& update);
   [[nodiscard]] bool write_run(Stream& stream, const Update& run);
   /// Asks for the updates before `end`, or, with 0, for a snapshot; not again within 30 ms.
   void ask(std::uint16_t node, Stream& stream, std::uint64_t end);
@@ -95,6 +97,7 @@ class Inbox {
   TimePoint now_{0};
   std::map<std::uint16_t, std::unique_ptr<Stream>> streams_;  ///< by NodeId: one owner per node
   std::map<HostId, Host> hosts_;
+  Echo visitor_;  ///< the last one; host 0: none
   Signals signals_;
   TimePoint published_{0};
   std::set<std::pair<HostId, std::uint16_t>> refused_;  ///< reported once

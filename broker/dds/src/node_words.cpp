@@ -80,6 +80,13 @@ const NodeWords::Group* NodeWords::group_at(LongwordOffset base, std::size_t lon
   return group != nullptr && group->longwords == longwords ? group : nullptr;
 }
 
+const NodeWords::Group* NodeWords::group_with(LongwordOffset word) const {
+  const auto found = std::find_if(groups_.begin(), groups_.end(), [&](const Group& group) {
+    return word >= group.base && word < advance(group.base, group.longwords);
+  });
+  return found == groups_.end() ? nullptr : &*found;
+}
+
 bool NodeWords::is_latest(LongwordOffset word) const {
   if (!any_latest_) return false;
   const auto has = [&](const auto& range) {

@@ -35,6 +35,8 @@ class NodeWords {
   [[nodiscard]] const Group* group_at(LongwordOffset base, std::size_t longwords) const;
   /// The group that begins at this word; null if none.
   [[nodiscard]] const Group* group_from(LongwordOffset base) const;
+  /// The group that has this word; null if none.
+  [[nodiscard]] const Group* group_with(LongwordOffset word) const;
   /// True if other hosts get only the newest values of this word.
   [[nodiscard]] bool is_latest(LongwordOffset word) const;
 

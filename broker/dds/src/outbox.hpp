@@ -26,6 +26,7 @@ class Outbox {
   Outbox(const std::string& ring, Shared& shared);
   /// Until the gateway ends.
   void run();
+  [[nodiscard]] const broker::Waiter& waiter() const { return waiter_; }
 
  private:
   struct SentFrame {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <rths/broker/follow.hpp>
 #include <rths/core/clock.hpp>
 #include <rths/dds/gateway.hpp>
 
@@ -37,6 +38,7 @@ struct Shared {
   std::uint64_t map_hash = 0;
   GatewayOptions options;
   Carrier* carrier = nullptr;
+  const broker::Waiter* sender = nullptr;  ///< waits for local writes only
   AtomicCounts counts;
   std::atomic<bool> ends{false};
 

@@ -77,6 +77,7 @@ class Waiter {
   void ignore(NodeId writer, bool ignored) RTHS_REALTIME;
 
  private:
+  friend class Node;
   friend class Ring;
   struct State;
   explicit Waiter(std::unique_ptr<State> state);

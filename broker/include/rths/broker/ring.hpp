@@ -88,6 +88,8 @@ class Node {
   [[nodiscard]] Status write_group(TearGroupId group,
                                    std::span<const std::uint32_t> words) RTHS_REALTIME;
 
+  /// From now on, this node's writes do not wake the waiter.   @setup
+  void spare(const Waiter& waiter);
   /// Increments this node's heartbeat, which `beats_of` returns to other nodes. Puts the time into
   /// the journal, which dates the writes between two beats.   @realtime
   void beat() RTHS_REALTIME;
@@ -114,6 +116,7 @@ class Node {
     OwnRange range;        ///< of the last write
     Wake* wake;
     JournalWriter journal;
+    std::uint32_t spared = 0;  ///< slots that its writes do not wake
   };
   [[nodiscard]] Status write_other_range(LongwordOffset offset, std::uint32_t word) noexcept;
   /// A tear group with its addresses and the last read.
@@ -135,7 +138,7 @@ inline Status Node::write(LongwordOffset offset, std::uint32_t word) noexcept {
     return write_other_range(offset, word);
   std::atomic_ref{writer->words[offset.value()]}.store(word, std::memory_order_release);
   writer->journal.word(offset.value(), word);
-  wake_sleepers(*writer->wake);
+  wake_sleepers(*writer->wake, writer->spared);
   return Status::Ok;
 }
 

@@ -25,8 +25,9 @@ struct PlainStore {
 /// its value in the journals.
 ///
 /// A store of a plain client into its own words is journalled on the client's behalf, so that
-/// others can follow it, wait for it and date it. Any other store is an error of some program. One
-/// watch per ring.   @setup, one thread
+/// others can follow it, wait for it and date it. Of the stores that one look finds, those to event
+/// signals of the map come last, zeros before other values. Any other store is an error of some
+/// program. One watch per ring.   @setup, one thread
 class Watch {
  public:
   explicit Watch(Ring& ring);

@@ -18,11 +18,13 @@ struct alignas(64) Wake {
 static_assert(sizeof(Wake) == 128);
 
 /// The slow path of `wake_sleepers`.
-void wake_all(Wake& wake) noexcept;
+void wake_all(Wake& wake, std::uint32_t spared) noexcept;
 
 /// Wakes all sleepers; called after each write.
-inline void wake_sleepers(Wake& wake) noexcept {
-  if (std::atomic_ref{wake.sleepers}.load(std::memory_order_relaxed) != 0) wake_all(wake);
+/// @param spared  bits of the slots that need not wake
+inline void wake_sleepers(Wake& wake, std::uint32_t spared = 0) noexcept {
+  const std::uint32_t sleepers = std::atomic_ref{wake.sleepers}.load(std::memory_order_relaxed);
+  if ((sleepers & ~spared) != 0) wake_all(wake, spared);
 }
 
 }  // namespace rths::broker

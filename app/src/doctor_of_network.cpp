@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/dds/network.hpp>
+
+#include "commands.hpp"
+
+namespace rths::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr Duration kListening = std::chrono::seconds{2};
+constexpr Duration kWrongClock = std::chrono::seconds{1};
+constexpr int kUsualMtu = 1500;  // of Ethernet [B]
+
+std::string describe(const dds::Interface& interface) {
+  std::string text =
+      fmt::format("  {:<12} {:<16} {}, {}, MTU {}", interface.name, interface.address,
+                  interface.is_up ? "up" : "down",
+                  interface.has_multicast ? "multicast" : "no multicast", interface.mtu);
+  if (interface.mtu > 0 && interface.mtu < kUsualMtu)
+    text += fmt::format("; smaller than {}: frames travel in more pieces", kUsualMtu);
+  return text + "\n";
+}
+
+std::string describe(const dds::HeardGateway& gateway) {
+  const auto& host = gateway.host;
+  std::string text = fmt::format("  host '{}': {} nodes, map {}", host.name, gateway.nodes,
+                                 memmap::hash_text(gateway.map_hash));
+  if (!host.clock)
+    return text + "; it does not answer: its packets arrive here, ours do not arrive there\n";
+  text += fmt::format(", clock known to {:.3f} ms", 1e3 * to_seconds(host.clock->error));
+  if (std::chrono::abs(host.real_time_ahead) > kWrongClock)
+    text += fmt::format("; its calendar clock is {:.1f} s {}: start chrony or PTP on both hosts",
+                        std::abs(to_seconds(host.real_time_ahead)),
+                        host.real_time_ahead > Duration{0} ? "ahead" : "behind");
+  return text + "\n";
+}
+
+// Ports as the DDSI-RTPS specification (section 9.6.1) derives them from the domain.
+std::string advice(std::uint32_t domain) {
+  const std::uint32_t first = 7400 + 250 * domain;
+  return fmt::format(
+      "no gateway was heard within {:.0f} s. Check on the other host:\n"
+      "  a gateway runs with --domain {}, on an interface of the same network (--interface)\n"
+      "  no firewall blocks the UDP ports {} to {}\n"
+      "  the network carries multicast; if not, name the hosts to each other with --peer\n",
+      to_seconds(kListening), domain, first, first + 249);
+}
+
+Json document(const std::vector<dds::Interface>& interfaces,
+              const std::vector<dds::HeardGateway>& gateways) {
+  Json json = {{"interfaces", Json::array()}, {"gateways", Json::array()}};
+  for (const auto& one : interfaces)
+    json["interfaces"].push_back({{"name", one.name},
+                                  {"address", one.address},
+                                  {"up", one.is_up},
+                                  {"multicast", one.has_multicast},
+                                  {"mtu", one.mtu}});
+  for (const auto& one : gateways) {
+    Json gateway = {{"host", one.host.name},
+                    {"map_hash", memmap::hash_text(one.map_hash)},
+                    {"nodes", one.nodes},
+                    {"answers", one.host.clock.has_value()}};
+    if (one.host.clock) {
+      gateway["clock_offset_s"] = to_seconds(one.host.clock->offset);
+      gateway["clock_error_s"] = to_seconds(one.host.clock->error);
+      gateway["calendar_ahead_s"] = to_seconds(one.host.real_time_ahead);
+    }
+    json["gateways"].push_back(std::move(gateway));
+  }
+  return json;
+}
+
+}  // namespace
+
+int doctor_of_network(const DoctorArguments& arguments) {
+  dds::CycloneOptions network;
+  network.domain = *arguments.domain;
+  network.interface = arguments.interface;
+  network.peers = arguments.peers;
+  const auto interfaces = dds::interfaces();
+  const auto gateways = dds::listen_for_gateways(network, kListening);
+  const bool is_heard = !gateways.empty();
+  if (arguments.format == "json") {
+    fmt::print("{}\n", document(interfaces, gateways).dump());
+    return is_heard ? kOk : kConditionNotMet;
+  }
+  fmt::print("interfaces:\n");
+  for (const auto& interface : interfaces) fmt::print("{}", describe(interface));
+  if (is_heard) fmt::print("gateways in domain {}:\n", network.domain);
+  for (const auto& gateway : gateways) fmt::print("{}", describe(gateway));
+  if (!is_heard) fmt::print("{}", advice(network.domain));
+  return is_heard ? kOk : kConditionNotMet;
+}
+
+}  // namespace rths::app

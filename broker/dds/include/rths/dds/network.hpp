@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The network of a host as its gateways find it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <rths/dds/carrier.hpp>
+#include <rths/dds/gateway.hpp>
+
+namespace rths::dds {
+
+/// A network interface of this host with an IPv4 address.
+struct Interface {
+  std::string name, address;
+  int mtu = 0;  ///< largest datagram [B]; 0: unknown
+  bool is_up = false, has_multicast = false;
+};
+/// All interfaces of this host, in the order of the system.   @setup
+[[nodiscard]] std::vector<Interface> interfaces();
+
+/// A gateway of another host, or another gateway of this one.
+struct HeardGateway {
+  RemoteHost host;
+  std::uint64_t map_hash = 0;
+  std::size_t nodes = 0;  ///< on its host
+};
+/// Listens for the gateways of a domain, of any ring, and compares clocks with them.
+/// @throws Error if DDS cannot start   @setup
+[[nodiscard]] std::vector<HeardGateway> listen_for_gateways(CycloneOptions network,
+                                                            Duration listening);
+
+}  // namespace rths::dds
