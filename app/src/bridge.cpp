@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
 
+#include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>
+#include <rths/core/error.hpp>
 #include <rths/dds/gateway.hpp>
+#include <rths/launch/installed_files.hpp>
 
 #include "commands.hpp"
 
@@ -23,6 +31,50 @@ std::string text_of(const dds::GatewayCounts& c) {
       c.updates_sent, c.frames_sent, c.updates_received, c.gaps, c.repeated, c.snapshots,
       c.mismatches, c.bad_frames, c.lapped, 1e-6 * static_cast<double>(c.hold_off_ns));
 }
+
+/// A ring that the gateway creates, if it is asked to, and removes at its end.
+class OwnRing {
+ public:
+  explicit OwnRing(const BridgeArguments& arguments) : name_{arguments.ring} {
+    if (!arguments.map.empty())
+      ring_.emplace(broker::Ring::create(name_, memmap::load_map(launch::find_map(arguments.map))));
+  }
+  ~OwnRing() {
+    if (ring_) broker::remove_ring(name_);
+  }
+  OwnRing(const OwnRing&) = delete;
+  OwnRing& operator=(const OwnRing&) = delete;
+
+ private:
+  std::string name_;
+  std::optional<broker::Ring> ring_;
+};
+
+/// A lock of the ring's object: one gateway per ring and domain. The kernel releases it when this
+/// process ends.
+class OneGateway {
+ public:
+  OneGateway(const std::string& ring, std::uint32_t domain)
+      : object_{shm_open(("/rths." + ring).c_str(), O_RDWR, 0)} {
+    if (object_ < 0) throw Error{fmt::format("there is no ring '{}'", ring)};
+    constexpr off_t kBehindTheRing = off_t{1} << 40;
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_start = kBehindTheRing + domain;
+    lock.l_len = 1;
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
+    if (fcntl(object_, F_OFD_SETLK, &lock) == 0) return;
+    close(object_);
+    throw Error{
+        fmt::format("ring '{}' has a gateway to domain {} already, expected one", ring, domain)};
+  }
+  ~OneGateway() { close(object_); }
+  OneGateway(const OneGateway&) = delete;
+  OneGateway& operator=(const OneGateway&) = delete;
+
+ private:
+  int object_;
+};
 
 }  // namespace
 
@@ -44,6 +96,8 @@ int bridge(const BridgeArguments& arguments) {
   options.host = arguments.host;
   options.report = report;
   options.skips_unchanged = arguments.skips_unchanged;
+  const OwnRing own_ring{arguments};
+  const OneGateway one{arguments.ring, arguments.domain};
   const dds::Gateway gateway{arguments.ring, dds::make_cyclone_carrier(network), options};
   fmt::print("ring '{}' is open to domain {} as '{}'\n", arguments.ring, arguments.domain,
              arguments.host);

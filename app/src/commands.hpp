@@ -78,6 +78,7 @@ struct WatchArguments {
 struct BridgeArguments {
   std::string ring;
   std::string joint_name;  ///< of the ring on all hosts; empty: `ring`
+  std::string map;         ///< of a new ring, removed at the end; empty: the ring exists
   std::string host;        ///< name of this host
   std::uint32_t domain = 0;
   std::string interface;           ///< empty: the network's default

@@ -181,6 +181,8 @@ void add_bridge(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command =
       app.add_subcommand("bridge", "Connect a ring with those of the same name on other hosts");
   command->add_option("ring", a.bridge.ring, "Name of a ring of this host")->required();
+  command->add_option("--map", a.bridge.map,
+                      "Create the ring with this map; it is removed at the end");
   command->add_option("--domain", a.bridge.domain, "DDS domain")
       ->check(CLI::Range(0, 230))
       ->capture_default_str();

@@ -1,12 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `rths bridge` between two hosts: network namespaces with a cable between them, and real sockets.
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <csignal>
+#include <random>
+#include <regex>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "hosts.hpp"
+#include "support/files.hpp"
+#include "support/long_run.hpp"
 #include "support/network.hpp"
 #include "support/process.hpp"
 
@@ -72,21 +82,144 @@ TEST_F(TwoHosts, FindEachOtherWithoutMulticast) {
   EXPECT_TRUE(comes_true([&] { return there.read(kMachineWord) == 9; }, std::chrono::seconds{20}));
 }
 
+// Each round writes while the gateway dies at a random moment, and then measures until a new
+// gateway has made the hosts equal.
 TEST_F(TwoHosts, ConvergeAfterAGatewayIsKilled) {
+  constexpr unsigned kSeed = 20261123;
+  const int rounds = test::is_long() ? 200 : 4;
+  std::mt19937 random{kSeed};
+  std::uniform_int_distribution<int> moment{20, 400};  // [ms]
+  const memmap::Map map = test::small_map();
+  test::RingHost first{"first", map}, second{"second", map};
+  broker::Node machine = first.ring().join("machine", 0);
+  broker::Node controller = second.ring().join("controller", 0);
+  const broker::Node here = first.ring().observe(), there = second.ring().observe();
+  const WallClock clock;
+  std::vector<double> times;
+  std::uint32_t value = 0;
+  std::array<std::unique_ptr<test::Running>, 2> gateways;
+  const auto start = [&](std::size_t side) {
+    const int host = static_cast<int>(side) + 1;
+    gateways[side] = std::make_unique<test::Running>(
+        bridge(host, side == 0 ? first.ring_name() : second.ring_name()));
+  };
+  start(0);
+  start(1);
+  for (int round = 0; round < rounds; ++round) {
+    const TimePoint death = clock.now() + std::chrono::milliseconds{moment(random)};
+    while (clock.now() < death) {
+      ASSERT_EQ(machine.write(kMachineWord, ++value), Status::Ok);
+      ASSERT_EQ(controller.write(test::kControllerWord, value), Status::Ok);
+      std::this_thread::sleep_for(std::chrono::microseconds{500});
+    }
+    const std::size_t side = random() % 2;
+    kill(gateways[side]->pid(), SIGKILL);
+    ASSERT_EQ(machine.write(kMachineWord, ++value), Status::Ok);
+    ASSERT_EQ(controller.write(test::kControllerWord, value), Status::Ok);
+    gateways[side].reset();
+    start(side);
+    const TimePoint begun = clock.now();
+    ASSERT_TRUE(comes_true(
+        [&] {
+          return there.read(kMachineWord) == value && here.read(test::kControllerWord) == value;
+        },
+        std::chrono::seconds{20}))
+        << round;
+    times.push_back(to_seconds(clock.now() - begun));
+  }
+  std::sort(times.begin(), times.end());
+  std::printf("seed %u: %d kills; equal after %.2f s (median), at most %.2f s\n", kSeed, rounds,
+              times[times.size() / 2], times.back());
+}
+
+TEST_F(TwoHosts, ConvergeAfterTheCableWasPulled) {
   const memmap::Map map = test::small_map();
   test::RingHost first{"first", map}, second{"second", map};
   broker::Node machine = first.ring().join("machine", 0);
   const broker::Node there = second.ring().observe();
-  test::Running two{bridge(2, second.ring_name())};
-  for (std::uint32_t round = 1; round <= 3; ++round) {
-    test::Running one{bridge(1, first.ring_name())};
-    ASSERT_EQ(machine.write(kMachineWord, 10 * round), Status::Ok);
-    EXPECT_TRUE(comes_true([&] { return there.read(kMachineWord) == 10 * round; },
-                           std::chrono::seconds{20}))
-        << round;
-    kill(one.pid(), SIGKILL);
-    ASSERT_EQ(machine.write(kMachineWord, 10 * round + 1), Status::Ok);
+  test::Running one{bridge(1, first.ring_name())}, two{bridge(2, second.ring_name())};
+  std::uint32_t value = 0;
+  const auto write_for = [&](Duration duration) {
+    const WallClock clock;
+    const TimePoint end = clock.now() + duration;
+    while (clock.now() < end) {
+      ASSERT_EQ(machine.write(kMachineWord, ++value), Status::Ok);
+      std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    }
+  };
+  write_for(std::chrono::milliseconds{500});
+  ASSERT_TRUE(comes_true([&] { return there.read(kMachineWord) == value; }));
+  ASSERT_TRUE(network_.connect(2, false));
+  write_for(std::chrono::seconds{test::is_long() ? 10 : 2});
+  EXPECT_LT(there.read(kMachineWord), value);
+  ASSERT_TRUE(network_.connect(2, true));
+  const WallClock clock;
+  const TimePoint begun = clock.now();
+  write_for(std::chrono::milliseconds{100});
+  EXPECT_TRUE(
+      comes_true([&] { return there.read(kMachineWord) == value; }, std::chrono::seconds{30}));
+  std::printf("equal %.2f s after the cable was back\n", to_seconds(clock.now() - begun));
+}
+
+TEST_F(TwoHosts, GetAWordOfAProgramThatEndsAtOnce) {
+  const memmap::Map map = test::small_map();
+  test::RingHost first{"first", map}, second{"second", map};
+  test::Running one{bridge(1, first.ring_name())}, two{bridge(2, second.ring_name())};
+  const broker::Node there = second.ring().observe();
+  for (const float value : {11.F, 12.F}) {
+    const auto sent =
+        test::run_rths({"send", first.ring_name(), fmt::format("ref.long={}", value)});
+    ASSERT_EQ(sent.exit_code, 0) << sent.err;
+    EXPECT_TRUE(comes_true(
+        [&] { return std::bit_cast<float>(there.read(test::kControllerWord)) == value; }));
   }
+}
+
+TEST_F(TwoHosts, HaveOneGatewayEach) {
+  test::RingHost first{"first", test::small_map()};
+  test::Running one{bridge(1, first.ring_name())};
+  const auto wait_for_it = [&] {
+    return test::run_rths({"doctor"}).out.find("observer") != std::string::npos;
+  };
+  ASSERT_TRUE(comes_true(wait_for_it));
+  test::Running another{bridge(1, first.ring_name())};
+  const auto ended = another.wait(20);
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_NE(ended.err.find("has a gateway to domain 7 already"), std::string::npos) << ended.err;
+}
+
+// The lines "host$ command" of the page, on hosts of this test.
+TEST_F(TwoHosts, AreConnectedByTheCommandsOfThePage) {
+  const auto text = test::content_of(test::source_tree() / "docs/multi_host.md");
+  const std::regex line{R"(\n(first|second)\$ rths ([^\n]*))"};
+  std::vector<std::unique_ptr<test::Running>> gateways;
+  int lines = 0;
+  for (auto found = std::sregex_iterator{text.begin(), text.end(), line};
+       found != std::sregex_iterator{}; ++found, ++lines) {
+    const std::string host = (*found)[1];
+    // Both hosts share the memory of this computer, so their rings need names of their own.
+    const std::string ring = fmt::format("page_{}_{}", host, getpid());
+    std::string command = (*found)[2];
+    const auto name = command.find(" lab");
+    ASSERT_NE(name, std::string::npos) << command;
+    command.replace(name, 4, " " + ring);
+    const bool is_gateway = command.rfind("bridge", 0) == 0;
+    if (is_gateway) command += " --as lab";
+    const std::vector<std::string> words{
+        "/bin/sh", "-c",
+        fmt::format("exec {}{} {}", network_.on(host == "first" ? 1 : 2), test::rths_command(),
+                    command)};
+    if (is_gateway) {
+      gateways.push_back(std::make_unique<test::Running>(words));
+      continue;
+    }
+    ASSERT_TRUE(comes_true([&] {
+      const auto ended = test::Running{words}.wait(10);
+      return ended.exit_code == 0 &&
+             (command.rfind("dump", 0) != 0 || ended.out.find("2.5") != std::string::npos);
+    })) << command;
+  }
+  EXPECT_EQ(lines, 4);
 }
 
 TEST_F(TwoHosts, AreHeardByTheDoctor) {

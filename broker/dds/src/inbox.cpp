@@ -18,6 +18,7 @@ constexpr Duration kSilence = std::chrono::seconds{1};  // then a host is not li
 constexpr std::size_t kMostWaiting = 4096;              // frames behind a gap
 constexpr std::size_t kMostRemoteHosts = 64;
 constexpr Duration kStatusPeriod = std::chrono::milliseconds{10};
+constexpr Duration kLost = std::chrono::seconds{10};
 constexpr Duration kWrongClock = std::chrono::seconds{1};
 
 }  // namespace
@@ -359,8 +360,23 @@ void Inbox::ask(std::uint16_t node, Stream& stream, std::uint64_t end) {
   shared_.to_send.push_back(frame.finish());
 }
 
+// The nodes of a host that is gone may join elsewhere.
+void Inbox::forget_lost_hosts() {
+  for (auto host = hosts_.begin(); host != hosts_.end();) {
+    if (now_ - host->second.heard < kLost) {
+      ++host;
+      continue;
+    }
+    shared_.report(fmt::format("host '{}' is silent for {:.0f} s; its nodes have left",
+                               host->second.name, to_seconds(kLost)));
+    close_streams_that_left(host->first, {});
+    host = hosts_.erase(host);
+  }
+}
+
 void Inbox::tick(TimePoint now) {
   now_ = now;
+  forget_lost_hosts();
   publish_status(now);
   for (auto& [node, stream] : streams_) {
     const bool lacks = !stream->waiting.empty() || stream->announced > stream->expected;

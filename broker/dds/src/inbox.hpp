@@ -73,6 +73,7 @@ class Inbox {
   void note_time(Stream& stream, TimePoint sent);
   void publish_status(TimePoint now);
   void announce(HostId host, const std::string& name, const Announced& announced, TimePoint sent);
+  void forget_lost_hosts();
   void close_streams_that_left(HostId host, const Hello& hello);
   void receive_updates(Stream& stream, const Frame& frame, std::span<const std::byte> bytes);
   void receive_snapshot(Stream& stream, const Frame& frame);

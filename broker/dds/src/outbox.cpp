@@ -15,6 +15,7 @@ constexpr std::size_t kSnapshotFrame = 56 * 1024;   // [B]
 constexpr std::size_t kHistory = 16 * 1024 * 1024;  // sent bytes kept per stream
 constexpr Duration kHelloPeriod = std::chrono::milliseconds{50};
 constexpr Duration kDigestPeriod = std::chrono::seconds{1};
+constexpr Duration kAfterLastWrite = std::chrono::milliseconds{300};
 constexpr Duration kRest = std::chrono::microseconds{50};
 constexpr Duration kLongestIdle = std::chrono::milliseconds{2};
 constexpr int kMostWrites = 4096;  // between two looks at the clock
@@ -34,7 +35,7 @@ Outbox::Outbox(const std::string& ring, Shared& shared)
       waiter_{ring_.wait_for({}, longest_spin())},
       by_id_(shared.is_remote.size()) {
   for (const auto& node : ring_.map().description().nodes) {
-    Stream stream{node.id, node.name, NodeWords{ring_, node.name}, false, 0, {}, {}, 0};
+    Stream stream{node.id, node.name, NodeWords{ring_, node.name}};
     by_id_[node.id.value()] = &streams_.emplace(node.id.value(), std::move(stream)).first->second;
   }
   if (shared.options.skips_unchanged) sent_.resize(ring_.map().description().size_longwords);
@@ -42,14 +43,14 @@ Outbox::Outbox(const std::string& ring, Shared& shared)
 
 void Outbox::run() {
   const WallClock clock;
-  TimePoint hello = clock.now(), digest = hello + kDigestPeriod;
+  TimePoint digest = clock.now() + kDigestPeriod;
   while (!shared_.ends.load(std::memory_order_relaxed)) {
-    const TimePoint now = clock.now();
-    if (now >= hello) {
+    const TimePoint now = now_ = clock.now();
+    if (now >= hello_) {
       find_local_nodes();
       flush_all();  // an announcement follows the updates that it counts
       send_hello();
-      hello = now + kHelloPeriod;
+      hello_ = now + kHelloPeriod;
     }
     if (now >= digest) {
       for (const auto& [id, stream] : streams_)
@@ -66,7 +67,7 @@ void Outbox::run() {
     if (writes == kMostWrites) continue;
     flush_all();
     send_digest();
-    static_cast<void>(take_write(std::min(hello, now + kLongestIdle)));
+    static_cast<void>(take_write(std::min(hello_, now + kLongestIdle)));
   }
   flush_all();
 }
@@ -82,6 +83,8 @@ bool Outbox::take_write(TimePoint deadline) {
 }
 
 void Outbox::take(Stream& stream, const broker::Write& write) {
+  if (!stream.announced) hello_ = TimePoint{0};
+  stream.written = now_;
   if (!sent_.empty() && leaves_all_as_sent(write)) return;
   if (!shared_.options.is_deterministic && stream.words.is_latest(write.offset))
     stream.changed.insert(write.offset);
@@ -193,12 +196,14 @@ void Outbox::send(std::span<const std::byte> bytes) {
   if (took > kUnblocked) shared_.counts.hold_off_ns += static_cast<std::uint64_t>(took.count());
 }
 
-// A node belongs to this host from its first write or announcement here until it leaves.
+// A node belongs to this host from its first write or announcement here until it leaves, and a
+// while longer: a program that only writes a word and ends is announced, too.
 void Outbox::find_local_nodes() {
   for (auto& [id, stream] : streams_) {
     const bool is_here =
-        reader_.presence_of(stream.node).state != broker::Presence::State::Absent &&
-        !is_remote(stream.node);
+        !is_remote(stream.node) &&
+        (reader_.presence_of(stream.node).state != broker::Presence::State::Absent ||
+         (stream.written != TimePoint{0} && now_ - stream.written < kAfterLastWrite));
     waiter_.ignore(stream.node, is_remote(stream.node));
     if (!is_here) flush(stream);
     stream.announced = is_here;

@@ -40,9 +40,10 @@ class Outbox {
     std::string name;
     NodeWords words;
     bool announced = false;
-    std::uint64_t next = 0;              ///< number of the next update
-    std::optional<FrameWriter> pending;  ///< updates that are not sent yet
-    std::deque<SentFrame> sent;          ///< for hosts that miss some
+    TimePoint written{0};                     ///< when its last write was taken
+    std::uint64_t next = 0;                   ///< number of the next update
+    std::optional<FrameWriter> pending = {};  ///< updates that are not sent yet
+    std::deque<SentFrame> sent = {};          ///< for hosts that miss some
     std::size_t sent_bytes = 0;
     std::set<LongwordOffset> changed = {};  ///< words, and first words of groups, of which only
                                             ///< the newest values are sent
@@ -77,6 +78,8 @@ class Outbox {
   std::vector<Stream*> by_id_;                      ///< by NodeId; null: no node
   std::vector<std::optional<std::uint32_t>> sent_;  ///< the ring's words, to skip unchanged ones
   TimePoint latest_{0};                             ///< when `append_latest` is due
+  TimePoint hello_{0};                              ///< when an announcement is due
+  TimePoint now_{0};                                ///< at the last look at the clock
   std::set<std::uint16_t> undigested_;              ///< nodes whose digest is due
 };
 
