@@ -17,6 +17,8 @@ namespace rths::dds {
 namespace {
 
 constexpr dds_duration_t kLongestBlock = DDS_SECS(1);
+// A host that died blocks the others for this long; one that was only stopped is found again.
+constexpr const char* kLease = "2 s";
 constexpr std::size_t kSamples = 16;  // taken at once
 
 std::string escaped(const std::string& text) {
@@ -39,14 +41,17 @@ std::string configuration_of(const CycloneOptions& options) {
   }
   for (const auto& peer : options.peers)
     peers += fmt::format("<Peer address=\"{}\"/>", escaped(peer));
+  const std::string discovery = peers.empty()
+                                    ? ""
+                                    : fmt::format(
+                                          "<ParticipantIndex>auto</ParticipantIndex>"
+                                          "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+                                          "<Peers>{}</Peers>",
+                                          peers);
   return fmt::format(
-      "<CycloneDDS><Domain id=\"any\"><General>{}{}</General>{}</Domain></CycloneDDS>", interfaces,
-      peers.empty() ? "" : "<AllowMulticast>false</AllowMulticast>",
-      peers.empty() ? ""
-                    : fmt::format("<Discovery><ParticipantIndex>auto</ParticipantIndex>"
-                                  "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
-                                  "<Peers>{}</Peers></Discovery>",
-                                  peers));
+      "<CycloneDDS><Domain id=\"any\"><General>{}{}</General><Discovery>{}<LeaseDuration>{}"
+      "</LeaseDuration></Discovery></Domain></CycloneDDS>",
+      interfaces, peers.empty() ? "" : "<AllowMulticast>false</AllowMulticast>", discovery, kLease);
 }
 
 dds_entity_t checked(dds_entity_t entity, const char* what) {
