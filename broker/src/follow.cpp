@@ -128,6 +128,7 @@ struct Waiter::State {
   std::uint32_t slot = 0;
   std::vector<Follower> followers;
   std::vector<LongwordRange> words;  ///< empty: any
+  bool may_spin = false;
   Duration spin{0};
   std::optional<Node> observer;  ///< on the ring, for the slot that is its bit among the sleepers
 
@@ -189,6 +190,10 @@ void Node::spare(const Waiter& waiter) {
   if (writer_) writer_->spared |= 1U << waiter.state_->slot;
 }
 
+void Waiter::spin_for(Duration longest) noexcept {
+  if (state_->may_spin) state_->spin = longest;
+}
+
 void Waiter::ignore(NodeId writer, bool ignored) noexcept {
   for (auto& follower : state_->followers) {
     auto& state = *follower.state_;
@@ -219,7 +224,8 @@ Waiter Ring::wait_for(const std::vector<LongwordRange>& words, Duration longest_
   state->wake = &segment_->wake();
   state->words = words;
   // On a single processor, spinning would block the writer.
-  state->spin = std::thread::hardware_concurrency() > 1 ? longest_spin : Duration{0};
+  state->may_spin = std::thread::hardware_concurrency() > 1;
+  if (state->may_spin) state->spin = longest_spin;
   for (const auto& node : map_->description().nodes) {
     const auto may_write = [&](const LongwordRange& range) {
       return std::any_of(map_->partitions().begin(), map_->partitions().end(),

@@ -48,7 +48,8 @@ struct Request {
 /// Part of a snapshot; the last bytes of its payload.
 struct Part {
   HostId to = 0;  ///< the host that asked; 0: all, since updates are lost
-  std::uint32_t index = 0, parts = 1;
+  std::uint32_t index = 0;
+  std::uint32_t parts = 0;  ///< number of parts in the last one, otherwise 0
 };
 
 template <class Plain>

@@ -286,7 +286,8 @@ bool Inbox::write_run(Stream& stream, const Update& run) {
   if (run.group.size() > size - run.offset.value()) return false;
   Status status = Status::Ok;
   for (std::uint32_t i = 0; i < run.group.size() && status == Status::Ok; ++i)
-    status = stream.node.write(advance(run.offset, i), run.group[i]);
+    if (const auto word = advance(run.offset, i); stream.node.read(word) != run.group[i])
+      status = stream.node.write(word, run.group[i]);
   return status == Status::Ok;
 }
 
@@ -297,7 +298,10 @@ void Inbox::receive_snapshot(Stream& stream, const Frame& frame) {
   const Part part = *take<Part>(tail);
   if (part.to != shared_.host && part.to != 0) return;
   if (stream.synced && frame.header.first < stream.expected) return;  // older than the ring
-  if (frame.header.first != stream.part_first || stream.synced) stream.parts.clear();
+  if (frame.header.first != stream.part_first || stream.synced) {
+    stream.parts.clear();
+    stream.part_count = 0;
+  }
   stream.part_first = frame.header.first;
   stream.synced = false;
   UpdateReader reader{frame.payload.first(size - sizeof(Part))};
@@ -306,7 +310,8 @@ void Inbox::receive_snapshot(Stream& stream, const Frame& frame) {
       return bad_frame("a frame was dropped: it has words of other nodes");
   if (reader.malformed()) return bad_frame("a frame was dropped: malformed snapshot");
   stream.parts.insert(part.index);
-  if (stream.parts.size() < part.parts) return;
+  if (part.parts != 0) stream.part_count = part.parts;
+  if (stream.part_count == 0 || stream.parts.size() < stream.part_count) return;
   stream.parts.clear();
   stream.synced = true;
   stream.expected = frame.header.first;

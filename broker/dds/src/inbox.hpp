@@ -52,10 +52,11 @@ class Inbox {
     std::map<std::uint64_t, std::vector<std::byte>> waiting;  ///< frames behind a gap, by first
     std::uint64_t part_first = 0;                             ///< snapshot that is being received
     std::set<std::uint32_t> parts;
-    TimePoint asked{0};  ///< when updates were asked for
-    int differing = 0;   ///< digests in a row that differed
-    TimePoint as_of{0};  ///< on its host's clock: all earlier writes are here
-    Duration delay{0};   ///< of the last updates
+    std::size_t part_count = 0;  ///< 0: not known yet
+    TimePoint asked{0};          ///< when updates were asked for
+    int differing = 0;           ///< digests in a row that differed
+    TimePoint as_of{0};          ///< on its host's clock: all earlier writes are here
+    Duration delay{0};           ///< of the last updates
   };
   struct Host {
     std::string name;

@@ -18,11 +18,12 @@ constexpr Duration kDigestPeriod = std::chrono::seconds{1};
 constexpr Duration kAfterLastWrite = std::chrono::milliseconds{300};
 constexpr Duration kRest = std::chrono::microseconds{50};
 constexpr Duration kLongestIdle = std::chrono::milliseconds{2};
+constexpr Duration kShortGap = std::chrono::microseconds{300};
 constexpr int kMostWrites = 4096;  // between two looks at the clock
 constexpr Duration kLatestPeriod = std::chrono::milliseconds{1};
 
 // On two processors, spinning would take one from the programs of the test.
-Duration longest_spin() {
+Duration least_spin() {
   return std::thread::hardware_concurrency() > 2 ? broker::kLongestSpin : Duration{0};
 }
 
@@ -32,7 +33,7 @@ Outbox::Outbox(const std::string& ring, Shared& shared)
     : shared_{shared},
       ring_{broker::Ring::attach(ring)},
       reader_{ring_.observe()},
-      waiter_{ring_.wait_for({}, longest_spin())},
+      waiter_{ring_.wait_for({}, least_spin())},
       by_id_(shared.is_remote.size()) {
   for (const auto& node : ring_.map().description().nodes) {
     Stream stream{node.id, node.name, NodeWords{ring_, node.name}};
@@ -67,9 +68,18 @@ void Outbox::run() {
     if (writes == kMostWrites) continue;
     flush_all();
     send_digest();
-    static_cast<void>(take_write(std::min(hello_, now + kLongestIdle)));
+    wait_for_write(std::min(hello_, now + kLongestIdle));
   }
   flush_all();
+}
+
+// Spins if the next write is due within a wake-up or two, judged by the last ones.
+void Outbox::wait_for_write(TimePoint deadline) {
+  const bool is_busy = gap_ < kShortGap;
+  waiter_.spin_for(is_busy ? 2 * gap_ : least_spin());
+  const bool is_written = take_write(deadline);
+  const Duration gap = WallClock{}.now() - now_;
+  gap_ = is_written ? (3 * gap_ + gap) / 4 : std::max(gap_, gap);
 }
 
 bool Outbox::take_write(TimePoint deadline) {
@@ -272,11 +282,19 @@ void Outbox::answer(Stream& stream, const Asked& asked) {
 // newer; the updates that follow repeat the newest values.
 void Outbox::send_snapshot(Stream& stream, HostId to) {
   flush(stream);
-  std::vector<FrameWriter> frames;
-  const auto room_for = [&](std::size_t group) -> FrameWriter& {
-    if (frames.empty() || frames.back().bytes() + FrameWriter::size_of(group) > kSnapshotFrame)
-      frames.emplace_back(header(FrameKind::Snapshot, stream));
-    return frames.back();
+  std::optional<FrameWriter> frame;
+  std::uint32_t index = 0;
+  const auto send_part = [&](bool is_last) {
+    // The part stands behind the updates, where it disturbs no reader of them.
+    frame->add_bytes(bytes_of(Part{to, index, is_last ? index + 1 : 0}));
+    send(frame->finish());
+    frame.reset();
+    ++index;
+  };
+  const auto room_for = [&](std::size_t words) -> FrameWriter& {
+    if (frame && frame->bytes() + FrameWriter::size_of(words) > kSnapshotFrame) send_part(false);
+    if (!frame) frame.emplace(header(FrameKind::Snapshot, stream));
+    return *frame;
   };
   stream.words.visit(
       reader_,
@@ -286,13 +304,8 @@ void Outbox::send_snapshot(Stream& stream, HostId to) {
       [&](const NodeWords::Group& group, std::span<const std::uint32_t> values) {
         room_for(values.size()).add_group(group.base, values);
       });
-  if (frames.empty()) frames.emplace_back(header(FrameKind::Snapshot, stream));
-  for (std::uint32_t i = 0; i < frames.size(); ++i) {
-    // The part stands behind the updates, where it disturbs no reader of them.
-    const Part part{to, i, static_cast<std::uint32_t>(frames.size())};
-    frames[i].add_bytes(bytes_of(part));
-    send(frames[i].finish());
-  }
+  static_cast<void>(room_for(0));
+  send_part(true);
 }
 
 }  // namespace rths::dds

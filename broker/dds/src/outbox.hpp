@@ -51,6 +51,7 @@ class Outbox {
 
   /// Takes the next write of a local node. @returns false if there was none until the deadline
   [[nodiscard]] bool take_write(TimePoint deadline);
+  void wait_for_write(TimePoint deadline);
   void resume_after_loss();
   void take(Stream& stream, const broker::Write& write);
   void append(Stream& stream, const broker::Write& write);
@@ -80,6 +81,7 @@ class Outbox {
   TimePoint latest_{0};                             ///< when `append_latest` is due
   TimePoint hello_{0};                              ///< when an announcement is due
   TimePoint now_{0};                                ///< at the last look at the clock
+  Duration gap_ = std::chrono::seconds{1};          ///< between writes, smoothed
   std::set<std::uint16_t> undigested_;              ///< nodes whose digest is due
 };
 
