@@ -8,6 +8,7 @@ Writes to RESULTS:
   ring.json      latency and throughput of the ring
   bearings.json  time of a bearing step here and in OpenSees
   opensees.json  round trip from OpenSees to a specimen and back
+  bridge.json    from one ring to another over DDS
 """
 import json
 import pathlib
@@ -45,6 +46,13 @@ def print_trips(result):
               f"{trip['ratio_p50']:.2f} times a bare ping-pong, {trip['verdict']}")
 
 
+def print_bridge(result):
+    updates, latency, resync, load = result["rows"]
+    print(f"  over DDS  {updates['updates_per_s'] / 1e6:.1f} million updates/s, {updates['updates_ratio']:.0f} times bare "
+          f"samples; one way {latency['through_ring']['p50_ns'] / 1e3:.0f} us, {latency['latency_ratio_p50']:.2f} times; "
+          f"8 MiB in {resync['seconds'] * 1e3:.0f} ms; {result['result']}", *result["troubles"], sep="\n    ")
+
+
 def main():
     folder, commit = pathlib.Path(sys.argv[1]), sys.argv[2]
     stamped = stamp(commit)
@@ -59,12 +67,15 @@ def main():
     print_steps(loop)
     print_bearings(bearings)
     print_trips(trips)
+    bridge = json.load(open(folder / "bridge" / "result.json"))
+    print_bridge(bridge)
     if len(sys.argv) > 3:
         results = pathlib.Path(sys.argv[3])
         write(results / "loop.json", loop)
         write(results / "ring.json", stamped | json.load(open(folder / "ring" / "result.json")))
         write(results / "bearings.json", stamped | bearings)
         write(results / "opensees.json", stamped | trips)
+        write(results / "bridge.json", stamped | bridge)
 
 
 main()

@@ -81,6 +81,30 @@ bool remove(const broker::RingReport& ring) {
   return removed;
 }
 
+bool remove_named(const std::vector<std::string>& names) {
+  bool all = true;
+  for (const auto& name : names) {
+    const auto ring = broker::inspect_ring(name);
+    if (!ring) throw Error{fmt::format("there is no ring '{}'", name)};
+    all = remove(*ring) && all;
+  }
+  return all;
+}
+
+bool remove_unused() {
+  bool all = true;
+  for (const auto& ring : broker::list_rings()) {
+    if (ring.in_use()) continue;
+    if (!ring.other_user.empty())
+      fmt::print("skipped {}: {}\n", ring.name, ring.trouble);
+    else if (ring.is_of_cards())
+      fmt::print("kept {}: {}; 'rths clean {}' removes it\n", ring.name, cards_of(ring), ring.name);
+    else
+      all = remove(ring) && all;
+  }
+  return all;
+}
+
 }  // namespace
 
 int doctor(const DoctorArguments& arguments) {
@@ -108,22 +132,7 @@ int doctor(const DoctorArguments& arguments) {
 }
 
 int clean(const std::vector<std::string>& rings) {
-  bool all = true;
-  for (const auto& name : rings) {
-    const auto ring = broker::inspect_ring(name);
-    if (!ring) throw Error{fmt::format("there is no ring '{}'", name)};
-    all = remove(*ring) && all;
-  }
-  if (!rings.empty()) return all ? kOk : kConditionNotMet;
-  for (const auto& ring : broker::list_rings()) {
-    if (ring.in_use()) continue;
-    if (!ring.other_user.empty())
-      fmt::print("skipped {}: {}\n", ring.name, ring.trouble);
-    else if (ring.is_of_cards())
-      fmt::print("kept {}: {}; 'rths clean {}' removes it\n", ring.name, cards_of(ring), ring.name);
-    else
-      all = remove(ring) && all;
-  }
+  const bool all = rings.empty() ? remove_unused() : remove_named(rings);
   return all ? kOk : kConditionNotMet;
 }
 

@@ -181,55 +181,77 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   return print(written);
 }
 
-}  // namespace
-
-int run(const RunArguments& arguments) {
-  const Changes changes = changes_of(arguments, arguments.improvements);
-  const launch::Experiment experiment = launch::load_experiment(arguments.experiment, changes);
-  static_cast<void>(report::read_bounds(experiment.conclusive));
-  check_host(arguments, experiment);
-  RunFolder run_folder = folder_for(arguments, experiment.name);
-  const std::filesystem::path& folder = run_folder.path();
-  const bool on_terminal = isatty(STDERR_FILENO) == 1;
+launch::RunOptions options_for(const RunArguments& arguments, const std::string& name,
+                               const std::filesystem::path& folder) {
   launch::RunOptions options;
   options.clock = arguments.virtual_time ? launch::ClockKind::Virtual : launch::ClockKind::Wall;
   options.recording = folder / report::kRunFile;
-  options.ring = arguments.ring.empty() ? experiment.name : arguments.ring;
+  options.ring = arguments.ring.empty() ? name : arguments.ring;
   options.host = arguments.host;
   options.interface = arguments.interface;
   options.report = [](const std::string& line) { fmt::print(stderr, "rths: {}\n", line); };
-  options.overrides = changes;
+  options.overrides = changes_of(arguments, arguments.improvements);
   options.version = version();
+  if (isatty(STDERR_FILENO) == 1) options.progress = show_progress;
+  return options;
+}
+
+/// Where the recording of a run is.
+enum class Recorded { Here, OnAnotherHost, Nowhere };
+
+Recorded recorded(const RunArguments& arguments, const launch::Experiment& experiment) {
+  if (!has_adapter(experiment, "recorder")) return Recorded::Nowhere;
+  return arguments.host.empty() || arguments.host == experiment.leading_host()
+             ? Recorded::Here
+             : Recorded::OnAnotherHost;
+}
+
+std::string text_of(Recorded recorded, const std::filesystem::path& recording,
+                    const launch::Experiment& experiment) {
+  if (recorded == Recorded::Here) return recording.string();
+  if (recorded == Recorded::OnAnotherHost)
+    return fmt::format("on host '{}'", experiment.leading_host());
+  return "none: the experiment has no recorder";
+}
+
+// Judges the recording of a completed run and, if there is a controller, reports on it.
+int judge_and_report(const RunArguments& arguments, const launch::Experiment& experiment,
+                     const std::filesystem::path& folder) {
+  const auto recording = folder / report::kRunFile;
+  if (!std::filesystem::exists(recording))
+    throw Error{recording.string() + ": was removed during the run"};
+  compress(recording);
+  const auto broken = report::judge(recording::Reader{recording});
+  // The report is about tracking, so it needs a controller.
+  if (has_adapter(experiment, "simulink_like"))
+    return conclude(arguments, experiment, folder, broken);
+  fmt::print("{}", report::verdict_of(broken));
+  return broken.empty() ? kOk : kConditionNotMet;
+}
+
+}  // namespace
+
+int run(const RunArguments& arguments) {
+  const launch::Experiment experiment =
+      launch::load_experiment(arguments.experiment, changes_of(arguments, arguments.improvements));
+  static_cast<void>(report::read_bounds(experiment.conclusive));
+  check_host(arguments, experiment);
+  RunFolder run_folder = folder_for(arguments, experiment.name);
+  launch::RunOptions options = options_for(arguments, experiment.name, run_folder.path());
   options.started = [&] { run_folder.begin(); };
-  if (on_terminal) options.progress = show_progress;
   const launch::RunOutcome outcome = launch::run(experiment, options);
-  if (on_terminal) clear_progress();
-  const bool has_recorder = has_adapter(experiment, "recorder");
-  const bool is_elsewhere =
-      has_recorder && !arguments.host.empty() && arguments.host != experiment.leading_host();
-  const bool records = has_recorder && !is_elsewhere;
+  if (options.progress) clear_progress();
+  const Recorded where = recorded(arguments, experiment);
   if (run_folder.has_begun())
     fmt::print(
-        "recording {}{}\n",
-        records        ? options.recording.string()
-        : is_elsewhere ? fmt::format("on host '{}'", experiment.leading_host())
-                       : "none: the experiment has no recorder",
+        "recording {}{}\n", text_of(where, options.recording, experiment),
         outcome.rows_missing > 0 ? fmt::format(", {} rows missing", outcome.rows_missing) : "");
   if (!outcome.completed) {
     fmt::print(stderr, "rths: the run ended early: {}\n",
                outcome.interrupted ? "interrupted" : outcome.trouble);
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
-  if (records && !std::filesystem::exists(options.recording))
-    throw Error{options.recording.string() + ": was removed during the run"};
-  compress(options.recording);
-  if (!records) return kOk;
-  const auto broken = report::judge(recording::Reader{options.recording});
-  // The report is about tracking, so it needs a controller.
-  if (has_adapter(experiment, "simulink_like"))
-    return conclude(arguments, experiment, folder, broken);
-  fmt::print("{}", report::verdict_of(broken));
-  return broken.empty() ? kOk : kConditionNotMet;
+  return where == Recorded::Here ? judge_and_report(arguments, experiment, run_folder.path()) : kOk;
 }
 
 int node(const NodeArguments& arguments) {

@@ -128,7 +128,6 @@ struct Waiter::State {
   std::uint32_t slot = 0;
   std::vector<Follower> followers;
   std::vector<LongwordRange> words;  ///< empty: any
-  bool may_spin = false;
   Duration spin{0};
   std::optional<Node> observer;  ///< on the ring, for the slot that is its bit among the sleepers
 
@@ -190,10 +189,6 @@ void Node::spare(const Waiter& waiter) {
   if (writer_) writer_->spared |= 1U << waiter.state_->slot;
 }
 
-void Waiter::spin_for(Duration longest) noexcept {
-  if (state_->may_spin) state_->spin = longest;
-}
-
 void Waiter::ignore(NodeId writer, bool ignored) noexcept {
   for (auto& follower : state_->followers) {
     auto& state = *follower.state_;
@@ -224,8 +219,7 @@ Waiter Ring::wait_for(const std::vector<LongwordRange>& words, Duration longest_
   state->wake = &segment_->wake();
   state->words = words;
   // On a single processor, spinning would block the writer.
-  state->may_spin = std::thread::hardware_concurrency() > 1;
-  if (state->may_spin) state->spin = longest_spin;
+  state->spin = std::thread::hardware_concurrency() > 1 ? longest_spin : Duration{0};
   for (const auto& node : map_->description().nodes) {
     const auto may_write = [&](const LongwordRange& range) {
       return std::any_of(map_->partitions().begin(), map_->partitions().end(),

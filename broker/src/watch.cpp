@@ -43,8 +43,8 @@ struct Watch::State {
   struct Flag {
     std::uint32_t offset, value;
   };
-  std::vector<Flag> flags = {};
-  std::vector<bool> is_flag = {};  ///< by word
+  std::vector<Flag> flags;
+  std::vector<bool> is_flag;  ///< by word
   struct Suspect {
     std::uint32_t value;
     TimePoint since;

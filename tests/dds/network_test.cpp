@@ -166,6 +166,10 @@ TEST_F(TwoHosts, GetAWordOfAProgramThatEndsAtOnce) {
   test::RingHost first{"first", map}, second{"second", map};
   test::Running one{bridge(1, first.ring_name())}, two{bridge(2, second.ring_name())};
   const broker::Node there = second.ring().observe();
+  const broker::Node machine = first.ring().join("machine", 0);
+  ASSERT_TRUE(comes_true([&] {
+    return there.presence_of(map.node("machine")).state == broker::Presence::State::Alive;
+  }));
   for (const float value : {11.F, 12.F}) {
     const auto sent =
         test::run_rths({"send", first.ring_name(), fmt::format("ref.long={}", value)});

@@ -85,12 +85,13 @@ TEST_F(SeveralHosts, GiveTheBytesOfOneHostInVirtualTime) {
     std::printf("%s: %.1f s\n", host, ended.seconds);
   }
   const auto alone = folder_.path() / "alone";
-  const auto ended =
-      test::run_rths({"run", (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(),
-                      "--no-diagnosis", "--out", alone.string(), "--clock", "virtual", "--set",
-                      test::is_long() ? "seed=1992" : "duration_s=3", "--set",
-                      test::is_long() ? "rate=1" : "rest_s=0.5"},
-                     200);
+  const auto ended = test::Running{
+      {"/bin/sh", "-c",
+       fmt::format(
+           "exec {} run {} --out {} --no-diagnosis {}{}", test::rths_command(),
+           (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(), alone.string(),
+           options_in_compose_file("simulation"),
+           shorter)}}.wait(200);
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   const std::string command =
       fmt::format("h5diff --exclude-path=/meta {} {}", (out("simulation") / "run.h5").string(),

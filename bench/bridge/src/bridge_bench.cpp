@@ -21,8 +21,8 @@ namespace rths::bench {
 namespace {
 
 constexpr Duration kLongest = std::chrono::seconds{20};
-constexpr std::uint64_t kMostAhead = 1U << 18;   // of a journal of 2^20 entries
-constexpr std::size_t kImageSample = 56 * 1024;  // [B]
+constexpr std::uint64_t kMostAhead = 1U << 18;     // of a journal of 2^20 entries
+constexpr std::size_t kImageSample = 56UL * 1024;  // [B]
 constexpr int kImageSamples = 300;
 constexpr int kWarmUp = 100;                // round trips
 constexpr std::uint64_t kLoadSteps = 3000;  // 1 kHz

@@ -14,7 +14,7 @@ static_assert(std::endian::native == std::endian::little, "frames are little-end
 
 constexpr std::uint32_t kMagic = 0x46485452;                     // "RTHF"
 constexpr std::uint32_t kGroup = 0x80000000, kRun = 0x40000000;  // in an update's first word
-constexpr std::size_t kUsualFrame = 8 * 1024;                    // [B]
+constexpr std::size_t kUsualFrame = 8UL * 1024;                  // [B]
 constexpr std::int64_t kLatestTime = std::int64_t{1} << 60;      // [ns], 36 years after the start
 
 /// The header as it is in a frame.

@@ -57,8 +57,8 @@ struct Frame {
 /// words.
 struct Update {
   LongwordOffset offset;
-  std::uint32_t value = 0;                ///< of a word
-  std::vector<std::uint32_t> group = {};  ///< of a group or a run; empty: a word
+  std::uint32_t value = 0;           ///< of a word
+  std::vector<std::uint32_t> group;  ///< of a group or a run; empty: a word
   bool is_run = false;
 };
 

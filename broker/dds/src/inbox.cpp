@@ -173,49 +173,59 @@ void Inbox::announce(HostId host, const std::string& name, const Announced& anno
     return node.id.value() == announced.node;
   });
   if (known == nodes.end()) return bad_frame("a frame was dropped: unknown node");
-  auto found = streams_.find(announced.node);
-  if (found == streams_.end()) {
-    set_remote(announced.node, true);  // before it joins: it must not be taken for a local node
-    try {
-      auto stream =
-          std::make_unique<Stream>(host, ring_.join(known->name, 0), NodeWords{ring_, known->name});
-      stream->node.spare(*shared_.sender);
-      found = streams_.emplace(announced.node, std::move(stream)).first;
-    } catch (const Error& error) {
-      set_remote(announced.node, false);
-      if (refused_.insert({host, announced.node}).second)
-        shared_.report(
-            fmt::format("node '{}' of host '{}' is refused: {}", known->name, name, error.what()));
-      return;
-    }
+  Stream* const stream = join(*known, host, name);
+  if (stream == nullptr || !belongs_to(*stream, *known, host, name)) return;
+  if (announced.beats != stream->beats) {
+    stream->beats = announced.beats;
+    stream->node.beat();
   }
-  Stream& stream = *found->second;
-  if (stream.host != host) {
-    const auto owner = hosts_.find(stream.host);
-    const bool is_silent = owner == hosts_.end() || now_ - owner->second.heard > kSilence;
-    const bool is_restart = owner != hosts_.end() && owner->second.name == name;
-    if (!is_silent && !is_restart) {
-      if (refused_.insert({host, announced.node}).second)
-        shared_.report(fmt::format("node '{}' is on two hosts, '{}' and '{}'; that of '{}' counts",
-                                   known->name, owner->second.name, name, owner->second.name));
-      return;
-    }
-    stream.host = host;  // restarted: a new stream of the same node
-    stream.synced = false;
-    stream.waiting.clear();
-    stream.parts.clear();
-    stream.asked = TimePoint{0};
-    stream.beats = 0;
-    stream.expected = 0;
-    stream.as_of = TimePoint{0};
+  stream->announced = announced.next;
+  if (stream->synced && stream->expected >= announced.next)
+    stream->as_of = std::max(stream->as_of, sent);
+}
+
+Inbox::Stream* Inbox::join(const memmap::MapNode& node, HostId host, const std::string& name) {
+  const auto id = node.id.value();
+  if (const auto found = streams_.find(id); found != streams_.end()) return found->second.get();
+  set_remote(id, true);  // before it joins: it must not be taken for a local node
+  try {
+    auto stream =
+        std::make_unique<Stream>(host, ring_.join(node.name, 0), NodeWords{ring_, node.name});
+    stream->node.spare(*shared_.sender);
+    return streams_.emplace(id, std::move(stream)).first->second.get();
+  } catch (const Error& error) {
+    set_remote(id, false);
+    refuse(host, id,
+           fmt::format("node '{}' of host '{}' is refused: {}", node.name, name, error.what()));
+    return nullptr;
   }
-  if (announced.beats != stream.beats) {
-    stream.beats = announced.beats;
-    stream.node.beat();
+}
+
+bool Inbox::belongs_to(Stream& stream, const memmap::MapNode& node, HostId host,
+                       const std::string& name) {
+  if (stream.host == host) return true;
+  const auto owner = hosts_.find(stream.host);
+  const bool is_silent = owner == hosts_.end() || now_ - owner->second.heard > kSilence;
+  const bool is_restart = owner != hosts_.end() && owner->second.name == name;
+  if (!is_silent && !is_restart) {
+    refuse(host, node.id.value(),
+           fmt::format("node '{}' is on two hosts, '{}' and '{}'; that of '{}' counts", node.name,
+                       owner->second.name, name, owner->second.name));
+    return false;
   }
-  stream.announced = announced.next;
-  if (stream.synced && stream.expected >= announced.next)
-    stream.as_of = std::max(stream.as_of, sent);
+  stream.host = host;  // restarted: a new stream of the same node
+  stream.synced = false;
+  stream.waiting.clear();
+  stream.parts.clear();
+  stream.asked = TimePoint{0};
+  stream.beats = 0;
+  stream.expected = 0;
+  stream.as_of = TimePoint{0};
+  return true;
+}
+
+void Inbox::refuse(HostId host, std::uint16_t node, const std::string& reason) {
+  if (refused_.insert({host, node}).second) shared_.report(reason);
 }
 
 void Inbox::receive_updates(Stream& stream, const Frame& frame, std::span<const std::byte> bytes) {

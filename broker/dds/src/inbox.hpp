@@ -76,6 +76,13 @@ class Inbox {
   void announce(HostId host, const std::string& name, const Announced& announced, TimePoint sent);
   void forget_lost_hosts();
   void close_streams_that_left(HostId host, const Hello& hello);
+  /// The stream of a node, which joins if it is new. @returns null if it cannot join
+  [[nodiscard]] Stream* join(const memmap::MapNode& node, HostId host, const std::string& name);
+  /// Whether the node is on this host; it may take over the stream of a host that is lost.
+  [[nodiscard]] bool belongs_to(Stream& stream, const memmap::MapNode& node, HostId host,
+                                const std::string& name);
+  /// Reports the reason once.
+  void refuse(HostId host, std::uint16_t node, const std::string& reason);
   void receive_updates(Stream& stream, const Frame& frame, std::span<const std::byte> bytes);
   void receive_snapshot(Stream& stream, const Frame& frame);
   void receive_digest(Stream& stream, const Frame& frame);

@@ -10,20 +10,19 @@
 namespace rths::dds {
 namespace {
 
-constexpr std::size_t kFullFrame = 8 * 1024;        // [B]
-constexpr std::size_t kSnapshotFrame = 56 * 1024;   // [B]
-constexpr std::size_t kHistory = 16 * 1024 * 1024;  // sent bytes kept per stream
+constexpr std::size_t kFullFrame = 8UL * 1024;        // [B]
+constexpr std::size_t kSnapshotFrame = 56UL * 1024;   // [B]
+constexpr std::size_t kHistory = 16UL * 1024 * 1024;  // sent bytes kept per stream
 constexpr Duration kHelloPeriod = std::chrono::milliseconds{50};
 constexpr Duration kDigestPeriod = std::chrono::seconds{1};
 constexpr Duration kAfterLastWrite = std::chrono::milliseconds{300};
 constexpr Duration kRest = std::chrono::microseconds{50};
 constexpr Duration kLongestIdle = std::chrono::milliseconds{2};
-constexpr Duration kShortGap = std::chrono::microseconds{300};
 constexpr int kMostWrites = 4096;  // between two looks at the clock
 constexpr Duration kLatestPeriod = std::chrono::milliseconds{1};
 
 // On two processors, spinning would take one from the programs of the test.
-Duration least_spin() {
+Duration longest_spin() {
   return std::thread::hardware_concurrency() > 2 ? broker::kLongestSpin : Duration{0};
 }
 
@@ -33,10 +32,10 @@ Outbox::Outbox(const std::string& ring, Shared& shared)
     : shared_{shared},
       ring_{broker::Ring::attach(ring)},
       reader_{ring_.observe()},
-      waiter_{ring_.wait_for({}, least_spin())},
+      waiter_{ring_.wait_for({}, longest_spin())},
       by_id_(shared.is_remote.size()) {
   for (const auto& node : ring_.map().description().nodes) {
-    Stream stream{node.id, node.name, NodeWords{ring_, node.name}};
+    Stream stream{node.id, NodeWords{ring_, node.name}};
     by_id_[node.id.value()] = &streams_.emplace(node.id.value(), std::move(stream)).first->second;
   }
   if (shared.options.skips_unchanged) sent_.resize(ring_.map().description().size_longwords);
@@ -44,42 +43,36 @@ Outbox::Outbox(const std::string& ring, Shared& shared)
 
 void Outbox::run() {
   const WallClock clock;
-  TimePoint digest = clock.now() + kDigestPeriod;
   while (!shared_.ends.load(std::memory_order_relaxed)) {
-    const TimePoint now = now_ = clock.now();
-    if (now >= hello_) {
-      find_local_nodes();
-      flush_all();  // an announcement follows the updates that it counts
-      send_hello();
-      hello_ = now + kHelloPeriod;
-    }
-    if (now >= digest) {
-      for (const auto& [id, stream] : streams_)
-        if (stream.announced) undigested_.insert(id);
-      digest = now + kDigestPeriod;
-    }
+    now_ = clock.now();
+    do_periodic_work();
     answer();
-    if (now >= latest_) {
-      append_latest();
-      latest_ = now + kLatestPeriod;
-    }
     int writes = 0;
     while (writes < kMostWrites && take_write(TimePoint{0})) ++writes;
     if (writes == kMostWrites) continue;
     flush_all();
     send_digest();
-    wait_for_write(std::min(hello_, now + kLongestIdle));
+    static_cast<void>(take_write(std::min(hello_, now_ + kLongestIdle)));
   }
   flush_all();
 }
 
-// Spins if the next write is due within a wake-up or two, judged by the last ones.
-void Outbox::wait_for_write(TimePoint deadline) {
-  const bool is_busy = gap_ < kShortGap;
-  waiter_.spin_for(is_busy ? 2 * gap_ : least_spin());
-  const bool is_written = take_write(deadline);
-  const Duration gap = WallClock{}.now() - now_;
-  gap_ = is_written ? (3 * gap_ + gap) / 4 : std::max(gap_, gap);
+void Outbox::do_periodic_work() {
+  if (now_ >= hello_) {
+    find_local_nodes();
+    flush_all();  // an announcement follows the updates that it counts
+    send_hello();
+    hello_ = now_ + kHelloPeriod;
+  }
+  if (now_ >= digest_) {
+    for (const auto& [id, stream] : streams_)
+      if (stream.announced) undigested_.insert(id);
+    digest_ = now_ + kDigestPeriod;
+  }
+  if (now_ >= latest_) {
+    append_latest();
+    latest_ = now_ + kLatestPeriod;
+  }
 }
 
 bool Outbox::take_write(TimePoint deadline) {

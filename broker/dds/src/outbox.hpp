@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <rths/broker/follow.hpp>
@@ -36,22 +37,23 @@ class Outbox {
   };
   /// The writes of one local node.
   struct Stream {
+    Stream(NodeId id, NodeWords its) : node{id}, words{std::move(its)} {}
     NodeId node;
-    std::string name;
     NodeWords words;
     bool announced = false;
-    TimePoint written{0};                     ///< when its last write was taken
-    std::uint64_t next = 0;                   ///< number of the next update
-    std::optional<FrameWriter> pending = {};  ///< updates that are not sent yet
-    std::deque<SentFrame> sent = {};          ///< for hosts that miss some
+    TimePoint written{0};                ///< when its last write was taken
+    std::uint64_t next = 0;              ///< number of the next update
+    std::optional<FrameWriter> pending;  ///< updates that are not sent yet
+    std::deque<SentFrame> sent;          ///< for hosts that miss some
     std::size_t sent_bytes = 0;
-    std::set<LongwordOffset> changed = {};  ///< words, and first words of groups, of which only
-                                            ///< the newest values are sent
+    /// Words, and first words of groups, of which only the newest values are sent.
+    std::set<LongwordOffset> changed;
   };
 
+  /// Announcements, digests and newest values, when they are due.
+  void do_periodic_work();
   /// Takes the next write of a local node. @returns false if there was none until the deadline
   [[nodiscard]] bool take_write(TimePoint deadline);
-  void wait_for_write(TimePoint deadline);
   void resume_after_loss();
   void take(Stream& stream, const broker::Write& write);
   void append(Stream& stream, const broker::Write& write);
@@ -80,8 +82,8 @@ class Outbox {
   std::vector<std::optional<std::uint32_t>> sent_;  ///< the ring's words, to skip unchanged ones
   TimePoint latest_{0};                             ///< when `append_latest` is due
   TimePoint hello_{0};                              ///< when an announcement is due
+  TimePoint digest_{0};                             ///< when digests are due
   TimePoint now_{0};                                ///< at the last look at the clock
-  Duration gap_ = std::chrono::seconds{1};          ///< between writes, smoothed
   std::set<std::uint16_t> undigested_;              ///< nodes whose digest is due
 };
 

@@ -73,8 +73,6 @@ class Waiter {
   /// @returns Ok; Late if there was none until the deadline; LimitExceeded, with
   ///          `write` not set, if writes were lost   @realtime, except for the sleep
   [[nodiscard]] Status wait(TimePoint deadline, Write& write) RTHS_REALTIME;
-  /// Sets the longest spin of later waits.   @realtime
-  void spin_for(Duration longest) RTHS_REALTIME;
   /// Ignores the writes of a node, or follows them again from now on.   @realtime
   void ignore(NodeId writer, bool ignored) RTHS_REALTIME;
 

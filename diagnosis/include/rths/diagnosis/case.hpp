@@ -41,6 +41,7 @@ struct Record {
   std::optional<std::pair<std::size_t, std::size_t>> quiet;  ///< samples without motion
   /// Samples, from the last known one to the next, between which the values are interpolated and
   /// not compared.
+  // NOLINTNEXTLINE(readability-redundant-member-init): initializers may leave it out
   std::vector<std::pair<std::size_t, std::size_t>> gaps = {};
 
   [[nodiscard]] std::size_t samples() const;
