@@ -45,13 +45,17 @@ void Steps::show() {
   int shown = 0;
   Clock::time_point begun = Clock::now();
   while (!ended_) {
+    if (current_ == 0) {  // this thread may run before the first step begins
+      changed_.wait(lock, [&] { return ended_ || current_ != 0; });
+      continue;
+    }
     const bool is_new = current_ != shown;
     if (is_new) begun = Clock::now();
     shown = current_;
     const auto elapsed = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - begun);
     const std::string line =
         fmt::format("step {} of {}: {}, {} s", current_, count_, name_, elapsed.count());
-    if (terminal && current_ > 0) fmt::print(stderr, "\r{}\033[K", line);
+    if (terminal) fmt::print(stderr, "\r{}\033[K", line);
     if (!terminal && !is_new) fmt::print(stderr, "rths: {}\n", line);
     changed_.wait_for(lock, terminal ? kTerminalPeriod : kLogPeriod,
                       [&] { return ended_ || current_ != shown; });

@@ -16,7 +16,9 @@ namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds{20};
 constexpr Duration kFreshWords = std::chrono::milliseconds{500};
+constexpr Duration kSignOfLife = std::chrono::milliseconds{200};  // several announcements
 constexpr Duration kLongestHostSilence = std::chrono::milliseconds{800};
+constexpr Duration kLongestVirtualSilence = std::chrono::seconds{10};
 constexpr std::size_t kTextAt = 6;  // longword of the text
 
 using Words = std::array<std::uint32_t, kLauncherLongwords>;
@@ -65,11 +67,13 @@ HostLink::HostLink(broker::Ring& ring, const Experiment& experiment, const RunOp
       own_{options.host},
       leader_{experiment.leading_host()},
       fingerprint_{fingerprint_of(experiment)},
+      longest_silence_{options.clock == ClockKind::Virtual ? kLongestVirtualSilence
+                                                           : kLongestHostSilence},
       node_{ring.join(launcher_node(own_), 0)},
       group_{ring.tear_group(launcher_partition(own_))} {
   for (const auto& host : experiment.hosts)
     if (host.name != own_)
-      others_.push_back({host.name, ring.tear_group(launcher_partition(host.name))});
+      others_.push_back({host.name, ring.tear_group(launcher_partition(host.name)), 0, {}});
   dds::GatewayOptions gateway;
   gateway.host = own_;
   gateway.report = options.report;
@@ -177,11 +181,12 @@ std::optional<std::string> HostLink::find_trouble() {
     if (published.state == HostState::Failed || !published.text.empty())
       return fmt::format("host '{}' stopped the test: {}", other.name, published.text);
     if (has_ended(published.state)) continue;
-    const bool is_heard =
-        std::any_of(status.hosts.begin(), status.hosts.end(), [&](const auto& host) {
-          return host.name == other.name && host.silence < kLongestHostSilence;
-        });
-    if (!is_heard) return fmt::format("host '{}' is silent", other.name);
+    const bool is_heard = std::any_of(
+        status.hosts.begin(), status.hosts.end(),
+        [&](const auto& host) { return host.name == other.name && host.silence < kSignOfLife; });
+    if (is_heard) ++other.signs;
+    if (other.silence.look(clock_.now(), other.signs) > longest_silence_)
+      return fmt::format("host '{}' is silent", other.name);
   }
   return std::nullopt;
 }

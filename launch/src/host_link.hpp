@@ -12,6 +12,7 @@
 #include <rths/launch/run.hpp>
 
 #include "host_words.hpp"
+#include "silence.hpp"
 
 namespace rths::launch {
 
@@ -46,6 +47,8 @@ class HostLink {
   struct Other {
     std::string name;
     TearGroupId group;
+    std::uint64_t signs = 0;  ///< of life, counted by looks
+    Silence silence = {};
   };
   struct Published {
     HostState state = HostState::Absent;
@@ -66,6 +69,7 @@ class HostLink {
   const Experiment& experiment_;
   std::string own_, leader_;
   std::uint64_t fingerprint_;
+  Duration longest_silence_;
   broker::Node node_;
   TearGroupId group_;
   std::vector<Other> others_;

@@ -79,7 +79,7 @@ Message receive_image(std::uint32_t domain) {
 
 OpenRing::OpenRing(const std::string& joint_name, const std::string& side, const memmap::Map& map,
                    std::uint32_t domain)
-    : name_{fmt::format("bench_{}_{}_{}", joint_name, side, getpid())},
+    : name_{fmt::format("bridge_{}_{}_{}", joint_name, side, getpid())},
       ring_{broker::Ring::create(name_, map, kJournalBits)} {
   dds::GatewayOptions options;
   options.host = side;
