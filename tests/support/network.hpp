@@ -16,16 +16,10 @@ namespace rths::test {
 class Network {
  public:
   explicit Network(int hosts) : hosts_{hosts} {
-    exists_ =
-        run(fmt::format("ip netns add {0} && ip -n {0} link add switch type bridge && "
-                        "ip -n {0} link set switch up",
-                        switch_name()));
-    for (int host = 1; exists_ && host <= hosts_; ++host)
-      exists_ = run(fmt::format(
-          "ip netns add {0} && ip link add eth0 netns {0} type veth peer name port{2} netns {1} && "
-          "ip -n {1} link set port{2} master switch up && ip -n {0} link set lo up && "
-          "ip -n {0} addr add 10.77.0.{2}/24 dev eth0 && ip -n {0} link set eth0 up",
-          name(host), switch_name(), host));
+    exists_ = run("ip netns add " + switch_name()) &&
+              run_in(switch_name(), "link add switch type bridge") &&
+              run_in(switch_name(), "link set switch up");
+    for (int host = 1; exists_ && host <= hosts_; ++host) exists_ = add(host);
   }
   ~Network() {
     for (int host = 1; host <= hosts_; ++host) run("ip netns del " + name(host));
@@ -37,23 +31,36 @@ class Network {
   /// False where namespaces cannot be made.
   [[nodiscard]] bool exists() const { return exists_; }
   /// Words before a command that runs on a host, from 1 on. The command keeps the process id.
-  [[nodiscard]] std::string on(int host) const {
-    return "nsenter --net=/run/netns/" + name(host) + " ";  // `ip netns exec` fails in a chroot
-  }
+  [[nodiscard]] static std::string on(int host) { return in(name(host)) + " "; }
   /// Cuts a host off, or connects it again. @returns false if that failed
-  [[nodiscard]] bool connect(int host, bool connected) const {
-    return run(
-        fmt::format("ip -n {} link set port{} {}", switch_name(), host, connected ? "up" : "down"));
+  [[nodiscard]] static bool connect(int host, bool connected) {
+    return run_in(switch_name(),
+                  fmt::format("link set port{} {}", host, connected ? "up" : "down"));
   }
 
  private:
+  static bool add(int host) {
+    const std::string its = name(host);
+    return run("ip netns add " + its) &&
+           run(fmt::format("ip link add eth0 netns {} type veth peer name port{} netns {}", its,
+                           host, switch_name())) &&
+           run_in(switch_name(), fmt::format("link set port{} master switch up", host)) &&
+           run_in(its, "link set lo up") &&
+           run_in(its, fmt::format("addr add 10.77.0.{}/24 dev eth0", host)) &&
+           run_in(its, "link set eth0 up");
+  }
   static bool run(const std::string& command) {
     return std::system(("(" + command + ") >/dev/null 2>&1").c_str()) == 0;
   }
-  [[nodiscard]] static std::string name(int host) {
-    return fmt::format("rths{}_{}", getpid(), host);
+  static bool run_in(const std::string& network, const std::string& words) {
+    return run(in(network) + " ip " + words);
   }
-  [[nodiscard]] static std::string switch_name() { return fmt::format("rths{}_switch", getpid()); }
+  // `ip -n` and `ip netns exec` fail in a chroot.
+  static std::string in(const std::string& network) {
+    return "nsenter --net=/run/netns/" + network;
+  }
+  static std::string name(int host) { return fmt::format("rths{}_{}", getpid(), host); }
+  static std::string switch_name() { return fmt::format("rths{}_switch", getpid()); }
 
   int hosts_;
   bool exists_ = false;
