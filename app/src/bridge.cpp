@@ -27,9 +27,12 @@ extern "C" void end_bridge(int) { bridge_ends = 1; }
 std::string text_of(const dds::GatewayCounts& c) {
   return fmt::format(
       "sent {} updates in {} frames, received {}; {} missing and asked for again, {} repeated, {} "
-      "snapshots, {} images differed, {} bad frames, {} times behind a journal, held off {:.1f} ms",
+      "snapshots, {} images differed, {} bad frames, {} times behind a journal, {} interrupts "
+      "sent, {} lost, "
+      "held off {:.1f} ms",
       c.updates_sent, c.frames_sent, c.updates_received, c.gaps, c.repeated, c.snapshots,
-      c.mismatches, c.bad_frames, c.lapped, 1e-6 * static_cast<double>(c.hold_off_ns));
+      c.mismatches, c.bad_frames, c.lapped, c.interrupts_sent, c.interrupts_lost,
+      1e-6 * static_cast<double>(c.hold_off_ns));
 }
 
 /// A ring that the gateway creates, if it is asked to, and removes at its end.

@@ -105,6 +105,7 @@ bool is_same_layout(const Header& a, const Header& b) {
     header.ready = 0;
     header.creator = 0;
     header.cards_in_use = 0;
+    header.looks = 0;
     return header;
   };
   const Header first = layout(a);

@@ -32,7 +32,7 @@ namespace rths::broker {
 //
 // kLayoutVersion is incremented when a program built before would misread any of this.
 inline constexpr std::uint64_t kMagic = 0x474E'4952'5348'5452;  // "RTHSRING" in memory
-inline constexpr std::uint32_t kLayoutVersion = 2;
+inline constexpr std::uint32_t kLayoutVersion = 3;
 inline constexpr std::uint32_t kMaxSlots = 32;
 inline constexpr std::size_t kPageBytes = 4096;
 inline constexpr std::uint32_t kReady = 1;
@@ -54,6 +54,7 @@ struct alignas(256) Header {
   std::uint64_t journals_at, journal_bits, journal_count;
   std::uint64_t cards_at, card_bytes, card_count;
   std::uint64_t cards_in_use;  ///< bit n: card n has its space and its registers
+  std::uint64_t looks;         ///< that `rths watch` has completed
 };
 
 struct alignas(128) Slot {

@@ -272,6 +272,7 @@ std::vector<PlainStore> Watch::look() {
   }
   state_->read_journals();
   state_->compare(found);
+  std::atomic_ref{state_->segment.header().looks}.fetch_add(1);
   return found;
 }
 

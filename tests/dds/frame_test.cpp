@@ -51,7 +51,7 @@ TEST(Frame, IsReadAsItWasWritten) {
   EXPECT_EQ(update.value, 42U);
   ASSERT_TRUE(reader.next(update));
   EXPECT_EQ(update.offset, LongwordOffset{33'554'431});
-  EXPECT_EQ(update.group, (Words{1, 2, 3}));
+  EXPECT_EQ(update.words, (Words{1, 2, 3}));
   ASSERT_TRUE(reader.next(update));
   EXPECT_EQ(update.value, 0xffffffffU);
   EXPECT_FALSE(reader.next(update));
@@ -108,7 +108,7 @@ TEST(Frame, SurvivesRandomPayloads) {
     UpdateReader reader{payload};
     std::size_t bytes = 0;
     for (Update update; reader.next(update); ++read)
-      bytes += FrameWriter::size_of(update.group.size());
+      bytes += FrameWriter::size_of(update.words.size());
     ASSERT_LE(bytes, payload.size());
     if (const auto hello = hello_from(payload)) {
       ASSERT_LE(hello->host.size(), payload.size());
@@ -119,10 +119,17 @@ TEST(Frame, SurvivesRandomPayloads) {
 }
 
 TEST(Frame, AnnouncesNodesWithPrintableNames) {
-  const auto hello = hello_from(to_bytes(
-      {"lab\n2", Duration{4}, {{5, 6, 7}, {8, 9, 10}}, {{11, TimePoint{12}, TimePoint{13}}}}));
+  const auto hello = hello_from(to_bytes({"lab\n2",
+                                          Duration{4},
+                                          {{5, 6, 7}, {8, 9, 10}},
+                                          {{14, 15, 16}},
+                                          {{11, TimePoint{12}, TimePoint{13}}}}));
   ASSERT_TRUE(hello);
   EXPECT_EQ(hello->host, "lab?2");
+  ASSERT_EQ(hello->received.size(), 1U);
+  EXPECT_EQ(hello->received[0].host, 14U);
+  EXPECT_EQ(hello->received[0].node, 15U);
+  EXPECT_EQ(hello->received[0].expected, 16U);
   ASSERT_EQ(hello->nodes.size(), 2U);
   EXPECT_EQ(hello->nodes[1].beats, 10U);
   EXPECT_EQ(hello->real_time, Duration{4});

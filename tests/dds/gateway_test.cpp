@@ -256,6 +256,7 @@ class Stranger {
     writer.add_bytes(dds::to_bytes({"stranger",
                                     dds::real_time_offset() + ahead_,
                                     {},
+                                    {},
                                     {{frame->header.host, TimePoint{frame->header.sent}, now}}}));
     static_cast<void>(carrier_->send(writer.finish()));
   }

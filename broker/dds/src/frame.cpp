@@ -12,10 +12,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "frames are little-endian");
 
-constexpr std::uint32_t kMagic = 0x46485452;                     // "RTHF"
-constexpr std::uint32_t kGroup = 0x80000000, kRun = 0x40000000;  // in an update's first word
-constexpr std::size_t kUsualFrame = 8UL * 1024;                  // [B]
-constexpr std::int64_t kLatestTime = std::int64_t{1} << 60;      // [ns], 36 years after the start
+constexpr std::uint32_t kMagic = 0x46485452;                  // "RTHF"
+constexpr std::uint32_t kForm = 0xC0000000, kFormShift = 30;  // in the first word of an update
+constexpr std::size_t kUsualFrame = 8UL * 1024;               // [B]
+constexpr std::int64_t kLatestTime = std::int64_t{1} << 60;   // [ns], 36 years after the start
 
 /// The header as it is in a frame.
 struct Wire {
@@ -91,18 +91,18 @@ bool UpdateReader::next(Update& update) {
   malformed_ = rest_.size() % 4 != 0 || words < 2;
   if (malformed_) return false;
   const std::uint32_t head = word_at(rest_, 0), second = word_at(rest_, 1);
-  update.offset = LongwordOffset{head & ~(kGroup | kRun)};
-  update.is_run = (head & kRun) != 0;
-  update.group.clear();
-  if ((head & (kGroup | kRun)) == 0) {
+  update.offset = LongwordOffset{head & ~kForm};
+  update.form = static_cast<Update::Form>(head >> kFormShift);
+  update.words.clear();
+  if (update.form == Update::Form::Word) {
     update.value = second;
     rest_ = rest_.subspan(8);
     return true;
   }
   malformed_ = second == 0 || second > words - 2;
   if (malformed_) return false;
-  update.group.resize(second);
-  std::memcpy(update.group.data(), rest_.data() + 8, 4UL * second);
+  update.words.resize(second);
+  std::memcpy(update.words.data(), rest_.data() + 8, 4UL * second);
   rest_ = rest_.subspan(8 + 4UL * second);
   return true;
 }
@@ -123,16 +123,24 @@ void FrameWriter::add_word(LongwordOffset offset, std::uint32_t value) {
   ++header_.count;
 }
 
-void FrameWriter::add_group(LongwordOffset offset, std::span<const std::uint32_t> words) {
-  add(offset.value() | kGroup, static_cast<std::uint32_t>(words.size()));
+void FrameWriter::add_words(Update::Form form, LongwordOffset offset,
+                            std::span<const std::uint32_t> words) {
+  add(offset.value() | static_cast<std::uint32_t>(form) << kFormShift,
+      static_cast<std::uint32_t>(words.size()));
   add_bytes(std::as_bytes(words));
   ++header_.count;
 }
 
+void FrameWriter::add_group(LongwordOffset offset, std::span<const std::uint32_t> words) {
+  add_words(Update::Form::Group, offset, words);
+}
+
 void FrameWriter::add_run(LongwordOffset offset, std::span<const std::uint32_t> words) {
-  add(offset.value() | kRun, static_cast<std::uint32_t>(words.size()));
-  add_bytes(std::as_bytes(words));
-  ++header_.count;
+  add_words(Update::Form::Run, offset, words);
+}
+
+void FrameWriter::add_card_message(std::span<const std::uint32_t> words) {
+  add_words(Update::Form::Card, LongwordOffset{0}, words);
 }
 
 void FrameWriter::add_bytes(std::span<const std::byte> bytes) {

@@ -13,7 +13,7 @@
 
 namespace rths::dds {
 
-inline constexpr std::uint16_t kFrameVersion = 1;
+inline constexpr std::uint16_t kFrameVersion = 2;
 /// Largest frame [B]: below the 64 KiB of a UDP datagram.
 inline constexpr std::size_t kLargestFrame = 60'000;
 
@@ -53,13 +53,14 @@ struct Frame {
 /// @param defect  set if there is none
 [[nodiscard]] std::optional<Frame> decode(std::span<const std::byte> bytes, FrameDefect& defect);
 
-/// One write of a stream: a word, or a tear group with its words. In a snapshot also a run of
-/// words.
+/// One element of a stream: a write of a word, or of a tear group. In a snapshot also a run of
+/// words. Or a message of the node's card.
 struct Update {
-  LongwordOffset offset;
+  enum class Form : std::uint8_t { Word, Group, Run, Card };
+  Form form = Form::Word;
+  LongwordOffset offset;             ///< not of a message
   std::uint32_t value = 0;           ///< of a word
-  std::vector<std::uint32_t> group;  ///< of a group or a run; empty: a word
-  bool is_run = false;
+  std::vector<std::uint32_t> words;  ///< of the others
 };
 
 /// Reads the updates of a payload one by one.
@@ -80,13 +81,12 @@ class FrameWriter {
  public:
   /// Begins a frame.
   explicit FrameWriter(const FrameHeader& header);
-  /// Size of an update in a frame [B]; words of the group or run, or 0 for a word.
-  [[nodiscard]] static std::size_t size_of(std::size_t group) {
-    return 8 + (group > 0 ? 4 * group : 0);
-  }
+  /// Size of an update in a frame [B]; words of the group, run or message, or 0 for a word.
+  [[nodiscard]] static std::size_t size_of(std::size_t words) { return 8 + 4 * words; }
   void add_word(LongwordOffset offset, std::uint32_t value);
   void add_group(LongwordOffset offset, std::span<const std::uint32_t> words);
   void add_run(LongwordOffset offset, std::span<const std::uint32_t> words);
+  void add_card_message(std::span<const std::uint32_t> words);
   void add_bytes(std::span<const std::byte> bytes);
   [[nodiscard]] std::size_t bytes() const { return bytes_.size(); }
   [[nodiscard]] std::uint16_t count() const { return header_.count; }
@@ -95,6 +95,7 @@ class FrameWriter {
 
  private:
   void add(std::uint32_t first, std::uint32_t second);
+  void add_words(Update::Form form, LongwordOffset offset, std::span<const std::uint32_t> words);
   FrameHeader header_;
   std::vector<std::byte> bytes_;
 };

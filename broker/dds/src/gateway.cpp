@@ -37,6 +37,8 @@ struct Gateway::State {
     const auto attached = broker::Ring::attach(ring);
     shared.map_hash = attached.map().hash();
     shared.is_remote = std::vector<std::atomic<bool>>(ids_of(attached.map()));
+    cards = std::make_unique<Cards>(attached, ring);
+    shared.cards = cards.get();
     outbox = std::make_unique<Outbox>(ring, shared);
     shared.sender = &outbox->waiter();
     inbox = std::make_unique<Inbox>(ring, shared);
@@ -53,6 +55,7 @@ struct Gateway::State {
 
   std::unique_ptr<Carrier> carrier;
   Shared shared;
+  std::unique_ptr<Cards> cards;
   std::unique_ptr<Outbox> outbox;
   std::unique_ptr<Inbox> inbox;
   std::thread sender, receiver;
@@ -64,9 +67,20 @@ Gateway::~Gateway() = default;
 
 GatewayCounts Gateway::counts() const {
   const auto& c = state_->shared.counts;
-  return {c.frames_sent, c.updates_sent, c.frames_received, c.updates_received, c.bad_frames,
-          c.repeated,    c.gaps,         c.sent_again,      c.snapshots,        c.mismatches,
-          c.lapped,      c.hold_off_ns};
+  return {c.frames_sent,
+          c.updates_sent,
+          c.frames_received,
+          c.updates_received,
+          c.bad_frames,
+          c.repeated,
+          c.gaps,
+          c.sent_again,
+          c.snapshots,
+          c.mismatches,
+          c.lapped,
+          c.interrupts_sent,
+          c.interrupts_lost,
+          c.hold_off_ns};
 }
 
 GatewayStatus Gateway::status() const {

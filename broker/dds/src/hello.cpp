@@ -11,13 +11,16 @@ constexpr std::size_t kLongestName = 63;
 constexpr std::size_t kMostNodes = 1024, kMostHosts = 1024;
 constexpr std::int64_t kLatestRealTime = std::int64_t{1} << 62;  // [ns], the year 2116
 
-/// The numbers of a Hello as they are in a frame, before its nodes and echoes.
+/// The numbers of a Hello as they are in a frame, before its lists.
 struct WireHello {
   std::int64_t real_time;
-  std::uint64_t nodes;
+  std::uint64_t nodes, received;
 };
 struct WireNode {
   std::uint64_t node, next, beats;
+};
+struct WireReceived {
+  std::uint64_t host, node, expected;
 };
 struct WireEcho {
   std::uint64_t host;
@@ -48,9 +51,12 @@ std::vector<std::byte> to_bytes(const Hello& hello) {
   std::vector<std::byte> bytes;
   append(bytes, bytes_of(length));
   append(bytes, std::as_bytes(std::span{hello.host.data(), length}));
-  append(bytes, bytes_of(WireHello{hello.real_time.count(), hello.nodes.size()}));
+  append(bytes,
+         bytes_of(WireHello{hello.real_time.count(), hello.nodes.size(), hello.received.size()}));
   for (const auto& node : hello.nodes)
     append(bytes, bytes_of(WireNode{node.node, node.next, node.beats}));
+  for (const auto& stream : hello.received)
+    append(bytes, bytes_of(WireReceived{stream.host, stream.node, stream.expected}));
   for (const auto& echo : hello.echoes)
     append(bytes, bytes_of(WireEcho{echo.host, echo.sent.count(), echo.received.count()}));
   return bytes;
@@ -66,13 +72,20 @@ std::optional<Hello> hello_from(std::span<const std::byte> bytes) {
       hello.host.begin(), hello.host.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   bytes = bytes.subspan(*length);
   const auto numbers = take<WireHello>(bytes);
-  if (!numbers || numbers->nodes > kMostNodes) return std::nullopt;
+  if (!numbers || numbers->nodes > kMostNodes || numbers->received > kMostNodes)
+    return std::nullopt;
   if (numbers->real_time < 0 || numbers->real_time > kLatestRealTime) return std::nullopt;
   hello.real_time = Duration{numbers->real_time};
   for (std::uint64_t i = 0; i < numbers->nodes; ++i) {
     const auto node = take<WireNode>(bytes);
     if (!node) return std::nullopt;
     hello.nodes.push_back({static_cast<std::uint16_t>(node->node), node->next, node->beats});
+  }
+  for (std::uint64_t i = 0; i < numbers->received; ++i) {
+    const auto stream = take<WireReceived>(bytes);
+    if (!stream) return std::nullopt;
+    hello.received.push_back(
+        {stream->host, static_cast<std::uint16_t>(stream->node), stream->expected});
   }
   if (bytes.size() % sizeof(WireEcho) != 0 || bytes.size() / sizeof(WireEcho) > kMostHosts)
     return std::nullopt;

@@ -29,11 +29,19 @@ struct Echo {
   TimePoint received{0};  ///< on the sender's clock
 };
 
+/// A stream of another host, as far as the sender has it.
+struct Received {
+  HostId host = 0;             ///< owner of the stream
+  std::uint16_t node = 0;      ///< NodeId
+  std::uint64_t expected = 0;  ///< number of the next update
+};
+
 /// Payload of a Hello.
 struct Hello {
   std::string host;       ///< name, at most 63 bytes
   Duration real_time{0};  ///< CLOCK_REALTIME minus CLOCK_MONOTONIC
   std::vector<Announced> nodes;
+  std::vector<Received> received;
   std::vector<Echo> echoes;
 };
 [[nodiscard]] std::vector<std::byte> to_bytes(const Hello& hello);

@@ -94,6 +94,9 @@ void Inbox::receive_hello(const Frame& frame) {
   Host& host = hosts_[id];
   host.name = hello->host;
   compare_clocks(host, *hello, TimePoint{frame.header.sent});
+  host.confirmed.clear();
+  for (const auto& stream : hello->received)
+    if (stream.host == shared_.host) host.confirmed[stream.node] = stream.expected;
   close_streams_that_left(id, *hello);
   for (const auto& node : hello->nodes)
     announce(id, hello->host, node, TimePoint{frame.header.sent});
@@ -134,8 +137,13 @@ void Inbox::publish_status(TimePoint now) {
     echoes.push_back({id, host.announced, host.heard});
   }
   if (visitor_.host != 0 && now - visitor_.received < kSilence) echoes.push_back(visitor_);
+  std::vector<Received> received;
+  decltype(shared_.confirmed) confirmed;
   for (const auto& [id, stream] : streams_) {
+    if (stream->synced) received.push_back({stream->host, id, stream->expected});
     const auto host = hosts_.find(stream->host);
+    if (host != hosts_.end())
+      for (const auto& [ours, number] : host->second.confirmed) confirmed[{id, ours}] = number;
     const auto clock = host == hosts_.end() ? std::nullopt : host->second.clock.at(now);
     if (!clock || stream->as_of == TimePoint{0}) continue;
     status.nodes.push_back({ring_.map().node_name(NodeId{id}), host->second.name,
@@ -145,6 +153,8 @@ void Inbox::publish_status(TimePoint now) {
   const std::lock_guard lock{shared_.mutex};
   shared_.status = std::move(status);
   shared_.echoes = std::move(echoes);
+  shared_.received = std::move(received);
+  shared_.confirmed = std::move(confirmed);
 }
 
 void Inbox::close_streams_that_left(HostId host, const Hello& hello) {
@@ -157,6 +167,7 @@ void Inbox::close_streams_that_left(HostId host, const Hello& hello) {
       ++entry;
       continue;
     }
+    shared_.cards->release(NodeId{node});
     set_remote(node, false);
     entry = streams_.erase(entry);
   }
@@ -189,8 +200,8 @@ Inbox::Stream* Inbox::join(const memmap::MapNode& node, HostId host, const std::
   if (const auto found = streams_.find(id); found != streams_.end()) return found->second.get();
   set_remote(id, true);  // before it joins: it must not be taken for a local node
   try {
-    auto stream =
-        std::make_unique<Stream>(host, ring_.join(node.name, 0), NodeWords{ring_, node.name});
+    auto stream = std::make_unique<Stream>(node.id, host, ring_.join(node.name, 0),
+                                           NodeWords{ring_, node.name});
     stream->node.spare(*shared_.sender);
     return streams_.emplace(id, std::move(stream)).first->second.get();
   } catch (const Error& error) {
@@ -272,13 +283,24 @@ void Inbox::apply(Stream& stream, const Frame& frame) {
 }
 
 bool Inbox::write(Stream& stream, const Update& update) {
+  if (update.form == Update::Form::Card) return apply_card_message(stream, update.words);
   if (update.offset.value() >= ring_.map().description().size_longwords) return false;
-  if (update.is_run) return write_run(stream, update);
-  if (update.group.empty())
+  if (update.form == Update::Form::Run) return write_run(stream, update);
+  if (update.form == Update::Form::Word)
     return stream.node.write(update.offset, update.value) == Status::Ok ||
            write_into_group(stream, update);
-  const auto* const group = stream.words.group_at(update.offset, update.group.size());
-  return group != nullptr && stream.node.write_group(group->id, update.group) == Status::Ok;
+  const auto* const group = stream.words.group_at(update.offset, update.words.size());
+  return group != nullptr && stream.node.write_group(group->id, update.words) == Status::Ok;
+}
+
+bool Inbox::apply_card_message(Stream& stream, std::span<const std::uint32_t> message) {
+  try {
+    return shared_.cards->apply(stream.id, message);
+  } catch (const Error& error) {
+    refuse(stream.host, stream.id.value(),
+           fmt::format("a card of another host has no copy here: {}", error.what()));
+    return true;
+  }
 }
 
 // A program written for the cards stores the words of a tear group one by one.
@@ -293,11 +315,11 @@ bool Inbox::write_into_group(Stream& stream, const Update& update) {
 
 bool Inbox::write_run(Stream& stream, const Update& run) {
   const std::uint32_t size = ring_.map().description().size_longwords;
-  if (run.group.size() > size - run.offset.value()) return false;
+  if (run.words.size() > size - run.offset.value()) return false;
   Status status = Status::Ok;
-  for (std::uint32_t i = 0; i < run.group.size() && status == Status::Ok; ++i)
-    if (const auto word = advance(run.offset, i); stream.node.read(word) != run.group[i])
-      status = stream.node.write(word, run.group[i]);
+  for (std::uint32_t i = 0; i < run.words.size() && status == Status::Ok; ++i)
+    if (const auto word = advance(run.offset, i); stream.node.read(word) != run.words[i])
+      status = stream.node.write(word, run.words[i]);
   return status == Status::Ok;
 }
 

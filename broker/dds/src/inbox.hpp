@@ -39,8 +39,9 @@ class Inbox {
 
   /// The writes of one node of another host.
   struct Stream {
-    Stream(HostId of, broker::Node joined, NodeWords its)
-        : host{of}, node{std::move(joined)}, words{std::move(its)} {}
+    Stream(NodeId its_id, HostId of, broker::Node joined, NodeWords its)
+        : id{its_id}, host{of}, node{std::move(joined)}, words{std::move(its)} {}
+    NodeId id;
     HostId host;
     broker::Node node;
     NodeWords words;
@@ -64,7 +65,8 @@ class Inbox {
     TimePoint announced{0};  ///< when that was sent, on its clock
     Duration real_time_ahead{0};
     ClockOffset clock;
-    bool has_wrong_clock = false;  ///< reported
+    bool has_wrong_clock = false;                      ///< reported
+    std::map<std::uint16_t, std::uint64_t> confirmed;  ///< of our nodes: it has all before this
   };
 
   void receive_hello(const Frame& frame);
@@ -92,6 +94,7 @@ class Inbox {
   void apply(Stream& stream, const Frame& frame);
   [[nodiscard]] bool write(Stream& stream, const Update& update);
   [[nodiscard]] static bool write_into_group(Stream& stream, const Update& update);
+  [[nodiscard]] bool apply_card_message(Stream& stream, std::span<const std::uint32_t> message);
   [[nodiscard]] bool write_run(Stream& stream, const Update& run);
   /// Asks for the updates before `end`, or, with 0, for a snapshot; not again within 30 ms.
   void ask(std::uint16_t node, Stream& stream, std::uint64_t end);

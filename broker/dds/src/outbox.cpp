@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 #include "clock_offset.hpp"
 #include "hello.hpp"
@@ -18,7 +19,8 @@ constexpr Duration kDigestPeriod = std::chrono::seconds{1};
 constexpr Duration kAfterLastWrite = std::chrono::milliseconds{300};
 constexpr Duration kRest = std::chrono::microseconds{50};
 constexpr Duration kLongestIdle = std::chrono::milliseconds{2};
-constexpr int kMostWrites = 4096;  // between two looks at the clock
+constexpr int kMostWrites = 4096;                           // between two looks at the clock
+constexpr Duration kLongestHold = std::chrono::seconds{2};  // of an interrupt
 constexpr Duration kLatestPeriod = std::chrono::milliseconds{1};
 
 // On two processors, spinning would take one from the programs of the test.
@@ -47,9 +49,11 @@ void Outbox::run() {
     now_ = clock.now();
     do_periodic_work();
     answer();
+    take_interrupts();
     int writes = 0;
     while (writes < kMostWrites && take_write(TimePoint{0})) ++writes;
     if (writes == kMostWrites) continue;
+    append_interrupts();
     flush_all();
     send_digest();
     static_cast<void>(take_write(std::min(hello_, now_ + kLongestIdle)));
@@ -88,6 +92,7 @@ bool Outbox::take_write(TimePoint deadline) {
 void Outbox::take(Stream& stream, const broker::Write& write) {
   if (!stream.announced) hello_ = TimePoint{0};
   stream.written = now_;
+  append_card_changes(stream);
   if (!sent_.empty() && leaves_all_as_sent(write)) return;
   if (!shared_.options.is_deterministic && stream.words.is_latest(write.offset))
     stream.changed.insert(write.offset);
@@ -158,15 +163,82 @@ FrameHeader Outbox::header(FrameKind kind, const Stream& stream) const {
   return header;
 }
 
-void Outbox::append(Stream& stream, const broker::Write& write) {
-  const std::size_t bytes = FrameWriter::size_of(write.group.size());
+FrameWriter& Outbox::room_in(Stream& stream, std::size_t words) {
+  const std::size_t bytes = FrameWriter::size_of(words);
   if (stream.pending && stream.pending->bytes() + bytes > kFullFrame) flush(stream);
   if (!stream.pending) stream.pending.emplace(header(FrameKind::Updates, stream));
+  return *stream.pending;
+}
+
+void Outbox::append(Stream& stream, const broker::Write& write) {
+  FrameWriter& frame = room_in(stream, write.group.size());
   if (write.group.empty())
-    stream.pending->add_word(write.offset, write.value);
+    frame.add_word(write.offset, write.value);
   else
-    stream.pending->add_group(write.offset, write.group);
+    frame.add_group(write.offset, write.group);
   ++stream.next;
+}
+
+void Outbox::append(Stream& stream, std::span<const std::uint32_t> card_message) {
+  room_in(stream, card_message.size()).add_card_message(card_message);
+  ++stream.next;
+}
+
+// A program sets the registers of its card before it stores, so changes precede the next write.
+void Outbox::append_card_changes(Stream& stream) {
+  if (shared_.cards->none()) return;
+  for (const auto& message : shared_.cards->changes_of(stream.node)) append(stream, message);
+}
+
+void Outbox::take_interrupts() {
+  if (shared_.cards->none()) return;
+  for (auto& [id, stream] : streams_)
+    if (stream.announced) append_card_changes(stream);
+  std::vector<Cards::Interrupt> taken;
+  shared_.counts.interrupts_lost += shared_.cards->take_interrupts(now_, taken);
+  for (auto& interrupt : taken) interrupts_.push_back({std::move(interrupt), now_});
+}
+
+// A host that has just learned of a node gets a snapshot first, which has no interrupts.
+Outbox::Readiness Outbox::readiness_of(const WaitingInterrupt& waiting) const {
+  const auto& [interrupt, since] = waiting;
+  const Stream* const stream = interrupt.from ? stream_of(*interrupt.from) : nullptr;
+  if (stream == nullptr || is_remote(stream->node)) return Readiness::Lost;
+  const std::lock_guard lock{shared_.mutex};
+  const auto confirmed = shared_.confirmed.find({interrupt.to.value(), interrupt.from->value()});
+  if (stream->announced && confirmed != shared_.confirmed.end() &&
+      confirmed->second >= stream->joined)
+    return Readiness::Ready;
+  return now_ - since > kLongestHold ? Readiness::Lost : Readiness::Waits;
+}
+
+void Outbox::append_interrupts() {
+  if (interrupts_.empty()) return;
+  for (auto& [id, stream] : streams_) stream.interrupts = false;
+  std::vector<WaitingInterrupt> waiting;
+  for (auto& one : interrupts_) {
+    Stream* const stream = one.interrupt.from ? stream_of(*one.interrupt.from) : nullptr;
+    const bool is_behind = stream != nullptr && stream->interrupts;
+    const auto readiness = readiness_of(one);
+    if (readiness == Readiness::Lost) {
+      count_lost_interrupt(one.interrupt);
+    } else if (readiness == Readiness::Waits || is_behind) {
+      stream->interrupts = true;
+      waiting.push_back(std::move(one));
+    } else {
+      append(*stream, one.interrupt.message);
+      ++shared_.counts.interrupts_sent;
+    }
+  }
+  interrupts_ = std::move(waiting);
+}
+
+void Outbox::count_lost_interrupt(const Cards::Interrupt& interrupt) {
+  ++shared_.counts.interrupts_lost;
+  if (interrupt.from || std::exchange(has_foreign_interrupt_, true)) return;
+  shared_.report(
+      "an interrupt was not sent to other hosts: its card is no node of the map; name one in "
+      "RTHS_SCGT_NODE");
 }
 
 void Outbox::flush(Stream& stream) {
@@ -206,18 +278,26 @@ void Outbox::find_local_nodes() {
     const bool is_here =
         !is_remote(stream.node) &&
         (reader_.presence_of(stream.node).state != broker::Presence::State::Absent ||
-         (stream.written != TimePoint{0} && now_ - stream.written < kAfterLastWrite));
+         (stream.written != TimePoint{0} && now_ - stream.written < kAfterLastWrite) ||
+         stream.interrupts);
     waiter_.ignore(stream.node, is_remote(stream.node));
     if (!is_here) flush(stream);
+    if (is_here && !stream.announced) {
+      for (const auto& message : shared_.cards->state_of(stream.node)) append(stream, message);
+      stream.joined = stream.next;
+    }
     stream.announced = is_here;
   }
 }
 
 void Outbox::send_hello() {
-  Hello hello{shared_.options.host, real_time_offset(), {}, {}};
+  Hello hello;
+  hello.host = shared_.options.host;
+  hello.real_time = real_time_offset();
   {
     const std::lock_guard lock{shared_.mutex};
     hello.echoes = shared_.echoes;
+    hello.received = shared_.received;
   }
   for (const auto& [id, stream] : streams_)
     if (stream.announced) hello.nodes.push_back({id, stream.next, reader_.beats_of(stream.node)});
@@ -289,6 +369,9 @@ void Outbox::send_snapshot(Stream& stream, HostId to) {
     if (!frame) frame.emplace(header(FrameKind::Snapshot, stream));
     return *frame;
   };
+  // The card comes first, as the words that follow may interrupt.
+  for (const auto& message : shared_.cards->state_of(stream.node))
+    room_for(message.size()).add_card_message(message);
   stream.words.visit(
       reader_,
       [&](LongwordOffset offset, std::span<const std::uint32_t> values) {

@@ -43,11 +43,18 @@ class Outbox {
     bool announced = false;
     TimePoint written{0};                ///< when its last write was taken
     std::uint64_t next = 0;              ///< number of the next update
+    std::uint64_t joined = 0;            ///< number of the first one since it was announced
+    bool interrupts = false;             ///< its card has interrupts that are not sent yet
     std::optional<FrameWriter> pending;  ///< updates that are not sent yet
     std::deque<SentFrame> sent;          ///< for hosts that miss some
     std::size_t sent_bytes = 0;
     /// Words, and first words of groups, of which only the newest values are sent.
     std::set<LongwordOffset> changed;
+  };
+
+  struct WaitingInterrupt {
+    Cards::Interrupt interrupt;
+    TimePoint since;
   };
 
   /// Announcements, digests and newest values, when they are due.
@@ -57,6 +64,17 @@ class Outbox {
   void resume_after_loss();
   void take(Stream& stream, const broker::Write& write);
   void append(Stream& stream, const broker::Write& write);
+  void append(Stream& stream, std::span<const std::uint32_t> card_message);
+  /// The stream's pending frame, with room for an update. @param words  as of FrameWriter::size_of
+  [[nodiscard]] FrameWriter& room_in(Stream& stream, std::size_t words);
+  void append_card_changes(Stream& stream);
+  /// Takes the interrupts whose data are in the journals.
+  void take_interrupts();
+  /// Appends those whose receiver has the data. One that waits for too long is lost.
+  void append_interrupts();
+  enum class Readiness : std::uint8_t { Ready, Waits, Lost };
+  [[nodiscard]] Readiness readiness_of(const WaitingInterrupt& interrupt) const;
+  void count_lost_interrupt(const Cards::Interrupt& interrupt);
   /// Appends the present values of the words that changed.
   void append_latest();
   [[nodiscard]] bool leaves_all_as_sent(const broker::Write& write);
@@ -85,6 +103,8 @@ class Outbox {
   TimePoint digest_{0};                             ///< when digests are due
   TimePoint now_{0};                                ///< at the last look at the clock
   std::set<std::uint16_t> undigested_;              ///< nodes whose digest is due
+  std::vector<WaitingInterrupt> interrupts_;
+  bool has_foreign_interrupt_ = false;  ///< reported
 };
 
 }  // namespace rths::dds

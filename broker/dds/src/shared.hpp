@@ -6,14 +6,17 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <rths/broker/follow.hpp>
 #include <rths/core/clock.hpp>
 #include <rths/dds/gateway.hpp>
 
+#include "cards.hpp"
 #include "frame.hpp"
 #include "hello.hpp"
 
@@ -30,7 +33,7 @@ struct Asked {
 struct AtomicCounts {
   std::atomic<std::uint64_t> frames_sent{0}, updates_sent{0}, frames_received{0},
       updates_received{0}, bad_frames{0}, repeated{0}, gaps{0}, sent_again{0}, snapshots{0},
-      mismatches{0}, lapped{0}, hold_off_ns{0};
+      mismatches{0}, lapped{0}, interrupts_sent{0}, interrupts_lost{0}, hold_off_ns{0};
 };
 
 struct Shared {
@@ -39,6 +42,7 @@ struct Shared {
   GatewayOptions options;
   Carrier* carrier = nullptr;
   const broker::Waiter* sender = nullptr;  ///< waits for local writes only
+  Cards* cards = nullptr;
   AtomicCounts counts;
   std::atomic<bool> ends{false};
 
@@ -49,6 +53,9 @@ struct Shared {
   std::vector<Asked> asked;                     ///< by other hosts
   std::vector<std::vector<std::byte>> to_send;  ///< the receiver's requests
   std::vector<Echo> echoes;                     ///< of the other hosts' announcements
+  std::vector<Received> received;               ///< of the other hosts' streams
+  /// By node of another host and node of this one: the number up to which that host has the writes.
+  std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> confirmed;
   GatewayStatus status;
 
   void report(const std::string& line) const {

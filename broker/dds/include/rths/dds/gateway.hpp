@@ -19,14 +19,16 @@ namespace rths::dds {
 struct GatewayCounts {
   std::uint64_t frames_sent = 0, updates_sent = 0;
   std::uint64_t frames_received = 0, updates_received = 0;  ///< applied to the ring
-  std::uint64_t bad_frames = 0;   ///< not frames, of another map, or with words of other nodes
-  std::uint64_t repeated = 0;     ///< updates received more than once
-  std::uint64_t gaps = 0;         ///< missing updates that were asked for again
-  std::uint64_t sent_again = 0;   ///< frames sent again
-  std::uint64_t snapshots = 0;    ///< received
-  std::uint64_t mismatches = 0;   ///< digests that differed
-  std::uint64_t lapped = 0;       ///< local writes that the journal lost before they were sent
-  std::uint64_t hold_off_ns = 0;  ///< time during which sending blocked
+  std::uint64_t bad_frames = 0;       ///< not frames, of another map, or with words of other nodes
+  std::uint64_t repeated = 0;         ///< updates received more than once
+  std::uint64_t gaps = 0;             ///< missing updates that were asked for again
+  std::uint64_t sent_again = 0;       ///< frames sent again
+  std::uint64_t snapshots = 0;        ///< received
+  std::uint64_t mismatches = 0;       ///< digests that differed
+  std::uint64_t lapped = 0;           ///< local writes that the journal lost before they were sent
+  std::uint64_t interrupts_sent = 0;  ///< of GT cards
+  std::uint64_t interrupts_lost = 0;  ///< overwritten before, or from a card without a node
+  std::uint64_t hold_off_ns = 0;      ///< time during which sending blocked
 };
 
 /// Another host, as its announcements show it.

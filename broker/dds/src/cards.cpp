@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cards.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <rths/core/error.hpp>
+
+#include "bits.hpp"
+#include "gt_queue.hpp"
+#include "gt_registers.hpp"
+
+#include <gtucore.h>
+
+namespace rths::dds {
+namespace {
+
+using scramnet::GtInterrupt;
+using scramnet::Word;
+
+// The first word of a message.
+enum MessageKind : std::uint32_t {
+  kRegisters = 1,      ///< the registers, in the order of registers_of
+  kInterruptingWords,  ///< range of the memory; first and length of each run with TIE in it
+  kGtInterrupt,        ///< node that it is for, type, source, id, value
+};
+
+constexpr std::array<std::size_t, 4> kCopiedRegisters{0, 2, 3, 8};  // of a SCRAMNet+ card
+constexpr std::size_t kMostWords = 2000;                            // of a message
+constexpr Duration kWatchIsGone = std::chrono::seconds{1};
+constexpr std::uint64_t kKeptInterrupts = scramnet::kGtQueueEntries - 1;
+
+// Registers that other cards react to, and the count of changes of the ACR.
+CardMessage registers_of(const scramnet::Card& card) {
+  CardMessage message{kRegisters};
+  for (const auto index : kCopiedRegisters) message.push_back(card.plus.csr[index].load());
+  message.push_back(card.gt.cr[scramnet::gt::kLinkControl].load());
+  message.push_back(card.plus.acr_changes.load());
+  return message;
+}
+
+// The runs of words with TIE, in messages that together cover the memory.
+void append_interrupting_words(const Word* acr, std::uint32_t longwords,
+                               std::vector<CardMessage>& messages) {
+  CardMessage message{kInterruptingWords, 0, longwords};
+  for (std::uint32_t word = 0; word < longwords; ++word) {
+    if ((acr[word].load(std::memory_order_relaxed) & scramnet::acr::kTransmitInterrupt) == 0)
+      continue;
+    if (message.size() > 3 && word == *(message.end() - 2) + message.back()) {
+      ++message.back();
+      continue;
+    }
+    if (message.size() >= kMostWords) {
+      message[2] = word;
+      messages.push_back(std::exchange(message, {kInterruptingWords, word, longwords}));
+    }
+    message.insert(message.end(), {word, 1});
+  }
+  messages.push_back(std::move(message));
+}
+
+// Whether a card takes an interrupt that has arrived. Its type and number may be anything.
+bool accepts(const scramnet::GtCard& card, const GtInterrupt& interrupt) {
+  namespace gt = scramnet::gt;
+  if (!scramnet::is_set(card, gt::kLinkControl, gt::kReceive)) return false;
+  if (interrupt.type == SCGT_UNICAST_INTR) return scramnet::is_set(card, gt::kUnicastMask, 1);
+  return interrupt.type == SCGT_BROADCAST_INTR && interrupt.id < 32 &&
+         scramnet::is_set(card, gt::kBroadcastMask, 1U << interrupt.id);
+}
+
+NodeId node_of(std::uint32_t key) { return NodeId{static_cast<std::uint16_t>(key)}; }
+
+}  // namespace
+
+Cards::Cards(const broker::Ring& ring, const std::string& name)
+    : table_{ring, name}, looks_{table_.looks()} {}
+
+Cards::~Cards() {
+  while (!copies_.empty()) release(copies_.begin()->first);
+}
+
+std::optional<Cards::CardView> Cards::card_of(NodeId node) const {
+  for (std::uint64_t index = 0, used = table_.in_use(); used >> index != 0; ++index)
+    if (const auto view = table_.at(static_cast<std::uint32_t>(index));
+        view && view->card->key.load() == (scramnet::kNamed | node.value()))
+      return view;
+  return std::nullopt;
+}
+
+std::vector<CardMessage> Cards::state_of(NodeId node) {
+  const auto view = card_of(node);
+  if (!view) return {};
+  std::vector<CardMessage> messages{registers_of(*view->card)};
+  if (view->acr != nullptr && messages.front().back() != 0)
+    append_interrupting_words(view->acr, static_cast<std::uint32_t>(table_.memory_bytes() / 4),
+                              messages);
+  return messages;
+}
+
+std::vector<CardMessage> Cards::changes_of(NodeId node) {
+  const auto view = card_of(node);
+  if (!view) return {};
+  auto now = registers_of(*view->card);
+  const std::lock_guard lock{mutex_};
+  auto& sent = sent_[node];
+  if (now == sent) return {};
+  const bool same_words = !sent.empty() && now.back() == sent.back();
+  sent = std::move(now);
+  auto messages = state_of(node);
+  if (same_words) messages.resize(1);
+  return messages;
+}
+
+// The copies accept every interrupt: the card itself decides, on its host.
+Cards::Copy& Cards::copy_of(NodeId node) {
+  const auto self = broker::own_claim();
+  auto [copy, is_new] = copies_.try_emplace(node);
+  if (!is_new) return copy->second;
+  const auto index = table_.take(scramnet::kNamed | node.value(), self);
+  if (!index) {
+    copies_.erase(copy);
+    throw Error{"all cards of the ring are in use"};
+  }
+  copy->second.view = *table_.at(*index);
+  auto& gt = copy->second.view.card->gt;
+  copy->second.position = gt.tail.load();
+  gt.cr[scramnet::gt::kBroadcastMask].store(0xFFFF'FFFF);
+  gt.cr[scramnet::gt::kUnicastMask].store(1);
+  return copy->second;
+}
+
+void Cards::release(NodeId node) {
+  const std::lock_guard lock{mutex_};
+  const auto copy = copies_.find(node);
+  if (copy == copies_.end()) return;
+  broker::Claim self = broker::own_claim();
+  copy->second.view.card->holder.compare_exchange_strong(self, 0);
+  copies_.erase(copy);
+}
+
+bool Cards::apply(NodeId node, std::span<const std::uint32_t> message) {
+  const std::lock_guard lock{mutex_};
+  if (message.empty()) return false;
+  switch (message[0]) {
+    case kRegisters:
+      return set_registers(node, message.subspan(1));
+    case kInterruptingWords:
+      return set_interrupting_words(node, message.subspan(1));
+    case kGtInterrupt:
+      return deliver(message.subspan(1));
+    default:
+      return false;
+  }
+}
+
+bool Cards::set_registers(NodeId node, std::span<const std::uint32_t> values) {
+  if (values.size() != kCopiedRegisters.size() + 2) return false;
+  auto& card = *copy_of(node).view.card;
+  for (std::size_t i = 0; i < kCopiedRegisters.size(); ++i)
+    card.plus.csr[kCopiedRegisters[i]].store(values[i] & 0xFFFF);
+  card.gt.cr[scramnet::gt::kLinkControl].store(values[kCopiedRegisters.size()] |
+                                               scramnet::gt::kReceive);
+  return true;
+}
+
+bool Cards::set_interrupting_words(NodeId node, std::span<const std::uint32_t> values) {
+  Word* const acr = copy_of(node).view.acr;
+  const auto longwords = static_cast<std::uint32_t>(table_.memory_bytes() / 4);
+  if (acr == nullptr || values.size() < 2 || values.size() % 2 != 0) return false;
+  if (values[0] > values[1] || values[1] > longwords) return false;
+  std::uint32_t next = values[0];
+  const auto clear_until = [&](std::uint32_t end) {
+    for (; next < end; ++next)
+      if (acr[next].load(std::memory_order_relaxed) != 0) acr[next].store(0);
+  };
+  for (std::size_t i = 2; i < values.size(); i += 2) {
+    const std::uint32_t begin = values[i], length = values[i + 1];
+    if (begin < next || begin > values[1] || length > values[1] - begin) return false;
+    clear_until(begin);
+    for (; next < begin + length; ++next) acr[next].store(scramnet::acr::kTransmitInterrupt);
+  }
+  clear_until(values[1]);
+  return true;
+}
+
+bool Cards::deliver(std::span<const std::uint32_t> values) {
+  if (values.size() != 5 || values[0] > 0xFFFF) return false;
+  const NodeId node = node_of(values[0]);
+  const auto view = card_of(node);
+  if (!view || copies_.contains(node)) return true;  // for another host
+  const GtInterrupt interrupt{values[1], values[2], values[3], values[4]};
+  auto& gt = view->card->gt;
+  if (accepts(gt, interrupt) && push(gt, interrupt, broker::own_claim()))
+    gt.counts[scramnet::kReceived].fetch_add(1);
+  return true;
+}
+
+std::optional<NodeId> Cards::node_with_gt_id(std::uint32_t id) const {
+  for (std::uint32_t index = 0; index < table_.count(); ++index) {
+    const auto view = table_.at(index);
+    if (!view || scramnet::node_id(view->card->gt) != id) continue;
+    const std::uint32_t key = view->card->key.load();
+    const bool is_local = (key & scramnet::kNamed) != 0 && !copies_.contains(node_of(key));
+    if (is_local) return node_of(key);
+  }
+  return std::nullopt;
+}
+
+// The data of an interrupt were stored before it. They are in the journals after the first look
+// that begins now or later; one may be in progress.
+std::uint64_t Cards::hold(NodeId to, Copy& copy) {
+  const auto& gt = copy.view.card->gt;
+  const std::uint64_t tail = gt.tail.load(), look = table_.looks() + 2;
+  std::uint64_t lost = 0;
+  for (; copy.position < tail; ++copy.position) {
+    GtInterrupt found;
+    if (tail - copy.position > kKeptInterrupts || !read(gt, copy.position, found)) {
+      ++lost;
+      continue;
+    }
+    held_.push_back({{node_with_gt_id(found.source),
+                      to,
+                      {kGtInterrupt, to.value(), found.type, found.source, found.id, found.value}},
+                     look});
+  }
+  return lost;
+}
+
+std::uint64_t Cards::take_interrupts(TimePoint now, std::vector<Interrupt>& taken) {
+  const std::lock_guard lock{mutex_};
+  std::uint64_t lost = 0;
+  for (auto& [node, copy] : copies_) lost += hold(node, copy);
+  if (const std::uint64_t looks = table_.looks(); looks != looks_) {
+    looks_ = looks;
+    looked_ = now;
+  }
+  const bool is_watched = looked_ != TimePoint{0} && now - looked_ < kWatchIsGone;
+  while (!held_.empty() && (!is_watched || looks_ >= held_.front().look)) {
+    taken.push_back(std::move(held_.front().interrupt));
+    held_.pop_front();
+  }
+  return lost;
+}
+
+}  // namespace rths::dds

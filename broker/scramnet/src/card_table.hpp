@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <rths/broker/ring.hpp>
+
+#include "card.hpp"
+#include "layout.hpp"
+
+namespace rths::scramnet {
+
+/// The cards in a ring's object, mapped when they are needed.
+class CardTable {
+ public:
+  /// @param name  of the ring
+  /// @throws Error if another ring has replaced it, or memory is short   @setup
+  CardTable(const broker::Ring& ring, const std::string& name);
+  ~CardTable();
+  CardTable(const CardTable&) = delete;
+  CardTable& operator=(const CardTable&) = delete;
+
+  /// Addresses of a card, its ACR and its last known words; on a GT ring the latter two are null.
+  struct CardView {
+    Card* card = nullptr;
+    Word* acr = nullptr;
+    Word* known = nullptr;
+  };
+  [[nodiscard]] std::uint32_t count() const {
+    return static_cast<std::uint32_t>(layout_.card_count);
+  }
+  /// Bit n: card n is in use.   @any_thread
+  [[nodiscard]] std::uint64_t in_use() const;
+  /// Card `index`, if it is in use.   @any_thread
+  [[nodiscard]] std::optional<CardView> at(std::uint32_t index) const;
+
+  /// Takes the card of a key, or the first free one: `kAnonymous`, or `kNamed | node`. A named card
+  /// that a living process holds is shared with it.
+  /// @returns its index; empty if all cards are in use
+  /// @throws Error if memory is short, or another process does not finish a power-up   @setup
+  [[nodiscard]] std::optional<std::uint32_t> take(std::uint32_t key, broker::Claim self);
+
+  [[nodiscard]] std::uint64_t memory_bytes() const { return layout_.memory_bytes; }
+  /// Number of looks that `rths watch` has completed on this ring.   @any_thread
+  [[nodiscard]] std::uint64_t looks() const;
+  /// Maps a range of the ring's memory, or of a card's ACR, at address `at` if that is not null.
+  /// @returns null if the mapping fails
+  [[nodiscard]] std::byte* map_memory(void* at, std::uint64_t offset, std::uint64_t bytes) const;
+  [[nodiscard]] std::byte* map_acr(std::uint32_t index, void* at, std::uint64_t bytes) const;
+  /// Reserves space for the last known values of longwords. @returns false if memory is short
+  [[nodiscard]] bool reserve_known(std::uint32_t index, std::uint32_t first_longword,
+                                   std::uint32_t longwords) const;
+
+ private:
+  [[nodiscard]] CardView view(std::byte* base) const;
+  [[nodiscard]] CardView map_card(std::uint32_t index) const;
+  [[nodiscard]] std::byte* map(void* at, std::uint64_t offset, std::uint64_t bytes) const;
+  [[nodiscard]] bool try_card(std::uint32_t index, std::uint32_t key, broker::Claim self);
+
+  static constexpr std::uint32_t kMostCards = 64;
+  int object_ = -1;
+  broker::Header* header_ = nullptr;  ///< in the ring, for the cards in use
+  broker::Header layout_{};           ///< checked
+  mutable std::array<std::atomic<std::byte*>, kMostCards> mapped_{};
+};
+
+}  // namespace rths::scramnet

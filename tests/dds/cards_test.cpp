@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "bits.hpp"
+#include "broker/dds/src/cards.hpp"
+#include "gt_queue.hpp"
+#include "gt_registers.hpp"
+#include "support/ring_maps.hpp"
+
+namespace rths::dds {
+namespace {
+
+constexpr std::uint32_t kTie = scramnet::acr::kTransmitInterrupt;
+
+/// Two hosts with the same map. The node's card is on the first one; the second has the copy.
+class CardsTest : public ::testing::Test {
+ protected:
+  struct Side {
+    explicit Side(const std::string& name)
+        : removal{test::unique_ring(name)},
+          ring{broker::Ring::create(removal.name, test::small_map(8))},
+          table{ring, removal.name},
+          cards{ring, removal.name} {}
+    /// The card of a node, which this process takes.
+    scramnet::CardTable::CardView card(NodeId node) {
+      const auto index = table.take(scramnet::kNamed | node.value(), broker::own_claim());
+      return *table.at(index.value());
+    }
+    test::RingRemoval removal;
+    broker::Ring ring;
+    scramnet::CardTable table;
+    Cards cards;
+  };
+  [[nodiscard]] NodeId node(std::size_t index) const {
+    return first_.ring.map().description().nodes.at(index).id;
+  }
+  Side first_{"cards_first"}, second_{"cards_second"};
+};
+
+TEST_F(CardsTest, CopyTheInterruptingWords) {
+  const auto card = first_.card(node(0));
+  const auto longwords = static_cast<std::uint32_t>(first_.table.memory_bytes() / 4);
+  std::mt19937 random{7};
+  for (int round = 0; round < 3; ++round) {
+    for (std::uint32_t word = 0; word < longwords; ++word)
+      card.acr[word].store(random() % 4 == 0 ? kTie : 0);
+    card.card->plus.acr_changes.fetch_add(1);
+    card.card->plus.csr[0].store(random() & 0xFFFF);
+    for (const auto& message : first_.cards.changes_of(node(0)))
+      ASSERT_TRUE(second_.cards.apply(node(0), message));
+    const auto copy = second_.card(node(0));
+    for (std::uint32_t word = 0; word < longwords; ++word)
+      ASSERT_EQ(copy.acr[word].load(), card.acr[word].load()) << word;
+    EXPECT_EQ(copy.card->plus.csr[0].load(), card.card->plus.csr[0].load());
+  }
+  EXPECT_TRUE(first_.cards.changes_of(node(0)).empty()) << "nothing has changed";
+}
+
+TEST_F(CardsTest, RefuseMalformedMessages) {
+  const auto longwords = static_cast<std::uint32_t>(first_.table.memory_bytes() / 4);
+  const std::vector<CardMessage> malformed{
+      {},
+      {0},
+      {4, 1, 2},
+      {1, 2, 3},                            // too few registers
+      {2, 0},                               // no range
+      {2, 0, longwords + 1},                // behind the memory
+      {2, 5, 4},                            // a negative range
+      {2, 0, longwords, longwords, 1},      // a run behind it
+      {2, 0, longwords, 0, longwords + 1},  // too long a run
+      {2, 0, longwords, 8, 1, 7, 1},        // runs out of order
+      {2, 0, longwords, 8},                 // half a run
+      {3, 1, 1},
+      {3, 0x10000, 1, 0, 0, 0},
+  };
+  for (const auto& message : malformed) EXPECT_FALSE(second_.cards.apply(node(0), message));
+}
+
+TEST_F(CardsTest, SendInterruptsOfAQueueOnceAndCountOverwrittenOnes) {
+  const auto sender = first_.card(node(0));
+  sender.card->gt.cr[scramnet::gt::kLinkControl].fetch_or(7U << scramnet::gt::kNodeIdShift);
+  const auto receiver = second_.card(node(1));
+  receiver.card->gt.cr[scramnet::gt::kBroadcastMask].store(1U << 5U);
+  for (const auto& message : second_.cards.state_of(node(1)))
+    ASSERT_TRUE(first_.cards.apply(node(1), message));
+  auto& copy = first_.card(node(1)).card->gt;
+
+  const auto self = broker::own_claim();
+  for (std::uint32_t i = 0; i < 1200; ++i)
+    ASSERT_TRUE(push(copy, {1, 7, i % 2 == 0 ? 5U : 6U, i}, self));
+  std::vector<Cards::Interrupt> taken;
+  EXPECT_EQ(first_.cards.take_interrupts(TimePoint{1}, taken), 1200U - 1023U);
+  ASSERT_EQ(taken.size(), 1023U);
+  for (const auto& interrupt : taken) {
+    EXPECT_EQ(interrupt.from, node(0));
+    EXPECT_EQ(interrupt.to, node(1));
+    ASSERT_TRUE(second_.cards.apply(node(0), interrupt.message));
+  }
+  taken.clear();
+  EXPECT_EQ(first_.cards.take_interrupts(TimePoint{2}, taken), 0U);
+  EXPECT_TRUE(taken.empty());
+  // The receiver's mask has number 5 only.
+  EXPECT_EQ(receiver.card->gt.tail.load(), 511U);
+  scramnet::GtInterrupt last;
+  ASSERT_TRUE(read(receiver.card->gt, 510, last));
+  EXPECT_EQ(last.value, 1198U);
+}
+
+}  // namespace
+}  // namespace rths::dds
