@@ -82,6 +82,43 @@ TEST_F(TwoHosts, FindEachOtherWithoutMulticast) {
   EXPECT_TRUE(comes_true([&] { return there.read(kMachineWord) == 9; }, std::chrono::seconds{20}));
 }
 
+// The files in examples/cyclone, without any option. All gateways of the loopback are on one host.
+TEST_F(TwoHosts, HaveOneRingWithEachShippedProfile) {
+  for (const std::string profile : {"loopback", "switch", "peers", "containers"}) {
+    const memmap::Map map = test::small_map();
+    test::RingHost first{"first", map}, second{"second", map};
+    const auto gateway = [&](int host, const std::string& ring) {
+      const auto file = test::source_tree() / "examples/cyclone" / (profile + ".xml");
+      return test::Running{
+          {"/bin/sh", "-c",
+           fmt::format("CYCLONEDDS_URI=file://{} exec {}{} bridge {} --as joint --domain 7",
+                       file.string(), network_.on(profile == "loopback" ? 1 : host),
+                       test::rths_command(), ring)}};
+    };
+    broker::Node machine = first.ring().join("machine", 0);
+    const broker::Node there = second.ring().observe();
+    test::Running one = gateway(1, first.ring_name()), two = gateway(2, second.ring_name());
+    for (std::uint32_t i = 1; i <= 100; ++i) ASSERT_EQ(machine.write(kMachineWord, i), Status::Ok);
+    EXPECT_TRUE(
+        comes_true([&] { return there.read(kMachineWord) == 100; }, std::chrono::seconds{20}))
+        << profile;
+    kill(one.pid(), SIGTERM);
+    const auto ended = one.wait(10);
+    EXPECT_EQ(ended.exit_code, 0) << profile << ": " << ended.err;
+    EXPECT_EQ(ended.err.find("config"), std::string::npos) << profile << ": " << ended.err;
+  }
+}
+
+TEST_F(TwoHosts, RefuseAProfileThatIsNotThere) {
+  test::RingHost first{"first", test::small_map()};
+  setenv("CYCLONEDDS_URI", "file:///nowhere.xml", 1);
+  const auto refused = test::Running{bridge(1, first.ring_name())}.wait(10);
+  unsetenv("CYCLONEDDS_URI");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("CYCLONEDDS_URI is 'file:///nowhere.xml'"), std::string::npos)
+      << refused.err;
+}
+
 // Each round writes while the gateway dies at a random moment, and then measures until a new
 // gateway has made the hosts equal.
 TEST_F(TwoHosts, ConvergeAfterAGatewayIsKilled) {

@@ -2,6 +2,7 @@
 //
 // The carrier over Cyclone DDS: one reliable topic; a ring's name is its DDS partition.
 #include <array>
+#include <cstdlib>
 #include <mutex>
 #include <utility>
 
@@ -48,16 +49,33 @@ std::string configuration_of(const CycloneOptions& options) {
                                           "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
                                           "<Peers>{}</Peers>",
                                           peers);
+  const auto domain = [](const std::string& settings) {
+    return "<CycloneDDS><Domain id=\"any\">" + settings + "</Domain></CycloneDDS>";
+  };
+  // Of several values of a setting, the last one counts: our default, the user's file, the options.
+  const char* const file = std::getenv("CYCLONEDDS_URI");
   return fmt::format(
-      "<CycloneDDS><Domain id=\"any\"><General>{}{}</General><Discovery>{}<LeaseDuration>{}"
-      "</LeaseDuration></Discovery></Domain></CycloneDDS>",
-      interfaces, peers.empty() ? "" : "<AllowMulticast>false</AllowMulticast>", discovery, kLease);
+      "{},{},{}",
+      domain(fmt::format("<Discovery><LeaseDuration>{}</LeaseDuration></Discovery>", kLease)),
+      file == nullptr ? "" : file,
+      domain(fmt::format("<General>{}{}</General><Discovery>{}</Discovery>", interfaces,
+                         peers.empty() ? "" : "<AllowMulticast>false</AllowMulticast>",
+                         discovery)));
 }
 
 dds_entity_t checked(dds_entity_t entity, const char* what) {
   if (entity < 0)
     throw Error{fmt::format("DDS: the {} cannot be created: {}", what, dds_strretcode(-entity))};
   return entity;
+}
+
+[[noreturn]] void fail_to_start(dds_return_t reason) {
+  if (const char* const file = std::getenv("CYCLONEDDS_URI"))
+    throw Error{fmt::format(
+        "DDS refuses its settings, see above; CYCLONEDDS_URI is '{}', expected file://PATH of an "
+        "XML file with settings of Cyclone DDS",
+        file)};
+  throw Error{fmt::format("DDS: the domain cannot be created: {}", dds_strretcode(-reason))};
 }
 
 struct Qos {
@@ -71,7 +89,7 @@ class CycloneCarrier final : public Carrier {
     // A domain has one configuration per process; a second carrier uses it too.
     const dds_entity_t domain =
         dds_create_domain(options.domain, configuration_of(options).c_str());
-    if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET) checked(domain, "domain");
+    if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET) fail_to_start(domain);
     participant_ = checked(dds_create_participant(options.domain, nullptr, nullptr), "participant");
     try {
       create_topic(options.ring);

@@ -33,7 +33,7 @@ struct CycloneOptions {
   std::vector<std::string> peers;  ///< addresses; empty: multicast finds them
   std::string ring;                ///< hosts with the same name exchange data
 };
-/// A carrier over Cyclone DDS.
+/// A carrier over Cyclone DDS. CYCLONEDDS_URI may name files with more settings.
 /// @throws Error if DDS cannot start, with its reason   @setup
 [[nodiscard]] std::unique_ptr<Carrier> make_cyclone_carrier(const CycloneOptions& options);
 
