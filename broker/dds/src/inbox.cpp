@@ -342,6 +342,7 @@ void Inbox::receive_snapshot(Stream& stream, const Frame& frame) {
       return bad_frame("a frame was dropped: it has words of other nodes");
   if (reader.malformed()) return bad_frame("a frame was dropped: malformed snapshot");
   stream.parts.insert(part.index);
+  stream.asked = now_;  // the rest is on its way
   if (part.parts != 0) stream.part_count = part.parts;
   if (stream.part_count == 0 || stream.parts.size() < stream.part_count) return;
   stream.parts.clear();
