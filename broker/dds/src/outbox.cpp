@@ -84,7 +84,11 @@ bool Outbox::take_write(TimePoint deadline) {
   const Status status = waiter_.wait(deadline, write);
   if (status == Status::LimitExceeded) resume_after_loss();
   if (status != Status::Ok) return status == Status::LimitExceeded;
-  if (Stream* const stream = stream_of(write.writer); stream && !is_remote(write.writer))
+  Stream* const stream = stream_of(write.writer);
+  if (stream == nullptr) return true;
+  if (is_remote(write.writer))
+    waiter_.ignore(write.writer, true);
+  else
     take(*stream, write);
   return true;
 }
