@@ -233,6 +233,9 @@ TEST_F(TwoHosts, HaveOneGatewayEach) {
 TEST_F(TwoHosts, AreConnectedByTheCommandsOfThePage) {
   const auto text = test::content_of(test::source_tree() / "docs/multi_host.md");
   const std::regex line{R"(\n(first|second)\$ rths ([^\n]*))"};
+  const test::RingRemoval rings[]{{fmt::format("page_first_{}", getpid())},
+                                  {fmt::format("page_second_{}", getpid())}};
+  const test::TemporaryFolder folder;
   std::vector<std::unique_ptr<test::Running>> gateways;
   int lines = 0;
   for (auto found = std::sregex_iterator{text.begin(), text.end(), line};
@@ -245,7 +248,7 @@ TEST_F(TwoHosts, AreConnectedByTheCommandsOfThePage) {
     ASSERT_NE(name, std::string::npos) << command;
     command.replace(name, 4, " " + ring);
     const bool is_gateway = command.rfind("bridge", 0) == 0;
-    if (is_gateway) command += " --as lab";
+    if (is_gateway) command += " --as lab 2>" + (folder.path() / host).string();
     const std::vector<std::string> words{
         "/bin/sh", "-c",
         fmt::format("exec {}{} {}", network_.on(host == "first" ? 1 : 2), test::rths_command(),
@@ -254,6 +257,11 @@ TEST_F(TwoHosts, AreConnectedByTheCommandsOfThePage) {
       gateways.push_back(std::make_unique<test::Running>(words));
       continue;
     }
+    // As the page says, "each prints that the other host is here".
+    for (const std::string gateway : {"first", "second"})
+      ASSERT_TRUE(comes_true([&] {
+        return test::content_of(folder.path() / gateway).find("is here") != std::string::npos;
+      })) << gateway;
     ASSERT_TRUE(comes_true([&] {
       const auto ended = test::Running{words}.wait(10);
       return ended.exit_code == 0 &&

@@ -89,6 +89,7 @@ void Inbox::receive_hello(const Frame& frame) {
   const HostId id = frame.header.host;
   if (hosts_.count(id) == 0) {
     if (hosts_.size() == kMostRemoteHosts) return bad_frame("a frame was dropped: too many hosts");
+    if (hosts_.empty()) shared_.first_host = now_;
     shared_.report(fmt::format("host '{}' is here", hello->host));
   }
   Host& host = hosts_[id];
@@ -410,6 +411,7 @@ void Inbox::forget_lost_hosts() {
     close_streams_that_left(host->first, {});
     host = hosts_.erase(host);
   }
+  if (hosts_.empty()) shared_.first_host = TimePoint{0};
 }
 
 void Inbox::tick(TimePoint now) {

@@ -275,22 +275,28 @@ void Outbox::send(std::span<const std::byte> bytes) {
   if (took > kUnblocked) shared_.counts.hold_off_ns += static_cast<std::uint64_t>(took.count());
 }
 
-// A node belongs to this host from its first write or announcement here until it leaves, and a
-// while longer: a program that only writes a word and ends is announced, too.
+// A node belongs to this host from its first write or announcement here until it leaves. A program
+// that only writes a word and ends is announced for a while longer, and until there is a host.
+bool Outbox::is_here(const Stream& stream) const {
+  if (is_remote(stream.node)) return false;
+  if (reader_.presence_of(stream.node).state != broker::Presence::State::Absent) return true;
+  if (stream.interrupts) return true;
+  const TimePoint first_host = shared_.first_host;
+  return stream.written != TimePoint{0} &&
+         (first_host == TimePoint{0} ||
+          now_ - std::max(stream.written, first_host) < kAfterLastWrite);
+}
+
 void Outbox::find_local_nodes() {
   for (auto& [id, stream] : streams_) {
-    const bool is_here =
-        !is_remote(stream.node) &&
-        (reader_.presence_of(stream.node).state != broker::Presence::State::Absent ||
-         (stream.written != TimePoint{0} && now_ - stream.written < kAfterLastWrite) ||
-         stream.interrupts);
+    const bool announced = is_here(stream);
     waiter_.ignore(stream.node, is_remote(stream.node));
-    if (!is_here) flush(stream);
-    if (is_here && !stream.announced) {
+    if (!announced) flush(stream);
+    if (announced && !stream.announced) {
       for (const auto& message : shared_.cards->state_of(stream.node)) append(stream, message);
       stream.joined = stream.next;
     }
-    stream.announced = is_here;
+    stream.announced = announced;
   }
 }
 

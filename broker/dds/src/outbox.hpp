@@ -80,6 +80,7 @@ class Outbox {
   [[nodiscard]] bool leaves_all_as_sent(const broker::Write& write);
   void flush(Stream& stream);
   void flush_all();
+  [[nodiscard]] bool is_here(const Stream& stream) const;
   void find_local_nodes();
   void send_hello();
   void send_digest();

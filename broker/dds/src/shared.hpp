@@ -45,6 +45,8 @@ struct Shared {
   Cards* cards = nullptr;
   AtomicCounts counts;
   std::atomic<bool> ends{false};
+  std::atomic<TimePoint> first_host{
+      TimePoint{0}};  ///< when the first other host came; 0: none is here
 
   /// By NodeId: joined here on behalf of another host.
   std::vector<std::atomic<bool>> is_remote;
