@@ -22,6 +22,6 @@ target_compile_options(rths_warnings INTERFACE
   $<$<BOOL:${RTHS_WERROR}>:-Werror>)
 
 if(RTHS_SANITIZER)
-  add_compile_options(-fsanitize=${RTHS_SANITIZER} -fno-omit-frame-pointer -g)
+  add_compile_options(-fsanitize=${RTHS_SANITIZER} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${RTHS_SANITIZER})
 endif()
