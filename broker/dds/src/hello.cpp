@@ -62,6 +62,21 @@ std::vector<std::byte> to_bytes(const Hello& hello) {
   return bytes;
 }
 
+namespace {
+
+// Reads a number of plain values and hands each to `add`. @returns false if there are fewer
+template <class Plain, class Add>
+bool take_each(std::span<const std::byte>& bytes, std::uint64_t count, Add add) {
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto plain = take<Plain>(bytes);
+    if (!plain) return false;
+    add(*plain);
+  }
+  return true;
+}
+
+}  // namespace
+
 std::optional<Hello> hello_from(std::span<const std::byte> bytes) {
   const auto length = take<std::uint32_t>(bytes);
   if (!length || *length > kLongestName || *length > bytes.size()) return std::nullopt;
@@ -76,17 +91,17 @@ std::optional<Hello> hello_from(std::span<const std::byte> bytes) {
     return std::nullopt;
   if (numbers->real_time < 0 || numbers->real_time > kLatestRealTime) return std::nullopt;
   hello.real_time = Duration{numbers->real_time};
-  for (std::uint64_t i = 0; i < numbers->nodes; ++i) {
-    const auto node = take<WireNode>(bytes);
-    if (!node) return std::nullopt;
-    hello.nodes.push_back({static_cast<std::uint16_t>(node->node), node->next, node->beats});
-  }
-  for (std::uint64_t i = 0; i < numbers->received; ++i) {
-    const auto stream = take<WireReceived>(bytes);
-    if (!stream) return std::nullopt;
-    hello.received.push_back(
-        {stream->host, static_cast<std::uint16_t>(stream->node), stream->expected});
-  }
+  const bool complete =
+      take_each<WireNode>(
+          bytes, numbers->nodes,
+          [&](const WireNode& node) {
+            hello.nodes.push_back({static_cast<std::uint16_t>(node.node), node.next, node.beats});
+          }) &&
+      take_each<WireReceived>(bytes, numbers->received, [&](const WireReceived& stream) {
+        hello.received.push_back(
+            {stream.host, static_cast<std::uint16_t>(stream.node), stream.expected});
+      });
+  if (!complete) return std::nullopt;
   if (bytes.size() % sizeof(WireEcho) != 0 || bytes.size() / sizeof(WireEcho) > kMostHosts)
     return std::nullopt;
   while (const auto echo = take<WireEcho>(bytes))

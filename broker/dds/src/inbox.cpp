@@ -138,22 +138,30 @@ void Inbox::publish_status(TimePoint now) {
     echoes.push_back({id, host.announced, host.heard});
   }
   if (visitor_.host != 0 && now - visitor_.received < kSilence) echoes.push_back(visitor_);
-  std::vector<Received> received;
-  decltype(shared_.confirmed) confirmed;
   for (const auto& [id, stream] : streams_) {
-    if (stream->synced) received.push_back({stream->host, id, stream->expected});
     const auto host = hosts_.find(stream->host);
-    if (host != hosts_.end())
-      for (const auto& [ours, number] : host->second.confirmed) confirmed[{id, ours}] = number;
     const auto clock = host == hosts_.end() ? std::nullopt : host->second.clock.at(now);
     if (!clock || stream->as_of == TimePoint{0}) continue;
     status.nodes.push_back({ring_.map().node_name(NodeId{id}), host->second.name,
                             now - (stream->as_of - clock->offset), stream->delay});
   }
   signals_.write(status);
+  publish_positions();
   const std::lock_guard lock{shared_.mutex};
   shared_.status = std::move(status);
   shared_.echoes = std::move(echoes);
+}
+
+void Inbox::publish_positions() {
+  std::vector<Received> received;
+  decltype(shared_.confirmed) confirmed;
+  for (const auto& [id, stream] : streams_) {
+    if (stream->synced) received.push_back({stream->host, id, stream->expected});
+    const auto host = hosts_.find(stream->host);
+    if (host == hosts_.end()) continue;
+    for (const auto& [ours, number] : host->second.confirmed) confirmed[{id, ours}] = number;
+  }
+  const std::lock_guard lock{shared_.mutex};
   shared_.received = std::move(received);
   shared_.confirmed = std::move(confirmed);
 }

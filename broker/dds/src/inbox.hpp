@@ -75,6 +75,8 @@ class Inbox {
   /// Notes that the words are here as they were on their host at this time of its clock.
   void note_time(Stream& stream, TimePoint sent);
   void publish_status(TimePoint now);
+  /// How far this host has the streams of others, and the others those of this host.
+  void publish_positions();
   void announce(HostId host, const std::string& name, const Announced& announced, TimePoint sent);
   void forget_lost_hosts();
   void close_streams_that_left(HostId host, const Hello& hello);
