@@ -3,7 +3,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -59,7 +61,9 @@ class OneGateway {
  public:
   OneGateway(const std::string& ring, std::uint32_t domain)
       : object_{shm_open(("/rths." + ring).c_str(), O_RDWR, 0)} {
-    if (object_ < 0) throw Error{fmt::format("there is no ring '{}'", ring)};
+    if (object_ < 0 && errno == ENOENT) throw Error{fmt::format("there is no ring '{}'", ring)};
+    if (object_ < 0)
+      throw Error{fmt::format("ring '{}' cannot be opened: {}", ring, std::strerror(errno))};
     constexpr off_t kBehindTheRing = off_t{1} << 40;
     struct flock lock {};
     lock.l_type = F_WRLCK;

@@ -5,6 +5,7 @@
 
 #include "bits.hpp"
 #include "broker/dds/src/cards.hpp"
+#include "broker/src/shared_object.hpp"
 #include "gt_queue.hpp"
 #include "gt_registers.hpp"
 #include "support/ring_maps.hpp"
@@ -106,6 +107,44 @@ TEST_F(CardsTest, SendInterruptsOfAQueueOnceAndCountOverwrittenOnes) {
   scramnet::GtInterrupt last;
   ASSERT_TRUE(read(receiver.card->gt, 510, last));
   EXPECT_EQ(last.value, 1198U);
+}
+
+TEST_F(CardsTest, ResetACopyWhenItsNodeLeaves) {
+  const auto receiver = second_.card(node(1));
+  receiver.acr[5].store(kTie);
+  for (const auto& message : second_.cards.state_of(node(1)))
+    ASSERT_TRUE(first_.cards.apply(node(1), message));
+  const auto copy = first_.card(node(1));
+  EXPECT_EQ(copy.acr[5].load(), kTie);
+  ASSERT_TRUE(push(copy.card->gt, {1, 7, 5, 1}, broker::own_claim()));
+  first_.cards.release(node(1));
+  EXPECT_EQ(copy.acr[5].load(), 0U);
+  EXPECT_EQ(copy.card->gt.cr[scramnet::gt::kBroadcastMask].load(), 0U);
+  EXPECT_EQ(copy.card->gt.cr[scramnet::gt::kUnicastMask].load(), 0U);
+  std::vector<Cards::Interrupt> taken;
+  EXPECT_EQ(first_.cards.take_interrupts(TimePoint{1}, taken), 1U) << "is lost";
+  EXPECT_TRUE(taken.empty());
+}
+
+// Other processes may overwrite a queue or the bits of the cards in use.
+TEST_F(CardsTest, SurviveDamagedSharedMemory) {
+  for (const auto& message : [&] {
+         static_cast<void>(second_.card(node(1)));
+         return second_.cards.state_of(node(1));
+       }())
+    ASSERT_TRUE(first_.cards.apply(node(1), message));
+  auto& queue = first_.card(node(1)).card->gt;
+  std::vector<Cards::Interrupt> taken;
+  for (const std::uint64_t tail : {std::uint64_t{1} << 62U, std::uint64_t{3}, ~std::uint64_t{0}}) {
+    queue.tail.store(tail);
+    static_cast<void>(first_.cards.take_interrupts(TimePoint{1}, taken));
+  }
+  EXPECT_TRUE(taken.empty());
+  const auto object = broker::SharedObject::open(first_.removal.name);
+  const auto mapping = object.map(0, object.size());
+  auto* const header = reinterpret_cast<broker::Header*>(mapping.address());
+  std::atomic_ref{header->cards_in_use}.store(~std::uint64_t{0});
+  EXPECT_TRUE(first_.cards.state_of(NodeId{9}).empty());
 }
 
 }  // namespace

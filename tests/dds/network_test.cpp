@@ -115,7 +115,7 @@ TEST_F(TwoHosts, RefuseAProfileThatIsNotThere) {
   const auto refused = test::Running{bridge(1, first.ring_name())}.wait(10);
   unsetenv("CYCLONEDDS_URI");
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_NE(refused.err.find("CYCLONEDDS_URI is 'file:///nowhere.xml'"), std::string::npos)
+  EXPECT_NE(refused.err.find("CYCLONEDDS_URI, which is 'file:///nowhere.xml'"), std::string::npos)
       << refused.err;
 }
 
@@ -207,13 +207,32 @@ TEST_F(TwoHosts, GetAWordOfAProgramThatEndsAtOnce) {
   ASSERT_TRUE(comes_true([&] {
     return there.presence_of(map.node("machine")).state == broker::Presence::State::Alive;
   }));
-  for (const float value : {11.F, 12.F}) {
+  const auto send = [&](float value) {
     const auto sent =
         test::run_rths({"send", first.ring_name(), fmt::format("ref.long={}", value)});
     ASSERT_EQ(sent.exit_code, 0) << sent.err;
-    EXPECT_TRUE(comes_true(
-        [&] { return std::bit_cast<float>(there.read(test::kControllerWord)) == value; }));
+  };
+  const auto arrives = [&](float value) {
+    return comes_true(
+        [&] { return std::bit_cast<float>(there.read(test::kControllerWord)) == value; });
+  };
+  for (const float value : {11.F, 12.F}) {
+    send(value);
+    EXPECT_TRUE(arrives(value));
   }
+  // The other gateway is stopped for a while.
+  kill(two.pid(), SIGSTOP);
+  send(13.F);
+  std::this_thread::sleep_for(std::chrono::milliseconds{700});
+  kill(two.pid(), SIGCONT);
+  EXPECT_TRUE(arrives(13.F));
+  // It is killed, and another one begins.
+  kill(two.pid(), SIGKILL);
+  static_cast<void>(two.wait(5));
+  send(14.F);
+  std::this_thread::sleep_for(std::chrono::milliseconds{700});
+  const test::Running three{bridge(2, second.ring_name())};
+  EXPECT_TRUE(arrives(14.F));
 }
 
 TEST_F(TwoHosts, HaveOneGatewayEach) {

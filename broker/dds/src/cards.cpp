@@ -28,7 +28,7 @@ enum MessageKind : std::uint32_t {
 
 constexpr std::array<std::size_t, 4> kCopiedRegisters{0, 2, 3, 8};  // of a SCRAMNet+ card
 constexpr std::size_t kMostWords = 2000;                            // of a message
-constexpr Duration kWatchIsGone = std::chrono::seconds{1};
+constexpr Duration kWatchIsGone = std::chrono::seconds{3};
 constexpr std::uint64_t kKeptInterrupts = scramnet::kGtQueueEntries - 1;
 
 // Registers that other cards react to, and the count of changes of the ACR.
@@ -81,8 +81,8 @@ Cards::~Cards() {
 }
 
 std::optional<Cards::CardView> Cards::card_of(NodeId node) const {
-  for (std::uint64_t index = 0, used = table_.in_use(); used >> index != 0; ++index)
-    if (const auto view = table_.at(static_cast<std::uint32_t>(index));
+  for (std::uint32_t index = 0; index < table_.count(); ++index)
+    if (const auto view = table_.at(index);
         view && view->card->key.load() == (scramnet::kNamed | node.value()))
       return view;
   return std::nullopt;
@@ -92,7 +92,7 @@ std::vector<CardMessage> Cards::state_of(NodeId node) {
   const auto view = card_of(node);
   if (!view) return {};
   std::vector<CardMessage> messages{registers_of(*view->card)};
-  if (view->acr != nullptr && messages.front().back() != 0)
+  if (view->acr != nullptr)
     append_interrupting_words(view->acr, static_cast<std::uint32_t>(table_.memory_bytes() / 4),
                               messages);
   return messages;
@@ -114,28 +114,29 @@ std::vector<CardMessage> Cards::changes_of(NodeId node) {
 
 // The copies accept every interrupt: the card itself decides, on its host.
 Cards::Copy& Cards::copy_of(NodeId node) {
-  const auto self = broker::own_claim();
-  auto [copy, is_new] = copies_.try_emplace(node);
-  if (!is_new) return copy->second;
-  const auto index = table_.take(scramnet::kNamed | node.value(), self);
-  if (!index) {
-    copies_.erase(copy);
-    throw Error{"all cards of the ring are in use"};
-  }
-  copy->second.view = *table_.at(*index);
-  auto& gt = copy->second.view.card->gt;
-  copy->second.position = gt.tail.load();
+  if (const auto found = copies_.find(node); found != copies_.end()) return found->second;
+  const auto index = table_.take(scramnet::kNamed | node.value(), broker::own_claim());
+  const auto view = index ? table_.at(*index) : std::nullopt;
+  if (!view) throw Error{"all cards of the ring are in use"};
+  view->card->is_copy.store(1);
+  auto& gt = view->card->gt;
   gt.cr[scramnet::gt::kBroadcastMask].store(0xFFFF'FFFF);
   gt.cr[scramnet::gt::kUnicastMask].store(1);
-  return copy->second;
+  return copies_.emplace(node, Copy{*index, *view, gt.tail.load()}).first->second;
 }
 
 void Cards::release(NodeId node) {
   const std::lock_guard lock{mutex_};
   const auto copy = copies_.find(node);
   if (copy == copies_.end()) return;
+  hold(node, copy->second);
+  lost_ += static_cast<std::uint64_t>(
+      std::erase_if(held_, [&](const Held& held) { return held.interrupt.to == node; }));
+  auto& card = *copy->second.view.card;
+  table_.reset(copy->second.index);
+  card.is_copy.store(0);
   broker::Claim self = broker::own_claim();
-  copy->second.view.card->holder.compare_exchange_strong(self, 0);
+  card.holder.compare_exchange_strong(self, 0);
   copies_.erase(copy);
 }
 
@@ -209,14 +210,18 @@ std::optional<NodeId> Cards::node_with_gt_id(std::uint32_t id) const {
 
 // The data of an interrupt were stored before it. They are in the journals after the first look
 // that begins now or later; one may be in progress.
-std::uint64_t Cards::hold(NodeId to, Copy& copy) {
+void Cards::hold(NodeId to, Copy& copy) {
   const auto& gt = copy.view.card->gt;
   const std::uint64_t tail = gt.tail.load(), look = table_.looks() + 2;
-  std::uint64_t lost = 0;
+  if (tail < copy.position) copy.position = tail;  // a damaged queue
+  if (tail - copy.position > kKeptInterrupts) {
+    lost_ += tail - kKeptInterrupts - copy.position;
+    copy.position = tail - kKeptInterrupts;
+  }
   for (; copy.position < tail; ++copy.position) {
     GtInterrupt found;
-    if (tail - copy.position > kKeptInterrupts || !read(gt, copy.position, found)) {
-      ++lost;
+    if (!read(gt, copy.position, found)) {
+      ++lost_;
       continue;
     }
     held_.push_back({{node_with_gt_id(found.source),
@@ -224,13 +229,11 @@ std::uint64_t Cards::hold(NodeId to, Copy& copy) {
                       {kGtInterrupt, to.value(), found.type, found.source, found.id, found.value}},
                      look});
   }
-  return lost;
 }
 
 std::uint64_t Cards::take_interrupts(TimePoint now, std::vector<Interrupt>& taken) {
   const std::lock_guard lock{mutex_};
-  std::uint64_t lost = 0;
-  for (auto& [node, copy] : copies_) lost += hold(node, copy);
+  for (auto& [node, copy] : copies_) hold(node, copy);
   if (const std::uint64_t looks = table_.looks(); looks != looks_) {
     looks_ = looks;
     looked_ = now;
@@ -240,7 +243,7 @@ std::uint64_t Cards::take_interrupts(TimePoint now, std::vector<Interrupt>& take
     taken.push_back(std::move(held_.front().interrupt));
     held_.pop_front();
   }
-  return lost;
+  return std::exchange(lost_, 0);
 }
 
 }  // namespace rths::dds

@@ -51,20 +51,22 @@ class Cards {
     CardMessage message;
   };
   /// Appends the interrupts that may be sent: their data are in the journals, if a watch runs.
-  /// @returns number of interrupts that were overwritten in a queue   @any_thread
+  /// @returns number of interrupts lost since the last call: overwritten in a queue, or of a copy
+  /// that was released   @any_thread
   [[nodiscard]] std::uint64_t take_interrupts(TimePoint now, std::vector<Interrupt>& taken);
 
   /// Applies a message that anyone may have sent to the copy of the card of a node of another host,
   /// or to the card that it interrupts. @returns false if it is malformed   @any_thread
   /// @throws Error if there is no card for the copy
   [[nodiscard]] bool apply(NodeId node, std::span<const std::uint32_t> message);
-  /// The node left: its card keeps its state and is free.   @any_thread
+  /// The node left: its copy is free.   @any_thread
   void release(NodeId node);
 
  private:
   using CardView = scramnet::CardTable::CardView;
   /// Copy of a card of another host.
   struct Copy {
+    std::uint32_t index;
     CardView view;
     std::uint64_t position = 0;  ///< of the next interrupt in its queue
   };
@@ -78,14 +80,15 @@ class Cards {
   [[nodiscard]] bool set_registers(NodeId node, std::span<const std::uint32_t> message);
   [[nodiscard]] bool set_interrupting_words(NodeId node, std::span<const std::uint32_t> message);
   [[nodiscard]] bool deliver(std::span<const std::uint32_t> message);
-  /// Takes the interrupts in a copy's queue. @returns the number of those that were overwritten
-  [[nodiscard]] std::uint64_t hold(NodeId to, Copy& copy);
+  /// Takes the interrupts in a copy's queue.
+  void hold(NodeId to, Copy& copy);
 
   scramnet::CardTable table_;
   std::mutex mutex_;  ///< of all below
   std::map<NodeId, Copy> copies_;
   std::map<NodeId, std::vector<std::uint32_t>> sent_;  ///< registers of local cards
   std::deque<Held> held_;
+  std::uint64_t lost_ = 0;  ///< interrupts, since the last call of take_interrupts
   std::uint64_t looks_ = 0;
   TimePoint looked_{0};  ///< when `looks_` changed
 };

@@ -71,10 +71,13 @@ dds_entity_t checked(dds_entity_t entity, const char* what) {
 
 [[noreturn]] void fail_to_start(dds_return_t reason) {
   if (const char* const file = std::getenv("CYCLONEDDS_URI"))
-    throw Error{fmt::format(
-        "DDS refuses its settings, see above; CYCLONEDDS_URI is '{}', expected file://PATH of an "
-        "XML file with settings of Cyclone DDS",
-        file)};
+    throw Error{
+        fmt::format("DDS refuses its settings, see above: those of this command and of "
+                    "CYCLONEDDS_URI, which is "
+                    "'{}', expected file://PATH of an XML file with settings of Cyclone DDS; name "
+                    "an interface in "
+                    "one of them only",
+                    file)};
   throw Error{fmt::format("DDS: the domain cannot be created: {}", dds_strretcode(-reason))};
 }
 

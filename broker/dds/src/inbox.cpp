@@ -89,7 +89,7 @@ void Inbox::receive_hello(const Frame& frame) {
   const HostId id = frame.header.host;
   if (hosts_.count(id) == 0) {
     if (hosts_.size() == kMostRemoteHosts) return bad_frame("a frame was dropped: too many hosts");
-    if (hosts_.empty()) shared_.first_host = now_;
+    newest_host_ = now_;
     shared_.report(fmt::format("host '{}' is here", hello->host));
   }
   Host& host = hosts_[id];
@@ -154,16 +154,18 @@ void Inbox::publish_status(TimePoint now) {
 
 void Inbox::publish_positions() {
   std::vector<Received> received;
+  decltype(shared_.owners) owners;
   decltype(shared_.confirmed) confirmed;
   for (const auto& [id, stream] : streams_) {
     if (stream->synced) received.push_back({stream->host, id, stream->expected});
-    const auto host = hosts_.find(stream->host);
-    if (host == hosts_.end()) continue;
-    for (const auto& [ours, number] : host->second.confirmed) confirmed[{id, ours}] = number;
+    owners[id] = stream->host;
   }
+  for (const auto& [id, host] : hosts_) confirmed[id] = host.confirmed;
   const std::lock_guard lock{shared_.mutex};
   shared_.received = std::move(received);
+  shared_.owners = std::move(owners);
   shared_.confirmed = std::move(confirmed);
+  shared_.newest_host = newest_host_;
 }
 
 void Inbox::close_streams_that_left(HostId host, const Hello& hello) {
@@ -306,8 +308,9 @@ bool Inbox::apply_card_message(Stream& stream, std::span<const std::uint32_t> me
   try {
     return shared_.cards->apply(stream.id, message);
   } catch (const Error& error) {
-    refuse(stream.host, stream.id.value(),
-           fmt::format("a card of another host has no copy here: {}", error.what()));
+    const auto reason = fmt::format("the card of node '{}' has no copy here: {}",
+                                    ring_.map().node_name(stream.id), error.what());
+    if (reported_.insert(reason).second) shared_.report(reason);
     return true;
   }
 }
@@ -414,12 +417,15 @@ void Inbox::forget_lost_hosts() {
       ++host;
       continue;
     }
-    shared_.report(fmt::format("host '{}' is silent for {:.0f} s; its nodes have left",
-                               host->second.name, to_seconds(kLost)));
+    const bool has_restarted = std::any_of(hosts_.begin(), hosts_.end(), [&](const auto& other) {
+      return other.first != host->first && other.second.name == host->second.name;
+    });
+    if (!has_restarted)
+      shared_.report(fmt::format("host '{}' is silent for {:.0f} s; its nodes have left",
+                                 host->second.name, to_seconds(kLost)));
     close_streams_that_left(host->first, {});
     host = hosts_.erase(host);
   }
-  if (hosts_.empty()) shared_.first_host = TimePoint{0};
 }
 
 void Inbox::tick(TimePoint now) {

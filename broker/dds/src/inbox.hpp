@@ -65,8 +65,8 @@ class Inbox {
     TimePoint announced{0};  ///< when that was sent, on its clock
     Duration real_time_ahead{0};
     ClockOffset clock;
-    bool has_wrong_clock = false;                      ///< reported
-    std::map<std::uint16_t, std::uint64_t> confirmed;  ///< of our nodes: it has all before this
+    bool has_wrong_clock = false;  ///< reported
+    Shared::Confirmed confirmed;
   };
 
   void receive_hello(const Frame& frame);
@@ -114,6 +114,7 @@ class Inbox {
   Echo visitor_;  ///< the last one; host 0: none
   Signals signals_;
   TimePoint published_{0};
+  TimePoint newest_host_{0};                            ///< when a host came
   std::set<std::pair<HostId, std::uint16_t>> refused_;  ///< reported once
   std::set<std::string> reported_;                      ///< reasons of bad frames, once each
 };

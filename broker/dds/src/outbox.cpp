@@ -17,6 +17,8 @@ constexpr std::size_t kHistory = 16UL * 1024 * 1024;  // sent bytes kept per str
 constexpr Duration kHelloPeriod = std::chrono::milliseconds{50};
 constexpr Duration kDigestPeriod = std::chrono::seconds{1};
 constexpr Duration kAfterLastWrite = std::chrono::milliseconds{300};
+// A silent host is lost by then.
+constexpr Duration kLongestAfterLastWrite = std::chrono::seconds{12};
 constexpr Duration kRest = std::chrono::microseconds{50};
 constexpr Duration kLongestIdle = std::chrono::milliseconds{2};
 constexpr int kMostWrites = 4096;                           // between two looks at the clock
@@ -38,6 +40,8 @@ Outbox::Outbox(const std::string& ring, Shared& shared)
       by_id_(shared.is_remote.size()) {
   for (const auto& node : ring_.map().description().nodes) {
     Stream stream{node.id, NodeWords{ring_, node.name}};
+    stream.vanished_before =
+        reader_.presence_of(node.id).state == broker::Presence::State::Vanished;
     by_id_[node.id.value()] = &streams_.emplace(node.id.value(), std::move(stream)).first->second;
   }
   if (shared.options.skips_unchanged) sent_.resize(ring_.map().description().size_longwords);
@@ -209,28 +213,40 @@ Outbox::Readiness Outbox::readiness_of(const WaitingInterrupt& waiting) const {
   const Stream* const stream = interrupt.from ? stream_of(*interrupt.from) : nullptr;
   if (stream == nullptr || is_remote(stream->node)) return Readiness::Lost;
   const std::lock_guard lock{shared_.mutex};
-  const auto confirmed = shared_.confirmed.find({interrupt.to.value(), interrupt.from->value()});
-  if (stream->announced && confirmed != shared_.confirmed.end() &&
-      confirmed->second >= stream->joined)
+  const auto owner = shared_.owners.find(interrupt.to.value());
+  if (stream->announced && owner != shared_.owners.end() &&
+      has(owner->second, *stream, stream->joined))
     return Readiness::Ready;
   return now_ - since > kLongestHold ? Readiness::Lost : Readiness::Waits;
 }
 
+bool Outbox::has(HostId host, const Stream& stream, std::uint64_t number) const {
+  const auto confirmed = shared_.confirmed.find(host);
+  if (confirmed == shared_.confirmed.end()) return false;
+  const auto found = confirmed->second.find(stream.node.value());
+  return found != confirmed->second.end() && found->second >= number;
+}
+
+// Interrupts of one card for another one keep their order.
 void Outbox::append_interrupts() {
   if (interrupts_.empty()) return;
   for (auto& [id, stream] : streams_) stream.interrupts = false;
   std::vector<WaitingInterrupt> waiting;
+  std::set<std::pair<std::uint16_t, std::uint16_t>> behind;
   for (auto& one : interrupts_) {
-    Stream* const stream = one.interrupt.from ? stream_of(*one.interrupt.from) : nullptr;
-    const bool is_behind = stream != nullptr && stream->interrupts;
     const auto readiness = readiness_of(one);
     if (readiness == Readiness::Lost) {
       count_lost_interrupt(one.interrupt);
-    } else if (readiness == Readiness::Waits || is_behind) {
-      stream->interrupts = true;
+      continue;
+    }
+    Stream& stream = *stream_of(*one.interrupt.from);
+    const std::pair way{stream.node.value(), one.interrupt.to.value()};
+    if (readiness == Readiness::Waits || behind.contains(way)) {
+      stream.interrupts = true;
+      behind.insert(way);
       waiting.push_back(std::move(one));
     } else {
-      append(*stream, one.interrupt.message);
+      append(stream, one.interrupt.message);
       ++shared_.counts.interrupts_sent;
     }
   }
@@ -239,7 +255,8 @@ void Outbox::append_interrupts() {
 
 void Outbox::count_lost_interrupt(const Cards::Interrupt& interrupt) {
   ++shared_.counts.interrupts_lost;
-  if (interrupt.from || std::exchange(has_foreign_interrupt_, true)) return;
+  const bool is_of_a_node = interrupt.from && stream_of(*interrupt.from) != nullptr;
+  if (is_of_a_node || std::exchange(has_foreign_interrupt_, true)) return;
   shared_.report(
       "an interrupt was not sent to other hosts: its card is no node of the map; name one in "
       "RTHS_SCGT_NODE");
@@ -276,15 +293,25 @@ void Outbox::send(std::span<const std::byte> bytes) {
 }
 
 // A node belongs to this host from its first write or announcement here until it leaves. A program
-// that only writes a word and ends is announced for a while longer, and until there is a host.
-bool Outbox::is_here(const Stream& stream) const {
+// that only writes a word and ends is announced until the other hosts have the word. Nodes that had
+// vanished before this gateway started may be those of other hosts, joined by a killed gateway.
+bool Outbox::is_here(Stream& stream) const {
+  using State = broker::Presence::State;
   if (is_remote(stream.node)) return false;
-  if (reader_.presence_of(stream.node).state != broker::Presence::State::Absent) return true;
-  if (stream.interrupts) return true;
-  const TimePoint first_host = shared_.first_host;
-  return stream.written != TimePoint{0} &&
-         (first_host == TimePoint{0} ||
-          now_ - std::max(stream.written, first_host) < kAfterLastWrite);
+  const State state = reader_.presence_of(stream.node).state;
+  if (state != State::Vanished) stream.vanished_before = false;
+  if (state != State::Absent && !stream.vanished_before) return true;
+  return stream.interrupts || (stream.written != TimePoint{0} && !is_known_elsewhere(stream));
+}
+
+bool Outbox::is_known_elsewhere(const Stream& stream) const {
+  const std::lock_guard lock{shared_.mutex};
+  const TimePoint since = std::max(stream.written, shared_.newest_host);
+  if (shared_.confirmed.empty() || now_ - since < kAfterLastWrite) return false;
+  if (now_ - since > kLongestAfterLastWrite) return true;
+  return !stream.pending && stream.changed.empty() &&
+         std::all_of(shared_.confirmed.begin(), shared_.confirmed.end(),
+                     [&](const auto& host) { return has(host.first, stream, stream.next); });
 }
 
 void Outbox::find_local_nodes() {

@@ -44,6 +44,7 @@ class Outbox {
     TimePoint written{0};                ///< when its last write was taken
     std::uint64_t next = 0;              ///< number of the next update
     std::uint64_t joined = 0;            ///< number of the first one since it was announced
+    bool vanished_before = false;        ///< this gateway, and has not been back since
     bool interrupts = false;             ///< its card has interrupts that are not sent yet
     std::optional<FrameWriter> pending;  ///< updates that are not sent yet
     std::deque<SentFrame> sent;          ///< for hosts that miss some
@@ -80,7 +81,11 @@ class Outbox {
   [[nodiscard]] bool leaves_all_as_sent(const broker::Write& write);
   void flush(Stream& stream);
   void flush_all();
-  [[nodiscard]] bool is_here(const Stream& stream) const;
+  [[nodiscard]] bool is_here(Stream& stream) const;
+  /// True if all other hosts have all its writes, or had enough time.
+  [[nodiscard]] bool is_known_elsewhere(const Stream& stream) const;
+  /// True if a host has confirmed all writes before this number. The mutex is held.
+  [[nodiscard]] bool has(HostId host, const Stream& stream, std::uint64_t number) const;
   void find_local_nodes();
   void send_hello();
   void send_digest();

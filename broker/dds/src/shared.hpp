@@ -45,8 +45,6 @@ struct Shared {
   Cards* cards = nullptr;
   AtomicCounts counts;
   std::atomic<bool> ends{false};
-  std::atomic<TimePoint> first_host{
-      TimePoint{0}};  ///< when the first other host came; 0: none is here
 
   /// By NodeId: joined here on behalf of another host.
   std::vector<std::atomic<bool>> is_remote;
@@ -56,8 +54,11 @@ struct Shared {
   std::vector<std::vector<std::byte>> to_send;  ///< the receiver's requests
   std::vector<Echo> echoes;                     ///< of the other hosts' announcements
   std::vector<Received> received;               ///< of the other hosts' streams
-  /// By node of another host and node of this one: the number up to which that host has the writes.
-  std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> confirmed;
+  /// What a host has of the nodes here: all their writes before this number.
+  using Confirmed = std::map<std::uint16_t, std::uint64_t>;
+  std::map<HostId, Confirmed> confirmed;   ///< of all other hosts
+  std::map<std::uint16_t, HostId> owners;  ///< of the nodes of other hosts
+  TimePoint newest_host{0};                ///< when the last other host came
   GatewayStatus status;
 
   void report(const std::string& line) const {

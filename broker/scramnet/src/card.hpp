@@ -69,6 +69,7 @@ struct Card {
   Word ready;          ///< kCardReady: powered up
   Word key;            ///< kAnonymous, or kNamed | node id
   SharedClaim holder;  ///< process that has taken the card
+  Word is_copy;        ///< 1: a gateway's, of the card of a node on another host
   PlusCard plus;
   GtCard gt;
 };

@@ -108,7 +108,18 @@ bool CardTable::try_card(std::uint32_t index, std::uint32_t key, broker::Claim s
       throw Error{fmt::format("card {} was not powered up by its process", index)};
   }
   if (card.key.load() != key) return false;
-  return take_over(card.holder, self) || key != kAnonymous;
+  const bool is_mine = card.holder.load() == self;
+  if (!take_over(card.holder, self)) return key != kAnonymous;
+  if (!is_mine && card.is_copy.exchange(0) != 0) reset(index);  // of a gateway that was killed
+  return true;
+}
+
+void CardTable::reset(std::uint32_t index) {
+  const CardView found = map_card(index);
+  power_up(*found.card, index);
+  if (found.acr == nullptr) return;
+  for (std::uint64_t i = 0; i < layout_.memory_bytes / 4; ++i)
+    if (found.acr[i].load(std::memory_order_relaxed) != 0) found.acr[i].store(0);
 }
 
 CardTable::CardView CardTable::view(std::byte* base) const {
@@ -131,7 +142,7 @@ CardTable::CardView CardTable::map_card(std::uint32_t index) const {
 }
 
 std::optional<CardTable::CardView> CardTable::at(std::uint32_t index) const {
-  if ((in_use() >> index & 1) == 0) return std::nullopt;
+  if (index >= count() || (in_use() >> index & 1) == 0) return std::nullopt;
   const CardView found = map_card(index);
   return found.card == nullptr ? std::nullopt : std::optional{found};
 }

@@ -45,6 +45,9 @@ class CardTable {
   /// @throws Error if memory is short, or another process does not finish a power-up   @setup
   [[nodiscard]] std::optional<std::uint32_t> take(std::uint32_t key, broker::Claim self);
 
+  /// Sets a card to its state after power-up; its queues keep their entries.
+  void reset(std::uint32_t index);
+
   [[nodiscard]] std::uint64_t memory_bytes() const { return layout_.memory_bytes; }
   /// Number of looks that `rths watch` has completed on this ring.   @any_thread
   [[nodiscard]] std::uint64_t looks() const;
