@@ -108,9 +108,7 @@ bool is_same_layout(const Header& a, const Header& b) {
     header.looks = 0;
     return header;
   };
-  const Header first = layout(a);
-  const Header second = layout(b);
-  return std::memcmp(&first, &second, sizeof first) == 0;
+  return layout(a) == layout(b);
 }
 
 std::vector<Group> plan_groups(const memmap::Map& map) {

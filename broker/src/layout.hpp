@@ -55,6 +55,8 @@ struct alignas(256) Header {
   std::uint64_t cards_at, card_bytes, card_count;
   std::uint64_t cards_in_use;  ///< bit n: card n has its space and its registers
   std::uint64_t looks;         ///< that `rths watch` has completed
+
+  bool operator==(const Header&) const = default;
 };
 
 struct alignas(128) Slot {

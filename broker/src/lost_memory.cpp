@@ -52,21 +52,22 @@ void give_up() noexcept { std::signal(SIGBUS, SIG_DFL); }
   _exit(2);
 }
 
-bool replace_page(std::uintptr_t address) noexcept {
-  void* page = reinterpret_cast<void*>(address / kPageBytes * kPageBytes);
+bool replace_page(void* address) noexcept {
+  const auto in_page = reinterpret_cast<std::uintptr_t>(address) % kPageBytes;
+  void* page = static_cast<std::byte*>(address) - in_page;
   return mmap(page, kPageBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1,
               0) != MAP_FAILED;
 }
 
 void handle(int, siginfo_t* info, void*) noexcept {
   const int saved = errno;
-  const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
-  Guarded* range = info->si_code == BUS_ADRERR ? find(address) : nullptr;
+  const auto number = reinterpret_cast<std::uintptr_t>(info->si_addr);
+  Guarded* range = info->si_code == BUS_ADRERR ? find(number) : nullptr;
   if (range == nullptr) return give_up();
   if (policy.load() == OnLostMemory::Exit) end_process();
   // Before the page is there: a thread that reads its zeros finds the mark set.
   range->lost.load()->store(true);
-  if (!replace_page(address)) give_up();
+  if (!replace_page(info->si_addr)) give_up();
   errno = saved;
 }
 

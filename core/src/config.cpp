@@ -113,7 +113,7 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
 
 std::string did_you_mean_one_of(const std::string& word,
                                 const std::vector<std::string>& candidates) {
-  const std::string hint = did_you_mean(word, candidates);
+  std::string hint = did_you_mean(word, candidates);
   if (!hint.empty()) return hint;
   return candidates.empty() ? "" : fmt::format(", expected one of {}", fmt::join(candidates, ", "));
 }

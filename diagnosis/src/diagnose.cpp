@@ -170,29 +170,32 @@ std::string gaps_in(const Record& record) {
                      record.gaps.size(), static_cast<double>(samples) * record.time_step);
 }
 
-void add_limits(const Case& c, const SensorNoise& noise, const Investigations& all,
-                Verdict& verdict) {
-  verdict.noise_model = noise.source();
-  verdict.limits.push_back("Source of the noise: " + noise.source() + ".");
+// What channels that were not recorded leave open.
+void add_limits_of_channels(const Case& c, Verdict& verdict) {
   const Record& record = *moving_records(c)[0];
   const auto lacks = [&](const char* family) {
     return std::none_of(record.channels.begin(), record.channels.end(),
                         [&](const auto& channel) { return channel.role.starts_with(family); });
   };
-  if (is_composition(c.model.kind)) {
-    if (lacks("acceleration."))
-      verdict.limits.emplace_back(
-          "No acceleration was recorded: estimates of inertia use displacement alone, and the "
-          "accelerometer's faults are not checked.");
-    if (lacks("vertical_force") && c.model.kind != "servo_axis")
-      verdict.limits.emplace_back(
-          "No vertical force was recorded: effects that depend on it cannot be distinguished from "
-          "others.");
-    if (lacks("temperature") && c.model.kind == "bearing")
-      verdict.limits.emplace_back("No temperature was recorded.");
-    if (lacks("command."))
-      verdict.limits.emplace_back("No command was recorded: actuators were not checked.");
-  }
+  if (lacks("acceleration."))
+    verdict.limits.emplace_back(
+        "No acceleration was recorded: estimates of inertia use displacement alone, and the "
+        "accelerometer's faults are not checked.");
+  if (lacks("vertical_force") && c.model.kind != "servo_axis")
+    verdict.limits.emplace_back(
+        "No vertical force was recorded: effects that depend on it cannot be distinguished from "
+        "others.");
+  if (lacks("temperature") && c.model.kind == "bearing")
+    verdict.limits.emplace_back("No temperature was recorded.");
+  if (lacks("command."))
+    verdict.limits.emplace_back("No command was recorded: actuators were not checked.");
+}
+
+void add_limits(const Case& c, const SensorNoise& noise, const Investigations& all,
+                Verdict& verdict) {
+  verdict.noise_model = noise.source();
+  verdict.limits.push_back("Source of the noise: " + noise.source() + ".");
+  if (is_composition(c.model.kind)) add_limits_of_channels(c, verdict);
   for (const auto& one : c.records)
     if (!one.gaps.empty()) verdict.limits.push_back(gaps_in(one));
   if (verdict.proof_record.empty())

@@ -60,14 +60,14 @@ Round::Round(Problem& problem, const Folds& folds, const Hypothesis& current,
   compare(base, std::move(trials));
 }
 
-Round::Round(Problem& problem, const Folds& folds, const Hypothesis& rest, const Hypothesis& whole,
-             const Candidate& holder, const std::vector<Candidate>& candidates, std::uint64_t seed)
+Round::Round(Problem& problem, const Folds& folds, const Defended& term,
+             const std::vector<Candidate>& candidates, std::uint64_t seed)
     : problem_{problem}, folds_{folds}, seed_{seed} {
-  base_ = fitted(problem, rest, folds.first, kLongFit);
+  base_ = fitted(problem, term.rest, folds.first, kLongFit);
   base_scores_ = scores(problem, base_, folds.second);
   const double base = 2 * sum(scores(problem, base_, folds.first));
   std::vector<TrialFit> trials;
-  try_rivals(whole, holder, candidates, base, trials);
+  try_rivals(term, candidates, base, trials);
   compare(base, std::move(trials));
 }
 
@@ -95,19 +95,18 @@ void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candi
 }
 
 // As try_best, but all fits start at the values of the whole model.
-void Round::try_rivals(const Hypothesis& whole, const Candidate& holder,
-                       const std::vector<Candidate>& candidates, double base,
+void Round::try_rivals(const Defended& term, const std::vector<Candidate>& candidates, double base,
                        std::vector<TrialFit>& trials) const {
   const auto screened = screen(Supposition{problem_, base_}, folds_.first, candidates);
   std::size_t tried = 0;
   for (const auto& one : screened) {
-    const bool holds = is_same(*one.candidate, holder);
+    const bool holds = is_same(*one.candidate, term.holder);
     const bool is_weak = one.gain < std::max(kLeastGain, kTriedShare * screened[0].gain);
     if (!holds && (is_weak || ++tried > kTried)) continue;
     TrialFit trial{one.candidate, {}, base};
     const std::size_t tries = holds ? 1 : std::min(one.starts.size(), kStarts);
     for (std::size_t k = 0; k < tries; ++k)
-      fit_shortly(in_place(base_, *one.candidate, one.starts[k], whole, holder), trial);
+      fit_shortly(in_place(base_, *one.candidate, one.starts[k], term.whole, term.holder), trial);
     if (!trial.hypothesis.free.empty()) trials.push_back(std::move(trial));
   }
 }

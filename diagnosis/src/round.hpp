@@ -15,13 +15,16 @@ class Round {
   Round(Problem& problem, const Folds& folds, const Hypothesis& current,
         const Eigen::VectorXd& stated, const std::vector<Candidate>& candidates,
         std::uint64_t seed);
-  /// A round for the place of a term that the model has already. The fits of all
-  /// candidates start at the values of the whole model.
-  /// @param rest  the model without the term
-  /// @param whole  the model with it
-  /// @param holder  the term, one of the candidates
-  Round(Problem& problem, const Folds& folds, const Hypothesis& rest, const Hypothesis& whole,
-        const Candidate& holder, const std::vector<Candidate>& candidates, std::uint64_t seed);
+  /// A term that the model has already.
+  struct Defended {
+    const Candidate& holder;  ///< the term, one of the candidates
+    const Hypothesis& rest;   ///< the model without it
+    const Hypothesis& whole;  ///< the model with it
+  };
+  /// A round for the place of such a term. The fits of all candidates start at the values of the
+  /// whole model.
+  Round(Problem& problem, const Folds& folds, const Defended& term,
+        const std::vector<Candidate>& candidates, std::uint64_t seed);
 
   /// The hypothesis without any candidate, fitted on the first fold.
   [[nodiscard]] const Hypothesis& base() const { return base_; }
@@ -38,8 +41,7 @@ class Round {
   void compare(double base, std::vector<TrialFit> trials);
   void try_best(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
                 std::vector<TrialFit>& trials) const;
-  void try_rivals(const Hypothesis& whole, const Candidate& holder,
-                  const std::vector<Candidate>& candidates, double base,
+  void try_rivals(const Defended& term, const std::vector<Candidate>& candidates, double base,
                   std::vector<TrialFit>& trials) const;
   void fit_shortly(Hypothesis hypothesis, TrialFit& trial) const;
   static void keep_best(double base, std::vector<TrialFit>& trials);

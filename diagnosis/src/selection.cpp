@@ -202,7 +202,8 @@ class Selector {
     std::vector<SelectionRound> others;
     std::copy_if(rounds.begin(), rounds.end(), std::back_inserter(others), is_other);
     const Hypothesis rest = with_rounds(selection_.base, rounds, is_other, current_);
-    Round round{problem_, folds_, rest, current_, holder, left_of(candidates, others, rest), seed_};
+    Round round{
+        problem_, folds_, {holder, rest, current_}, left_of(candidates, others, rest), seed_};
     auto won = winner(round, false);
     if (!won) return true;
     keep_in_tie(*won, holder);

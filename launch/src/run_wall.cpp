@@ -87,13 +87,7 @@ class WallRun {
     for (auto& node : nodes_) node.process.send_line(fmt::format("go {}", epoch.count()));
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
     while (!all_ended()) {
-      show_life();
-      wait_for_output();
-      for (auto& node : nodes_) read_messages(node);
-      if (InterruptGuard::is_interrupted() && !stopping_) stop("interrupted");
-      if (link_ != nullptr && !stopping_) follow_other_hosts();
-      if (stopping_ && clock_.now() > *stopping_ + longest_stop(experiment_) + kRestMargin)
-        kill_remaining();
+      attend_to_nodes();
       report_progress(epoch);
     }
     result_.interrupted = InterruptGuard::is_interrupted();
@@ -102,6 +96,17 @@ class WallRun {
   }
 
  private:
+  // Reads their messages, and stops them or kills those that do not stop in time.
+  void attend_to_nodes() {
+    show_life();
+    wait_for_output();
+    for (auto& node : nodes_) read_messages(node);
+    if (InterruptGuard::is_interrupted() && !stopping_) stop("interrupted");
+    if (link_ != nullptr && !stopping_) follow_other_hosts();
+    if (stopping_ && clock_.now() > *stopping_ + longest_stop(experiment_) + kRestMargin)
+      kill_remaining();
+  }
+
   // The leading host sets the common time zero. Empty if there is none: the result has the reason.
   std::optional<TimePoint> agree_on_epoch() {
     if (link_ == nullptr) return clock_.now() + kHeadStart;

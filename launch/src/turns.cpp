@@ -2,6 +2,7 @@
 #include "turns.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "interrupt.hpp"
@@ -29,6 +30,15 @@ std::vector<broker::LongwordRange> words_of(const memmap::Map& map, const Experi
   return words;
 }
 
+// The status of a step by the word of its node; empty: not made yet. The other host is ahead if no
+// step of this host comes in between.
+std::optional<Status> status_of(std::uint32_t step, std::uint32_t word) {
+  const std::uint32_t steps = word >> kEndBits, end = word & ((1U << kEndBits) - 1);
+  if (steps < step) return std::nullopt;
+  if (steps > step || end == kGoesOn) return Status::Ok;
+  return end == kDone ? Status::Done : Status::Fault;
+}
+
 }  // namespace
 
 Turns::Turns(broker::Ring& ring, const Experiment& experiment, HostLink& link)
@@ -45,11 +55,7 @@ Turns::Waited Turns::wait_for(const std::string& node) {
   Turn& turn = turns_.at(node);
   ++turn.steps;
   for (;;) {
-    const std::uint32_t word = reader_.read(turn.word);
-    const std::uint32_t steps = word >> kEndBits, end = word & ((1U << kEndBits) - 1);
-    // The other host is ahead if no step of this host comes in between.
-    if (steps > turn.steps || (steps == turn.steps && end == kGoesOn)) return {Status::Ok, ""};
-    if (steps == turn.steps) return {end == kDone ? Status::Done : Status::Fault, ""};
+    if (const auto status = status_of(turn.steps, reader_.read(turn.word))) return {status, ""};
     broker::Write ignored{};
     if (waiter_.wait(clock.now() + kLook, ignored) == Status::Ok) continue;
     if (InterruptGuard::is_interrupted()) return {{}, "interrupted"};

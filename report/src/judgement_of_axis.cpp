@@ -3,6 +3,7 @@
 // Conditions on the machine: limits, references, tracking and each feedback by itself.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -195,35 +196,47 @@ std::vector<Feedback> feedbacks_of(const AxisEvidence& axis, const Bounds& bound
   return result;
 }
 
-// Frozen: unchanged while the command moves. Repeated: too few new samples while it changes.
-Break live_of(const Feedback& feedback, const Evidence& all, const Bounds& bounds) {
+// The samples are unchanged while the command moves.
+Break frozen_of(const Feedback& feedback, const Evidence& all, const Bounds& bounds) {
   const auto& w = feedback.word->values;
   const auto& u = *feedback.expected;
   const double moved = std::max(0.02 * largest_magnitude(u), bounds.resolution);
   std::size_t start = 0;
   for (std::size_t i = 1; i <= w.size(); ++i) {
     if (i < w.size() && w[i] == w[start]) continue;
-    if (i - start > 20) {
-      const auto [low, high] = std::minmax_element(u.begin() + static_cast<std::ptrdiff_t>(start),
-                                                   u.begin() + static_cast<std::ptrdiff_t>(i));
-      if (*high - *low > moved)
-        return Broken{"live", all.time[start], feedback.word->name,
-                      fmt::format("frozen for {:.3f} s while the command moves by {:.1f} mm",
-                                  all.time[i - 1] - all.time[start], 1e3 * (*high - *low)),
-                      "a new value in each step"};
-    }
-    start = i;
+    const std::size_t begin = std::exchange(start, i);
+    if (i - begin <= 20) continue;
+    const auto [low, high] = std::minmax_element(u.begin() + static_cast<std::ptrdiff_t>(begin),
+                                                 u.begin() + static_cast<std::ptrdiff_t>(i));
+    if (*high - *low > moved)
+      return Broken{"live", all.time[begin], feedback.word->name,
+                    fmt::format("frozen for {:.3f} s while the command moves by {:.1f} mm",
+                                all.time[i - 1] - all.time[begin], 1e3 * (*high - *low)),
+                    "a new value in each step"};
   }
-  double step = 0;  // of the sensor
+  return {};
+}
+
+// The smallest change between two samples: the step of the sensor. 0: no change.
+double smallest_change(const std::vector<double>& w) {
+  double step = 0;
   for (std::size_t i = 1; i < w.size(); ++i)
     if (const double change = std::abs(w[i] - w[i - 1]); change > 0)
       step = step > 0 ? std::min(step, change) : change;
+  return step;
+}
+
+// Too few new samples while the feedback changes.
+Break repeated_of(const Feedback& feedback, const Evidence& all, const Bounds& bounds) {
+  const auto& w = feedback.word->values;
+  const double step = smallest_change(w);
+  if (step == 0) return {};
   for (const auto& window : windows(all, kSecond)) {
     double judged = 0, repeated = 0;
     for (std::size_t i = std::max(window.begin, kSpeedReach + 1); i + kSpeedReach < window.end;
          ++i) {
       const double speed = std::abs(w[i + kSpeedReach] - w[i - kSpeedReach]) / (2 * kSpeedReach);
-      if (speed < 2 * step || step == 0) continue;
+      if (speed < 2 * step) continue;
       ++judged;
       repeated += w[i] == w[i - 1] ? 1 : 0;
     }
@@ -235,6 +248,11 @@ Break live_of(const Feedback& feedback, const Evidence& all, const Bounds& bound
           fmt::format("at most {:g} %", 100 * bounds.repeated)};
   }
   return {};
+}
+
+Break live_of(const Feedback& feedback, const Evidence& all, const Bounds& bounds) {
+  if (auto frozen = frozen_of(feedback, all, bounds)) return frozen;
+  return repeated_of(feedback, all, bounds);
 }
 
 Break jump_of(const Feedback& feedback, const Evidence& all) {

@@ -128,48 +128,55 @@ Break saturation_of(const AxisEvidence& axis, const Evidence& all, std::size_t e
   return {};
 }
 
-Break force_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bounds, double until) {
-  if (axis.model_force.empty() || !axis.specimen_force.is_recorded()) return {};
+namespace {
+
+// The measured force in a window beside that of the model under the measured motion.
+Break force_in(const Window& window, const AxisEvidence& axis, const Evidence& all,
+               const Bounds& bounds) {
   const auto& measured = axis.specimen_force.values;
   const auto& model = axis.model_force;
   const double largest = axis.largest_force;
+  const Fit f = fit(part(model, window), part(measured, window));
+  const double offset = mean(part(measured, window)) - mean(part(model, window));
+  const Fit moved = fit(part(axis.command.values, window), part(axis.displacement.values, window));
+  const bool is_strong = std::max(f.reference, f.response) > kStrong * largest &&
+                         std::max(moved.reference, moved.response) > 2 * bounds.resolution;
+  const auto broken = [&](const std::string& found, const std::string& expected) {
+    return Broken{"force", all.time[window.begin], axis.force.name, found, expected};
+  };
+  if (std::abs(offset) > bounds.force_offset * largest)
+    return broken(fmt::format("an offset of {:.0f} kN from the model", 1e-3 * offset),
+                  fmt::format("at most {:.0f} kN", 1e-3 * bounds.force_offset * largest));
+  if (!is_strong) return {};
+  if (f.correlation < kLeastCorrelation && f.correlation > 0.5)
+    return broken(fmt::format("a correlation of {:.2f} with the force of the model", f.correlation),
+                  fmt::format("at least {:g}", kLeastCorrelation));
+  if (f.correlation < kLeastCorrelation || f.gain > bounds.force_factor ||
+      f.gain < 1 / bounds.force_factor)
+    return broken(proportion(f, "the force of the model"),
+                  fmt::format("between {:.2g} and {:g} times the force of the model",
+                              1 / bounds.force_factor, bounds.force_factor));
+  return {};
+}
+
+}  // namespace
+
+Break force_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bounds, double until) {
+  if (axis.model_force.empty() || !axis.specimen_force.is_recorded()) return {};
   for (const auto& window : windows(all, kForceWindow)) {
     if (all.time[window.end - 1] > until) break;
-    const Fit f = fit(part(model, window), part(measured, window));
-    const double offset = mean(part(measured, window)) - mean(part(model, window));
-    const Fit moved =
-        fit(part(axis.command.values, window), part(axis.displacement.values, window));
-    const bool is_strong = std::max(f.reference, f.response) > kStrong * largest &&
-                           std::max(moved.reference, moved.response) > 2 * bounds.resolution;
-    const auto broken = [&](const std::string& found, const std::string& expected) {
-      return Broken{"force", all.time[window.begin], axis.force.name, found, expected};
-    };
-    if (std::abs(offset) > bounds.force_offset * largest)
-      return broken(fmt::format("an offset of {:.0f} kN from the model", 1e-3 * offset),
-                    fmt::format("at most {:.0f} kN", 1e-3 * bounds.force_offset * largest));
-    if (!is_strong) continue;
-    if (f.correlation < kLeastCorrelation && f.correlation > 0.5)
-      return broken(
-          fmt::format("a correlation of {:.2f} with the force of the model", f.correlation),
-          fmt::format("at least {:g}", kLeastCorrelation));
-    if (f.correlation < kLeastCorrelation || f.gain > bounds.force_factor ||
-        f.gain < 1 / bounds.force_factor)
-      return broken(proportion(f, "the force of the model"),
-                    fmt::format("between {:.2g} and {:g} times the force of the model",
-                                1 / bounds.force_factor, bounds.force_factor));
+    if (auto broken = force_in(window, axis, all, bounds)) return broken;
   }
   const auto end = static_cast<std::size_t>(
       std::find_if(all.time.begin(), all.time.end(), [&](double time) { return time > until; }) -
       all.time.begin());
   if (auto saturated = saturation_of(axis, all, end)) return saturated;
   if (!std::isinf(until)) return {};
-  if (const auto delay = delay_of(model, measured, all)) {
-    if (std::abs(*delay) > bounds.force_delay * all.rate)
-      return Broken{"force", all.time.front(), axis.force.name,
-                    fmt::format("a delay of {:.1f} ms behind the motion", 1e3 * *delay),
-                    fmt::format("at most {:g} ms", 1e3 * bounds.force_delay * all.rate)};
-  }
-  return {};
+  const auto delay = delay_of(axis.model_force, axis.specimen_force.values, all);
+  if (!delay || std::abs(*delay) <= bounds.force_delay * all.rate) return {};
+  return Broken{"force", all.time.front(), axis.force.name,
+                fmt::format("a delay of {:.1f} ms behind the motion", 1e3 * *delay),
+                fmt::format("at most {:g} ms", 1e3 * bounds.force_delay * all.rate)};
 }
 
 }  // namespace rths::report

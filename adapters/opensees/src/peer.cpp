@@ -5,10 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -29,9 +32,9 @@ std::string in_hex(const sockaddr_in& address) {
 }
 
 std::string in_text(const sockaddr_in& address) {
-  std::string text(INET_ADDRSTRLEN, 0);
-  inet_ntop(AF_INET, &address.sin_addr, text.data(), INET_ADDRSTRLEN);
-  return text.c_str();
+  std::array<char, INET_ADDRSTRLEN> text{};
+  inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size());
+  return text.data();
 }
 
 // A socket of IPv6 that talks IPv4 has a mapped address, ::ffff:a.b.c.d.
@@ -45,32 +48,45 @@ std::string without_mapping(const std::string& address) {
 
 std::string port_in_hex(const std::string& address) { return address.substr(address.find(':')); }
 
-// Sockets of this host that own the peer's end. A datagram socket need not be bound to an address
-// or connected.
+/// The two ends of a connection, as /proc/net has them.
+struct Ends {
+  Ends(const sockaddr_in& of_peer, const sockaddr_in& ours)
+      : peer{in_hex(of_peer)},
+        any_peer{fmt::format("00000000:{:04X}", ntohs(of_peer.sin_port))},
+        own{in_hex(ours)} {}
+  std::string peer, any_peer, own;
+};
+
+// The socket of a line of /proc/net if it owns the peer's end. A datagram socket need not be bound
+// to an address or connected.
+std::optional<LocalSocket> socket_in(const std::string& line, const Ends& ends, bool is_udp) {
+  std::istringstream words{line};
+  std::string slot, local, remote, state, queues, timer, retries, timeout;
+  LocalSocket socket;
+  words >> slot >> local >> remote >> state >> queues >> timer >> retries >> socket.user >>
+      timeout >> socket.inode;
+  if (!words || socket.inode == "0") return std::nullopt;
+  local = without_mapping(local);
+  remote = without_mapping(remote);
+  const bool is_peer = local == ends.peer || (is_udp && local == ends.any_peer);
+  const bool is_ours =
+      is_udp ? port_in_hex(remote) == port_in_hex(ends.own) || remote == "00000000:0000"
+             : remote == ends.own;
+  return is_peer && is_ours ? std::optional{socket} : std::nullopt;
+}
+
+// Sockets of this host that own the peer's end.
 std::vector<LocalSocket> sockets_of(Transport transport, const sockaddr_in& peer,
                                     const sockaddr_in& own) {
-  const std::string any_address = fmt::format("00000000:{:04X}", ntohs(peer.sin_port));
+  const Ends ends{peer, own};
   const bool is_udp = transport == Transport::Udp;
   std::vector<LocalSocket> found;
   for (const char* version : {"", "6"}) {
     std::ifstream table{fmt::format("/proc/net/{}{}", is_udp ? "udp" : "tcp", version)};
     std::string line;
     std::getline(table, line);  // heading
-    while (std::getline(table, line)) {
-      std::istringstream words{line};
-      std::string slot, local, remote, state, queues, timer, retries, timeout;
-      LocalSocket socket;
-      words >> slot >> local >> remote >> state >> queues >> timer >> retries >> socket.user >>
-          timeout >> socket.inode;
-      if (!words) continue;
-      local = without_mapping(local);
-      remote = without_mapping(remote);
-      const bool is_peer = local == in_hex(peer) || (is_udp && local == any_address);
-      const bool is_ours =
-          is_udp ? port_in_hex(remote) == port_in_hex(in_hex(own)) || remote == "00000000:0000"
-                 : remote == in_hex(own);
-      if (is_peer && is_ours && socket.inode != "0") found.push_back(socket);
-    }
+    while (std::getline(table, line))
+      if (auto socket = socket_in(line, ends, is_udp)) found.push_back(std::move(*socket));
   }
   return found;
 }
