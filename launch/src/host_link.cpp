@@ -11,6 +11,8 @@
 
 #include <rths/core/error.hpp>
 
+#include "realtime_thread.hpp"
+
 namespace rths::launch {
 namespace {
 
@@ -78,6 +80,8 @@ HostLink::HostLink(broker::Ring& ring, const Experiment& experiment, const RunOp
   gateway.host = own_;
   gateway.report = options.report;
   gateway.is_deterministic = options.clock == ClockKind::Virtual;
+  // Below the nodes, above everything else: other processes must not delay the updates.
+  if (!gateway.is_deterministic) gateway.prepare_thread = [] { prefer_realtime(kGatewayPriority); };
   publish(HostState::Starting);
   gateway_ = std::make_unique<dds::Gateway>(
       options.ring, dds::make_cyclone_carrier(network_of(experiment, options)), gateway);

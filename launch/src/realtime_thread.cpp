@@ -26,6 +26,11 @@ std::string make_realtime(int priority) {
   return missing;
 }
 
+void prefer_realtime(int priority) {
+  const sched_param parameters{priority};
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters));
+}
+
 std::string missing_privileges() {
   std::string missing;
   std::thread{[&] { missing = make_realtime(kProbePriority); }}.join();

@@ -10,9 +10,12 @@ namespace rths::launch {
 /// @param priority  1…99
 /// @returns the missing privileges as text; empty if none
 [[nodiscard]] std::string make_realtime(int priority);
+/// Only real-time scheduling, if the process may have it.
+void prefer_realtime(int priority);
 
 /// Priorities within a run: the host probe has the highest, then the most time-critical adapters.
 inline constexpr int kProbePriority = 70;
+inline constexpr int kGatewayPriority = 20;  ///< of a test on several hosts
 [[nodiscard]] int priority_of(const std::string& adapter);
 
 }  // namespace rths::launch

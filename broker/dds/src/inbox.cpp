@@ -30,6 +30,9 @@ Inbox::Inbox(const std::string& ring, Shared& shared)
 
 void Inbox::run() {
   shared_.carrier->listen([this](std::span<const std::byte> bytes) {
+    thread_local const Inbox* prepared_for = nullptr;
+    if (std::exchange(prepared_for, this) != this && shared_.options.prepare_thread)
+      shared_.options.prepare_thread();
     const std::lock_guard lock{mutex_};
     now_ = clock_.now();
     receive(bytes);

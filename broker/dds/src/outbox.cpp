@@ -44,10 +44,10 @@ Outbox::Outbox(const std::string& ring, Shared& shared)
         reader_.presence_of(node.id).state == broker::Presence::State::Vanished;
     by_id_[node.id.value()] = &streams_.emplace(node.id.value(), std::move(stream)).first->second;
   }
-  if (shared.options.skips_unchanged) sent_.resize(ring_.map().description().size_longwords);
 }
 
 void Outbox::run() {
+  if (shared_.options.prepare_thread) shared_.options.prepare_thread();
   const WallClock clock;
   while (!shared_.ends.load(std::memory_order_relaxed)) {
     now_ = clock.now();
@@ -101,7 +101,7 @@ void Outbox::take(Stream& stream, const broker::Write& write) {
   if (!stream.announced) hello_ = TimePoint{0};
   stream.written = now_;
   append_card_changes(stream);
-  if (!sent_.empty() && leaves_all_as_sent(write)) return;
+  if (shared_.options.skips_unchanged && leaves_all_as_sent(write)) return;
   if (!shared_.options.is_deterministic && stream.words.is_latest(write.offset))
     stream.changed.insert(write.offset);
   else
@@ -110,10 +110,13 @@ void Outbox::take(Stream& stream, const broker::Write& write) {
 
 bool Outbox::leaves_all_as_sent(const broker::Write& write) {
   const std::span words = write.group.empty() ? std::span{&write.value, 1} : write.group;
-  const auto begin = sent_.begin() + write.offset.value();
-  if (std::equal(words.begin(), words.end(), begin)) return true;
-  std::copy(words.begin(), words.end(), begin);
-  return false;
+  bool all = true;
+  for (std::uint32_t i = 0; i < words.size(); ++i) {
+    const auto [sent, is_new] = sent_.try_emplace(advance(write.offset, i), words[i]);
+    all = all && !is_new && sent->second == words[i];
+    sent->second = words[i];
+  }
+  return all;
 }
 
 void Outbox::append_latest() {
@@ -142,7 +145,7 @@ void Outbox::append_latest() {
 void Outbox::resume_after_loss() {
   ++shared_.counts.lapped;
   flush_all();
-  std::fill(sent_.begin(), sent_.end(), std::nullopt);
+  sent_.clear();
   for (auto& [id, stream] : streams_) {
     if (!stream.announced) continue;
     stream.sent.clear();

@@ -102,13 +102,13 @@ class Outbox {
   broker::Node reader_;
   broker::Waiter waiter_;
   std::map<std::uint16_t, Stream> streams_;
-  std::vector<Stream*> by_id_;                      ///< by NodeId; null: no node
-  std::vector<std::optional<std::uint32_t>> sent_;  ///< the ring's words, to skip unchanged ones
-  TimePoint latest_{0};                             ///< when `append_latest` is due
-  TimePoint hello_{0};                              ///< when an announcement is due
-  TimePoint digest_{0};                             ///< when digests are due
-  TimePoint now_{0};                                ///< at the last look at the clock
-  std::set<std::uint16_t> undigested_;              ///< nodes whose digest is due
+  std::vector<Stream*> by_id_;                    ///< by NodeId; null: no node
+  std::map<LongwordOffset, std::uint32_t> sent_;  ///< last values, to skip unchanged ones
+  TimePoint latest_{0};                           ///< when `append_latest` is due
+  TimePoint hello_{0};                            ///< when an announcement is due
+  TimePoint digest_{0};                           ///< when digests are due
+  TimePoint now_{0};                              ///< at the last look at the clock
+  std::set<std::uint16_t> undigested_;            ///< nodes whose digest is due
   std::vector<WaitingInterrupt> interrupts_;
   bool has_foreign_interrupt_ = false;  ///< reported
 };

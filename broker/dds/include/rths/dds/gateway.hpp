@@ -63,6 +63,8 @@ struct GatewayOptions {
   bool skips_unchanged = false;  ///< does not send writes that leave a word as it was
   /// For virtual time: sends every write, also of `latest` partitions, and writes no signals.
   bool is_deterministic = false;
+  /// Called once by each thread that carries updates, when it begins, such as to set its priority.
+  std::function<void()> prepare_thread = {};  // NOLINT(readability-redundant-member-init)
 };
 
 /// Makes the rings of several hosts one: sends the writes of the nodes on this host to the others,
