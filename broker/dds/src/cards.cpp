@@ -11,8 +11,6 @@
 #include "gt_queue.hpp"
 #include "gt_registers.hpp"
 
-#include <gtucore.h>
-
 namespace rths::dds {
 namespace {
 
@@ -29,7 +27,6 @@ enum MessageKind : std::uint32_t {
 constexpr std::array<std::size_t, 4> kCopiedRegisters{0, 2, 3, 8};  // of a SCRAMNet+ card
 constexpr std::size_t kMostWords = 2000;                            // of a message
 constexpr Duration kWatchIsGone = std::chrono::seconds{3};
-constexpr std::uint64_t kKeptInterrupts = scramnet::kGtQueueEntries - 1;
 
 // Registers that other cards react to, and the count of changes of the ACR.
 CardMessage registers_of(const scramnet::Card& card) {
@@ -60,15 +57,6 @@ void append_interrupting_words(const Word* acr, std::uint32_t longwords,
   messages.push_back(std::move(message));
 }
 
-// Whether a card takes an interrupt that has arrived. Its type and number may be anything.
-bool accepts(const scramnet::GtCard& card, const GtInterrupt& interrupt) {
-  namespace gt = scramnet::gt;
-  if (!scramnet::is_set(card, gt::kLinkControl, gt::kReceive)) return false;
-  if (interrupt.type == SCGT_UNICAST_INTR) return scramnet::is_set(card, gt::kUnicastMask, 1);
-  return interrupt.type == SCGT_BROADCAST_INTR && interrupt.id < 32 &&
-         scramnet::is_set(card, gt::kBroadcastMask, 1U << interrupt.id);
-}
-
 NodeId node_of(std::uint32_t key) { return NodeId{static_cast<std::uint16_t>(key)}; }
 
 }  // namespace
@@ -88,27 +76,30 @@ std::optional<Cards::CardView> Cards::card_of(NodeId node) const {
   return std::nullopt;
 }
 
+void Cards::append_words(const CardView& view, std::vector<CardMessage>& messages) const {
+  if (view.acr != nullptr)
+    append_interrupting_words(view.acr, static_cast<std::uint32_t>(table_.memory_bytes() / 4),
+                              messages);
+}
+
 std::vector<CardMessage> Cards::state_of(NodeId node) {
   const auto view = card_of(node);
   if (!view) return {};
   std::vector<CardMessage> messages{registers_of(*view->card)};
-  if (view->acr != nullptr)
-    append_interrupting_words(view->acr, static_cast<std::uint32_t>(table_.memory_bytes() / 4),
-                              messages);
+  append_words(*view, messages);
   return messages;
 }
 
 std::vector<CardMessage> Cards::changes_of(NodeId node) {
   const auto view = card_of(node);
   if (!view) return {};
-  auto now = registers_of(*view->card);
+  std::vector<CardMessage> messages{registers_of(*view->card)};
   const std::lock_guard lock{mutex_};
   auto& sent = sent_[node];
-  if (now == sent) return {};
-  const bool same_words = !sent.empty() && now.back() == sent.back();
-  sent = std::move(now);
-  auto messages = state_of(node);
-  if (same_words) messages.resize(1);
+  if (messages[0] == sent) return {};
+  const bool same_words = !sent.empty() && messages[0].back() == sent.back();
+  sent = messages[0];
+  if (!same_words) append_words(*view, messages);
   return messages;
 }
 
@@ -192,7 +183,7 @@ bool Cards::deliver(std::span<const std::uint32_t> values) {
   if (!view || copies_.contains(node)) return true;  // for another host
   const GtInterrupt interrupt{values[1], values[2], values[3], values[4]};
   auto& gt = view->card->gt;
-  if (accepts(gt, interrupt) && push(gt, interrupt, broker::own_claim()))
+  if (accepts(gt, interrupt.type, interrupt.id) && push(gt, interrupt, broker::own_claim()))
     gt.counts[scramnet::kReceived].fetch_add(1);
   return true;
 }
@@ -214,9 +205,9 @@ void Cards::hold(NodeId to, Copy& copy) {
   const auto& gt = copy.view.card->gt;
   const std::uint64_t tail = gt.tail.load(), look = table_.looks() + 2;
   if (tail < copy.position) copy.position = tail;  // a damaged queue
-  if (tail - copy.position > kKeptInterrupts) {
-    lost_ += tail - kKeptInterrupts - copy.position;
-    copy.position = tail - kKeptInterrupts;
+  if (tail - copy.position > scramnet::kKeptInterrupts) {
+    lost_ += tail - scramnet::kKeptInterrupts - copy.position;
+    copy.position = tail - scramnet::kKeptInterrupts;
   }
   for (; copy.position < tail; ++copy.position) {
     GtInterrupt found;

@@ -75,6 +75,8 @@ class Cards {
     std::uint64_t look;  ///< the data are in the journals after this many looks
   };
   [[nodiscard]] std::optional<CardView> card_of(NodeId node) const;
+  /// Appends messages with the words that interrupt.
+  void append_words(const CardView& view, std::vector<CardMessage>& messages) const;
   [[nodiscard]] std::optional<NodeId> node_with_gt_id(std::uint32_t id) const;
   [[nodiscard]] Copy& copy_of(NodeId node);
   [[nodiscard]] bool set_registers(NodeId node, std::span<const std::uint32_t> message);

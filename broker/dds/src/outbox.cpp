@@ -233,7 +233,6 @@ bool Outbox::has(HostId host, const Stream& stream, std::uint64_t number) const 
 // Interrupts of one card for another one keep their order.
 void Outbox::append_interrupts() {
   if (interrupts_.empty()) return;
-  for (auto& [id, stream] : streams_) stream.interrupts = false;
   std::vector<WaitingInterrupt> waiting;
   std::set<std::pair<std::uint16_t, std::uint16_t>> behind;
   for (auto& one : interrupts_) {
@@ -245,7 +244,6 @@ void Outbox::append_interrupts() {
     Stream& stream = *stream_of(*one.interrupt.from);
     const std::pair way{stream.node.value(), one.interrupt.to.value()};
     if (readiness == Readiness::Waits || behind.contains(way)) {
-      stream.interrupts = true;
       behind.insert(way);
       waiting.push_back(std::move(one));
     } else {
@@ -304,7 +302,10 @@ bool Outbox::is_here(Stream& stream) const {
   const State state = reader_.presence_of(stream.node).state;
   if (state != State::Vanished) stream.vanished_before = false;
   if (state != State::Absent && !stream.vanished_before) return true;
-  return stream.interrupts || (stream.written != TimePoint{0} && !is_known_elsewhere(stream));
+  const bool has_interrupts =
+      std::any_of(interrupts_.begin(), interrupts_.end(),
+                  [&](const auto& waiting) { return waiting.interrupt.from == stream.node; });
+  return has_interrupts || (stream.written != TimePoint{0} && !is_known_elsewhere(stream));
 }
 
 bool Outbox::is_known_elsewhere(const Stream& stream) const {

@@ -45,7 +45,6 @@ class Outbox {
     std::uint64_t next = 0;              ///< number of the next update
     std::uint64_t joined = 0;            ///< number of the first one since it was announced
     bool vanished_before = false;        ///< this gateway, and has not been back since
-    bool interrupts = false;             ///< its card has interrupts that are not sent yet
     std::optional<FrameWriter> pending;  ///< updates that are not sent yet
     std::deque<SentFrame> sent;          ///< for hosts that miss some
     std::size_t sent_bytes = 0;

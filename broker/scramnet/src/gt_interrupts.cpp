@@ -15,7 +15,6 @@ namespace {
 
 constexpr uint32 kFresh = 0xFFFF'FFFF;         // a cursor that has not been used yet
 constexpr uint32 kLastSequence = 0x0FFF'FFFF;  // cursors and sequence numbers wrap after it
-constexpr std::uint64_t kKept = kGtQueueEntries - 1;
 constexpr std::int64_t kLongestSleepNs = 100'000'000;
 
 // The position of a cursor: the latest one, not after the tail, with the cursor's lower 28 bits.
@@ -32,7 +31,7 @@ struct Batch {
 Batch collect(const GtCard& card, std::uint64_t& position, scgtInterrupt* into, uint32 most) {
   Batch batch;
   for (std::uint64_t tail = card.tail.load(); batch.count < most && position < tail;) {
-    const std::uint64_t oldest = tail > kKept ? tail - kKept : 0;
+    const std::uint64_t oldest = tail > kKeptInterrupts ? tail - kKeptInterrupts : 0;
     if (position < oldest) {
       batch.missed = true;
       position = oldest;
@@ -40,7 +39,7 @@ Batch collect(const GtCard& card, std::uint64_t& position, scgtInterrupt* into, 
     GtInterrupt found;
     if (!read(card, position, found)) {  // overwritten while reading: skip to the oldest entry
       tail = card.tail.load();
-      position = std::max(position + 1, tail > kKept ? tail - kKept : 0);
+      position = std::max(position + 1, tail > kKeptInterrupts ? tail - kKeptInterrupts : 0);
       batch.missed = true;
       continue;
     }

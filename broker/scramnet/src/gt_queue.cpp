@@ -2,11 +2,14 @@
 #include <ctime>
 
 #include "gt_queue.hpp"
+#include "gt_registers.hpp"
 
 #include <linux/futex.h>
 #include <sched.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+
+#include <gtucore.h>
 
 namespace rths::scramnet {
 namespace {
@@ -51,6 +54,12 @@ bool try_push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
 }
 
 }  // namespace
+
+bool accepts(const GtCard& card, std::uint32_t type, std::uint32_t id) {
+  if (!is_set(card, gt::kLinkControl, gt::kReceive)) return false;
+  if (type == SCGT_UNICAST_INTR) return is_set(card, gt::kUnicastMask, 1);
+  return type == SCGT_BROADCAST_INTR && id < 32 && is_set(card, gt::kBroadcastMask, 1U << id);
+}
 
 bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
   for (int attempt = 0; !try_push(card, interrupt, self); ++attempt) {

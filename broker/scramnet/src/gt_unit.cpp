@@ -23,11 +23,8 @@ void leave_all() {
     if (GtUnit* taken = unit.load()) taken->session().leave();
 }
 
-bool accepts(const GtCard& card, const scgtInterrupt& interrupt) {
-  if (!is_set(card, gt::kLinkControl, gt::kReceive)) return false;
-  if (interrupt.type == SCGT_BROADCAST_INTR)
-    return is_set(card, gt::kBroadcastMask, 1U << interrupt.id);
-  return node_id(card) == interrupt.id && is_set(card, gt::kUnicastMask, 1);
+bool reaches(const GtCard& card, const scgtInterrupt& interrupt) {
+  return interrupt.type == SCGT_BROADCAST_INTR || node_id(card) == interrupt.id;
 }
 
 }  // namespace
@@ -60,7 +57,8 @@ bool GtUnit::send(const scgtInterrupt& interrupt) {
   session_.for_each_card([&](const CardSession::CardView& other) {
     const bool self = other.card == &session_.card();
     if (self && !is_set(card(), gt::kLinkControl, gt::kInterruptSelf)) return;
-    if (!accepts(other.card->gt, interrupt)) return;
+    const GtCard& gt = other.card->gt;
+    if (!reaches(gt, interrupt) || !accepts(gt, interrupt.type, interrupt.id)) return;
     if (push(other.card->gt, message, session_.self()))
       other.card->gt.counts[kReceived].fetch_add(1);
     else
