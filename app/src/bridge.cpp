@@ -30,8 +30,7 @@ std::string text_of(const dds::GatewayCounts& c) {
   return fmt::format(
       "sent {} updates in {} frames, received {}; {} missing and asked for again, {} repeated, {} "
       "snapshots, {} images differed, {} bad frames, {} times behind a journal, {} interrupts "
-      "sent, {} lost, "
-      "held off {:.1f} ms",
+      "sent, {} lost, held off {:.1f} ms",
       c.updates_sent, c.frames_sent, c.updates_received, c.gaps, c.repeated, c.snapshots,
       c.mismatches, c.bad_frames, c.lapped, c.interrupts_sent, c.interrupts_lost,
       1e-6 * static_cast<double>(c.hold_off_ns));

@@ -13,22 +13,21 @@
 
 namespace rths::launch {
 
+int prefer_realtime(int priority) {
+  const sched_param parameters{priority};
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+}
+
 std::string make_realtime(int priority) {
   std::string missing;
   const auto add = [&](const std::string& privilege, int error) {
     missing += (missing.empty() ? "" : ", ") + privilege + " (" + std::strerror(error) + ")";
   };
-  const sched_param parameters{priority};
-  if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error != 0)
+  if (const int error = prefer_realtime(priority); error != 0)
     add("no real-time scheduling", error);
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) add("memory not locked", errno);
   if (prctl(PR_SET_TIMERSLACK, 1UL) != 0) add("inexact timers", errno);
   return missing;
-}
-
-void prefer_realtime(int priority) {
-  const sched_param parameters{priority};
-  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters));
 }
 
 std::string missing_privileges() {

@@ -5,13 +5,13 @@
 
 namespace rths::launch {
 
-/// Gives the calling thread real-time scheduling, locked memory and exact timers. Only this
-/// function does so. A missing privilege is not an error.
+/// Gives the calling thread real-time scheduling, locked memory and exact timers. Only this file
+/// does so. A missing privilege is not an error.
 /// @param priority  1…99
 /// @returns the missing privileges as text; empty if none
 [[nodiscard]] std::string make_realtime(int priority);
-/// Only real-time scheduling, if the process may have it.
-void prefer_realtime(int priority);
+/// Gives it real-time scheduling alone. @returns 0, or the error number
+int prefer_realtime(int priority);
 
 /// Priorities within a run: the host probe has the highest, then the most time-critical adapters.
 inline constexpr int kProbePriority = 70;
