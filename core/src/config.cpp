@@ -291,6 +291,16 @@ Config Config::overlaid(const Config& changes) const {
   return result;
 }
 
+Config Config::in_folder(const std::filesystem::path& folder) const {
+  Config result = *this;
+  result.directory_ = folder;
+  return result;
+}
+
+Config Config::in_its_folder() const {
+  return has("folder") ? in_folder(resolve(text("folder"))) : *this;
+}
+
 std::string Config::to_toml() const { return write_toml(table_); }
 
 Config Config::without(const std::string& key) const {
@@ -322,6 +332,21 @@ void Config::set(const std::string& dotted_key, const std::string& value) {
 
 void Config::set(const std::string& key, const Config& table) {
   table_[key] = {table.table_, table.where_};
+}
+
+void Config::put(const std::string& key, double number) { table_[key] = {number, where_}; }
+void Config::put(const std::string& key, const std::string& text) { table_[key] = {text, where_}; }
+
+void Config::put(const std::string& key, const std::vector<double>& numbers) {
+  ConfigValue::Array items;
+  for (const double number : numbers) items.push_back({number, where_});
+  table_[key] = {std::move(items), where_};
+}
+
+void Config::put(const std::string& key, const std::vector<std::string>& texts) {
+  ConfigValue::Array items;
+  for (const auto& text : texts) items.push_back({text, where_});
+  table_[key] = {std::move(items), where_};
 }
 
 }  // namespace rths

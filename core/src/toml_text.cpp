@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "toml_text.hpp"
 
-#include <sstream>
-#include <type_traits>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <variant>
 
 #include <fmt/format.h>
@@ -42,49 +43,101 @@ ConfigValue convert(const toml::node& node, const std::string& name) {
   throw Error{where + ": dates and times are not supported"};
 }
 
-toml::table written_table(const ConfigValue::Table& table);
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      result += {'\\', c};
+    else if (static_cast<unsigned char>(c) < ' ' || c == 0x7F)
+      result += fmt::format("\\u{:04X}", static_cast<int>(c));
+    else
+      result += c;
+  }
+  return result + '"';
+}
 
-toml::array written_array(const ConfigValue::Array& items) {
-  toml::array result;
-  for (const auto& item : items)
-    std::visit(
-        [&](const auto& value) {
-          using T = std::decay_t<decltype(value)>;
-          if constexpr (std::is_same_v<T, ConfigValue::Array>)
-            result.push_back(written_array(value));
-          else if constexpr (std::is_same_v<T, ConfigValue::Table>)
-            result.push_back(written_table(value));
-          else
-            result.push_back(value);
-        },
-        item.value);
+std::string key_of(const std::string& key) {
+  const bool is_bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  });
+  return is_bare ? key : quoted(key);
+}
+
+// The shortest digits that read back the same; always those of a real number.
+std::string real_text(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string inline_text(const ConfigValue& item);
+
+template <class Items, class Text>
+std::string joined(const Items& items, const Text& text) {
+  std::string result;
+  for (const auto& item : items) result += (result.empty() ? "" : ", ") + text(item);
   return result;
 }
 
-toml::table written_table(const ConfigValue::Table& table) {
-  toml::table result;
-  for (const auto& [name, entry] : table)
-    std::visit(
-        [&, &key = name](const auto& value) {
-          using T = std::decay_t<decltype(value)>;
-          if constexpr (std::is_same_v<T, ConfigValue::Array>)
-            result.insert(key, written_array(value));
-          else if constexpr (std::is_same_v<T, ConfigValue::Table>)
-            result.insert(key, written_table(value));
-          else
-            result.insert(key, value);
-        },
-        entry.value);
-  return result;
+struct InlineText {
+  std::string operator()(bool truth) const { return truth ? "true" : "false"; }
+  std::string operator()(std::int64_t whole) const { return std::to_string(whole); }
+  std::string operator()(double real) const { return real_text(real); }
+  std::string operator()(const std::string& text) const { return quoted(text); }
+  std::string operator()(const ConfigValue::Array& items) const {
+    return "[" + joined(items, inline_text) + "]";
+  }
+  std::string operator()(const ConfigValue::Table& table) const {
+    return "{" +
+           joined(table,
+                  [](const auto& entry) {
+                    return key_of(entry.first) + " = " + inline_text(entry.second);
+                  }) +
+           "}";
+  }
+};
+
+std::string inline_text(const ConfigValue& item) { return std::visit(InlineText{}, item.value); }
+
+const ConfigValue::Table* table_in(const ConfigValue& item) {
+  return std::get_if<ConfigValue::Table>(&item.value);
+}
+
+// The tables of [[key]]; null for any other value.
+const ConfigValue::Array* tables_in(const ConfigValue& item) {
+  const auto* items = std::get_if<ConfigValue::Array>(&item.value);
+  const bool are_tables =
+      items != nullptr && !items->empty() && std::all_of(items->begin(), items->end(), table_in);
+  return are_tables ? items : nullptr;
+}
+
+// Values first, then tables, each with its full name.
+void write_table(const ConfigValue::Table& table, const std::string& prefix, std::string& text) {
+  for (const auto& [key, item] : table)
+    if (table_in(item) == nullptr && tables_in(item) == nullptr)
+      text += key_of(key) + " = " + inline_text(item) + "\n";
+  for (const auto& [key, item] : table) {
+    const std::string name = prefix + key_of(key);
+    if (const auto* inner = table_in(item)) {
+      text += fmt::format("\n[{}]\n", name);
+      write_table(*inner, name + ".", text);
+    } else if (const auto* items = tables_in(item)) {
+      for (const auto& one : *items) {
+        text += fmt::format("\n[[{}]]\n", name);
+        write_table(*table_in(one), name + ".", text);
+      }
+    }
+  }
 }
 
 }  // namespace
 
 std::string write_toml(const ConfigValue::Table& table) {
-  std::ostringstream stream;
-  stream << toml::toml_formatter{
-      written_table(table), toml::toml_formatter::default_flags & ~toml::format_flags::indentation};
-  return stream.str() + "\n";
+  std::string text;
+  write_table(table, "", text);
+  return text;
 }
 
 ConfigValue::Table parse_toml(std::string_view text, const std::string& name) {

@@ -324,6 +324,7 @@ std::string Experiment::leading_host() const {
 Experiment load_experiment(const std::filesystem::path& path, const Overrides& overrides) {
   Config file = Config::load(path);
   for (const auto& [key, value] : overrides) file.set(key, value);
+  file = file.in_its_folder();
   const std::int64_t format = file.integer("format");
   if (format != kExperimentFormat)
     file.fail("format",

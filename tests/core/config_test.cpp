@@ -224,8 +224,13 @@ TEST(Config, WritesTomlThatReadsBackTheSame) {
       "pair = [5100, 8600.5]\n[a.\"b c\"]\nx = 1\n[[row]]\ny = 2\n[[row]]\ny = 3");
   config.set("slider", parse("friction = 0.1"));
 
+  config.put("dotted.key", 0.1 + 0.2);
+  config.put("list", std::vector<std::string>{"tab\t", "back\\slash"});
+
   const Config again = Config::parse(config.to_toml(), "again.toml");
 
+  EXPECT_EQ(again.number("dotted.key"), 0.1 + 0.2);
+  EXPECT_EQ(again.texts("list"), (std::vector<std::string>{"tab\t", "back\\slash"}));
   EXPECT_EQ(again.text("title"), "a \"b\"");
   EXPECT_EQ(again.integer("count"), 3);
   EXPECT_EQ(test::error_of([&] { static_cast<void>(again.integer("whole")); }).empty(), false);
@@ -235,6 +240,24 @@ TEST(Config, WritesTomlThatReadsBackTheSame) {
   EXPECT_EQ(again.table("a").table("b c").number("x"), 1);
   EXPECT_EQ(again.tables("row")[1].number("y"), 3);
   EXPECT_EQ(again.table("slider").number("friction"), 0.1);
+}
+
+TEST(Config, WritesShortNumbersInTheirTables) {
+  const Config config = parse("b = 4000.15\n[t]\n[[t.row]]\nx = [1, 2.5]\n[t.row.in]\ny = 1e20");
+
+  EXPECT_EQ(config.to_toml(),
+            "b = 4000.15\n\n[t]\n\n[[t.row]]\nx = [1, 2.5]\n\n[t.row.in]\ny = 1e+20\n");
+}
+
+TEST(Config, StartsPathsInAnotherFolder) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("a.toml", "folder = \"../b\"\nfile = \"x\"\n");
+
+  const Config config = Config::load(file).in_its_folder();
+
+  EXPECT_EQ(std::filesystem::weakly_canonical(config.resolve(config.text("file"))),
+            std::filesystem::weakly_canonical(folder.path().parent_path() / "b/x"));
+  config.reject_unknown_keys();
 }
 
 }  // namespace

@@ -97,6 +97,11 @@ class Config {
   /// This table without one of its keys.
   [[nodiscard]] Config without(const std::string& key) const;
 
+  /// This table with relative paths that start at another folder.
+  [[nodiscard]] Config in_folder(const std::filesystem::path& folder) const;
+  /// This table; if it has the key `folder`, relative paths start there.
+  [[nodiscard]] Config in_its_folder() const;
+
   /// This table as TOML text that reads back the same: values first, then tables, keys in order.
   [[nodiscard]] std::string to_toml() const;
 
@@ -105,6 +110,11 @@ class Config {
   void set(const std::string& dotted_key, const std::string& value);
   /// Replaces the value of a key by a table.
   void set(const std::string& key, const Config& table);
+  /// Replace the value of a key, in which dots have no meaning.
+  void put(const std::string& key, double number);
+  void put(const std::string& key, const std::string& text);
+  void put(const std::string& key, const std::vector<double>& numbers);
+  void put(const std::string& key, const std::vector<std::string>& texts);
 
  private:
   explicit Config(ConfigValue::Table table, std::string where, std::filesystem::path directory);
