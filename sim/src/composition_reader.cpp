@@ -83,7 +83,7 @@ void check_bounds(const Config& table, const std::string& key, const Parameter& 
 }
 
 // One term, or one per axis if a parameter is an array.
-std::vector<TermSettings> read_term(const std::string& name, const Config& table) {
+std::vector<TermSettings> read_term(const std::string& name, const Config& table, Bounds bounds) {
   TermSettings settings;
   settings.kind = table.text("kind", name);
   settings.name = name;
@@ -96,7 +96,8 @@ std::vector<TermSettings> read_term(const std::string& name, const Config& table
   for (const auto& parameter : kind.parameters) {
     const std::string key = parameter_key(parameter, settings.channel);
     const auto values = read_values(table, key, kind, settings.channel);
-    for (const double value : values) check_bounds(table, key, parameter, value);
+    for (const double value : values)
+      if (bounds == Bounds::Catalogue) check_bounds(table, key, parameter, value);
     if (values.size() == kHorizontalAxes && axes.empty()) {
       axes.assign(kHorizontalAxes, settings);
       for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -132,11 +133,11 @@ std::string parameter_key(const Parameter& parameter, Channel channel) {
   return key;
 }
 
-std::vector<TermSettings> read_terms(const Config& table, TermOwner owner) {
+std::vector<TermSettings> read_terms(const Config& table, TermOwner owner, Bounds bounds) {
   std::vector<TermSettings> terms;
   for (const auto& key : table.keys()) {
     if (!table.is_table(key)) continue;
-    const auto read = read_term(key, table.table(key));
+    const auto read = read_term(key, table.table(key), bounds);
     for (const auto& term : read) table.placed(key, [&] { check_owner(term, owner); });
     terms.insert(terms.end(), read.begin(), read.end());
   }

@@ -87,6 +87,29 @@ TEST(Springs, HaveTheShapeOfTheirEquations) {
   EXPECT_NEAR(force_at(damper, 0, 2), 5 + 4.5, 1e-12);
 }
 
+// Knots of the laws of displacement are at -1, -3/4 … 1 times the range, of those of velocity at 0,
+// ±0.05, ±0.2, ±0.5, ±1 times.
+TEST(TabulatedTerms, AreLinearBetweenKnotsAndConstantBeyond) {
+  const auto table = [](const char* kind, double range) {
+    TermSettings term{kind, "", {{"range", range}}};
+    for (int i = 1; i <= 9; ++i) term.parameters.emplace_back("value_" + std::to_string(i), i * i);
+    return term;
+  };
+  const TermSettings stiffness = table("tabulated_stiffness", 0.4);
+  EXPECT_NEAR(force_at(stiffness, 0, 0), 25, 1e-12);
+  EXPECT_NEAR(force_at(stiffness, 0.15, 0), (36 + 49) / 2.0, 1e-12);
+  EXPECT_NEAR(force_at(stiffness, -1, 0), 1, 1e-12);
+  const TermSettings damping = table("tabulated_damping", 2);
+  EXPECT_NEAR(force_at(damping, 0, 0.7), (49 + 64) / 2.0, 1e-12);
+  EXPECT_NEAR(force_at(damping, 0, -0.1), 16, 1e-12);
+  EXPECT_NEAR(force_at(damping, 0, 5), 81, 1e-12);
+  const TermSettings viscosity = table("tabulated_viscosity", 0.4);
+  EXPECT_NEAR(force_at(viscosity, 0.1, -3), -3 * 36, 1e-12);
+  TermSettings friction = table("tabulated_friction", 0.4);
+  friction.parameters.emplace_back("creep_velocity", 0.1);
+  EXPECT_NEAR(force_at(friction, 0.1, -0.2), 36 * std::tanh(-2), 1e-12);
+}
+
 TEST(GapContact, PushesBeyondItsGapAndNeverPulls) {
   const TermSettings stop{"gap_contact", "", {{"gap", 0.1}, {"stiffness", 1e7}, {"loss", 0.5}}};
 

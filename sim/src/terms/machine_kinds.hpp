@@ -16,6 +16,7 @@ std::span<const TermKind> friction_kinds();
 std::span<const TermKind> drag_kinds();
 std::span<const TermKind> mount_kinds();
 std::span<const TermKind> spring_kinds();
+std::span<const TermKind> table_kinds();
 
 /// x within ±limit.
 template <class Real>

@@ -92,6 +92,9 @@ enum class TermOwner { Any, Specimen, Machine };
 /// @throws Error if the owner cannot have this term   @setup
 void check_owner(const TermSettings& term, TermOwner owner);
 
+/// Bounds of parameters: those of the catalogue, or none for a system in other units or sizes.
+enum class Bounds { Catalogue, None };
+
 /// Reads the terms of a table. Each subtable is a term. Its key is the kind, or any name if the
 /// subtable has `kind = "…"`. A parameter may be an array [long, lat] if the kind acts on each
 /// axis. `enabled = false` leaves a term out.
@@ -102,7 +105,8 @@ void check_owner(const TermSettings& term, TermOwner owner);
 /// @throws Error with the place of the first wrong key or value, or of a term that its owner cannot
 ///         have   @setup
 [[nodiscard]] std::vector<TermSettings> read_terms(const Config& table,
-                                                   TermOwner owner = TermOwner::Any);
+                                                   TermOwner owner = TermOwner::Any,
+                                                   Bounds bounds = Bounds::Catalogue);
 
 /// Key of a parameter in a configuration: "stiffness" in "N/m" is "stiffness_N_per_m".   @setup
 [[nodiscard]] std::string parameter_key(const Parameter& parameter, Channel channel);

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Laws given by values at knots: of devices that were measured, and of effects without a name.
+#include <array>
+#include <cmath>
+
+#include <rths/sim/tables.hpp>
+
+#include "kinds.hpp"
+#include "machine_kinds.hpp"
+
+namespace rths::sim {
+namespace {
+
+constexpr std::size_t kKnots = kEvenKnots.size();
+
+// The value between knots, linear; beyond the outer knots, constant.
+template <class Real>
+Real interpolated(const Real* values, const std::array<double, kKnots>& knots, const Real& x) {
+  if (x <= knots[0]) return values[0];
+  for (std::size_t i = 1; i < kKnots; ++i)
+    if (x <= knots[i]) {
+      const Real share = (x - knots[i - 1]) * (1 / (knots[i] - knots[i - 1]));
+      return values[i - 1] + share * (values[i] - values[i - 1]);
+    }
+  return values[kKnots - 1];
+}
+
+// The range, then the values at the knots.
+constexpr std::array<Parameter, kKnots + 1> table_of(std::string_view axis, double most,
+                                                     std::string_view value) {
+  constexpr std::string_view kNames[] = {"value_1", "value_2", "value_3", "value_4", "value_5",
+                                         "value_6", "value_7", "value_8", "value_9"};
+  std::array<Parameter, kKnots + 1> parameters{};
+  parameters[0] = {"range", axis, 1e-9, most, 0.1, 0.1};
+  for (std::size_t i = 0; i < kKnots; ++i)
+    parameters[i + 1] = {kNames[i], value, -1e12, 1e12, 0, kEvenKnots[i] * 1e5 + 1e3};
+  return parameters;
+}
+constexpr auto kForceOverDisplacement = table_of("m", 10, "N");
+constexpr auto kForceOverVelocity = table_of("m/s", 1000, "N");
+constexpr auto kCoefficientOverDisplacement = table_of("m", 10, "N*s/m");
+
+struct TabulatedSpring {
+  static constexpr std::string_view kName = "tabulated_stiffness";
+  static constexpr std::string_view kTitle = "force given by a table of the displacement";
+  static constexpr std::string_view kEquation =
+      "F = f(u), linear between 9 knots at -1, -3/4 ... 1 times the range";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kPerAxis;
+  static constexpr auto& kParameters = kForceOverDisplacement;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.force[axis] += interpolated(term.parameters + 1, kEvenKnots,
+                                    Real{q.displacement[axis] / term.parameters[0]});
+    });
+  }
+};
+
+struct TabulatedDamper {
+  static constexpr std::string_view kName = "tabulated_damping";
+  static constexpr std::string_view kTitle = "force given by a table of the velocity";
+  static constexpr std::string_view kEquation =
+      "F = f(v), linear between 9 knots at 0, ±0.05, ±0.2, ±0.5, ±1 times the range";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kPerAxis;
+  static constexpr auto& kParameters = kForceOverVelocity;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.force[axis] += interpolated(term.parameters + 1, kDenseKnots,
+                                    Real{q.velocity[axis] / term.parameters[0]});
+    });
+  }
+};
+
+struct TabulatedFriction {
+  static constexpr std::string_view kName = "tabulated_friction";
+  static constexpr std::string_view kTitle = "friction given by a table of the displacement";
+  static constexpr std::string_view kEquation =
+      "F = g(u) tanh(v / v_0), g linear between 9 knots at -1, -3/4 ... 1 times the range";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kPerAxis;
+  static constexpr auto kParameters = [] {
+    std::array<Parameter, kKnots + 2> parameters{};
+    for (std::size_t i = 0; i <= kKnots; ++i) parameters[i] = kForceOverDisplacement[i];
+    parameters[kKnots + 1] = {"creep_velocity", "m/s", 1e-9, 100, 1e-3, 1e-3};
+    return parameters;
+  }();
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::tanh;
+    for_each_active_axis(term, [&](std::size_t axis) {
+      const Real direction = tanh(Real{q.velocity[axis] / term.parameters[kKnots + 1]});
+      q.force[axis] += direction * interpolated(term.parameters + 1, kEvenKnots,
+                                                Real{q.displacement[axis] / term.parameters[0]});
+    });
+  }
+};
+
+struct TabulatedViscosity {
+  static constexpr std::string_view kName = "tabulated_viscosity";
+  static constexpr std::string_view kTitle = "viscosity given by a table of the displacement";
+  static constexpr std::string_view kEquation =
+      "F = c(u) v, c linear between 9 knots at -1, -3/4 ... 1 times the range";
+  static constexpr std::string_view kSource = "textbook";
+  static constexpr Stage kStage = Stage::Restoring;
+  static constexpr unsigned kTraits = kPerAxis;
+  static constexpr auto& kParameters = kCoefficientOverDisplacement;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for_each_active_axis(term, [&](std::size_t axis) {
+      q.force[axis] +=
+          q.velocity[axis] * interpolated(term.parameters + 1, kEvenKnots,
+                                          Real{q.displacement[axis] / term.parameters[0]});
+    });
+  }
+};
+
+constexpr TermKind kTableKinds[] = {kind_of<TabulatedSpring>(), kind_of<TabulatedDamper>(),
+                                    kind_of<TabulatedFriction>(), kind_of<TabulatedViscosity>()};
+
+}  // namespace
+
+std::span<const TermKind> table_kinds() { return kTableKinds; }
+
+}  // namespace rths::sim
