@@ -29,7 +29,7 @@ struct Draw {
 inline constexpr bool kSize = true, kEitherSign = true;  ///< values of a Draw's last two members
 
 struct Effect {
-  std::string_view name;     ///< of the generator; score/names.py maps it to the diagnosis
+  std::string_view name;     ///< of the generator; names.py of the trial maps it to the diagnosis
   std::string_view part;     ///< bearing, machine, actuator, sensor
   std::string_view channel;  ///< that shows the effect
   Relation relation;

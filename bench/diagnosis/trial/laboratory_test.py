@@ -57,27 +57,5 @@ class Laboratory(unittest.TestCase):
         self.assertTrue(json.loads((self.out / "run.json").read_text()))
 
 
-GENERATOR = """#!/bin/sh
-case "$1" in
---effects) printf 'p_delta\tbearing\tforce\tlibrary\ncogging\tmachine\tforce\toutside\n' ;;
-*) echo 'seed 5, tier A'; k=0
-   for truth in cogging none none p_delta p_delta cogging p_delta none; do
-     printf 'case_%d\t%s\n' $k $truth; k=$((k + 1)); done ;;
-esac
-"""
-
-
-class Plan(unittest.TestCase):
-    def test_the_first_of_each_kind_are_chosen(self):
-        with tempfile.TemporaryDirectory() as folder:
-            generator = pathlib.Path(folder, "generator")
-            generator.write_text(GENERATOR)
-            generator.chmod(0o755)
-            wanted = {"library": 2, "none": 2, "outside": 1}
-            self.assertEqual(laboratory.planned(generator, 5, "A", wanted), [0, 1, 2, 3, 4])
-            wanted = {"library": 3, "none": 0, "outside": 2}
-            self.assertEqual(laboratory.planned(generator, 5, "A", wanted), [0, 3, 4, 5, 6])
-
-
 if __name__ == "__main__":
     unittest.main()

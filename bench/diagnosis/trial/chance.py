@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Statistics of small counts: confidence intervals, tails and quantiles."""
+"""Statistics of small counts: confidence intervals and quantiles."""
 import math
 
 Z95 = 1.959963984540054  # two-sided 95 % of a normal distribution
@@ -13,16 +13,6 @@ def wilson(right, of):
     middle = (share + square / (2 * of)) / (1 + square / of)
     half = Z95 / (1 + square / of) * math.sqrt(share * (1 - share) / of + square / (4 * of * of))
     return max(0.0, middle - half), min(1.0, middle + half)
-
-
-def fewest(of, share, chance=0.01):
-    """Fewest hits of `of` trials that do not refute a true share: P(fewer | share) ≤ chance."""
-    below = 0.0
-    for hits in range(of + 1):
-        below += math.comb(of, hits) * share**hits * (1 - share)**(of - hits)
-        if below > chance:
-            return hits
-    return of
 
 
 def quantile(values, share):

@@ -46,10 +46,21 @@ def without_rules(verdict):
 
 
 def _right_names(effects):
-    """Names that count as right: the effects and the terms that describe them."""
-    names = {effect["name"] for effect in effects}
-    return names | {effect["term_that_describes_it"] for effect in effects
-                    if "term_that_describes_it" in effect}
+    """Names that count as right: the effects, other names of them and the terms that describe them."""
+    names = {effect["name"] for effect in effects} | {name for effect in effects for name in effect.get("also", [])}
+    names |= {effect["term_that_describes_it"] for effect in effects if "term_that_describes_it" in effect}
+    return {canonical(name) for name in names}
+
+
+def _is_right(cause, effects):
+    """Whether a cause is one of the effects, in its component if the answer states one."""
+    return any(canonical(cause["name"]) in _right_names([effect])
+               and effect.get("component") in (None, cause.get("channel"), *_components(cause)) for effect in effects)
+
+
+def _components(cause):
+    """Components in the names of a cause's parameters: spring.1.cubic_stiffness.stiffness."""
+    return {name.split(f".{cause['name']}.")[0] for name in cause["parameters"]}
 
 
 def spurious_names(verdict, effects):
@@ -57,14 +68,13 @@ def spurious_names(verdict, effects):
     right = _right_names(effects)
     may_tie = any(not effect["truth"]["distinguishable"] for effect in effects)
     return [cause["name"] for cause in verdict["causes"]
-            if canonical(cause["name"]) not in right
+            if not _is_right(cause, effects)
             and not (may_tie and right & set(names_of_tie(cause)))]
 
 
 def is_right_first(verdict, effects):
     cause = first_cause(verdict)
-    return (verdict["verdict"] == "missing" and cause is not None
-            and canonical(cause["name"]) in _right_names(effects))
+    return verdict["verdict"] == "missing" and cause is not None and _is_right(cause, effects)
 
 
 def is_right_in_tie(verdict, effects):
@@ -77,9 +87,15 @@ def is_right_in_tie(verdict, effects):
     return is_tie_reported and bool(_right_names(effects) & set(tie))
 
 
+def _is_named(verdict, effect):
+    """Whether a cause is the effect, or is tied with it where it is not distinguishable."""
+    is_clear = effect["truth"]["distinguishable"]
+    return any(_is_right(cause, [effect]) or not is_clear and _right_names([effect]) & set(names_of_tie(cause))
+               for cause in verdict["causes"])
+
+
 def are_all_named(verdict, effects):
-    named = {canonical(cause["name"]) for cause in verdict["causes"]}
-    return verdict["verdict"] == "missing" and all(_right_names([e]) & named for e in effects)
+    return verdict["verdict"] == "missing" and all(_is_named(verdict, effect) for effect in effects)
 
 
 def is_abstention(verdict, effects):
@@ -131,7 +147,7 @@ def _effect_row(verdict, answer, effect):
            "sizes": []}
     row.update(_place_rows(verdict, answer, effect))
     cause = first_cause(verdict)
-    if cause is not None and canonical(cause["name"]) == effect["name"]:
+    if cause is not None and _is_right(cause, [effect]) and canonical(cause["name"]) != effect.get("term_that_describes_it"):
         row["sizes"] = sizes.compare(effect, answer, cause["parameters"])
     return row
 
@@ -148,7 +164,7 @@ def judge(verdict, answer):
         verdict = without_rules(verdict)
     effects, cause = answer["effects"], first_cause(verdict)
     row = {
-        "case": answer["case"], "kind": answer["kind"], "truth": [e["name"] for e in effects],
+        "case": answer["case"], "family": answer.get("family"), "tier": answer.get("tier"), "kind": answer["kind"], "truth": [e["name"] for e in effects],
         "outcome": verdict["verdict"], "names": [c["name"] for c in verdict["causes"]],
         "alternatives": [a["name"] for a in cause["alternatives"]] if cause else [],
         "remainder": has_remainder(verdict),

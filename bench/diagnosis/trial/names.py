@@ -50,11 +50,13 @@ def canonical(name):
 
 
 def _plain(form):
-    return re.sub(r"[\s*·]+", "", form.lower())
+    """A form in lower case without blanks, without the number of a frequency, a time or a parameter."""
+    plain = re.sub(r" at [\d.]+ hz$", "", form.lower())
+    plain = re.sub(r"^change of \S*(stiffness|denominator)\S* at [\d.]+ s$", "change of stiffness at a time", plain)
+    plain = re.sub(r"^change of \S*strength\S* at [\d.]+ s$", "change of strength at a time", plain)
+    return re.sub(r"[\s*·]+", "", plain)
 
 
 def is_form(said, wanted):
     """Whether a form is the generator's."""
     return _plain(said) in {_plain(form) for form in [wanted, *FORMS.get(wanted, [])]}
-
-

@@ -2,7 +2,7 @@
 """Definitions of right names, ties and abstentions."""
 import unittest
 
-import table
+import results
 from by_hand import answer, cause, effect, verdict
 from judge import judge
 
@@ -132,9 +132,18 @@ class Abstention(unittest.TestCase):
     def test_any_other_verdict_is_a_false_alarm_if_nothing_is_missing(self):
         rows = [judge(said, answer(kind="none")) for said in
                 (verdict("none"), verdict("unknown"), verdict("missing", cause("p_delta")), None)]
-        silent = next(row for row in table.score(rows) if row.key == "silent")
-        self.assertEqual((silent.hits, silent.of), (1, 4))
-        self.assertFalse(silent.is_met())
+        self.assertEqual([results.is_right(row) for row in rows], [True, False, False, False])
+
+
+class Components(unittest.TestCase):
+    def test_a_name_in_another_component_is_wrong(self):
+        hidden = effect("cubic_stiffness") | {"component": "spring.2"}
+        there = cause("cubic_stiffness") | {"channel": "spring.2"}
+        elsewhere = cause("cubic_stiffness") | {"channel": "spring.1"}
+        self.assertTrue(judge(verdict("missing", there), answer(hidden))["right_first"])
+        self.assertFalse(judge(verdict("missing", elsewhere), answer(hidden))["right_first"])
+        self.assertEqual(judge(verdict("missing", elsewhere), answer(hidden))["spurious"], ["cubic_stiffness"])
+
 
 class Pairs(unittest.TestCase):
     def test_a_pair_is_named_if_both_are(self):
@@ -144,6 +153,13 @@ class Pairs(unittest.TestCase):
         two = judge(verdict("missing", cause("scragging"), cause("p_delta")), both)
         self.assertEqual([row["all_named"] for row in (one, other, two)], [False, False, True])
         self.assertEqual(one["spurious"], ["cubic_stiffness"])
+
+    def test_an_indistinguishable_effect_of_a_pair_may_be_in_a_tie(self):
+        said = verdict("missing", cause("scragging"), cause("cubic_stiffness", "p_delta"))
+        clear = answer(effect("p_delta"), effect("scragging"), kind="pair")
+        alike = answer(effect("p_delta", distinguishable=False), effect("scragging"), kind="pair")
+        self.assertFalse(judge(said, clear)["all_named"])
+        self.assertTrue(judge(said, alike)["all_named"])
 
 
 if __name__ == "__main__":

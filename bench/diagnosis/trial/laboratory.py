@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes trials and runs the tool on them. Existing results are kept."""
+"""Runs the tool on cases. Existing verdicts are kept."""
 import concurrent.futures
 import hashlib
 import json
@@ -23,51 +23,6 @@ def digest(*files):
 
 def cores():
     return sorted(os.sched_getaffinity(0))
-
-
-def _lines(command):
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
-
-
-def planned(generator, seed, tier, wanted):
-    """Numbers of the first cases of each kind, in the seed's order.
-
-    @param wanted  {"library": n, "none": n, "outside": n}
-    """
-    home = dict(line.split("\t")[::3] for line in _lines([generator, "--effects"]))
-    many = 100 + 60 * sum(wanted.values())  # kinds are rare: one case in 14 has no effect
-    left, chosen = dict(wanted), []
-    for line in _lines([generator, "--seed", str(seed), "--tier", tier, "--cases", str(many), "--list"]):
-        if not line.startswith("case_"):
-            continue
-        case, truth = line.split("\t")
-        kind = "none" if truth == "none" else "library" if " + " in truth else home[truth]
-        if left.get(kind, 0) > 0:
-            left[kind] -= 1
-            chosen.append(int(case.removeprefix("case_")))
-    return chosen
-
-
-def make_cases(generator, seed, tier, numbers, folder, jobs):
-    """Writes cases to folder/cases and answers to folder/answers."""
-    cases, answers = folder / "cases", folder / "answers"
-    for target in (cases, answers):
-        target.mkdir(parents=True, exist_ok=True)
-
-    def make(number):
-        name = f"case_{number}"
-        if (answers / f"{name}.json").exists() and (cases / name).exists():
-            return
-        with tempfile.TemporaryDirectory(dir=folder) as made:
-            subprocess.run([generator, "--seed", str(seed), "--tier", tier, "--only", str(number),
-                            "--truth", "--out", made], check=True, capture_output=True)
-            shutil.rmtree(cases / name, ignore_errors=True)
-            os.replace(f"{made}/{name}", cases / name)
-            os.replace(f"{made}/answers/{name}.json", answers / f"{name}.json")
-
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        list(pool.map(make, numbers))
-    return cases, answers
 
 
 def _timed(command, log, core):

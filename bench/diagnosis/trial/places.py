@@ -78,5 +78,6 @@ def compare(where, place, cells):
                         place["time_cells"]),
         "frequency": overlap(frequency_cells(where.get("band_Hz", []), cells["frequency_edges_Hz"]),
                              place["frequency_cells"]),
-        "state": overlap(state_cells(where.get("state", []), cells), place["state_cells"]),
+        "state": (None if place["state_cells"] is None
+                  else overlap(state_cells(where.get("state", []), cells), place["state_cells"])),
     }

@@ -109,11 +109,32 @@ def _wanted(effect, answer, said):
     yield from _special(effect, answer)
 
 
+def _stated(effect, parameters):
+    """Rows of an effect whose answer names its sizes as the catalogue does."""
+    rows = []
+    for size in effect["sizes"]:
+        for name, row in parameters.items():
+            if name.rsplit(".", 1)[-1] != size["name"] or _axis_of(name) not in (None, size["axis"]) or row["value"] is None:
+                continue
+            rows.append(_row(name, row, size["value"], size["absent"]))
+            break
+    return rows
+
+
+def _row(name, row, expected, absent):
+    low, high = row.get("ci95") or (None, None)
+    return {"name": name, "truth": expected, "value": row["value"], "low": low, "high": high,
+            "error": abs(row["value"] - expected) / abs(expected - absent),
+            "covered": None if None in (low, high) else low <= expected <= high}
+
+
 def compare(effect, answer, parameters):
     """Rows {name, truth, value, low, high, error, covered} of the sizes that effect and cause share.
 
     @param parameters  of the tool's cause: {"term.parameter": {"value", "ci95", "unit"}}
     """
+    if "sizes" in effect:
+        return _stated(effect, parameters)
     said = {name.rsplit(".", 1)[-1]: row for name, row in parameters.items()}
     rows = []
     for ours, theirs, expected, absent in _wanted(effect, answer, said):
@@ -123,11 +144,6 @@ def compare(effect, answer, parameters):
                 continue
             if row["value"] is None:
                 break
-            low, high = row.get("ci95") or (None, None)
-            rows.append({
-                "name": name, "truth": expected, "value": row["value"], "low": low, "high": high,
-                "error": abs(row["value"] - expected) / abs(expected - absent),
-                "covered": None if None in (low, high) else low <= expected <= high,
-            })
+            rows.append(_row(name, row, expected, absent))
             break
     return rows

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Motion of a specimen, natural scales of its effects, and laws with memory along a motion."""
+import dataclasses
+
+import numpy as np
+
+
+@dataclasses.dataclass(frozen=True)
+class Motion:
+    """Samples × axes; `load` and `force` are the vertical force and the force without any effect."""
+    step: float
+    u: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    load: np.ndarray | None
+    force: np.ndarray
+    scales: dict | None = None  # of another record of the same case; sizes are the same in all records
+
+    @property
+    def t(self):
+        return self.step * np.arange(len(self.u))
+
+    @property
+    def axes(self):
+        return self.u.shape[1]
+
+    def scale(self, unit):
+        """Natural size of a unit such as "F/V": peaks of force, displacement, velocity, acceleration."""
+        peaks = self.scales or self.peaks()
+        above, *below = unit.split("/")
+        size = peaks[above] if above in peaks else 1.0
+        for word in below:
+            size /= peaks[word[0]] ** int(word[1:] or 1)
+        return size
+
+    def peaks(self):
+        return {"F": float(np.abs(self.force).max()), "U": float(np.abs(self.u).max()),
+                "V": float(np.abs(self.v).max()), "A": float(np.abs(self.a).max()),
+                "N": float(self.load.mean()) if self.load is not None else 1.0, "T": float(self.t[-1])}
+
+
+def presliding(u, length):
+    """Dahl's rule on each axis: ds = (du − s |du|)/length, exact between samples."""
+    s = np.zeros_like(u)
+    steps = np.diff(u, axis=0)
+    keep = np.exp(-np.abs(steps) / length)
+    for k, (sign, share) in enumerate(zip(np.sign(steps), keep), 1):
+        s[k] = sign + (s[k - 1] - sign) * share
+    return s
+
+
+def play(u, gap):
+    """Play operator on each axis: follows u, and moves only beyond ±gap/2."""
+    y = np.zeros_like(u)
+    for k in range(1, len(u)):
+        y[k] = np.minimum(np.maximum(y[k - 1], u[k] - gap / 2), u[k] + gap / 2)
+    return y
+
+
+def relaxed(u, stiffness, time_constant, step):
+    """Maxwell branch: dF/dt = k du/dt − F/τ, exact for u linear in each step."""
+    keep = np.exp(-step / time_constant)
+    gain = stiffness * time_constant / step * (1 - keep)
+    force = np.zeros_like(u)
+    for k in range(1, len(u)):
+        force[k] = keep * force[k - 1] + gain * (u[k] - u[k - 1])
+    return force
+
+
+def bouc_wen(u, yield_displacement, beta=0.5, eta=2.0, pieces=4):
+    """z of the isotropic Bouc-Wen rule; midpoint rule on `pieces` of each step."""
+    z = np.zeros_like(u)
+    now = np.zeros(u.shape[1])
+    for k, step in enumerate(np.diff(u, axis=0) / pieces, 1):
+        for _ in range(pieces):
+            middle = now + 0.5 * _slope(now, step, yield_displacement, beta, eta)
+            now = now + _slope(middle, step, yield_displacement, beta, eta)
+        z[k] = now
+    return z
+
+
+def heated_bouc_wen(motion, strength, yield_displacement, softening, pieces=4):
+    """Force with memory, Q z, whose strength Q falls with its own work; the stiffness before yield, Q/u_y, stays."""
+    force = np.zeros_like(motion.u)
+    now, work, factor = np.zeros(motion.axes), 0.0, 1.0
+    for k, step in enumerate(np.diff(motion.u, axis=0) / pieces, 1):
+        for _ in range(pieces):
+            middle = now + 0.5 * _slope(now, step, factor * yield_displacement, 0.5, 2.0)
+            now = now + _slope(middle, step, factor * yield_displacement, 0.5, 2.0)
+        force[k] = factor * strength * now
+        work += float((force[k] + force[k - 1]) / 2 @ (motion.u[k] - motion.u[k - 1]))
+        factor = float(np.exp(-softening * max(work, 0.0)))
+    return force
+
+
+def sliding(u, slip):
+    """Elastic-plastic rule in the plane: dz = du/slip within |z| < 1, radial return to |z| = 1."""
+    z = np.zeros_like(u)
+    for k, step in enumerate(np.diff(u, axis=0) / slip, 1):
+        tried = z[k - 1] + step
+        z[k] = tried / max(1.0, float(np.sqrt(tried @ tried)))
+    return z
+
+
+def _slope(z, du, yield_displacement, beta, eta):
+    work = float(z @ du)
+    size = float(z @ z)
+    if size == 0:
+        return du / yield_displacement
+    rule = 1 - beta + beta * np.sign(work)
+    return (du - z * size ** (eta / 2 - 1) * work * rule) / yield_displacement

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Counts of scored cases, as the result file and the page state them."""
+from chance import median, quantile, wilson
+
+
+def rate(rows, is_hit):
+    """Hits among rows, with Wilson's interval; null where there is no row."""
+    hits, of = sum(1 for row in rows if is_hit(row)), len(rows)
+    low, high = wilson(hits, of)
+    return {"hits": hits, "of": of, "rate": hits / of if of else None, "wilson95": [low, high] if of else None}
+
+
+def _median(values):
+    known = [value for value in values if value is not None]
+    return median(known) if known else None
+
+
+def is_right(row):
+    """Whether the names of a case are as they should be."""
+    if row["kind"] == "none":
+        return row["outcome"] == "none"
+    if row["kind"] == "outside":
+        return row["abstained"]
+    if row["kind"] == "pair":
+        return row["all_named"]
+    return row["right_first"] if row["distinguishable"] else row["right_in_tie"]
+
+
+def summary(rows):
+    """All quantities of a set of scored cases."""
+    single = [row for row in rows if row["kind"] == "library"]
+    seen = [row for row in single if row["detectable"]]
+    pairs = [row for row in rows if row["kind"] == "pair"]
+    none = [row for row in rows if row["kind"] == "none"]
+    outside = [row for row in rows if row["kind"] == "outside" and row["detectable"]]
+    named = [row for row in seen if row["right_first"]]
+    found = [size for row in named for size in row.get("sizes", [])]
+    over_floor = [row["after_to_oracle"] for row in named if row.get("after_to_oracle") is not None]
+    return {
+        "cases": len(rows),
+        "finished": rate(rows, lambda row: row["outcome"] != "failed"),
+        "detectable": sum(1 for row in rows if row.get("detectable")),
+        "named_first": rate([row for row in seen if row["distinguishable"]], lambda row: row["right_first"]),
+        "right_in_tie": rate(seen, lambda row: row["right_in_tie"]),
+        "pairs_both": rate([row for row in pairs if row["detectable"]], lambda row: row["all_named"]),
+        "spurious_per_case": sum(len(row["spurious"]) for row in rows) / len(rows) if rows else None,
+        "none_cases": len(none),
+        "false_alarms": rate(none, lambda row: row["outcome"] != "none"),
+        "outside_abstained": rate(outside, lambda row: row["abstained"]),
+        "form_right": rate(outside, lambda row: row["form_right"]),
+        "parameter_error_median": _median([size["error"] for size in found]),
+        "coverage95": rate([size for size in found if size["covered"] is not None], lambda size: size["covered"]),
+        "after_over_floor_median": _median(over_floor),
+        "after_over_floor_90": quantile(over_floor, 0.9) if over_floor else None,
+        "iou": {axis: _median([row["iou"][axis] for row in seen if row.get("iou")])
+                for axis in ("time", "frequency", "state")},
+        "seconds_median": _median([row.get("cpu_s") for row in rows]),
+    }
+
+
+def by_family_and_tier(rows):
+    """{family: {"all": summary, tier: summary}}, and all families together."""
+    def by_tier(own):
+        return {"all": summary(own)} | {tier: summary([row for row in own if row["tier"] == tier])
+                                        for tier in dict.fromkeys(row["tier"] for row in own)}
+    families = {family: by_tier([row for row in rows if row["family"] == family])
+                for family in dict.fromkeys(row["family"] for row in rows)}
+    return families | {"all": by_tier(rows)}
+
+
+LINES = (("named first", "named_first"), ("right in the tie", "right_in_tie"), ("both of a pair", "pairs_both"),
+         ("false alarms", "false_alarms"), ("outsiders abstained", "outside_abstained"), ("right form", "form_right"),
+         ("intervals that hold", "coverage95"))
+
+
+def _number(value, digits=2):
+    return "–" if value is None else f"{value:.{digits}f}"
+
+
+def text_of(whole):
+    """Table for a terminal: a line for each quantity, a column for each family."""
+    names = list(whole)
+    width = max(12, *(len(name) for name in names)) + 2
+    all_of = [whole[name]["all"] for name in names]
+    lines = [" " * 24 + "".join(f"{name:>{width}}" for name in names)]
+
+    def line(label, texts):
+        lines.append(f"{label:<24}" + "".join(f"{text:>{width}}" for text in texts))
+    line("cases", [str(s["cases"]) for s in all_of])
+    line("detectable", [str(s["detectable"]) for s in all_of])
+    for label, key in LINES:
+        line(label, [f"{s[key]['hits']} of {s[key]['of']}" for s in all_of])
+    line("spurious per case", [_number(s["spurious_per_case"]) for s in all_of])
+    line("error of sizes", [_number(s["parameter_error_median"], 3) for s in all_of])
+    line("after over floor", [_number(s["after_over_floor_median"]) for s in all_of])
+    for axis in ("time", "frequency", "state"):
+        line(f"overlap, {axis}", [_number(s["iou"][axis]) for s in all_of])
+    line("seconds", [_number(s["seconds_median"], 1) for s in all_of])
+    return "\n".join(lines)
