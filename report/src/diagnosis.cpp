@@ -13,6 +13,8 @@
 namespace rths::report {
 namespace {
 
+namespace fs = std::filesystem;
+
 // CSV with a column for each channel, as rths diagnose reads it.
 std::string table_of(const diagnosis::TestMotion& motion) {
   std::string text = "time";
@@ -30,6 +32,102 @@ std::string table_of(const diagnosis::TestMotion& motion) {
   return text;
 }
 
+// "monday 03" for "rig/monday 03.csv": a file name, without the ending of another table.
+std::string file_name_of(const std::string& record) {
+  std::string name = record;
+  for (const char* ending : {".csv", ".txt", ".mat", ".h5"})
+    if (name.ends_with(ending) && name != ending) {
+      name.resize(name.size() - std::string_view{ending}.size());
+      break;
+    }
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c == '/' || c < ' '; }, '_');
+  return name.starts_with('.') ? "_" + name : name;
+}
+
+// Measurement and predictions of a record; the traces are those of its outputs.
+std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
+  const diagnosis::Trace& first = *traces[0];
+  std::string text = fmt::format(
+      "# {} ({}). before, after: predictions fitted without and with the named terms; residual:\n"
+      "# measured - after; noise: standard deviation of the noise of the residual.\n# {}\n",
+      first.record, first.use,
+      first.cutoff > 0
+          ? fmt::format("All columns passed a low-pass filter at {:.4g} Hz.", first.cutoff)
+          : "No filter.");
+  text += "time [s]";
+  for (const auto* trace : traces)
+    for (const char* column : {"measured", "before", "after", "residual", "noise"})
+      text += fmt::format(",{} {} [{}]", trace->channel, column, trace->unit);
+  text += '\n';
+  for (std::size_t i = 0; i < first.time.size(); ++i) {
+    text += fmt::format("{:.8g}", first.time[i]);
+    for (const auto* t : traces)
+      text += fmt::format(",{:.8g},{:.8g},{:.8g},{:.8g},{:.8g}", t->measured[i], t->before[i],
+                          t->after[i], t->measured[i] - t->after[i], t->noise[i]);
+    text += '\n';
+  }
+  return text;
+}
+
+// One table for each record, in a folder of their own.
+std::vector<fs::path> write_predictions(const diagnosis::Verdict& verdict, const fs::path& folder) {
+  std::vector<std::pair<std::string, std::vector<const diagnosis::Trace*>>> records;
+  for (const auto& trace : verdict.traces) {
+    if (records.empty() || records.back().first != trace.record)
+      records.push_back({trace.record, {}});
+    records.back().second.push_back(&trace);
+  }
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator{folder, error})
+    if (entry.path().extension() == ".csv") fs::remove(entry.path(), error);
+  if (records.empty()) return {};
+  fs::create_directories(folder);
+  std::vector<fs::path> files;
+  for (const auto& [record, traces] : records) {
+    const std::string name = file_name_of(record);
+    fs::path file = folder / (name + ".csv");
+    for (int count = 2; std::find(files.begin(), files.end(), file) != files.end(); ++count)
+      file = folder / fmt::format("{} ({}).csv", name, count);
+    write_file(file, table_of(traces));
+    files.push_back(file);
+  }
+  return files;
+}
+
+// The start of a written TOML file. Its relative paths start at another folder.
+std::string head_of(const std::string& title, const std::string& command) {
+  return fmt::format("# {}, written by rths diagnose. It runs as it is, with {}.\n", title,
+                     command);
+}
+
+Config placed(Config file, const fs::path& paths_from, const fs::path& folder) {
+  file.put("folder", fs::proximate(paths_from, fs::absolute(folder)).string());
+  return file;
+}
+
+// The improved case, and for a run the improved experiment.
+void write_improved(const diagnosis::CaseSource& improved, const fs::path& folder,
+                    DiagnosisFiles& files) {
+  if (improved.file.keys().empty()) return;
+  const fs::path inside = folder / kImprovedFolder;
+  fs::create_directories(inside);
+  files.improved = inside / kImprovedCase;
+  write_file(*files.improved, head_of("The case with the improved model", "rths diagnose") +
+                                  placed(improved.file, improved.folder, inside).to_toml());
+  if (improved.experiment.keys().empty() || !files.fragment) return;
+  Config experiment = placed(improved.experiment, improved.experiment_folder, inside);
+  Config model = experiment.table_or_empty("model");
+  auto improvement = model.texts("improvement", {});
+  improvement.push_back(
+      fs::proximate(fs::absolute(*files.fragment), improved.experiment_folder).string());
+  model.put("improvement", improvement);
+  experiment.set("model", model);
+  files.experiment = inside / kImprovedExperiment;
+  write_file(*files.experiment,
+             head_of("The experiment with the improved model", "rths run") + experiment.to_toml());
+}
+
 }  // namespace
 
 DiagnosisFiles write_diagnosis(const diagnosis::Verdict& verdict,
@@ -38,17 +136,22 @@ DiagnosisFiles write_diagnosis(const diagnosis::Verdict& verdict,
   std::filesystem::create_directories(folder, error);
   if (error) throw Error{folder.string() + ": cannot create the folder: " + error.message()};
   const bool is_of_run = std::filesystem::exists(folder / kRunFile);
-  DiagnosisFiles files{
-      folder / (is_of_run ? kDiagnosisPage : "report.html"), folder / kVerdictFile, {}, {}};
+  DiagnosisFiles files;
+  files.page = folder / (is_of_run ? kDiagnosisPage : "report.html");
+  files.numbers = folder / kVerdictFile;
   const auto fragment = folder / kFragmentFile, motion = folder / "next_test.csv";
   // Proposals of an earlier diagnosis must not remain beside a verdict without any.
-  for (const auto& file : {fragment, motion}) std::filesystem::remove(file, error);
+  for (const auto& file : {fragment, motion, folder / kImprovedFolder / kImprovedCase,
+                           folder / kImprovedFolder / kImprovedExperiment})
+    std::filesystem::remove(file, error);
   write_file(files.page, verdict_page(verdict));
   write_file(files.numbers, verdict_json(verdict));
   if (!verdict.fragment.empty()) {
     write_file(fragment, verdict.fragment);
     files.fragment = fragment;
   }
+  write_improved(verdict.improved, folder, files);
+  files.predictions = write_predictions(verdict, folder / kPredictionFolder);
   if (!verdict.next_motion.channels.empty()) {
     write_file(motion, table_of(verdict.next_motion));
     files.motion = motion;

@@ -22,6 +22,8 @@ Json curve(const std::vector<double>& values, std::size_t most) {
 }
 
 Json trace_data(const diagnosis::Trace& trace, std::size_t most) {
+  Json without = Json::object();
+  for (const auto& [name, prediction] : trace.without) without[name] = curve(prediction, most);
   return {{"record", trace.record},
           {"channel", trace.channel},
           {"unit", trace.unit},
@@ -31,7 +33,18 @@ Json trace_data(const diagnosis::Trace& trace, std::size_t most) {
           {"measured", curve(trace.measured, most)},
           {"before", curve(trace.before, most)},
           {"after", curve(trace.after, most)},
+          {"without", without},
           {"excess", curve(trace.excess, most)}};
+}
+
+// Those of the first record, of the place of the mismatch, and of the proof.
+std::vector<const diagnosis::Trace*> shown_traces(const diagnosis::Verdict& verdict) {
+  std::vector<const diagnosis::Trace*> shown;
+  for (const auto& trace : verdict.traces)
+    if (trace.record == verdict.traces[0].record || trace.record == verdict.where.record ||
+        trace.record == verdict.proof_record)
+      shown.push_back(&trace);
+  return shown;
 }
 
 }  // namespace
@@ -40,9 +53,10 @@ std::string verdict_page(const diagnosis::Verdict& verdict) {
   Json data;
   data["verdict"] = verdict_numbers(verdict);
   data["traces"] = Json::array();
-  const std::size_t most = std::min(
-      kMostTracePoints, kMostPointsOfAll / std::max<std::size_t>(1, verdict.traces.size()));
-  for (const auto& trace : verdict.traces) data["traces"].push_back(trace_data(trace, most));
+  const auto shown = shown_traces(verdict);
+  const std::size_t most =
+      std::min(kMostTracePoints, kMostPointsOfAll / std::max<std::size_t>(1, shown.size()));
+  for (const auto* trace : shown) data["traces"].push_back(trace_data(*trace, most));
   return assemble({web::kDiagnosisHtml,
                    {web::kReportCss, web::kVerdictCss, web::kDiagnosisCss},
                    {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,

@@ -104,6 +104,16 @@ Json score_json(const diagnosis::RecordScore& score) {
           {"variance_after", number(score.variance_after)}};
 }
 
+Json proof_json(const diagnosis::ProofSummary& proof) {
+  return {{"nrmse_before", number(proof.before)},
+          {"nrmse_after", number(proof.after)},
+          {"noise_floor", number(proof.floor)},
+          {"explained_fraction", number(proof.explained)},
+          {"times_noise", number(proof.after / proof.floor)},
+          {"systematic", proof.is_systematic},
+          {"noise_at_rest", proof.has_noise_at_rest}};
+}
+
 Json refitted_json(const diagnosis::Refitted& parameter) {
   return {{"unit", parameter.unit},
           {"stated", number(parameter.stated)},
@@ -128,6 +138,14 @@ Json evidence_json(const diagnosis::Evidence& evidence) {
           {"ci90", interval({evidence.low, evidence.high})}};
 }
 
+// The fragment for experiments; of models that are not made of terms, [model] of the improved case.
+std::string improved_text(const Verdict& verdict) {
+  if (!verdict.fragment.empty() || !verdict.improved.file.has("model")) return verdict.fragment;
+  Config file;
+  file.set("model", verdict.improved.file.table("model"));
+  return file.to_toml();
+}
+
 }  // namespace
 
 Json verdict_numbers(const Verdict& verdict) {
@@ -148,6 +166,7 @@ Json verdict_numbers(const Verdict& verdict) {
     json["refitted"][parameter.name] = refitted_json(parameter);
   json["proof_record"] = text_or_null(verdict.proof_record);
   json["ablation"] = each(verdict.ablation, ablation_json);
+  json["proof"] = proof_json(verdict.proof);
   json["residual_white"] = verdict.residual_white;
   json["residual_correlation"] = numbers(verdict.residual_correlation);
   json["correlation_bound"] =
@@ -159,7 +178,8 @@ Json verdict_numbers(const Verdict& verdict) {
   json["searched"] = verdict.searched;
   json["next_test"] = text_or_null(verdict.next_test);
   json["noise_model"] = verdict.noise_model;
-  json["improved_model"] = text_or_null(verdict.fragment);
+  json["noise_remedy"] = text_or_null(verdict.noise_remedy);
+  json["improved_model"] = text_or_null(improved_text(verdict));
   json["seconds"] = number(verdict.seconds);
   return json;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <rths/diagnosis/verdict.hpp>
+#include <rths/verdict/verdict.hpp>
 
 #include "numbers.hpp"
 

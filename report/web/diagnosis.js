@@ -26,6 +26,11 @@
   // --- form, causes, model -----------------------------------------------------------------------
   const form = () => {
     if (!v.descriptions.length) return hide("form");
+    if (v.causes.length) {
+      byId("form-title").textContent = "Form of the remainder";
+      byId("form-text").textContent = "A systematic residual remains beside the named causes. Its form is its mean over the " +
+        "quantity on which it depends. The form is scored on a record that it was not fitted to.";
+    }
     charts.rows(byId("form-ranks"), v.descriptions.map((d, i) => ({
       title: d.form, value: Math.max(0, d.share ?? 0), shown: share(d.share), kind: i ? "" : "named" })));
     if (v.next_test)
@@ -78,7 +83,7 @@
       setTimeout(() => { button.textContent = "Copy"; }, 1600);
     });
     byId("fragment").append(el("div", { className: "paste" },
-      el("h3", { textContent: "Improved model to paste (improved.toml)" }), pre, button));
+      el("h3", { textContent: /^\[model/m.test(v.improved_model) ? "Improved model (improved/case.toml)" : "Improved model to paste (improved.toml)" }), pre, button));
   };
 
   const model = () => {
@@ -103,7 +108,7 @@
       byId("next").append(el("b", { textContent: "Next test: " }), v.next_test);
     } else byId("next").remove();
     byId("reproduce").append(v.noise_model ? `Noise: ${v.noise_model}. ` : "", "Every number is in ",
-      el("code", { textContent: "verdict.json" }), v.seconds != null ? `. The diagnosis took ${number(v.seconds, 2)} s.` : ".");
+      el("code", { textContent: "verdict.json" }), ", every curve in ", el("code", { textContent: "predictions/" }), v.seconds != null ? `. The diagnosis took ${number(v.seconds, 2)} s.` : ".");
   };
 
   for (const draw of [header, where.draw, form, causes, model, proof.draw, proof.rivals, limits]) draw();

@@ -77,15 +77,32 @@ const proof = (() => {
       { height: 220, noise: floor ? 2 * floor * std(trace.measured) * e.factor : 0, range: [-most, most] });
   };
 
-  // Figures of the chosen record and channel.
+  // Error of a prediction as in the table: offset removed.
+  const errorOf = (trace, prediction) =>
+    std(trace.measured.map((value, i) => value - prediction[i])) / std(trace.measured);
+
+  // Figures of the chosen record and channel; "before" lacks all named causes, or one of them.
   const shown = first => {
     const setErrors = isMissing ? curtain.slider(byId("curtain")) : () => {};
+    let shownTrace = first, leftOut = "";
     const show = trace => {
+      shownTrace = trace;
       const s = v.fit[trace.record] || {};
-      setErrors([percent(s.nrmse_before), percent(s.nrmse_after)], `noise alone: ${percent(s.noise_floor)}. Drag the line in ` +
+      const without = trace.without[leftOut];
+      setErrors([percent(without ? errorOf(trace, without) : s.nrmse_before), percent(s.nrmse_after)],
+        `noise alone: ${percent(s.noise_floor)}. Drag the line in ` +
         "any figure, or the slider. Drag across a figure to zoom in, double-click to zoom out.");
-      curves(trace);
+      curves(without ? { ...trace, before: without } : trace);
     };
+    const causes = [...new Set(traces.flatMap(t => Object.keys(t.without)))];
+    if (isMissing && causes.length) {
+      const choice = el("select", { ariaLabel: "cause left out before" });
+      choice.append(el("option", { value: "", textContent: "all named causes" }));
+      for (const name of causes)
+        choice.append(el("option", { value: name, textContent: `${name.replaceAll("_", " ")} alone` }));
+      choice.addEventListener("change", () => { leftOut = choice.value; show(shownTrace); });
+      byId("curtain").append(el("div", { className: "choice" }, "Left out before: ", choice));
+    }
     if (traces.length > 1) {
       const choice = el("select", { ariaLabel: "record and channel" });
       traces.forEach((t, i) => choice.append(el("option", { value: i, selected: t === first, textContent: `${t.record} · ${t.channel}` })));

@@ -16,6 +16,7 @@ const verdict = (() => {
   // Without a refit or a named term, the predictions before and after are the same.
   const unpacked = t => {
     const values = Object.fromEntries(["time", "abscissa", "measured", "before", "after", "excess"].map(k => [k, Array.from(unpack(t[k]))]));
+    values.without = Object.fromEntries(Object.entries(t.without || {}).map(([name, packed]) => [name, Array.from(unpack(packed))]));
     if (!values.before.length) values.before = values.after;
     if (!values.after.length) values.after = values.before;
     return { ...t, ...values };

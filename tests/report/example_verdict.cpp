@@ -57,8 +57,16 @@ double absorbed_law(double u, double v) { return kStiffness * u + 1.9 * kDamping
 Trace trace(const std::string& record, double phase, const Law& truth, const Law& before,
             const Law& after) {
   const Motion m = motion(phase);
-  Trace t{record, "force.long", "N", m.time, m.displacement, "displacement [m]", {},
-          {},     {},           {},  {}};
+  Trace t;
+  t.record = record;
+  t.channel = "force.long";
+  t.unit = "N";
+  t.use = "fit";
+  t.cutoff = 25;
+  t.time = m.time;
+  t.abscissa = m.displacement;
+  t.abscissa_label = "displacement [m]";
+  t.noise.assign(m.time.size(), kNoise);
   t.measured = forces(m, truth);
   std::mt19937 random{3};
   std::normal_distribution<double> noise{0, kNoise};

@@ -108,6 +108,29 @@ TEST_F(RenderedVerdict, ShowsTheFormOfAnUnknownCause) {
   EXPECT_TRUE(holds(page, "empty table, triangle of 20 mm/s"));
 }
 
+TEST_F(RenderedVerdict, ShowsTheFormOfTheRemainderBesideACause) {
+  diagnosis::Verdict verdict = missing_verdict();
+  verdict.descriptions = unknown_verdict().descriptions;
+
+  const std::string page = rendered(verdict);
+
+  EXPECT_FALSE(is_hidden(page, "form"));
+  EXPECT_TRUE(holds(page, ">Form of the remainder<"));
+}
+
+TEST_F(RenderedVerdict, OffersThePredictionWithoutEachCause) {
+  diagnosis::Verdict verdict = missing_verdict();
+  EXPECT_FALSE(holds(rendered(verdict), "Left out before"));
+  for (auto& trace : verdict.traces)
+    trace.without = {{"coulomb_friction", trace.before}, {"lead_heating", trace.stated}};
+
+  const std::string page = rendered(verdict);
+
+  EXPECT_TRUE(holds(page, "Left out before: "));
+  EXPECT_TRUE(holds(page, "lead heating alone"));
+  EXPECT_EQ(body_of(page), body_of(rendered(missing_verdict())));
+}
+
 TEST_F(RenderedVerdict, MarksOnlySyntheticDataAsSynthetic) {
   diagnosis::Verdict verdict = none_verdict();
   EXPECT_TRUE(holds(rendered(verdict), "synthetic recordings"));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <rths/recording/table.hpp>
 #include <rths/report/diagnosis.hpp>
 
 #include "example_verdict.hpp"
@@ -109,6 +110,7 @@ TEST(WriteDiagnosis, RemovesTheModelOfAnEarlierDiagnosis) {
   const auto out = folder.path() / "a/b";
 
   const auto first = write_diagnosis(missing_verdict(), out);
+  EXPECT_FALSE(first.improved) << "the case has no file";
   ASSERT_TRUE(first.fragment);
   EXPECT_EQ(test::content_of(*first.fragment), missing_verdict().fragment);
   const auto second = write_diagnosis(none_verdict(), out);
@@ -116,6 +118,37 @@ TEST(WriteDiagnosis, RemovesTheModelOfAnEarlierDiagnosis) {
   EXPECT_FALSE(second.fragment);
   EXPECT_FALSE(std::filesystem::exists(out / "improved.toml"));
   EXPECT_EQ(test::content_of(second.numbers), verdict_json(none_verdict()));
+}
+
+TEST(WriteDiagnosis, WritesATableOfPredictionsForEachRecord) {
+  const test::TemporaryFolder folder;
+  auto verdict = missing_verdict();
+  verdict.traces[1].record = "rig/northridge.csv";
+
+  const auto files = write_diagnosis(verdict, folder.path());
+
+  ASSERT_EQ(files.predictions.size(), 2U);
+  EXPECT_EQ(files.predictions[0], folder.path() / "predictions/northridge.csv");
+  EXPECT_EQ(files.predictions[1], folder.path() / "predictions/rig_northridge.csv");
+  EXPECT_NE(test::content_of(files.predictions[0]).find("low-pass filter at 25 Hz"),
+            std::string::npos);
+  // The diagnosis reads its own tables.
+  const auto table = recording::Table::load(files.predictions[0]);
+  const auto& trace = verdict.traces[0];
+  const auto& measured = table.column("force.long measured [N]");
+  const auto& after = table.column("force.long after [N]");
+  const auto& residual = table.column("force.long residual [N]");
+  ASSERT_EQ(measured.size(), trace.time.size());
+  for (std::size_t i = 0; i < measured.size(); i += 100) {
+    // Eight digits.
+    EXPECT_NEAR(measured[i], trace.measured[i], 1e-7 * std::abs(trace.measured[i]) + 1e-300);
+    EXPECT_NEAR(residual[i], measured[i] - after[i], 1e-7 * std::abs(measured[i]));
+  }
+  EXPECT_EQ(table.column("force.long noise [N]")[5], trace.noise[5]);
+
+  verdict.traces.pop_back();
+  EXPECT_EQ(write_diagnosis(verdict, folder.path()).predictions.size(), 1U);
+  EXPECT_FALSE(std::filesystem::exists(files.predictions[1])) << "of an earlier diagnosis";
 }
 
 TEST(WriteDiagnosis, WritesTheMotionOfTheNextTest) {

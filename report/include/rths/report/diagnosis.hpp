@@ -5,7 +5,8 @@
 #include <optional>
 #include <string>
 
-#include <rths/diagnosis/verdict.hpp>
+#include <rths/verdict/plan.hpp>
+#include <rths/verdict/verdict.hpp>
 
 namespace rths::report {
 
@@ -21,18 +22,31 @@ inline constexpr const char* kDiagnosisPage = "diagnosis.html";
 /// The improved model.
 inline constexpr const char* kFragmentFile = "improved.toml";
 
+/// Folder of the improved case, in the folder of a verdict.
+inline constexpr const char* kImprovedFolder = "improved";
+inline constexpr const char* kImprovedCase = "case.toml";
+inline constexpr const char* kImprovedExperiment = "experiment.toml";
+
+/// Folder of the tables of measurements and predictions, in the folder of a verdict.
+inline constexpr const char* kPredictionFolder = "predictions";
+
 /// Files of a written verdict, all in one folder.
 struct DiagnosisFiles {
-  std::filesystem::path page;                     ///< report.html, or diagnosis.html
-  std::filesystem::path numbers;                  ///< verdict.json
-  std::optional<std::filesystem::path> fragment;  ///< improved.toml; none: no named terms
-  std::optional<std::filesystem::path> motion;    ///< next_test.csv; none: no test is proposed
+  std::filesystem::path page;                       ///< report.html, or diagnosis.html
+  std::filesystem::path numbers;                    ///< verdict.json
+  std::optional<std::filesystem::path> fragment;    ///< improved.toml; none: no named terms
+  std::optional<std::filesystem::path> improved;    ///< improved/case.toml; none: no named terms
+  std::optional<std::filesystem::path> experiment;  ///< improved/experiment.toml, of a run
+  std::vector<std::filesystem::path> predictions;   ///< predictions/<record>.csv
+  std::optional<std::filesystem::path> motion;      ///< next_test.csv; none: no test is proposed
 };
 
 /// Every number of a verdict as JSON; format in docs/verdict.md.
 [[nodiscard]] std::string verdict_json(const diagnosis::Verdict& verdict);
 /// A verdict for a terminal: the sentence, then a short table.
 [[nodiscard]] std::string verdict_summary(const diagnosis::Verdict& verdict);
+/// The plan of a diagnosis for a terminal.
+[[nodiscard]] std::string plan_summary(const diagnosis::Plan& plan);
 /// A verdict as one self-contained page that needs no network.
 [[nodiscard]] std::string verdict_page(const diagnosis::Verdict& verdict);
 

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/cases/case.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/cases/against.hpp>
+
+#include "case_of_run.hpp"
+#include "case_record.hpp"
+#include "roles.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+std::vector<FittedParameter> read_fitted(const Config& model) {
+  std::vector<FittedParameter> fitted;
+  for (const auto& name : model.texts("fitted", {})) fitted.push_back({name, std::nullopt});
+  const Config bounds = model.table_or_empty("bounds");
+  for (auto& parameter : fitted) {
+    if (!bounds.has(parameter.name)) continue;
+    const auto pair = bounds.numbers(parameter.name);
+    if (pair.size() != 2 || !(pair[0] < pair[1]))
+      bounds.fail(parameter.name, "bounds must be [low, high]");
+    parameter.bounds = {pair[0], pair[1]};
+  }
+  bounds.reject_unknown_keys();
+  return fitted;
+}
+
+MapRange read_map(const Config& table) {
+  constexpr double kLeast = 1e-12, kMost = 1e6;
+  MapRange map;
+  if (table.has("displacement_m"))
+    map.displacement = table.number_in("displacement_m", kLeast, kMost);
+  if (table.has("velocity_m_per_s"))
+    map.velocity = table.number_in("velocity_m_per_s", kLeast, kMost);
+  table.reject_unknown_keys();
+  return map;
+}
+
+Comparison read_comparison(const Config& table) {
+  constexpr double kLeast = 1e-6, kMost = 1e9;
+  Comparison comparison;
+  if (table.has("model_rate_Hz"))
+    comparison.model_rate = table.number_in("model_rate_Hz", kLeast, kMost);
+  if (table.has("cutoff_Hz")) comparison.cutoff = table.number_in("cutoff_Hz", kLeast, kMost);
+  table.reject_unknown_keys();
+  return comparison;
+}
+
+std::vector<std::pair<std::string, double>> read_noise(const Config& table) {
+  std::vector<std::pair<std::string, double>> noise;
+  for (const auto& role : table.keys()) {
+    const auto [deviation, unit] = deviation_of(table, role);
+    if (const auto trouble = trouble_with(role, unit)) table.fail(role, *trouble);
+    if (!(deviation > 0))
+      table.fail(role,
+                 fmt::format("standard deviation is {}, expected more than 0", table.text(role)));
+    noise.emplace_back(role, deviation);
+  }
+  return noise;
+}
+
+// Slices of one file have its name; later ones get a number.
+void name(std::vector<Record>& records, const std::vector<Config>& tables) {
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const auto is_taken = [&](const std::string& wanted) {
+      return std::any_of(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(i),
+                         [&](const Record& other) { return other.name == wanted; });
+    };
+    const std::string wanted = records[i].name;
+    if (!is_taken(wanted)) continue;
+    if (tables[i].has("name"))
+      tables[i].fail("name", fmt::format("two records are named '{}'", wanted));
+    for (int count = 2; is_taken(records[i].name); ++count)
+      records[i].name = fmt::format("{} ({})", wanted, count);
+  }
+}
+
+// Distance from the smallest to the largest value of a channel in some samples; 0: not recorded.
+double range_of(const Record& record, const std::string& role, std::size_t from, std::size_t to) {
+  const Channel* channel = record.find(role);
+  if (channel == nullptr || from >= to) return 0;
+  const auto begin = channel->values.begin();
+  const auto [least, most] = std::minmax_element(begin + static_cast<std::ptrdiff_t>(from),
+                                                 begin + static_cast<std::ptrdiff_t>(to));
+  return *most - *least;
+}
+
+// All motion of a reference record would count as noise.
+void refuse_motion(const Record& reference, const Config& table,
+                   const std::vector<Record>& records) {
+  constexpr double kMostShare = 0.1;  // of the motion of the test
+  for (const auto& channel : reference.channels) {
+    if (!channel.role.starts_with("displacement.")) continue;
+    double tested = 0;
+    for (const auto& record : records)
+      if (record.use != Use::Reference)
+        tested = std::max(tested, range_of(record, channel.role, 0, record.samples()));
+    const auto [from, to] = *reference.quiet;
+    const double range = range_of(reference, channel.role, from, to);
+    if (tested > 0 && range > kMostShare * tested)
+      table.fail(table.has("quiet_s") ? "quiet_s" : "use",
+                 fmt::format("{} moves by {:.3g} m in {}, expected no motion: the record is used "
+                             "to measure the noise; quiet_s = [from, to] selects a section at rest",
+                             channel.role, range, reference.name));
+  }
+}
+
+}  // namespace
+
+Model read_model(const Config& table) {
+  const std::string kind = table.text("kind", "data");
+  const auto known = model_kind(kind);
+  if (!known)
+    table.fail("kind",
+               fmt::format("there is no model of kind '{}', expected {}", kind, model_kinds()));
+  return {*known, table, read_fitted(table)};
+}
+
+namespace {
+
+std::vector<Record> read_records(const Config& file) {
+  const Config channels = file.table_or_empty("channels");
+  const auto tables = file.tables("record");
+  std::vector<Record> records;
+  Files files;
+  for (const auto& table : tables) records.push_back(read_record(table, channels, files));
+  name(records, tables);
+  const auto is_fit = [](const Record& record) { return record.use == Use::Fit; };
+  if (std::none_of(records.begin(), records.end(), is_fit))
+    file.fail("record", "no [[record]] has use = \"fit\"");
+  for (std::size_t i = 0; i < tables.size(); ++i)
+    if (records[i].use == Use::Reference) refuse_motion(records[i], tables[i], records);
+  return records;
+}
+
+// The records and the model of a run; the file may replace the model.
+Case case_with_run(const Config& file) {
+  Case result = file.placed("run", [&] { return case_of_run(file.resolve(file.text("run"))); });
+  for (const char* key : {"record", "channels"})
+    if (file.has(key)) file.fail(key, "the records are those of the run, expected no such table");
+  return result;
+}
+
+Case case_of_file(const std::filesystem::path& path) {
+  const Config file = Config::load(path).in_its_folder();
+  const std::int64_t format = file.integer("format");
+  if (format != kCaseFormat)
+    file.fail("format", fmt::format("format is {}, this program reads {}", format, kCaseFormat));
+  const bool is_of_run = file.has("run");
+  Case result = is_of_run ? case_with_run(file) : Case{};
+  if (!is_of_run) result.records = read_records(file);
+  result.folder = path.has_parent_path() ? path.parent_path() : ".";
+  result.name = file.text("name", result.folder.filename().string());
+  if (!is_of_run || file.has("model")) result.model = read_model(file.table_or_empty("model"));
+  if (!is_of_run || file.has("compare"))
+    result.comparison = read_comparison(file.table_or_empty("compare"));
+  result.map = read_map(file.table_or_empty("map"));
+  result.noise = read_noise(file.table_or_empty("noise"));
+  const std::string against = file.text("against", "");
+  file.reject_unknown_keys();
+  result.source.file = file;
+  result.source.folder = std::filesystem::absolute(file.resolve(""));
+  return against.empty() ? result : with_prediction(std::move(result), file.resolve(against));
+}
+
+}  // namespace
+
+std::vector<const Record*> moving_records(const Case& c) {
+  std::vector<const Record*> records;
+  for (const auto& record : c.records)
+    if (record.use != Use::Reference) records.push_back(&record);
+  return records;
+}
+
+Case load_case(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path)) return case_of_file(path / "case.toml");
+  return path.extension() == ".toml" ? case_of_file(path) : case_of_run(path);
+}
+
+}  // namespace rths::diagnosis

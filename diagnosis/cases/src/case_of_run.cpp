@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "case_of_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/recording/recording.hpp>
+
+namespace rths::diagnosis {
+namespace {
+
+using recording::at_each_count;
+using recording::NodeTicks;
+using recording::Reader;
+
+constexpr const char* kAxes[] = {"long", "lat"};
+// A lead-rubber bearing at 1 m/s passes its yield displacement of 3 mm in 3 ms. Steps longer than
+// that cause numerical errors in the force. Slow tests do not need short steps.
+constexpr double kFineRate = 500, kUsualRate = 250;  // [Hz]
+constexpr double kFurthest = 2e-3;                   // travel of a bearing in a step [m]
+
+NodeTicks ticks_of(const Reader& run, const std::string& node) {
+  NodeTicks ticks{run, node};
+  if (ticks.count() < 2)
+    throw Error{fmt::format("the recording holds no steps of node '{}'", node)};
+  return ticks;
+}
+
+// Mean time from tick to tick [s].
+double interval_of(const Reader& run, const NodeTicks& ticks) {
+  const auto time = at_each_count(ticks.counter(), run.time());
+  return (time[ticks.count() - 1] - time[0]) / static_cast<double>(ticks.count() - 1);
+}
+
+// Difference of two nodes' tick counters at the same instant: nodes start one after the other. The
+// median removes rows that were recorded between the ticks of the two nodes.
+std::ptrdiff_t lead(const NodeTicks& node, const NodeTicks& other) {
+  std::vector<double> differences;
+  for (std::size_t row = 0; row < node.counter().size(); ++row)
+    if (node.counter()[row] >= 1 && other.counter()[row] >= 1)
+      differences.push_back(node.counter()[row] - other.counter()[row]);
+  if (differences.empty()) return 0;
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  return std::lround(*middle);
+}
+
+// Shifts in time by whole samples; repeats the value at the ends.
+std::vector<double> shifted(const std::vector<double>& values, std::ptrdiff_t by,
+                            std::size_t count) {
+  std::vector<double> result(count);
+  const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;
+  for (std::size_t i = 0; i < count; ++i)
+    result[i] = values[static_cast<std::size_t>(
+        std::clamp(static_cast<std::ptrdiff_t>(i) + by, std::ptrdiff_t{0}, last))];
+  return result;
+}
+
+// Until the first target arrives, the loop is open and the machine is at rest.
+std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const NodeTicks& machine) {
+  constexpr std::size_t kFewest = 500;  // samples
+  const auto word = machine.values("opf.newTarget");
+  const auto first =
+      std::find_if(word.begin(), word.end(), [](double value) { return value != 0; });
+  const auto end = static_cast<std::size_t>(first - word.begin());
+  if (end < kFewest || end == word.size()) return std::nullopt;
+  return std::pair{std::size_t{0}, end};
+}
+
+// Ticks without a row. The interpolation of short gaps is far below the comparison's bandwidth.
+std::vector<std::pair<std::size_t, std::size_t>> gaps_of(const NodeTicks& ticks) {
+  constexpr std::size_t kShortest = 5;  // ticks
+  std::vector<std::pair<std::size_t, std::size_t>> gaps;
+  std::size_t last = 0;
+  for (const double value : ticks.counter()) {
+    const auto count = static_cast<std::size_t>(std::lround(std::max(0.0, value)));
+    if (count <= last) continue;
+    if (count > ticks.count()) break;
+    if (last > 0 && count - last > kShortest) gaps.emplace_back(last - 1, count - 1);
+    last = count;
+  }
+  return gaps;
+}
+
+void add_axis(Record& record, const Reader& run, const NodeTicks& machine,
+              const NodeTicks& controller, const std::string& axis) {
+  const std::string command = "monitor.xpc.pc.command." + axis;
+  if (!run.has(command)) return;
+  const auto measured = [&](const char* role, const char* unit, const char* word) {
+    record.channels.push_back({fmt::format("{}.{}", role, axis), unit,
+                               machine.values(fmt::format("srmd.{}.{}.fbk", axis, word))});
+  };
+  record.channels.push_back(
+      {"command." + axis, "m",
+       shifted(controller.values(command), lead(controller, machine), machine.count())});
+  measured("displacement", "m", "displ");
+  measured("acceleration", "m/s2", "accel");
+  measured("force", "N", "force");
+}
+
+Record record_of(const Reader& run, const std::string& name, Use use) {
+  const NodeTicks machine = ticks_of(run, "srmd");
+  const NodeTicks controller = ticks_of(run, "xpc");
+  Record record;
+  record.name = name;
+  record.use = use;
+  record.time_step = interval_of(run, machine);
+  for (const char* axis : kAxes) add_axis(record, run, machine, controller, axis);
+  if (record.channels.empty())
+    throw Error{"no axis has a command, expected 'monitor.xpc.pc.command.*'"};
+  record.channels.push_back({"vertical_force", "N", machine.values("srmd.vert.force.fbk")});
+  record.quiet = quiet_stretch(machine);
+  record.gaps = gaps_of(machine);
+  return record;
+}
+
+// Largest velocity, averaged over a few samples to suppress noise [m/s].
+double fastest(const Case& c) {
+  constexpr std::size_t kSpan = 10;
+  double largest = 0;
+  for (const auto& record : c.records)
+    for (const auto& channel : record.channels) {
+      if (!channel.role.starts_with("displacement.")) continue;
+      for (std::size_t i = kSpan; i < channel.values.size(); ++i)
+        largest = std::max(largest, std::abs(channel.values[i] - channel.values[i - kSpan]) /
+                                        (kSpan * record.time_step));
+    }
+  return largest;
+}
+
+Model model_of(const Reader& run) {
+  const std::string text = run.config(recording::kModelText);
+  if (text.empty())
+    throw Error{
+        fmt::format("it contains no model of the simulation (/config/{}): run the "
+                    "experiment again",
+                    recording::kModelText)};
+  return read_model(Config::parse(text, recording::kModelText));
+}
+
+std::string name_of(const Reader& run, const std::filesystem::path& file) {
+  const auto meta = run.meta();
+  const auto experiment = meta.find("experiment");
+  if (experiment == meta.end()) return file.stem().string();
+  const auto config = Config::parse(run.config(experiment->second), experiment->second);
+  return config.text("name", file.stem().string());
+}
+
+// The experiment of a run with the changes of its command line, if its file still exists: only then
+// relative paths in it have a meaning.
+void take_experiment(const Reader& run, CaseSource& source) {
+  const auto meta = run.meta();
+  const auto name = meta.find("experiment"), path = meta.find("experiment_path");
+  if (name == meta.end() || path == meta.end() || !std::filesystem::exists(path->second)) return;
+  const auto folder = std::filesystem::absolute(path->second).parent_path();
+  Config experiment = Config::parse(run.config(name->second), name->second).in_folder(folder);
+  std::istringstream changes{run.config(recording::kOverridesText)};
+  for (std::string line; std::getline(changes, line);)
+    if (const auto equals = line.find('='); equals != std::string::npos)
+      experiment.set(line.substr(0, equals), line.substr(equals + 1));
+  source.experiment = experiment.in_its_folder();
+  source.experiment_folder = source.experiment.resolve("");
+}
+
+// Adds the file's name to errors.
+template <class Read>
+auto of_file(const std::filesystem::path& file, Read read) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    if (message.find(file.string()) != std::string::npos) throw;
+    throw Error{file.string() + ": " + message};
+  }
+}
+
+}  // namespace
+
+Case case_of_run(const std::filesystem::path& file) {
+  Case result;
+  result.folder = file.parent_path();
+  of_file(file, [&] {
+    const Reader run{file};
+    result.name = name_of(run, file);
+    result.model = model_of(run);
+    result.records.push_back(record_of(run, file.filename().string(), Use::Fit));
+    take_experiment(run, result.source);
+  });
+  const auto held_out = file.parent_path() / kHeldOutFile;
+  if (held_out != file && std::filesystem::exists(held_out))
+    of_file(held_out, [&] {
+      result.records.push_back(record_of(Reader{held_out}, kHeldOutFile, Use::HeldOut));
+    });
+  if (fastest(result) / kUsualRate > kFurthest) result.comparison.model_rate = kFineRate;
+  result.source.folder = std::filesystem::absolute(file).parent_path();
+  result.source.file = Config{}.in_folder(result.source.folder);
+  result.source.file.set("format", std::to_string(kCaseFormat));
+  result.source.file.put("name", result.name);
+  result.source.file.put("run", file.filename().string());
+  result.source.file.set("model", result.model.table);
+  return result;
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rths/cases/case.hpp>
+
+#include "case_source.hpp"
+
+namespace rths::diagnosis {
+
+inline constexpr double kPrintedTime = 1e-6;  ///< resolution of printed time stamps [s]
+inline constexpr double kLowestRate = 1e-6, kHighestRate = 1e9;  ///< sampling rate [Hz]
+
+/// Contents of a record's file, before cutting and resampling.
+struct Raw {
+  std::string file;
+  std::vector<double> time;  ///< [s]
+  std::vector<Channel> channels;
+  std::vector<std::pair<std::size_t, double>> constants;  ///< channel, its value [SI]
+};
+
+/// Reads the channels that a record names.
+/// @throws Error with the position of a channel that cannot be read   @setup
+[[nodiscard]] Raw read_raw(const Config& channels, Files& files, const std::string& file);
+
+/// Keeps the samples from `from` to `to` [s], both included.
+/// @throws Error, without a position, if fewer than two samples remain   @setup
+void cut_out(Raw& raw, double from, double to);
+
+/// Resamples at equal spacing by linear interpolation.
+/// @param rate  [Hz]   @throws Error if time does not increase   @setup
+void resample(Raw& raw, double rate);
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include <rths/identification/selection.hpp>
+
+namespace rths::diagnosis {
+
+/// Records for the selection, and records for the proof.
+struct Split {
+  std::vector<const Record*> records;  ///< of the problem: fitted and scored
+  std::vector<const Record*> held;     ///< not used before the proof
+  bool by_record = false;              ///< each fold is a whole record, not pieces of one
+};
+
+/// Splits the records of a case. Of exactly two held-out records, the first scores the fits if
+/// fewer than four records are fitted. Otherwise the fitted records, or their pieces, score each
+/// other.
+[[nodiscard]] Split split_of(const std::vector<Record>& records);
+
+/// Folds of the problem of a split, without the rows near gaps of the records.
+[[nodiscard]] Folds folds_of(const Split& split, const Problem& problem);
+
+}  // namespace rths::diagnosis

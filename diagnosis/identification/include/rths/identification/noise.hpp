@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <rths/identification/record.hpp>
+#include <rths/identification/relation.hpp>
+#include <rths/identification/signal.hpp>
+
+namespace rths::diagnosis {
+
+/// Draws records that contain only noise, as long as a given record.
+class NoiseGenerator {
+ public:
+  [[nodiscard]] Record draw(std::mt19937_64& random) const;
+
+ private:
+  friend class SensorNoise;
+  struct Drawn {
+    NoiseSpectrum::Generator generator;
+    std::vector<double> white;  ///< standard deviations of added white noise
+  };
+  Record empty_;
+  std::vector<Drawn> drawn_;  ///< of every channel
+};
+
+/// Noise of the sensors, channel by channel.
+class SensorNoise {
+ public:
+  /// Estimates the noise from quiet intervals and reference records; else takes the deviations in
+  /// case.toml; else estimates it from differences between samples that motion cannot cause.
+  /// @param added  white noise that is present only in motion, by role: rounding
+  SensorNoise(const std::vector<const Record*>& records,
+              const std::vector<std::pair<std::string, double>>& stated,
+              const std::vector<std::pair<std::string, double>>& added = {});
+
+  [[nodiscard]] NoiseGenerator generator_like(const Record& record) const;
+  /// Whether the noise was recorded at rest: only then its colour is known.
+  [[nodiscard]] bool was_seen_at_rest() const { return was_seen_at_rest_; }
+  /// Largest standard deviation of a family's sensors, "displacement"; 0: none was recorded.
+  [[nodiscard]] double deviation(const std::string& family) const;
+  [[nodiscard]] const std::string& source() const { return source_; }  ///< for the limits
+
+ private:
+  std::map<std::string, NoiseSpectrum> by_role_;
+  std::vector<std::pair<std::string, double>> added_;
+  bool was_seen_at_rest_ = false;
+  std::string source_;
+};
+
+/// Noise whose size and colour change slowly. A bearing, for example, turns the same motion error
+/// into a larger force error while it is stiff than while it yields.
+class VaryingNoise {
+ public:
+  VaryingNoise() = default;
+  /// White noise of constant size.
+  VaryingNoise(Eigen::Index rows, double deviation);
+  /// @param draws  of the noise, of equal length   @param half  half width of smoothing [rows]
+  /// @param piece  rows of one colour              @param least  smallest size
+  VaryingNoise(const std::vector<Eigen::VectorXd>& draws, Eigen::Index half, Eigen::Index piece,
+               double least);
+
+  /// Noise → white numbers of variance 1.
+  [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& noise) const;
+  /// Constant noise, as in the piece of median size.
+  [[nodiscard]] VaryingNoise steady(Eigen::Index rows) const;
+  void grow(double factor) { deviation_ *= factor; }
+  [[nodiscard]] const Eigen::VectorXd& deviation() const { return deviation_; }
+  [[nodiscard]] Eigen::Index order() const;
+  /// Mean logarithm of the divisor of whitening.
+  [[nodiscard]] double log_size() const;
+
+ private:
+  Eigen::VectorXd deviation_;
+  Eigen::Index piece_ = 1;
+  std::vector<AutoRegression> colours_;  ///< of every piece
+};
+
+/// Noise of the sensors in the residual of a relation on one record. Its size varies in time,
+/// because a stiff specimen turns the same motion error into a larger force error than a soft one.
+class ResidualNoise {
+ public:
+  /// @param draws  residuals due to noise alone, rows × outputs each
+  /// @param has_colour  false: whitening only divides by the size
+  ResidualNoise(const std::vector<Eigen::MatrixXd>& draws, const Drive& drive, bool has_colour);
+
+  /// The same noise at its median size, for a test that was not run yet.
+  [[nodiscard]] ResidualNoise steady(const Drive& drive) const;
+
+  /// Residual → numbers that are white, of variance 1, if it is noise. Rows before
+  /// Drive::first_row are zero.
+  [[nodiscard]] Eigen::MatrixXd whitened(const Eigen::MatrixXd& residual) const;
+  /// Of one output.
+  [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& residual,
+                                         Eigen::Index output) const;
+  /// Rows × outputs.
+  [[nodiscard]] Eigen::MatrixXd deviation() const;
+  /// Mean logarithm of the divisor of residuals: the level of the noise.
+  [[nodiscard]] double log_size() const;
+
+ private:
+  std::vector<VaryingNoise> outputs_;
+  Eigen::Index first_row_ = 0;
+};
+
+}  // namespace rths::diagnosis

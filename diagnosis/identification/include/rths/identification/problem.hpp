@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <rths/identification/least_squares.hpp>
+#include <rths/identification/noise.hpp>
+#include <rths/identification/progress.hpp>
+#include <rths/identification/relation.hpp>
+
+namespace rths::diagnosis {
+
+/// A selection of rows from some of the records.
+struct Fold {
+  struct Share {
+    std::size_t record;
+    Eigen::ArrayXd weight;  ///< 0 or 1 for each row; empty: all of them
+  };
+  std::vector<Share> shares;
+};
+
+/// A relation, the records on which it is checked, and their noise.
+class Problem {
+ public:
+  /// @param draws  smallest number of noise draws
+  /// @throws Error if a record lacks a channel that the relation needs
+  Problem(const Relation& relation, const std::vector<const Record*>& records,
+          const SensorNoise& noise, std::uint64_t seed, std::size_t draws = 8);
+  /// A problem of tests that were not run yet, with the noise of the first record of `like` at its
+  /// median size.
+  Problem(const Problem& like, const std::vector<const Record*>& tests);
+
+  [[nodiscard]] const Relation& relation() const { return *relation_; }
+  [[nodiscard]] std::size_t records() const { return records_.size(); }
+  [[nodiscard]] const Record& record(std::size_t i) const { return *records_[i].record; }
+  [[nodiscard]] const Drive& drive(std::size_t i) const { return *records_[i].drive; }
+  [[nodiscard]] const ResidualNoise& noise(std::size_t i) const { return *records_[i].noise; }
+  /// Residuals due to noise alone, at the hypothesis of the last renewal.
+  [[nodiscard]] const std::vector<Eigen::MatrixXd>& draws(std::size_t i) const {
+    return records_[i].draws;
+  }
+  [[nodiscard]] bool has_colour() const { return has_colour_; }
+
+  /// Counts fits, and the steps of the selection. Must outlive the problem.
+  void report_to(Progress& progress) { progress_ = &progress; }
+  [[nodiscard]] Progress& progress() const { return *progress_; }
+
+  /// Computes the noise of the residual again for another hypothesis, by sending the sensors' noise
+  /// through its model.
+  void renew_noise(const Hypothesis& hypothesis);
+  /// Level of the residual noise at a hypothesis, see ResidualNoise::log_size; from a few draws.
+  [[nodiscard]] double log_noise(const Hypothesis& hypothesis) const;
+
+ private:
+  struct RecordData {
+    const Record* record;
+    std::unique_ptr<Drive> drive;
+    std::vector<std::unique_ptr<Drive>> disturbed;
+    std::vector<Eigen::MatrixXd> draws;
+    std::unique_ptr<ResidualNoise> noise;
+  };
+
+  [[nodiscard]] std::vector<Eigen::MatrixXd> draws_of(const RecordData& data,
+                                                      const Hypothesis& hypothesis,
+                                                      std::size_t most) const;
+
+  const Relation* relation_;
+  bool has_colour_;
+  Progress* progress_;  ///< never null
+  std::vector<RecordData> records_;
+};
+
+/// A hypothesis applied to the records of a problem. Its whitened residuals are white if it is
+/// right.
+class Supposition {
+ public:
+  /// @throws Error if there is no prediction at the hypothesis' values
+  Supposition(const Problem& problem, Hypothesis hypothesis);
+
+  [[nodiscard]] const Hypothesis& hypothesis() const { return hypothesis_; }
+  [[nodiscard]] const Problem& problem() const { return *problem_; }
+
+  /// Prediction for a record at the hypothesis' values, rows × outputs; empty if there is none.
+  [[nodiscard]] Eigen::MatrixXd prediction(std::size_t record) const;
+  /// Whitened residual of a record, without its offset if that is free: rows × outputs.
+  [[nodiscard]] Eigen::MatrixXd whitened(std::size_t record) const;
+  /// Residual and its derivatives, stacked over the shares of a fold, outputs and rows.
+  /// @returns false if there is no prediction
+  [[nodiscard]] bool evaluate(const Fold& fold, const Eigen::VectorXd& values,
+                              const std::vector<Eigen::Index>& wanted, Eigen::VectorXd& residual,
+                              Eigen::MatrixXd& jacobian) const;
+  /// The fit of all free parameters to a fold, from the hypothesis' values.
+  [[nodiscard]] Fit fit(const Fold& fold, int most_iterations) const;
+  /// ½ Σ w² of every second of a fold's records [nat].
+  [[nodiscard]] std::vector<double> blocks(const Fold& fold) const;
+  /// Mean of w² over a fold [-].
+  [[nodiscard]] double variance(const Fold& fold) const;
+
+  void set_values(const Eigen::VectorXd& values) { hypothesis_.values = values; }
+
+ private:
+  bool stack(const Fold::Share& share, const Eigen::VectorXd& values,
+             const std::vector<Eigen::Index>& wanted, Eigen::Index first, Eigen::VectorXd& residual,
+             Eigen::MatrixXd& jacobian) const;
+
+  const Problem* problem_;
+  Hypothesis hypothesis_;
+  std::vector<std::unique_ptr<Simulator>> simulators_;
+};
+
+/// Number of compared samples of a fold: rows times outputs.
+[[nodiscard]] double observations(const Problem& problem, const Fold& fold);
+/// All rows of some records.
+[[nodiscard]] Fold whole(const std::vector<std::size_t>& records);
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <rths/identification/problem.hpp>
+
+namespace rths::diagnosis {
+
+inline constexpr int kLongFit = 12, kShortFit = 5;  ///< iterations
+
+/// The hypothesis with its free parameters fitted to a fold; unchanged if it has no prediction.
+[[nodiscard]] Hypothesis fitted(const Problem& problem, const Hypothesis& hypothesis,
+                                const Fold& fold, int iterations);
+
+/// A fit of the hypothesis to a fold; none if the hypothesis has no prediction.
+[[nodiscard]] std::optional<Fit> fit_if_possible(const Problem& problem,
+                                                 const Hypothesis& hypothesis, const Fold& fold,
+                                                 int iterations);
+
+/// Half the sum of squares of each block of a fold [nat].
+[[nodiscard]] std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis,
+                                         const Fold& fold);
+
+/// a − b, block by block; as long as the shorter of the two.
+[[nodiscard]] std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b);
+[[nodiscard]] double sum(const std::vector<double>& values);
+
+/// Sums of resampled blocks: a block bootstrap of the records, each block with its neighbours.
+[[nodiscard]] std::vector<double> resampled_sums(const std::vector<double>& blocks,
+                                                 std::uint64_t seed);
+/// @param share  0 … 1   @return 0 if there are no values
+[[nodiscard]] double quantile(std::vector<double> values, double share);
+
+}  // namespace rths::diagnosis

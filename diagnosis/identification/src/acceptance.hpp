@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/identification/selection.hpp>
+
+namespace rths::diagnosis {
+
+inline constexpr double kLeastAcceptedGain = 18;  ///< over both folds [nat]
+
+/// Returns true if a candidate gains more than `accepted` [nat], and gains in resampled records.
+[[nodiscard]] bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed);
+
+/// Removes and returns candidates that must wait for another acceptable one, see Candidate::after.
+[[nodiscard]] std::vector<Contender> held_back(std::vector<Contender>& contenders, double accepted,
+                                               std::uint64_t seed);
+
+/// Chooses the cheapest of the candidates that are not significantly worse than the best.
+/// @param contenders  at least one, best first
+[[nodiscard]] SelectionRound chosen(std::vector<Contender> contenders, std::uint64_t seed);
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/folds.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr std::size_t kManyRecords = 4;  // at least so many score each other
+constexpr double kPieces = 10;           // per record that scores itself
+constexpr double kLongestPiece = 4;      // [s]
+
+// Weights that select every other piece of a record.
+Eigen::ArrayXd every_other_piece(const Drive& drive, bool odd) {
+  const double length = static_cast<double>(drive.rows()) * drive.time_step;
+  const double piece = std::min(kLongestPiece, length / kPieces);
+  Eigen::ArrayXd weight(drive.rows());
+  for (Eigen::Index row = 0; row < drive.rows(); ++row) {
+    const auto number =
+        static_cast<std::int64_t>(static_cast<double>(row) * drive.time_step / piece);
+    weight[row] = (number % 2 == 1) == odd ? 1 : 0;
+  }
+  return weight;
+}
+
+// Rows near gaps of a record are in no fold.
+void bar_gaps(const Problem& problem, Fold& fold) {
+  for (auto& share : fold.shares) {
+    const Eigen::ArrayXd& present = problem.drive(share.record).present;
+    if (present.size() == 0) continue;
+    share.weight = share.weight.size() > 0 ? Eigen::ArrayXd{share.weight * present} : present;
+  }
+}
+
+}  // namespace
+
+Split split_of(const std::vector<Record>& records) {
+  Split split;
+  std::vector<const Record*> held;
+  for (const auto& record : records) {
+    if (record.use == Use::Fit) split.records.push_back(&record);
+    if (record.use == Use::HeldOut) held.push_back(&record);
+  }
+  split.by_record = held.size() == 2 && split.records.size() < kManyRecords;
+  if (split.by_record) {
+    split.records.push_back(held[0]);
+    held.erase(held.begin());
+  }
+  split.held = held;
+  return split;
+}
+
+Folds folds_of(const Split& split, const Problem& problem) {
+  Folds folds;
+  const std::size_t count = problem.records();
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool is_second = problem.record(i).use == Use::HeldOut;
+    if (split.by_record) {
+      (is_second ? folds.second : folds.first).shares.push_back({i, {}});
+    } else if (count >= kManyRecords) {
+      (i % 2 == 1 ? folds.second : folds.first).shares.push_back({i, {}});
+    } else {
+      folds.first.shares.push_back({i, every_other_piece(problem.drive(i), false)});
+      folds.second.shares.push_back({i, every_other_piece(problem.drive(i), true)});
+    }
+    folds.both.shares.push_back({i, {}});
+  }
+  for (Fold* fold : {&folds.first, &folds.second, &folds.both}) bar_gaps(problem, *fold);
+  return folds;
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/investigation.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <rths/identification/forms.hpp>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kExplained = 0.85;  // of the systematic residual: the rest is a remainder
+
+}  // namespace
+
+bool Investigation::has_remainder() const {
+  const double rest = selection.variance_named - 1;
+  return proof.is_systematic() || rest > std::max(0.15, 0.005 * (selection.variance_ruled - 1)) ||
+         (rest > 0.05 && selection.explained() < kExplained);
+}
+
+bool Investigation::is_unknown() const {
+  const double explained = std::min(selection.explained(), proof.explained());
+  if (!has_remainder() || (is_named() && explained >= kExplained)) return false;
+  // Noise may exceed its level at rest (by less than 0.2 in cases where nothing is missing). So a
+  // small excess counts only if it has a form.
+  constexpr double kPlain = 0.25, kFormShare = 0.3;
+  const double rest = selection.variance_named - 1;
+  return rest > kPlain || (!descriptions.empty() && descriptions[0].share > kFormShare);
+}
+
+std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation,
+                                           const std::vector<Record>& records,
+                                           const SensorNoise& noise, std::uint64_t seed,
+                                           Progress& progress) {
+  auto found = std::make_unique<Investigation>();
+  found->relation = std::move(relation);
+  found->noise = &noise;
+  found->seed = seed;
+  found->split = split_of(records);
+  found->first = *found->split.records[0];
+  progress.enter(found->relation->name());
+  progress.begin_stage("noise");
+  found->problem = std::make_unique<Problem>(*found->relation, found->split.records, noise, seed);
+  found->problem->report_to(progress);
+  found->folds = folds_of(found->split, *found->problem);
+  found->selection = select(*found->problem, found->folds, seed);
+  if (!found->split.held.empty())
+    found->held_out =
+        std::make_unique<Problem>(*found->relation, found->split.held, noise, seed + 1);
+  progress.begin_stage("proof");
+  found->withdrawn =
+      prune(*found->problem, found->held_out.get(), found->folds, noise, found->selection);
+  if (found->held_out) found->held_out->renew_noise(found->selection.named);
+  found->proof = found->held_out ? proof_of(*found->held_out, found->selection, true)
+                                 : proof_of(*found->problem, found->selection, false);
+  progress.begin_stage("form of the residual");
+  if (found->has_remainder())
+    found->descriptions =
+        describe(Supposition{*found->problem, found->selection.named}, found->folds);
+  return found;
+}
+
+}  // namespace rths::diagnosis

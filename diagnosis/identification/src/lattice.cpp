@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/lattice.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kCoarse = 5e-3;   // of the standard deviation: smallest step that matters
+constexpr double kRepeats = 0.25;  // of the samples
+constexpr double kOnSteps = 0.97;  // of the changes
+
+Lattice lattice_of(const Channel& channel) {
+  Lattice lattice{channel.role, channel.unit, 0, 0};
+  const auto& x = channel.values;
+  double mean = 0, square = 0;
+  for (const double value : x) mean += value / static_cast<double>(x.size());
+  for (const double value : x) square += (value - mean) * (value - mean);
+  const double deviation = std::sqrt(square / static_cast<double>(x.size()));
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < x.size(); ++i)
+    if (x[i] != x[i - 1]) changes.push_back(std::abs(x[i] - x[i - 1]));
+  if (changes.empty() || !(deviation > 0)) return lattice;
+  const double step = *std::min_element(changes.begin(), changes.end());
+  const double repeats = 1 - static_cast<double>(changes.size()) / static_cast<double>(x.size());
+  if (step < kCoarse * deviation || repeats < kRepeats) return lattice;
+  const auto whole = std::count_if(changes.begin(), changes.end(), [&](double change) {
+    constexpr double kPrinted = 0.02;
+    return std::abs(change / step - std::round(change / step)) < kPrinted;
+  });
+  lattice.on_steps = static_cast<double>(whole) / static_cast<double>(changes.size());
+  if (lattice.on_steps >= kOnSteps) lattice.step = step;
+  return lattice;
+}
+
+}  // namespace
+
+std::vector<Lattice> coarse_lattices(const std::vector<const Record*>& records) {
+  std::vector<Lattice> found;
+  for (const auto& channel : records[0]->channels) {
+    const bool is_sensor =
+        !channel.role.starts_with("command.") && !channel.role.starts_with("input.") &&
+        !channel.role.starts_with("predicted.") && !channel.role.starts_with("auxiliary.");
+    if (!is_sensor) continue;
+    const Lattice lattice = lattice_of(channel);
+    const bool everywhere =
+        lattice.step > 0 && std::all_of(records.begin(), records.end(), [&](const Record* record) {
+          const Channel* same = record->find(channel.role);
+          return same != nullptr && lattice_of(*same).step > 0;
+        });
+    if (everywhere) found.push_back(lattice);
+  }
+  return found;
+}
+
+}  // namespace rths::diagnosis

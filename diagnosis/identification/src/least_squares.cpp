@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/least_squares.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
+#include <rths/core/error.hpp>
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+void check(const FitProblem& p) {
+  const Index n = p.start.size();
+  if (n == 0 || p.low.size() != n || p.high.size() != n || p.scale.size() != n || p.rows < n)
+    throw Error{"least squares: sizes do not agree"};
+  if (!(p.scale.array() > 0).all()) throw Error{"least squares: a scale is not > 0"};
+  if (!((p.start.array() >= p.low.array()) && (p.start.array() <= p.high.array())).all())
+    throw Error{"least squares: the start lies outside the bounds"};
+}
+
+// A point of the fit, in parameters divided by their scales.
+struct Point {
+  VectorXd x, residual;
+  MatrixXd jacobian;
+  double cost = 0;  // half the sum of squares
+};
+
+class Minimiser {
+ public:
+  explicit Minimiser(const FitProblem& problem)
+      : problem_{problem},
+        low_{problem.low.cwiseQuotient(problem.scale)},
+        high_{problem.high.cwiseQuotient(problem.scale)} {
+    at_.x = problem.start.cwiseQuotient(problem.scale);
+    if (!evaluate(at_, true)) throw Error{"least squares: no residual at the start"};
+  }
+
+  // @returns false if no step reduces the cost
+  bool step() {
+    const VectorXd gradient = at_.jacobian.transpose() * at_.residual;
+    const MatrixXd H = at_.jacobian.transpose() * at_.jacobian;
+    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+      Point next;
+      next.x = at_.x + best_step(gradient, H);
+      const VectorXd way = next.x - at_.x;
+      const double predicted = -(gradient.dot(way) + 0.5 * way.dot(H * way));
+      if (!(predicted > problem_.tolerance * kLeastDecrease * at_.cost)) return false;
+      if (evaluate(next, false) && next.cost < at_.cost) {
+        const double ratio = (at_.cost - next.cost) / predicted;
+        damping_ = std::clamp(ratio > 0.75   ? damping_ / 10
+                              : ratio < 0.25 ? damping_ * 4
+                                             : damping_,
+                              kLeastDamping, kMostDamping);
+        gain_ = at_.cost - next.cost;
+        at_ = std::move(next);
+        return evaluate(at_, true);
+      }
+      damping_ = std::min(damping_ * 10, kMostDamping);
+    }
+    return false;
+  }
+  [[nodiscard]] bool has_converged() const { return gain_ <= problem_.tolerance * at_.cost; }
+
+  [[nodiscard]] Fit result(bool converged) const {
+    return {parameters(at_), 2 * at_.cost,
+            at_.jacobian * problem_.scale.cwiseInverse().asDiagonal(), at_.residual, converged};
+  }
+
+ private:
+  static constexpr int kMostAttempts = 10;
+  static constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e6;
+  static constexpr double kLeastDecrease = 1e-2;  // of the tolerance: smallest predicted decrease
+
+  [[nodiscard]] VectorXd parameters(const Point& point) const {
+    return point.x.cwiseProduct(problem_.scale).cwiseMax(problem_.low).cwiseMin(problem_.high);
+  }
+
+  bool evaluate(Point& point, bool wants_jacobian) const {
+    if (!problem_.residuals(parameters(point), point.residual,
+                            wants_jacobian ? &point.jacobian : nullptr))
+      return false;
+    if (wants_jacobian) point.jacobian *= problem_.scale.asDiagonal();
+    point.cost = point.residual.squaredNorm() / 2;
+    return std::isfinite(point.cost) && (!wants_jacobian || point.jacobian.allFinite());
+  }
+
+  // Minimum of the damped quadratic model within the bounds. The parameter that exceeds its bound
+  // most is fixed on the bound, and the others are solved for again.
+  [[nodiscard]] VectorXd best_step(const VectorXd& gradient, const MatrixXd& H) const {
+    const Index n = gradient.size();
+    const double largest = std::max(H.diagonal().maxCoeff(), 1e-300);
+    MatrixXd damped = H;
+    damped.diagonal() += damping_ * H.diagonal().cwiseMax(1e-12 * largest);
+    VectorXd way = VectorXd::Zero(n);
+    std::vector<Index> free = free_parameters(gradient);
+    while (!free.empty()) {
+      // `way` of the fixed parameters is known.
+      const VectorXd pull = gradient + damped * fixed_part(way, free);
+      const VectorXd solution =
+          algebra::solve_symmetric(MatrixXd{damped(free, free)}, VectorXd{-pull(free)});
+      way(free) = solution;
+      Index worst = -1;
+      double excess = 0;
+      for (std::size_t k = 0; k < free.size(); ++k) {
+        const Index i = free[k];
+        const double beyond = std::max(low_[i] - at_.x[i] - way[i], at_.x[i] + way[i] - high_[i]);
+        if (beyond > excess) excess = beyond, worst = static_cast<Index>(k);
+      }
+      if (worst < 0) break;
+      const Index i = free[static_cast<std::size_t>(worst)];
+      way[i] = (at_.x[i] + way[i] < low_[i] ? low_[i] : high_[i]) - at_.x[i];
+      free.erase(free.begin() + worst);
+    }
+    return way;
+  }
+  // Parameters that are not on a bound and pushed against it.
+  [[nodiscard]] std::vector<Index> free_parameters(const VectorXd& gradient) const {
+    std::vector<Index> free;
+    for (Index i = 0; i < gradient.size(); ++i) {
+      const bool is_held =
+          (at_.x[i] <= low_[i] && gradient[i] > 0) || (at_.x[i] >= high_[i] && gradient[i] < 0);
+      if (!is_held) free.push_back(i);
+    }
+    return free;
+  }
+  static VectorXd fixed_part(const VectorXd& way, const std::vector<Index>& free) {
+    VectorXd fixed = way;
+    for (const Index i : free) fixed[i] = 0;
+    return fixed;
+  }
+
+  const FitProblem& problem_;
+  VectorXd low_, high_;
+  Point at_;
+  double damping_ = kFirstDamping, gain_ = 0;
+};
+
+}  // namespace
+
+Fit least_squares(const FitProblem& p) {
+  check(p);
+  Minimiser minimiser{p};
+  for (int i = 0; i < p.most_iterations; ++i)
+    if (!minimiser.step() || minimiser.has_converged()) return minimiser.result(true);
+  return minimiser.result(false);
+}
+
+MatrixXd sandwich(const MatrixXd& jacobian, const VectorXd& residual, const MatrixXd& inverse,
+                  Index block) {
+  MatrixXd sum = MatrixXd::Zero(jacobian.cols(), jacobian.cols());
+  for (Index first = 0; first < jacobian.rows(); first += block) {
+    const Index size = std::min(block, jacobian.rows() - first);
+    const VectorXd g = jacobian.middleRows(first, size).transpose() * residual.segment(first, size);
+    sum += g * g.transpose();
+  }
+  return inverse * sum * inverse;
+}
+
+MatrixXd covariance(const Fit& fit, Index block) {
+  const MatrixXd& J = fit.jacobian;
+  const VectorXd scale = J.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+  const MatrixXd H = scale.asDiagonal() * (J.transpose() * J) * scale.asDiagonal();
+  const algebra::SymmetricFactors factors{H};
+  constexpr double kLeastPivot = 1e-12;  // of columns of unit length
+  if (!(factors.smallest_pivot() > kLeastPivot))
+    throw Error{"covariance: the data do not separate the parameters"};
+  const MatrixXd inverse = scale.asDiagonal() * factors.inverse() * scale.asDiagonal();
+  const double mean_square =
+      fit.sum_of_squares / static_cast<double>(std::max<Index>(1, J.rows() - J.cols()));
+  const MatrixXd robust = sandwich(J, fit.residual, inverse, block);
+  const VectorXd plain = std::max(1.0, mean_square) * inverse.diagonal();
+  const VectorXd growth = plain.cwiseQuotient(robust.diagonal()).cwiseMax(1).cwiseSqrt();
+  return growth.asDiagonal() * robust * growth.asDiagonal();
+}
+
+}  // namespace rths::diagnosis

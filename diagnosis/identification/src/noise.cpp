@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/noise.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kResidualOrder = 12;
+constexpr double kResidualRidge = 1e-9;    // of the variance: filters remove high frequencies
+constexpr double kSmoothingTime = 0.25;    // of the deviation [s]
+constexpr double kPieceTime = 3;           // shortest piece of one colour [s]
+constexpr Index kLeastPiece = 150;         // rows of one colour, at least
+constexpr double kLeastErrorShare = 2e-3;  // of the output: smallest error of a measurement
+
+// Commands and inputs are exact: no sensor measures them.
+bool is_measured(const std::string& role) {
+  return !role.starts_with("command.") && !role.starts_with("input.") &&
+         !role.starts_with("predicted.") && !role.starts_with("auxiliary.");
+}
+
+VectorXd stretch_of(const Channel& channel, std::size_t from, std::size_t to) {
+  return Eigen::Map<const VectorXd>(channel.values.data() + from, static_cast<Index>(to - from));
+}
+
+// Standard deviation of the white noise on a smooth signal, from its third differences.
+// Quantisation steps count as noise.
+double jitter_of(const Channel& channel) {
+  const auto& x = channel.values;
+  std::vector<double> third;
+  for (std::size_t i = 3; i < x.size(); ++i)
+    third.push_back(std::abs(x[i] - 3 * x[i - 1] + 3 * x[i - 2] - x[i - 3]));
+  double deviation = 0;
+  if (!third.empty()) {
+    const auto middle = third.begin() + static_cast<std::ptrdiff_t>(third.size() / 2);
+    std::nth_element(third.begin(), middle, third.end());
+    constexpr double kMedianOfGauss = 0.6745;
+    constexpr double kVarianceOfThird = 20;  // 1 + 9 + 9 + 1
+    deviation = *middle / kMedianOfGauss / std::sqrt(kVarianceOfThird);
+  }
+  return deviation;
+}
+
+// The same from the quietest tenth of the spectrum: motion fills only some bands.
+double floor_of(const Channel& channel, double time_step) {
+  constexpr int kWindow = 256;
+  constexpr std::size_t kWindows = 8, kLowest = 3;  // bins that leakage of the window reaches
+  if (channel.values.size() < kWindows * kWindow) return jitter_of(channel);
+  const Spectrum spectrum =
+      power_spectrum(stretch_of(channel, 0, channel.values.size()), kWindow, time_step);
+  std::vector<double> density(spectrum.density.begin() + kLowest, spectrum.density.end());
+  const auto quiet = density.begin() + static_cast<std::ptrdiff_t>(density.size() / 10);
+  std::nth_element(density.begin(), quiet, density.end());
+  return std::sqrt(*quiet / (2 * time_step));
+}
+
+std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
+
+// Samples of a channel at rest.
+struct Rest {
+  std::vector<VectorXd> stretches;
+  double square = 0, samples = 0;
+
+  void add(const VectorXd& stretch) {
+    stretches.push_back(stretch.array() - stretch.mean());
+    square += stretches.back().squaredNorm();
+    samples += static_cast<double>(stretch.size());
+  }
+  [[nodiscard]] double deviation() const { return samples > 0 ? std::sqrt(square / samples) : 0; }
+  [[nodiscard]] bool is_enough() const {
+    constexpr double kEnough = 100;
+    return samples >= kEnough;
+  }
+};
+
+VectorXd smoothed(const VectorXd& x, Index half) {
+  VectorXd result(x.size());
+  for (Index i = 0; i < x.size(); ++i) {
+    double sum = 0, weights = 0;
+    for (Index k = std::max<Index>(0, i - half); k <= std::min(x.size() - 1, i + half); ++k) {
+      const double weight =
+          1 - static_cast<double>(std::abs(k - i)) / static_cast<double>(half + 1);
+      sum += weight * x[k];
+      weights += weight;
+    }
+    result[i] = sum / weights;
+  }
+  return result;
+}
+
+VectorXd variance_of(const std::vector<VectorXd>& draws) {
+  VectorXd variance = VectorXd::Zero(draws.empty() ? 0 : draws[0].size());
+  for (const auto& draw : draws) variance += draw.cwiseAbs2() / static_cast<double>(draws.size());
+  return variance;
+}
+
+// Sizes and colours fit the draws that they are estimated from better than other draws. Returns the
+// factor on the variance that corrects this, from draws left out of the estimate.
+double shrinkage(const std::vector<VectorXd>& draws, Index half, Index piece, Index first_row) {
+  constexpr std::size_t kEnough = 4, kLeftOut = 2;
+  if (draws.size() < kEnough) return 1;
+  double sum = 0, count = 0;
+  for (std::size_t first = 0; first + kLeftOut <= draws.size(); first += kLeftOut) {
+    std::vector<VectorXd> kept, left;
+    for (std::size_t i = 0; i < draws.size(); ++i)
+      (i >= first && i < first + kLeftOut ? left : kept).push_back(draws[i]);
+    const VaryingNoise noise{kept, half, piece, 1e-300};
+    for (const auto& draw : left) {
+      const VectorXd white = noise.whitened(draw);
+      const Index rows = white.size() - first_row - kResidualOrder;
+      if (rows <= 0) continue;
+      sum += white.tail(rows).squaredNorm();
+      count += static_cast<double>(rows);
+    }
+  }
+  if (!(count > 0) || !std::isfinite(sum)) return 1;
+  // The estimate from all draws is too small by less than that from the kept ones.
+  const double share =
+      static_cast<double>(draws.size() - kLeftOut) / static_cast<double>(draws.size());
+  return std::max(1.0, 1 + share * (sum / count - 1));
+}
+
+std::map<std::string, Rest> rest_of(const std::vector<const Record*>& records) {
+  std::map<std::string, Rest> at_rest;
+  for (const Record* record : records)
+    for (const auto& channel : record->channels)
+      if (is_measured(channel.role) && record->quiet)
+        at_rest[channel.role].add(stretch_of(channel, record->quiet->first, record->quiet->second));
+  return at_rest;
+}
+
+// Stretches of all sensors of a family, divided by their deviations. Sensors of one family differ
+// only in size, so that together they determine the colour better.
+using Families = std::map<std::string, std::vector<VectorXd>>;
+Families families_of(const std::map<std::string, Rest>& at_rest) {
+  Families families;
+  for (const auto& [role, rest] : at_rest)
+    for (const auto& stretch : rest.stretches)
+      if (rest.deviation() > 0) families[family_of(role)].push_back(stretch / rest.deviation());
+  return families;
+}
+
+NoiseSpectrum spectrum_at_rest(const Rest& rest, const std::string& role, const Families& families,
+                               double time_step) {
+  if (!(rest.deviation() > 0)) return {};
+  return NoiseSpectrum{families.at(family_of(role)), time_step}.scaled(rest.deviation());
+}
+
+NoiseSpectrum spectrum_in_motion(const Channel& channel, double time_step) {
+  return {std::min(jitter_of(channel), floor_of(channel, time_step)), time_step};
+}
+
+}  // namespace
+
+SensorNoise::SensorNoise(const std::vector<const Record*>& records,
+                         const std::vector<std::pair<std::string, double>>& stated,
+                         const std::vector<std::pair<std::string, double>>& added)
+    : added_{added} {
+  const auto at_rest = rest_of(records);
+  const auto families = families_of(at_rest);
+  for (const Record* record : records)
+    for (const auto& channel : record->channels) {
+      if (!is_measured(channel.role) || by_role_.contains(channel.role)) continue;
+      const auto rest = at_rest.find(channel.role);
+      const bool is_seen = rest != at_rest.end() && rest->second.is_enough();
+      was_seen_at_rest_ = was_seen_at_rest_ || is_seen;
+      by_role_[channel.role] =
+          is_seen ? spectrum_at_rest(rest->second, channel.role, families, record->time_step)
+                  : spectrum_in_motion(channel, record->time_step);
+    }
+  source_ = was_seen_at_rest_ ? "intervals at rest"
+                              : "differences between samples that motion cannot cause";
+  if (was_seen_at_rest_) return;
+  for (const auto& [role, deviation] : stated) {
+    by_role_[role] = NoiseSpectrum{deviation, records[0]->time_step};
+    source_ = "the standard deviations stated in the case";
+  }
+}
+
+double SensorNoise::deviation(const std::string& family) const {
+  double most = 0;
+  for (const auto& [role, spectrum] : by_role_)
+    if (family_of(role) == family) most = std::max(most, spectrum.deviation());
+  return most;
+}
+
+NoiseGenerator SensorNoise::generator_like(const Record& record) const {
+  NoiseGenerator generator;
+  generator.empty_ = record;
+  for (auto& channel : generator.empty_.channels) {
+    NoiseGenerator::Drawn drawn;
+    const auto known = by_role_.find(channel.role);
+    if (known != by_role_.end())
+      drawn.generator =
+          known->second.generator(static_cast<Index>(channel.values.size()), record.time_step);
+    for (const auto& [role, deviation] : added_)
+      if (role == channel.role) drawn.white.push_back(deviation);
+    generator.drawn_.push_back(std::move(drawn));
+    std::fill(channel.values.begin(), channel.values.end(), 0.0);
+  }
+  return generator;
+}
+
+Record NoiseGenerator::draw(std::mt19937_64& random) const {
+  Record noise = empty_;
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < drawn_.size(); ++i) {
+    auto& values = noise.channels[i].values;
+    const VectorXd noisy = drawn_[i].generator.draw([&] { return normal(random); });
+    std::copy(noisy.begin(), noisy.end(), values.begin());
+    for (const double deviation : drawn_[i].white)
+      for (double& value : values) value += deviation * normal(random);
+  }
+  return noise;
+}
+
+VaryingNoise::VaryingNoise(Index rows, double deviation)
+    : deviation_{VectorXd::Constant(rows, deviation)}, piece_{rows}, colours_{{VectorXd{}, 1}} {}
+
+VaryingNoise::VaryingNoise(const std::vector<VectorXd>& draws, Index half, Index piece,
+                           double least)
+    : deviation_{smoothed(variance_of(draws), half).cwiseSqrt().cwiseMax(least)}, piece_{piece} {
+  std::vector<VectorXd> scaled;
+  for (const auto& draw : draws) scaled.push_back(draw.cwiseQuotient(deviation_));
+  for (Index first = 0; first == 0 || first + piece / 2 < deviation_.size(); first += piece) {
+    const Index left = deviation_.size() - first;
+    const Index size = left < piece + piece / 2 ? left : piece;
+    std::vector<VectorXd> stretches;
+    for (const auto& draw : scaled) stretches.push_back(draw.segment(first, size));
+    colours_.push_back(auto_regression(stretches, kResidualOrder, kResidualRidge));
+  }
+}
+
+Index VaryingNoise::order() const { return colours_.empty() ? 0 : colours_[0].coefficients.size(); }
+
+double VaryingNoise::log_size() const {
+  double sum = 0;
+  for (const auto& colour : colours_) sum += std::log(colour.deviation);
+  return deviation_.array().log().mean() + sum / static_cast<double>(colours_.size());
+}
+
+VaryingNoise VaryingNoise::steady(Index rows) const {
+  // Sorted by the deviation of the innovations, by which whitening divides.
+  std::vector<std::pair<double, std::size_t>> sizes;
+  std::vector<double> deviations;
+  for (std::size_t i = 0; i < colours_.size(); ++i) {
+    const Index first = std::min(static_cast<Index>(i) * piece_, deviation_.size() - 1);
+    const Index size = std::min(piece_, deviation_.size() - first);
+    deviations.push_back(std::sqrt(deviation_.segment(first, size).cwiseAbs2().mean()));
+    sizes.emplace_back(deviations.back() * colours_[i].deviation, i);
+  }
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  VaryingNoise result{rows, deviations[middle->second]};
+  result.colours_ = {colours_[middle->second]};
+  return result;
+}
+
+VectorXd VaryingNoise::whitened(const VectorXd& noise) const {
+  const VectorXd x = noise.cwiseQuotient(deviation_);
+  VectorXd white(x.size());
+  for (Index t = 0; t < x.size(); ++t) {
+    const auto piece = std::min(static_cast<std::size_t>(t / piece_), colours_.size() - 1);
+    const AutoRegression& colour = colours_[piece];
+    const Index known = std::min(colour.coefficients.size(), t);
+    white[t] = (x[t] - colour.coefficients.head(known).dot(x.segment(t - known, known).reverse())) /
+               colour.deviation;
+  }
+  return white;
+}
+
+ResidualNoise::ResidualNoise(const std::vector<MatrixXd>& draws, const Drive& drive,
+                             bool has_colour)
+    : first_row_{drive.first_row} {
+  const auto half = static_cast<Index>(std::max(1.0, kSmoothingTime / drive.time_step));
+  const auto piece = std::max(kLeastPiece, static_cast<Index>(kPieceTime / drive.time_step));
+  for (Index output = 0; output < drive.measured.cols(); ++output) {
+    std::vector<VectorXd> noise;
+    for (const auto& draw : draws) noise.push_back(draw.col(output));
+    const VectorXd measured = drive.measured.col(output);
+    const double size = std::sqrt((measured.array() - measured.mean()).square().mean());
+    if (has_colour) {
+      outputs_.emplace_back(noise, half, piece, 1e-6 * size + 1e-300);
+      outputs_.back().grow(std::sqrt(shrinkage(noise, half, piece, first_row_)));
+    } else {
+      const double square = draws.empty() ? 0 : variance_of(noise).mean();
+      outputs_.emplace_back(drive.rows(),
+                            std::max(std::sqrt(square), kLeastErrorShare * size + 1e-300));
+    }
+  }
+}
+
+ResidualNoise ResidualNoise::steady(const Drive& drive) const {
+  ResidualNoise result = *this;
+  for (auto& output : result.outputs_) output = output.steady(drive.rows());
+  result.first_row_ = drive.first_row;
+  return result;
+}
+
+MatrixXd ResidualNoise::deviation() const {
+  MatrixXd all(outputs_[0].deviation().size(), static_cast<Index>(outputs_.size()));
+  for (Index output = 0; output < all.cols(); ++output)
+    all.col(output) = outputs_[static_cast<std::size_t>(output)].deviation();
+  return all;
+}
+
+double ResidualNoise::log_size() const {
+  double sum = 0;
+  for (const auto& output : outputs_) sum += output.log_size();
+  return sum / static_cast<double>(outputs_.size());
+}
+
+MatrixXd ResidualNoise::whitened(const MatrixXd& residual) const {
+  MatrixXd white(residual.rows(), residual.cols());
+  for (Index output = 0; output < residual.cols(); ++output)
+    white.col(output) = whitened(residual.col(output), output);
+  return white;
+}
+
+VectorXd ResidualNoise::whitened(const VectorXd& residual, Index output) const {
+  VectorXd white = outputs_[static_cast<std::size_t>(output)].whitened(residual);
+  // The history before the first row is unknown.
+  white.head(std::min(first_row_ + outputs_[0].order(), white.size())).setZero();
+  return white;
+}
+
+}  // namespace rths::diagnosis

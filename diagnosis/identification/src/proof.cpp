@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/proof.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Core>
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+bool have_one_unit(const Relation& relation) {
+  const auto& outputs = relation.outputs();
+  return std::all_of(outputs.begin(), outputs.end(),
+                     [&](const auto& output) { return output.second == outputs[0].second; });
+}
+
+// Energy of the compared rows about their mean, by output.
+ArrayXd energy_of(const MatrixXd& signal, const Drive& drive) {
+  MatrixXd rows = signal.bottomRows(drive.rows() - drive.first_row);
+  rows.rowwise() -= rows.colwise().mean().eval();
+  return rows.colwise().squaredNorm().transpose();
+}
+
+// Energy of an error over that of the measurement.
+double share_of(const ArrayXd& error, const ArrayXd& measured, bool one_unit) {
+  return one_unit ? error.sum() / measured.sum() : (error / measured).mean();
+}
+
+}  // namespace
+
+double nrmse(const Supposition& supposition, std::size_t record) {
+  const MatrixXd prediction = supposition.prediction(record);
+  const Problem& problem = supposition.problem();
+  const Drive& drive = problem.drive(record);
+  if (prediction.size() == 0) return std::nan("");
+  return std::sqrt(share_of(energy_of(drive.measured - prediction, drive),
+                            energy_of(drive.measured, drive), have_one_unit(problem.relation())));
+}
+
+namespace {
+
+double noise_floor(const Problem& problem, std::size_t record) {
+  const Drive& drive = problem.drive(record);
+  const auto& draws = problem.draws(record);
+  ArrayXd noise = ArrayXd::Zero(drive.measured.cols());
+  for (const auto& draw : draws)
+    noise += energy_of(draw, drive) / static_cast<double>(draws.size());
+  return std::sqrt(
+      share_of(noise, energy_of(drive.measured, drive), have_one_unit(problem.relation())));
+}
+
+RecordScore score_of(const Problem& problem, const Selection& selection, std::size_t record) {
+  const Supposition before{problem, selection.base}, after{problem, selection.named};
+  const Fold fold = whole({record});
+  RecordScore score;
+  score.record = problem.record(record).name;
+  score.nrmse_before = nrmse(before, record);
+  score.nrmse_after = nrmse(after, record);
+  score.nrmse_stated = nrmse(Supposition{problem, problem.relation().base()}, record);
+  score.noise_floor = noise_floor(problem, record);
+  score.variance_before = before.variance(fold);
+  score.variance_after = after.variance(fold);
+  return score;
+}
+
+}  // namespace
+
+std::vector<RecordScore> scores_of(const Problem& problem, const Selection& selection,
+                                   bool is_proof) {
+  std::vector<RecordScore> scores;
+  for (std::size_t i = 0; i < problem.records(); ++i) {
+    scores.push_back(score_of(problem, selection, i));
+    scores.back().use = is_proof                                ? "held_out"
+                        : problem.record(i).use == Use::HeldOut ? "scored"
+                                                                : "fit";
+  }
+  return scores;
+}
+
+Whiteness whiteness_of(const Supposition& named, std::size_t record) {
+  constexpr Index kLags = 20;
+  const MatrixXd white = named.whitened(record);
+  VectorXd correlation = VectorXd::Zero(kLags);
+  double portmanteau = 0;
+  const auto n = static_cast<double>(white.rows());
+  for (Index output = 0; output < white.cols(); ++output) {
+    const VectorXd x = white.col(output).array() - white.col(output).mean();
+    const double square = std::max(x.squaredNorm(), 1e-300);
+    double q = 0;
+    for (Index lag = 1; lag <= kLags && lag < x.size(); ++lag) {
+      const double r = x.tail(x.size() - lag).dot(x.head(x.size() - lag)) / square;
+      correlation[lag - 1] += r / static_cast<double>(white.cols());
+      q += n * (n + 2) * r * r / (n - static_cast<double>(lag));
+    }
+    portmanteau = std::max(portmanteau, q);
+  }
+  constexpr double kNormal95 = 1.96;
+  // The colour of the noise is an estimate, so three times the quantile of 20 degrees of freedom is
+  // allowed.
+  constexpr double kQuantile99 = 37.6, kAllowance = 3;
+  return {{correlation.begin(), correlation.end()},
+          kNormal95 / std::sqrt(n * static_cast<double>(white.cols())),
+          portmanteau < kAllowance * kQuantile99};
+}
+
+Proof proof_of(const Problem& problem, const Selection& selection, bool is_held_out) {
+  Proof proof;
+  proof.records = scores_of(problem, selection, is_held_out);
+  proof.is_held_out = is_held_out;
+  proof.is_white = true;
+  const bool one_unit = have_one_unit(problem.relation());
+  double all = 0;
+  for (std::size_t i = 0; i < problem.records(); ++i) {
+    proof.whiteness = whiteness_of(Supposition{problem, selection.named}, i);
+    proof.is_white = proof.is_white && proof.whiteness.is_white;
+    const Drive& drive = problem.drive(i);
+    const double weight = one_unit ? energy_of(drive.measured, drive).sum() : 1;
+    const RecordScore& score = proof.records[i];
+    all += weight;
+    proof.before += weight * score.nrmse_before * score.nrmse_before;
+    proof.after += weight * score.nrmse_after * score.nrmse_after;
+    proof.floor += weight * score.noise_floor * score.noise_floor;
+  }
+  for (double* error : {&proof.before, &proof.after, &proof.floor})
+    *error = std::sqrt(*error / all);
+  return proof;
+}
+
+double Proof::explained() const {
+  const double beyond = before * before - floor * floor;
+  return beyond > 0 ? std::clamp((before * before - after * after) / beyond, 0.0, 1.0) : 0;
+}
+
+bool Proof::is_systematic() const {
+  constexpr double kWellAbove = 1.25;  // the floor
+  return !is_white && times_noise() > kWellAbove;
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/pruning.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <rths/identification/intervals.hpp>
+#include <rths/identification/proof.hpp>
+#include <rths/identification/scores.hpp>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kLeastGap = 3;       // of the deviation of the displacement's noise
+constexpr double kWorse = 1.01;       // ratio of errors on a held-out record
+constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records
+
+bool is_gap(const FreeParameter& free) {
+  const std::string_view name = last_name(free.name);
+  return free.unit == "m" && (name == "gap" || name == "slack" || name == "play");
+}
+
+class Pruning {
+ public:
+  Pruning(Problem& problem, const Problem* held_out, const Folds& folds, const SensorNoise& noise,
+          Selection& selection)
+      : problem_{problem},
+        held_out_{held_out},
+        folds_{folds},
+        noise_{noise},
+        selection_{selection} {}
+
+  std::vector<Withdrawn> run() {
+    std::vector<Withdrawn> withdrawn;
+    while (auto one = weakest()) {
+      auto& rounds = selection_.rounds;
+      withdrawn.push_back({rounds[one->first].chosen.candidate, one->second});
+      selection_.named = without(problem_, folds_, selection_, one->first);
+      rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(one->first));
+      finish(problem_, folds_, selection_);
+    }
+    return withdrawn;
+  }
+
+ private:
+  using Weak = std::optional<std::pair<std::size_t, std::string>>;
+
+  Weak weakest() {
+    if (selection_.rounds.empty()) return std::nullopt;
+    if (auto weak = absent()) return weak;
+    return held_out_ != nullptr ? unproven() : std::nullopt;
+  }
+
+  // The last candidate that may as well not be there.
+  Weak absent() const {
+    const auto estimates = estimates_of(problem_, folds_.both, selection_.named,
+                                        fold_disagreement(problem_, folds_, selection_.named));
+    for (std::size_t i = selection_.rounds.size(); i-- > 0;) {
+      const Candidate& candidate = selection_.rounds[i].chosen.candidate;
+      if (is_needed(selection_, i)) continue;
+      if (may_be_absent(candidate, estimates)) return {{i, "its size may be zero"}};
+      if (is_within_noise(candidate, estimates))
+        return {{i, "its size lies within the noise of the displacement"}};
+    }
+    return std::nullopt;
+  }
+
+  static const Estimate* estimate_of(const std::string& name,
+                                     const std::vector<Estimate>& estimates) {
+    const auto found = std::find_if(estimates.begin(), estimates.end(),
+                                    [&](const Estimate& one) { return one.name == name; });
+    return found == estimates.end() ? nullptr : &*found;
+  }
+
+  static bool may_be_absent(const Candidate& candidate, const std::vector<Estimate>& estimates) {
+    bool has_size = false;
+    for (const auto& free : candidate.frees) {
+      const Estimate* size = estimate_of(free.name, estimates);
+      if (!free.absent || size == nullptr) continue;
+      has_size = true;
+      if (size->low > *free.absent || size->high < *free.absent) return false;
+    }
+    return has_size;
+  }
+
+  bool is_within_noise(const Candidate& candidate, const std::vector<Estimate>& estimates) const {
+    const auto drivers = problem_.relation().drivers();
+    if (drivers.empty() || !drivers[0].starts_with("displacement.")) return false;
+    const double least = kLeastGap * noise_.deviation("displacement");
+    return std::any_of(candidate.frees.begin(), candidate.frees.end(), [&](const auto& free) {
+      const Estimate* size = estimate_of(free.name, estimates);
+      return is_gap(free) && size != nullptr && size->value < least;
+    });
+  }
+
+  // The candidate without which the held-out records are predicted best, if that is better than
+  // with it, or hardly worse.
+  Weak unproven() {
+    const auto with = errors(selection_.named), base = errors(selection_.base);
+    Weak worst;
+    double best = 0;
+    for (std::size_t i = 0; i < selection_.rounds.size(); ++i) {
+      if (is_needed(selection_, i)) continue;
+      const auto bare = errors(without(problem_, folds_, selection_, i));
+      std::string reason;
+      double gain = 0, before = 0;
+      for (std::size_t k = 0; k < with.size(); ++k) {
+        if (with[k] > kWorse * kWorse * bare[k])
+          reason = fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
+        gain += bare[k] - with[k];
+        before += base[k];
+      }
+      if (reason.empty() && gain < kLeastShare * before)
+        reason = "it explains less than 0.1 % of the unseen records' error";
+      if (reason.empty() || (worst && gain >= best)) continue;
+      best = gain;
+      worst = {{i, reason}};
+    }
+    return worst;
+  }
+
+  // Squares of NRMSE on the held-out records; infinite where there is no prediction.
+  [[nodiscard]] std::vector<double> errors(const Hypothesis& hypothesis) const {
+    std::vector<double> all;
+    const Supposition supposition{*held_out_, hypothesis};
+    for (std::size_t i = 0; i < held_out_->records(); ++i) {
+      const double error = nrmse(supposition, i);
+      all.push_back(std::isfinite(error) ? error * error : 1e300);
+    }
+    return all;
+  }
+
+  Problem& problem_;
+  const Problem* held_out_;
+  const Folds& folds_;
+  const SensorNoise& noise_;
+  Selection& selection_;
+};
+
+}  // namespace
+
+std::vector<Withdrawn> prune(Problem& problem, const Problem* held_out, const Folds& folds,
+                             const SensorNoise& noise, Selection& selection) {
+  return Pruning{problem, held_out, folds, noise, selection}.run();
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "round.hpp"
+
+#include <algorithm>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kTriedShare = 0.02;    // of the best screened gain
+constexpr double kKeptShare = 0.35;     // of the gain of the best trial fit
+constexpr double kLeastGain = 6;        // [nat]: below it a candidate is not fitted
+constexpr double kFar = 10;             // mean w²: above it, fits also start at the stated values
+constexpr double kReversedShare = 0.5;  // of the best gain on the second fold
+
+double value_there(const Hypothesis& hypothesis, const std::string& parameter) {
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i)
+    if (hypothesis.free[i].name == parameter)
+      return hypothesis.values[static_cast<Eigen::Index>(i)];
+  return 0;
+}
+
+// A candidate in the place of the holder: all parameters have the values of the whole model, and
+// those of the candidate the values of the holder's parameters of the same name.
+Hypothesis in_place(const Hypothesis& rest, const Candidate& candidate, Eigen::VectorXd start,
+                    const Hypothesis& whole, const Candidate& holder) {
+  for (std::size_t i = 0; i < candidate.frees.size(); ++i)
+    for (const auto& held : holder.frees)
+      if (held.unit == candidate.frees[i].unit &&
+          last_name(held.name) == last_name(candidate.frees[i].name))
+        start[static_cast<Eigen::Index>(i)] = value_there(whole, held.name);
+  Hypothesis result = extended(rest, candidate, start);
+  take_values(whole, result);
+  return result;
+}
+
+}  // namespace
+
+Round::Round(Problem& problem, const Folds& folds, const Hypothesis& current,
+             const Eigen::VectorXd& stated, const std::vector<Candidate>& candidates,
+             std::uint64_t seed, const Effort& effort)
+    : problem_{problem}, folds_{folds}, seed_{seed}, effort_{effort} {
+  base_ = fitted(problem, current, folds.first, kLongFit);
+  base_scores_ = scores(problem, base_, folds.second);
+  const double base = 2 * sum(scores(problem, base_, folds.first));
+  std::vector<TrialFit> trials;
+  try_best(base_, candidates, base, trials);
+  if (base > kFar * observations(problem, folds.first)) {
+    Hypothesis as_stated = current;
+    as_stated.values.head(stated.size()) = stated;
+    try_best(as_stated, candidates, base, trials);
+  }
+  compare(base, std::move(trials));
+}
+
+Round::Round(Problem& problem, const Folds& folds, const Defended& term,
+             const std::vector<Candidate>& candidates, std::uint64_t seed)
+    : problem_{problem}, folds_{folds}, seed_{seed} {
+  base_ = fitted(problem, term.rest, folds.first, kLongFit);
+  base_scores_ = scores(problem, base_, folds.second);
+  const double base = 2 * sum(scores(problem, base_, folds.first));
+  std::vector<TrialFit> trials;
+  try_rivals(term, candidates, base, trials);
+  compare(base, std::move(trials));
+}
+
+void Round::compare(double base, std::vector<TrialFit> trials) {
+  keep_best(base, trials);
+  problem_.progress().begin_step("full fits", trials.size());
+  for (auto& trial : trials) finish(trial);
+  sort();
+  allow_for_noise();
+  reverse();
+  rank();
+}
+
+// Screening is linear, effects are not. A few iterations show which candidates deserve a full fit.
+void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
+                     std::vector<TrialFit>& trials) const {
+  const auto screened = screen(Supposition{problem_, from}, folds_.first, candidates);
+  problem_.progress().begin_step("short fits",
+                                 std::min(screened.size(), effort_.tried) * effort_.starts);
+  for (std::size_t i = 0; i < std::min(screened.size(), effort_.tried); ++i) {
+    if (screened[i].gain < std::max(kLeastGain, kTriedShare * screened[0].gain)) break;
+    TrialFit trial{screened[i].candidate, {}, base};
+    const std::size_t tries = std::min(screened[i].starts.size(), effort_.starts);
+    for (std::size_t k = 0; k < tries; ++k)
+      fit_shortly(extended(from, *trial.candidate, screened[i].starts[k]), trial);
+    if (!trial.hypothesis.free.empty()) trials.push_back(std::move(trial));
+  }
+}
+
+// As try_best, but all fits start at the values of the whole model.
+void Round::try_rivals(const Defended& term, const std::vector<Candidate>& candidates, double base,
+                       std::vector<TrialFit>& trials) const {
+  const auto screened = screen(Supposition{problem_, base_}, folds_.first, candidates);
+  std::size_t tried = 0;
+  problem_.progress().begin_step("short fits",
+                                 std::min(screened.size(), effort_.tried) * effort_.starts);
+  for (const auto& one : screened) {
+    const bool holds = is_same(*one.candidate, term.holder);
+    const bool is_weak = one.gain < std::max(kLeastGain, kTriedShare * screened[0].gain);
+    if (!holds && (is_weak || ++tried > effort_.tried)) continue;
+    TrialFit trial{one.candidate, {}, base};
+    const std::size_t tries = holds ? 1 : std::min(one.starts.size(), effort_.starts);
+    for (std::size_t k = 0; k < tries; ++k)
+      fit_shortly(in_place(base_, *one.candidate, one.starts[k], term.whole, term.holder), trial);
+    if (!trial.hypothesis.free.empty()) trials.push_back(std::move(trial));
+  }
+}
+
+void Round::fit_shortly(Hypothesis hypothesis, TrialFit& trial) const {
+  const auto fit = fit_if_possible(problem_, hypothesis, folds_.first, effort_.trial_fit);
+  if (!fit || !(fit->sum_of_squares < trial.least)) return;
+  trial.least = fit->sum_of_squares;
+  hypothesis.values = fit->parameters;
+  trial.hypothesis = std::move(hypothesis);
+}
+
+void Round::keep_best(double base, std::vector<TrialFit>& trials) const {
+  std::stable_sort(trials.begin(), trials.end(),
+                   [](const TrialFit& a, const TrialFit& b) { return a.least < b.least; });
+  const double most = trials.empty() ? 0 : base - trials[0].least;
+  std::vector<TrialFit> kept;
+  for (auto& trial : trials) {
+    const bool is_there = std::any_of(kept.begin(), kept.end(), [&](const TrialFit& other) {
+      return other.candidate == trial.candidate;
+    });
+    const bool is_good = base - trial.least > kKeptShare * most;
+    if (kept.size() >= (is_good ? effort_.most_kept : effort_.kept)) break;
+    if (!is_there) kept.push_back(std::move(trial));
+  }
+  trials = std::move(kept);
+}
+
+void Round::finish(TrialFit& trial) {
+  Contender contender{*trial.candidate, {}, 0, {}, 0, 0, 0};
+  contender.fitted = fitted(problem_, trial.hypothesis, folds_.first, kLongFit - effort_.trial_fit);
+  score(contender);
+  contenders_.push_back(std::move(contender));
+}
+
+void Round::score(Contender& contender) const {
+  contender.differences = minus(base_scores_, scores(problem_, contender.fitted, folds_.second));
+  contender.gain = sum(contender.differences);
+}
+
+void Round::sort() {
+  std::stable_sort(contenders_.begin(), contenders_.end(),
+                   [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
+}
+
+// A candidate that uses one more channel also has the noise of that channel. All candidates are
+// then compared in the largest noise that one of the better ones has.
+void Round::allow_for_noise() {
+  constexpr double kGoodShare = 0.2, kMuchMore = 0.3;
+  const double before = problem_.log_noise(base_);
+  double most = kMuchMore;
+  const Contender* noisiest = nullptr;
+  for (const auto& contender : contenders_) {
+    if (contender.gain < kGoodShare * contenders_[0].gain) break;
+    const double more = problem_.log_noise(contender.fitted) - before;
+    if (more > most) most = more, noisiest = &contender;
+  }
+  if (noisiest == nullptr) return;
+  problem_.renew_noise(noisiest->fitted);
+  base_ = fitted(problem_, base_, folds_.first, kShortFit);
+  base_scores_ = scores(problem_, base_, folds_.second);
+  for (auto& contender : contenders_) {
+    contender.fitted = fitted(problem_, contender.fitted, folds_.first, kLongFit);
+    score(contender);
+  }
+  sort();
+}
+
+// Fits the better candidates on the second fold and scores them on the first.
+void Round::reverse() {
+  if (contenders_.empty()) return;
+  const double best = contenders_[0].gain;
+  while (contenders_.size() > 1 && contenders_.back().gain < kReversedShare * best)
+    contenders_.pop_back();
+  const auto backwards = [&](const Hypothesis& hypothesis) {
+    return scores(problem_, fitted(problem_, hypothesis, folds_.second, kShortFit), folds_.first);
+  };
+  problem_.progress().begin_step("fits with the records exchanged", contenders_.size() + 1);
+  const auto base = backwards(base_);
+  for (auto& contender : contenders_) {
+    const auto back = minus(base, backwards(contender.fitted));
+    contender.differences.insert(contender.differences.end(), back.begin(), back.end());
+    contender.gain += sum(back);
+  }
+  sort();
+}
+
+// Confidence: how often each is the best in resampled records.
+void Round::rank() {
+  std::vector<std::vector<double>> sums;
+  for (auto& contender : contenders_) {
+    sums.push_back(resampled_sums(contender.differences, seed_));
+    contender.low = quantile(sums.back(), 0.05);
+    contender.high = quantile(sums.back(), 0.95);
+  }
+  for (std::size_t k = 0; !sums.empty() && k < sums[0].size(); ++k) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < sums.size(); ++i)
+      if (sums[i][k] > sums[best][k]) best = i;
+    contenders_[best].confidence += 1 / static_cast<double>(sums[0].size());
+  }
+}
+
+}  // namespace rths::diagnosis

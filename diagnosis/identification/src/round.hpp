@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/identification/scores.hpp>
+#include <rths/identification/selection.hpp>
+
+namespace rths::diagnosis {
+
+/// How many candidates a round tries, and how hard.
+struct Effort {
+  std::size_t starts = 2;                            ///< of a candidate
+  std::size_t tried = 10, kept = 5, most_kept = 10;  ///< candidates: in short fits, in long fits
+  int trial_fit = 3;                                 ///< iterations of a short fit
+};
+inline constexpr Effort kThorough{4, 16, 6, 10, 5};
+
+/// One round of the forward selection. It screens the candidates, tries short fits of the best
+/// ones, fits the remaining ones on one fold and scores them on the other, then with the folds
+/// exchanged.
+class Round {
+ public:
+  /// @param stated  values of the model's own free parameters in the case
+  Round(Problem& problem, const Folds& folds, const Hypothesis& current,
+        const Eigen::VectorXd& stated, const std::vector<Candidate>& candidates, std::uint64_t seed,
+        const Effort& effort = {});
+  /// A term that the model has already.
+  struct Defended {
+    const Candidate& holder;  ///< the term, one of the candidates
+    const Hypothesis& rest;   ///< the model without it
+    const Hypothesis& whole;  ///< the model with it
+  };
+  /// A round for the place of such a term. The fits of all candidates start at the values of the
+  /// whole model.
+  Round(Problem& problem, const Folds& folds, const Defended& term,
+        const std::vector<Candidate>& candidates, std::uint64_t seed);
+
+  /// The hypothesis without any candidate, fitted on the first fold.
+  [[nodiscard]] const Hypothesis& base() const { return base_; }
+  [[nodiscard]] std::vector<Contender>& contenders() { return contenders_; }  ///< best first
+
+ private:
+  /// A candidate after a short fit from its best start.
+  struct TrialFit {
+    const Candidate* candidate;
+    Hypothesis hypothesis;
+    double least;  ///< sum of squares on the first fold
+  };
+
+  void compare(double base, std::vector<TrialFit> trials);
+  void try_best(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
+                std::vector<TrialFit>& trials) const;
+  void try_rivals(const Defended& term, const std::vector<Candidate>& candidates, double base,
+                  std::vector<TrialFit>& trials) const;
+  void fit_shortly(Hypothesis hypothesis, TrialFit& trial) const;
+  void keep_best(double base, std::vector<TrialFit>& trials) const;
+  void finish(TrialFit& trial);
+  void score(Contender& contender) const;
+  void sort();
+  void allow_for_noise();
+  void reverse();
+  void rank();
+
+  Problem& problem_;
+  const Folds& folds_;
+  std::uint64_t seed_;
+  Effort effort_;
+  Hypothesis base_;
+  std::vector<double> base_scores_;
+  std::vector<Contender> contenders_;
+};
+
+}  // namespace rths::diagnosis

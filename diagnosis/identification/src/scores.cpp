@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/scores.hpp>
+
+#include <algorithm>
+#include <random>
+
+#include <rths/core/error.hpp>
+
+namespace rths::diagnosis {
+
+std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> difference(std::min(a.size(), b.size()));
+  for (std::size_t i = 0; i < difference.size(); ++i) difference[i] = a[i] - b[i];
+  return difference;
+}
+
+double sum(const std::vector<double>& values) {
+  double total = 0;
+  for (const double value : values) total += value;
+  return total;
+}
+
+Hypothesis fitted(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold,
+                  int iterations) {
+  const Supposition supposition{problem, hypothesis};
+  Hypothesis result = supposition.hypothesis();
+  try {
+    result.values = supposition.fit(fold, iterations).parameters;
+  } catch (const Error&) {
+    // No prediction from which a fit could begin: the values stay.
+  }
+  return result;
+}
+
+std::optional<Fit> fit_if_possible(const Problem& problem, const Hypothesis& hypothesis,
+                                   const Fold& fold, int iterations) {
+  try {
+    return Supposition{problem, hypothesis}.fit(fold, iterations);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold) {
+  return Supposition{problem, hypothesis}.blocks(fold);
+}
+
+std::vector<double> resampled_sums(const std::vector<double>& blocks, std::uint64_t seed) {
+  constexpr int kResamples = 400;
+  constexpr std::size_t kNeighbours = 3;
+  std::vector<double> sums;
+  if (blocks.size() < kNeighbours) return sums;
+  std::mt19937_64 random{seed};
+  for (int k = 0; k < kResamples; ++k) {
+    double total = 0;
+    std::size_t taken = 0;
+    while (taken < blocks.size()) {
+      const std::size_t first = random() % (blocks.size() - kNeighbours + 1);
+      for (std::size_t i = 0; i < kNeighbours && taken < blocks.size(); ++i, ++taken)
+        total += blocks[first + i];
+    }
+    sums.push_back(total);
+  }
+  return sums;
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto index = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index),
+                   values.end());
+  return values[index];
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/selection.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <rths/identification/scores.hpp>
+
+#include "acceptance.hpp"
+#include "round.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr std::ptrdiff_t kMostTerms = 4;  // besides rules
+// The smallest gain of a term, besides kLeastAcceptedGain:
+constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation,
+constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of the base
+constexpr double kMaterial = 2e-4;         // of the output's standard deviation: smallest change
+constexpr double kWhite = 1.02;            // mean w² of a residual that is noise
+
+// Change of the prediction due to a term, divided by the standard deviation of the output.
+double change_of(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
+                 const Fold& fold) {
+  const Supposition a{problem, before}, b{problem, after};
+  double change = 0, size = 0;
+  for (const auto& share : fold.shares) {
+    const Eigen::MatrixXd with = b.prediction(share.record), bare = a.prediction(share.record);
+    if (with.size() == 0 || bare.size() == 0) continue;
+    Eigen::MatrixXd difference = with - bare;
+    Eigen::MatrixXd measured = problem.drive(share.record).measured;
+    if (problem.relation().has_free_offsets())
+      difference.rowwise() -= difference.colwise().mean().eval();
+    measured.rowwise() -= measured.colwise().mean().eval();
+    change += difference.squaredNorm();
+    size += measured.squaredNorm();
+  }
+  return std::sqrt(change / std::max(size, 1e-300));
+}
+
+// Every candidate of a round, in no order.
+std::vector<Contender> contenders_of(const SelectionRound& round) {
+  std::vector<Contender> all{round.chosen};
+  all.insert(all.end(), round.tied.begin(), round.tied.end());
+  all.insert(all.end(), round.others.begin(), round.others.end());
+  return all;
+}
+
+// The base with the candidates of some rounds, with the current values.
+template <class Wanted>
+Hypothesis with_rounds(const Hypothesis& base, const std::vector<SelectionRound>& rounds,
+                       const Wanted& wanted, const Hypothesis& current) {
+  Hypothesis rest = base;
+  for (const SelectionRound& round : rounds)
+    if (wanted(round))
+      rest = extended(rest, round.chosen.candidate, round.chosen.candidate.starts[0]);
+  take_values(current, rest);
+  return rest;
+}
+
+bool is_rule(const SelectionRound& round) { return round.chosen.candidate.is_rule; }
+
+// Removes ties with candidates that another round has named.
+void drop_named(std::vector<SelectionRound>& rounds) {
+  for (auto& round : rounds) {
+    const auto is_named = [&](const Contender& tied) {
+      return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& other) {
+        return is_same(other.chosen.candidate, tied.candidate);
+      });
+    };
+    std::erase_if(round.tied, is_named);
+  }
+}
+
+class Selector {
+ public:
+  Selector(Problem& problem, const Folds& folds, std::uint64_t seed)
+      : problem_{problem}, folds_{folds}, seed_{seed}, stated_{problem.relation().base()} {}
+
+  Selection select() {
+    fit_base();
+    bool goes_on = true;
+    while (goes_on && effects() < kMostTerms) goes_on = add_term();
+    drop_redundant();
+    if (settle()) drop_redundant();
+    drop_named(selection_.rounds);
+    std::stable_partition(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
+    selection_.named = fitted(problem_, current_, folds_.both, kLongFit);
+    finish(problem_, folds_, selection_);
+    return std::move(selection_);
+  }
+
+ private:
+  // Number of accepted candidates that are not rules.
+  [[nodiscard]] std::ptrdiff_t effects() const {
+    return std::count_if(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
+  }
+
+  void begin_stage(const std::string& stage) const { problem_.progress().begin_stage(stage); }
+
+  void fit_base() {
+    begin_stage("fit without missing terms");
+    // The noise of the residual depends on the fitted model, not on the stated one.
+    current_ = fitted(problem_, stated_, folds_.first, kShortFit);
+    problem_.renew_noise(current_);
+    selection_.base = fitted(problem_, current_, folds_.both, kLongFit);
+    current_ = fitted(problem_, current_, folds_.first, kShortFit);
+    unexplained_ = current_;
+  }
+
+  // Runs one round. @returns whether another may follow
+  bool add_term() {
+    begin_stage(fmt::format("search for term {}", selection_.rounds.size() + 1));
+    auto won = round_with({});
+    if (explains_little(won)) {
+      auto other = round_with(kThorough);
+      if (other && (!won || other->chosen.gain > won->chosen.gain)) won = std::move(other);
+    }
+    if (!won) return false;
+    if (selection_.rounds.empty()) selection_.first = contenders_of(*won);
+    selection_.rounds.push_back(std::move(*won));
+    const SelectionRound& added = selection_.rounds.back();
+    current_ = added.chosen.fitted;
+    problem_.renew_noise(current_);
+    if (!is_rule(added)) return !(variance_of(current_) < kWhite);
+    // Further terms are measured by the excess that the right rule leaves.
+    unexplained_ = current_;
+    return true;
+  }
+
+  // A round of this effort. Without a winner, its contenders are kept as evidence.
+  std::optional<SelectionRound> round_with(const Effort& effort) {
+    Round round{problem_, folds_, current_, stated_.values, left_for(current_, selection_.rounds),
+                seed_,    effort};
+    auto won = winner(round, true);
+    if (!won) selection_.last = std::move(round.contenders());
+    return won;
+  }
+
+  // Whether far more is left to explain than a round has explained: a fit may have stalled.
+  [[nodiscard]] bool explains_little(const std::optional<SelectionRound>& won) const {
+    constexpr double kLittle = 0.2, kMuch = 0.15;  // kMuch: mean w² beyond 1
+    const double excess = variance_of(current_) - 1;
+    const double left = 0.5 * observations(problem_, folds_.both) * excess;
+    return excess > kMuch && (!won || won->chosen.gain < kLittle * left);
+  }
+
+  // On rows that it was not fitted to.
+  [[nodiscard]] double variance_of(const Hypothesis& hypothesis) const {
+    return Supposition{problem_, hypothesis}.variance(folds_.second);
+  }
+
+  // Smallest gain of a term that is accepted, in the noise of the round [nat].
+  [[nodiscard]] double accepted() const {
+    const double n = observations(problem_, folds_.both);
+    const double excess = std::max(0.0, variance_of(unexplained_) - 1);
+    return std::max({kLeastAcceptedGain, kAcceptedDensity * n, kAcceptedShare * 0.5 * n * excess});
+  }
+
+  // Takes the contenders of a round, if it accepts one. A term that is added may have to wait for
+  // another one; a term that is compared with its rivals has waited already.
+  std::optional<SelectionRound> winner(Round& round, bool adds) const {
+    auto& contenders = round.contenders();
+    const double least = accepted();
+    std::vector<Contender> waiting;
+    if (adds) waiting = held_back(contenders, least, seed_);
+    if (contenders.empty() || !is_acceptable(contenders[0], least, seed_) ||
+        change_of(problem_, round.base(), contenders[0].fitted, folds_.second) < kMaterial)
+      return std::nullopt;
+    SelectionRound won = chosen(std::move(contenders), seed_);
+    // Waiting candidates contain the chosen one as a special case, so they support it.
+    for (const auto& contender : waiting) won.chosen.confidence += contender.confidence;
+    won.others.insert(won.others.begin(), std::make_move_iterator(waiting.begin()),
+                      std::make_move_iterator(waiting.end()));
+    return won;
+  }
+
+  // Compares each named term with its rivals in the final model, from the last term to the first,
+  // until every term has been compared since the last one was replaced.
+  // @returns true if a term was replaced
+  bool settle() {
+    constexpr std::size_t kMostPasses = 3;
+    const std::size_t count = selection_.rounds.size();
+    bool replaced = false;
+    std::size_t settled = 0;
+    for (std::size_t k = 0; settled < count && k < kMostPasses * count; ++k) {
+      const bool holds = defend(count - 1 - k % count);
+      settled = holds ? settled + 1 : 1;
+      replaced = replaced || !holds;
+    }
+    return replaced;
+  }
+
+  // In a tie, the holder yields to a cheaper rival only if that gains as much.
+  static void keep_in_tie(SelectionRound& round, const Candidate& holder) {
+    const auto held = std::find_if(round.tied.begin(), round.tied.end(), [&](const auto& tied) {
+      return is_same(tied.candidate, holder);
+    });
+    if (held != round.tied.end() && held->gain > round.chosen.gain) std::swap(round.chosen, *held);
+  }
+
+  // The candidates that may extend a model and are not named yet.
+  [[nodiscard]] std::vector<Candidate> left_for(const Hypothesis& model,
+                                                const std::vector<SelectionRound>& rounds) const {
+    auto candidates = problem_.relation().candidates(model);
+    std::erase_if(candidates, [&](const Candidate& candidate) {
+      return !may_extend(model, candidate) ||
+             std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& round) {
+               return is_same(round.chosen.candidate, candidate);
+             });
+    });
+    return candidates;
+  }
+
+  // Compares a named term with its rivals in its place. @returns false if a rival replaces it
+  bool defend(std::size_t place) {
+    auto& rounds = selection_.rounds;
+    const Candidate holder = rounds[place].chosen.candidate;
+    begin_stage("rivals of " + holder.name);
+    if (is_needed(selection_, place)) return true;
+    const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[place]; };
+    std::vector<SelectionRound> others;
+    std::copy_if(rounds.begin(), rounds.end(), std::back_inserter(others), is_other);
+    const Hypothesis rest = with_rounds(selection_.base, rounds, is_other, current_);
+    Round round{problem_, folds_, {holder, rest, current_}, left_for(rest, others), seed_};
+    auto won = winner(round, false);
+    if (!won) return true;
+    keep_in_tie(*won, holder);
+    rounds[place] = std::move(*won);
+    current_ = rounds[place].chosen.fitted;
+    problem_.renew_noise(current_);
+    return is_same(rounds[place].chosen.candidate, holder);
+  }
+
+  // Backward selection: removes candidates that later ones have made redundant.
+  void drop_redundant() {
+    auto& rounds = selection_.rounds;
+    for (std::size_t i = 0; rounds.size() > 1 && i < rounds.size();) {
+      if (is_needed(selection_, i)) {
+        ++i;
+        continue;
+      }
+      const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[i]; };
+      const Hypothesis rest =
+          fitted(problem_, with_rounds(selection_.base, rounds, is_other, current_), folds_.first,
+                 kLongFit);
+      const auto cost =
+          minus(scores(problem_, rest, folds_.second), scores(problem_, current_, folds_.second));
+      if (quantile(resampled_sums(cost, seed_), 0.01) > 0 && sum(cost) > kLeastAcceptedGain / 2) {
+        ++i;
+        continue;
+      }
+      rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(i));
+      current_ = rest;
+      i = 0;
+    }
+  }
+
+  Problem& problem_;
+  const Folds& folds_;
+  std::uint64_t seed_;
+  Hypothesis stated_, current_;
+  Hypothesis unexplained_;  // without the terms that are still to be found
+  Selection selection_;
+};
+
+}  // namespace
+
+double Selection::explained() const {
+  const double excess = variance_base - 1;
+  return excess > 0 ? std::clamp((excess - (variance_named - 1)) / excess, 0.0, 1.0) : 0;
+}
+
+bool Selection::has_only_rules() const {
+  return std::all_of(rounds.begin(), rounds.end(), is_rule);
+}
+
+bool is_needed(const Selection& selection, std::size_t place) {
+  const Candidate& candidate = selection.rounds[place].chosen.candidate;
+  return std::any_of(
+      selection.rounds.begin(), selection.rounds.end(),
+      [&](const SelectionRound& round) { return depends_on(round.chosen.candidate, candidate); });
+}
+
+Hypothesis without(const Problem& problem, const Folds& folds, const Selection& selection,
+                   std::size_t place) {
+  const auto& rounds = selection.rounds;
+  const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[place]; };
+  return fitted(problem, with_rounds(selection.base, rounds, is_other, selection.named), folds.both,
+                kLongFit);
+}
+
+void finish(Problem& problem, const Folds& folds, Selection& selection) {
+  problem.renew_noise(selection.named);
+  selection.named = fitted(problem, selection.named, folds.both, kShortFit);
+  selection.base = fitted(problem, selection.base, folds.both, kShortFit);
+  selection.ruled = with_rounds(selection.base, selection.rounds, is_rule, selection.named);
+  if (std::any_of(selection.rounds.begin(), selection.rounds.end(), is_rule))
+    selection.ruled = fitted(problem, selection.ruled, folds.both, kLongFit);
+  selection.variance_base = Supposition{problem, selection.base}.variance(folds.both);
+  selection.variance_ruled = Supposition{problem, selection.ruled}.variance(folds.both);
+  selection.variance_named = Supposition{problem, selection.named}.variance(folds.both);
+}
+
+Selection select(Problem& problem, const Folds& folds, std::uint64_t seed) {
+  return Selector{problem, folds, seed}.select();
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/signal.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include <rths/controller/filters.hpp>
+#include <rths/core/error.hpp>
+
+#include "transform.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr int kSettlingPeriods = 6;  // of the cut-off: settling time of a filter
+
+// The signal with its odd reflection on both sides: value and slope continue without a step.
+VectorXd reflected(const VectorXd& x, Index margin) {
+  const Index n = x.size();
+  VectorXd longer(n + 2 * margin);
+  for (Index i = 0; i < margin; ++i) {
+    longer[margin - 1 - i] = 2 * x[0] - x[i + 1];
+    longer[margin + n + i] = 2 * x[n - 1] - x[n - 2 - i];
+  }
+  longer.segment(margin, n) = x;
+  return longer;
+}
+
+void run(controller::LowPass filter, VectorXd& x) {
+  // The filter starts at rest, at the level of the first sample.
+  const double level = x[0];
+  for (double& value : x) value = level + filter(value - level);
+}
+
+}  // namespace
+
+VectorXd low_passed(const VectorXd& signal, int order, double cutoff, double time_step) {
+  if (signal.size() < 2) throw Error{"low-pass: expected at least 2 samples"};
+  const controller::LowPass filter{order, cutoff, time_step};
+  const auto settling = static_cast<Index>(kSettlingPeriods / (cutoff * time_step));
+  const Index margin = std::min(settling, signal.size() - 1);
+  VectorXd x = reflected(signal, margin);
+  run(filter, x);
+  x.reverseInPlace();
+  run(filter, x);
+  x.reverseInPlace();
+  return x.segment(margin, signal.size());
+}
+
+VectorXd thinned(const VectorXd& signal, int factor) {
+  return signal(Eigen::seqN(0, (signal.size() + factor - 1) / factor, factor));
+}
+
+VectorXd rate_of(const VectorXd& x, double time_step) {
+  const Index n = x.size();
+  VectorXd rate = VectorXd::Zero(n);
+  if (n < 2) return rate;
+  rate[0] = (x[1] - x[0]) / time_step;
+  rate[n - 1] = (x[n - 1] - x[n - 2]) / time_step;
+  if (n > 2) rate.segment(1, n - 2) = (x.tail(n - 2) - x.head(n - 2)) / (2 * time_step);
+  if (n > 4)
+    rate.segment(2, n - 4) =
+        (8 * (x.segment(3, n - 4) - x.segment(1, n - 4)) - (x.tail(n - 4) - x.head(n - 4))) /
+        (12 * time_step);
+  return rate;
+}
+
+VectorXd second_rate_of(const VectorXd& x, double time_step) {
+  const Index n = x.size();
+  VectorXd rate = VectorXd::Zero(n);
+  const double square = time_step * time_step;
+  if (n > 2)
+    rate.segment(1, n - 2) = (x.tail(n - 2) - 2 * x.segment(1, n - 2) + x.head(n - 2)) / square;
+  if (n > 4)
+    rate.segment(2, n - 4) = (16 * (x.segment(3, n - 4) + x.segment(1, n - 4)) -
+                              30 * x.segment(2, n - 4) - x.tail(n - 4) - x.head(n - 4)) /
+                             (12 * square);
+  return rate;
+}
+
+VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, double crossover,
+               double time_step) {
+  const Index n = displacement.size();
+  if (acceleration.size() != n) throw Error{"fusing motion: the channels differ in length"};
+  // A transform is periodic: a quarter more samples lead the end back to the beginning.
+  const Index margin = fast_length(n + n / 4 + 1) - n;
+  VectorXd u = VectorXd::Zero(n + margin), a = VectorXd::Zero(n + margin);
+  u.head(n) = displacement;
+  a.head(n) = acceleration;
+  for (Index i = 0; i < margin; ++i)
+    u[n + i] =
+        0.5 * displacement[n - 1] *
+        (1 + std::cos(std::numbers::pi * static_cast<double>(i + 1) / static_cast<double>(margin)));
+  Eigen::VectorXcd U, A;
+  transformer().fwd(U, u);
+  transformer().fwd(A, a);
+  const double period = time_step * static_cast<double>(n + margin);
+  const double corner = std::pow(crossover, 4);
+  for (Index k = 0; k < U.size(); ++k) {
+    const Index bin = std::min(k, U.size() - k);
+    const double f = static_cast<double>(bin) / period;
+    const double square = f * f;
+    const double sum = square * square + corner;
+    U[k] =
+        U[k] * (corner / sum) - A[k] * (square / sum / (4 * std::numbers::pi * std::numbers::pi));
+  }
+  VectorXd result;
+  transformer().inv(result, U);
+  return result.head(n);
+}
+
+VectorXd AutoRegression::whitened(const VectorXd& signal) const {
+  VectorXd e(signal.size());
+  for (Index t = 0; t < signal.size(); ++t) {
+    double innovation = signal[t];
+    for (Index i = 0; i < std::min(coefficients.size(), t); ++i)
+      innovation -= coefficients[i] * signal[t - 1 - i];
+    e[t] = innovation / deviation;
+  }
+  return e;
+}
+
+VectorXd AutoRegression::coloured(const VectorXd& innovations) const {
+  VectorXd x(innovations.size());
+  for (Index t = 0; t < x.size(); ++t) {
+    x[t] = deviation * innovations[t];
+    for (Index i = 0; i < std::min(coefficients.size(), t); ++i)
+      x[t] += coefficients[i] * x[t - 1 - i];
+  }
+  return x;
+}
+
+namespace {
+
+// Burg's reflection coefficient of order k + 1, from forward and backward prediction errors.
+double reflection_of(const std::vector<VectorXd>& forward, const std::vector<VectorXd>& backward,
+                     int k, double least) {
+  double product = 0, square = 0;
+  for (std::size_t i = 0; i < forward.size(); ++i) {
+    const Index n = forward[i].size() - k - 1;
+    if (n <= 0) continue;
+    const auto f = forward[i].tail(n);
+    const auto b = backward[i].segment(k, n);
+    product += 2 * f.dot(b);
+    square += f.squaredNorm() + b.squaredNorm() + 2 * least * static_cast<double>(n);
+  }
+  return square > 0 ? product / square : 0;
+}
+
+// Prediction errors of the next order.
+void reflect(std::vector<VectorXd>& forward, std::vector<VectorXd>& backward, int k,
+             double reflection) {
+  for (std::size_t i = 0; i < forward.size(); ++i) {
+    const Index n = forward[i].size() - k - 1;
+    if (n <= 0) continue;
+    const VectorXd f = forward[i].tail(n), b = backward[i].segment(k, n);
+    forward[i].tail(n) = f - reflection * b;
+    backward[i].segment(k + 1, n) = b - reflection * f;
+  }
+}
+
+}  // namespace
+
+AutoRegression auto_regression(const std::vector<VectorXd>& stretches, int order, double ridge) {
+  std::vector<VectorXd> forward, backward;
+  double variance = 0;
+  Index samples = 0;
+  for (const auto& stretch : stretches) {
+    const VectorXd x = stretch.array() - stretch.mean();
+    forward.push_back(x);
+    backward.push_back(x);
+    variance += x.squaredNorm();
+    samples += x.size();
+  }
+  if (samples < Index{2} * order) throw Error{"noise model: too few samples at rest"};
+  variance /= static_cast<double>(samples);
+  const double least = ridge * variance;
+  variance += least;
+  AutoRegression model{VectorXd::Zero(order), 0};
+  for (int k = 0; k < order && variance > 0; ++k) {
+    const double reflection = reflection_of(forward, backward, k, least);
+    const VectorXd before = model.coefficients;
+    model.coefficients[k] = reflection;
+    for (int i = 0; i < k; ++i) model.coefficients[i] -= reflection * before[k - 1 - i];
+    variance *= 1 - reflection * reflection;
+    reflect(forward, backward, k, reflection);
+  }
+  model.deviation = std::sqrt(std::max(variance, 0.0));
+  return model;
+}
+
+Spectrum power_spectrum(const VectorXd& signal, int window, double time_step) {
+  if (signal.size() < window) throw Error{"spectrum: the signal is shorter than its window"};
+  VectorXd weight(window);
+  for (int i = 0; i < window; ++i)
+    weight[i] = 0.5 * (1 - std::cos(2 * std::numbers::pi * i / window));
+  const int bins = window / 2 + 1;
+  Spectrum spectrum{VectorXd::LinSpaced(bins, 0, 0.5 / time_step), VectorXd::Zero(bins)};
+  const double mean = signal.mean();
+  int windows = 0;
+  for (Index first = 0; first + window <= signal.size(); first += window / 2, ++windows) {
+    const VectorXd windowed = (signal.segment(first, window).array() - mean) * weight.array();
+    Eigen::VectorXcd bins_of_window;
+    transformer().fwd(bins_of_window, windowed);
+    spectrum.density += bins_of_window.head(bins).cwiseAbs2();
+  }
+  spectrum.density *= 2 * time_step / (weight.squaredNorm() * windows);
+  spectrum.density[0] /= 2;
+  spectrum.density[bins - 1] /= 2;
+  return spectrum;
+}
+
+}  // namespace rths::diagnosis

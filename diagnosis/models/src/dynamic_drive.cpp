@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dynamic_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/identification/signal.hpp>
+
+#include "dynamic_simulator.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double kStartShare = 0.1;      // of a record: determines its first state
+constexpr double kDiverged = 1e6;        // of the largest measurement
+constexpr double kRateTolerance = 1e-3;  // of a sampled system's time step
+
+// The state that fits the settling time, or if there is none the beginning of the record.
+VectorXd start_of(const DynamicModel& model, const Hypothesis& base, const DynamicDrive& drive) {
+  const DynamicSimulator run{model, base, nullptr, drive.time_step, drive.signals};
+  const auto most = static_cast<Index>(kStartShare * static_cast<double>(drive.rows()));
+  const Index rows = drive.first_row > 0 ? drive.first_row : most;
+  return run.start(base.values, drive.measured, std::clamp<Index>(rows, 1, drive.rows()));
+}
+
+}  // namespace
+
+const Channel& channel_of(const Record& record, const std::string& role) {
+  const Channel* channel = record.find(role);
+  if (channel == nullptr)
+    throw Error{fmt::format("{}: the model needs the channel {}, which was not recorded",
+                            record.name, role)};
+  return *channel;
+}
+
+std::unique_ptr<DynamicDrive> dynamic_drive(const DynamicModel& model, const Hypothesis& base,
+                                            const Record& record) {
+  if (model.sampled_every > 0 &&
+      std::abs(record.time_step / model.sampled_every - 1) > kRateTolerance)
+    throw Error{fmt::format("{}: sampled every {} s, but the model has a time step of {} s",
+                            record.name, record.time_step, model.sampled_every)};
+  auto drive = std::make_unique<DynamicDrive>();
+  drive->start = drive->signals.start = record.start;
+  drive->time_step = record.time_step;
+  drive->first_row = static_cast<Index>(std::lround(record.settle / record.time_step));
+  drive->measured.resize(static_cast<Index>(record.samples()),
+                         static_cast<Index>(model.outputs.size()));
+  drive->velocity = drive->measured;
+  for (Index i = 0; i < drive->measured.cols(); ++i) {
+    const Channel& output = channel_of(record, model.outputs[static_cast<std::size_t>(i)]);
+    drive->measured.col(i) = values_of(output);
+    drive->state_names.push_back({output.role, output.unit});
+    drive->velocity.col(i) = rate_of(drive->measured.col(i), record.time_step);
+  }
+  drive->displacement = drive->measured;
+  for (const auto& role : model.inputs) {
+    const Channel& channel = channel_of(record, role);
+    drive->signals.inputs.push_back(channel.values);
+    drive->states.emplace_back(fmt::format("{} [{}]", role, channel.unit), values_of(channel));
+  }
+  const double largest = drive->measured.cwiseAbs().maxCoeff();
+  drive->signals.limit = kDiverged * (largest > 0 ? largest : 1);
+  if (model.has_free_start) drive->signals.start_state = start_of(model, base, *drive);
+  return drive;
+}
+
+std::unique_ptr<DynamicDrive> with_noise(const DynamicModel& model, const DynamicDrive& drive,
+                                         const Record& noise) {
+  auto result = std::make_unique<DynamicDrive>(drive);
+  for (Index i = 0; i < result->measured.cols(); ++i)
+    if (const Channel* channel = noise.find(model.outputs[static_cast<std::size_t>(i)]))
+      result->measured.col(i) += values_of(*channel);
+  for (std::size_t i = 0; i < model.inputs.size(); ++i)
+    if (const Channel* channel = noise.find(model.inputs[i])) {
+      auto& values = result->signals.inputs[i];
+      std::transform(values.begin(), values.end(), channel->values.begin(), values.begin(),
+                     std::plus<>{});
+    }
+  return result;
+}
+
+}  // namespace rths::diagnosis

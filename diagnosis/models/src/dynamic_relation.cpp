@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/models/dynamic_relation.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+#include "dynamic_candidates.hpp"
+#include "dynamic_drive.hpp"
+#include "dynamic_forms.hpp"
+#include "dynamic_simulator.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kWithin =
+    10;  // default bounds of a parameter: from a tenth to ten times its value
+
+std::vector<const Record*> records_to_fit(const Case& c) {
+  std::vector<const Record*> records;
+  for (const auto& record : c.records)
+    if (record.use == Use::Fit) records.push_back(&record);
+  if (records.empty()) throw Error{fmt::format("{}: there is no record to fit", c.name)};
+  return records;
+}
+
+DynamicModel read_stated(const Case& c) {
+  if (c.model.kind == "mass_spring_damper" || c.model.kind == "mass-spring-damper")
+    return read_mass_spring_damper(c.model.table);
+  if (c.model.kind == "structure") return read_structure(c.model.table);
+  if (c.model.kind == "linear") return read_linear(c.model.table);
+  if (c.model.kind == "data") return read_data(c.model.table, *records_to_fit(c).front());
+  throw Error{
+      fmt::format("{}: a model of kind '{}' is not a dynamic system", c.name, c.model.kind)};
+}
+
+// [model.values]: values of parameters by name, which replace those stated elsewhere.
+void take_values(const Config& values, DynamicModel& model) {
+  for (const auto& name : values.keys()) {
+    const double value = values.number(name);
+    const auto at = values.placed(name, [&] { return find_parameter(model, model.terms, name); });
+    if (at.of_model) {
+      model.parameters[*at.of_model].value = value;
+      continue;
+    }
+    auto& known = model.terms[at.term].settings.parameters;
+    std::erase_if(known, [&](const auto& parameter) { return parameter.first == at.parameter; });
+    known.emplace_back(at.parameter, value);
+  }
+}
+
+DynamicModel read_model(const Case& c) {
+  DynamicModel model = read_stated(c);
+  take_values(c.model.table.table_or_empty("values"), model);
+  return model;
+}
+
+struct Freed {
+  FreeParameter parameter;
+  double value;
+};
+
+Freed freed_of_model(const ModelParameter& parameter, const FittedParameter& fitted) {
+  const double value = parameter.value;
+  if (value == 0 && !fitted.bounds)
+    throw Error{
+        fmt::format("'{}' is fitted and its value is 0, expected bounds for it", fitted.name)};
+  return {{fitted.name, parameter.unit, std::min(value / kWithin, value * kWithin),
+           std::max(value / kWithin, value * kWithin), 0.1 * std::abs(value)},
+          value};
+}
+
+Freed freed_of_term(const sim::TermSettings& term, const std::string& name,
+                    const FittedParameter& fitted) {
+  const sim::Parameter& parameter = parameter_of(sim::term_kind(term.kind), name);
+  double value = parameter.absent;
+  for (const auto& [key, stated] : term.parameters)
+    if (key == name) value = stated;
+  return {free_parameter(fitted.name, parameter, {}, 0.1 * std::abs(value)), value};
+}
+
+Freed freed(const DynamicModel& model, const Hypothesis& base, const FittedParameter& fitted) {
+  const auto at = find_parameter(model, base.terms, fitted.name);
+  Freed result = at.of_model ? freed_of_model(model.parameters[*at.of_model], fitted)
+                             : freed_of_term(base.terms[at.term].settings, at.parameter, fitted);
+  auto& [parameter, value] = result;
+  if (fitted.bounds) std::tie(parameter.low, parameter.high) = *fitted.bounds;
+  if (!(value >= parameter.low && value <= parameter.high))
+    throw Error{fmt::format("'{}' is {}, outside its bounds {} to {}", fitted.name, value,
+                            parameter.low, parameter.high)};
+  if (!(parameter.scale > 0)) parameter.scale = 0.05 * (parameter.high - parameter.low);
+  return result;
+}
+
+class DynamicRelation : public Relation {
+ public:
+  DynamicRelation(const Case& c, std::vector<std::string> without)
+      : model_{read_model(c)}, without_{std::move(without)} {
+    records_ = records_to_fit(c);
+    for (const auto& role : model_.outputs)
+      outputs_.emplace_back(role, channel_of(*records_.front(), role).unit);
+    base_.terms = model_.terms;
+    // Rounding is known: it is part of the noise.
+    std::erase_if(base_.terms,
+                  [](const ModelTerm& term) { return term.settings.kind == "quantisation"; });
+    for (const auto& fitted : c.model.fitted) {
+      // Offsets of outputs differ from record to record: each record's offset is removed.
+      if (take_offset(fitted.name)) continue;
+      const Freed one =
+          c.model.table.placed("fitted", [&] { return freed(model_, base_, fitted); });
+      base_.free.push_back(one.parameter);
+      base_.values.conservativeResize(base_.values.size() + 1);
+      base_.values[base_.values.size() - 1] = one.value;
+    }
+    sizes_ = measured_sizes(model_, base_, records_);
+  }
+
+  const std::string& name() const override { return model_.name; }
+  Part part() const override { return Part::Structure; }
+  const std::vector<std::pair<std::string, std::string>>& outputs() const override {
+    return outputs_;
+  }
+  bool has_free_offsets() const override { return has_free_offsets_; }
+  const Hypothesis& base() const override { return base_; }
+  std::vector<Candidate> candidates(const Hypothesis& model) const override {
+    auto candidates = dynamic_candidates(model_, sizes_, model);
+    std::erase_if(candidates, [&](const Candidate& candidate) {
+      if (has_free_offsets_ && candidate.kind == "offset" && candidate.part == Part::Sensor)
+        return true;
+      return std::any_of(without_.begin(), without_.end(), [&](const std::string& name) {
+        return name == candidate.name || name == candidate.kind;
+      });
+    });
+    return candidates;
+  }
+
+  bool runs_freely() const override { return true; }
+  std::vector<FreeForm> forms(const Hypothesis& model) const override {
+    return dynamic_forms(model_, measured_sizes(model_, model, records_));
+  }
+
+  std::vector<std::string> drivers() const override {
+    const bool is_data =
+        std::any_of(model_.inputs.begin(), model_.inputs.end(),
+                    [](const std::string& role) { return role.starts_with("predicted."); });
+    return is_data ? std::vector<std::string>{} : model_.inputs;
+  }
+
+  std::unique_ptr<Drive> prepare(const Record& record) const override {
+    return dynamic_drive(model_, base_, record);
+  }
+  std::vector<std::unique_ptr<Drive>> disturbed(const Drive& drive,
+                                                const Record& noise) const override {
+    constexpr std::ptrdiff_t kRotations = 3;
+    std::vector<std::unique_ptr<Drive>> all;
+    for (std::ptrdiff_t i = 0; i < kRotations; ++i) {
+      Record rotated = noise;
+      for (auto& channel : rotated.channels) {
+        auto& x = channel.values;
+        std::rotate(x.begin(), x.begin() + i * std::ssize(x) / kRotations, x.end());
+      }
+      all.push_back(with_noise(model_, dynamic_cast<const DynamicDrive&>(drive), rotated));
+    }
+    return all;
+  }
+  std::unique_ptr<Simulator> simulator(const Hypothesis& hypothesis,
+                                       const Drive& drive) const override {
+    return std::make_unique<DynamicSimulator>(model_, hypothesis, &sizes_, drive.time_step,
+                                              dynamic_cast<const DynamicDrive&>(drive).signals);
+  }
+
+ private:
+  // Whether a fitted parameter is the offset of an output.
+  bool take_offset(const std::string& name) {
+    const auto is_offset = [&](const ModelTerm& term) {
+      const bool at_output = std::find(model_.outputs.begin(), model_.outputs.end(),
+                                       term.component) != model_.outputs.end();
+      const std::string own = term.settings.name + ".offset";
+      return at_output && term.settings.kind == "offset" &&
+             (name == own || name == term.component + "." + own);
+    };
+    const bool found = std::erase_if(base_.terms, is_offset) > 0;
+    has_free_offsets_ |= found;
+    return found;
+  }
+
+  DynamicModel model_;
+  std::vector<std::string> without_;  // excluded from candidates
+  std::vector<std::pair<std::string, std::string>> outputs_;
+  Hypothesis base_;
+  bool has_free_offsets_ = false;
+  DynamicSizes sizes_;
+  std::vector<const Record*> records_;  // of the case
+};
+
+}  // namespace
+
+std::unique_ptr<Relation> dynamic_relation(const Case& c, const std::vector<std::string>& without) {
+  return std::make_unique<DynamicRelation>(c, without);
+}
+
+}  // namespace rths::diagnosis

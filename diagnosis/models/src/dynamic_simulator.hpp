@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include <rths/identification/relation.hpp>
+
+#include "dynamic_run.hpp"
+#include "dynamic_sizes.hpp"
+
+namespace rths::diagnosis {
+
+/// Runs a dynamic model with a hypothesis' terms from its inputs alone.
+class DynamicSimulator : public Simulator {
+ public:
+  /// The model must outlive this.
+  /// @param sizes  null: terms compute in SI and every connection is observed, to determine `sizes`
+  /// @throws Error if terms or names do not fit the model   @setup
+  DynamicSimulator(const DynamicModel& model, const Hypothesis& hypothesis,
+                   const DynamicSizes* sizes, double time_step, const DynamicSignals& signals);
+
+  [[nodiscard]] bool run(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& wanted,
+                         Eigen::MatrixXd& prediction,
+                         std::vector<Eigen::MatrixXd>& derivatives) const override;
+
+  /// The state at the first sample that best fits the first `rows` of a measurement.
+  [[nodiscard]] Eigen::VectorXd start(const Eigen::VectorXd& values,
+                                      const Eigen::MatrixXd& measured, Eigen::Index rows) const;
+  /// Displacements, then velocities, then accelerations of the observed connections: those with
+  /// terms, or all if `sizes` is null. Empty if the run diverges.
+  [[nodiscard]] std::vector<std::vector<double>> motion(const Eigen::VectorXd& values) const;
+  [[nodiscard]] int substeps() const { return setup_.substeps; }
+
+ private:
+  struct Bound {
+    Eigen::Index free, parameter;
+    double scale;
+  };
+  /// Sets up the terms of all components and binds their free parameters.
+  void attach_terms(const Hypothesis& hypothesis, const DynamicSizes* sizes);
+  void attach_to_connections(const Hypothesis& hypothesis, const DynamicSizes* sizes);
+  /// The terms at a component; null if it has none.
+  [[nodiscard]] ComponentTerms* terms_of(const std::string& component);
+  /// Binds the free parameters of terms.
+  void bind_terms(const Hypothesis& hypothesis);
+  /// Binds the free parameters of the linear system.
+  void bind_model(const Hypothesis& hypothesis);
+  [[nodiscard]] int substeps_needed(const Hypothesis& hypothesis, const DynamicSizes& sizes) const;
+  [[nodiscard]] Eigen::VectorXd plant_values(const Eigen::VectorXd& values) const;
+  [[nodiscard]] LinearSystem system(const Eigen::VectorXd& plant) const;
+  [[nodiscard]] StepMatrices<double> steps(const Eigen::VectorXd& plant) const;
+  [[nodiscard]] bool only_at_outputs(const std::vector<Eigen::Index>& lanes) const;
+  [[nodiscard]] bool run_lanes(const Eigen::VectorXd& values,
+                               const std::vector<Eigen::Index>& lanes,
+                               const StepMatrices<double>& steps, Eigen::MatrixXd& prediction,
+                               std::vector<Eigen::MatrixXd>& derivatives) const;
+
+  const DynamicModel& model_;
+  const DynamicSignals& signals_;
+  DynamicSetup setup_;
+  std::vector<Bound> bound_;  ///< free parameters of the linear system
+};
+
+[[nodiscard]] std::vector<double> plain(const Eigen::VectorXd& values);
+/// Outputs as a matrix, rows × outputs, with at least one output.
+[[nodiscard]] Eigen::MatrixXd as_columns(const std::vector<std::vector<double>>& outputs);
+
+/// Natural units of records, from a run of the simulation as stated.
+/// @throws Error if the run diverges   @setup
+[[nodiscard]] DynamicSizes measured_sizes(const DynamicModel& model, const Hypothesis& base,
+                                          const std::vector<const Record*>& records);
+
+/// Location of a parameter of a hypothesis: in the model ("mass.1") or in a term.
+struct ParameterIndex {
+  std::optional<std::size_t> of_model;  ///< in `DynamicModel::parameters`
+  std::size_t term = 0;                 ///< otherwise: index of the term
+  std::string parameter;                ///< and the parameter's name in the term
+};
+/// @throws Error if no parameter, or more than one, has this name   @setup
+[[nodiscard]] ParameterIndex find_parameter(const DynamicModel& model,
+                                            const std::vector<ModelTerm>& terms,
+                                            const std::string& name);
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "library.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+#include "motion_drive.hpp"
+#include "unit_scales.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using sim::TermKind;
+
+constexpr std::string_view kHysteretic[] = {
+    "bouc_wen", "bouc_wen_nagarajaiah", "bouc_wen_slip",   "bilinear",
+    "iwan",     "flat_slider",          "single_pendulum", "triple_pendulum"};
+constexpr std::string_view kSliders[] = {"flat_slider", "single_pendulum"};
+constexpr std::pair<std::string_view, std::string_view> kSpecialCases[] = {
+    {"asymmetric_friction", "coulomb_friction"},
+    {"stribeck_friction", "coulomb_friction"},
+    {"asymmetric_viscous", "viscous_friction"}};
+constexpr std::string_view kServoLoops[] = {"actuator_bandwidth"};
+constexpr std::string_view kRuled = "bouc_wen";
+constexpr int kPriceOfRule = 4;
+
+template <class Names>
+bool holds(const Hypothesis& base, const Names& kinds) {
+  return std::any_of(base.terms.begin(), base.terms.end(), [&](const ModelTerm& term) {
+    return std::find(std::begin(kinds), std::end(kinds), term.settings.kind) != std::end(kinds);
+  });
+}
+
+sim::Channel channel_of(const Entry& entry) {
+  if (entry.target == Target::Actuator) return sim::Channel::Displacement;
+  return entry.target == Target::Accelerometer ? sim::Channel::Acceleration : sim::Channel::Force;
+}
+
+const char* channel_name(const Entry& entry) {
+  if (entry.target == Target::Actuator) return "displacement";
+  return entry.target == Target::Accelerometer ? "acceleration" : "force";
+}
+
+bool is_on_channel(const TermKind& kind) { return (kind.traits & sim::kPerChannel) != 0; }
+
+// Whether a kind's name needs the channel to be clear.
+bool needs_channel_in_name(std::string_view kind) {
+  return !kind.starts_with("absolute") && !kind.starts_with("crosstalk") &&
+         !kind.starts_with("accelerometer");
+}
+
+Part part_of(const TermKind& kind) {
+  switch (kind.stage) {
+    case sim::Stage::Actuator:
+      return Part::Actuator;
+    case sim::Stage::Motion:
+    case sim::Stage::Machine:
+      return Part::Machine;
+    case sim::Stage::Sensor:
+      return Part::Sensor;
+    default:
+      return Part::Bearing;
+  }
+}
+
+// Makes the candidate of an entry.
+class Builder {
+ public:
+  Builder(const Entry& entry, const Hypothesis& base, const NaturalScale& scale,
+          const std::vector<std::size_t>& axes)
+      : entry_{entry}, kind_{sim::term_kind(entry.kind)}, base_{base}, scale_{scale}, axes_{axes} {}
+
+  [[nodiscard]] std::vector<Candidate> build() {
+    if (!fits_case()) return {};
+    candidate_.kind = kind_.name;
+    candidate_.name = entry_.name.empty() ? kind_.name : entry_.name;
+    if (is_on_channel(kind_) && needs_channel_in_name(kind_.name))
+      candidate_.name = fmt::format("{}_{}", channel_name(entry_), kind_.name);
+    candidate_.title = entry_.title.empty() ? kind_.title : entry_.title;
+    if (is_on_channel(kind_))
+      candidate_.title = fmt::format("{} ({})", kind_.title, channel_name(entry_));
+    candidate_.equation = kind_.equation;
+    candidate_.part = part_of(kind_);
+    candidate_.channel = channel_name(entry_);
+    const auto there = in_model();
+    const bool must_be_there = (entry_.needs & Entry::kKindInModel) != 0;
+    if ((entry_.needs & Entry::kInstead) != 0)
+      replace_kind();
+    else if (!there.empty() && (entry_.needs & Entry::kBeside) == 0)
+      free_existing(there);
+    else if (!must_be_there)
+      add();
+    if (candidate_.frees.empty()) return {};
+    candidate_.price = static_cast<int>(candidate_.frees.size());
+    candidate_.is_rule = (entry_.needs & Entry::kRule) != 0;
+    // The rule is blamed only if nothing else explains as much.
+    if (candidate_.is_rule) candidate_.price += kPriceOfRule;
+    candidate_.is_hidden = (entry_.needs & Entry::kHidden) != 0;
+    for (const auto& [more, less] : kSpecialCases)
+      if (candidate_.name == more) candidate_.contains.emplace_back(less);
+    return {candidate_};
+  }
+
+ private:
+  [[nodiscard]] std::vector<const sim::TermSettings*> in_model() const {
+    std::vector<const sim::TermSettings*> found;
+    for (const auto& term : base_.terms)
+      if (term.settings.kind == kind_.name &&
+          (!is_on_channel(kind_) || term.settings.channel == channel_of(entry_)))
+        found.push_back(&term.settings);
+    return found;
+  }
+  [[nodiscard]] bool is_free(const std::string& name) const {
+    return std::any_of(base_.free.begin(), base_.free.end(), [&](const FreeParameter& free) {
+      return !free.is_tolerance && (name == free.name || free.name == without_axis(name));
+    });
+  }
+  // "friction.force" refers to "friction.long.force" too.
+  static std::string without_axis(const std::string& name) {
+    std::string plain = name;
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+      const std::string middle = "." + axis_name(axis) + ".";
+      if (const auto at = plain.find(middle); at != std::string::npos)
+        plain.replace(at, middle.size(), ".");
+    }
+    return plain;
+  }
+  [[nodiscard]] double unit(const sim::Parameter& parameter) const {
+    if (parameter.name == "reference_load") return scale_.axial_load;
+    return natural_unit(parameter.unit, scale_);
+  }
+
+  [[nodiscard]] FreeParameter free(const std::string& name,
+                                   const ParameterSpecification& specification) const {
+    const sim::Parameter& parameter = parameter_of(kind_, specification.parameter);
+    const double natural = unit(parameter);
+    FreeParameter result{name, std::string{parameter.unit}, parameter.low, parameter.high, 1};
+    if (result.unit.starts_with(sim::kChannelUnit))
+      result.unit.replace(0, sim::kChannelUnit.size(),
+                          entry_.target == Target::Actuator        ? "m"
+                          : entry_.target == Target::Accelerometer ? "m/s2"
+                                                                   : "N");
+    if (specification.low < specification.high) {
+      result.low = std::max(result.low, specification.low * natural);
+      result.high = std::min(result.high, specification.high * natural);
+    }
+    const double away = std::abs(specification.starts[0] * natural - parameter.absent);
+    if (specification.role == ParameterSpecification::Role::Size) result.absent = parameter.absent;
+    result.scale = specification.role == ParameterSpecification::Role::Shape
+                       ? std::abs(specification.starts[0] * natural) / 2
+                       : away;
+    if (!(result.scale > 0)) result.scale = 0.1 * natural;
+    return result;
+  }
+
+  // Whether the values that are not fitted lie within the bounds of the catalogue. A case of very
+  // small forces or motions has no use for the others.
+  [[nodiscard]] bool fits_case() const {
+    return std::all_of(entry_.parameters.begin(), entry_.parameters.end(), [&](const auto& one) {
+      if (one.role != ParameterSpecification::Role::Fixed) return true;
+      const sim::Parameter& parameter = parameter_of(kind_, one.parameter);
+      const double value = one.starts[0] * unit(parameter);
+      return value >= parameter.low && value <= parameter.high;
+    });
+  }
+
+  // Frees parameters of terms that the model has.
+  void free_existing(const std::vector<const sim::TermSettings*>& there) {
+    std::vector<double> values;
+    // Parameters at which the term lacks an effect.
+    std::vector<const ParameterSpecification*> absent;
+    for (const auto* term : there)
+      for (const auto& specification : entry_.parameters) {
+        if (specification.role == ParameterSpecification::Role::Fixed) continue;
+        const std::string name = fmt::format("{}.{}", term->name, specification.parameter);
+        if (is_free(name)) continue;
+        FreeParameter parameter = free(name, specification);
+        const double value = value_in(*term, specification);
+        if (!entry_.name.empty() && value == parameter_of(kind_, specification.parameter).absent) {
+          candidate_.frees.push_back(parameter);
+          absent.push_back(&specification);
+          continue;
+        }
+        center_on(value, specification, parameter);
+        parameter.absent = value;
+        candidate_.frees.push_back(parameter);
+        values.push_back(value);
+      }
+    if (!absent.empty()) return choose_starts(absent);
+    candidate_.starts = {
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))};
+  }
+  [[nodiscard]] double value_in(const sim::TermSettings& term,
+                                const ParameterSpecification& specification) const {
+    double value = parameter_of(kind_, specification.parameter).absent;
+    for (const auto& [key, number] : term.parameters)
+      if (key == specification.parameter) value = number;
+    return value;
+  }
+  // Widens the bounds so that they include the value in the model, and scales the parameter by it.
+  void center_on(double value, const ParameterSpecification& specification,
+                 FreeParameter& parameter) const {
+    const double outside = 1.5;
+    parameter.low = std::min(parameter.low, value / outside);
+    parameter.high = std::max(parameter.high, value * outside);
+    const auto& limits = parameter_of(kind_, specification.parameter);
+    parameter.low = std::max(parameter.low, limits.low);
+    parameter.high = std::min(parameter.high, limits.high);
+    if (value != 0) parameter.scale = 0.05 * std::abs(value);
+  }
+
+  // Replaces the kind of the first term whose parameters the new kind has too.
+  void replace_kind() {
+    for (const auto& term : base_.terms) {
+      if (term.settings.kind != kRuled || !keeps_parameters(term.settings)) continue;
+      candidate_.becomes.emplace_back(term.settings.name, kind_.name);
+      std::vector<const ParameterSpecification*> specifications;
+      for (const auto& specification : entry_.parameters)
+        specify(term.settings.name, specification, specifications);
+      return choose_starts(specifications);
+    }
+  }
+  [[nodiscard]] bool keeps_parameters(const sim::TermSettings& settings) const {
+    return std::all_of(
+        settings.parameters.begin(), settings.parameters.end(), [&](const auto& given) {
+          return std::any_of(kind_.parameters.begin(), kind_.parameters.end(),
+                             [&](const auto& own) { return own.name == given.first; });
+        });
+  }
+  // Frees a parameter of a term.
+  void specify(const std::string& term, const ParameterSpecification& specification,
+               std::vector<const ParameterSpecification*>& specifications) {
+    candidate_.frees.push_back(
+        free(fmt::format("{}.{}", term, specification.parameter), specification));
+    specifications.push_back(&specification);
+  }
+
+  // Adds a term, or one for each axis if a parameter differs between them.
+  void add() {
+    const bool splits =
+        axes_.size() > 1 && (kind_.traits & sim::kPerAxis) != 0 &&
+        std::any_of(entry_.parameters.begin(), entry_.parameters.end(),
+                    [](const auto& specification) { return specification.each_axis; });
+    add_terms(splits);
+    std::vector<const ParameterSpecification*> specifications;
+    for (const auto& specification : entry_.parameters) {
+      if (specification.role == ParameterSpecification::Role::Fixed) continue;
+      if (splits && specification.each_axis)
+        for (const auto& term : candidate_.adds)
+          specify(term.settings.name, specification, specifications);
+      else
+        specify(candidate_.name, specification, specifications);
+    }
+    choose_starts(specifications);
+  }
+  void add_terms(bool splits) {
+    sim::TermSettings settings;
+    settings.kind = kind_.name;
+    settings.name = candidate_.name;
+    if (is_on_channel(kind_)) settings.channel = channel_of(entry_);
+    if (axes_.size() == 1 && (kind_.traits & sim::kPerAxis) != 0) settings.axes = 1U << axes_[0];
+    for (const auto& specification : entry_.parameters)
+      if (specification.role == ParameterSpecification::Role::Fixed)
+        settings.parameters.emplace_back(
+            specification.parameter,
+            specification.starts[0] * unit(parameter_of(kind_, specification.parameter)));
+    if (!splits) {
+      candidate_.adds.push_back({settings, ""});
+      return;
+    }
+    for (const std::size_t axis : axes_) {
+      sim::TermSettings one = settings;
+      one.name += "." + axis_name(axis);
+      one.axes = 1U << axis;
+      candidate_.adds.push_back({one, ""});
+    }
+  }
+
+  // Every combination of the parameters' starts.
+  void choose_starts(const std::vector<const ParameterSpecification*>& specifications) {
+    std::vector<Eigen::VectorXd> starts{
+        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(specifications.size()))};
+    for (std::size_t i = 0; i < specifications.size(); ++i) {
+      std::vector<Eigen::VectorXd> longer;
+      // A parameter of both axes has the same start on both.
+      const bool is_twin = i > 0 && specifications[i] == specifications[i - 1];
+      const int count = is_twin ? 1 : specifications[i]->start_count;
+      for (const auto& start : starts)
+        for (int k = 0; k < count; ++k) {
+          Eigen::VectorXd next = start;
+          const auto j = static_cast<Eigen::Index>(i);
+          const double natural = unit(parameter_of(kind_, specifications[i]->parameter));
+          next[j] =
+              is_twin ? start[j - 1]
+                      : std::clamp(specifications[i]->starts[static_cast<std::size_t>(k)] * natural,
+                                   candidate_.frees[i].low, candidate_.frees[i].high);
+          longer.push_back(next);
+        }
+      starts = std::move(longer);
+    }
+    candidate_.starts = std::move(starts);
+  }
+
+  const Entry& entry_;
+  const TermKind& kind_;
+  const Hypothesis& base_;
+  const NaturalScale& scale_;
+  const std::vector<std::size_t>& axes_;
+  Candidate candidate_;
+};
+
+bool are_met(const Entry& entry, const Hypothesis& base, const NaturalScale& scale,
+             const std::vector<std::size_t>& axes) {
+  const unsigned needs = entry.needs;
+  const bool hysteretic = holds(base, kHysteretic);
+  return !((needs & Entry::kAxialLoad) != 0 && scale.axial_load == 0) &&
+         !((needs & Entry::kTwoAxes) != 0 && axes.size() < 2) &&
+         !((needs & Entry::kTemperature) != 0 && !scale.has_temperature) &&
+         !((needs & Entry::kAuxiliary) != 0 && scale.auxiliary == 0) &&
+         !((needs & Entry::kHysteresis) != 0 && !hysteretic) &&
+         !((needs & Entry::kNoHysteresis) != 0 && hysteretic) &&
+         !((needs & Entry::kSlider) != 0 && !holds(base, kSliders)) &&
+         !((needs & Entry::kRule) != 0 && !holds(base, std::array{kRuled})) &&
+         !((needs & Entry::kLoadCell) != 0 && scale.force == 0) &&
+         !((needs & Entry::kNoServoLoop) != 0 && holds(base, kServoLoops));
+}
+
+double natural_size(std::string_view symbol, const NaturalScale& scale) {
+  if (symbol == "N") return scale.force;
+  if (symbol == "m") return scale.displacement;
+  if (symbol == "s") return scale.displacement / scale.velocity;
+  if (symbol == "J") return scale.force * scale.displacement;
+  if (symbol == "A") return scale.auxiliary;
+  if (symbol == sim::kChannelUnit) return scale.output;
+  return 1;
+}
+
+}  // namespace
+
+double natural_unit(std::string_view unit, const NaturalScale& scale) {
+  if (unit == "s" || unit == "-") return 1;
+  if (unit == "kg") return scale.force / scale.acceleration;
+  if (unit == "channel/s") return scale.output / scale.duration;
+  double product = 1;
+  for (const auto& [symbol, power] : factors_of(unit))
+    product *= std::pow(natural_size(symbol, scale), power);
+  return product;
+}
+
+std::vector<Candidate> candidates_of(Target target, const Hypothesis& base,
+                                     const NaturalScale& scale,
+                                     const std::vector<std::size_t>& axes,
+                                     const std::vector<std::string>& without) {
+  std::vector<Candidate> result;
+  for (const auto& entry : library()) {
+    if (entry.target != target || !are_met(entry, base, scale, axes)) continue;
+    for (auto& candidate : Builder{entry, base, scale, axes}.build()) {
+      const bool barred = std::any_of(without.begin(), without.end(), [&](const auto& name) {
+        return name == candidate.name || name == candidate.kind;
+      });
+      if (!barred) result.push_back(std::move(candidate));
+    }
+  }
+  return result;
+}
+
+std::pair<std::vector<std::size_t>, std::string> meant_by(const std::string& parameter,
+                                                          const std::vector<ModelTerm>& terms) {
+  const auto dot = parameter.rfind('.');
+  if (dot == std::string::npos)
+    throw Error{fmt::format("'{}' is not a parameter, expected term.parameter", parameter)};
+  const std::string term = parameter.substr(0, dot);
+  std::pair<std::vector<std::size_t>, std::string> meant{{}, parameter.substr(dot + 1)};
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const std::string& name = terms[i].settings.name;
+    bool is_meant = name == term;
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+      is_meant = is_meant || name == term + "." + axis_name(axis);
+    if (is_meant) meant.first.push_back(i);
+  }
+  if (meant.first.empty()) throw Error{fmt::format("'{}': there is no term '{}'", parameter, term)};
+  return meant;
+}
+
+}  // namespace rths::diagnosis

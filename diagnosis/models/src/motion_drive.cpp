@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "motion_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/identification/signal.hpp>
+
+#include "state_axes.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr int kOrder = 4;               // of filters, one pass
+constexpr double kModelCutoff = 0.36;   // of the model's rate: below half of it
+constexpr double kLowestCrossover = 2;  // between displacement and acceleration [Hz]
+constexpr double kSpoiltTime = 1;       // at the end, by filters and fusing [s]
+constexpr double kSpoiltShare = 0.02;   // of the record, at most
+
+VectorXd column(const Record& record, const std::string& role) {
+  const Channel* channel = record.find(role);
+  if (channel == nullptr) return {};
+  return Eigen::Map<const VectorXd>(channel->values.data(),
+                                    static_cast<Index>(channel->values.size()));
+}
+
+const Channel* first_auxiliary(const Record& record) {
+  for (const auto& channel : record.channels)
+    if (channel.role.starts_with("auxiliary.")) return &channel;
+  return nullptr;
+}
+
+VectorXd without_rest(VectorXd signal, const Record& record) {
+  if (signal.size() == 0 || !record.quiet) return signal;
+  const auto [from, to] = *record.quiet;
+  const double level =
+      signal.segment(static_cast<Index>(from), static_cast<Index>(to - from)).mean();
+  return signal.array() - level;
+}
+
+// Standard deviation of the white noise, from differences of neighbouring samples.
+double jitter(const VectorXd& signal, const Record& record) {
+  Index from = 0, count = signal.size();
+  if (record.quiet) {
+    from = static_cast<Index>(record.quiet->first);
+    count = static_cast<Index>(record.quiet->second) - from;
+  }
+  const VectorXd x = signal.segment(from, count);
+  const VectorXd step = x.tail(count - 1) - x.head(count - 1);
+  return std::sqrt((step.array() - step.mean()).square().mean() / 2);
+}
+
+VectorXd fused_motion(const Record& record, const VectorXd& displacement,
+                      const VectorXd& acceleration) {
+  const double least = 1e-9;
+  const double ratio = std::max(jitter(acceleration, record), least) /
+                       std::max(jitter(displacement, record), least * least);
+  const double crossover = std::max(kLowestCrossover, std::sqrt(ratio) / (2 * std::numbers::pi));
+  return fused(displacement, acceleration, std::min(crossover, 0.2 / record.time_step),
+               record.time_step);
+}
+
+// Filters and thins samples of the record to steps of the model.
+class Thinner {
+ public:
+  Thinner(const Record& record, const Pace& pace)
+      : step_{record.time_step},
+        factor_{std::max(1, static_cast<int>(std::round(1 / (step_ * pace.model_rate))))} {}
+  [[nodiscard]] double model_step() const { return step_ * factor_; }
+  [[nodiscard]] VectorXd operator()(const VectorXd& signal) const {
+    if (signal.size() == 0 || factor_ == 1) return signal;
+    return thinned(low_passed(signal, kOrder, kModelCutoff / model_step(), step_), factor_);
+  }
+
+ private:
+  double step_;
+  int factor_;
+};
+
+void take_motion(const Record& record, const MotionChannels& channels, std::size_t axis,
+                 const Thinner& thinner, MotionDrive& drive) {
+  const std::string& name = axis_name(axis);
+  VectorXd motion = without_rest(column(record, channels.motion + "." + name), record);
+  if (motion.size() == 0)
+    throw Error{fmt::format("{}: {}.{} is not recorded, but the model is driven by it", record.name,
+                            channels.motion, name)};
+  const VectorXd acceleration = without_rest(column(record, "acceleration." + name), record);
+  const bool fuses = channels.fuses_acceleration && acceleration.size() > 0;
+  if (fuses) motion = fused_motion(record, motion, acceleration);
+  // Differences damp high frequencies, so they are taken before thinning.
+  drive.motion[axis] = thinner(motion);
+  drive.rate[axis] = thinner(rate_of(motion, record.time_step));
+  drive.second_rate[axis] =
+      thinner(fuses ? acceleration : second_rate_of(motion, record.time_step));
+}
+
+VectorXd predicted_channel(const Record& record, const MotionChannels& channels, std::size_t axis) {
+  const std::string& name = axis_name(axis);
+  VectorXd signal = column(record, channels.predicted + "." + name);
+  if (signal.size() == 0)
+    throw Error{fmt::format("{}: {}.{} is not recorded, but the model predicts it", record.name,
+                            channels.predicted, name)};
+  if (channels.predicted != "force") signal = without_rest(signal, record);
+  const VectorXd acceleration = without_rest(column(record, "acceleration." + name), record);
+  if (channels.fuses_prediction && acceleration.size() > 0)
+    signal = fused_motion(record, signal, acceleration);
+  return signal;
+}
+
+// Rows that the gaps of a record spoil, also through the filter of the comparison.
+Eigen::ArrayXd present_rows(const Record& record, const MotionDrive& drive) {
+  constexpr double kSpread = 0.1;  // of the filter [s]
+  if (record.gaps.empty()) return {};
+  Eigen::ArrayXd present = Eigen::ArrayXd::Ones(drive.all_rows);
+  const auto row_at = [&](double time) {
+    return std::clamp<Index>(static_cast<Index>(time / drive.time_step), 0, drive.all_rows - 1);
+  };
+  for (const auto& [last, next] : record.gaps) {
+    const Index from = row_at(static_cast<double>(last) * record.time_step - kSpread);
+    const Index to = row_at(static_cast<double>(next) * record.time_step + kSpread);
+    present.segment(from, to - from + 1).setZero();
+  }
+  return present;
+}
+
+}  // namespace
+
+const std::string& axis_name(std::size_t axis) {
+  static const std::string names[] = {"long", "lat"};
+  return names[axis];
+}
+
+VectorXd MotionDrive::compared(const VectorXd& signal) const {
+  VectorXd result = signal;
+  if (cutoff > 0) result = thinned(low_passed(signal, kOrder, cutoff, model_step), thinning);
+  return result.head(std::min(result.size(), all_rows));
+}
+
+std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChannels& channels,
+                                          const std::vector<std::size_t>& axes, const Pace& pace) {
+  auto drive = std::make_unique<MotionDrive>();
+  const Thinner thinner{record, pace};
+  drive->model_step = thinner.model_step();
+  drive->thinning =
+      std::max(1, static_cast<int>(std::round(1 / (drive->model_step * pace.compare_rate))));
+  // A record sampled no faster than the comparison rate needs no filter.
+  drive->cutoff = pace.cutoff < 0.45 / drive->model_step ? pace.cutoff : 0;
+  if (drive->cutoff == 0) drive->thinning = 1;
+  drive->start = record.start;
+  drive->time_step = drive->model_step * drive->thinning;
+  for (const std::size_t axis : axes) take_motion(record, channels, axis, thinner, *drive);
+  for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+    drive->specimen_force[axis] = thinner(column(record, "force." + axis_name(axis)));
+  drive->axial_load = thinner(column(record, "vertical_force"));
+  drive->temperature = thinner(column(record, "temperature"));
+  const Channel* auxiliary = first_auxiliary(record);
+  if (auxiliary != nullptr) drive->auxiliary = thinner(column(record, auxiliary->role));
+
+  const Index steps = drive->motion[axes[0]].size();
+  const Index rows = (steps + drive->thinning - 1) / drive->thinning;
+  const double length = static_cast<double>(rows) * drive->time_step;
+  const auto spoilt =
+      static_cast<Index>(std::min(kSpoiltTime, kSpoiltShare * length) / drive->time_step);
+  drive->all_rows = std::max<Index>(1, rows - spoilt);
+  drive->first_row = std::min<Index>(
+      static_cast<Index>(std::ceil(record.settle / drive->time_step)), drive->all_rows - 1);
+  drive->present = present_rows(record, *drive);
+  drive->measured.resize(drive->all_rows, static_cast<Index>(axes.size()));
+  drive->displacement.resize(drive->all_rows, static_cast<Index>(axes.size()));
+  drive->velocity = drive->displacement;
+  drive->state_names.assign(axes.size(), {"displacement", "m"});
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto output = static_cast<Index>(i);
+    drive->measured.col(output) =
+        drive->compared(thinner(predicted_channel(record, channels, axes[i])));
+    // State of the platen; for an actuator, the predicted quantity itself.
+    const bool is_actuator = channels.predicted == "displacement";
+    drive->displacement.col(output) = is_actuator ? VectorXd{drive->measured.col(output)}
+                                                  : drive->compared(drive->motion[axes[i]]);
+    drive->velocity.col(output) = is_actuator
+                                      ? rate_of(drive->measured.col(output), drive->time_step)
+                                      : drive->compared(drive->rate[axes[i]]);
+  }
+  add_state_axes(axes, channels.predicted == "force", auxiliary, *drive);
+  return drive;
+}
+
+}  // namespace rths::diagnosis

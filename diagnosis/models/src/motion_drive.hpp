@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include <rths/identification/relation.hpp>
+#include <rths/sim/term.hpp>
+
+namespace rths::diagnosis {
+
+using Axes = std::array<Eigen::VectorXd, sim::kHorizontalAxes>;  ///< long, lat
+
+/// Rates at which a composition runs and is compared.
+struct Pace {
+  double model_rate;    ///< at most [Hz]
+  double cutoff;        ///< of the filter of prediction and measurement [Hz]
+  double compare_rate;  ///< at most [Hz]
+};
+
+/// Signals that drive a composition, at its rate: one number per step, empty if not recorded.
+class MotionDrive final : public Drive {
+ public:
+  double model_step = 0;                    ///< [s]
+  int thinning = 1;                         ///< steps per row
+  Eigen::Index all_rows = 0;                ///< rows not spoilt by the ends of the filters
+  Axes motion, rate, second_rate;           ///< [m], [m/s], [m/s²]
+  Axes specimen_force;                      ///< recorded; actuators may yield under it [N]
+  Eigen::VectorXd axial_load, temperature;  ///< [N], [K]
+  Eigen::VectorXd auxiliary;                ///< first channel that controls a device [its unit]
+
+  /// Cache of the specimen's output for this motion: most suppositions do not change it.
+  struct Known {
+    std::string signature;
+    std::vector<double> parameters;
+    Axes output;
+  };
+  mutable std::optional<Known> known;
+
+  /// Filters and thins a signal at the model's rate to the compared rows.
+  [[nodiscard]] Eigen::VectorXd compared(const Eigen::VectorXd& signal) const;
+};
+
+/// Channels of a record that drive a composition, and channels that it predicts.
+struct MotionChannels {
+  std::string motion;     ///< family that drives the composition: "displacement", "command"
+  std::string predicted;  ///< predicted family: "force", "displacement", "acceleration"
+  bool fuses_acceleration = false;  ///< into the motion, where it was measured
+  bool fuses_prediction = false;    ///< into the predicted displacement
+};
+
+/// Prepares a record. Motions have their mean over the quiet interval removed, if there is one.
+/// @param axes  axes of which both motion and prediction were recorded
+/// @throws Error if the record lacks the motion
+[[nodiscard]] std::unique_ptr<MotionDrive> motion_drive(const Record& record,
+                                                        const MotionChannels& channels,
+                                                        const std::vector<std::size_t>& axes,
+                                                        const Pace& pace);
+
+[[nodiscard]] const std::string& axis_name(std::size_t axis);
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/models/relations.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <rths/core/config.hpp>
+#include <rths/core/error.hpp>
+
+#include "composition_relation.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using sim::Stage;
+
+constexpr Pace kForcePace{250, 25, 62.5};
+constexpr Pace kActuatorPace{500, 45, 125};
+// Above a few hertz, an accelerometer measures an acceleration better than the displacement implies
+// it.
+constexpr Pace kAccelerometerPace{250, 5, 15.625};
+
+// The rates that the case states; 2.5 rows per period at the cutoff of the filter.
+Pace pace_of(const Case& c, Pace usual) {
+  if (c.comparison.model_rate) usual.model_rate = *c.comparison.model_rate;
+  if (c.comparison.cutoff) {
+    usual.compare_rate *= *c.comparison.cutoff / usual.cutoff;
+    usual.cutoff = *c.comparison.cutoff;
+  }
+  return usual;
+}
+
+std::vector<std::size_t> axes_with(const Case& c, const std::vector<std::string>& families) {
+  const auto records = moving_records(c);
+  std::vector<std::size_t> axes;
+  for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+    const bool is_whole = std::all_of(records.begin(), records.end(), [&](const Record* record) {
+      return std::all_of(families.begin(), families.end(), [&](const std::string& family) {
+        return record->find(family + "." + axis_name(axis)) != nullptr;
+      });
+    });
+    if (is_whole) axes.push_back(axis);
+  }
+  return axes;
+}
+
+bool belongs_to(const sim::TermSettings& term, const std::string& predicted) {
+  const sim::TermKind& kind = sim::term_kind(term.kind);
+  if (predicted == "displacement")
+    return kind.stage == Stage::Actuator ||
+           (kind.stage == Stage::Sensor && term.channel == sim::Channel::Displacement);
+  if (predicted == "acceleration")
+    return kind.stage == Stage::Sensor && term.channel == sim::Channel::Acceleration;
+  return kind.stage != Stage::Actuator &&
+         !(kind.stage == Stage::Sensor && term.channel != sim::Channel::Force);
+}
+
+FreeParameter free_parameter(const FittedParameter& fitted, const std::vector<ModelTerm>& terms,
+                             double& value) {
+  const auto [meant, name] = meant_by(fitted.name, terms);
+  const sim::TermSettings& term = terms[meant[0]].settings;
+  for (const auto& parameter : sim::term_kind(term.kind).parameters) {
+    if (parameter.name != name) continue;
+    value = parameter.absent;
+    for (const auto& [key, number] : term.parameters)
+      if (key == name) value = number;
+    FreeParameter free{fitted.name, std::string{parameter.unit}, parameter.low, parameter.high, 1};
+    if (fitted.bounds) {
+      free.low = std::max(free.low, fitted.bounds->first);
+      free.high = std::min(free.high, fitted.bounds->second);
+    }
+    const double typical = std::abs(value) > 0 ? std::abs(value) : std::abs(parameter.typical);
+    free.scale = 0.1 * (typical > 0 ? typical : 1);
+    return free;
+  }
+  throw Error{"fitted: term '" + term.kind + "' has no parameter '" + name + "'"};
+}
+
+// The terms of the model that predict a channel, and the parameters of them that were fitted.
+Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_offsets) {
+  Hypothesis base;
+  const auto all = sim::read_terms(c.model.table.without("bounds"));
+  for (const auto& term : all)
+    // Rounding is known: it is part of the noise.
+    if (belongs_to(term, predicted) && term.kind != "quantisation")
+      base.terms.push_back({term, ""});
+  std::vector<double> values;
+  for (const auto& fitted : c.model.fitted) {
+    const std::string term = fitted.name.substr(0, fitted.name.rfind('.'));
+    const auto is_it = [&](const ModelTerm& placed) {
+      return placed.settings.name == term || placed.settings.name.starts_with(term + ".");
+    };
+    const auto found = std::find_if(base.terms.begin(), base.terms.end(), is_it);
+    if (found == base.terms.end()) continue;
+    // Offsets differ between records, so each record has its own removed.
+    if (found->settings.kind == "offset") {
+      has_free_offsets = true;
+      continue;
+    }
+    double value = 0;
+    base.free.push_back(free_parameter(fitted, base.terms, value));
+    values.push_back(value);
+  }
+  if (has_free_offsets)
+    std::erase_if(base.terms,
+                  [](const ModelTerm& placed) { return placed.settings.kind == "offset"; });
+  base.values =
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  return base;
+}
+
+// A recording does not tell when within a sample a command took effect or a reading was taken.
+void allow_half_a_sample(Hypothesis& base, double time_step) {
+  for (const auto& [settings, component] : base.terms) {
+    const std::string name = settings.name + ".delay";
+    const bool is_free = std::any_of(base.free.begin(), base.free.end(),
+                                     [&](const auto& free) { return free.name == name; });
+    if (settings.kind != "actuator_delay" || is_free) continue;
+    double delay = 0;
+    for (const auto& [key, value] : settings.parameters)
+      if (key == "delay") delay = value;
+    base.free.push_back({name, "s", std::max(0.0, delay - time_step / 2), delay + time_step / 2,
+                         time_step / 10, true});
+    base.values.conservativeResize(base.values.size() + 1);
+    base.values[base.values.size() - 1] = delay;
+    return;
+  }
+}
+
+bool has_stage(const Case& c, Stage stage) {
+  const auto terms = sim::read_terms(c.model.table.without("bounds"));
+  return std::any_of(terms.begin(), terms.end(),
+                     [&](const auto& term) { return sim::term_kind(term.kind).stage == stage; });
+}
+
+}  // namespace
+
+void check_fitted(const Case& c) {
+  std::vector<std::string> known;
+  const auto add = [&](const std::string& name) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
+  };
+  for (const auto& term : sim::read_terms(c.model.table.without("bounds")))
+    for (const auto& parameter : sim::term_kind(term.kind).parameters) {
+      add(fmt::format("{}.{}", term.name, parameter.name));
+      // One name for the values of both axes.
+      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+        if (term.name.ends_with("." + axis_name(axis)))
+          add(fmt::format("{}.{}", term.name.substr(0, term.name.rfind('.')), parameter.name));
+    }
+  for (const auto& fitted : c.model.fitted)
+    if (std::find(known.begin(), known.end(), fitted.name) == known.end())
+      c.model.table.fail("fitted", fmt::format("the model has no parameter '{}'{}", fitted.name,
+                                               did_you_mean_one_of(fitted.name, known)));
+}
+
+std::unique_ptr<Relation> accelerometer_relation(const Case& c,
+                                                 const std::vector<std::string>& without) {
+  CompositionSetup setup{"displacement to acceleration",
+                         Part::Sensor,
+                         {"displacement", "acceleration", false, false},
+                         kAccelerometerPace,
+                         axes_with(c, {"displacement", "acceleration"}),
+                         true,
+                         {},
+                         without};
+  if (setup.axes.empty()) return nullptr;
+  setup.base = base_of(c, "acceleration", setup.has_free_offsets);
+  return std::make_unique<CompositionRelation>(std::move(setup), moving_records(c));
+}
+
+std::unique_ptr<Relation> actuator_relation(const Case& c,
+                                            const std::vector<std::string>& without) {
+  if (c.model.kind != "servo_axis" && !has_stage(c, Stage::Actuator)) return nullptr;
+  CompositionSetup setup{"command to displacement",
+                         Part::Actuator,
+                         {"command", "displacement", false, true},
+                         pace_of(c, kActuatorPace),
+                         axes_with(c, {"command", "displacement"}),
+                         true,
+                         {},
+                         without};
+  if (setup.axes.empty()) return nullptr;
+  setup.base = base_of(c, "displacement", setup.has_free_offsets);
+  allow_half_a_sample(setup.base, moving_records(c)[0]->time_step);
+  return std::make_unique<CompositionRelation>(std::move(setup), moving_records(c));
+}
+
+std::unique_ptr<Relation> force_relation(const Case& c, const std::vector<std::string>& without) {
+  if (c.model.kind == "servo_axis") return nullptr;
+  CompositionSetup setup{"motion to force",
+                         Part::Bearing,
+                         {"displacement", "force", true, false},
+                         pace_of(c, kForcePace),
+                         axes_with(c, {"displacement", "force"}),
+                         false,
+                         {},
+                         without};
+  if (setup.axes.empty())
+    throw Error{"no axis has both displacement and force, which a model of kind '" + c.model.kind +
+                "' needs"};
+  setup.base = base_of(c, "force", setup.has_free_offsets);
+  return std::make_unique<CompositionRelation>(std::move(setup), moving_records(c));
+}
+
+}  // namespace rths::diagnosis

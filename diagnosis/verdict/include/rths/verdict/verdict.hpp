@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <rths/cases/case.hpp>
+#include <rths/experiment_design/next_test.hpp>
+#include <rths/identification/forms.hpp>
+#include <rths/identification/hypothesis.hpp>
+#include <rths/identification/intervals.hpp>
+#include <rths/identification/investigation.hpp>
+
+namespace rths::diagnosis {
+
+/// Result of a diagnosis. None and Unknown are full answers, like Missing.
+enum class Outcome {
+  Missing,  ///< the simulation left out terms of the catalogue
+  None,     ///< the residual is noise
+  Unknown   ///< a systematic discrepancy that no term of the catalogue explains
+};
+
+/// A term that the records cannot distinguish from the named one.
+struct Alternative {
+  std::string name, title;
+  double share = 0;  ///< its gain on records it was not fitted to, over the named term's gain [-]
+  std::string test;  ///< that would separate the two; empty: no known test does
+  double sigma = 0;  ///< separation in that test [standard deviations]
+};
+
+/// A term that the simulation left out.
+struct Cause {
+  std::string name;  ///< in the catalogue, or with its channel: "accelerometer_gain"
+  std::string title, equation;
+  Part part = Part::Machine;
+  bool is_rule = false;   ///< replaces the model's rule of hysteresis instead of adding a term
+  std::string channel;    ///< role in which it appears: "force", "displacement"
+  double confidence = 0;  ///< share of resampled records in which it is the best term [-]
+  double explained = 0;   ///< share of the energy beyond the noise [-]
+  std::vector<Estimate> parameters;
+  std::vector<Alternative> alternatives;
+};
+
+/// A cell of the displacement-velocity plane.
+struct StateCell {
+  std::pair<double, double> displacement, velocity;  ///< from, to [m], [m/s]
+  double share = 0;                                  ///< of the energy beyond the noise [-]
+};
+
+/// Energy beyond the noise over one variable, by cell.
+struct Profile {
+  std::string name;  ///< "axial load"
+  std::string unit;
+  std::vector<double> edges;  ///< one more than cells
+  std::vector<double> share;  ///< of the energy beyond the noise; < 0: less energy than noise
+};
+
+/// Place of the mismatch, without naming a term: the smallest sets of cells that hold 80 % of the
+/// energy beyond the noise.
+struct Where {
+  Part part = Part::Machine;
+  std::string channel;                               ///< role: "force.long"; several: "force"
+  std::string record;                                ///< of the maps
+  std::vector<std::pair<double, double>> intervals;  ///< [s]
+  std::vector<std::pair<double, double>> bands;      ///< [Hz]
+  std::vector<StateCell> states;
+  std::vector<StateCell> state_map;  ///< all visited cells, for figures; may be empty
+  std::vector<Profile> profiles;     ///< over time, frequency and other recorded variables
+};
+
+/// Error of the proof with a changed set of terms.
+struct Ablation {
+  std::string what;  ///< "without coulomb_friction", "quadratic_drag instead of coulomb_friction"
+  double nrmse = 0;  ///< on the record of the proof
+};
+
+/// Evidence for one candidate alone.
+struct Evidence {
+  std::string name, title;
+  double gain = 0, low = 0, high = 0;  ///< log-likelihood per observation, 90 % bootstrap [nat]
+};
+
+/// Measurement and predictions of a record before and after: equally long, compared rows only.
+/// Free offsets of the predictions are removed.
+struct Trace {
+  std::string record, channel, unit;
+  std::string use;               ///< of the record: "fit", "held_out"
+  double cutoff = 0;             ///< of the low-pass filter that all curves passed [Hz]; 0: none
+  std::vector<double> time;      ///< [s]
+  std::vector<double> abscissa;  ///< displacement or input; may be empty
+  std::string abscissa_label;
+  std::vector<double> measured, stated, before, after;  ///< [unit]
+  /// Predictions without one of several named causes, everything else fitted again, by its name.
+  /// Of the records that a page shows.
+  std::vector<std::pair<std::string, std::vector<double>>> without;
+  std::vector<double> noise;   ///< standard deviation of the residual's noise [unit]
+  std::vector<double> excess;  ///< share of the excess energy, by sample
+};
+
+/// A refitted parameter of the simulation. Left-out physics biases these parameters: `before` and
+/// `after` show by how much.
+struct Refitted {
+  std::string name, unit;  ///< unit: SI
+  double stated = 0;       ///< in the case
+  double before = 0;       ///< fitted without the named terms
+  double after = 0;        ///< with them
+};
+
+/// Errors over all records of the proof: of the held-out records, or of the fitted ones if there
+/// are none. Root mean squares over the standard deviation of the measurement.
+struct ProofSummary {
+  double before = 0;               ///< refitted without the named terms
+  double after = 0;                ///< with them
+  double floor = 0;                ///< of sensor noise alone
+  double explained = 0;            ///< of the energy of the error beyond the noise [-]
+  bool is_systematic = false;      ///< the error that is left is coloured and well above the noise
+  bool has_noise_at_rest = false;  ///< the noise was measured, not guessed from samples in motion
+};
+
+/// All results of a diagnosis.
+struct Verdict {
+  std::string case_name;
+  Outcome outcome = Outcome::None;
+  std::string sentence;  ///< the summary
+  Where where;
+  std::vector<Cause> causes;
+  double confidence = 0;       ///< in the outcome [-]
+  bool has_remainder = false;  ///< a systematic residual remains besides the named causes
+  ProofSummary proof;
+  std::vector<RecordScore> fit;
+  std::vector<Refitted> refitted;
+  std::string proof_record;  ///< last record that was not used before; empty: there is none
+  std::vector<Ablation> ablation;
+  bool residual_white = false;
+  std::vector<double> residual_correlation;  ///< of the proof, from lag 1 on
+  double correlation_bound = 0;  ///< 95 % of the lags of noise lie within ± this; 0: not known
+  std::vector<Description> descriptions;  ///< best first
+  std::vector<Evidence> evidence;         ///< best first, of the first term
+  std::vector<std::string> limits;        ///< missing channels, noise model, unvisited states
+  std::vector<std::string> assumed;       ///< terms that the simulation already has
+  std::vector<std::string> searched;      ///< effects that could have been named
+  std::string next_test;                  ///< proposed next; empty: none
+  TestMotion next_motion;                 ///< of that test; no channels: there is none
+  std::string noise_model;                ///< source of the noise
+  std::string noise_remedy;   ///< how to measure the noise; empty: it was measured at rest
+  std::string fragment;       ///< TOML of the improved model, for experiments
+  CaseSource improved;        ///< the improved case, and experiment; empty: none
+  std::vector<Trace> traces;  ///< of every record and output of the relation that is shown
+  bool synthetic = false;     ///< the recordings come from models, not from a laboratory
+  double seconds = 0;         ///< run time
+};
+
+/// "missing", "none", "unknown"
+[[nodiscard]] std::string name_of(Outcome outcome);
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/verdict/diagnose.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/experiment_design/next_test.hpp>
+#include <rths/identification/investigation.hpp>
+#include <rths/identification/lattice.hpp>
+#include <rths/models/barred.hpp>
+#include <rths/models/dynamic_relation.hpp>
+#include <rths/models/relations.hpp>
+#include <rths/sim/composition.hpp>
+
+#include "improved.hpp"
+#include "limits.hpp"
+#include "report.hpp"
+#include "where.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Investigations = std::vector<std::unique_ptr<Investigation>>;
+
+bool is_acceleration(const Investigation& found) {
+  return found.relation->outputs()[0].first.starts_with("acceleration");
+}
+
+using PerAxis = std::array<double, sim::kHorizontalAxes>;
+
+// The channels of one record that the correction of accelerometers uses, by axis; null: none.
+struct AccelerometerChannels {
+  std::array<Channel*, sim::kHorizontalAxes> acceleration{};
+  std::array<const Channel*, sim::kHorizontalAxes> displacement{};
+
+  explicit AccelerometerChannels(Record& record) {
+    for (auto& channel : record.channels)
+      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+        const char* name = axis == 0 ? "long" : "lat";
+        if (channel.role == fmt::format("acceleration.{}", name)) acceleration[axis] = &channel;
+        if (channel.role == fmt::format("displacement.{}", name)) displacement[axis] = &channel;
+      }
+  }
+  [[nodiscard]] std::vector<PerAxis> measured(std::size_t samples) const {
+    std::vector<PerAxis> values(samples);
+    for (std::size_t k = 0; k < samples; ++k)
+      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+        values[k][axis] = acceleration[axis] != nullptr ? acceleration[axis]->values[k] : 0;
+    return values;
+  }
+  void set(const std::vector<PerAxis>& corrected) const {
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+      if (acceleration[axis] != nullptr)
+        for (std::size_t k = 0; k < corrected.size(); ++k)
+          acceleration[axis]->values[k] = corrected[k][axis];
+  }
+};
+
+// Parameters of a composition of a hypothesis' terms at its values.
+std::vector<double> parameters_at(const Hypothesis& hypothesis,
+                                  const sim::Composition& composition) {
+  std::vector<double> parameters(composition.parameters().begin(), composition.parameters().end());
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
+    const std::string& name = hypothesis.free[i].name;
+    const auto dot = name.rfind('.');
+    const std::string prefix = name.substr(0, dot);
+    for (const auto& term : composition.terms())
+      if (term.name == prefix || term.name.starts_with(prefix + "."))
+        parameters[composition.parameter_index(term.name, name.substr(dot + 1))] =
+            hypothesis.values[static_cast<Eigen::Index>(i)];
+  }
+  return parameters;
+}
+
+// One iteration of a = T⁻¹(y): adds the difference between y and T(a) to a.
+void improve(std::vector<PerAxis>& a, const std::vector<PerAxis>& y, const Record& record,
+             const AccelerometerChannels& channels, const sim::Composition& composition,
+             const std::vector<double>& parameters) {
+  std::vector<double> state(composition.states());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    sim::Quantities<double> q;
+    q.time = record.start + static_cast<double>(k) * record.time_step;
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
+      q.acceleration[axis] = a[k][axis];
+      if (channels.displacement[axis] != nullptr)
+        q.displacement[axis] = channels.displacement[axis]->values[k];
+    }
+    composition.advance(parameters, state, q);
+    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+      a[k][axis] += y[k][axis] - q.acceleration[axis];
+  }
+}
+
+// Removes the faults T of an accelerometer from its channel y, so that later relations see
+// corrected accelerations: a = T⁻¹(y) by iteration, since the faults are small.
+void correct(const Investigation& found, Case& c) {
+  constexpr int kRounds = 3;
+  const Hypothesis& named = found.selection.named;
+  std::vector<sim::TermSettings> terms;
+  for (const auto& term : named.terms) terms.push_back(term.settings);
+  for (auto& record : c.records) {
+    const AccelerometerChannels channels{record};
+    const sim::Composition composition{terms, record.time_step};
+    const auto parameters = parameters_at(named, composition);
+    const auto measured = channels.measured(record.samples());
+    auto corrected = measured;
+    for (int round = 0; round < kRounds; ++round)
+      improve(corrected, measured, record, channels, composition, parameters);
+    channels.set(corrected);
+  }
+}
+
+// Rounding is identified in the samples. Its contribution to the noise is not physics.
+std::vector<std::pair<std::string, double>> rounding_of(const std::vector<Lattice>& lattices) {
+  std::vector<std::pair<std::string, double>> added;
+  for (const auto& lattice : lattices)
+    added.emplace_back(lattice.role, lattice.step / std::sqrt(12.0));
+  return added;
+}
+
+std::string quantisation_of(const Lattice& lattice) {
+  return lattice.role.substr(0, lattice.role.find('.')) + "_quantisation";
+}
+
+void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
+  for (const auto& lattice : lattices) {
+    const std::string family = lattice.role.substr(0, lattice.role.find('.'));
+    const std::string name = quantisation_of(lattice);
+    const auto known = std::find_if(verdict.causes.begin(), verdict.causes.end(),
+                                    [&](const Cause& cause) { return cause.name == name; });
+    const Estimate step{lattice.role + ".step", lattice.unit, lattice.step, lattice.step,
+                        lattice.step};
+    if (known != verdict.causes.end()) {
+      known->parameters.push_back(step);
+      continue;
+    }
+    Cause cause;
+    cause.name = name;
+    cause.title = "coarse steps of the " + family + " sensor";
+    cause.equation = sim::term_kind("quantisation").equation;
+    cause.part = Part::Sensor;
+    cause.channel = family;
+    cause.confidence = lattice.on_steps;
+    cause.explained = 1;
+    cause.parameters = {step};
+    verdict.causes.push_back(std::move(cause));
+  }
+}
+
+// Number of causes: one for each family of channels.
+std::size_t lattices_named(const std::vector<Lattice>& lattices) {
+  std::set<std::string> families;
+  for (const auto& lattice : lattices)
+    families.insert(lattice.role.substr(0, lattice.role.find('.')));
+  return families.size();
+}
+
+// An investigation that found a cause and leaves nothing unknown.
+bool is_explained(const Investigation& found) { return found.is_named() && !found.is_unknown(); }
+
+template <class Condition>
+const Investigation* first_where(const Investigations& all, const Condition& holds) {
+  const auto first =
+      std::find_if(all.begin(), all.end(), [&](const auto& found) { return holds(*found); });
+  return first == all.end() ? nullptr : first->get();
+}
+
+void add_once(const std::string& name, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+// The terms that the simulation has, and the effects that were searched for.
+void list_terms(const Relation& relation, Verdict& verdict) {
+  for (const auto& term : relation.base().terms) add_once(term.settings.name, verdict.assumed);
+  for (const auto& candidate : relation.candidates(relation.base()))
+    add_once(candidate.name, verdict.searched);
+}
+
+// Moves the causes of an investigation to the front.
+void put_first(const Investigation& shown, std::vector<Cause>& causes) {
+  const auto& rounds = shown.selection.rounds;
+  std::stable_partition(causes.begin(), causes.end(), [&](const Cause& cause) {
+    return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& round) {
+      return round.chosen.candidate.name == cause.name &&
+             round.chosen.candidate.channel == cause.channel;
+    });
+  });
+}
+
+// Missing takes precedence over unknown, unknown over none; a relation further up the chain is
+// reported first.
+void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
+  const Investigation* explained = first_where(all, is_explained);
+  const Investigation* unknown =
+      first_where(all, [](const Investigation& found) { return found.is_unknown(); });
+  const Investigation* shown = explained != nullptr ? explained
+                               : unknown != nullptr ? unknown
+                                                    : all.back().get();
+  for (const auto& found : all)
+    if (found.get() != shown && (found->is_named() || found->is_unknown())) report(*found, verdict);
+  report(*shown, verdict);
+  verdict.where = where_of(*shown, c.map);
+  if (shown->is_named()) verdict.where.part = shown->selection.rounds[0].chosen.candidate.part;
+  put_first(*shown, verdict.causes);
+  for (const auto& found : all) {
+    if (is_composition(c.model.kind)) verdict.fragment += fragment_of(*found);
+    list_terms(*found->relation, verdict);
+  }
+  verdict.outcome = explained != nullptr ? Outcome::Missing
+                    : unknown != nullptr ? Outcome::Unknown
+                                         : Outcome::None;
+  verdict.has_remainder =
+      verdict.outcome == Outcome::Missing && (unknown != nullptr || shown->has_remainder());
+}
+
+// The cause of a verdict that a selection round names; null if it names none.
+Cause* cause_of(const SelectionRound& round, Verdict& verdict) {
+  for (auto& cause : verdict.causes)
+    if (cause.name == round.chosen.candidate.name &&
+        cause.channel == round.chosen.candidate.channel)
+      return &cause;
+  return nullptr;
+}
+
+// Adds the proposed test, and what separates each cause from its alternatives.
+void propose(const NextTest& next, Verdict& verdict) {
+  verdict.next_test = next.text;
+  verdict.next_motion = next.motion;
+  for (const auto& one : next.separating)
+    if (Cause* cause = cause_of(*one.round, verdict)) {
+      cause->alternatives[one.tied].test = one.text;
+      cause->alternatives[one.tied].sigma = one.sigma;
+    }
+  for (const auto* round : next.inseparable)
+    if (const Cause* cause = cause_of(*round, verdict))
+      verdict.limits.push_back(
+          fmt::format("No known test within {} times the recorded amplitude, rate and acceleration "
+                      "separates {} from its alternatives.",
+                      kReach, cause->name));
+}
+
+}  // namespace
+
+Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Case c = given;
+  reject_unknown_terms(options.without, c);
+  std::vector<const Record*> noisy;
+  for (const auto& record : c.records) noisy.push_back(&record);
+  auto lattices = coarse_lattices(moving_records(c));
+  const SensorNoise noise{noisy, c.noise, rounding_of(lattices)};
+  std::erase_if(lattices, [&](const Lattice& lattice) {
+    return has_rounding(c, lattice.role) ||
+           is_barred(options.without, quantisation_of(lattice), "quantisation");
+  });
+  Verdict verdict;
+  verdict.case_name = c.name;
+  Investigations all;
+  Progress progress{options.progress};
+  const auto examine = [&](std::unique_ptr<Relation> relation) {
+    if (relation)
+      all.push_back(investigate(std::move(relation), c.records, noise, options.seed, progress));
+  };
+  if (is_composition(c.model.kind)) {
+    check_fitted(c);
+    examine(accelerometer_relation(c, options.without));
+    if (!all.empty() && is_acceleration(*all[0]) && !all[0]->selection.named.terms.empty())
+      correct(*all[0], c);
+    examine(actuator_relation(c, options.without));
+    examine(force_relation(c, options.without));
+  } else {
+    examine(dynamic_relation(c, options.without));
+  }
+  if (all.empty())
+    throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
+                            c.model.kind)};
+  progress.enter("");
+  progress.begin_stage("place, intervals");
+  conclude(all, c, verdict);
+  progress.begin_stage("next test");
+  propose(next_test(all, c.model.kind == "bearing", verdict.outcome == Outcome::Unknown), verdict);
+  if (!lattices.empty()) {
+    add_lattices(lattices, verdict);
+    const auto is_rule = [](const Cause& cause) { return cause.is_rule; };
+    const auto first_rule =
+        std::stable_partition(verdict.causes.begin(), verdict.causes.end(), std::not_fn(is_rule));
+    const auto named = static_cast<std::size_t>(first_rule - verdict.causes.begin());
+    if (verdict.outcome == Outcome::None || named == lattices_named(lattices)) {
+      verdict.has_remainder = verdict.has_remainder || verdict.outcome == Outcome::Unknown;
+      verdict.outcome = Outcome::Missing;
+      verdict.where.part = Part::Sensor;
+      verdict.where.channel = lattices[0].role.substr(0, lattices[0].role.find('.'));
+    }
+  }
+  if (!verdict.causes.empty())
+    verdict.improved = improved_case(given, improved_model(c, all, lattices));
+  double confidence = 1;
+  for (const auto& cause : verdict.causes) confidence = std::min(confidence, cause.confidence);
+  verdict.confidence = confidence;
+  add_limits(c, noise, all, verdict);
+  verdict.sentence = sentence_of(verdict);
+  verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return verdict;
+}
+
+}  // namespace rths::diagnosis

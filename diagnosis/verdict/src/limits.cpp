@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kFurthest = 20;  // [m]: no test machine moves further
+
+std::string gaps_in(const Record& record) {
+  std::size_t samples = 0;
+  for (const auto& [last, next] : record.gaps) samples += next - last - 1;
+  return fmt::format("{}: {} gaps of {:.2g} s in all are not compared.", record.name,
+                     record.gaps.size(), static_cast<double>(samples) * record.time_step);
+}
+
+std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
+
+bool has_family(const Record& record, const std::string& family) {
+  return std::any_of(record.channels.begin(), record.channels.end(),
+                     [&](const auto& channel) { return family_of(channel.role) == family; });
+}
+
+bool is_horizontal(const std::string& role) {
+  return role.ends_with(".long") || role.ends_with(".lat");
+}
+
+// Whether a relation of compositions reads a channel.
+bool is_used_by_compositions(const Channel& channel, const Record& record) {
+  const std::string family = family_of(channel.role);
+  if (family == "vertical_force" || family == "temperature") return true;
+  if (family == "auxiliary") {
+    const auto first = std::find_if(record.channels.begin(), record.channels.end(),
+                                    [](const auto& c) { return family_of(c.role) == "auxiliary"; });
+    return first->role == channel.role;
+  }
+  const bool is_read = family == "command" || family == "displacement" ||
+                       family == "acceleration" || family == "force";
+  return is_read && is_horizontal(channel.role);
+}
+
+// Whether a dynamic model names the channel, or reads it for its added terms.
+bool is_used_by_model(const Channel& channel, const Record& record, const Model& model) {
+  if (channel.role.starts_with("predicted.")) return model.kind == "data";
+  if (model.kind != "data") {
+    const std::string text = model.table.to_toml();
+    return text.find('"' + channel.role + '"') != std::string::npos ||
+           text.find('\'' + channel.role + '\'') != std::string::npos;
+  }
+  if (record.find("predicted." + channel.role) != nullptr) return true;
+  const std::string family = family_of(channel.role);
+  return family == "input" || family == "command" || family == "displacement" ||
+         family == "velocity" || family == "acceleration";
+}
+
+std::string unused_channels(const Case& c) {
+  std::vector<std::string> unused;
+  for (const Record* record : moving_records(c))
+    for (const auto& channel : record->channels) {
+      const bool is_used = is_composition(c.model.kind)
+                               ? is_used_by_compositions(channel, *record)
+                               : is_used_by_model(channel, *record, c.model);
+      if (!is_used && std::find(unused.begin(), unused.end(), channel.role) == unused.end())
+        unused.push_back(channel.role);
+    }
+  if (unused.empty()) return "";
+  return fmt::format("Not used by a model of kind '{}': {}.", c.model.kind,
+                     fmt::join(unused, ", "));
+}
+
+// A displacement that no machine reaches is probably in another unit.
+std::vector<std::string> doubtful_units(const Case& c) {
+  std::vector<std::string> doubts;
+  for (const Record* record : moving_records(c))
+    for (const auto& channel : record->channels) {
+      const std::string family = family_of(channel.role);
+      if (channel.unit != "m" || (family != "displacement" && family != "command")) continue;
+      double most = 0;
+      for (const double value : channel.values) most = std::max(most, std::abs(value));
+      if (most > kFurthest)
+        doubts.push_back(fmt::format("{}: {} reaches {:.3g} m. Check its unit in [channels].",
+                                     record->name, channel.role, most));
+    }
+  return doubts;
+}
+
+// The errors of a relation are errors of filtered signals.
+std::string filter_of(const Investigation& found) {
+  const Drive& drive = found.problem->drive(0);
+  const std::string rate = fmt::format("{:.4g} Hz", 1 / drive.time_step);
+  return drive.cutoff > 0 ? fmt::format(
+                                "{}: errors are those of signals below {:.3g} Hz, compared at {}; "
+                                "measurement and prediction pass the same filter.",
+                                found.relation->name(), drive.cutoff, rate)
+                          : fmt::format("{}: signals are compared at {}, without a filter.",
+                                        found.relation->name(), rate);
+}
+
+// The largest states of the first record, once for each name.
+void add_visited(const Investigation& found, Verdict& verdict) {
+  const Drive& drive = found.problem->drive(0);
+  if (drive.displacement.size() == 0) return;
+  std::vector<std::pair<StateName, std::pair<double, double>>> largest;
+  for (std::size_t i = 0; i < drive.state_names.size(); ++i) {
+    const auto output = static_cast<Eigen::Index>(i);
+    const double u = drive.displacement.col(output).cwiseAbs().maxCoeff();
+    const double v = drive.velocity.col(output).cwiseAbs().maxCoeff();
+    const auto known = std::find_if(largest.begin(), largest.end(), [&](const auto& one) {
+      return one.first.name == drive.state_names[i].name;
+    });
+    if (known == largest.end())
+      largest.push_back({drive.state_names[i], {u, v}});
+    else
+      known->second = {std::max(known->second.first, u), std::max(known->second.second, v)};
+  }
+  for (const auto& [state, most] : largest)
+    verdict.limits.push_back(fmt::format(
+        "{}: states beyond {:.3g} {} and {:.3g} {}/s of {} were never visited.",
+        found.relation->name(), most.first, state.unit, most.second, state.unit, state.name));
+}
+
+// The first section of a record, from its start or to its end, in which nothing that drives the
+// test moves [s].
+std::optional<std::pair<double, double>> apparent_rest(const Record& record) {
+  constexpr double kStill = 2e-3;       // of the range of a channel
+  constexpr double kShortest = 0.5;     // [s]
+  constexpr std::size_t kFewest = 100;  // samples
+  const std::size_t n = record.samples();
+  std::size_t head = n, tail = n;  // samples at rest
+  bool is_driven = false;
+  for (const auto& channel : record.channels) {
+    const std::string family = family_of(channel.role);
+    if (family != "displacement" && family != "command" && family != "input") continue;
+    const auto& x = channel.values;
+    const auto [least, most] = std::minmax_element(x.begin(), x.end());
+    if (!(*most > *least)) continue;
+    is_driven = true;
+    const double still = kStill * (*most - *least);
+    const auto samples_within = [&](auto from, auto to) {
+      return static_cast<std::size_t>(
+          std::find_if(from, to,
+                       [&, first = *from](double v) { return std::abs(v - first) > still; }) -
+          from);
+    };
+    head = std::min(head, samples_within(x.begin(), x.end()));
+    tail = std::min(tail, samples_within(x.rbegin(), x.rend()));
+  }
+  const auto is_enough = [&](std::size_t samples) {
+    return is_driven && samples >= kFewest &&
+           static_cast<double>(samples) * record.time_step >= kShortest;
+  };
+  const auto at = [&](std::size_t sample) {
+    return record.start + static_cast<double>(sample) * record.time_step;
+  };
+  if (is_enough(head)) return std::pair{at(0), at(head - 1)};
+  if (is_enough(tail)) return std::pair{at(n - tail), at(n - 1)};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<std::string> limits_of_channels(const Case& c) {
+  std::vector<std::string> limits;
+  const Record& record = *moving_records(c)[0];
+  const auto lacks = [&](const char* family) { return !has_family(record, family); };
+  if (is_composition(c.model.kind)) {
+    if (lacks("acceleration"))
+      limits.emplace_back(
+          "No acceleration was recorded: estimates of inertia use displacement alone, and the "
+          "accelerometer's faults are not checked.");
+    if (lacks("vertical_force") && c.model.kind != "servo_axis")
+      limits.emplace_back(
+          "No vertical force was recorded: effects that depend on it cannot be distinguished from "
+          "others.");
+    if (lacks("temperature") && c.model.kind == "bearing")
+      limits.emplace_back("No temperature was recorded.");
+    if (lacks("command"))
+      limits.emplace_back("No command was recorded: actuators were not checked.");
+  }
+  if (const std::string unused = unused_channels(c); !unused.empty()) limits.push_back(unused);
+  for (auto& doubt : doubtful_units(c)) limits.push_back(std::move(doubt));
+  return limits;
+}
+
+std::string remedy_for_noise(const Case& c) {
+  constexpr double kPerSecond = 100;  // resolution of the proposal
+  for (const Record* record : moving_records(c))
+    if (const auto rest = apparent_rest(*record))
+      return fmt::format(
+          "{0} seems to be at rest from {1:g} to {2:g} s: if it is, quiet_s = [{1:g}, {2:g}] in "
+          "its "
+          "[[record]] measures the noise",
+          record->name, std::ceil(kPerSecond * rest->first) / kPerSecond,
+          std::floor(kPerSecond * rest->second) / kPerSecond);
+  return "a section without motion (quiet_s) or a record without motion (use = \"reference\") "
+         "would measure the noise";
+}
+
+void add_limits(const Case& c, const SensorNoise& noise,
+                const std::vector<std::unique_ptr<Investigation>>& all, Verdict& verdict) {
+  verdict.noise_model = noise.source();
+  verdict.limits.push_back("Source of the noise: " + noise.source() + ".");
+  if (!noise.was_seen_at_rest()) {
+    verdict.noise_remedy = remedy_for_noise(c);
+    verdict.limits.push_back(
+        "The noise was not measured at rest, so a small missing effect cannot "
+        "be told from noise: " +
+        verdict.noise_remedy + ".");
+  }
+  for (auto& limit : limits_of_channels(c)) verdict.limits.push_back(std::move(limit));
+  for (const auto& one : c.records)
+    if (!one.gaps.empty()) verdict.limits.push_back(gaps_in(one));
+  if (verdict.proof_record.empty())
+    verdict.limits.emplace_back("No record was held out for a proof.");
+  for (const auto& found : all) {
+    verdict.limits.push_back(filter_of(*found));
+    add_visited(*found, verdict);
+  }
+}
+
+}  // namespace rths::diagnosis

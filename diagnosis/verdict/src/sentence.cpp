@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+namespace rths::diagnosis {
+namespace {
+
+std::string number(double value) { return fmt::format("{:.3g}", value); }
+std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
+
+// ", platen mass 5.1e3 ± 20 kg": the first two parameters of a cause, which are its sizes.
+std::string sizes_of(const Cause& cause) {
+  std::string text;
+  for (std::size_t i = 0; i < cause.parameters.size() && i < 2; ++i) {
+    const Estimate& estimate = cause.parameters[i];
+    const auto dot = estimate.name.find('.');
+    std::string name = estimate.name.substr(dot + 1);
+    for (char& c : name)
+      if (c == '_' || c == '.') c = ' ';
+    const std::string unit = estimate.unit == "-" ? "" : " " + estimate.unit;
+    text += fmt::format(", {} {} ± {}{}", name, number(estimate.value),
+                        number((estimate.high - estimate.low) / 2), unit);
+  }
+  return text;
+}
+
+// "99.9 %", but 100 % only if nothing is left.
+std::string share_text(double share) {
+  constexpr double kNearlyAll = 0.9995;
+  if (share < 1 && share >= kNearlyAll) return "more than 99.9 %";
+  return fmt::format("{:.1f} %", 100 * share);
+}
+
+// "on the unseen record R the error falls from 26.3 % to 0.84 % (99.9 % of the unexplained energy)"
+std::string errors_of(const Verdict& verdict) {
+  constexpr std::size_t kMostListed = 3;
+  std::vector<const RecordScore*> unseen;
+  for (const auto& score : verdict.fit)
+    if (score.use == "held_out") unseen.push_back(&score);
+  if (unseen.empty()) return "no record was held out to prove it";
+  const auto changes = [](double before, double after) {
+    return fmt::format("{} from {} to {}", after <= before ? "falls" : "rises", percent(before),
+                       percent(after));
+  };
+  if (unseen.size() == 1)
+    return fmt::format("on the unseen record {} the error {}", unseen[0]->record,
+                       changes(unseen[0]->nrmse_before, unseen[0]->nrmse_after));
+  std::string each;
+  if (unseen.size() <= kMostListed) {
+    for (const auto* score : unseen)
+      each += fmt::format("{}{} {}", each.empty() ? "" : ", ", score->record,
+                          changes(score->nrmse_before, score->nrmse_after));
+    return "on the unseen records the error of " + each;
+  }
+  const auto worst = *std::max_element(
+      unseen.begin(), unseen.end(),
+      [](const auto* a, const auto* b) { return a->nrmse_after < b->nrmse_after; });
+  return fmt::format("on {} unseen records the error {}, at worst {} ({})", unseen.size(),
+                     changes(verdict.proof.before, verdict.proof.after),
+                     changes(worst->nrmse_before, worst->nrmse_after).substr(6), worst->record);
+}
+
+// "what is left is 31 times the sensors' noise, and systematic"
+std::string rest_of(const Verdict& verdict) {
+  constexpr double kNoise = 1.1;
+  const ProofSummary& proof = verdict.proof;
+  const double times = proof.after / proof.floor;
+  if (!(times < 1e6)) return "the sensors' noise is not known";
+  const std::string noise = proof.has_noise_at_rest ? "the sensors' noise" : "the guessed noise";
+  if (times < kNoise && !verdict.has_remainder) return "what is left is " + noise;
+  return fmt::format("what is left is {:.2g} times {}{}", times, noise,
+                     proof.is_systematic || verdict.has_remainder ? ", and systematic" : "");
+}
+
+// "friction (machine, …) and a different hysteresis rule: … (bearing, …)"
+std::string list_of(const std::vector<Cause>& causes) {
+  std::string text;
+  for (const auto& cause : causes)
+    text += fmt::format("{}{}{} ({}{})", text.empty() ? "" : " and ",
+                        cause.is_rule ? "a different hysteresis rule: " : "", cause.title,
+                        name_of(cause.part), sizes_of(cause));
+  return text;
+}
+
+std::string capitalised(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+// " Could also be viscous friction or quadratic drag."; with several causes, it starts with the
+// cause.
+std::string alternatives_of(const Cause& cause, bool is_only) {
+  std::string text;
+  for (const auto& alternative : cause.alternatives)
+    text += fmt::format("{}{}", text.empty() ? "" : " or ", alternative.title);
+  if (text.empty()) return text;
+  return is_only ? fmt::format(" Could also be {}.", text)
+                 : fmt::format(" {} could also be {}.", capitalised(cause.title), text);
+}
+
+// The alternatives of every cause, and the next test.
+std::string ties_of(const Verdict& verdict) {
+  std::string ties;
+  for (const auto& cause : verdict.causes)
+    ties += alternatives_of(cause, verdict.causes.size() == 1);
+  if (ties.empty()) return ties;
+  return ties + (verdict.next_test.empty() ? " No known test separates them."
+                                           : fmt::format(" Next test: {}.", verdict.next_test));
+}
+
+// The force is predicted from the measured motion, so errors of the motion remain outside.
+std::string of_force(const Verdict& verdict) {
+  return verdict.where.channel.starts_with("force") ? " of the force under the measured motion"
+                                                    : "";
+}
+
+std::string none_sentence(const Verdict& verdict) {
+  return verdict.proof_record.empty()
+             ? "Nothing is missing: the residual is noise."
+             : fmt::format("Nothing is missing: the residual is noise; {}.", errors_of(verdict));
+}
+
+// The errors of the proof, and the share of their energy that is explained.
+std::string proof_of(const Verdict& verdict) {
+  if (verdict.proof_record.empty()) return errors_of(verdict);
+  return fmt::format("{} ({} of the unexplained energy{}); {}", errors_of(verdict),
+                     share_text(verdict.proof.explained), of_force(verdict), rest_of(verdict));
+}
+
+std::string missing_sentence(const Verdict& verdict) {
+  return fmt::format("Missing: {}, confidence {:.2f}; {}.{}", list_of(verdict.causes),
+                     verdict.confidence, proof_of(verdict), ties_of(verdict));
+}
+
+std::string unknown_sentence(const Verdict& verdict) {
+  const std::string besides =
+      verdict.causes.empty()
+          ? ""
+          : fmt::format("besides {} ({}), ", list_of(verdict.causes), proof_of(verdict));
+  const std::string form =
+      verdict.descriptions.empty()
+          ? "none of the tried forms describes it"
+          : fmt::format(
+                "its best form is {}, which explains {:.0f} % of it on a record that it was not "
+                "fitted to",
+                verdict.descriptions[0].form, 100 * verdict.descriptions[0].share);
+  return fmt::format(
+      "Unknown: {}the residual of {} ({}) is systematic, and no term of the catalogue explains it; "
+      "{}.",
+      besides, verdict.where.channel, name_of(verdict.where.part), form);
+}
+
+}  // namespace
+
+std::string sentence_of(const Verdict& verdict) {
+  if (verdict.outcome == Outcome::None) return none_sentence(verdict);
+  const std::string text =
+      verdict.outcome == Outcome::Missing ? missing_sentence(verdict) : unknown_sentence(verdict);
+  // Without the noise at rest, a residual of wrongly estimated noise looks systematic.
+  const bool is_doubtful = verdict.outcome == Outcome::Unknown || verdict.has_remainder;
+  if (!is_doubtful || verdict.noise_remedy.empty()) return text;
+  return text + " The noise was not measured at rest: " + verdict.noise_remedy + ".";
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/identification/investigation.hpp>
+
+namespace rths::diagnosis {
+
+/// Maps the energy of the first record's residual beyond the noise over time, frequency and state.
+/// The residual is that of the model without the named terms.
+[[nodiscard]] Where where_of(const Investigation& found, const MapRange& range);
+
+/// Share of the excess energy at each row, for colours: rows × outputs, smoothed over a cell.
+[[nodiscard]] Eigen::MatrixXd excess_of(const Supposition& supposition, std::size_t record);
+
+}  // namespace rths::diagnosis

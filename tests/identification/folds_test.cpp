@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/folds.hpp>
+
+#include <gtest/gtest.h>
+
+#include "identification/linear_relation.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr Eigen::Index kFoldRows = 200;
+constexpr double kFoldStep = 0.05;  // 10 s: pieces of 1 s, 20 rows
+
+std::vector<Record> records_for(const std::vector<Use>& uses) {
+  std::vector<Record> records;
+  for (const Use use : uses)
+    records.push_back(linear_record("record " + std::to_string(records.size()), use, kFoldStep,
+                                    sine_of(3, kFoldRows), {}));
+  return records;
+}
+
+std::vector<std::string> names_of(const std::vector<const Record*>& records) {
+  std::vector<std::string> names;
+  for (const Record* record : records) names.push_back(record->name);
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(SplitOf, ScoresTheFirstOfTwoHeldOutRecords) {
+  const auto records = records_for({Use::HeldOut, Use::Fit, Use::Reference, Use::HeldOut});
+
+  const Split split = split_of(records);
+
+  EXPECT_TRUE(split.by_record);
+  EXPECT_EQ(names_of(split.records), (Names{"record 1", "record 0"}));
+  EXPECT_EQ(names_of(split.held), (Names{"record 3"}));
+}
+
+TEST(SplitOf, HoldsOutAllIfManyRecordsFit) {
+  const auto records =
+      records_for({Use::Fit, Use::Fit, Use::Fit, Use::Fit, Use::HeldOut, Use::HeldOut});
+
+  const Split split = split_of(records);
+
+  EXPECT_FALSE(split.by_record);
+  EXPECT_EQ(split.records.size(), 4U);
+  EXPECT_EQ(names_of(split.held), (Names{"record 4", "record 5"}));
+}
+
+TEST(SplitOf, HoldsOutOneOrThreeRecords) {
+  for (const std::size_t count : {1U, 3U}) {
+    std::vector<Use> uses(count, Use::HeldOut);
+    uses.push_back(Use::Fit);
+    const auto records = records_for(uses);
+
+    const Split split = split_of(records);
+
+    EXPECT_FALSE(split.by_record);
+    EXPECT_EQ(split.records.size(), 1U);
+    EXPECT_EQ(split.held.size(), count);
+  }
+}
+
+struct Divided {
+  explicit Divided(std::vector<Record> all) : records{std::move(all)} {}
+  LinearRelation relation;
+  std::vector<Record> records;
+  Split split = split_of(records);
+  Problem problem{relation, split.records, SensorNoise{split.records, {}}, 1};
+  Folds folds = folds_of(split, problem);
+};
+
+std::vector<std::size_t> records_in(const Fold& fold) {
+  std::vector<std::size_t> records;
+  for (const auto& share : fold.shares) records.push_back(share.record);
+  return records;
+}
+
+TEST(FoldsOf, AreWholeRecordsOfASplitByRecord) {
+  const Divided divided{records_for({Use::Fit, Use::Fit, Use::HeldOut, Use::HeldOut})};
+
+  EXPECT_EQ(records_in(divided.folds.first), (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(records_in(divided.folds.second), (std::vector<std::size_t>{2}));
+  EXPECT_EQ(observations(divided.problem, divided.folds.both), 3.0 * kFoldRows);
+}
+
+TEST(FoldsOf, AlternateBetweenManyRecords) {
+  const Divided divided{records_for(std::vector<Use>(5, Use::Fit))};
+
+  EXPECT_EQ(records_in(divided.folds.first), (std::vector<std::size_t>{0, 2, 4}));
+  EXPECT_EQ(records_in(divided.folds.second), (std::vector<std::size_t>{1, 3}));
+}
+
+TEST(FoldsOf, HaveEveryRowOfAFewRecordsOnce) {
+  const Divided divided{records_for({Use::Fit, Use::Fit})};
+
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto& first = divided.folds.first.shares[i].weight;
+    const auto& second = divided.folds.second.shares[i].weight;
+    EXPECT_TRUE((first + second == 1).all());
+    EXPECT_TRUE((first * second == 0).all());
+    // Ten pieces of a record.
+    for (Eigen::Index piece = 0; piece < 10; ++piece)
+      EXPECT_EQ(first[20 * piece + 10], piece % 2 == 0 ? 1 : 0) << piece;
+  }
+}
+
+TEST(FoldsOf, HaveNoRowsInGaps) {
+  auto records = records_for({Use::Fit});
+  records[0].gaps = {{15, 45}, {100, 110}};
+  const Divided divided{records};
+
+  const auto& both = divided.folds.both.shares[0].weight;
+  EXPECT_EQ(both.sum(), kFoldRows - 40);
+  EXPECT_TRUE(
+      (divided.folds.first.shares[0].weight + divided.folds.second.shares[0].weight == both).all());
+  EXPECT_EQ(both.segment(15, 30).sum() + both.segment(100, 10).sum(), 0);
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/forms.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "identification/linear_relation.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index kFormRows = 4000;
+constexpr double kFormStep = 0.01;
+
+/// A measured motion of three incommensurate frequencies, and its exact velocity.
+struct Motion {
+  VectorXd u{kFormRows}, v{kFormRows};
+
+  explicit Motion(double phase) {
+    u.setZero();
+    v.setZero();
+    for (const double frequency : {0.31, 0.73, 1.13})
+      for (Index i = 0; i < kFormRows; ++i) {
+        const double w = 2 * std::numbers::pi * frequency;
+        const double angle = w * double(i) * kFormStep + phase * (1 + frequency);
+        u[i] += std::sin(angle) / w;
+        v[i] += std::cos(angle);
+      }
+  }
+};
+
+using Law = std::function<VectorXd(const Motion&)>;
+
+/// Two records of force = 3 u + law(u, v) + noise in some unit, and a model that knows 3 u.
+class Forms : public ::testing::Test {
+ protected:
+  static constexpr double kFormNoise = 0.02;
+
+  void measure(const Law& law, double unit = 1) {
+    relation.stated = linear_model({"stiffness"}, {3});
+    relation.deviation = {kFormNoise * unit};
+    records.clear();
+    for (const unsigned i : {0U, 1U}) {
+      const Motion motion{0.4 + i};
+      records.push_back(linear_record(
+          "record", Use::Fit, kFormStep,
+          unit * (3 * motion.u + law(motion) + kFormNoise * gauss(kFormRows, 1, 1 + i)),
+          {{"stiffness", unit * motion.u}}));
+      records.back().channels.push_back(
+          {"auxiliary.displacement", "m", {motion.u.begin(), motion.u.end()}});
+      records.back().channels.push_back(
+          {"auxiliary.velocity", "m/s", {motion.v.begin(), motion.v.end()}});
+    }
+  }
+  [[nodiscard]] std::vector<Description> described() const {
+    const Problem problem = linear_problem(relation, records);
+    return describe(Supposition{problem, relation.stated}, two_records());
+  }
+
+  LinearRelation relation;
+  std::vector<Record> records;
+};
+
+VectorXd drag(const Motion& motion) { return motion.v.array() * motion.v.array().abs(); }
+
+// Knots at velocities v_k = 0.05 V sinh(asinh(20) (k - 9)/9). Between the outer ones, V/3 apart, a
+// parabola differs from its chord by up to (V/3)²/4, so that a fitted knot is off by no more.
+TEST_F(Forms, RecoverAForceOverTheVelocity) {
+  measure(drag);
+
+  const auto found = described();
+
+  ASSERT_FALSE(found.empty());
+  const Description& best = found[0];
+  EXPECT_EQ(best.form, "f(v)");
+  EXPECT_EQ(best.x_label, "velocity [m/s]");
+  EXPECT_GT(best.share, 0.98);
+  EXPECT_LE(best.share, 1);
+  ASSERT_EQ(best.x.size(), 19U);
+  const double reach = best.x.back();
+  EXPECT_NEAR(reach,
+              std::max(Motion{0.4}.v.cwiseAbs().maxCoeff(), Motion{1.4}.v.cwiseAbs().maxCoeff()),
+              1e-9);
+  for (std::size_t i = 1; i + 1 < best.x.size(); ++i) {
+    const double width = std::max(best.x[i + 1] - best.x[i], best.x[i] - best.x[i - 1]);
+    EXPECT_NEAR(best.y[i], best.x[i] * std::abs(best.x[i]), width * width / 4 + 4 * best.band[i])
+        << best.x[i];
+  }
+}
+
+TEST_F(Forms, RecoverAFrictionThatDependsOnTheDisplacement) {
+  const double reach = Motion{0.4}.u.cwiseAbs().maxCoeff();
+  measure([&](const Motion& motion) -> VectorXd {
+    return motion.v.array().sign() * (1 + (2 * motion.u.array() / reach).square());
+  });
+
+  const auto found = described();
+
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found[0].form, "sgn(v) g(u)");
+  EXPECT_EQ(found[0].x_label, "displacement [m]");
+}
+
+TEST_F(Forms, DoNotDependOnTheUnitOfTheOutput) {
+  measure(drag);
+  const auto one = described();
+  measure(drag, 1e6);
+  const auto other = described();
+
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].form, other[i].form);
+    EXPECT_NEAR(one[i].share, other[i].share, 1e-6) << one[i].form;
+  }
+  for (std::size_t i = 0; i < one[0].y.size(); ++i)
+    EXPECT_NEAR(other[0].y[i], 1e6 * one[0].y[i], 1e-3 * (1e6 * std::abs(one[0].y[i]) + 1e3));
+}
+
+// The spectra of 512 samples have lines of 0.195 Hz.
+TEST_F(Forms, NameAnExternalPeriodicForce) {
+  measure([](const Motion&) -> VectorXd { return sine_of(280, kFormRows); });  // 7 Hz
+
+  const auto found = described();
+
+  ASSERT_FALSE(found.empty());
+  EXPECT_TRUE(found[0].form.starts_with("external periodic force at ")) << found[0].form;
+  EXPECT_NEAR(std::stod(found[0].form.substr(27)), 7, 0.2);
+  EXPECT_GT(found[0].share, 0.8);
+}
+
+TEST_F(Forms, NameTheChangeOfAParameter) {
+  measure([](const Motion& motion) -> VectorXd {
+    VectorXd force = 2 * motion.u;
+    force.head(2000).setZero();
+    return force;
+  });
+
+  const auto found = described();
+
+  const auto change = std::find_if(found.begin(), found.end(), [](const auto& one) {
+    return one.form.starts_with("change of stiffness at ");
+  });
+  ASSERT_NE(change, found.end());
+  EXPECT_NEAR(std::stod(change->form.substr(23)), 20, 0.7);  // tried every 0.66 s
+  EXPECT_GT(change->share, 0.9);
+  EXPECT_EQ(found[0].form, change->form);
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

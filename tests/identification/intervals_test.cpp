@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/intervals.hpp>
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <rths/identification/scores.hpp>
+
+#include "identification/linear_relation.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index kIntervalRows = 400;
+constexpr double kIntervalStep = 0.05, kIntervalNoise = 0.5;
+
+LinearRelation relation_of_intervals() {
+  LinearRelation relation;
+  relation.deviation = {kIntervalNoise};
+  return relation;
+}
+
+/// Records whose slopes may differ: y = slope x + noise. The ridge of the normal matrix changes
+/// variances by 10⁻⁹.
+struct Slopes {
+  LinearRelation relation = relation_of_intervals();
+  std::vector<Record> records;
+
+  explicit Slopes(const std::vector<double>& slopes, double noise = 0, unsigned seed = 1) {
+    const VectorXd x = sine_of(3, kIntervalRows);
+    for (const double slope : slopes)
+      records.push_back(linear_record(
+          "record", Use::Fit, kIntervalStep,
+          slope * x + noise * gauss(kIntervalRows, 1, seed + unsigned(records.size())),
+          {{"x", x}}));
+  }
+};
+
+// ‖x‖² = 400.
+const double kHalf = 1.96 * kIntervalNoise / std::sqrt(double(kIntervalRows));
+
+TEST(EstimatesOf, HaveTheIntervalOfLinearRegression) {
+  const Slopes slopes{{2}};
+  const Problem problem = linear_problem(slopes.relation, slopes.records);
+
+  const auto estimates = estimates_of(problem, whole({0}), linear_model({"x"}, {2}));
+
+  ASSERT_EQ(estimates.size(), 1U);
+  EXPECT_EQ(estimates[0].name, "x");
+  EXPECT_EQ(estimates[0].unit, "N");
+  EXPECT_EQ(estimates[0].value, 2);
+  EXPECT_NEAR(estimates[0].high - 2, kHalf, 1e-7 * kHalf);
+  EXPECT_NEAR(2 - estimates[0].low, kHalf, 1e-7 * kHalf);
+}
+
+TEST(EstimatesOf, DoNotDependOnTheScaleOfAParameter) {
+  const Slopes slopes{{2}};
+  const Problem problem = linear_problem(slopes.relation, slopes.records);
+  Hypothesis model = linear_model({"x"}, {2});
+  model.free[0].scale = 1e4;
+
+  EXPECT_NEAR(estimates_of(problem, whole({0}), model)[0].high - 2, kHalf, 1e-7 * kHalf);
+}
+
+TEST(EstimatesOf, AreAsWideAsTheInflationSays) {
+  const Slopes slopes{{2}};
+  const Problem problem = linear_problem(slopes.relation, slopes.records);
+
+  EXPECT_NEAR(estimates_of(problem, whole({0}), linear_model({"x"}, {2}), 3)[0].high - 2, 3 * kHalf,
+              1e-7 * kHalf);
+}
+
+// A residual of three times the noise, orthogonal to x and alternating: it has no sum over blocks.
+TEST(EstimatesOf, GrowWithTheMeanSquareOfTheResidual) {
+  Slopes slopes{{2}};
+  auto& measured = slopes.records[0].channels[0].values;
+  for (std::size_t i = 0; i < measured.size(); ++i)
+    measured[i] += (i % 2 == 0 ? 3 : -3) * kIntervalNoise;
+  const Problem problem = linear_problem(slopes.relation, slopes.records);
+
+  EXPECT_NEAR(estimates_of(problem, whole({0}), linear_model({"x"}, {2}))[0].high - 2, 3 * kHalf,
+              1e-7 * kHalf);
+}
+
+TEST(EstimatesOf, EndAtTheBounds) {
+  const Slopes slopes{{2}};
+  const Problem problem = linear_problem(slopes.relation, slopes.records);
+  Hypothesis model = linear_model({"x"}, {2});
+  model.free[0].low = 1.99;
+
+  const Estimate inside = estimates_of(problem, whole({0}), model)[0];
+  EXPECT_EQ(inside.low, 1.99);
+  EXPECT_NEAR(inside.high - 2, kHalf, 1e-7 * kHalf);
+
+  model.free[0].low = 2;
+  const Estimate on_bound = estimates_of(problem, whole({0}), model)[0];
+  EXPECT_EQ(on_bound.low, 2);
+  EXPECT_NEAR(on_bound.high - 2, kHalf, 1e-7 * kHalf);
+}
+
+// Of 200 intervals with 95 % coverage, 181 to 199 contain the truth: three deviations of
+// √(200 · 0.95 · 0.05). The larger of two estimates of the variance makes them wider, not narrower.
+TEST(EstimatesOf, HaveTheirStatedCoverage) {
+  int held = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    const Slopes slopes{{2}, kIntervalNoise, seed};
+    const Problem problem = linear_problem(slopes.relation, slopes.records);
+    const Hypothesis fit = fitted(problem, linear_model({"x"}, {0}), whole({0}), kLongFit);
+    const Estimate x = estimates_of(problem, whole({0}), fit)[0];
+    held += x.low <= 2 && 2 <= x.high ? 1 : 0;
+  }
+
+  EXPECT_GE(held, 181);
+  EXPECT_LE(held, 198);
+}
+
+// The difference of two slopes over its deviation in white noise.
+TEST(FoldDisagreement, IsTheDifferenceOverItsDeviation) {
+  const double deviation = kIntervalNoise * std::sqrt(2.0 / kIntervalRows);
+  for (const double difference : {0.1, 0.2, -1.0}) {
+    const Slopes slopes{{2, 2 + difference}};
+    const Problem problem = linear_problem(slopes.relation, slopes.records);
+    const Hypothesis mean = linear_model({"x"}, {2 + difference / 2});
+
+    EXPECT_NEAR(fold_disagreement(problem, two_records(), mean), std::abs(difference) / deviation,
+                1e-6 * std::abs(difference) / deviation);
+  }
+}
+
+TEST(FoldDisagreement, IsOneOfEqualSlopes) {
+  const Slopes slopes{{2, 2}};
+  const Problem problem = linear_problem(slopes.relation, slopes.records);
+
+  EXPECT_EQ(fold_disagreement(problem, two_records(), linear_model({"x"}, {2})), 1);
+}
+
+TEST(FoldDisagreement, IsOneOfAModelWithoutParameters) {
+  const Slopes slopes{{2, 3}};
+  const Problem problem = linear_problem(slopes.relation, slopes.records);
+
+  EXPECT_EQ(fold_disagreement(problem, two_records(), slopes.relation.stated), 1);
+  EXPECT_TRUE(estimates_of(problem, whole({0}), slopes.relation.stated).empty());
+}
+
+// In noise the ratio z is a standard normal number, and max(1, z²) has the mean 1 + 2 φ(1) = 1.484
+// and the deviation 1.170.
+TEST(FoldDisagreement, IsThatOfAUnitDeviationInNoise) {
+  constexpr int kPairs = 100;
+  double square = 0;
+  for (unsigned seed = 1; seed <= kPairs; ++seed) {
+    const Slopes slopes{{2, 2}, kIntervalNoise, 2 * seed};
+    const Problem problem = linear_problem(slopes.relation, slopes.records);
+    const Hypothesis fit = fitted(problem, linear_model({"x"}, {0}), whole({0, 1}), kLongFit);
+    square += std::pow(fold_disagreement(problem, two_records(), fit), 2) / kPairs;
+  }
+
+  EXPECT_NEAR(square, 1.484, 3 * 1.17 / std::sqrt(kPairs));
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/problem.hpp>
+
+#include <gtest/gtest.h>
+
+#include "identification/linear_relation.hpp"
+#include "support/files.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kEighth = 0.125;  // [s]: 8 rows in a block of 1 s
+
+TEST(Supposition, DividesResidualAndDerivativesByTheNoise) {
+  LinearRelation relation{{"N", "m"}};
+  relation.deviation = {0.5, 20};
+  MatrixXd x(100, 2);
+  x << sine_of(3, 100), 40 * sine_of(4, 100);
+  const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, 3 * x, {{"x", x}})};
+  const Problem problem = linear_problem(relation, records);
+  const Supposition supposition{problem, linear_model({"x"}, {1})};
+  const VectorXd white = (VectorXd(200) << x.col(0) / 0.5, x.col(1) / 20).finished();
+  VectorXd residual;
+  MatrixXd jacobian;
+
+  ASSERT_TRUE(
+      supposition.evaluate(whole({0}), supposition.hypothesis().values, {0}, residual, jacobian));
+
+  EXPECT_LT((residual - 2 * white).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((jacobian.col(0) + white).cwiseAbs().maxCoeff(), 1e-12);
+  // Mean squares 4/0.25 and 4 · 1600/400.
+  EXPECT_NEAR(supposition.variance(whole({0})), 16, 1e-10);
+}
+
+TEST(Supposition, TakesValuesWithinTheirBounds) {
+  LinearRelation relation;
+  const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, sine_of(3, 100), {})};
+  const Problem problem = linear_problem(relation, records);
+  Hypothesis model = linear_model({"x", "y"}, {-3, 9});
+  model.free[0].low = -1;
+  model.free[1].high = 2;
+
+  EXPECT_EQ((Supposition{problem, model}.hypothesis().values), (VectorXd{{-1, 2}}));
+}
+
+// The last of the blocks has the four rows that remain.
+TEST(Supposition, SumsHalfSquaresOfEverySecond) {
+  LinearRelation relation{{"N", "N"}};
+  relation.deviation = {2, 2};
+  MatrixXd ramp(100, 2);
+  ramp << VectorXd::LinSpaced(100, 0, 99), VectorXd::Constant(100, 6);
+  const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, ramp, {})};
+  const Problem problem = linear_problem(relation, records);
+
+  const auto blocks = Supposition{problem, relation.stated}.blocks(whole({0}));
+
+  ASSERT_EQ(blocks.size(), 13U);
+  for (int block = 0; block < 13; ++block) {
+    double half = 0;
+    for (int row = 8 * block; row < std::min(100, 8 * block + 8); ++row)
+      half += (row * row + 36) / 4.0 / 2;
+    EXPECT_NEAR(blocks[static_cast<std::size_t>(block)], half, 1e-9) << block;
+  }
+}
+
+TEST(Supposition, HasNoBlocksOutsideItsFold) {
+  LinearRelation relation;
+  const std::vector<Record> records{
+      linear_record("one", Use::Fit, kEighth, VectorXd::Constant(96, 3), {})};
+  const Problem problem = linear_problem(relation, records);
+  Fold fold = whole({0});
+  fold.shares[0].weight = Eigen::ArrayXd::Zero(96);
+  fold.shares[0].weight.segment(20, 40).setOnes();
+
+  const Supposition supposition{problem, relation.stated};
+
+  // Rows 16 … 63, of which 20 … 59 count: ½ 3² each.
+  EXPECT_EQ(supposition.blocks(fold), (std::vector<double>{18, 36, 36, 36, 36, 18}));
+  EXPECT_EQ(observations(problem, fold), 40);
+  EXPECT_DOUBLE_EQ(supposition.variance(fold), 9);
+}
+
+TEST(Supposition, DoesNotCompareRowsBeforeTheFirst) {
+  LinearRelation relation;
+  std::vector<Record> records{
+      linear_record("one", Use::Fit, kEighth, VectorXd::Constant(96, 3), {})};
+  records[0].settle = 2;
+  const Problem problem = linear_problem(relation, records);
+
+  EXPECT_EQ(observations(problem, whole({0})), 80);
+  EXPECT_DOUBLE_EQ((Supposition{problem, relation.stated}.variance(whole({0}))), 9);
+}
+
+TEST(Supposition, HasNoOffsetIfThatIsFree) {
+  LinearRelation relation;
+  relation.offsets = true;
+  const VectorXd x = sine_of(3, 96);
+  const std::vector<Record> records{
+      linear_record("one", Use::Fit, kEighth, (x.array() + 50).matrix(), {})};
+  const Problem problem = linear_problem(relation, records);
+
+  EXPECT_LT((Supposition{problem, relation.stated}.whitened(0) - x).cwiseAbs().maxCoeff(), 1e-10);
+}
+
+TEST(Supposition, SaysThatThereIsNoPrediction) {
+  LinearRelation relation;
+  const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, sine_of(3, 96), {})};
+  Problem problem = linear_problem(relation, records);
+  relation.has_prediction = false;
+  const Supposition supposition{problem, relation.stated};
+
+  EXPECT_EQ(supposition.prediction(0).size(), 0);
+  EXPECT_TRUE(supposition.blocks(whole({0})).empty());
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(supposition.whitened(0)); }),
+            "one: the model has no prediction");
+  EXPECT_EQ(test::error_of([&] { problem.renew_noise(relation.stated); }),
+            "one: the model has no prediction (linear): it diverges");
+}
+
+// Normal equations: Σ x y/Σ x², here of two orthogonal signals.
+TEST(Supposition, FitsLinearParametersExactly) {
+  LinearRelation relation;
+  const VectorXd x = sine_of(3, 200), y = sine_of(5, 200);
+  const VectorXd measured = 2 * x - 7 * y + sine_of(9, 200);
+  const std::vector<Record> records{
+      linear_record("one", Use::Fit, kEighth, measured, {{"x", x}, {"y", y}})};
+  const Problem problem = linear_problem(relation, records);
+
+  const Fit fit = Supposition{problem, linear_model({"x", "y"}, {0, 0})}.fit(whole({0}), 12);
+
+  EXPECT_TRUE(fit.converged);
+  EXPECT_NEAR(fit.parameters[0], 2, 1e-5);
+  EXPECT_NEAR(fit.parameters[1], -7, 1e-5);
+  EXPECT_NEAR(fit.sum_of_squares, 200, 1e-3);
+}
+
+TEST(Problem, OfFutureTestsHasTheNoiseOfTheFirstRecord) {
+  LinearRelation relation;
+  relation.deviation = {4};
+  const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, sine_of(3, 200), {})};
+  const Record test = linear_record("next", Use::Fit, kEighth, sine_of(3, 80), {});
+  const Problem problem = linear_problem(relation, records);
+
+  const Problem next{problem, {&test}};
+
+  EXPECT_LT((next.noise(0).deviation().array() - 4).abs().maxCoeff(), 1e-12);
+  EXPECT_EQ(next.noise(0).deviation().rows(), 80);
+  EXPECT_NEAR(problem.log_noise(relation.stated), std::log(4), 1e-12);
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/pruning.hpp>
+
+#include <gtest/gtest.h>
+
+#include "identification/linear_relation.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index kPruneRows = 600;
+constexpr double kPruneStep = 0.05;
+
+/// A selection of candidates "x" and "y" with orthogonal signals. Their sizes on the records that
+/// fit and on a held-out record are chosen by each test. White noise of variance 1 has no component
+/// along the signals, so that the sizes are fitted exactly.
+class Pruning : public ::testing::Test {
+ protected:
+  struct Sizes {
+    double x, y, unknown;
+  };
+
+  [[nodiscard]] static Record pruned_record(const std::string& name, Use use, const Sizes& sizes,
+                                            unsigned seed) {
+    const VectorXd x = sine_of(3, kPruneRows), y = sine_of(5, kPruneRows);
+    VectorXd rest = gauss(kPruneRows, 1, seed);
+    for (const VectorXd& signal : {x, y}) rest -= signal * (signal.dot(rest) / kPruneRows);
+    return linear_record(name, use, kPruneStep,
+                         sizes.x * x + sizes.y * y + sizes.unknown * sine_of(9, kPruneRows) + rest,
+                         {{"x.coefficient", x}, {"y.coefficient", y}, {"x.play", y}});
+  }
+  void add(const Candidate& candidate) {
+    selection.named = extended(selection.named, candidate, candidate.starts[0]);
+    selection.rounds.push_back({{candidate, selection.named, 0, {}, 0, 0, 0}, {}, {}});
+  }
+  std::vector<std::string> reasons(const Sizes& fitted, const std::vector<Sizes>& held) {
+    for (const unsigned i : {0U, 1U})
+      records.push_back(pruned_record("fit", Use::Fit, fitted, 1 + i));
+    for (const auto& sizes : held)
+      held_records.push_back(pruned_record("unseen", Use::HeldOut, sizes, 3));
+    Problem problem = linear_problem(relation, records);
+    finish(problem, two_records(), selection);
+    std::vector<std::string> all;
+    if (held.empty()) {
+      for (const auto& one : prune(problem, nullptr, two_records(), noise, selection))
+        all.push_back(one.candidate.name + ": " + one.reason);
+      return all;
+    }
+    const Problem unseen = linear_problem(relation, held_records);
+    for (const auto& one : prune(problem, &unseen, two_records(), noise, selection))
+      all.push_back(one.candidate.name + ": " + one.reason);
+    return all;
+  }
+
+  LinearRelation relation;
+  Selection selection;
+  std::vector<Record> records, held_records;
+  const Record still = linear_record("still", Use::Reference, kPruneStep, sine_of(3, 100), {});
+  // The displacement's noise is 0.5, in the scaled units of these tests.
+  const SensorNoise noise{{&still}, {{"displacement.long", 0.5}}};
+};
+
+using Reasons = std::vector<std::string>;
+
+// On 1200 rows, the interval is ± 1.96/√1200 = 0.057. It may be wider by the error of a variance
+// that is taken from 40 blocks: for 0.08, that would need twice the variance, four deviations more.
+TEST_F(Pruning, WithdrawsASizeThatMayBeZero) {
+  add(friction("x"));
+  add(friction("y"));
+
+  EXPECT_EQ(reasons({0.08, 0.05, 0}, {}), Reasons{"y: its size may be zero"});
+  ASSERT_EQ(selection.rounds.size(), 1U);
+  EXPECT_EQ(selection.rounds[0].chosen.candidate.name, "x");
+  ASSERT_EQ(selection.named.free.size(), 1U);
+  EXPECT_EQ(selection.named.free[0].name, "x.coefficient");
+}
+
+TEST_F(Pruning, KeepsACandidateIfOneOfItsSizesIsNotZero) {
+  Candidate both = friction("x");
+  both.frees.push_back(size_parameter("y.coefficient"));
+  both.starts = {VectorXd::Zero(2)};
+  add(both);
+
+  EXPECT_EQ(reasons({0.01, 0.5, 0}, {}), Reasons{});
+}
+
+TEST_F(Pruning, ComparesASizeWithTheValueOfNoEffect) {
+  Candidate gain = friction("x");
+  gain.frees[0].absent = 1;
+  add(gain);
+
+  EXPECT_EQ(reasons({1.01, 0, 0}, {}), Reasons{"x: its size may be zero"});
+}
+
+// y changes the term of x, so that x stays although its own size may be zero.
+TEST_F(Pruning, KeepsATermThatAnotherCandidateChanges) {
+  Candidate change = friction("y");
+  change.adds.clear();
+  change.frees = {size_parameter("x.play")};
+  add(friction("x"));
+  add(change);
+
+  EXPECT_EQ(reasons({0, 0.5, 0}, {{0, 0.5, 0}}), Reasons{});
+  EXPECT_EQ(selection.rounds.size(), 2U);
+}
+
+TEST_F(Pruning, WithdrawsACandidateThatMakesAHeldOutRecordWorse) {
+  add(friction("x"));
+  add(friction("y"));
+
+  EXPECT_EQ(reasons({0.5, 0.5, 0}, {{0.5, -0.5, 0}}),
+            Reasons{"y: with it, unseen is predicted worse"});
+}
+
+// One record gains more than the other loses.
+TEST_F(Pruning, DoesNotBalanceHeldOutRecords) {
+  add(friction("x"));
+
+  EXPECT_EQ(reasons({0.5, 0, 0}, {{2, 0, 0}, {-0.5, 0, 0}}),
+            Reasons{"x: with it, unseen is predicted worse"});
+}
+
+// x is 0.5²/100² of the energy that the base does not predict: less than 10⁻³.
+TEST_F(Pruning, WithdrawsACandidateThatHardlyHelps) {
+  add(friction("x"));
+
+  EXPECT_EQ(reasons({0.5, 0, 0}, {{0.5, 0, 100}}),
+            Reasons{"x: it explains less than 0.1 % of the unseen records' error"});
+}
+
+TEST_F(Pruning, KeepsCandidatesThatHelpOnHeldOutRecords) {
+  add(friction("x"));
+  add(friction("y"));
+
+  EXPECT_EQ(reasons({0.5, -1, 0}, {{0.5, -1, 0}}), Reasons{});
+}
+
+// Three times the noise of the displacement, 1.5, is the smallest gap that shows.
+TEST_F(Pruning, WithdrawsAGapWithinTheNoiseOfTheDisplacement) {
+  relation.driven_by = {"displacement.long"};
+  Candidate play = friction("x");
+  play.frees = {size_parameter("x.play")};
+  play.frees[0].unit = "m";
+  add(play);
+
+  EXPECT_EQ(reasons({0, 1, 0}, {}),
+            Reasons{"x: its size lies within the noise of the displacement"});
+}
+
+TEST_F(Pruning, KeepsAGapBeyondTheNoiseOfTheDisplacement) {
+  relation.driven_by = {"displacement.long"};
+  Candidate play = friction("x");
+  play.frees = {size_parameter("x.play")};
+  play.frees[0].unit = "m";
+  add(play);
+
+  EXPECT_EQ(reasons({0, 2, 0}, {}), Reasons{});
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

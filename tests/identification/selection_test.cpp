@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/selection.hpp>
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "identification/linear_relation.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index kSelectRows = 600;    // of each of two records
+constexpr double kSelectStep = 0.05;  // 30 blocks of 1 s
+const std::vector<std::string> kEffects{"e1", "e2", "e3", "e4", "e5", "e6"};
+
+/// Six candidates with orthogonal signals, in white noise of variance 1.
+struct SixCandidates {
+  LinearRelation relation;
+  std::vector<Record> records;
+
+  SixCandidates(const std::map<std::string, double>& truth, unsigned seed) {
+    relation.stated = linear_model({"known"}, {0});
+    for (const auto& effect : kEffects) relation.known.push_back(friction(effect));
+    for (const int record : {0, 1}) {
+      Inputs inputs{{"known", sine_of(2, kSelectRows)}};
+      VectorXd measured = 4 * inputs["known"] + gauss(kSelectRows, 1, 2 * seed + unsigned(record));
+      for (std::size_t i = 0; i < kEffects.size(); ++i) {
+        const VectorXd signal = sine_of(3 + int(i) + 10 * record, kSelectRows);
+        inputs[kEffects[i] + ".coefficient"] = signal;
+        const auto size = truth.find(kEffects[i]);
+        if (size != truth.end()) measured += size->second * signal;
+      }
+      records.push_back(linear_record("record " + std::to_string(record), Use::Fit, kSelectStep,
+                                      measured, inputs));
+    }
+  }
+
+  [[nodiscard]] Selection selected() const {
+    Problem problem = linear_problem(relation, records);
+    return select(problem, two_records(), 1);
+  }
+};
+
+std::set<std::string> names_in(const std::vector<SelectionRound>& rounds) {
+  std::set<std::string> names;
+  for (const auto& round : rounds) names.insert(round.chosen.candidate.name);
+  return names;
+}
+
+double value_of(const Hypothesis& model, const std::string& parameter) {
+  for (std::size_t i = 0; i < model.free.size(); ++i)
+    if (model.free[i].name == parameter) return model.values[Index(i)];
+  return std::nan("");
+}
+
+// The estimate over both records has the deviation 1/√(2 · 600); the gain of a known effect of size
+// 1 over both records is ½ · 1200 with the deviation √1200. Estimating it costs 2 [nat], because
+// each estimate is off in both senses. Four deviations.
+TEST(Select, FindsTheEffectThatIsThere) {
+  const double error = 1 / std::sqrt(2.0 * kSelectRows);
+
+  const Selection selection = SixCandidates{{{"e3", 1}}, 1}.selected();
+
+  ASSERT_EQ(names_in(selection.rounds), std::set<std::string>{"e3"});
+  EXPECT_NEAR(value_of(selection.named, "e3.coefficient"), 1, 4 * error);
+  EXPECT_NEAR(value_of(selection.named, "known"), 4, 4 * error);
+  EXPECT_NEAR(selection.rounds[0].chosen.gain, 600, 4 * std::sqrt(1200.0) + 2);
+  EXPECT_GT(selection.rounds[0].chosen.confidence, 0.99);
+  // Mean squares of noise, and of noise with the effect, of 1200 rows.
+  EXPECT_NEAR(selection.variance_named, 1, 4 * std::sqrt(2.0 / 1200));
+  EXPECT_NEAR(selection.variance_base, 2, 4 * std::sqrt((2.0 + 4.0) / 1200));
+  EXPECT_GT(selection.explained(), 1 - 4 * std::sqrt(2.0 / 1200));
+}
+
+TEST(Select, FindsTwoEffects) {
+  const double error = 1 / std::sqrt(2.0 * kSelectRows);
+
+  const Selection selection = SixCandidates{{{"e2", 0.6}, {"e5", -1.2}}, 2}.selected();
+
+  ASSERT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
+  EXPECT_NEAR(value_of(selection.named, "e2.coefficient"), 0.6, 4 * error);
+  EXPECT_NEAR(value_of(selection.named, "e5.coefficient"), -1.2, 4 * error);
+  EXPECT_EQ(selection.rounds[0].chosen.candidate.name, "e5");  // the larger
+}
+
+// With estimates of ±z₁ and ±z₂ deviations on the two folds, the gain of an absent effect is
+// 2 z₁ z₂ - ½ (z₁² + z₂²), at most ½ (z₁² + z₂²). That exceeds the accepted 18 nat with probability
+// exp(-18). With 120 candidates in 20 records, a false alarm has the probability 2·10⁻⁶.
+TEST(Select, FindsNothingInNoise) {
+  for (unsigned seed = 1; seed <= 20; ++seed)
+    EXPECT_TRUE((SixCandidates{{}, seed}.selected().rounds.empty())) << seed;
+}
+
+// Two names for one signal: no data can tell them apart, so the cheaper one wins.
+TEST(Select, ChoosesTheCheaperOfTwoEquals) {
+  SixCandidates six{{{"e3", 1}}, 3};
+  Candidate twin = friction("twin");
+  twin.frees = {size_parameter("e3.coefficient")};
+  twin.adds.clear();
+  for (auto& candidate : six.relation.known) candidate.price = 2;
+  six.relation.known.push_back(twin);
+
+  const Selection selection = six.selected();
+
+  ASSERT_EQ(names_in(selection.rounds), std::set<std::string>{"twin"});
+  ASSERT_EQ(selection.rounds[0].tied.size(), 1U);
+  EXPECT_EQ(selection.rounds[0].tied[0].candidate.name, "e3");
+}
+
+TEST(Select, LetsACandidateWaitForASimplerOne) {
+  SixCandidates six{{{"e3", 1}}, 4};
+  Candidate more = friction("more");
+  more.frees = {size_parameter("e3.coefficient"), size_parameter("e4.coefficient")};
+  more.starts = {VectorXd::Zero(2)};
+  more.adds.clear();
+  more.price = 0;
+  more.after = {"e3"};
+  six.relation.known.push_back(more);
+
+  EXPECT_EQ(names_in(six.selected().rounds), std::set<std::string>{"e3"});
+}
+
+TEST(Select, GivesTheSameForTheSameSeed) {
+  const SixCandidates six{{{"e3", 0.4}}, 5};
+
+  const Selection one = six.selected(), other = six.selected();
+
+  EXPECT_EQ(one.named.values, other.named.values);
+  EXPECT_EQ(one.rounds[0].chosen.low, other.rounds[0].chosen.low);
+}
+
+TEST(Selection, ExplainsTheShareOfTheExcess) {
+  Selection selection;
+  selection.variance_base = 5;
+  selection.variance_named = 2;
+  EXPECT_DOUBLE_EQ(selection.explained(), 0.75);
+  selection.variance_named = 6;
+  EXPECT_EQ(selection.explained(), 0);
+  selection.variance_base = 1;
+  EXPECT_EQ(selection.explained(), 0);
+}
+
+}  // namespace
+}  // namespace rths::diagnosis
