@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 
 #include "commands.hpp"
 #include "gate_exit.hpp"
+#include "opensees_python.hpp"
 
 namespace rths::app {
 namespace {
@@ -18,14 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 void show(const std::string& progress) { fmt::print(stderr, "\r{:<60}", progress); }
-
-// The Python of the command line, else of the environment, else of the build folder.
-std::string find_opensees(const std::string& requested, const fs::path& programs) {
-  if (!requested.empty()) return requested;
-  if (const char* python = std::getenv("RTHS_OPENSEES_PYTHON")) return python;
-  const fs::path installed = programs / "../../opensees/bin/python";
-  return fs::exists(installed) ? installed.lexically_normal().string() : "";
-}
 
 }  // namespace
 
@@ -38,7 +30,7 @@ int bench_bearings(const BearingBenchArguments& arguments) {
   options.opensees_steps = std::min(options.opensees_steps, arguments.steps);
   options.bearings = shared / "bearings";
   options.script = shared / "opensees/bearing.py";
-  options.python = find_opensees(arguments.opensees, programs);
+  options.python = opensees_python(arguments.opensees, programs);
   const bool on_terminal = isatty(STDERR_FILENO) == 1;
   if (on_terminal) options.progress = show;
   const bench::BearingReport report = bench::run_bearing_bench(options);

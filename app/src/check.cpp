@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
+#include <rths/cases/case.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
-#include <rths/diagnosis/case.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/judgement.hpp>
@@ -97,13 +97,14 @@ int check_toml(const std::string& file) {
   if (config.has("ringmap")) return map_check(file);
   if (config.has("diagram")) return check_diagram(file);
   if (config.has("bearing")) return check_bearing(file, config);
-  if (config.has("record") || config.has("channels")) return check_case(file);
+  if (config.has("record") || config.has("channels") || config.has("run")) return check_case(file);
   if (config.has("format") || config.has("node")) return check_experiment(file);
   if (config.has("specimen") || config.has("machine")) return check_improvement(file, config);
-  throw Error{file +
-              ": unknown kind of TOML file, expected one of the keys ringmap (map), diagram (block "
-              "diagram), bearing, record (case of a diagnosis), format (experiment), specimen and "
-              "machine (improved model)"};
+  throw Error{
+      file +
+      ": unknown kind of TOML file, expected one of the keys ringmap (map), diagram (block "
+      "diagram), bearing, record or run (case of a diagnosis), format (experiment), specimen and "
+      "machine (improved model)"};
 }
 
 int check_motion(const std::string& file, const sim::RecordComponent& record, const char* kind) {

@@ -136,6 +136,22 @@ struct BearingBenchArguments {
 /// @returns 0 if all goals are met, 1 if inconclusive on this host, 2 if a goal is missed
 [[nodiscard]] int bench_bearings(const BearingBenchArguments& arguments);
 
+struct DiagnosisBenchArguments {
+  int cases = 400;                    ///< of all families together
+  std::vector<std::string> families;  ///< empty: all
+  std::optional<std::uint64_t> seed;  ///< none: from the commit
+  std::string json;                   ///< file for the results; empty: none
+  std::string out;     ///< folder of cases and verdicts; empty: out/bench/diagnosis-<seed>
+  std::string data;    ///< folder of recordings; empty: ../shared/data
+  std::string python;  ///< with OpenSees and NumPy; empty: that of ./lab
+  bool peers = true;   ///< also runs SINDy and FROLS on the cases
+  std::optional<double> required;  ///< share of the detectable cases that must be right
+};
+/// Makes cases that conceal effects, diagnoses them and scores the verdicts.
+/// @returns 0 if all detectable cases are right, 1 if one is wrong, 2 if one could not be made or
+/// diagnosed, or if fewer than the required share are right
+[[nodiscard]] int bench_diagnosis(const DiagnosisBenchArguments& arguments);
+
 struct OpenseesBenchArguments {
   int cycles = 9;
   int round_trips = 2'000;  ///< per kind and cycle
@@ -159,6 +175,8 @@ struct DiagnoseArguments {
   std::string against;               ///< prediction of another simulation; empty: the model's
   std::vector<std::string> without;  ///< excluded terms
   std::uint64_t seed = 1;            ///< of noise and resampling
+  bool progress = false;             ///< show the progress also off a terminal
+  bool plans = false;                ///< print what the case can tell, without a diagnosis
 };
 /// Finds the physics that a simulation omits. @returns 0 for every verdict
 [[nodiscard]] int diagnose(const DiagnoseArguments& arguments);

@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include <rths/diagnosis/against.hpp>
-#include <rths/diagnosis/diagnose.hpp>
+#include <rths/cases/against.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
+#include <rths/verdict/diagnose.hpp>
 
 #include "commands.hpp"
 #include "run_folder.hpp"
@@ -44,17 +44,37 @@ diagnosis::Case load(const DiagnoseArguments& arguments) {
                                    : diagnosis::with_prediction(std::move(c), arguments.against);
 }
 
+diagnosis::Progress::Show shown_by(Steps& steps) {
+  return [&steps](const diagnosis::Progress::State& state) {
+    steps.detail(state.step.empty() ? state.stage : state.stage + ", " + state.step, state.done,
+                 state.total);
+  };
+}
+
 }  // namespace
 
 int diagnose(const DiagnoseArguments& arguments) {
   const diagnosis::Case c = load(arguments);
+  if (arguments.plans) {
+    fmt::print("{}",
+               report::plan_summary(diagnosis::plan(c, {arguments.without, arguments.seed, {}})));
+    return kOk;
+  }
   std::filesystem::path folder = arguments.out;
   if (folder.empty()) folder = std::filesystem::path{"out/diagnosis"} / folder_name(c);
+  if (std::filesystem::weakly_canonical(c.folder) ==
+      std::filesystem::weakly_canonical(folder / report::kImprovedFolder))
+    throw Error{
+        fmt::format("{}: this diagnosis would replace its own case, expected another "
+                    "folder for the results (--out)",
+                    c.folder.string())};
   create_folder(folder);
   const FolderLock lock{folder};
-  std::optional<Steps> steps{std::in_place, 2};
+  std::optional<Steps> steps{
+      std::in_place, 2, arguments.progress ? Steps::Silent::Nowhere : Steps::Silent::OffTerminals};
   steps->begin("the diagnosis");
-  diagnosis::Verdict verdict = diagnosis::diagnose(c, {arguments.without, arguments.seed});
+  diagnosis::Verdict verdict =
+      diagnosis::diagnose(c, {arguments.without, arguments.seed, shown_by(*steps)});
   // In this version, specimen and machine of a run are models.
   verdict.synthetic = verdict.synthetic || is_run(case_at(arguments.case_or_recording));
   steps->begin("its page");
@@ -62,7 +82,8 @@ int diagnose(const DiagnoseArguments& arguments) {
   steps.reset();  // removes its line before the results are printed
   fmt::print("{}\nreport    {}\nnumbers   {}\n", report::verdict_summary(verdict),
              written.page.string(), written.numbers.string());
-  if (written.fragment) fmt::print("improved  {}\n", written.fragment->string());
+  for (const auto& file : {written.improved, written.experiment, written.fragment})
+    if (file) fmt::print("improved  {}\n", file->string());
   if (written.motion) fmt::print("motion    {}\n", written.motion->string());
   return kOk;
 }

@@ -50,6 +50,7 @@ struct Arguments {
   BearingBenchArguments bearings;
   OpenseesBenchArguments trips;
   BridgeBenchArguments bridge_bench;
+  DiagnosisBenchArguments trial;
   DiagnoseArguments diagnose;
   std::string clock = "wall", file, language = "cpp", folder, format = "text";
   std::vector<std::string> sets, rings;
@@ -250,6 +251,31 @@ void add_bench_opensees(CLI::App& bench, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return bench_opensees(a.trips); }; });
 }
 
+void add_bench_diagnosis(CLI::App& bench, Arguments& a, Chosen& chosen) {
+  auto* command = bench.add_subcommand(
+      "diagnosis", "Blind trial of the diagnosis, compared with SINDy and FROLS");
+  command->add_option("--cases", a.trial.cases, "Cases of all families together")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  command->add_option("--family", a.trial.families, "Only this family; repeatable")
+      ->check(CLI::IsMember({"own", "opensees", "recordings", "laboratory", "systems"}))
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--seed", a.trial.seed, "Seed of the cases [from the commit]");
+  command->add_option("--json", a.trial.json, "File for the results");
+  command->add_option("--out", a.trial.out,
+                      "Folder of cases and verdicts; a run found there resumes");
+  command->add_option("--data", a.trial.data, "Folder of recordings [../shared/data]");
+  command->add_option("--python", a.trial.python,
+                      "Python with OpenSees and NumPy [RTHS_OPENSEES_PYTHON, or that of ./lab]");
+  command->add_flag("--no-peers{false}", a.trial.peers, "The diagnosis alone");
+  command
+      ->add_option("--require", a.trial.required,
+                   "Fail if a smaller share of the detectable cases is right")
+      ->check(CLI::Range(0.0, 1.0));
+  command->callback([&] { chosen = [&a] { return bench_diagnosis(a.trial); }; });
+}
+
 void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("bench", "Run a benchmark on this host");
   command->require_subcommand(1);
@@ -275,6 +301,7 @@ void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   add_bench_bearings(*command, a, chosen);
   add_bench_opensees(*command, a, chosen);
   add_bench_bridge(*command, a, chosen);
+  add_bench_diagnosis(*command, a, chosen);
 }
 
 void add_loop(CLI::App& app, Arguments& a, Chosen& chosen) {
@@ -332,6 +359,10 @@ void add_diagnose(CLI::App& app, Arguments& a, Chosen& chosen) {
       ->allow_extra_args(false);
   command->add_option("--seed", a.diagnose.seed, "Seed of noise and resampling")
       ->capture_default_str();
+  command->add_flag("--plan", a.diagnose.plans,
+                    "Print what this case can tell, without a diagnosis");
+  command->add_flag("--progress", a.diagnose.progress,
+                    "Show the progress every 30 s where standard error is not a terminal");
   command->callback([&] { chosen = [&a] { return diagnose(a.diagnose); }; });
 }
 

@@ -12,14 +12,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
-#include <rths/diagnosis/case.hpp>
-#include <rths/diagnosis/diagnose.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/judgement.hpp>
 #include <rths/report/report.hpp>
+#include <rths/verdict/diagnose.hpp>
 
 #include "commands.hpp"
 #include "run_folder.hpp"
@@ -127,7 +127,10 @@ Diagnosed diagnose(const RunArguments& arguments, const std::filesystem::path& f
         fmt::format("diagnosis {}\n{}{}\n", (folder / report::kDiagnosisPage).string(),
                     broken.empty() ? "" : "of a test that is not conclusive: ", verdict.sentence);
     if (!verdict.fragment.empty())
-      diagnosed.text += fmt::format("improved  {}\n", (folder / report::kFragmentFile).string());
+      for (const auto& file : {folder / report::kImprovedFolder / report::kImprovedExperiment,
+                               folder / report::kFragmentFile})
+        if (std::filesystem::exists(file))
+          diagnosed.text += fmt::format("improved  {}\n", file.string());
     return diagnosed;
   } catch (const Error& error) {
     return {"", error.what()};

@@ -14,8 +14,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
-#include <rths/diagnosis/case.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
@@ -39,6 +39,8 @@ constexpr const char* kResults[] = {report::kRunFile,
                                     report::kVerdictFile,
                                     report::kDiagnosisPage,
                                     report::kFragmentFile,
+                                    report::kImprovedFolder,
+                                    report::kPredictionFolder,
                                     "next_test.csv",
                                     "report.html",
                                     "report.json"};
@@ -83,7 +85,7 @@ void move_results(const fs::path& from, const fs::path& to) {
 void remove_results(const fs::path& folder) {
   std::error_code ignored;
   for (const std::string file : kResults) {
-    fs::remove(folder / file, ignored);
+    fs::remove_all(folder / file, ignored);
     fs::remove(folder / (file + recording::kCompressing), ignored);
   }
 }

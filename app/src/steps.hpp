@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -12,18 +14,27 @@ namespace rths::app {
 /// per second on a terminal, else every 30 s. Its end removes the line from a terminal.
 class Steps {
  public:
-  explicit Steps(int count);
+  /// Where nothing is shown.
+  enum class Silent { Nowhere, OffTerminals };
+  explicit Steps(int count, Silent silent = Silent::Nowhere);
   ~Steps();
   Steps(const Steps&) = delete;
   Steps& operator=(const Steps&) = delete;
 
   /// Begins the next step.
   void begin(const std::string& name);
+  /// What the step is doing, with fits done of a total (0: not known); shown with the time left.
+  void detail(const std::string& text, std::size_t done, std::size_t total);
 
  private:
   void show();
+  [[nodiscard]] std::string line(double elapsed) const;
 
   int count_;
+  bool is_silent_;
+  std::string detail_;
+  std::size_t done_ = 0, total_ = 0;
+  std::chrono::steady_clock::time_point detail_begun_;
   int current_ = 0;
   bool ended_ = false;
   std::string name_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/diagnosis/against.hpp>
+#include <rths/cases/against.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keys of [[record]] and [channels], which make any recording readable.
-#include <rths/diagnosis/case.hpp>
+#include <rths/cases/case.hpp>
 
 #include <hdf5.h>
 #include <matio.h>
@@ -51,6 +51,27 @@ TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
   EXPECT_EQ(c.records[1].start, 0.02);
   EXPECT_EQ(c.records[2].name, "all of it");
   EXPECT_EQ(c.records[2].samples(), 5U);
+}
+
+TEST_F(RecordTest, MeasuresTheNoiseOnAWholeReferenceRecord) {
+  folder_.write("rest.csv", "t,u,F\n0,0,10\n0.01,0.1,11\n0.02,0,9\n0.03,0.1,10\n");
+  const std::string reference =
+      std::string{kFit} + "[[record]]\nfile = \"rest.csv\"\nuse = \"reference\"\n";
+
+  const Case whole = load(reference), section = load(reference + "quiet_s = [0.01, 0.03]\n");
+
+  using Span = std::pair<std::size_t, std::size_t>;
+  EXPECT_EQ(whole.records[0].quiet, std::nullopt);
+  EXPECT_EQ(whole.records[1].quiet, (Span{0, 4}));
+  EXPECT_EQ(section.records[1].quiet, (Span{1, 3}));
+}
+
+TEST_F(RecordTest, RefusesAReferenceRecordWithMotion) {
+  EXPECT_EQ(
+      error(std::string{kFit} + "[[record]]\nfile = \"log.csv\"\nuse = \"reference\"\n"),
+      "case.toml:12:7: displacement.long moves by 0.004 m in log.csv (2), expected no motion: "
+      "the record is used to measure the noise; quiet_s = [from, to] selects a section at "
+      "rest");
 }
 
 TEST_F(RecordTest, RefusesAnEmptySpan) {

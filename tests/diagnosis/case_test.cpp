@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/diagnosis/case.hpp>
+#include <rths/cases/case.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/diagnosis/diagnose.hpp>
+#include <rths/verdict/diagnose.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -63,6 +63,48 @@ TEST(Diagnosis, FindsNothingMissingInACompleteModel) {
   ASSERT_EQ(verdict.fit.size(), 3U);
   // Two seconds at rest in each record give the low third octaves to about 30 %.
   EXPECT_NEAR(verdict.fit[2].variance_after, 1, 0.3);
+}
+
+bool has_limit(const Verdict& verdict, const std::string& text) {
+  return std::any_of(verdict.limits.begin(), verdict.limits.end(),
+                     [&](const auto& limit) { return limit.find(text) != std::string::npos; });
+}
+
+TEST(Diagnosis, NamesTheFilterOfItsErrorsAndChannelsThatItIgnores) {
+  Case c = case_of({});
+  for (auto& record : c.records)
+    record.channels.push_back(
+        {"displacement.vertical", "m", std::vector<double>(record.samples())});
+
+  const Verdict verdict = diagnose(c);
+
+  EXPECT_TRUE(has_limit(verdict, "Not used by a model of kind 'platen': displacement.vertical."));
+  EXPECT_TRUE(has_limit(verdict, "motion to force: errors are those of signals below 25 Hz"));
+  EXPECT_FALSE(has_limit(verdict, "Check its unit"));
+  EXPECT_TRUE(verdict.noise_remedy.empty());
+}
+
+// The records move from second 2 on. Without quiet_s the diagnosis finds these seconds itself.
+TEST(Diagnosis, SaysHowToMeasureTheNoise) {
+  Case c = case_of({.ripple = 200});
+  for (auto& record : c.records) record.quiet.reset();
+
+  const Verdict verdict = diagnose(c);
+
+  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  const auto at = verdict.sentence.find("quiet_s = [0, ");
+  ASSERT_NE(at, std::string::npos) << verdict.sentence;
+  const double end = std::stod(verdict.sentence.substr(at + 14));
+  EXPECT_GE(end, test_support::kQuiet - 0.01);
+  EXPECT_LT(end, test_support::kQuiet + 0.2);
+}
+
+TEST(Diagnosis, DoubtsADisplacementThatNoMachineReaches) {
+  Case c = case_of({});
+  for (auto& record : c.records)
+    for (auto& value : record.channels[0].values) value *= 1000;
+
+  EXPECT_TRUE(has_limit(diagnose(c), "displacement.long reaches"));
 }
 
 TEST(Diagnosis, NamesFrictionAndProvesItOnTheUnseenRecord) {

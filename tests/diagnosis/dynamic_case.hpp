@@ -9,9 +9,9 @@
 
 #include <Eigen/Core>
 
-#include <rths/diagnosis/case.hpp>
+#include <rths/cases/case.hpp>
 
-#include "diagnosis/src/relation.hpp"
+#include <rths/identification/relation.hpp>
 #include "support/files.hpp"
 
 namespace rths::diagnosis::test_support {
@@ -43,6 +43,7 @@ class CaseFolder {
  public:
   void write(const std::string& file, const Columns& columns) const;
   [[nodiscard]] Case load(const std::string& toml) const;
+  [[nodiscard]] const std::filesystem::path& path() const { return folder_.path(); }
 
  private:
   test::TemporaryFolder folder_;

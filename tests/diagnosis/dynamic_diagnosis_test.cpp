@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <rths/diagnosis/diagnose.hpp>
+#include <rths/verdict/diagnose.hpp>
 
 #include "dynamic_truth.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "diagnosis/src/dynamic_relation.hpp"
+#include <rths/models/dynamic_relation.hpp>
 #include "dynamic_case.hpp"
 
 namespace rths::diagnosis {
@@ -132,7 +132,7 @@ damping = [[10, -2], [-2, 2]]
 
   EXPECT_LT(test_support::relative_error(structure, masses), 1e-9);
   // The springs are derived from the stiffness matrix.
-  EXPECT_EQ(relation_->candidates().front().adds[0].component, "spring.1");
+  EXPECT_EQ(relation_->candidates(relation_->base()).front().adds[0].component, "spring.1");
 }
 
 // A displaced base is equivalent to an accelerated one, in absolute and in relative motion.

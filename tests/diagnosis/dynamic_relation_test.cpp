@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "diagnosis/src/dynamic_relation.hpp"
+#include <rths/models/dynamic_relation.hpp>
 
 #include <cmath>
 
@@ -139,7 +139,7 @@ TEST_F(Oscillator, HasTheDerivativesOfItsPrediction) {
   const auto drive = relation_->prepare(case_.records[0]);
   const auto& base = relation_->base();
   int checked = 0;
-  for (const auto& candidate : relation_->candidates()) {
+  for (const auto& candidate : relation_->candidates(relation_->base())) {
     // The differences of these are zero or jump.
     if (candidate.kind == "quantisation" || candidate.kind == "overflow") continue;
     const Hypothesis hypothesis = extended(base, candidate, candidate.starts[0]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Confidence intervals have their stated coverage: over repetitions with different noise, about 95
 // % contain the true value, and they are no wider than necessary.
-#include <rths/diagnosis/diagnose.hpp>
+#include <rths/verdict/diagnose.hpp>
 
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the test that a diagnosis proposes on a specimen; its result separates the tied terms. The
 // specimens are formulas of this file, independent of the library.
-#include <rths/diagnosis/diagnose.hpp>
+#include <rths/verdict/diagnose.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include <rths/diagnosis/diagnose.hpp>
+#include <rths/verdict/diagnose.hpp>
 
 namespace rths::diagnosis::test_support {
 

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include <rths/diagnosis/case.hpp>
-#include <rths/diagnosis/diagnose.hpp>
+#include <rths/cases/case.hpp>
+#include <rths/verdict/diagnose.hpp>
 
 #include "support/files.hpp"
 #include "support/long_run.hpp"

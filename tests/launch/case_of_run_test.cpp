@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <rths/diagnosis/case.hpp>
-#include <rths/diagnosis/signal.hpp>
+#include <rths/cases/case.hpp>
+#include <rths/identification/signal.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/sim/composition.hpp>
 

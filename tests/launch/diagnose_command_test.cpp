@@ -38,6 +38,25 @@ TEST(DiagnoseCommand, SaysWhereACaseIsWrong) {
   EXPECT_EQ(run.err.find('\n'), run.err.size() - 1) << "one line: " << run.err;
 }
 
+TEST(DiagnoseCommand, SaysWhereAFittedParameterIsMisspelt) {
+  const test::TemporaryFolder folder;
+  const auto file =
+      folder.write("case.toml",
+                   "format = 1\n[[record]]\nfile = \"a.csv\"\nuse = \"fit\"\n[channels]\n"
+                   "time = \"t [s]\"\ndisplacement.long = \"u [mm]\"\nforce.long = \"F [kN]\"\n"
+                   "[model]\nkind = \"platen\"\n"
+                   "fitted = [\"viscous_friction.coeficient\"]\n"
+                   "[model.viscous_friction]\naxes = [\"long\"]\ncoefficient_N_s_per_m = 1\n");
+  folder.write("a.csv", "t,u,F\n0,0,1\n0.1,1,2\n0.2,2,3\n0.3,1,2\n0.4,0,1\n");
+
+  const auto run = run_rths({"diagnose", folder.path().string()});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err, "rths: " + file.string() +
+                         ":11:10: the model has no parameter 'viscous_friction.coeficient' (did "
+                         "you mean 'viscous_friction.coefficient'?)\n");
+}
+
 TEST(DiagnoseCommand, TakesACaseFile) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("mine.toml", "format = 1\nnam = \"x\"\n");

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <rths/cases/case.hpp>
 #include <rths/recording/recording.hpp>
 
 #include "support/files.hpp"
@@ -124,12 +125,28 @@ TEST_F(DiagnosedRun, OpensItsReportWithTheSentence) {
   EXPECT_TRUE(std::filesystem::exists(out() / "diagnosis.html"));
 }
 
+TEST_F(DiagnosedRun, WritesAnImprovedCaseOfItsRecords) {
+  const auto given = diagnosis::load_case(out() / "run.h5");
+
+  const auto improved = diagnosis::load_case(out() / "improved");
+
+  ASSERT_EQ(improved.records.size(), given.records.size());
+  EXPECT_EQ(improved.records[0].find("force.long")->values,
+            given.records[0].find("force.long")->values);
+  for (const char* term : {"adiabatic_heating", "load_dependent_friction"}) {
+    EXPECT_FALSE(given.model.table.is_table(term)) << term;
+    EXPECT_TRUE(improved.model.table.is_table(term)) << term;
+  }
+  EXPECT_GT(improved.model.fitted.size(), given.model.fitted.size());
+}
+
 TEST_F(DiagnosedRun, ImprovesTheSimulationWithOneMoreCommand) {
   const test::TemporaryFolder again;
-  const auto improved = out() / "improved.toml";
+  const auto improved = out() / "improved/experiment.toml";
 
-  const auto finished =
-      run_example(again.path(), {"--improve", improved.string(), "--no-diagnosis"});
+  const auto finished = test::run_rths({"run", improved.string(), "--clock", "virtual",
+                                        "--no-diagnosis", "--out", again.path().string()},
+                                       110);
 
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   const recording::Reader recording{again.path() / "run.h5"};
