@@ -222,8 +222,8 @@ TEST_F(ActuatorExample, LagsAndIsNotOnlyDelayed) {
 }
 
 TEST_F(ActuatorExample, WithoutLagsInTheCatalogueIsUnknownAndDependsOnVelocity) {
-  const Verdict verdict = diagnosed(
-      {"first_order_lag", "actuator_bandwidth", "oil_column_resonance", "valve_deadband"});
+  const Verdict verdict = diagnosed({"actuator_delay", "first_order_lag", "actuator_bandwidth",
+                                     "oil_column_resonance", "valve_deadband"});
 
   EXPECT_EQ(verdict.outcome, Outcome::Unknown);
   ASSERT_FALSE(verdict.descriptions.empty());

@@ -180,14 +180,19 @@ class Trial {
       std::this_thread::sleep_for(std::chrono::milliseconds{10});
   }
 
+  // A run that went on after a stop was disturbed: it may be complete and not conclusive.
+  [[nodiscard]] bool is_complete() const {
+    return finished_.exit_code == 0 || (blow_.stop && finished_.exit_code == 1);
+  }
+
   void judge_end(bool rests) {
-    const bool completed = finished_.exit_code == 0;
+    const bool completed = is_complete();
     ++(completed ? tally_.completed : tally_.safe);
     const bool may_pass = blow_.stop && *blow_.stop < (blow_.role == "launcher" ? kLauncherUnnoticed
                                                                                 : kNodeUnnoticed);
     if (!rests && !(may_pass && completed)) fail("the others did not come to rest in time");
     const bool killed_launcher = blow_.role == "launcher" && !blow_.stop;
-    if (finished_.exit_code != 0 && finished_.exit_code != 2 && !killed_launcher)
+    if (!completed && finished_.exit_code != 2 && !killed_launcher)
       fail(fmt::format("the launcher ended with {}, signal {}", finished_.exit_code,
                        finished_.signal));
   }
@@ -210,7 +215,7 @@ class Trial {
     tally_.compared += times.compared;
     tally_.wrong_times += times.wrong;
     if (times.wrong > 0) fail(fmt::format("{} rows have a wrong time", times.wrong));
-    if (finished_.exit_code == 0) judge_count(file, times.gaps);
+    if (is_complete()) judge_count(file, times.gaps);
   }
 
   // A completed run counts its missing rows.
