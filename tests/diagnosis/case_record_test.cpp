@@ -53,6 +53,42 @@ TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
   EXPECT_EQ(c.records[2].samples(), 5U);
 }
 
+// A bearing keeps its damage between two sections of a file. The state of a free-running model at
+// the start of a section is not known better from an earlier one.
+TEST_F(RecordTest, GivesASectionTheSamplesBeforeItAsItsPast) {
+  const std::string sections = std::string{kFit} + "span_s = [0, 0.01]\n" +
+                               "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\n"
+                               "span_s = [0.02, 0.03]\nsettle_s = 0.01\n"
+                               "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\n"
+                               "span_s = [0.03, 1]\nquiet_s = [0.03, 0.04]\n";
+  const std::string bearing =
+      "[model]\nkind = \"bearing\"\n[model.cubic_stiffness]\nstiffness_N_per_m3 = 1\n";
+
+  const Case joined = load(sections + bearing), apart = load(sections);
+
+  EXPECT_EQ(joined.records[0].samples(), 2U);
+  EXPECT_EQ(joined.records[0].settle, 0);
+  EXPECT_EQ(joined.records[1].find("force.long")->values, (Values{10e3, 20e3, 30e3, 40e3}));
+  EXPECT_NEAR(joined.records[1].settle, 0.03, 1e-12);
+  EXPECT_NEAR(joined.records[1].start, 0, 1e-12);
+  EXPECT_EQ(joined.records[2].find("force.long")->values, (Values{10e3, 20e3, 30e3, 40e3, 50e3}));
+  EXPECT_NEAR(joined.records[2].settle, 0.03, 1e-12);
+  EXPECT_EQ(joined.records[2].quiet, (std::pair<std::size_t, std::size_t>{3, 4}));
+  EXPECT_EQ(apart.records[1].samples(), 2U);
+  EXPECT_EQ(apart.records[2].settle, 0);
+}
+
+TEST_F(RecordTest, LeavesSectionsApartThatDoNotMeet) {
+  const Case c = load(std::string{kFit} + "span_s = [0, 0.01]\n" +
+                      "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\n"
+                      "span_s = [0.03, 1]\n" +
+                      "[model]\nkind = \"bearing\"\n[model.cubic_stiffness]\n"
+                      "stiffness_N_per_m3 = 1\n");
+
+  EXPECT_EQ(c.records[1].samples(), 2U);
+  EXPECT_EQ(c.records[1].settle, 0);
+}
+
 TEST_F(RecordTest, MeasuresTheNoiseOnAWholeReferenceRecord) {
   folder_.write("rest.csv", "t,u,F\n0,0,10\n0.01,0.1,11\n0.02,0,9\n0.03,0.1,10\n");
   const std::string reference =

@@ -7,6 +7,7 @@
 
 #include <rths/cases/against.hpp>
 
+#include "case_history.hpp"
 #include "case_of_run.hpp"
 #include "case_record.hpp"
 #include "roles.hpp"
@@ -156,6 +157,9 @@ Case case_of_file(const std::filesystem::path& path) {
   result.folder = path.has_parent_path() ? path.parent_path() : ".";
   result.name = file.text("name", result.folder.filename().string());
   if (!is_of_run || file.has("model")) result.model = read_model(file.table_or_empty("model"));
+  // The state of a free-running model at the start of a section is its own affair: `initial`.
+  if (!is_of_run && is_composition(result.model.kind))
+    join_sections(result.records, file.tables("record"));
   if (!is_of_run || file.has("compare"))
     result.comparison = read_comparison(file.table_or_empty("compare"));
   result.map = read_map(file.table_or_empty("map"));

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <rths/cases/case.hpp>
+
+namespace rths::diagnosis {
+
+/// Gives each section that begins where another section of its file ends, or within it, the other's
+/// samples as its past: they drive the model and are not compared. A specimen keeps its damage and
+/// its forces between two sections.
+/// @param tables  of the records, in their order: [[record]]
+void join_sections(std::vector<Record>& records, const std::vector<Config>& tables);
+
+}  // namespace rths::diagnosis
