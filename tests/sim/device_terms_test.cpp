@@ -88,6 +88,40 @@ TEST(CurrentDependentFriction, FollowsTheCurrentAndCreepsAtLowSpeed) {
   EXPECT_EQ(sliding_force(term, -1, 0.1), 0) << "friction is never negative";
 }
 
+// The force at unit velocity is the current as the device has it: a step of 1 A at t = 0.1 s.
+std::vector<double> answer_to_step(const TermSettings& term) {
+  const double dt = 1e-3;
+  Stepper stepper{{term, {"current_dependent_damping", "", {{"coefficient_per_current", 1}}}}, dt};
+  std::vector<double> answer;
+  for (int i = 0; i < 300; ++i) {
+    Quantities<double> given;
+    given.velocity[0] = 1;
+    given.auxiliary = i < 100 ? 0 : 1;
+    answer.push_back(stepper.step(given).force[0]);
+  }
+  return answer;
+}
+
+// Of a ramp from 0 to 1 within one step, then 1: y = 1 - T/dt (e^(dt/T) - 1) e^(-t/T).
+TEST(ControlLag, FollowsTheCurrentExponentially) {
+  const double lag = 0.02, dt = 1e-3;
+  const auto answer = answer_to_step({"control_lag", "", {{"time_constant", lag}}});
+
+  EXPECT_EQ(answer[99], 0);
+  for (const int i : {100, 120, 200}) {
+    const double t = (i - 99) * dt;
+    const double expected = 1 - lag / dt * std::expm1(dt / lag) * std::exp(-t / lag);
+    EXPECT_NEAR(answer[static_cast<std::size_t>(i)], expected, 1e-9) << i;
+  }
+}
+
+TEST(ControlDelay, ShiftsTheCurrent) {
+  const auto answer = answer_to_step({"control_delay", "", {{"delay", 0.03}}});
+
+  EXPECT_EQ(answer[129], 0);
+  EXPECT_EQ(answer[130], 1);
+}
+
 TEST(CurrentDependentDamping, FollowsTheCurrent) {
   const TermSettings term{"current_dependent_damping",
                           "",

@@ -52,6 +52,33 @@ TEST(StribeckFriction, FallsFromBreakawayToCoulombWithVelocity) {
   EXPECT_NEAR(force_at(guide, 0.1, 1), 1e4, 1e-6);
 }
 
+TEST(VelocityDependentFriction, IsHalfAtItsVelocityAndLevelsOff) {
+  const TermSettings guide{
+      "velocity_dependent_friction", "", {{"friction_force", 1e4}, {"growth_velocity", 0.02}}};
+
+  EXPECT_NEAR(force_at(guide, 0.1, 0.02), 5e3, 1e-6);
+  EXPECT_NEAR(force_at(guide, -0.1, -0.02), -5e3, 1e-6);
+  EXPECT_NEAR(force_at(guide, 0.1, 0.38), 9.5e3, 1e-6);
+}
+
+TEST(PlanarFriction, OpposesTheMotionInEveryDirectionAndIsDahlAlongALine) {
+  const double force = 1e4, presliding = 1e-3;
+  const TermSettings guide{
+      "planar_friction", "", {{"friction_force", force}, {"presliding", presliding}}};
+  for (const double angle : {0.0, 0.4, 2.0, 4.5}) {
+    Stepper stepper{{guide}, kStep};
+    Quantities<double> q;
+    const double x = std::cos(angle), y = std::sin(angle);
+    q.displacement = {5e-4 * x, 5e-4 * y};
+    auto result = stepper.step(q).force;
+    EXPECT_NEAR(result[0], force * -std::expm1(-0.5) * x, 1e-6);
+    EXPECT_NEAR(result[1], force * -std::expm1(-0.5) * y, 1e-6);
+    q.displacement = {0.1 * x, 0.1 * y};
+    result = stepper.step(q).force;
+    EXPECT_NEAR(std::hypot(result[0], result[1]), force, 1e-6);
+  }
+}
+
 TEST(PositionDependentFriction, ActsAroundOneDisplacement) {
   const TermSettings rub{"position_dependent_friction",
                          "",
@@ -71,10 +98,26 @@ TEST(Drag, GrowsWithItsPowerOfVelocity) {
   EXPECT_NEAR(force_at(damper, 0, -0.5), -2e4, 1e-9);
 }
 
+TEST(PowerDamping, IsAPowerOfVelocityAwayFromRest) {
+  for (const double exponent : {0.3, 1.0, 2.5}) {
+    const TermSettings damper{
+        "power_damping", "", {{"force", 2e4}, {"exponent", exponent}, {"reference_velocity", 0.5}}};
+    EXPECT_NEAR(force_at(damper, 0, 0.5), 2e4, 0.02);
+    EXPECT_NEAR(force_at(damper, 0, -0.1), -2e4 * std::pow(0.2, exponent), 1);
+    EXPECT_EQ(force_at(damper, 0, 0), 0);
+  }
+}
+
 TEST(Springs, HaveTheShapeOfTheirEquations) {
   const TermSettings polynomial{
       "polynomial_stiffness", "", {{"linear", 2}, {"quadratic", 3}, {"cubic", 5}}};
   EXPECT_NEAR(force_at(polynomial, -2, 0), -4 + 12 - 40, 1e-12);
+  // Modifiers of a specimen act on its spring as on the stiffness of its loop.
+  const TermSettings scragged{
+      "scragging", "", {{"virgin_excess", 0.5}, {"scragging_displacement", 2}}};
+  const double factor = 1 + 0.5 * std::exp(-1);
+  EXPECT_NEAR((Stepper{{polynomial, scragged}, kStep}.step(moving(-2, 0)).force[0]), -32 * factor,
+              1e-12);
   const TermSettings piecewise{
       "piecewise_stiffness",
       "",

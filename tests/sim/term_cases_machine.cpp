@@ -9,6 +9,8 @@ std::vector<TermCase> machine_cases() {
   std::vector<TermCase> cases;
   for (const char* kind : {"tabulated_stiffness", "tabulated_damping", "tabulated_viscosity"})
     cases.push_back({kind, {}, {}, {"range"}, {}, 0.003});
+  // Its force and its reference velocity are one parameter.
+  cases.push_back({"power_damping", {}, {}, {"reference_velocity"}, {}});
   cases.push_back({"tabulated_friction", {}, {}, {"range", "creep_velocity"}, {}, 0.003});
   return cases;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Devices whose resistance is controlled while they move: magnetorheological dampers.
+#include "delay_line.hpp"
 #include "hysteresis_kinds.hpp"
 #include "kinds.hpp"
+#include "lag.hpp"
 #include "presliding.hpp"
 
 namespace rths::sim {
@@ -66,7 +68,52 @@ struct CurrentDependentDamping {
   }
 };
 
-constexpr TermKind kControlledKinds[] = {kind_of<CurrentDependentFriction>(),
+// The coil and its amplifier: the field follows the recorded voltage or set current.
+struct ControlLag {
+  static constexpr std::string_view kName = "control_lag";
+  static constexpr std::string_view kTitle = "first-order lag of a device's control input";
+  static constexpr std::string_view kEquation = "T I' + I = recorded input";
+  static constexpr std::string_view kSource =
+      "Spencer, Dyke, Sain & Carlson 1997; exact for an input linear in each step";
+  static constexpr Stage kStage = Stage::Modifier;
+  static constexpr unsigned kTraits = kControlled;
+  enum { kTimeConstant };
+  static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 10, 0, 20e-3}};
+  static constexpr std::size_t kStates = FirstOrderLag<double>::kStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const FirstOrderLag<Real> lag{term.parameters[kTimeConstant], term.time_step};
+    q.auxiliary = lag(term.state, q.auxiliary);
+  }
+};
+
+struct ControlDelay {
+  static constexpr std::string_view kName = "control_delay";
+  static constexpr std::string_view kTitle = "pure delay of a device's control input";
+  static constexpr std::string_view kEquation = "I(t) = recorded input(t - tau)";
+  static constexpr std::string_view kSource = "textbook; cubic interpolation is ours";
+  static constexpr Stage kStage = Stage::Modifier;
+  static constexpr unsigned kTraits = kControlled;
+  enum { kDelay };
+  static constexpr double kLongest = 0.2;  // [s]
+  static constexpr Parameter kParameters[] = {{"delay", "s", 0, kLongest, 0, 12e-3}};
+
+  static TermSize size(const TermSetup& setup) {
+    using Line = DelayLine<double>;
+    return {Line::states(Line::capacity(kLongest, setup.time_step), 1), 0};
+  }
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    DelayLine<Real> line{term.state, DelayLine<Real>::capacity(kLongest, term.time_step)};
+    line.advance(term.parameters[kDelay] * (1 / term.time_step));
+    q.auxiliary = line.exchange(0, q.auxiliary);
+  }
+};
+
+constexpr TermKind kControlledKinds[] = {kind_of<ControlLag>(), kind_of<ControlDelay>(),
+                                         kind_of<CurrentDependentFriction>(),
                                          kind_of<CurrentDependentDamping>()};
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "elastomeric.hpp"
 #include "hysteresis_kinds.hpp"
 #include "kinds.hpp"
 #include "work_taken.hpp"
@@ -51,13 +52,15 @@ struct Degradation {
   static constexpr std::string_view kName = "degradation";
   static constexpr std::string_view kTitle = "strength and stiffness lost with dissipated work";
   static constexpr std::string_view kEquation =
-      "Q_d -> Q_d / (1 + d_Q W),  K_d -> K_d / (1 + d_K W),  W = int F_h . du";
+      "Q_d -> Q_d f,  k -> k f^s,  f = 1 / (1 + d_Q W),  K_d -> K_d / (1 + d_K W),  W = int F_h . "
+      "du";
   static constexpr std::string_view kSource = "Baber & Wen 1981";
   static constexpr Stage kStage = Stage::Modifier;
   static constexpr unsigned kTraits = kFrameIndifferent;
-  enum { kStrengthLoss, kStiffnessLoss };
+  enum { kStrengthLoss, kStiffnessLoss, kElasticShare };
   static constexpr Parameter kParameters[] = {{"strength_loss", "1/J", 0, 1, 0, 1e-7},
-                                              {"stiffness_loss", "1/J", 0, 1, 0, 1e-7}};
+                                              {"stiffness_loss", "1/J", 0, 1, 0, 1e-7},
+                                              kElasticShareParameter};
   static constexpr std::size_t kStates = kWorkStates + 1;  // W
 
   template <class Real>
@@ -66,7 +69,8 @@ struct Degradation {
     work += work_taken(term.state, q, Real{0});
     // The force is one step old, so the first reversal may make the work slightly negative.
     if (work < 0) work = Real{0};
-    q.strength *= 1 / (1 + term.parameters[kStrengthLoss] * work);
+    weaken<Real>(q, 1 / (1 + term.parameters[kStrengthLoss] * work),
+                 term.parameters[kElasticShare]);
     q.stiffness *= 1 / (1 + term.parameters[kStiffnessLoss] * work);
   }
 };

@@ -70,6 +70,33 @@ struct QuadraticDrag {
   }
 };
 
+// Seals and orifices: of an exponent below 1 the slope at rest is finite.
+struct PowerDamping {
+  static constexpr std::string_view kName = "power_damping";
+  static constexpr std::string_view kTitle = "damping with a power of velocity";
+  static constexpr std::string_view kEquation =
+      "F = F_r r (r^2 + e^2)^((a - 1)/2),  r = v/v_r,  e = 0.001";
+  static constexpr std::string_view kSource =
+      "Seleemah & Constantinou 1997, F = C |v|^a sgn(v); rounded at rest by us";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits = kDissipative | kPerAxis;
+  enum { kForce, kExponent, kVelocity };
+  static constexpr double kRest = 1e-3;  // of the reference velocity
+  static constexpr Parameter kParameters[] = {{"force", "N", 0, 1e9, 0, 2e4},
+                                              {"exponent", "-", 0.05, 5, 1, 0.4},
+                                              {"reference_velocity", "m/s", 1e-6, 100, 1, 1}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::pow;
+    const Real half = 0.5 * (term.parameters[kExponent] - 1);
+    add(term, q, [&](std::size_t axis) {
+      const Real ratio = q.velocity[axis] / term.parameters[kVelocity];
+      return term.parameters[kForce] * ratio * pow(ratio * ratio + kRest * kRest, half);
+    });
+  }
+};
+
 struct PlatenInertia {
   static constexpr std::string_view kName = kPlatenInertia;
   static constexpr std::string_view kTitle = "inertia of parts moving with the platen";
@@ -111,8 +138,8 @@ struct Cogging {
 };
 
 constexpr TermKind kDragKinds[] = {kind_of<ViscousFriction>(), kind_of<AsymmetricViscous>(),
-                                   kind_of<QuadraticDrag>(), kind_of<PlatenInertia>(),
-                                   kind_of<Cogging>()};
+                                   kind_of<QuadraticDrag>(),   kind_of<PowerDamping>(),
+                                   kind_of<PlatenInertia>(),   kind_of<Cogging>()};
 
 }  // namespace
 

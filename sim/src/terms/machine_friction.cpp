@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kinds.hpp"
 #include "machine_kinds.hpp"
+#include "plane.hpp"
 #include "presliding.hpp"
 
 namespace rths::sim {
@@ -128,9 +129,69 @@ struct PositionDependentFriction {
   }
 };
 
+struct VelocityDependentFriction {
+  static constexpr std::string_view kName = "velocity_dependent_friction";
+  static constexpr std::string_view kTitle = "friction that grows smoothly with velocity";
+  static constexpr std::string_view kEquation =
+      "F = F_v s |v|/(|v| + v_g),  ds = (du - s |du|) / z_s";
+  static constexpr std::string_view kSource = "Dahl 1968, exponent 1; the growth is ours";
+  static constexpr Stage kStage = Stage::Machine;
+  static constexpr unsigned kTraits =
+      kPerAxis;  // not dissipative: s builds up and is released at different velocities
+  enum { kForce, kVelocity, kPresliding };
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
+                                              {"growth_velocity", "m/s", 1e-6, 100, 0.05, 0.05},
+                                              kPreslidingLength};
+  static constexpr std::size_t kStates = kDahlStates;
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::abs;
+    for_each_active_axis(term, [&](std::size_t axis) {
+      const Real speed = abs(q.velocity[axis]);
+      q.force[axis] += term.parameters[kForce] *
+                       presliding(term, q, axis, term.parameters[kPresliding]) *
+                       (speed / (speed + term.parameters[kVelocity]));
+    });
+  }
+};
+
+struct PlanarFriction {
+  static constexpr std::string_view kName = "planar_friction";
+  static constexpr std::string_view kTitle = "Coulomb friction in the plane with presliding";
+  static constexpr std::string_view kEquation = "F = F_c s,  ds = (du - s |du|) / z_s  (vectors)";
+  static constexpr std::string_view kSource = "Dahl 1968, exponent 1, for two directions";
+  static constexpr Stage kStage = Stage::Machine;
+  // Its store z_s F_c |s|^2/2 grows by F.du - F_c |s|^2 |du|.
+  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
+  enum { kForce, kPresliding };
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
+                                              kPreslidingLength};
+  static constexpr std::size_t kStates = 4;  // displacement before, s
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    using std::exp;
+    const Plane<Real> u = displacement_of(q);
+    const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
+    term.state[0] = u.x, term.state[1] = u.y;
+    Plane<Real> s{term.state[2], term.state[3]};
+    // Exact along a straight step.
+    if (const Real path = length(du); path > 0) {
+      const Real kept = exp(-path / term.parameters[kPresliding]);
+      s = s * kept + du * Real{(1 - kept) / path};
+    }
+    term.state[2] = s.x, term.state[3] = s.y;
+    q.force[0] += term.parameters[kForce] * s.x;
+    q.force[1] += term.parameters[kForce] * s.y;
+  }
+};
+
 constexpr TermKind kFrictionKinds[] = {
-    kind_of<CoulombFriction>(), kind_of<AsymmetricFriction>(), kind_of<LoadDependentFriction>(),
-    kind_of<StribeckFriction>(), kind_of<PositionDependentFriction>()};
+    kind_of<CoulombFriction>(),          kind_of<PlanarFriction>(),
+    kind_of<AsymmetricFriction>(),       kind_of<LoadDependentFriction>(),
+    kind_of<StribeckFriction>(),         kind_of<VelocityDependentFriction>(),
+    kind_of<PositionDependentFriction>()};
 
 }  // namespace
 

@@ -8,7 +8,8 @@ namespace {
 struct PolynomialStiffness {
   static constexpr std::string_view kName = "polynomial_stiffness";
   static constexpr std::string_view kTitle = "polynomial spring";
-  static constexpr std::string_view kEquation = "F = k_1 u + k_2 u^2 + k_3 u^3";
+  static constexpr std::string_view kEquation =
+      "F = f (k_1 u + k_2 u^2 + k_3 u^3),  f: stiffness factor of modifiers";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kPerAxis;
@@ -22,7 +23,7 @@ struct PolynomialStiffness {
     const Real* k = term.parameters;
     for_each_active_axis(term, [&](std::size_t axis) {
       const Real& u = q.displacement[axis];
-      q.force[axis] += u * (k[kLinear] + u * (k[kQuadratic] + u * k[kCubic]));
+      q.force[axis] += q.stiffness * u * (k[kLinear] + u * (k[kQuadratic] + u * k[kCubic]));
     });
   }
 };
