@@ -143,7 +143,8 @@ TEST(Diagnosis, SaysUnknownWhenTheTermIsExcluded) {
   const Verdict verdict =
       diagnose(case_of({.friction = 300}),
                {.without = {"coulomb_friction", "asymmetric_friction", "stribeck_friction",
-                            "position_dependent_friction", "bouc_wen", "asymmetric_hysteresis"}});
+                            "position_dependent_friction", "bouc_wen", "asymmetric_hysteresis",
+                            "velocity_dependent_friction", "power_damping"}});
 
   EXPECT_TRUE(verdict.outcome == Outcome::Unknown || verdict.has_remainder) << verdict.sentence;
   EXPECT_NE(verdict.next_test.find("covers velocity"), std::string::npos) << verdict.next_test;

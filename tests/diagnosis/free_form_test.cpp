@@ -22,11 +22,23 @@ using Eigen::VectorXd;
 constexpr double kInterval = 0.005;
 constexpr std::size_t kCount = 2400, kStill = 400;
 constexpr const char* kRecordings[] = {"fit.csv", "second.csv", "third.csv"};
-const std::vector<std::string> kWithout{
-    "quadratic_drag",       "viscous_friction",    "asymmetric_viscous", "coulomb_friction",
-    "asymmetric_friction",  "stribeck_friction",   "piecewise_damping",  "bouc_wen",
-    "cubic_stiffness",      "piecewise_stiffness", "gap_contact",        "large_strain_stiffening",
-    "asymmetric_stiffness", "input_dead_zone",     "transducer_backlash"};
+const std::vector<std::string> kWithout{"quadratic_drag",
+                                        "viscous_friction",
+                                        "asymmetric_viscous",
+                                        "coulomb_friction",
+                                        "asymmetric_friction",
+                                        "stribeck_friction",
+                                        "piecewise_damping",
+                                        "bouc_wen",
+                                        "cubic_stiffness",
+                                        "piecewise_stiffness",
+                                        "gap_contact",
+                                        "large_strain_stiffening",
+                                        "asymmetric_stiffness",
+                                        "input_dead_zone",
+                                        "transducer_backlash",
+                                        "power_damping",
+                                        "velocity_dependent_friction"};
 
 // The verdict on a mass on a spring with an additional force of displacement and velocity.
 Verdict verdict_on(const std::function<double(double, double)>& force) {

@@ -122,9 +122,14 @@ double value_of(const Verdict& verdict, const std::string& name) {
   return 0;
 }
 
-const Names kFriction{"coulomb_friction",  "asymmetric_friction",
-                      "stribeck_friction", "position_dependent_friction",
-                      "bouc_wen",          "asymmetric_hysteresis"};
+const Names kFriction{"coulomb_friction",
+                      "asymmetric_friction",
+                      "stribeck_friction",
+                      "position_dependent_friction",
+                      "bouc_wen",
+                      "asymmetric_hysteresis",
+                      "velocity_dependent_friction",
+                      "power_damping"};
 
 // Janot, Gautier & Brunot 2019, identified by least squares of the inverse model (IDIM-LS).
 TEST_F(RealData, EmpsHasCoulombFrictionAndAnOffsetAsPublished) {

@@ -20,9 +20,10 @@ bool is_acceptable(const Contender& contender, double accepted, std::uint64_t se
   return low > 0 || (contender.gain > 20 * kLeastAcceptedGain && low > -0.01 * contender.gain);
 }
 
-std::vector<Contender> held_back(std::vector<Contender>& contenders, double accepted,
-                                 std::uint64_t seed) {
+std::vector<Contender> held_back(std::vector<Contender>& contenders, const Candidate* holder,
+                                 double accepted, std::uint64_t seed) {
   const auto waits = [&](const Contender& contender) {
+    if (holder != nullptr && is_same(contender.candidate, *holder)) return false;
     const auto& after = contender.candidate.after;
     return std::any_of(contenders.begin(), contenders.end(), [&](const Contender& other) {
       return std::find(after.begin(), after.end(), other.candidate.name) != after.end() &&

@@ -11,7 +11,9 @@ inline constexpr double kLeastAcceptedGain = 18;  ///< over both folds [nat]
 [[nodiscard]] bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed);
 
 /// Removes and returns candidates that must wait for another acceptable one, see Candidate::after.
-[[nodiscard]] std::vector<Contender> held_back(std::vector<Contender>& contenders, double accepted,
+/// @param holder  one that has waited already; may be null
+[[nodiscard]] std::vector<Contender> held_back(std::vector<Contender>& contenders,
+                                               const Candidate* holder, double accepted,
                                                std::uint64_t seed);
 
 /// Chooses the cheapest of the candidates that are not significantly worse than the best.

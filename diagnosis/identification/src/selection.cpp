@@ -137,7 +137,7 @@ class Selector {
   std::optional<SelectionRound> round_with(const Effort& effort) {
     Round round{problem_, folds_, current_, stated_.values, left_for(current_, selection_.rounds),
                 seed_,    effort};
-    auto won = winner(round, true);
+    auto won = winner(round, nullptr);
     if (!won) selection_.last = std::move(round.contenders());
     return won;
   }
@@ -162,21 +162,19 @@ class Selector {
     return std::max({kLeastAcceptedGain, kAcceptedDensity * n, kAcceptedShare * 0.5 * n * excess});
   }
 
-  // Takes the contenders of a round, if it accepts one. A term that is added may have to wait for
-  // another one; a term that is compared with its rivals has waited already.
-  std::optional<SelectionRound> winner(Round& round, bool adds) const {
+  // Takes the contenders of a round, if it accepts one. A term may have to wait for another one; a
+  // holder that is compared with its rivals has waited already.
+  std::optional<SelectionRound> winner(Round& round, const Candidate* holder) const {
     auto& contenders = round.contenders();
     const double least = accepted();
-    std::vector<Contender> waiting;
-    if (adds) waiting = held_back(contenders, least, seed_);
+    const std::vector<Contender> waiting = held_back(contenders, holder, least, seed_);
     if (contenders.empty() || !is_acceptable(contenders[0], least, seed_) ||
         change_of(problem_, round.base(), contenders[0].fitted, folds_.second) < kMaterial)
       return std::nullopt;
     SelectionRound won = chosen(std::move(contenders), seed_);
     // Waiting candidates contain the chosen one as a special case, so they support it.
     for (const auto& contender : waiting) won.chosen.confidence += contender.confidence;
-    won.others.insert(won.others.begin(), std::make_move_iterator(waiting.begin()),
-                      std::make_move_iterator(waiting.end()));
+    won.others.insert(won.others.begin(), waiting.begin(), waiting.end());
     return won;
   }
 
@@ -196,12 +194,14 @@ class Selector {
     return replaced;
   }
 
-  // In a tie, the holder yields to a cheaper rival only if that gains as much.
+  // In a tie, the holder yields only to a cheaper rival that gains as much.
   static void keep_in_tie(SelectionRound& round, const Candidate& holder) {
     const auto held = std::find_if(round.tied.begin(), round.tied.end(), [&](const auto& tied) {
       return is_same(tied.candidate, holder);
     });
-    if (held != round.tied.end() && held->gain > round.chosen.gain) std::swap(round.chosen, *held);
+    if (held == round.tied.end()) return;
+    const bool is_cheaper = round.chosen.candidate.price < holder.price;
+    if (!is_cheaper || held->gain > round.chosen.gain) std::swap(round.chosen, *held);
   }
 
   // The candidates that may extend a model and are not named yet.
@@ -228,7 +228,7 @@ class Selector {
     std::copy_if(rounds.begin(), rounds.end(), std::back_inserter(others), is_other);
     const Hypothesis rest = with_rounds(selection_.base, rounds, is_other, current_);
     Round round{problem_, folds_, {holder, rest, current_}, left_for(rest, others), seed_};
-    auto won = winner(round, false);
+    auto won = winner(round, &holder);
     if (!won) return true;
     keep_in_tie(*won, holder);
     rounds[place] = std::move(*won);

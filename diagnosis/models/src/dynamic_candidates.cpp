@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "dynamic_kinds.hpp"
+#include "library.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -105,10 +106,20 @@ std::vector<KindChoice> possible_kinds(const ConnectionSize& size) {
   return kinds;
 }
 
+// A modifier needs a term that it weakens.
+bool has_what_it_changes(const std::string& kind, const Hypothesis& base,
+                         const std::string& component) {
+  if (sim::term_kind(kind).stage != sim::Stage::Modifier) return true;
+  return std::any_of(base.terms.begin(), base.terms.end(), [&](const ModelTerm& term) {
+    return term.component == component && is_hysteretic(term.settings.kind);
+  });
+}
+
 void add_candidates(const std::vector<KindChoice>& kinds, const TermSite& site,
                     const Hypothesis& base, std::vector<Candidate>& candidates) {
   for (const auto& kind : kinds) {
     if (is_in_model(base, kind.kind, site.name)) continue;
+    if (!has_what_it_changes(kind.kind, base, site.name)) continue;
     // A fitted linear damper makes a second one redundant.
     if (std::string_view{kind.kind} == "viscous_friction" && is_free(base, site.name + ".damping"))
       continue;

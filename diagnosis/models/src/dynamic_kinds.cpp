@@ -23,6 +23,8 @@ double size_of(NaturalUnit unit, const Natural& n) {
       return n.force / (n.velocity * n.velocity);
     case NaturalUnit::Mass:
       return n.force / n.acceleration;
+    case NaturalUnit::PerWork:
+      return 1 / (n.force * n.displacement);
     case NaturalUnit::Peak:
       return n.peak;
     case NaturalUnit::Rms:
@@ -57,6 +59,10 @@ const std::vector<KindChoice>& connection_kinds() {
       {"bouc_wen",
        {{"characteristic_strength", NaturalUnit::Force, {0.05}},
         {"yield_displacement", NaturalUnit::Displacement, {0.2}, ParameterChoice::Shape}}},
+      {"degradation",
+       {{"strength_loss", NaturalUnit::PerWork, {0.02}},
+        {"stiffness_loss", NaturalUnit::PerWork, {0.02}},
+        {"elastic_share", NaturalUnit::One, {0.5}, ParameterChoice::Shape}}},
       {"piecewise_stiffness",
        {{"inside_stiffness", NaturalUnit::Stiffness, {0.05}},
         {"break_displacement", NaturalUnit::Displacement, {0.2, 0.5}, ParameterChoice::Shape}}},
@@ -80,12 +86,22 @@ const std::vector<KindChoice>& connection_kinds() {
         {"stribeck_velocity", NaturalUnit::Velocity, {0.05}, ParameterChoice::Shape},
         {"presliding", NaturalUnit::Displacement, {0.003, 0.03}, ParameterChoice::Shape}},
        {"coulomb_friction"}},
+      {"velocity_dependent_friction",
+       {{"friction_force", NaturalUnit::Force, {0.03}},
+        {"growth_velocity", NaturalUnit::Velocity, {0.05, 0.5}, ParameterChoice::Shape},
+        {"presliding", NaturalUnit::Displacement, {0.003, 0.03}, ParameterChoice::Shape}},
+       {"coulomb_friction"}},
       {"viscous_friction", {{"coefficient", NaturalUnit::Damping, {0.02}}}},
       {"asymmetric_viscous",
        {{"forward_coefficient", NaturalUnit::Damping, {0.03}},
         {"backward_coefficient", NaturalUnit::Damping, {0.01}}},
        {"viscous_friction"}},
       {"quadratic_drag", {{"coefficient", NaturalUnit::Drag, {0.03}}}},
+      {"power_damping",
+       {{"force", NaturalUnit::Force, {0.03}},
+        {"exponent", NaturalUnit::One, {0.4, 1.6}, ParameterChoice::Shape},
+        {"reference_velocity", NaturalUnit::Velocity, {1}, ParameterChoice::Stated}},
+       {"coulomb_friction", "viscous_friction", "quadratic_drag"}},
       {"platen_inertia", {{"mass", NaturalUnit::Mass, {0.03}}}}};
   return kinds;
 }

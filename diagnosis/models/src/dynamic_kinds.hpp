@@ -21,6 +21,7 @@ enum class NaturalUnit {
   Damping,  ///< force per velocity
   Drag,     ///< force per velocity squared
   Mass,     ///< force per acceleration
+  PerWork,  ///< 1 per force and displacement
   Peak,     ///< of the signal
   Rms,
   Rate,  ///< largest rate of the signal

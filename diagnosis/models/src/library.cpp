@@ -23,7 +23,13 @@ constexpr std::string_view kSliders[] = {"flat_slider", "single_pendulum"};
 constexpr std::pair<std::string_view, std::string_view> kSpecialCases[] = {
     {"asymmetric_friction", "coulomb_friction"},
     {"stribeck_friction", "coulomb_friction"},
+    {"velocity_dependent_friction", "coulomb_friction"},
+    {"power_damping", "coulomb_friction"},
+    {"power_damping", "viscous_friction"},
+    {"power_damping", "quadratic_drag"},
     {"asymmetric_viscous", "viscous_friction"}};
+// Laws with a free form, which imitate many others: their special cases are named first.
+constexpr std::string_view kWaiting[] = {"velocity_dependent_friction", "power_damping"};
 constexpr std::string_view kServoLoops[] = {"actuator_bandwidth"};
 constexpr std::string_view kRuled = "bouc_wen";
 constexpr int kPriceOfRule = 4;
@@ -102,6 +108,8 @@ class Builder {
     candidate_.is_hidden = (entry_.needs & Entry::kHidden) != 0;
     for (const auto& [more, less] : kSpecialCases)
       if (candidate_.name == more) candidate_.contains.emplace_back(less);
+    if (std::find(std::begin(kWaiting), std::end(kWaiting), candidate_.name) != std::end(kWaiting))
+      candidate_.after = candidate_.contains;
     return {candidate_};
   }
 
@@ -313,6 +321,13 @@ class Builder {
   Candidate candidate_;
 };
 
+bool has_controlled(const Hypothesis& base) {
+  return std::any_of(base.terms.begin(), base.terms.end(), [](const ModelTerm& term) {
+    const TermKind& kind = sim::term_kind(term.settings.kind);
+    return (kind.traits & sim::kControlled) != 0 && kind.stage == sim::Stage::Restoring;
+  });
+}
+
 bool are_met(const Entry& entry, const Hypothesis& base, const NaturalScale& scale,
              const std::vector<std::size_t>& axes) {
   const unsigned needs = entry.needs;
@@ -326,6 +341,7 @@ bool are_met(const Entry& entry, const Hypothesis& base, const NaturalScale& sca
          !((needs & Entry::kSlider) != 0 && !holds(base, kSliders)) &&
          !((needs & Entry::kRule) != 0 && !holds(base, std::array{kRuled})) &&
          !((needs & Entry::kLoadCell) != 0 && scale.force == 0) &&
+         !((needs & Entry::kControlledTerm) != 0 && !has_controlled(base)) &&
          !((needs & Entry::kNoServoLoop) != 0 && holds(base, kServoLoops));
 }
 
@@ -340,6 +356,10 @@ double natural_size(std::string_view symbol, const NaturalScale& scale) {
 }
 
 }  // namespace
+
+bool is_hysteretic(std::string_view kind) {
+  return std::find(std::begin(kHysteretic), std::end(kHysteretic), kind) != std::end(kHysteretic);
+}
 
 double natural_unit(std::string_view unit, const NaturalScale& scale) {
   if (unit == "s" || unit == "-") return 1;

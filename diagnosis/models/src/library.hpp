@@ -53,14 +53,15 @@ struct Entry {
     kAcceleration = 16,
     kHysteresis = 32,  ///< a hysteretic term in the model, for a modifier
     kSlider = 64,
-    kKindInModel = 128,   ///< a term of this kind in the model, with a wrong parameter
-    kNoHysteresis = 256,  ///< no hysteretic term in the model
-    kLoadCell = 512,      ///< recorded forces of the actuators
-    kNoServoLoop = 1024,  ///< no actuator in the model whose loop has limits of its own
-    kHidden = 2048,       ///< (no need) see Candidate::is_hidden
-    kRule = 4096,         ///< bouc_wen in the model, with a wrong hysteresis rule
-    kInstead = 8192,      ///< (no need) replaces bouc_wen, with its parameters and more
-    kBeside = 16384       ///< (no need) a second term of a kind that the model has
+    kKindInModel = 128,      ///< a term of this kind in the model, with a wrong parameter
+    kNoHysteresis = 256,     ///< no hysteretic term in the model
+    kLoadCell = 512,         ///< recorded forces of the actuators
+    kNoServoLoop = 1024,     ///< no actuator in the model whose loop has limits of its own
+    kHidden = 2048,          ///< (no need) see Candidate::is_hidden
+    kRule = 4096,            ///< bouc_wen in the model, with a wrong hysteresis rule
+    kInstead = 8192,         ///< (no need) replaces bouc_wen, with its parameters and more
+    kBeside = 16384,         ///< (no need) a second term of a kind that the model has
+    kControlledTerm = 32768  ///< a term in the model that reads the control input
   };
   unsigned needs;
   std::vector<ParameterSpecification> parameters;
@@ -72,6 +73,9 @@ struct Entry {
 
 /// SI value of a parameter's natural unit, from its unit in the catalogue.
 [[nodiscard]] double natural_unit(std::string_view unit, const NaturalScale& scale);
+
+/// Returns true for a specimen with a loop, whose strength modifiers change.
+[[nodiscard]] bool is_hysteretic(std::string_view kind);
 
 /// Candidates of all entries that are not in the model yet and whose needs the recording meets.
 /// @param axes  predicted axes
