@@ -203,10 +203,11 @@ TEST_F(ImprovedCase, OfAnAxisHasItsLag) {
     folder_.write(kFiles[k], {{"c", command}, {"x", measured}});
   }
 
+  // An oil column with so much damping is the same law.
   check(
       round_trip(records(1.9) + "[channels]\nrate_Hz = 500\ncommand.long = \"c [m]\"\n"
                                 "displacement.long = \"x [m]\"\n[model]\nkind = \"servo_axis\"\n"),
-      "oil_column_resonance");
+      "actuator_bandwidth");
 }
 
 TEST_F(ImprovedCase, OfMassesHasASpring) {
