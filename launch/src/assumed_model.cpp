@@ -134,21 +134,21 @@ AssumedModel read_assumed_model(const Config& table, const Config& specimen, con
   const Config bearing = bearing_of(
       table.table_or_empty("specimen").overlaid(found_in(improvement, "specimen")), specimen);
   static_cast<void>(bearing.text("model", ""));
-  AssumedModel assumed{sim::read_bearing(bearing, axial_load), "", ""};
+  AssumedModel assumed{sim::read_bearing(bearing, axial_load), {}, "", ""};
 
   const Config changed = machine.overlaid(table.table_or_empty("machine"))
                              .overlaid(as_machine(found_in(improvement, "machine")));
-  const sim::TestMachine assumed_machine = adapters::read_machine(changed);
+  assumed.machine = adapters::read_machine(changed);
   Config model;
   model.set("kind", "\"platen\"");
   if (bearing.has("temperature_above_reference_K"))
     model.set("temperature_above_reference_K", fmt::format("{}", assumed.bearing.temperature));
-  if (assumed_machine.has_specimen) {
+  if (assumed.machine.has_specimen) {
     add_terms(model, bearing);
     assumed.specimen = bearing.without("model").to_toml();
   }
   add_terms(model, sim::srmd_terms().overlaid(changed));
-  add_axes(model, assumed_machine);
+  add_axes(model, assumed.machine);
   check_fitted(table, model);
   model.set("fitted", quoted(table.texts("fitted", {})));
   if (table.has("bounds")) model.set("bounds", table.table("bounds"));

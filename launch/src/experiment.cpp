@@ -200,6 +200,7 @@ void read_laboratory(const Config& file, Experiment& experiment) {
   experiment.machine = adapters::read_machine(machine);
   const auto assumed = read_assumed_model(file.table_or_empty("model"), specimen, machine, weight);
   experiment.model = assumed.bearing;
+  experiment.assumed_machine = assumed.machine;
   experiment.config.emplace_back(recording::kModelText, assumed.text);
   if (!assumed.specimen.empty())
     experiment.config.emplace_back(recording::kSpecimenText, assumed.specimen);

@@ -71,8 +71,9 @@ struct Experiment {
   sim::Bearing specimen;  ///< the bearing on the platen
   sim::Bearing model;     ///< the bearing as the simulation assumes it
   sim::TestMachine machine;
-  double alpha = -0.05;      ///< of α-OS
-  double wait_deadline = 1;  ///< [s]
+  sim::TestMachine assumed_machine;  ///< the machine as the simulation assumes it
+  double alpha = -0.05;              ///< of α-OS
+  double wait_deadline = 1;          ///< [s]
   adapters::ComputingTime computing_time;
   bool model_computing_time = false;  ///< also in wall time, where this solver is fast
   adapters::Retreat retreat;

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <rths/controller/force_observer.hpp>
+#include <rths/controller/predictor_corrector.hpp>
+#include <rths/sim/ground_motion.hpp>
+#include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/test_machine.hpp>
+
+namespace rths::budget {
+
+/// A part of a hybrid test that its simulation describes differently.
+enum class Part : unsigned {
+  Tracking,   ///< transfer system: command to displacement
+  Force,      ///< measurement and correction of the force
+  Specimen,   ///< bearing
+  Machine,    ///< friction, inertia and offset of the platen
+  Numerical,  ///< step of the integration, prediction, time of computing
+};
+inline constexpr std::size_t kParts = 5;
+
+/// The parts that are as identified, the others are as simulated: bit i is Part i.
+using Parts = unsigned;
+[[nodiscard]] constexpr bool has(Parts parts, Part part) {
+  return (parts >> static_cast<unsigned>(part) & 1U) != 0;
+}
+[[nodiscard]] constexpr Parts only(Part part) { return 1U << static_cast<unsigned>(part); }
+inline constexpr Parts kNone = 0, kAll = (1U << kParts) - 1;
+
+/// Lead of the reference over the command of one axis: a0 x + a1 ẋ + a2 ẍ.
+using Lead = Eigen::Vector3d;
+
+/// A hybrid test with two horizontal axes, each part as simulated and as identified.
+struct HybridTest {
+  // The analysis
+  sim::PlantMatrices plant;
+  sim::GroundMotion motion;
+  double alpha = -0.05;                    ///< of α-OS
+  double implicit_stiffness = 0;           ///< of a bearing [N/m]
+  double duration = 0;                     ///< model time [s]
+  std::array<bool, 2> tested{true, true};  ///< axes; others have neither motion nor target
+
+  // Numerical side, as identified
+  double integration_step = 0.01;  ///< model time [s]
+  double rate = 1;                 ///< wall time over model time
+  controller::PredictorCorrectorSettings command;
+  /// Controller periods from "at target" to the arrival of the next target, by step; the last value
+  /// holds for later steps.
+  std::vector<int> computing;
+  std::size_t first_target = 1;  ///< controller period in which the first target arrives
+
+  // Controller
+  double period = 0.001;                              ///< wall time [s]
+  std::array<controller::MachineForce, 2> corrected;  ///< force that the correction subtracts
+  bool corrects = true;                               ///< false: the table force is fed back
+  int slope_samples = 32;
+  /// Noise of the corrected force by controller period, as recorded [N]; may be empty.
+  std::array<std::vector<double>, 2> force_noise;
+  /// Lead by controller period, as sent; the last holds for later periods. Empty: none.
+  std::array<std::vector<Lead>, 2> lead;
+
+  // Specimen and machine. Of the machines, the loop uses terms, masses and offsets; of the
+  // identified one its hydraulics too.
+  sim::Bearing specimen_simulated, specimen_identified;
+  sim::TestMachine machine_simulated, machine_identified;
+  /// Measured vertical load by controller period [N]; empty: that of the analysis.
+  std::vector<double> axial_load;
+};
+
+/// Noise of a signal that is sampled much faster than it changes: each sample less the parabola
+/// through it and its `reach` neighbours on either side. A noise of variance 1 keeps the variance
+/// 1 − w, where w = (9/4)/(2 reach + 1) for a long reach; the rest is taken for signal.
+/// Source: Savitzky & Golay (1964).   @setup
+[[nodiscard]] std::vector<double> noise_of(const std::vector<double>& signal, std::size_t reach);
+
+/// Displacement of the bearing, one sample per integration step: long, lat [m]. Sample k is at
+/// (k + 1) integration_step.
+using Response = std::array<std::vector<double>, 2>;
+
+/// The closed loop in virtual time. Parts as simulated: an ideal transfer system with the actuator
+/// terms of the simulated machine, an exact force, the simulated bearing and machine, and an
+/// integration with a target per controller period.
+/// @param identified  parts that are as identified
+/// @throws Error as TestMachineRun and PlantAnalysis do   @setup
+[[nodiscard]] Response closed_loop(const HybridTest& test, Parts identified);
+
+/// The analysis alone, with the recorded force in place of everything else: what differs from the
+/// recorded targets is the error of the numerical side.
+/// @param force  fed to the integrator at the end of each integration step: long, lat [N]   @setup
+[[nodiscard]] Response replayed(const HybridTest& test,
+                                const std::array<std::vector<double>, 2>& force);
+
+}  // namespace rths::budget

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace rths::budget {
+
+/// Shapley values of a game: what each player adds, averaged over all orders in which the players
+/// can join. They add up to the value of all players together less the value of none. Exact: every
+/// coalition is valued once.
+/// @param players  1 to 16
+/// @param value  of a coalition; player i takes part if bit i is set
+/// @returns one value per player   @throws Error if there are too few or too many players
+/// @setup
+/// Source: Shapley (1953), A value for n-person games.
+[[nodiscard]] std::vector<double> shapley(std::size_t players,
+                                          const std::function<double(unsigned coalition)>& value);
+
+}  // namespace rths::budget

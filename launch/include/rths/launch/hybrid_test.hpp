@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/budget/closed_loop.hpp>
+#include <rths/launch/experiment.hpp>
+#include <rths/recording/recording.hpp>
+
+namespace rths::launch {
+
+/// A run as the closed loop of a budget. Simulated parts come from [model] of the experiment. What
+/// the run did itself comes from its recording: times of computing, compensation, vertical load,
+/// and the settings of its controller. The identified parts equal the simulated ones.
+/// @param run  recording with a node "xpc" of adapter simulink_like and "srmd"
+/// @throws Error if the recording lacks a signal   @setup
+[[nodiscard]] budget::HybridTest hybrid_test_of(const Experiment& experiment,
+                                                const recording::Reader& run);
+
+/// Displacement of a run: the targets of its integrator, as `budget::closed_loop` returns them.
+/// @throws Error if the recording lacks a signal   @setup
+[[nodiscard]] budget::Response response_of(const Experiment& experiment,
+                                           const recording::Reader& run);
+
+/// Force that the integrator of a run received, by integration step: long, lat [N].   @setup
+[[nodiscard]] std::array<std::vector<double>, 2> fed_force_of(const recording::Reader& run);
+
+}  // namespace rths::launch

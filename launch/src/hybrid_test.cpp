@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/launch/hybrid_test.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <rths/core/error.hpp>
+#include <rths/sim/plant_analysis.hpp>
+
+namespace rths::launch {
+namespace {
+
+using recording::at_each_count;
+using recording::NodeTicks;
+using recording::Reader;
+
+constexpr const char* kHorizontal[] = {"long", "lat"};
+constexpr std::size_t kNoiseReach = 10;  // samples: 10 ms to either side
+constexpr const char* kController = "xpc";
+
+const NodePlan& controller_of(const Experiment& experiment) {
+  for (const auto& plan : experiment.nodes)
+    if (plan.adapter == "simulink_like") return plan;
+  throw Error{experiment.file.string() + ": no node has the adapter 'simulink_like'"};
+}
+
+double first_value(const Reader& run, const std::string& signal, double otherwise) {
+  if (!run.has(signal)) return otherwise;
+  const auto values = run.signal(signal);
+  return values.empty() ? otherwise : values.front();
+}
+
+std::vector<double> ticks_or(const Reader& run, const NodeTicks& ticks, const std::string& signal,
+                             double otherwise) {
+  return run.has(signal) ? ticks.values(signal) : std::vector<double>(ticks.count(), otherwise);
+}
+
+double of_axis(const Config& table, const std::string& key, std::size_t axis) {
+  const auto values = table.numbers(key, {});
+  return axis < values.size() ? values[axis] : 0;
+}
+
+void read_observer(const Config& table, budget::HybridTest& test) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    auto& machine = test.corrected[i];
+    machine.effective_mass = of_axis(table, "effective_mass_kg", i);
+    machine.coulomb_friction = of_axis(table, "coulomb_friction_N", i);
+    machine.viscous_friction = of_axis(table, "viscous_friction_N_s_per_m", i);
+    machine.offset = of_axis(table, "force_offset_N", i);
+    machine.exponent = table.number("exponent", 1.0);
+    machine.rest_velocity = table.number("rest_velocity_m_per_s", machine.rest_velocity);
+  }
+  test.slope_samples = static_cast<int>(table.integer("slope_samples", test.slope_samples));
+}
+
+void read_command(const Config& table, budget::HybridTest& test) {
+  const auto read = [&](const char* key, controller::Polynomial otherwise) {
+    return controller::polynomial_from_text(table.text(key, "")).value_or(otherwise);
+  };
+  test.command.predictor = read("predictor", test.command.predictor);
+  test.command.corrector = read("corrector", test.command.corrector);
+  test.command.slow_down_from = table.number("slow_down_from", test.command.slow_down_from);
+  test.command.largest_xi = table.number("largest_xi", test.command.largest_xi);
+}
+
+void read_diagram(const NodePlan& plan, budget::HybridTest& test) {
+  const Config diagram = Config::load(plan.diagram);
+  const double substeps = static_cast<double>(diagram.integer("substeps", 1));
+  test.period = to_seconds(plan.schedule.period);
+  test.command.substeps =
+      static_cast<int>(std::lround(test.rate * test.integration_step / (test.period / substeps)));
+  test.corrects = false;
+  for (const auto& block : diagram.tables("block")) {
+    const std::string type = block.text("type", "");
+    if (type == "predictor_corrector") read_command(block, test);
+    if (type != "force_observer") continue;
+    read_observer(block, test);
+    test.corrects = true;
+  }
+}
+
+// The lead as sent: coefficients of the adaptive compensator and the gains of the feed-forward.
+std::vector<budget::Lead> lead_of(const Reader& run, const NodeTicks& ticks, const char* axis) {
+  const std::string tune = std::string{"tune."} + kController + ".";
+  const std::string monitor = std::string{"monitor."} + kController + ".ats.";
+  const bool adapts =
+      run.has(monitor + "a0." + axis) && first_value(run, tune + "ats.enabled", 1) != 0;
+  const bool leads = first_value(run, tune + "feed_forward.enabled", 0) != 0;
+  const double velocity = leads ? first_value(run, tune + "feed_forward.velocity_gain_s", 0) : 0;
+  const double acceleration =
+      leads ? first_value(run, tune + "feed_forward.acceleration_gain_s2", 0) : 0;
+  std::vector<budget::Lead> lead(ticks.count(), budget::Lead{1, velocity, acceleration});
+  if (!adapts) return lead;
+  const auto a0 = ticks.values(monitor + "a0." + axis);
+  const auto a1 = ticks.values(monitor + "a1." + axis);
+  const auto a2 = ticks.values(monitor + "a2." + axis);
+  for (std::size_t i = 0; i < lead.size(); ++i)
+    lead[i] = {a0[i], a1[i] + velocity, a2[i] + acceleration};
+  return lead;
+}
+
+std::string corrected_force(bool corrects, const char* axis) {
+  return corrects ? std::string{"monitor."} + kController + ".observer.force." + axis
+                  : std::string{"srmd."} + axis + ".force.fbk";
+}
+
+// Controller periods from "at target" to the next target, and the period of the first target.
+void read_computing(const NodeTicks& ticks, budget::HybridTest& test) {
+  const auto at_target = ticks.values(std::string{"monitor."} + kController + ".pc.at_target");
+  const auto targets = ticks.values(std::string{"monitor."} + kController + ".pc.targets");
+  std::size_t reached = 0;
+  bool is_first = true;
+  for (std::size_t i = 1; i < targets.size(); ++i) {
+    if (targets[i] > targets[i - 1]) {
+      if (is_first)
+        test.first_target = i;
+      else
+        test.computing.push_back(static_cast<int>(i - reached));
+      is_first = false;
+    }
+    if (at_target[i] > 0 && at_target[i - 1] <= 0) reached = i;
+  }
+}
+
+}  // namespace
+
+budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& run) {
+  budget::HybridTest test;
+  test.plant = sim::assemble(experiment.plant);
+  test.motion = experiment.motion;
+  test.alpha = experiment.alpha;
+  test.implicit_stiffness = sim::initial_stiffness(experiment.model);
+  test.duration = experiment.duration;
+  test.integration_step = experiment.integration_step;
+  test.rate = experiment.rate;
+  const NodeTicks ticks{run, kController};
+  for (std::size_t i = 0; i < 2; ++i) {
+    test.tested[i] = std::find(experiment.axes.begin(), experiment.axes.end(), kHorizontal[i]) !=
+                     experiment.axes.end();
+    if (test.tested[i]) test.lead[i] = lead_of(run, ticks, kHorizontal[i]);
+  }
+  if (!test.tested[0])
+    std::fill(test.motion.long_acceleration.begin(), test.motion.long_acceleration.end(), 0);
+  if (!test.tested[1])
+    std::fill(test.motion.lat_acceleration.begin(), test.motion.lat_acceleration.end(), 0);
+  read_diagram(controller_of(experiment), test);
+  for (std::size_t i = 0; i < 2; ++i)
+    if (const std::string force = corrected_force(test.corrects, kHorizontal[i]); run.has(force))
+      test.force_noise[i] = budget::noise_of(ticks.values(force), kNoiseReach);
+  read_computing(ticks, test);
+  test.axial_load = ticks_or(run, ticks, "srmd.vert.force.fbk", experiment.model.axial_load);
+  test.specimen_simulated = test.specimen_identified = experiment.model;
+  test.machine_simulated = test.machine_identified = experiment.assumed_machine;
+  return test;
+}
+
+budget::Response response_of(const Experiment& experiment, const Reader& run) {
+  const auto targets = run.signal(std::string{"monitor."} + kController + ".pc.targets");
+  budget::Response response;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string signal = std::string{"opf."} + kHorizontal[i] + ".displ.target";
+    response[i] = at_each_count(
+        targets, run.has(signal) ? run.signal(signal) : std::vector<double>(targets.size(), 0));
+    const auto steps =
+        static_cast<std::size_t>(std::llround(experiment.duration / experiment.integration_step));
+    if (response[i].size() > steps) response[i].resize(steps);
+  }
+  return response;
+}
+
+std::array<std::vector<double>, 2> fed_force_of(const Reader& run) {
+  const auto steps = run.signal("monitor.opf.step");
+  std::array<std::vector<double>, 2> force;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string signal =
+        std::string{"monitor."} + kController + ".pc.held_force." + kHorizontal[i];
+    force[i] = run.has(signal) ? at_each_count(steps, run.signal(signal))
+                               : std::vector<double>(steps.size(), 0);
+  }
+  return force;
+}
+
+}  // namespace rths::launch

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The closed loop of a budget against runs in virtual time, which it does not share its code with:
+// adapters, ring, handshake and diagram.
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include <rths/launch/hybrid_test.hpp>
+#include <rths/launch/run.hpp>
+
+#include "support/files.hpp"
+
+namespace rths::budget {
+namespace {
+
+double apart(const std::vector<double>& a, const std::vector<double>& b) {
+  double difference = 0, all = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    difference += (a[i] - b[i]) * (a[i] - b[i]);
+    all += a[i] * a[i];
+  }
+  return std::sqrt(difference / all);
+}
+
+/// The example for ten seconds in virtual time, with or without noise of the sensors.
+class ClosedLoop : public ::testing::Test {
+ protected:
+  void make(bool has_noise, std::vector<std::pair<std::string, std::string>> changes = {}) {
+    changes.insert(changes.end(), {{"duration_s", "10"}, {"rest_s", "0.5"}});
+    if (!has_noise)
+      for (const char* sensor :
+           {"displacement_noise_m", "force_noise_N", "acceleration_noise_m_per_s2"})
+        changes.emplace_back(std::string{"machine."} + sensor, "0");
+    experiment =
+        launch::load_experiment(test::source_tree() / "examples/srmd_lprb_2d.toml", changes);
+    launch::RunOptions options;
+    options.clock = launch::ClockKind::Virtual;
+    options.recording = folder / "run.h5";
+    ASSERT_TRUE(launch::run(experiment, options).completed);
+    const recording::Reader run{options.recording};
+    hybrid = launch::hybrid_test_of(experiment, run);
+    measured = launch::response_of(experiment, run);
+    force = launch::fed_force_of(run);
+    // The laboratory itself takes the place of what would be identified.
+    hybrid.specimen_identified = experiment.specimen;
+    hybrid.machine_identified = experiment.machine;
+  }
+  [[nodiscard]] double difference(const Response& response) const {
+    return std::max(apart(measured[0], response[0]), apart(measured[1], response[1]));
+  }
+
+  const test::TemporaryFolder temporary;
+  const std::filesystem::path& folder = temporary.path();
+  launch::Experiment experiment;
+  HybridTest hybrid;
+  Response measured;
+  std::array<std::vector<double>, 2> force;
+};
+
+// Recordings hold floats.
+TEST_F(ClosedLoop, ReturnsTheRecordedTargetsUnderTheRecordedForce) {
+  make(true);
+  const Response again = replayed(hybrid, force);
+  ASSERT_GE(again[0].size(), measured[0].size());
+  EXPECT_LT(difference(again), 1e-4);
+}
+
+TEST_F(ClosedLoop, ReproducesARunWithoutNoiseFromTheTrueLaboratory) {
+  make(false);
+  hybrid.force_noise = {};
+  EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
+  for (std::size_t part = 0; part < kParts; ++part)
+    EXPECT_GT(difference(closed_loop(hybrid, kAll & ~(1U << part))), 2e-3) << "part " << part;
+}
+
+TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {
+  make(false, {{"rate", "2"}, {"solver.overrun_fraction", "0.05"}, {"solver.overrun_s", "0.012"}});
+  hybrid.force_noise = {};
+  EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
+}
+
+// Nothing identified is the numerical result of the run.
+TEST_F(ClosedLoop, IsTheNumericalResultWithEveryPartAsSimulated) {
+  make(true);
+  const auto file = folder / "numerical.h5";
+  launch::run_numerical(experiment, file);
+  const recording::Reader numerical{file};
+  const Response simulated = closed_loop(hybrid, kNone);
+  for (const int axis : {0, 1}) {
+    const auto all = numerical.signal(axis == 0 ? "result.displ.long" : "result.displ.lat");
+    std::vector<double> at_steps;
+    for (std::size_t i = 9; i < all.size(); i += 10) at_steps.push_back(all[i]);
+    EXPECT_LT(apart(at_steps, simulated[static_cast<std::size_t>(axis)]), 0.01);
+  }
+}
+
+TEST_F(ClosedLoop, NoiseOfTheForceExplainsMostOfWhatNoiseDoes) {
+  make(true);
+  const double with = difference(closed_loop(hybrid, kAll));
+  hybrid.force_noise = {};
+  EXPECT_LT(with, 0.8 * difference(closed_loop(hybrid, kAll)));
+}
+
+TEST(NoiseOf, IsZeroForAParabolaAndKeepsMostOfWhiteNoise) {
+  std::vector<double> parabola, white;
+  std::mt19937_64 random{1};
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 20'000; ++i) {
+    parabola.push_back(1 + 2e-3 * i - 3e-6 * i * i);
+    white.push_back(normal(random));
+  }
+  for (const double value : noise_of(parabola, 10)) EXPECT_NEAR(value, 0, 1e-9);
+  double sum = 0;
+  const auto noise = noise_of(white, 10);
+  for (const double value : noise) sum += value * value;
+  // 1 less the middle weight of the smoothing parabola of 21 points, 329/3059.
+  EXPECT_NEAR(sum / 20'000, 1 - 329.0 / 3059, 0.02);
+}
+
+}  // namespace
+}  // namespace rths::budget
