@@ -39,6 +39,31 @@ std::vector<Contender> held_back(std::vector<Contender>& contenders, const Candi
   return waiting;
 }
 
+namespace {
+
+// One effect may contend on all axes and on each of them. The better ones stand for the others.
+void join_axes(SelectionRound& round) {
+  const auto join = [](Contender& winner, std::vector<Contender>& list, std::size_t from) {
+    for (std::size_t i = from; i < list.size();) {
+      if (!is_same(list[i].candidate, winner.candidate)) {
+        ++i;
+        continue;
+      }
+      winner.confidence += list[i].confidence;
+      list.erase(list.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  };
+  join(round.chosen, round.tied, 0);
+  join(round.chosen, round.others, 0);
+  for (std::size_t i = 0; i < round.tied.size(); ++i) {
+    join(round.tied[i], round.tied, i + 1);
+    join(round.tied[i], round.others, 0);
+  }
+  for (std::size_t i = 0; i < round.others.size(); ++i) join(round.others[i], round.others, i + 1);
+}
+
+}  // namespace
+
 SelectionRound chosen(std::vector<Contender> contenders, std::uint64_t seed) {
   const Contender& best = contenders[0];
   std::vector<bool> ties(contenders.size(), true);
@@ -61,6 +86,7 @@ SelectionRound chosen(std::vector<Contender> contenders, std::uint64_t seed) {
     if (is_more) round.chosen.confidence += contenders[i].confidence;
     (ties[i] && !is_more ? round.tied : round.others).push_back(std::move(contenders[i]));
   }
+  join_axes(round);
   return round;
 }
 

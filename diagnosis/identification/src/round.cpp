@@ -33,6 +33,25 @@ Hypothesis in_place(const Hypothesis& rest, const Candidate& candidate, Eigen::V
   return result;
 }
 
+// Of an effect on one axis, only what explains nearly as much as the effect on all axes, and is
+// among the best, is fitted.
+std::vector<Screened> screened_by(const Supposition& base, const Fold& fold,
+                                  const std::vector<Candidate>& candidates) {
+  constexpr double kShareOfAll = 0.9, kShareOfBest = 0.3;
+  auto screened = screen(base, fold, candidates);
+  const double best = screened.empty() ? 0 : screened[0].gain;
+  const auto all = screened;
+  std::erase_if(screened, [&](const Screened& one) {
+    if (one.candidate->axis.empty()) return false;
+    const auto whole = std::find_if(all.begin(), all.end(), [&](const Screened& other) {
+      return other.candidate->axis.empty() && is_same(*other.candidate, *one.candidate);
+    });
+    return one.gain < kShareOfBest * best ||
+           (whole != all.end() && one.gain < kShareOfAll * whole->gain);
+  });
+  return screened;
+}
+
 }  // namespace
 
 Round::Round(Problem& problem, const Folds& folds, const Hypothesis& current,
@@ -76,7 +95,7 @@ void Round::compare(double base, std::vector<TrialFit> trials) {
 // Screening is linear, effects are not. A few iterations show which candidates deserve a full fit.
 void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
                      std::vector<TrialFit>& trials) const {
-  const auto screened = screen(Supposition{problem_, from}, folds_.first, candidates);
+  const auto screened = screened_by(Supposition{problem_, from}, folds_.first, candidates);
   problem_.progress().begin_step("short fits",
                                  std::min(screened.size(), effort_.tried) * effort_.starts);
   for (std::size_t i = 0; i < std::min(screened.size(), effort_.tried); ++i) {
@@ -92,7 +111,7 @@ void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candi
 // As try_best, but all fits start at the values of the whole model.
 void Round::try_rivals(const Defended& term, const std::vector<Candidate>& candidates, double base,
                        std::vector<TrialFit>& trials) const {
-  const auto screened = screen(Supposition{problem_, base_}, folds_.first, candidates);
+  const auto screened = screened_by(Supposition{problem_, base_}, folds_.first, candidates);
   std::size_t tried = 0;
   problem_.progress().begin_step("short fits",
                                  std::min(screened.size(), effort_.tried) * effort_.starts);

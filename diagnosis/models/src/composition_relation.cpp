@@ -24,25 +24,18 @@ Target target_of(Predicted predicted) {
 
 double peak(const VectorXd& signal) { return signal.size() > 0 ? signal.cwiseAbs().maxCoeff() : 0; }
 
-// Of the measured motion, not of the command: only the measurement shows a limit.
-double peak_rate(const MotionDrive& drive) {
-  double most = 0;
-  for (Eigen::Index output = 0; output < drive.measured.cols(); ++output)
-    most = std::max(most, peak(rate_of(drive.measured.col(output), drive.time_step)));
-  return most;
-}
-
-void widen(NaturalScale& scale, const MotionDrive& drive, const std::vector<std::size_t>& axes,
+// By the motion and the measurement of one axis.
+void widen(NaturalScale& scale, const MotionDrive& drive, std::size_t axis, Eigen::Index output,
            Predicted predicted) {
-  for (const std::size_t axis : axes) {
-    scale.displacement = std::max(scale.displacement, peak(drive.motion[axis]));
-    scale.velocity =
-        std::max(scale.velocity,
-                 predicted == Predicted::Displacement ? peak_rate(drive) : peak(drive.rate[axis]));
-    scale.acceleration = std::max(scale.acceleration, peak(drive.second_rate[axis]));
-    scale.force = std::max(scale.force, peak(drive.specimen_force[axis]));
-  }
-  scale.output = std::max(scale.output, drive.measured.cwiseAbs().maxCoeff());
+  const VectorXd measured = drive.measured.col(output);
+  scale.displacement = std::max(scale.displacement, peak(drive.motion[axis]));
+  // Of the measured motion, not of the command: only the measurement shows a limit.
+  scale.velocity = std::max(
+      scale.velocity, peak(predicted == Predicted::Displacement ? rate_of(measured, drive.time_step)
+                                                                : drive.rate[axis]));
+  scale.acceleration = std::max(scale.acceleration, peak(drive.second_rate[axis]));
+  scale.force = std::max(scale.force, peak(drive.specimen_force[axis]));
+  scale.output = std::max(scale.output, peak(measured));
   scale.duration = std::max(scale.duration, static_cast<double>(drive.rows()) * drive.time_step);
   scale.auxiliary = std::max(scale.auxiliary, peak(drive.auxiliary));
   scale.has_temperature = scale.has_temperature || drive.temperature.size() > 0;
@@ -110,19 +103,23 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
     outputs_.emplace_back(setup_.channels.predicted + "." + axis_name(axis), unit);
   constexpr double kNothing = 1e-12;
   scale_ = {kNothing, kNothing, kNothing, 0, 0, kNothing, kNothing, 0, false};
+  axis_scales_.assign(setup_.axes.size(), scale_);
   double load = 0;
   for (const Record* record : records) {
     const auto drive = motion_drive(*record, setup_.channels, setup_.axes, setup_.pace);
-    widen(scale_, *drive, setup_.axes, predicted);
+    for (std::size_t i = 0; i < setup_.axes.size(); ++i)
+      for (NaturalScale* scale : {&scale_, &axis_scales_[i]})
+        widen(*scale, *drive, setup_.axes[i], static_cast<Eigen::Index>(i), predicted);
     if (drive->axial_load.size() > 0)
       load += drive->axial_load.mean() / static_cast<double>(records.size());
   }
   scale_.axial_load = load;
+  for (auto& scale : axis_scales_) scale.axial_load = load;
 }
 
 std::vector<Candidate> CompositionRelation::candidates(const Hypothesis& model) const {
   auto candidates = candidates_of(target_of(predicted_by(setup_.channels)), model, scale_,
-                                  setup_.axes, setup_.without);
+                                  setup_.axes, axis_scales_, setup_.without);
   // A term that differs forwards and backwards has a mean. Where no offset is free, it would be
   // named instead of one.
   if (!setup_.has_free_offsets)

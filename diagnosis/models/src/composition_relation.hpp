@@ -49,7 +49,8 @@ class CompositionRelation final : public Relation {
 
   CompositionSetup setup_;
   std::vector<std::pair<std::string, std::string>> outputs_;
-  NaturalScale scale_;
+  NaturalScale scale_;                     ///< of all axes together
+  std::vector<NaturalScale> axis_scales_;  ///< of each one
 };
 
 }  // namespace rths::diagnosis

@@ -77,8 +77,12 @@ Part part_of(const TermKind& kind) {
 class Builder {
  public:
   Builder(const Entry& entry, const Hypothesis& base, const NaturalScale& scale,
-          const std::vector<std::size_t>& axes)
-      : entry_{entry}, kind_{sim::term_kind(entry.kind)}, base_{base}, scale_{scale}, axes_{axes} {}
+          std::vector<std::size_t> axes)
+      : entry_{entry},
+        kind_{sim::term_kind(entry.kind)},
+        base_{base},
+        scale_{scale},
+        axes_{std::move(axes)} {}
 
   [[nodiscard]] std::vector<Candidate> build() {
     if (!fits_case()) return {};
@@ -317,7 +321,7 @@ class Builder {
   const TermKind& kind_;
   const Hypothesis& base_;
   const NaturalScale& scale_;
-  const std::vector<std::size_t>& axes_;
+  std::vector<std::size_t> axes_;
   Candidate candidate_;
 };
 
@@ -343,6 +347,22 @@ bool are_met(const Entry& entry, const Hypothesis& base, const NaturalScale& sca
          !((needs & Entry::kLoadCell) != 0 && scale.force == 0) &&
          !((needs & Entry::kControlledTerm) != 0 && !has_controlled(base)) &&
          !((needs & Entry::kNoServoLoop) != 0 && holds(base, kServoLoops));
+}
+
+// The same effect on one of several axes. One parameter on both axes is simpler than one on one.
+void add_axes(const Entry& entry, const Hypothesis& base, const std::vector<std::size_t>& axes,
+              const std::vector<NaturalScale>& scales, std::vector<Candidate>& candidates) {
+  const Candidate all = candidates[0];
+  if (axes.size() < 2 || all.adds.empty() ||
+      (sim::term_kind(entry.kind).traits & sim::kPerAxis) == 0)
+    return;
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    for (auto& one : Builder{entry, base, scales[i], {axes[i]}}.build()) {
+      one.axis = axis_name(axes[i]);
+      one.title += fmt::format(", {} axis", one.axis);
+      if (one.frees.size() == all.frees.size()) ++one.price;
+      candidates.push_back(std::move(one));
+    }
 }
 
 double natural_size(std::string_view symbol, const NaturalScale& scale) {
@@ -374,11 +394,14 @@ double natural_unit(std::string_view unit, const NaturalScale& scale) {
 std::vector<Candidate> candidates_of(Target target, const Hypothesis& base,
                                      const NaturalScale& scale,
                                      const std::vector<std::size_t>& axes,
+                                     const std::vector<NaturalScale>& axis_scales,
                                      const std::vector<std::string>& without) {
   std::vector<Candidate> result;
   for (const auto& entry : library()) {
     if (entry.target != target || !are_met(entry, base, scale, axes)) continue;
-    for (auto& candidate : Builder{entry, base, scale, axes}.build()) {
+    auto candidates = Builder{entry, base, scale, axes}.build();
+    if (!candidates.empty()) add_axes(entry, base, axes, axis_scales, candidates);
+    for (auto& candidate : candidates) {
       const bool barred = std::any_of(without.begin(), without.end(), [&](const auto& name) {
         return name == candidate.name || name == candidate.kind;
       });

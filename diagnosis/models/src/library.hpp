@@ -79,10 +79,12 @@ struct Entry {
 
 /// Candidates of all entries that are not in the model yet and whose needs the recording meets.
 /// @param axes  predicted axes
+/// @param axis_scales  of each predicted axis, for effects on that axis alone; in the order of axes
 /// @param without  kinds that may not be named
 [[nodiscard]] std::vector<Candidate> candidates_of(Target target, const Hypothesis& base,
                                                    const NaturalScale& scale,
                                                    const std::vector<std::size_t>& axes,
+                                                   const std::vector<NaturalScale>& axis_scales,
                                                    const std::vector<std::string>& without);
 
 /// Indices of the terms to which a parameter's name refers, and the parameter's own name. The name

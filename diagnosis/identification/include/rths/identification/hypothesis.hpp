@@ -54,6 +54,7 @@ struct Candidate {
   std::string title, equation;
   Part part = Part::Machine;
   std::string channel;  ///< role in which it shows: "force", "displacement"
+  std::string axis;     ///< the only axis that it acts on, beside a candidate that acts on all axes
   std::vector<ModelTerm> adds;
   /// Terms of the model, by name, and the kind that replaces theirs: same parameters and more.
   std::vector<std::pair<std::string, std::string>> becomes;
@@ -68,7 +69,7 @@ struct Candidate {
                                       ///< if none of them is acceptable
 };
 
-/// Returns true if both are the same effect on the same channel.
+/// Returns true if both are the same effect on the same channel, on whatever axes.
 [[nodiscard]] bool is_same(const Candidate& one, const Candidate& other);
 
 /// Returns true if a candidate changes a term that another candidate adds.

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// A guide on two axes with a law on one of them, or on both. Formulas of this file, independent of
+// the library, add the law.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <rths/verdict/diagnose.hpp>
+
+#include "one_axis.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kStiffness = 2e5, kDamping = 3e3;  // [N/m], [N·s/m]
+
+struct Law {
+  double friction = 0, drag = 0;  // [N], [N·s²/m²]
+  double range = 1e9;             // of the load cell [N]
+};
+
+Record record_of(Use use, unsigned seed, const Law& law) {
+  double side = 0, before = 0;
+  const auto guide = [&](double, double x, double v) {
+    // Coulomb friction with 0.1 mm of presliding: Dahl's law, solved exactly for each step.
+    const double way = x - before, direction = way > 0 ? 1 : -1;
+    side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
+    before = x;
+    const double force =
+        kStiffness * x + kDamping * v + law.friction * side + law.drag * std::abs(v) * v;
+    return std::clamp(force, -law.range, law.range);
+  };
+  return test_support::record_of("", use, seed, guide);
+}
+
+Verdict verdict_on(const Law& longitudinal, const Law& lateral) {
+  Case c;
+  c.name = "guide on two axes";
+  for (unsigned k = 0; k < 3; ++k) {
+    const Use use = k == 0 ? Use::Fit : Use::HeldOut;
+    Record record = record_of(use, k + 1, longitudinal);
+    record.name = std::string{"record "} + std::to_string(k);
+    for (auto& channel : record_of(use, k + 10, lateral).channels) {
+      channel.role.replace(channel.role.find("long"), 4, "lat");
+      record.channels.push_back(channel);
+    }
+    c.records.push_back(record);
+  }
+  c.model.kind = "platen";
+  c.model.table = Config::parse(
+      "[polynomial_stiffness]\nlinear_N_per_m = 210_000\n"
+      "[viscous_friction]\ncoefficient_N_s_per_m = 2_500\n"
+      "[force_offset]\nkind = \"offset\"\nchannel = \"force\"\noffset_N = 0\n",
+      "model");
+  for (const char* name :
+       {"polynomial_stiffness.linear", "viscous_friction.coefficient", "force_offset.offset"})
+    c.model.fitted.push_back({name, std::nullopt});
+  Verdict verdict = diagnose(c);
+  std::printf("  %s\n  %.1f s\n", verdict.sentence.c_str(), verdict.seconds);
+  return verdict;
+}
+
+// The first cause, and the axis in the lines that would add it to the model; "": both.
+void expect(const Verdict& verdict, const std::string& name, const std::string& axis) {
+  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
+  ASSERT_FALSE(verdict.causes.empty()) << verdict.sentence;
+  EXPECT_EQ(verdict.causes[0].name, name) << verdict.sentence;
+  for (const std::string one : {"long", "lat"}) {
+    const bool is_there = verdict.fragment.find("axes = [\"" + one + "\"]") != std::string::npos;
+    EXPECT_EQ(is_there, one == axis) << verdict.fragment;
+  }
+}
+
+TEST(TwoAxes, HaveFrictionOnOneOfThem) {
+  expect(verdict_on({.friction = 300}, {}), "coulomb_friction", "long");
+}
+
+TEST(TwoAxes, HaveDragOnOneOfThem) {
+  expect(verdict_on({}, {.drag = 3000}), "quadratic_drag", "lat");
+}
+
+// Slack may be named besides: the comparison's filter rounds the corners of the clipped force.
+TEST(TwoAxes, HaveOneLoadCellThatSaturates) {
+  expect(verdict_on({.range = 12'000}, {}), "force_saturation", "long");
+}
+
+TEST(TwoAxes, HaveTheSameLawOnBothIfTheGainIsTheSame) {
+  expect(verdict_on({.drag = 3000}, {.drag = 3000}), "quadratic_drag", "");
+  expect(verdict_on({.friction = 300}, {.friction = 500}), "coulomb_friction", "");
+}
+
+}  // namespace
+}  // namespace rths::diagnosis
