@@ -27,7 +27,7 @@ std::vector<std::string> names_of_library() {
     for (const char* channel : {"force", "displacement", "acceleration"})
       names.push_back(fmt::format("{}_{}", channel, kind.name));
   }
-  for (const auto& entry : library())
+  for (const auto& entry : candidate_terms())
     if (!entry.name.empty()) names.emplace_back(entry.name);
   return names;
 }

@@ -17,9 +17,9 @@ Predicted predicted_by(const MotionChannels& channels) {
   return channels.predicted == "displacement" ? Predicted::Displacement : Predicted::Acceleration;
 }
 
-Target target_of(Predicted predicted) {
-  if (predicted == Predicted::Force) return Target::Force;
-  return predicted == Predicted::Displacement ? Target::Actuator : Target::Accelerometer;
+Place place_of(Predicted predicted) {
+  if (predicted == Predicted::Force) return kOnForce;
+  return predicted == Predicted::Displacement ? kOnActuator : kOnAccelerometer;
 }
 
 double peak(const VectorXd& signal) { return signal.size() > 0 ? signal.cwiseAbs().maxCoeff() : 0; }
@@ -102,7 +102,7 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
   for (const std::size_t axis : setup_.axes)
     outputs_.emplace_back(setup_.channels.predicted + "." + axis_name(axis), unit);
   constexpr double kNothing = 1e-12;
-  scale_ = {kNothing, kNothing, kNothing, 0, 0, kNothing, kNothing, 0, false};
+  scale_ = {kNothing, kNothing, kNothing, 0, 0, kNothing, kNothing, 0, false, 1};
   axis_scales_.assign(setup_.axes.size(), scale_);
   double load = 0;
   for (const Record* record : records) {
@@ -118,7 +118,7 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
 }
 
 std::vector<Candidate> CompositionRelation::candidates(const Hypothesis& model) const {
-  auto candidates = candidates_of(target_of(predicted_by(setup_.channels)), model, scale_,
+  auto candidates = candidates_of(place_of(predicted_by(setup_.channels)), model, scale_,
                                   setup_.axes, axis_scales_, setup_.without);
   // A term that differs forwards and backwards has a mean. Where no offset is free, it would be
   // named instead of one.

@@ -20,16 +20,7 @@ constexpr std::string_view kHysteretic[] = {
     "bouc_wen", "bouc_wen_nagarajaiah", "bouc_wen_slip",   "bilinear",
     "iwan",     "flat_slider",          "single_pendulum", "triple_pendulum"};
 constexpr std::string_view kSliders[] = {"flat_slider", "single_pendulum"};
-constexpr std::pair<std::string_view, std::string_view> kSpecialCases[] = {
-    {"asymmetric_friction", "coulomb_friction"},
-    {"stribeck_friction", "coulomb_friction"},
-    {"velocity_dependent_friction", "coulomb_friction"},
-    {"power_damping", "coulomb_friction"},
-    {"power_damping", "viscous_friction"},
-    {"power_damping", "quadratic_drag"},
-    {"asymmetric_viscous", "viscous_friction"}};
-// Laws with a free form, which imitate many others: their special cases are named first.
-constexpr std::string_view kWaiting[] = {"velocity_dependent_friction", "power_damping"};
+constexpr std::string_view kBuckling[] = {"buckling_load_variation"};
 constexpr std::string_view kServoLoops[] = {"actuator_bandwidth"};
 constexpr std::string_view kRuled = "bouc_wen";
 constexpr int kPriceOfRule = 4;
@@ -41,14 +32,14 @@ bool holds(const Hypothesis& base, const Names& kinds) {
   });
 }
 
-sim::Channel channel_of(const Entry& entry) {
-  if (entry.target == Target::Actuator) return sim::Channel::Displacement;
-  return entry.target == Target::Accelerometer ? sim::Channel::Acceleration : sim::Channel::Force;
+sim::Channel channel_at(Place place) {
+  if (place == kOnActuator) return sim::Channel::Displacement;
+  return place == kOnAccelerometer ? sim::Channel::Acceleration : sim::Channel::Force;
 }
 
-const char* channel_name(const Entry& entry) {
-  if (entry.target == Target::Actuator) return "displacement";
-  return entry.target == Target::Accelerometer ? "acceleration" : "force";
+const char* channel_name(Place place) {
+  if (place == kOnActuator) return "displacement";
+  return place == kOnAccelerometer ? "acceleration" : "force";
 }
 
 bool is_on_channel(const TermKind& kind) { return (kind.traits & sim::kPerChannel) != 0; }
@@ -76,9 +67,10 @@ Part part_of(const TermKind& kind) {
 // Makes the candidate of an entry.
 class Builder {
  public:
-  Builder(const Entry& entry, const Hypothesis& base, const NaturalScale& scale,
-          std::vector<std::size_t> axes)
+  Builder(const CandidateTerm& entry, Place place, const Hypothesis& base,
+          const NaturalScale& scale, std::vector<std::size_t> axes)
       : entry_{entry},
+        place_{place},
         kind_{sim::term_kind(entry.kind)},
         base_{base},
         scale_{scale},
@@ -89,31 +81,29 @@ class Builder {
     candidate_.kind = kind_.name;
     candidate_.name = entry_.name.empty() ? kind_.name : entry_.name;
     if (is_on_channel(kind_) && needs_channel_in_name(kind_.name))
-      candidate_.name = fmt::format("{}_{}", channel_name(entry_), kind_.name);
+      candidate_.name = fmt::format("{}_{}", channel_name(place_), kind_.name);
     candidate_.title = entry_.title.empty() ? kind_.title : entry_.title;
     if (is_on_channel(kind_))
-      candidate_.title = fmt::format("{} ({})", kind_.title, channel_name(entry_));
+      candidate_.title = fmt::format("{} ({})", kind_.title, channel_name(place_));
     candidate_.equation = kind_.equation;
     candidate_.part = part_of(kind_);
-    candidate_.channel = channel_name(entry_);
+    candidate_.channel = channel_name(place_);
     const auto there = in_model();
-    const bool must_be_there = (entry_.needs & Entry::kKindInModel) != 0;
-    if ((entry_.needs & Entry::kInstead) != 0)
+    const bool must_be_there = (entry_.needs & CandidateTerm::kKindInModel) != 0;
+    if ((entry_.needs & CandidateTerm::kInstead) != 0)
       replace_kind();
-    else if (!there.empty() && (entry_.needs & Entry::kBeside) == 0)
+    else if (!there.empty() && (entry_.needs & CandidateTerm::kBeside) == 0)
       free_existing(there);
     else if (!must_be_there)
       add();
     if (candidate_.frees.empty()) return {};
     candidate_.price = static_cast<int>(candidate_.frees.size());
-    candidate_.is_rule = (entry_.needs & Entry::kRule) != 0;
+    candidate_.is_rule = (entry_.needs & CandidateTerm::kRule) != 0;
     // The rule is blamed only if nothing else explains as much.
     if (candidate_.is_rule) candidate_.price += kPriceOfRule;
-    candidate_.is_hidden = (entry_.needs & Entry::kHidden) != 0;
-    for (const auto& [more, less] : kSpecialCases)
-      if (candidate_.name == more) candidate_.contains.emplace_back(less);
-    if (std::find(std::begin(kWaiting), std::end(kWaiting), candidate_.name) != std::end(kWaiting))
-      candidate_.after = candidate_.contains;
+    candidate_.is_hidden = (entry_.needs & CandidateTerm::kHidden) != 0;
+    candidate_.contains.assign(entry_.contains.begin(), entry_.contains.end());
+    if (entry_.waits) candidate_.after = candidate_.contains;
     return {candidate_};
   }
 
@@ -122,7 +112,7 @@ class Builder {
     std::vector<const sim::TermSettings*> found;
     for (const auto& term : base_.terms)
       if (term.settings.kind == kind_.name &&
-          (!is_on_channel(kind_) || term.settings.channel == channel_of(entry_)))
+          (!is_on_channel(kind_) || term.settings.channel == channel_at(place_)))
         found.push_back(&term.settings);
     return found;
   }
@@ -143,39 +133,53 @@ class Builder {
   }
   [[nodiscard]] double unit(const sim::Parameter& parameter) const {
     if (parameter.name == "reference_load") return scale_.axial_load;
+    if (parameter.name == "reference_pressure" || parameter.name == "pressure_scale")
+      return scale_.axial_load / parameter_of(kind_, "contact_area").typical;
     return natural_unit(parameter.unit, scale_);
   }
 
   [[nodiscard]] FreeParameter free(const std::string& name,
-                                   const ParameterSpecification& specification) const {
-    const sim::Parameter& parameter = parameter_of(kind_, specification.parameter);
+                                   const CandidateParameter& specification) const {
+    const sim::Parameter& parameter = parameter_of(kind_, specification.name);
     const double natural = unit(parameter);
     FreeParameter result{name, std::string{parameter.unit}, parameter.low, parameter.high, 1};
     if (result.unit.starts_with(sim::kChannelUnit))
       result.unit.replace(0, sim::kChannelUnit.size(),
-                          entry_.target == Target::Actuator        ? "m"
-                          : entry_.target == Target::Accelerometer ? "m/s2"
-                                                                   : "N");
+                          place_ == kOnActuator        ? "m"
+                          : place_ == kOnAccelerometer ? "m/s2"
+                                                       : "N");
     if (specification.low < specification.high) {
       result.low = std::max(result.low, specification.low * natural);
       result.high = std::min(result.high, specification.high * natural);
     }
     const double away = std::abs(specification.starts[0] * natural - parameter.absent);
-    if (specification.role == ParameterSpecification::Role::Size) result.absent = parameter.absent;
-    result.scale = specification.role == ParameterSpecification::Role::Shape
+    if (specification.role == CandidateParameter::Role::Size) result.absent = parameter.absent;
+    result.scale = specification.role == CandidateParameter::Role::Shape
                        ? std::abs(specification.starts[0] * natural) / 2
                        : away;
     if (!(result.scale > 0)) result.scale = 0.1 * natural;
     return result;
   }
 
+  static bool is_fitted(const CandidateParameter& specification) {
+    return specification.role == CandidateParameter::Role::Size ||
+           specification.role == CandidateParameter::Role::Shape;
+  }
+  // Of a parameter that is not fitted.
+  [[nodiscard]] double stated(const CandidateParameter& specification) const {
+    const sim::Parameter& parameter = parameter_of(kind_, specification.name);
+    return specification.role == CandidateParameter::Role::Typical
+               ? parameter.typical
+               : specification.starts[0] * unit(parameter);
+  }
+
   // Whether the values that are not fitted lie within the bounds of the catalogue. A case of very
   // small forces or motions has no use for the others.
   [[nodiscard]] bool fits_case() const {
     return std::all_of(entry_.parameters.begin(), entry_.parameters.end(), [&](const auto& one) {
-      if (one.role != ParameterSpecification::Role::Fixed) return true;
-      const sim::Parameter& parameter = parameter_of(kind_, one.parameter);
-      const double value = one.starts[0] * unit(parameter);
+      if (is_fitted(one)) return true;
+      const sim::Parameter& parameter = parameter_of(kind_, one.name);
+      const double value = stated(one);
       return value >= parameter.low && value <= parameter.high;
     });
   }
@@ -184,15 +188,15 @@ class Builder {
   void free_existing(const std::vector<const sim::TermSettings*>& there) {
     std::vector<double> values;
     // Parameters at which the term lacks an effect.
-    std::vector<const ParameterSpecification*> absent;
+    std::vector<const CandidateParameter*> absent;
     for (const auto* term : there)
       for (const auto& specification : entry_.parameters) {
-        if (specification.role == ParameterSpecification::Role::Fixed) continue;
-        const std::string name = fmt::format("{}.{}", term->name, specification.parameter);
+        if (!is_fitted(specification)) continue;
+        const std::string name = fmt::format("{}.{}", term->name, specification.name);
         if (is_free(name)) continue;
         FreeParameter parameter = free(name, specification);
         const double value = value_in(*term, specification);
-        if (!entry_.name.empty() && value == parameter_of(kind_, specification.parameter).absent) {
+        if (!entry_.name.empty() && value == parameter_of(kind_, specification.name).absent) {
           candidate_.frees.push_back(parameter);
           absent.push_back(&specification);
           continue;
@@ -207,19 +211,19 @@ class Builder {
         Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))};
   }
   [[nodiscard]] double value_in(const sim::TermSettings& term,
-                                const ParameterSpecification& specification) const {
-    double value = parameter_of(kind_, specification.parameter).absent;
+                                const CandidateParameter& specification) const {
+    double value = parameter_of(kind_, specification.name).absent;
     for (const auto& [key, number] : term.parameters)
-      if (key == specification.parameter) value = number;
+      if (key == specification.name) value = number;
     return value;
   }
   // Widens the bounds so that they include the value in the model, and scales the parameter by it.
-  void center_on(double value, const ParameterSpecification& specification,
+  void center_on(double value, const CandidateParameter& specification,
                  FreeParameter& parameter) const {
     const double outside = 1.5;
     parameter.low = std::min(parameter.low, value / outside);
     parameter.high = std::max(parameter.high, value * outside);
-    const auto& limits = parameter_of(kind_, specification.parameter);
+    const auto& limits = parameter_of(kind_, specification.name);
     parameter.low = std::max(parameter.low, limits.low);
     parameter.high = std::min(parameter.high, limits.high);
     if (value != 0) parameter.scale = 0.05 * std::abs(value);
@@ -230,7 +234,7 @@ class Builder {
     for (const auto& term : base_.terms) {
       if (term.settings.kind != kRuled || !keeps_parameters(term.settings)) continue;
       candidate_.becomes.emplace_back(term.settings.name, kind_.name);
-      std::vector<const ParameterSpecification*> specifications;
+      std::vector<const CandidateParameter*> specifications;
       for (const auto& specification : entry_.parameters)
         specify(term.settings.name, specification, specifications);
       return choose_starts(specifications);
@@ -244,10 +248,9 @@ class Builder {
         });
   }
   // Frees a parameter of a term.
-  void specify(const std::string& term, const ParameterSpecification& specification,
-               std::vector<const ParameterSpecification*>& specifications) {
-    candidate_.frees.push_back(
-        free(fmt::format("{}.{}", term, specification.parameter), specification));
+  void specify(const std::string& term, const CandidateParameter& specification,
+               std::vector<const CandidateParameter*>& specifications) {
+    candidate_.frees.push_back(free(fmt::format("{}.{}", term, specification.name), specification));
     specifications.push_back(&specification);
   }
 
@@ -258,9 +261,9 @@ class Builder {
         std::any_of(entry_.parameters.begin(), entry_.parameters.end(),
                     [](const auto& specification) { return specification.each_axis; });
     add_terms(splits);
-    std::vector<const ParameterSpecification*> specifications;
+    std::vector<const CandidateParameter*> specifications;
     for (const auto& specification : entry_.parameters) {
-      if (specification.role == ParameterSpecification::Role::Fixed) continue;
+      if (!is_fitted(specification)) continue;
       if (splits && specification.each_axis)
         for (const auto& term : candidate_.adds)
           specify(term.settings.name, specification, specifications);
@@ -273,13 +276,11 @@ class Builder {
     sim::TermSettings settings;
     settings.kind = kind_.name;
     settings.name = candidate_.name;
-    if (is_on_channel(kind_)) settings.channel = channel_of(entry_);
+    if (is_on_channel(kind_)) settings.channel = channel_at(place_);
     if (axes_.size() == 1 && (kind_.traits & sim::kPerAxis) != 0) settings.axes = 1U << axes_[0];
     for (const auto& specification : entry_.parameters)
-      if (specification.role == ParameterSpecification::Role::Fixed)
-        settings.parameters.emplace_back(
-            specification.parameter,
-            specification.starts[0] * unit(parameter_of(kind_, specification.parameter)));
+      if (!is_fitted(specification))
+        settings.parameters.emplace_back(specification.name, stated(specification));
     if (!splits) {
       candidate_.adds.push_back({settings, ""});
       return;
@@ -293,23 +294,22 @@ class Builder {
   }
 
   // Every combination of the parameters' starts.
-  void choose_starts(const std::vector<const ParameterSpecification*>& specifications) {
+  void choose_starts(const std::vector<const CandidateParameter*>& specifications) {
     std::vector<Eigen::VectorXd> starts{
         Eigen::VectorXd::Zero(static_cast<Eigen::Index>(specifications.size()))};
     for (std::size_t i = 0; i < specifications.size(); ++i) {
       std::vector<Eigen::VectorXd> longer;
       // A parameter of both axes has the same start on both.
       const bool is_twin = i > 0 && specifications[i] == specifications[i - 1];
-      const int count = is_twin ? 1 : specifications[i]->start_count;
+      const std::size_t count = is_twin ? 1 : specifications[i]->starts.size();
       for (const auto& start : starts)
-        for (int k = 0; k < count; ++k) {
+        for (std::size_t k = 0; k < count; ++k) {
           Eigen::VectorXd next = start;
           const auto j = static_cast<Eigen::Index>(i);
-          const double natural = unit(parameter_of(kind_, specifications[i]->parameter));
-          next[j] =
-              is_twin ? start[j - 1]
-                      : std::clamp(specifications[i]->starts[static_cast<std::size_t>(k)] * natural,
-                                   candidate_.frees[i].low, candidate_.frees[i].high);
+          const double natural = unit(parameter_of(kind_, specifications[i]->name));
+          next[j] = is_twin ? start[j - 1]
+                            : std::clamp(specifications[i]->starts[k] * natural,
+                                         candidate_.frees[i].low, candidate_.frees[i].high);
           longer.push_back(next);
         }
       starts = std::move(longer);
@@ -317,7 +317,8 @@ class Builder {
     candidate_.starts = std::move(starts);
   }
 
-  const Entry& entry_;
+  const CandidateTerm& entry_;
+  Place place_;
   const TermKind& kind_;
   const Hypothesis& base_;
   const NaturalScale& scale_;
@@ -332,47 +333,39 @@ bool has_controlled(const Hypothesis& base) {
   });
 }
 
-bool are_met(const Entry& entry, const Hypothesis& base, const NaturalScale& scale,
+bool are_met(const CandidateTerm& entry, const Hypothesis& base, const NaturalScale& scale,
              const std::vector<std::size_t>& axes) {
   const unsigned needs = entry.needs;
   const bool hysteretic = holds(base, kHysteretic);
-  return !((needs & Entry::kAxialLoad) != 0 && scale.axial_load == 0) &&
-         !((needs & Entry::kTwoAxes) != 0 && axes.size() < 2) &&
-         !((needs & Entry::kTemperature) != 0 && !scale.has_temperature) &&
-         !((needs & Entry::kAuxiliary) != 0 && scale.auxiliary == 0) &&
-         !((needs & Entry::kHysteresis) != 0 && !hysteretic) &&
-         !((needs & Entry::kNoHysteresis) != 0 && hysteretic) &&
-         !((needs & Entry::kSlider) != 0 && !holds(base, kSliders)) &&
-         !((needs & Entry::kRule) != 0 && !holds(base, std::array{kRuled})) &&
-         !((needs & Entry::kLoadCell) != 0 && scale.force == 0) &&
-         !((needs & Entry::kControlledTerm) != 0 && !has_controlled(base)) &&
-         !((needs & Entry::kNoServoLoop) != 0 && holds(base, kServoLoops));
+  return !((needs & CandidateTerm::kAxialLoad) != 0 && scale.axial_load == 0) &&
+         !((needs & CandidateTerm::kTwoAxes) != 0 && axes.size() < 2) &&
+         !((needs & CandidateTerm::kTemperature) != 0 && !scale.has_temperature) &&
+         !((needs & CandidateTerm::kAuxiliary) != 0 && scale.auxiliary == 0) &&
+         !((needs & CandidateTerm::kHysteresis) != 0 && !hysteretic) &&
+         !((needs & CandidateTerm::kNoHysteresis) != 0 && hysteretic) &&
+         !((needs & CandidateTerm::kSlider) != 0 && !holds(base, kSliders)) &&
+         !((needs & CandidateTerm::kRule) != 0 && !holds(base, std::array{kRuled})) &&
+         !((needs & CandidateTerm::kLoadCell) != 0 && scale.force == 0) &&
+         !((needs & CandidateTerm::kControlledTerm) != 0 && !has_controlled(base)) &&
+         !((needs & CandidateTerm::kBucklingLoad) != 0 && !holds(base, kBuckling)) &&
+         !((needs & CandidateTerm::kNoServoLoop) != 0 && holds(base, kServoLoops));
 }
 
 // The same effect on one of several axes. One parameter on both axes is simpler than one on one.
-void add_axes(const Entry& entry, const Hypothesis& base, const std::vector<std::size_t>& axes,
-              const std::vector<NaturalScale>& scales, std::vector<Candidate>& candidates) {
+void add_axes(const CandidateTerm& entry, Place place, const Hypothesis& base,
+              const std::vector<std::size_t>& axes, const std::vector<NaturalScale>& scales,
+              std::vector<Candidate>& candidates) {
   const Candidate all = candidates[0];
   if (axes.size() < 2 || all.adds.empty() ||
       (sim::term_kind(entry.kind).traits & sim::kPerAxis) == 0)
     return;
   for (std::size_t i = 0; i < axes.size(); ++i)
-    for (auto& one : Builder{entry, base, scales[i], {axes[i]}}.build()) {
+    for (auto& one : Builder{entry, place, base, scales[i], {axes[i]}}.build()) {
       one.axis = axis_name(axes[i]);
       one.title += fmt::format(", {} axis", one.axis);
       if (one.frees.size() == all.frees.size()) ++one.price;
       candidates.push_back(std::move(one));
     }
-}
-
-double natural_size(std::string_view symbol, const NaturalScale& scale) {
-  if (symbol == "N") return scale.force;
-  if (symbol == "m") return scale.displacement;
-  if (symbol == "s") return scale.displacement / scale.velocity;
-  if (symbol == "J") return scale.force * scale.displacement;
-  if (symbol == "A") return scale.auxiliary;
-  if (symbol == sim::kChannelUnit) return scale.output;
-  return 1;
 }
 
 }  // namespace
@@ -382,25 +375,23 @@ bool is_hysteretic(std::string_view kind) {
 }
 
 double natural_unit(std::string_view unit, const NaturalScale& scale) {
-  if (unit == "s" || unit == "-") return 1;
+  if (unit == "s") return scale.time;
   if (unit == "kg") return scale.force / scale.acceleration;
   if (unit == "channel/s") return scale.output / scale.duration;
-  double product = 1;
-  for (const auto& [symbol, power] : factors_of(unit))
-    product *= std::pow(natural_size(symbol, scale), power);
-  return product;
+  return UnitScales{scale.displacement, scale.force, scale.displacement / scale.velocity,
+                    scale.output, scale.auxiliary}
+      .of(unit);
 }
 
-std::vector<Candidate> candidates_of(Target target, const Hypothesis& base,
-                                     const NaturalScale& scale,
+std::vector<Candidate> candidates_of(Place place, const Hypothesis& base, const NaturalScale& scale,
                                      const std::vector<std::size_t>& axes,
                                      const std::vector<NaturalScale>& axis_scales,
                                      const std::vector<std::string>& without) {
   std::vector<Candidate> result;
-  for (const auto& entry : library()) {
-    if (entry.target != target || !are_met(entry, base, scale, axes)) continue;
-    auto candidates = Builder{entry, base, scale, axes}.build();
-    if (!candidates.empty()) add_axes(entry, base, axes, axis_scales, candidates);
+  for (const auto& entry : candidate_terms()) {
+    if ((entry.places & place) == 0 || !are_met(entry, base, scale, axes)) continue;
+    auto candidates = Builder{entry, place, base, scale, axes}.build();
+    if (!candidates.empty()) add_axes(entry, place, base, axes, axis_scales, candidates);
     for (auto& candidate : candidates) {
       const bool barred = std::any_of(without.begin(), without.end(), [&](const auto& name) {
         return name == candidate.name || name == candidate.kind;

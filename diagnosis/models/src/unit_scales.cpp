@@ -16,7 +16,8 @@ double scale_of(const UnitScales& scales, std::string_view symbol) {
   const std::pair<std::string_view, double> known[] = {
       {"m", scales.length},
       {"N", scales.force},
-      {sim::kChannelUnit, scales.force},
+      {sim::kChannelUnit, scales.channel.value_or(scales.force)},
+      {"A", scales.current},
       {"s", scales.time},
       {"kg", mass},
       {"J", scales.force * scales.length},

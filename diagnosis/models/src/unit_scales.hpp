@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct UnitFactor {
 /// them after scaling.
 struct UnitScales {
   double length = 1, force = 1, time = 1;
+  std::optional<double> channel = {};  ///< of a sensor term's channel; none: as of a force
+  double current = 1;
 
   /// Scale of a parameter's unit, "N*s/m3": the SI value divided by it is the value in these units.
   /// @throws Error if the unit has an unknown symbol   @setup

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of terms that may be missing, against the catalogue.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <rths/core/error.hpp>
+#include <rths/sim/term.hpp>
+
+#include "diagnosis/models/src/library.hpp"
+#include "support/files.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+// All sizes differ, none is zero.
+NaturalScale some_scale() {
+  NaturalScale scale;
+  scale.displacement = 0.1;
+  scale.velocity = 0.4;
+  scale.acceleration = 3;
+  scale.force = 2e5;
+  scale.axial_load = 1e6;
+  scale.duration = 40;
+  scale.output = 1.5e5;
+  scale.auxiliary = 2;
+  scale.time = 0.7;
+  return scale;
+}
+
+bool is_candidate(std::string_view kind) {
+  const auto terms = candidate_terms();
+  return std::any_of(terms.begin(), terms.end(), [&](const auto& one) { return one.kind == kind; });
+}
+
+TEST(CandidateTerms, CoverTheCatalogueOrSayWhyNot) {
+  for (const auto& kind : sim::catalogue()) {
+    const auto others = terms_not_searched();
+    const auto is_named = std::any_of(others.begin(), others.end(),
+                                      [&](const auto& one) { return one.first == kind.name; });
+    EXPECT_NE(is_candidate(kind.name), is_named) << kind.name;
+  }
+}
+
+TEST(CandidateTerms, AreExplainedWhereTheyAreNotSearchedFor) {
+  std::stringstream page;
+  page << std::ifstream{test::source_tree() / "docs/diagnosis_models.md"}.rdbuf();
+  for (const auto& [kind, reason] : terms_not_searched()) {
+    EXPECT_NO_THROW(static_cast<void>(sim::term_kind(kind)));
+    EXPECT_FALSE(reason.empty()) << kind;
+    EXPECT_NE(page.str().find("`" + std::string{kind} + "`"), std::string::npos) << kind;
+  }
+}
+
+TEST(CandidateTerms, HaveParametersOfTheirKindThatCanBeFitted) {
+  for (const auto& term : candidate_terms()) {
+    const sim::TermKind& kind = sim::term_kind(term.kind);
+    bool is_fitted = false;
+    for (const auto& parameter : term.parameters) {
+      const sim::Parameter& known = sim::parameter_of(kind, parameter.name);
+      using Role = CandidateParameter::Role;
+      is_fitted = is_fitted || parameter.role == Role::Size || parameter.role == Role::Shape;
+      EXPECT_EQ(parameter.starts.empty(), parameter.role == Role::Typical) << known.name;
+      const double unit = natural_unit(known.unit, some_scale());
+      EXPECT_TRUE(std::isfinite(unit) && unit > 0) << kind.name << " " << known.name;
+      if (parameter.low < parameter.high)
+        for (const double start : parameter.starts) {
+          EXPECT_GE(start, parameter.low) << kind.name << " " << known.name;
+          EXPECT_LE(start, parameter.high) << kind.name << " " << known.name;
+        }
+    }
+    EXPECT_TRUE(is_fitted) << kind.name;
+    for (const auto& simpler : term.contains) EXPECT_TRUE(is_candidate(simpler)) << simpler;
+    EXPECT_FALSE(term.waits && term.contains.empty()) << kind.name;
+  }
+}
+
+TEST(NaturalUnits, AreProductsOfSizes) {
+  const NaturalScale scale = some_scale();
+
+  EXPECT_NEAR(natural_unit("N*s/m", scale), scale.force / scale.velocity, 1e-9);
+  EXPECT_NEAR(natural_unit("N/m3", scale), scale.force / std::pow(scale.displacement, 3), 1e-3);
+  EXPECT_NEAR(natural_unit("1/J", scale), 1 / (scale.force * scale.displacement), 1e-15);
+  EXPECT_NEAR(natural_unit("N/A2", scale), scale.force / 4, 1e-9);
+  EXPECT_NEAR(natural_unit("channel", scale), scale.output, 1e-9);
+  EXPECT_NEAR(natural_unit("channel/s", scale), scale.output / scale.duration, 1e-9);
+  EXPECT_NEAR(natural_unit("kg", scale), scale.force / scale.acceleration, 1e-9);
+  EXPECT_EQ(natural_unit("s", scale), scale.time);
+  EXPECT_EQ(natural_unit("-", scale), 1);
+}
+
+TEST(NaturalUnits, RefuseAnUnknownUnit) {
+  EXPECT_THROW(static_cast<void>(natural_unit("N/furlong", some_scale())), Error);
+}
+
+// Every candidate at every place can be made: with all needs met, each kind gives one.
+TEST(CandidateTerms, AreOfferedToACompleteRecordingOfASlider) {
+  Hypothesis base;
+  base.terms.push_back({{"single_pendulum", "single_pendulum", {}}, ""});
+  const NaturalScale scale = some_scale();
+
+  const auto candidates = candidates_of(kOnForce, base, scale, {0, 1}, {scale, scale}, {});
+
+  for (const char* name :
+       {"velocity_dep_sliding", "friction_heating", "pressure_dep_sliding", "pressure_tanh_sliding",
+        "rim_stop", "mer_spring", "degradation", "planar_friction", "flat_slider", "power_damping"})
+    EXPECT_TRUE(std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& one) {
+      return one.name == name;
+    })) << name;
+  // On one axis, one common parameter for both is simpler.
+  const auto drag = [&](const std::string& axis) {
+    return std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& one) {
+      return one.name == "quadratic_drag" && one.axis == axis;
+    });
+  };
+  ASSERT_NE(drag("lat"), candidates.end());
+  EXPECT_GT(drag("lat")->price, drag("")->price);
+}
+
+}  // namespace
+}  // namespace rths::diagnosis
