@@ -19,6 +19,7 @@ struct Hidden {
   double ripple = 0;        // amplitude of an external force at 7.3 Hz [N]
   double force_step = 0;    // resolution of the load cell [N]
   double saturation = 1e9;  // range of the load cell [N]
+  double stop = 0;          // stiffness of stops at ±60 mm [N/m]
 };
 
 constexpr double kStiffness = 2e5, kDamping = 3e3;  // [N/m], [N·s/m]
@@ -31,6 +32,7 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Hidden& 
     side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
     before = x;
     double force = kStiffness * x + kDamping * v + hidden.friction * side;
+    force += hidden.stop * (x - std::clamp(x, -0.06, 0.06));
     force +=
         hidden.ripple * (t < test_support::kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
     return std::clamp(force, -hidden.saturation, hidden.saturation);
@@ -167,6 +169,18 @@ TEST(Diagnosis, BlamesTheLoadCellForItsRange) {
   EXPECT_EQ(verdict.where.part, Part::Sensor);
   // The comparison's filter rounds the corners of the clipped force.
   EXPECT_NEAR(verdict.causes[0].parameters[0].value, 14'000, 200);
+}
+
+TEST(Diagnosis, NamesAStopBehindAGap) {
+  const Verdict verdict = diagnose(case_of({.stop = 3e5}));
+
+  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
+  ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
+  EXPECT_EQ(verdict.causes[0].name, "gap_contact");
+  for (const auto& parameter : verdict.causes[0].parameters) {
+    const bool is_gap = parameter.name == "gap_contact.gap";
+    EXPECT_NEAR(parameter.value, is_gap ? 0.06 : 3e5, is_gap ? 6e-4 : 6e3) << parameter.name;
+  }
 }
 
 TEST(Diagnosis, RejectsUnknownTerms) {

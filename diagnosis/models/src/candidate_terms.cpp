@@ -288,6 +288,11 @@ const std::vector<CandidateTerm>& machine_entries() {
        {},
        {"coulomb_friction", "viscous_friction", "quadratic_drag"},
        kWaits},
+      {"gap_contact",
+       "",
+       kOnForce,
+       0,
+       {size("stiffness", 0.1), shape("gap", 0.05, 1, {0.5, 0.85})}},
       {"platen_inertia", "", kOnForce, 0, {size("mass", 0.02, kEachAxis)}},
   };
   return entries;
