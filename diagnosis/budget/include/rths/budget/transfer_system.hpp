@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <rths/sim/test_machine.hpp>
+
+namespace rths::budget {
+
+/// Signals of one axis of a machine, equally long, one sample per period.
+struct TransferRecord {
+  double period = 0.001;             ///< [s]
+  std::vector<double> reference;     ///< sent to the machine and held for the period before [m]
+  std::vector<double> displacement;  ///< measured at the end of the period [m]
+  std::vector<double> force;         ///< of the actuator, measured at the same instant [N]
+};
+
+/// A parameter of an identified transfer system.
+struct TransferParameter {
+  std::string name, unit;
+  double value = 0;
+  double half_width = 0;  ///< of the 95 % interval; NaN: the record does not determine it
+};
+
+/// The transfer system of one axis, from reference to displacement, as a servo-hydraulic axis:
+///
+///     demand       e = K (r(t − τ) − x) − κ F
+///     valve        s̈ = ω² (e − s) − 2 ζ ω ṡ
+///     flow         y = s outside the dead band ± δ K, else 0;  q = y √(1 − sgn(y) F/F_s)
+///     oil column   ẋ = q − l F − c Ḟ
+///
+/// F is the measured force, so neither specimen nor platen enters. Source: Merritt (1967).
+struct TransferSystem {
+  double gain = 20;              ///< K [1/s]
+  double transport_delay = 0;    ///< τ [s]
+  double valve_frequency = 15;   ///< ω/2π [Hz]
+  double valve_damping = 0.7;    ///< ζ [-]
+  double dead_band = 0;          ///< δ, as an error of position [m]
+  double pressure_feedback = 0;  ///< κ [m/(s·N)]
+  double compliance = 1e-9;      ///< c [m/N]
+  double supply_force = 1e7;     ///< F_s [N]
+  double leakage = 0;            ///< l [m/(s·N)]
+
+  std::vector<TransferParameter> parameters;  ///< the values above, with intervals
+  /// RMS of measured less predicted displacement on the scored half of the record, over the RMS of
+  /// the displacement [-]: of this model, and of a displacement equal to the reference.
+  double error = 0, error_without = 0;
+  double residual = 0;  ///< RMS of measured less predicted displacement there [m]
+
+  /// Delay of slow motion: 1/K + 2 ζ/ω + τ [s].
+  [[nodiscard]] double delay() const;
+};
+
+/// Displacement of a transfer system at rest at first, under the reference and force of a record
+/// [m].   @setup
+[[nodiscard]] std::vector<double> predicted(const TransferSystem& system,
+                                            const TransferRecord& record);
+
+/// Identifies a transfer system by its output error, on every other two seconds of a record. The
+/// seconds between serve for the score.
+/// @throws Error if the record is shorter than 8 s, its signals differ in length, or the reference
+///         does not move   @setup
+[[nodiscard]] TransferSystem identify_transfer(const TransferRecord& record);
+
+/// A servo-hydraulic axis that moves like a transfer system. Its valve saturates at no velocity
+/// that the axis can reach.
+/// @param axis  limits, supply pressure, mass and offset   @setup
+[[nodiscard]] sim::ServoAxis servo_axis(const TransferSystem& system, sim::ServoAxis axis);
+
+}  // namespace rths::budget

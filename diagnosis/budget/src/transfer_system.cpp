@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/budget/transfer_system.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include <rths/controller/delay.hpp>
+#include <rths/core/error.hpp>
+#include <rths/identification/least_squares.hpp>
+
+namespace rths::budget {
+namespace {
+
+constexpr double kWindow = 2;          // fitted and scored in turn [s]
+constexpr double kShortest = 8;        // [s]
+constexpr double kLongestDelay = 0.2;  // searched [s]
+constexpr double kHeadroom = 4;        // of the valve over the velocity limit [-]
+constexpr double kNormal95 = 1.96;
+
+/// A fitted parameter, with its place in the system.
+struct Fitted {
+  const char* name;
+  const char* unit;
+  double TransferSystem::*member;
+  double low, high, scale;
+};
+
+constexpr Fitted kFitted[] = {
+    {"gain", "1/s", &TransferSystem::gain, 1, 500, 20},
+    {"transport_delay", "s", &TransferSystem::transport_delay, 0, 0.1, 0.002},
+    {"valve_frequency", "Hz", &TransferSystem::valve_frequency, 1, 100, 10},
+    {"valve_damping", "1", &TransferSystem::valve_damping, 0.1, 5, 1},
+    {"dead_band", "m", &TransferSystem::dead_band, 0, 0.02, 5e-4},
+    {"pressure_feedback", "m/(s.N)", &TransferSystem::pressure_feedback, 0, 1e-6, 1e-8},
+    {"compliance", "m/N", &TransferSystem::compliance, 1e-11, 1e-7, 1e-9},
+    {"supply_force", "N", &TransferSystem::supply_force, 1e3, 1e9, 1e7},
+    {"leakage", "m/(s.N)", &TransferSystem::leakage, 0, 1e-6, 1e-9},
+};
+constexpr auto kCount = static_cast<Eigen::Index>(std::size(kFitted));
+
+/// z = x + c F, and the valve.
+struct State {
+  double z = 0, spool = 0, rate = 0;
+};
+State moved(const State& from, const State& d, double dt) {
+  return {from.z + dt * d.z, from.spool + dt * d.spool, from.rate + dt * d.rate};
+}
+
+/// Signals that are linear between samples. A held reference is known at the middle of its period.
+class Input {
+ public:
+  Input(const TransferSystem& system, const TransferRecord& record)
+      : record_{record}, shift_{0.5 - system.transport_delay / record.period} {}
+  [[nodiscard]] double reference(double periods) const {
+    return at(record_.reference, periods + shift_);
+  }
+  [[nodiscard]] double force(double periods) const { return at(record_.force, periods); }
+
+ private:
+  static double at(const std::vector<double>& values, double x) {
+    if (x <= 0) return values.front();
+    const auto i = static_cast<std::size_t>(x);
+    if (i + 1 >= values.size()) return values.back();
+    const double part = x - static_cast<double>(i);
+    return values[i] + part * (values[i + 1] - values[i]);
+  }
+  const TransferRecord& record_;
+  double shift_;
+};
+
+State rates(const TransferSystem& p, const State& s, double reference, double force) {
+  const double omega = 2 * std::numbers::pi * p.valve_frequency;
+  const double x = s.z - p.compliance * force;
+  const double demand = p.gain * (reference - x) - p.pressure_feedback * force;
+  const double band = p.gain * p.dead_band;
+  const double opening = s.spool - std::clamp(s.spool, -band, band);
+  const double load = (opening > 0 ? force : -force) / p.supply_force;
+  const double flow = opening * std::sqrt(std::max(0.0, 1 - load));
+  return {flow - p.leakage * force, s.rate,
+          omega * omega * (demand - s.spool) - 2 * p.valve_damping * omega * s.rate};
+}
+
+void check(const TransferRecord& record) {
+  const std::size_t samples = record.reference.size();
+  if (record.displacement.size() != samples || record.force.size() != samples)
+    throw Error{
+        fmt::format("transfer system: {} references, {} displacements and {} forces, "
+                    "expected equally many",
+                    samples, record.displacement.size(), record.force.size())};
+  if (static_cast<double>(samples) * record.period < kShortest)
+    throw Error{fmt::format("transfer system: {:.3g} s recorded, expected at least {} s",
+                            static_cast<double>(samples) * record.period, kShortest)};
+}
+
+/// Samples of every other window.
+std::vector<std::size_t> samples_of(const TransferRecord& record, std::size_t parity) {
+  std::vector<std::size_t> chosen;
+  const auto window = static_cast<std::size_t>(kWindow / record.period);
+  for (std::size_t i = 0; i < record.displacement.size(); ++i)
+    if (i / window % 2 == parity) chosen.push_back(i);
+  return chosen;
+}
+
+double rms(const std::vector<double>& values, const std::vector<std::size_t>& chosen) {
+  double sum = 0;
+  for (const auto i : chosen) sum += values[i] * values[i];
+  return std::sqrt(sum / static_cast<double>(chosen.size()));
+}
+
+std::vector<double> less(std::vector<double> a, const std::vector<double>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] -= b[i];
+  return a;
+}
+
+TransferSystem system_at(const Eigen::VectorXd& parameters) {
+  TransferSystem system;
+  for (Eigen::Index i = 0; i < kCount; ++i) system.*kFitted[i].member = parameters[i];
+  return system;
+}
+
+bool residual_at(const TransferRecord& record, const std::vector<std::size_t>& chosen,
+                 const Eigen::VectorXd& parameters, Eigen::VectorXd& residual) {
+  const auto x = predicted(system_at(parameters), record);
+  residual.resize(static_cast<Eigen::Index>(chosen.size()));
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    residual[static_cast<Eigen::Index>(i)] = record.displacement[chosen[i]] - x[chosen[i]];
+  return residual.allFinite();
+}
+
+// Derivatives by differences, into the interior of the bounds.
+bool jacobian_at(const TransferRecord& record, const std::vector<std::size_t>& chosen,
+                 const Eigen::VectorXd& parameters, const Eigen::VectorXd& residual,
+                 Eigen::MatrixXd& jacobian) {
+  constexpr double kStep = 1e-4;  // of the scale
+  jacobian.resize(residual.size(), kCount);
+  Eigen::VectorXd other;
+  for (Eigen::Index i = 0; i < kCount; ++i) {
+    const auto& p = kFitted[i];
+    const double size = kStep * std::max(p.scale, std::abs(parameters[i]));
+    const double step = parameters[i] + size > p.high ? -size : size;
+    Eigen::VectorXd beside = parameters;
+    beside[i] += step;
+    if (!residual_at(record, chosen, beside, other)) return false;
+    jacobian.col(i) = (other - residual) / step;
+  }
+  return true;
+}
+
+diagnosis::Fit fit(const TransferRecord& record, const std::vector<std::size_t>& chosen,
+                   const TransferSystem& start) {
+  diagnosis::FitProblem problem;
+  problem.rows = static_cast<Eigen::Index>(chosen.size());
+  problem.start.resize(kCount);
+  problem.low = problem.high = problem.scale = problem.start;
+  for (Eigen::Index i = 0; i < kCount; ++i) {
+    problem.low[i] = kFitted[i].low;
+    problem.high[i] = kFitted[i].high;
+    problem.scale[i] = kFitted[i].scale;
+    problem.start[i] = std::clamp(start.*kFitted[i].member, kFitted[i].low, kFitted[i].high);
+  }
+  problem.most_iterations = 40;
+  problem.residuals = [&](const Eigen::VectorXd& parameters, Eigen::VectorXd& residual,
+                          Eigen::MatrixXd* jacobian) {
+    if (!residual_at(record, chosen, parameters, residual)) return false;
+    return jacobian == nullptr || jacobian_at(record, chosen, parameters, residual, *jacobian);
+  };
+  return diagnosis::least_squares(problem);
+}
+
+// Half widths of the 95 % intervals, from the parameters that the record determines: those that are
+// not on a bound.
+std::array<double, kCount> half_widths(const diagnosis::Fit& fitted, Eigen::Index block) {
+  std::array<double, kCount> widths{};
+  widths.fill(std::numeric_limits<double>::quiet_NaN());
+  std::vector<Eigen::Index> inside;
+  for (Eigen::Index i = 0; i < kCount; ++i) {
+    const double value = fitted.parameters[i], margin = 1e-6 * kFitted[i].scale;
+    if (value > kFitted[i].low + margin && value < kFitted[i].high - margin) inside.push_back(i);
+  }
+  // In units of the residual and of the scales: the numbers are then of similar size.
+  const double unit =
+      std::sqrt(fitted.residual.squaredNorm() / static_cast<double>(fitted.residual.size()));
+  if (!(unit > 0)) return widths;
+  diagnosis::Fit reduced = fitted;
+  reduced.jacobian = fitted.jacobian(Eigen::all, inside) / unit;
+  reduced.residual = fitted.residual / unit;
+  reduced.parameters = fitted.parameters(inside);
+  for (std::size_t k = 0; k < inside.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    reduced.jacobian.col(column) *= kFitted[inside[k]].scale;
+    reduced.parameters[column] /= kFitted[inside[k]].scale;
+  }
+  try {
+    const Eigen::MatrixXd covariance = diagnosis::covariance(reduced, block);
+    for (std::size_t k = 0; k < inside.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      widths[static_cast<std::size_t>(inside[k])] =
+          kNormal95 * kFitted[inside[k]].scale * std::sqrt(covariance(row, row));
+    }
+  } catch (const Error&) {  // not identifiable
+  }
+  return widths;
+}
+
+}  // namespace
+
+double TransferSystem::delay() const {
+  return 1 / gain + 2 * valve_damping / (2 * std::numbers::pi * valve_frequency) + transport_delay;
+}
+
+std::vector<double> predicted(const TransferSystem& system, const TransferRecord& record) {
+  const Input input{system, record};
+  const double h = record.period;
+  std::vector<double> x(record.reference.size());
+  State s{record.displacement.front() + system.compliance * record.force.front(), 0, 0};
+  x[0] = record.displacement.front();
+  for (std::size_t n = 1; n < x.size(); ++n) {
+    const double end = static_cast<double>(n), begin = end - 1, middle = end - 0.5;
+    const auto at = [&](const State& state, double periods) {
+      return rates(system, state, input.reference(periods), input.force(periods));
+    };
+    const State k1 = at(s, begin), k2 = at(moved(s, k1, h / 2), middle);
+    const State k3 = at(moved(s, k2, h / 2), middle), k4 = at(moved(s, k3, h), end);
+    s = moved(moved(moved(moved(s, k1, h / 6), k2, h / 3), k3, h / 3), k4, h / 6);
+    x[n] = s.z - system.compliance * input.force(end);
+  }
+  return x;
+}
+
+TransferSystem identify_transfer(const TransferRecord& record) {
+  check(record);
+  const double delay = controller::identify_delay(record.reference, record.displacement,
+                                                  record.period, kLongestDelay)
+                           .minimum_rms;
+  double strongest = 0;
+  for (const double force : record.force) strongest = std::max(strongest, std::abs(force));
+  TransferSystem start;
+  start.gain = 1 / std::clamp(0.7 * delay, 0.002, 1.0);
+  start.transport_delay = 0.1 * std::clamp(delay, 0.0, 0.2);
+  start.dead_band = 1e-4;
+  start.pressure_feedback = 1e-9;
+  start.supply_force = std::max(1e4, 4 * strongest);
+  start.leakage = 1e-11;
+  const auto chosen = samples_of(record, 0), scored = samples_of(record, 1);
+  const auto fitted = fit(record, chosen, start);
+  TransferSystem system = system_at(fitted.parameters);
+  const auto widths = half_widths(fitted, static_cast<Eigen::Index>(kWindow / record.period));
+  for (std::size_t i = 0; i < widths.size(); ++i)
+    system.parameters.push_back(
+        {kFitted[i].name, kFitted[i].unit, system.*kFitted[i].member, widths[i]});
+  const double size = rms(record.displacement, scored);
+  system.residual = rms(less(record.displacement, predicted(system, record)), scored);
+  system.error = system.residual / size;
+  system.error_without = rms(less(record.displacement, record.reference), scored) / size;
+  return system;
+}
+
+sim::ServoAxis servo_axis(const TransferSystem& system, sim::ServoAxis axis) {
+  const double fastest = kHeadroom * axis.limits.velocity;  // Q_r/A
+  const double area = system.supply_force / axis.supply_pressure;
+  axis.piston_area = area;
+  axis.rated_flow = fastest * area;
+  axis.position_gain = system.gain;
+  axis.transport_delay = system.transport_delay;
+  axis.valve_frequency = system.valve_frequency;
+  axis.valve_damping = system.valve_damping;
+  axis.dead_band = system.gain * system.dead_band / fastest;
+  axis.pressure_gain = system.pressure_feedback * system.supply_force / fastest;
+  axis.oil_volume = 4 * axis.bulk_modulus * system.compliance * area * area;
+  axis.leakage = system.leakage * area * area;
+  return axis;
+}
+
+}  // namespace rths::budget
