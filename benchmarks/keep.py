@@ -3,6 +3,7 @@
 
 usage: keep.py demo REPORT                 report.json of `./lab demo --headless --solver numerical`
        keep.py examples RTHS               runs examples in virtual time and bearing loops with the command RTHS
+       keep.py budget RTHS                    mismatch budgets of examples in virtual time
        keep.py opensees_runs RTHS          runs OpenSees with RTHS, and alone with RTHS_OPENSEES_PYTHON
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
        keep.py deaths TESTS                  --gtest_output=json:TESTS
@@ -106,6 +107,17 @@ def examples(rths):
     }
 
 
+def budget(rths):
+    """Mismatch budgets of two examples in virtual time, by axis."""
+    def run(example):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([rths, "run", str(TREE / "examples" / example), "--clock", "virtual", "--out", folder],
+                           stdout=subprocess.DEVNULL)
+            found = json.loads((pathlib.Path(folder) / "verdict.json").read_text())["budget"]
+            return {axis.pop("axis"): axis for axis in found["axes"]} | {"replay_nrms": found["replay_nrms"]}
+    return {"lprb": run("srmd_lprb_2d.toml"), "tracking": run("mismatch_tracking_2d.toml")}
+
+
 def tests_of(file):
     """Tests of a --gtest_output=json file with their recorded properties; stops if one failed or was skipped."""
     known = {"name", "file", "line", "status", "result", "timestamp", "time", "classname", "value_param"}
@@ -162,7 +174,7 @@ def opensees_comparison(file):
 
 
 def main():
-    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples,
+    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget,
               "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),
               "kills": kills, "deaths": deaths, "real_recordings": real_recordings,
               "opensees_comparison": opensees_comparison}

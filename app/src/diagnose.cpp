@@ -13,6 +13,7 @@
 #include <rths/verdict/diagnose.hpp>
 
 #include "commands.hpp"
+#include "mismatch.hpp"
 #include "run_folder.hpp"
 #include "steps.hpp"
 
@@ -77,6 +78,9 @@ int diagnose(const DiagnoseArguments& arguments) {
       diagnosis::diagnose(c, {arguments.without, arguments.seed, shown_by(*steps)});
   // In this version, specimen and machine of a run are models.
   verdict.synthetic = verdict.synthetic || is_run(case_at(arguments.case_or_recording));
+  if (const auto recording = case_at(arguments.case_or_recording);
+      is_run(recording) && arguments.against.empty())
+    add_mismatch_budget(recording, folder, verdict);
   steps->begin("its page");
   const auto written = report::write_diagnosis(verdict, folder);
   steps.reset();  // removes its line before the results are printed

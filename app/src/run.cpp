@@ -22,6 +22,7 @@
 #include <rths/verdict/diagnose.hpp>
 
 #include "commands.hpp"
+#include "mismatch.hpp"
 #include "run_folder.hpp"
 #include "steps.hpp"
 
@@ -102,6 +103,8 @@ diagnosis::Verdict diagnose_run(const RunArguments& arguments, const std::filesy
     verdict.limits.push_back("the test is not conclusive: " + condition.text());
   // In virtual time the same experiment gives the same bytes.
   if (arguments.virtual_time) verdict.seconds = std::numeric_limits<double>::quiet_NaN();
+  add_mismatch_budget(folder / report::kRunFile, arguments.experiment,
+                      changes_of(arguments, arguments.improvements), folder, verdict);
   const auto written = report::write_diagnosis(verdict, folder);
   if (!written.fragment) return verdict;
   auto improvements = arguments.improvements;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include <rths/core/error.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -104,6 +106,15 @@ std::string corrected_force(bool corrects, const char* axis) {
                   : std::string{"srmd."} + axis + ".force.fbk";
 }
 
+double relative_difference(const std::vector<double>& wanted, const std::vector<double>& found) {
+  double apart = 0, all = 0;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    apart += (found[i] - wanted[i]) * (found[i] - wanted[i]);
+    all += wanted[i] * wanted[i];
+  }
+  return all > 0 ? std::sqrt(apart / all) : 0;
+}
+
 // Controller periods from "at target" to the next target, and the period of the first target.
 void read_computing(const NodeTicks& ticks, budget::HybridTest& test) {
   const auto at_target = ticks.values(std::string{"monitor."} + kController + ".pc.at_target");
@@ -178,6 +189,48 @@ std::array<std::vector<double>, 2> fed_force_of(const Reader& run) {
                                : std::vector<double>(steps.size(), 0);
   }
   return force;
+}
+
+budget::TransferRecord transfer_record_of(const Reader& run, const std::string& axis) {
+  const NodeTicks ticks{run, "srmd"};
+  const auto machine = [&](const char* word) {
+    return ticks.values(fmt::format("srmd.{}.{}", axis, word));
+  };
+  budget::TransferRecord record;
+  const auto time = at_each_count(ticks.counter(), run.time());
+  record.period = (time[ticks.count() - 1] - time[0]) / static_cast<double>(ticks.count() - 1);
+  record.reference = machine("displ.ref_echo");
+  record.displacement = machine("displ.fbk");
+  record.force = machine("force.fbk");
+  return record;
+}
+
+budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experiment& improved,
+                                     const Reader& run, const Reader* held_out) {
+  const bool is_numerical =
+      std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
+                  [](const auto& plan) { return plan.adapter == "numerical"; });
+  if (!is_numerical)
+    throw Error{experiment.file.string() +
+                ": no node has the adapter 'numerical', which a mismatch budget needs"};
+  auto test = hybrid_test_of(experiment, run);
+  test.specimen_identified = improved.model;
+  test.machine_identified = improved.assumed_machine;
+  std::array<budget::TransferSystem, 2> systems;
+  for (std::size_t i = 0; i < 2; ++i)
+    if (test.tested[i])
+      systems[i] = budget::identify_transfer(transfer_record_of(run, kHorizontal[i]));
+  auto found = budget::mismatch_budget(std::move(test), response_of(experiment, run), systems,
+                                       fed_force_of(run));
+  const NodeTicks ticks{run, kController};
+  for (auto& axis : found.axes) {
+    axis.tracking = relative_difference(
+        ticks.values(fmt::format("monitor.{}.pc.command.{}", kController, axis.name)),
+        ticks.values(fmt::format("monitor.{}.displacement.out.{}", kController, axis.name)));
+    if (held_out != nullptr)
+      axis.held_out = budget::error_on(axis.transfer, transfer_record_of(*held_out, axis.name));
+  }
+  return found;
 }
 
 }  // namespace rths::launch

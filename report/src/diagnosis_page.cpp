@@ -37,6 +37,22 @@ Json trace_data(const diagnosis::Trace& trace, std::size_t most) {
           {"excess", curve(trace.excess, most)}};
 }
 
+// The response of the test, of its simulation and of the improved simulation.
+Json response_data(const diagnosis::Verdict& verdict) {
+  Json responses = Json::array();
+  for (const auto& axis : verdict.budget.axes) {
+    std::vector<double> time;
+    for (std::size_t i = 0; i < axis.measured.size(); ++i)
+      time.push_back(static_cast<double>(i + 1) * verdict.budget.integration_step);
+    responses.push_back({{"axis", axis.name},
+                         {"time", curve(time, kMostTracePoints)},
+                         {"measured", curve(axis.measured, kMostTracePoints)},
+                         {"simulated", curve(axis.simulated, kMostTracePoints)},
+                         {"improved", curve(axis.improved, kMostTracePoints)}});
+  }
+  return responses;
+}
+
 // Those of the first record, of the place of the mismatch, and of the proof.
 std::vector<const diagnosis::Trace*> shown_traces(const diagnosis::Verdict& verdict) {
   std::vector<const diagnosis::Trace*> shown;
@@ -52,6 +68,7 @@ std::vector<const diagnosis::Trace*> shown_traces(const diagnosis::Verdict& verd
 std::string verdict_page(const diagnosis::Verdict& verdict) {
   Json data;
   data["verdict"] = verdict_numbers(verdict);
+  data["responses"] = response_data(verdict);
   data["traces"] = Json::array();
   const auto shown = shown_traces(verdict);
   const std::size_t most =
@@ -61,7 +78,7 @@ std::string verdict_page(const diagnosis::Verdict& verdict) {
                    {web::kReportCss, web::kVerdictCss, web::kDiagnosisCss},
                    {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
                     web::kSentenceJs, web::kChartsJs, web::kCurtainJs, web::kVerdictJs,
-                    web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},
+                    web::kBudgetJs, web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},
                   data);
 }
 

@@ -26,6 +26,7 @@ RTHS_EMBEDDED(proof_js, kProofJs)
 RTHS_EMBEDDED(quantities_js, kQuantitiesJs)
 RTHS_EMBEDDED(charts_js, kChartsJs)
 RTHS_EMBEDDED(curtain_js, kCurtainJs)
+RTHS_EMBEDDED(budget_js, kBudgetJs)
 RTHS_EMBEDDED(uplot_js, kUplotJs)
 RTHS_EMBEDDED(uplot_css, kUplotCss)
 #undef RTHS_EMBEDDED

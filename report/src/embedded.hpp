@@ -11,7 +11,8 @@ extern const std::string_view kReportHtml, kReportCss, kReportJs;
 extern const std::string_view kThemeJs, kPlotsJs, kFiguresJs;
 extern const std::string_view kVerdictCss, kSentenceJs;
 extern const std::string_view kDiagnosisHtml, kDiagnosisCss, kDiagnosisJs;
-extern const std::string_view kQuantitiesJs, kChartsJs, kCurtainJs, kVerdictJs, kWhereJs, kProofJs;
+extern const std::string_view kQuantitiesJs, kChartsJs, kCurtainJs, kVerdictJs, kWhereJs, kProofJs,
+    kBudgetJs;
 extern const std::string_view kUplotJs, kUplotCss;
 
 }  // namespace rths::report::web

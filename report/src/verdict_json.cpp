@@ -138,6 +138,38 @@ Json evidence_json(const diagnosis::Evidence& evidence) {
           {"ci90", interval({evidence.low, evidence.high})}};
 }
 
+Json transfer_json(const budget::TransferSystem& transfer) {
+  Json parameters = Json::object();
+  for (const auto& p : transfer.parameters)
+    parameters[p.name] = {{"value", number(p.value)},
+                          {"ci95", interval({p.value - p.half_width, p.value + p.half_width})},
+                          {"unit", p.unit}};
+  return {{"delay_s", number(transfer.delay())},
+          {"nrms", number(transfer.error)},
+          {"nrms_without", number(transfer.error_without)},
+          {"residual_m", number(transfer.residual)},
+          {"parameters", parameters}};
+}
+
+Json axis_budget_json(const budget::AxisBudget& axis) {
+  Json shares = Json::object();
+  for (unsigned i = 0; i < budget::kParts; ++i)
+    shares[name_of(static_cast<budget::Part>(i))] = number(axis.share[i]);
+  return {{"axis", axis.name},
+          {"difference_before", number(axis.before)},
+          {"difference_after", number(axis.after)},
+          {"shares", shares},
+          {"remainder", number(axis.remainder)},
+          {"tracking_nrms", number(axis.tracking)},
+          {"held_out_nrms", number(axis.held_out)},
+          {"transfer_system", transfer_json(axis.transfer)}};
+}
+
+Json budget_json(const budget::MismatchBudget& found) {
+  if (found.is_empty()) return nullptr;
+  return {{"axes", each(found.axes, axis_budget_json)}, {"replay_nrms", number(found.replay)}};
+}
+
 // The fragment for experiments; of models that are not made of terms, [model] of the improved case.
 std::string improved_text(const Verdict& verdict) {
   if (!verdict.fragment.empty() || !verdict.improved.file.has("model")) return verdict.fragment;
@@ -158,6 +190,7 @@ Json verdict_numbers(const Verdict& verdict) {
   json["confidence"] = number(verdict.confidence);
   json["remainder"] = verdict.has_remainder;
   json["where"] = where_json(verdict.where);
+  json["budget"] = budget_json(verdict.budget);
   json["causes"] = each(verdict.causes, cause_json);
   json["fit"] = Json::object();
   for (const auto& score : verdict.fit) json["fit"][score.record] = score_json(score);

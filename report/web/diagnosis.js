@@ -111,6 +111,6 @@
       el("code", { textContent: "verdict.json" }), ", every curve in ", el("code", { textContent: "predictions/" }), v.seconds != null ? `. The diagnosis took ${number(v.seconds, 2)} s.` : ".");
   };
 
-  for (const draw of [header, where.draw, form, causes, model, proof.draw, proof.rivals, limits]) draw();
+  for (const draw of [header, budget.draw, where.draw, form, causes, model, proof.draw, proof.rivals, limits]) draw();
   plots.done();
 })();

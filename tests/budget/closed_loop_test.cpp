@@ -97,6 +97,28 @@ TEST_F(ClosedLoop, IsTheNumericalResultWithEveryPartAsSimulated) {
   }
 }
 
+TEST_F(ClosedLoop, IsExplainedByTheBudgetOfTheRun) {
+  make(true);
+  // The specimen as the laboratory has it; the transfer system is identified.
+  auto improved = experiment;
+  improved.model = experiment.specimen;
+  improved.assumed_machine = experiment.machine;
+  const recording::Reader run{folder / "run.h5"};
+  const auto found = launch::budget_of_run(experiment, improved, run, &run);
+  ASSERT_EQ(found.axes.size(), 2U);
+  EXPECT_LT(found.replay, 1e-4);
+  EXPECT_TRUE(is_tracking_identified(found));
+  for (const auto& axis : found.axes) {
+    double sum = axis.remainder;
+    for (const double share : axis.share) sum += share;
+    EXPECT_NEAR(sum, 1, 1e-9);
+    EXPECT_NEAR(axis.remainder, std::pow(axis.after / axis.before, 2), 1e-9);
+    EXPECT_LT(axis.after, 0.03) << axis.name;
+    EXPECT_GT(axis.before, 3 * axis.after) << axis.name;
+    EXPECT_GT(axis.share[static_cast<std::size_t>(Part::Tracking)], 0.5) << axis.name;
+  }
+}
+
 TEST_F(ClosedLoop, NoiseOfTheForceExplainsMostOfWhatNoiseDoes) {
   make(true);
   const double with = difference(closed_loop(hybrid, kAll));

@@ -83,10 +83,22 @@ TEST(DetunedTracking, IsBlamedOnTheMachineAndNotOnTheBearing) {
   const Mismatch run{"mismatch_tracking_2d.toml"};
   const Json verdict = json_of(run.file("verdict.json"));
 
-  EXPECT_NE(verdict["verdict"], "none");
+  EXPECT_EQ(verdict["verdict"], "missing");
+  ASSERT_EQ(verdict["causes"].size(), 1U) << verdict["sentence"];
+  EXPECT_EQ(verdict["causes"][0]["name"], "transfer_system");
   EXPECT_EQ(verdict["where"]["part"], "actuator") << verdict["sentence"];
   EXPECT_EQ(verdict["where"]["channel"], "displacement") << verdict["sentence"];
   EXPECT_FALSE(blames(verdict, "bearing")) << verdict["sentence"];
+  ASSERT_EQ(verdict["budget"]["axes"].size(), 2U);
+  for (const auto& axis : verdict["budget"]["axes"]) {
+    EXPECT_GT(axis["tracking_nrms"], 0.05);
+    EXPECT_LT(axis["held_out_nrms"], 0.01);
+    // 1/K + 2 zeta/omega + tau of the machine: docs/theory/test_machine.md.
+    EXPECT_NEAR(axis["transfer_system"]["delay_s"], 1 / 20.5 + 2 * 0.8 / (2 * M_PI * 12) + 0.002,
+                0.001);
+    EXPECT_GT(axis["shares"]["tracking"], 0.8);
+    EXPECT_LT(axis["difference_after"], 0.03);
+  }
 }
 
 TEST(VerticalCoupling, IsNamedAndClosesTheGapInFloorSpectra) {

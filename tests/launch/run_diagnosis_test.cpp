@@ -66,6 +66,20 @@ TEST_F(DiagnosedRun, NamesTheTwoOmittedEffectsAndNothingElse) {
     }
 }
 
+// The improved simulation contains the transfer system.
+TEST_F(DiagnosedRun, ExplainsTheResponseByABudgetThatAddsUp) {
+  const Json& budget = verdict["budget"];
+  ASSERT_EQ(budget["axes"].size(), 2U);
+  EXPECT_LT(budget["replay_nrms"], 1e-4);
+  for (const auto& axis : budget["axes"]) {
+    double sum = axis["remainder"];
+    for (const auto& share : axis["shares"]) sum += share.get<double>();
+    EXPECT_NEAR(sum, 1, 0.02);
+    EXPECT_GT(axis["difference_before"], 0.15);
+    EXPECT_LT(axis["difference_after"], 0.03);
+  }
+}
+
 bool is_hidden_effect(const std::string& name) {
   return name == "adiabatic_heating" || name == "load_dependent_friction";
 }

@@ -232,6 +232,13 @@ std::vector<double> predicted(const TransferSystem& system, const TransferRecord
   return x;
 }
 
+double error_on(const TransferSystem& system, const TransferRecord& record) {
+  std::vector<std::size_t> all(record.displacement.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+  return rms(less(record.displacement, predicted(system, record)), all) /
+         rms(record.displacement, all);
+}
+
 TransferSystem identify_transfer(const TransferRecord& record) {
   check(record);
   const double delay = controller::identify_delay(record.reference, record.displacement,

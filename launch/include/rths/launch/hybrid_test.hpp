@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <rths/budget/closed_loop.hpp>
+#include <rths/budget/budget.hpp>
 #include <rths/launch/experiment.hpp>
 #include <rths/recording/recording.hpp>
 
@@ -22,5 +22,21 @@ namespace rths::launch {
 
 /// Force that the integrator of a run received, by integration step: long, lat [N].   @setup
 [[nodiscard]] std::array<std::vector<double>, 2> fed_force_of(const recording::Reader& run);
+
+/// Signals of one axis of the machine of a run.
+/// @param axis  "long" or "lat"   @throws Error if the recording lacks a signal   @setup
+[[nodiscard]] budget::TransferRecord transfer_record_of(const recording::Reader& run,
+                                                        const std::string& axis);
+
+/// The mismatch budget of a run. Its transfer system is identified from the recording.
+/// @param improved  the experiment with the improvements of a diagnosis: its model holds specimen
+///                  and machine as identified
+/// @param held_out  recording of the same laboratory under another earthquake; null: none
+/// @throws Error if the recording lacks a signal, the run has no controller or another solver than
+///         `numerical`, or as budget::mismatch_budget does   @setup
+[[nodiscard]] budget::MismatchBudget budget_of_run(const Experiment& experiment,
+                                                   const Experiment& improved,
+                                                   const recording::Reader& run,
+                                                   const recording::Reader* held_out);
 
 }  // namespace rths::launch

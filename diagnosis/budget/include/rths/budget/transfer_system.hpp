@@ -57,6 +57,9 @@ struct TransferSystem {
 [[nodiscard]] std::vector<double> predicted(const TransferSystem& system,
                                             const TransferRecord& record);
 
+/// RMS of measured less predicted displacement over the RMS of the displacement [-].   @setup
+[[nodiscard]] double error_on(const TransferSystem& system, const TransferRecord& record);
+
 /// Identifies a transfer system by its output error, on every other two seconds of a record. The
 /// seconds between serve for the score.
 /// @throws Error if the record is shorter than 8 s, its signals differ in length, or the reference

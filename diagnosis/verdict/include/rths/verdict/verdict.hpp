@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <rths/budget/budget.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/experiment_design/next_test.hpp>
 #include <rths/identification/forms.hpp>
@@ -144,13 +145,19 @@ struct Verdict {
   std::string next_test;                  ///< proposed next; empty: none
   TestMotion next_motion;                 ///< of that test; no channels: there is none
   std::string noise_model;                ///< source of the noise
-  std::string noise_remedy;   ///< how to measure the noise; empty: it was measured at rest
-  std::string fragment;       ///< TOML of the improved model, for experiments
-  CaseSource improved;        ///< the improved case, and experiment; empty: none
-  std::vector<Trace> traces;  ///< of every record and output of the relation that is shown
-  bool synthetic = false;     ///< the recordings come from models, not from a laboratory
-  double seconds = 0;         ///< run time
+  std::string noise_remedy;       ///< how to measure the noise; empty: it was measured at rest
+  std::string fragment;           ///< TOML of the improved model, for experiments
+  CaseSource improved;            ///< the improved case, and experiment; empty: none
+  budget::MismatchBudget budget;  ///< of the response of a run; empty: none
+  std::vector<Trace> traces;      ///< of every record and output of the relation that is shown
+  bool synthetic = false;         ///< the recordings come from models, not from a laboratory
+  double seconds = 0;             ///< run time
 };
+
+/// Adds the mismatch budget of a run to its verdict and its sentence. If no term explains the
+/// residual of the actuator, an identified transfer system becomes its cause, with its parameters;
+/// terms of the actuator that were named on the way are withdrawn.   @setup
+void add_budget(budget::MismatchBudget budget, Verdict& verdict);
 
 /// "missing", "none", "unknown"
 [[nodiscard]] std::string name_of(Outcome outcome);

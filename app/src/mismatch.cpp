@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mismatch.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+
+#include <rths/cases/case.hpp>
+#include <rths/core/error.hpp>
+#include <rths/launch/hybrid_test.hpp>
+#include <rths/report/diagnosis.hpp>
+
+#include "write_file.hpp"
+
+namespace rths::app {
+namespace {
+
+constexpr const char* kImprovement = "model.improvement";
+
+// Adds a file to the list of improvements of a run.
+launch::Overrides improved_by(const std::filesystem::path& fragment, launch::Overrides changes) {
+  const std::string file = "\"" + fragment.string() + "\"";
+  for (auto& [key, value] : changes)
+    if (key == kImprovement && value.ends_with("]")) {
+      value.insert(value.size() - 1, ", " + file);
+      return changes;
+    }
+  changes.emplace_back(kImprovement, "[" + file + "]");
+  return changes;
+}
+
+budget::MismatchBudget budget_of(const std::filesystem::path& recording,
+                                 const std::filesystem::path& file,
+                                 const launch::Overrides& changes,
+                                 const std::filesystem::path& folder, const std::string& fragment) {
+  const auto experiment = launch::load_experiment(file, changes);
+  auto improved = experiment;
+  if (!fragment.empty()) {
+    const auto path = std::filesystem::absolute(folder / report::kFragmentFile);
+    write_file(path, fragment);
+    improved = launch::load_experiment(file, improved_by(path, changes));
+  }
+  const auto unseen = recording.parent_path() / diagnosis::kHeldOutFile;
+  std::optional<recording::Reader> held_out;
+  if (std::filesystem::exists(unseen)) held_out.emplace(unseen);
+  return launch::budget_of_run(experiment, improved, recording::Reader{recording},
+                               held_out ? &*held_out : nullptr);
+}
+
+}  // namespace
+
+void add_mismatch_budget(const std::filesystem::path& recording,
+                         const std::filesystem::path& experiment, const launch::Overrides& changes,
+                         const std::filesystem::path& folder, diagnosis::Verdict& verdict) {
+  try {
+    diagnosis::add_budget(budget_of(recording, experiment, changes, folder, verdict.fragment),
+                          verdict);
+  } catch (const Error& error) {
+    verdict.limits.push_back(std::string{"There is no mismatch budget of the response: "} +
+                             error.what());
+  }
+}
+
+void add_mismatch_budget(const std::filesystem::path& recording,
+                         const std::filesystem::path& folder, diagnosis::Verdict& verdict) {
+  const recording::Reader run{recording};
+  const auto meta = run.meta();
+  const auto path = meta.find("experiment_path");
+  if (path == meta.end() || !std::filesystem::exists(path->second)) return;
+  launch::Overrides changes;
+  std::istringstream lines{run.config(recording::kOverridesText)};
+  for (std::string line; std::getline(lines, line);)
+    if (const auto equals = line.find('='); equals != std::string::npos)
+      changes.emplace_back(line.substr(0, equals), line.substr(equals + 1));
+  add_mismatch_budget(recording, path->second, changes, folder, verdict);
+}
+
+}  // namespace rths::app

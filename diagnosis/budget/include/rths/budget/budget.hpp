@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <rths/budget/closed_loop.hpp>
+#include <rths/budget/transfer_system.hpp>
+
+namespace rths::budget {
+
+/// The mismatch of one axis: difference between the response of the test and of its simulation.
+struct AxisBudget {
+  std::string name;               ///< "long", "lat"
+  TransferSystem transfer;        ///< as identified
+  std::vector<double> measured;   ///< targets of the test, by integration step [m]
+  std::vector<double> simulated;  ///< every part as simulated [m]
+  std::vector<double> improved;   ///< every part as identified [m]
+  /// RMS of measured displacement less command, over that of the command [-].
+  double tracking = 0;
+  /// Error of the transfer system on a record that it was not fitted to; NaN: there is none [-].
+  double held_out = std::numeric_limits<double>::quiet_NaN();
+  double before = 0, after = 0;        ///< RMS differences to the test over the RMS of the test [-]
+  std::array<double, kParts> share{};  ///< of the energy of the difference before, by Part [-]
+  double remainder = 0;                ///< of that energy; shares and remainder add up to 1 [-]
+};
+
+/// Which part of a hybrid test causes which share of the difference between its response and that
+/// of its simulation. Every part is switched to "as identified" in every order.
+struct MismatchBudget {
+  double integration_step = 0;  ///< of the responses [s]
+  std::vector<AxisBudget> axes;
+  /// RMS difference of the analysis under the recorded force, over the RMS of the test [-].
+  double replay = 0;
+
+  [[nodiscard]] bool is_empty() const { return axes.empty(); }
+};
+
+/// "tracking", "force", "specimen", "machine", "numerical"
+[[nodiscard]] const char* name_of(Part part);
+
+/// Runs the closed loop with all 32 sets of identified parts.
+/// @param measured  response of the test
+/// @param systems  identified transfer systems; those of untested axes are ignored. The hydraulics
+///                 of `test.machine_identified` become these.
+/// @param force  fed to the integrator of the test, by integration step [N]
+/// @throws Error if a closed loop diverges, or as `closed_loop` does   @setup
+[[nodiscard]] MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
+                                             const std::array<TransferSystem, 2>& systems,
+                                             const std::array<std::vector<double>, 2>& force);
+
+/// Whether the identified transfer system describes the motion: its error on unseen motion is at
+/// most a tenth of the error of a displacement equal to the reference.
+[[nodiscard]] bool is_tracking_identified(const MismatchBudget& budget);
+
+/// The budget in one or two sentences: differences, shares, transfer system.
+[[nodiscard]] std::string sentence_of(const MismatchBudget& budget);
+
+}  // namespace rths::budget
