@@ -68,6 +68,7 @@ TEST(TransferSystem, RecoversTheHydraulicsOfAMachine) {
   // The noise of the displacement sensor is 50 µm.
   EXPECT_LT(found.residual, 1.1 * machine.noise.displacement);
   EXPECT_LT(found.error, 0.02 * found.error_without);
+  EXPECT_EQ(found.confidence, 1);
 }
 
 // x' = K (r − x): closed form of a first-order lag.

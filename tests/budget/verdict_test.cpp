@@ -14,6 +14,7 @@ budget::MismatchBudget budget_with(double error) {
   axis.name = "long";
   axis.transfer.error = error;
   axis.transfer.error_without = 0.4;
+  axis.transfer.confidence = 0.8;
   axis.transfer.parameters = {{"gain", "1/s", 20, 0.1}};
   axis.tracking = 0.18;
   axis.before = 0.3;
@@ -47,6 +48,7 @@ TEST(BudgetOfAVerdict, NamesTheTransferSystemOfAnUnknownActuator) {
   EXPECT_NEAR(verdict.causes[0].explained, 1 - 0.002 * 0.002 / (0.4 * 0.4), 1e-12);
   EXPECT_EQ(verdict.causes[0].parameters[0].name, "transfer_system_long.gain");
   EXPECT_EQ(verdict.fragment, "");
+  EXPECT_EQ(verdict.confidence, 0.8);
   EXPECT_NE(verdict.sentence.find("18 % rms"), std::string::npos) << verdict.sentence;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -110,6 +111,17 @@ double rms(const std::vector<double>& values, const std::vector<std::size_t>& ch
   double sum = 0;
   for (const auto i : chosen) sum += values[i] * values[i];
   return std::sqrt(sum / static_cast<double>(chosen.size()));
+}
+
+// Share of the windows of the chosen samples in which the first error is the smaller one.
+double share_of_windows(const TransferRecord& record, const std::vector<std::size_t>& chosen,
+                        const std::vector<double>& error, const std::vector<double>& other) {
+  const auto window = static_cast<std::size_t>(kWindow / record.period);
+  std::map<std::size_t, double> gain;  // of energy, by window
+  for (const auto i : chosen) gain[i / window] += other[i] * other[i] - error[i] * error[i];
+  const auto better =
+      std::count_if(gain.begin(), gain.end(), [](const auto& one) { return one.second > 0; });
+  return static_cast<double>(better) / static_cast<double>(gain.size());
 }
 
 std::vector<double> less(std::vector<double> a, const std::vector<double>& b) {
@@ -261,9 +273,12 @@ TransferSystem identify_transfer(const TransferRecord& record) {
     system.parameters.push_back(
         {kFitted[i].name, kFitted[i].unit, system.*kFitted[i].member, widths[i]});
   const double size = rms(record.displacement, scored);
-  system.residual = rms(less(record.displacement, predicted(system, record)), scored);
+  const auto error = less(record.displacement, predicted(system, record));
+  const auto other = less(record.displacement, record.reference);
+  system.confidence = share_of_windows(record, scored, error, other);
+  system.residual = rms(error, scored);
   system.error = system.residual / size;
-  system.error_without = rms(less(record.displacement, record.reference), scored) / size;
+  system.error_without = rms(other, scored) / size;
   return system;
 }
 

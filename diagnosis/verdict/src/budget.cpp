@@ -32,7 +32,9 @@ Cause transfer_cause(const budget::MismatchBudget& found) {
       "K (r(t - tau) - x) - kappa F";
   cause.part = Part::Actuator;
   cause.channel = "displacement";
-  cause.confidence = 1;
+  cause.confidence = 1;  // the lower of the axes
+  for (const auto& axis : found.axes)
+    cause.confidence = std::min(cause.confidence, axis.transfer.confidence);
   cause.explained = explained_by(found);
   for (const auto& axis : found.axes)
     for (const auto& p : axis.transfer.parameters)

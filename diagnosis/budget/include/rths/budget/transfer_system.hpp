@@ -46,6 +46,9 @@ struct TransferSystem {
   /// RMS of measured less predicted displacement on the scored half of the record, over the RMS of
   /// the displacement [-]: of this model, and of a displacement equal to the reference.
   double error = 0, error_without = 0;
+  /// Share of the scored windows of two seconds in which this model predicts the displacement
+  /// better than the reference does [-].
+  double confidence = 0;
   double residual = 0;  ///< RMS of measured less predicted displacement there [m]
 
   /// Delay of slow motion: 1/K + 2 ζ/ω + τ [s].
