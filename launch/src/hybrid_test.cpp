@@ -122,14 +122,15 @@ void read_computing(const NodeTicks& ticks, budget::HybridTest& test) {
   std::size_t reached = 0;
   bool is_first = true;
   for (std::size_t i = 1; i < targets.size(); ++i) {
-    if (targets[i] > targets[i - 1]) {
+    // Missing rows are interpolated: only whole targets count.
+    if (std::floor(targets[i]) > std::floor(targets[i - 1])) {
       if (is_first)
         test.first_target = i;
       else
         test.computing.push_back(static_cast<int>(i - reached));
       is_first = false;
     }
-    if (at_target[i] > 0 && at_target[i - 1] <= 0) reached = i;
+    if (at_target[i] >= 1 && at_target[i - 1] < 1) reached = i;
   }
 }
 
