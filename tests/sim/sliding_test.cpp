@@ -91,6 +91,43 @@ TEST(SinglePendulum, FollowsACircleInItsClosedForm) {
   EXPECT_NEAR(along, yield * std::sqrt(1 - e * e / (A * A)), 1e-4 * yield);
 }
 
+// Friction along x turns into the motion along y: tan(θ/2) = e^(−k0 s/Y), s after the elastic part.
+// At right angles, the elastic part is nothing. A straight path needs no small steps.
+TEST(FlatSlider, TurnsItsFrictionIntoTheDirectionOfMotion) {
+  const double yield = kSliderFriction * kSliderLoad, path = 0.7 * yield / kSliderStiffness;
+  for (const int steps : {1, 2, 50}) {
+    SlidingBearing bearing{{kSlider}};
+    bearing.move({0.05, 0});
+    Quantities<double> q;
+    for (int i = 1; i <= steps; ++i) q = bearing.move({0.05, path * i / steps});
+
+    const double half = std::exp(-0.7), whole = 1 + half * half;
+    EXPECT_NEAR(q.force[0], yield * 2 * half / whole, 1e-9 * yield) << steps;
+    EXPECT_NEAR(q.force[1], yield * (1 - half * half) / whole, 1e-9 * yield) << steps;
+  }
+}
+
+// Backwards at an angle of 30°, friction unloads first: a chord of the circle, then an arc from
+// 30°.
+TEST(FlatSlider, UnloadsAlongAChordBeforeItSlides) {
+  const double yield = kSliderFriction * kSliderLoad, chord = 2 * std::cos(kPi / 6);
+  const double path = (chord + 1.5) * yield / kSliderStiffness;
+  for (const int steps : {1, 3}) {
+    SlidingBearing bearing{{kSlider}};
+    bearing.move({0.05, 0});
+    Quantities<double> q;
+    for (int i = 1; i <= steps; ++i)
+      q = bearing.move({0.05 - path * std::cos(kPi / 6) * i / steps, path * 0.5 * i / steps});
+
+    // Angles from the direction of motion.
+    const double angle = 2 * std::atan(std::tan(kPi / 6 / 2) * std::exp(-1.5));
+    const double along = yield * std::cos(angle), across = yield * std::sin(angle);
+    EXPECT_NEAR(-std::cos(kPi / 6) * q.force[0] + 0.5 * q.force[1], along, 1e-9 * yield) << steps;
+    EXPECT_NEAR(std::abs(0.5 * q.force[0] + std::cos(kPi / 6) * q.force[1]), across, 1e-9 * yield)
+        << steps;
+  }
+}
+
 TEST(FlatSlider, HasNoForceInUpliftAndStartsAfreshAfterIt) {
   SlidingBearing bearing{{kSlider}};
   bearing.force(0.05);

@@ -27,18 +27,39 @@ inline constexpr double kTemperatureScale = 140.183663;  ///< T_s = 50/ln(1/0.7)
   return std::sqrt(diffusivity / std::numbers::pi) / conductivity;
 }
 
-/// Friction of a bilinear slider: elastic with `stiffness` up to `yield`, then sliding. Radial
-/// return, backward Euler.
+/// Friction of a bilinear slider: elastic with `stiffness` up to `yield`, then sliding. Exact for a
+/// straight path within the step (Krieg & Krieg 1977): while it slides, the friction turns into the
+/// direction of motion, tan(θ/2) decays with the path.
 /// @param force  in: before the step; out: after the step
 template <class Real>
 void slide(Plane<Real>& force, const Plane<Real>& increment, const Real& stiffness,
            const Real& yield) {
-  force = force + increment * stiffness;
-  const Real size = length(force);
-  if (!(yield > 0))
+  using std::exp;
+  using std::sqrt;
+  if (!(yield > 0)) {
     force = {};
-  else if (size > yield)
-    force = force * (yield / size);
+    return;
+  }
+  const Real before = length(force);
+  if (before > yield) force = force * (yield / before);
+  const Plane<Real> elastic = increment * stiffness;
+  const Real path = length(elastic);
+  const Plane<Real> trial = force + elastic;
+  if (!(path > 0) || !(dot(trial, trial) > yield * yield)) {
+    force = trial;
+    return;
+  }
+  // The path leaves the circle of the yield force after `reach`.
+  const Plane<Real> along = elastic * (1 / path);
+  const Real forwards = dot(force, along), inside = yield * yield - dot(force, force);
+  const Real root = forwards * forwards + inside;
+  const Real reach = root > 0 ? Real{sqrt(root) - forwards} : Real{0};
+  const Plane<Real> contact = force + along * reach;
+  const Plane<Real> across{-along.y, along.x};
+  const Real half = dot(contact, across) / (yield + dot(contact, along)) *
+                    exp(Real{(reach - path) / yield});  // tan(θ/2)
+  const Real scale = yield / (1 + half * half);
+  force = along * (scale * (1 - half * half)) + across * (2 * scale * half);
 }
 
 /// Compression on a slider; 0 in tension.
