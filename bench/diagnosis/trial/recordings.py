@@ -2,8 +2,8 @@
 """Effects added to recordings of laboratories, beside a model that fits the recording without them.
 
 Tier "raw": the recording itself plus the effect; what the model cannot explain of it remains. Other tiers: the model's
-force under the recorded motion, plus the model's residual with random phases as noise, plus the effect. Only there is
-it known that nothing else is missing.
+force under the recorded motion, plus noise, plus the effect. The noise is the model's residual on the first record with
+random phases. Only there is it known that nothing else is missing.
 """
 import dataclasses
 import pathlib
@@ -148,12 +148,15 @@ def fitted(recording, motions):
     return p
 
 
-def surrogate(rng, signal):
-    """The same amplitude spectrum with random phases, along axis 0."""
-    spectrum = np.fft.rfft(signal, axis=0)
-    turned = spectrum * np.exp(2j * np.pi * rng.random(spectrum.shape))
+def surrogate(rng, signal, samples=None):
+    """The same amplitude spectrum and deviation with random phases, along axis 0; `samples` long, or as long."""
+    spectrum, samples = np.abs(np.fft.rfft(signal, axis=0)), samples or len(signal)
+    known, wanted = np.linspace(0, 1, len(spectrum)), np.linspace(0, 1, samples // 2 + 1)
+    sizes = np.stack([np.interp(wanted, known, column) for column in spectrum.T], axis=1)
+    turned = sizes * np.exp(2j * np.pi * rng.random(sizes.shape))
     turned[0] = 0
-    return np.fft.irfft(turned, len(signal), axis=0)
+    drawn = np.fft.irfft(turned, samples, axis=0)
+    return drawn * (signal - signal.mean(axis=0)).std(axis=0) / drawn.std(axis=0)
 
 
 def make(rng, number, folder, sources):
@@ -176,11 +179,14 @@ def make(rng, number, folder, sources):
     scales = model[0].peaks()
     size = min(max(level, slot.size), 8.0)  # seen beside the residual of the model
     hidden = {e.name: effects.draw(e, model[0], rng, size) for e in chosen}
-    noise = [m.force - base if is_raw else surrogate(rng, residual) for m, base, residual in zip(motions, bases, residuals)]
+    # One sensor's noise on all records: that of the first one's residual.
+    noise = [m.force - base if is_raw else surrogate(rng, residuals[0], len(base)) for m, base in zip(motions, bases)]
     clean = [_with(chosen, hidden, dataclasses.replace(m, scales=scales), base) for m, base in zip(model, bases)]
     recorded = [one + n for one, n in zip(clean, noise)]
     idle = None if is_raw else surrogate(rng, residuals[0])[:round(IDLE_S / motions[0].step)]
-    _write(folder, name, recording, p, [one[1]["u"] for one in read_in], recorded, motions, rng, idle)
+    # The recording's own motion, or the smooth one that the model's force belongs to.
+    displacements = [one[1]["u"] if is_raw else m.u[:, 0] for one, m in zip(read_in, motions)]
+    _write(folder, name, recording, p, displacements, recorded, motions, rng, idle)
     whitener = whitener_of([surrogate(rng, residuals[0]) for _ in range(DRAWS)], motions[0].step)
     nuisances = [recording.law(motions[0], p | {n: p[n] * 1.01}) - bases[0] for n in p]
     entries = []
