@@ -141,5 +141,45 @@ TEST(NoiseSpectrum, GeneratesNoiseOfItsOwnDensity) {
   }
 }
 
+double variance_of_draw(const NoiseSpectrum& spectrum, int samples) {
+  std::mt19937 random{11};
+  std::normal_distribution<double> normal;
+  const VectorXd x = spectrum.generator(samples, kStep).draw([&] { return normal(random); });
+  return (x.array() - x.mean()).square().mean();
+}
+
+// A line among bands of one or two bins holds most of the energy. The interpolation between bands
+// widens it.
+TEST(NoiseSpectrum, KeepsALineAmongFewBins) {
+  constexpr int kSamples = 2000;
+  const VectorXd line =
+      5 * VectorXd::LinSpaced(kSamples, 0, 12 * 2 * std::numbers::pi).array().sin();
+  const NoiseSpectrum spectrum{{line + noise(kSamples, 3)}, kStep};
+
+  EXPECT_NEAR(variance_of_draw(spectrum, 60 * kSamples) / (25.0 / 2 + 1), 1, 0.35);
+}
+
+// White noise is as large in a record as at rest, whatever the record's length.
+TEST(NoiseSpectrum, DoesNotRiseBelowAShortStretchOfWhiteNoise) {
+  double rise = 0;
+  constexpr int kTrials = 40;
+  for (unsigned seed = 0; seed < kTrials; ++seed) {
+    const NoiseSpectrum spectrum{{noise(500, 100 + seed)}, kStep};
+    rise += spectrum.density(0.2 / (500 * kStep)) / (2 * kStep) / kTrials;
+  }
+  // The mean of 40 estimates from about 3 bins each scatters by a tenth.
+  EXPECT_NEAR(rise, 1, 0.4);
+}
+
+// A random walk rises as f⁻², and the extrapolation at most as f⁻¹.
+TEST(NoiseSpectrum, RisesBelowAShortStretchOfDrift) {
+  VectorXd walk = noise(4000, 5);
+  for (int i = 1; i < walk.size(); ++i) walk[i] += walk[i - 1];
+  const NoiseSpectrum spectrum{{walk}, kStep};
+  const double lowest = 1.5 / (4000 * kStep);
+
+  EXPECT_NEAR(spectrum.density(lowest / 2) / spectrum.density(lowest), 2, 0.05);
+}
+
 }  // namespace
 }  // namespace rths::diagnosis

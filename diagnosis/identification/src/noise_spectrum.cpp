@@ -47,31 +47,73 @@ void add_periodogram(const VectorXd& stretch, double time_step, std::vector<doub
   }
 }
 
-// Replaces the density of bands with few bins, which scatter, by a cubic of log density over log
-// frequency through all bands.
-void smooth_few(const std::vector<double>& counts, const std::vector<double>& frequency,
+// The logarithm of a mean of periodogram bins: bins are exponentially distributed, so the mean has
+// a gamma distribution (Bartlett & Kendall 1946). Neighbouring bins of a Hann window are
+// correlated.
+struct LogOfMean {
+  double bias, variance;
+
+  explicit LogOfMean(double count) {
+    constexpr double kBinsOfWindow = 1.5;
+    const double n = std::max(1.0, count / kBinsOfWindow);
+    bias = -1 / (2 * n) - 1 / (12 * n * n);
+    variance = 1 / n + 1 / (2 * n * n) + 1 / (6 * n * n * n);
+  }
+};
+
+// Polynomial of the smallest degree, up to three, that a series of values supports: each power must
+// reduce χ² by more than chance does (1 in the mean, 6.6 once in a hundred).
+VectorXd smooth_polynomial(const VectorXd& x, const VectorXd& y, const VectorXd& variance) {
+  const VectorXd weight = variance.cwiseSqrt().cwiseInverse();
+  const VectorXd target = weight.cwiseProduct(y);
+  constexpr double kChance = 6.6;
+  VectorXd best;
+  double least = 0;
+  for (Index degree = 0; degree <= 3; ++degree) {
+    Eigen::MatrixXd powers = Eigen::MatrixXd::Ones(x.size(), degree + 1);
+    for (Index k = 1; k <= degree; ++k) powers.col(k) = powers.col(k - 1).cwiseProduct(x);
+    const Eigen::MatrixXd weighted = weight.asDiagonal() * powers;
+    const VectorXd fitted = powers * algebra::solve_least_squares(weighted, target);
+    const double cost =
+        weight.cwiseProduct(y - fitted).squaredNorm() + kChance * static_cast<double>(degree);
+    if (degree == 0 || cost < least) best = fitted, least = cost;
+  }
+  return best;
+}
+
+// Densities of bands with few bins scatter. Noise whose log density is a polynomial of log
+// frequency within this scatter becomes that polynomial; lines in the spectrum remain. @returns
+// which it is
+bool smooth_few(const std::vector<double>& counts, const std::vector<double>& frequency,
                 std::vector<double>& density) {
-  constexpr double kFew = 40;
   const auto n = static_cast<Index>(counts.size());
   if (n < 8 || std::any_of(density.begin(), density.end(), [](double d) { return !(d > 0); }))
-    return;
-  Eigen::MatrixXd design(n, 4);
-  VectorXd log_density(n);
+    return true;
+  constexpr double kLeastVariance = 0.025;  // smaller scatter than the error of a polynomial
+  VectorXd log_frequency(n), log_density(n), variance(n);
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    // Above some tens of bins, the scatter of a band is smaller than the error of the cubic.
-    const double weight = std::sqrt(std::min(counts[k], kFew));
-    const double x = std::log(frequency[k] / frequency[counts.size() / 2]);
-    design.row(i) << weight, weight * x, weight * x * x, weight * x * x * x;
-    log_density[i] = weight * std::log(density[k]);
+    const LogOfMean scatter{counts[k]};
+    log_frequency[i] = std::log(frequency[k] / frequency[counts.size() / 2]);
+    log_density[i] = std::log(density[k]) - scatter.bias;
+    variance[i] = std::max(scatter.variance, kLeastVariance);
   }
-  const VectorXd cubic = algebra::solve_least_squares(design, log_density);
-  for (Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (counts[k] >= kFew) continue;
-    const double weight = std::sqrt(std::min(counts[k], kFew));
-    density[k] = std::exp(design.row(i).dot(cubic) / weight);
-  }
+  const VectorXd smooth = smooth_polynomial(log_frequency, log_density, variance);
+  const double chi_square = ((log_density - smooth).array().square() / variance.array()).sum();
+  const auto bands = static_cast<double>(n);
+  const bool is_smooth = chi_square < bands + 2 * std::sqrt(2 * bands);
+  if (is_smooth)
+    for (Index i = 0; i < n; ++i) density[static_cast<std::size_t>(i)] = std::exp(smooth[i]);
+  return is_smooth;
+}
+
+// Slope of log density over log frequency towards low frequencies, over the lowest octave.
+double slope_of(const std::vector<double>& frequency, const std::vector<double>& density) {
+  constexpr auto kOctave = static_cast<std::size_t>(kBandsPerOctave);
+  if (density.size() <= kOctave || !(density[0] > 0) || !(density[kOctave] > 0)) return 0;
+  return std::clamp(
+      std::log(density[0] / density[kOctave]) / std::log(frequency[kOctave] / frequency[0]), 0.0,
+      1.0);
 }
 
 }  // namespace
@@ -104,7 +146,8 @@ NoiseSpectrum::NoiseSpectrum(const std::vector<VectorXd>& stretches, double time
     density_.push_back(sums[i] / counts[i]);
     kept.push_back(counts[i]);
   }
-  smooth_few(kept, frequency_, density_);
+  is_smooth_ = smooth_few(kept, frequency_, density_);
+  slope_ = slope_of(frequency_, density_);
 }
 
 NoiseSpectrum NoiseSpectrum::scaled(double factor) const {
@@ -118,17 +161,17 @@ double NoiseSpectrum::density(double frequency) const {
   if (frequency_.empty()) return 0;
   const auto above = std::upper_bound(frequency_.begin(), frequency_.end(), frequency);
   if (above == frequency_.begin()) {
-    // Drift continues below the lowest frequency of a short stretch.
-    const bool is_white = frequency_.size() == 1;
+    // Drift continues below the lowest frequency of a short stretch, as steeply as above it.
     return density_.front() *
-           (is_white ? 1 : std::min(frequency_.front() / std::max(frequency, 1e-9), kMostRise));
+           std::min(std::pow(frequency_.front() / std::max(frequency, 1e-9), slope_), kMostRise);
   }
   if (above == frequency_.end()) return density_.back();
   const auto i = static_cast<std::size_t>(above - frequency_.begin());
   const double share =
       std::log(frequency / frequency_[i - 1]) / std::log(frequency_[i] / frequency_[i - 1]);
-  // Linear interpolation of log density over log frequency.
-  if (!(density_[i - 1] > 0) || !(density_[i] > 0)) return density_[i];
+  // A line has the width of its band; else linear interpolation of log density over log frequency.
+  if (!is_smooth_ || !(density_[i - 1] > 0) || !(density_[i] > 0))
+    return density_[share < 0.5 ? i - 1 : i];
   return density_[i - 1] * std::pow(density_[i] / density_[i - 1], share);
 }
 

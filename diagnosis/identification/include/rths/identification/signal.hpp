@@ -95,6 +95,8 @@ class NoiseSpectrum {
  private:
   std::vector<double> frequency_, density_;  ///< of bands [Hz], [unit²/Hz]
   double deviation_ = 0;
+  double slope_ = 0;       ///< exponent of the density's rise below the lowest band
+  bool is_smooth_ = true;  ///< no lines stand out of the density
 };
 
 }  // namespace rths::diagnosis
