@@ -127,8 +127,15 @@ TEST_F(Pruning, DoesNotBalanceHeldOutRecords) {
 TEST_F(Pruning, WithdrawsACandidateThatHardlyHelps) {
   add(friction("x"));
 
-  EXPECT_EQ(reasons({0.5, 0, 0}, {{0.5, 0, 100}}),
+  EXPECT_EQ(reasons({0.5, 0, 2}, {{0.5, 0, 100}}),
             Reasons{"x: it explains less than 0.1 % of the unseen records' error"});
+}
+
+// The event hides on the unseen record what the others show.
+TEST_F(Pruning, KeepsACandidateThatAnEventOfAHeldOutRecordHides) {
+  add(friction("x"));
+
+  EXPECT_EQ(reasons({0.5, 0, 0}, {{0.5, 0, 100}}), Reasons{});
 }
 
 TEST_F(Pruning, KeepsCandidatesThatHelpOnHeldOutRecords) {
@@ -147,6 +154,29 @@ TEST_F(Pruning, WithdrawsAGapWithinTheNoiseOfTheDisplacement) {
   add(play);
 
   EXPECT_EQ(reasons({0, 1, 0}, {}),
+            Reasons{"x: its size lies within the noise of the displacement"});
+}
+
+// The time between samples is 50 ms. The shift of 2 ms is within a tenth of it: 2 ms - 1 s · 0.
+TEST_F(Pruning, WithdrawsAShiftWithinASample) {
+  Candidate skew = friction("x");
+  skew.frees[0].unit = "s";
+  skew.frees[0].absent = 0.998;
+  add(skew);
+
+  EXPECT_EQ(reasons({1, 0, 0}, {}),
+            Reasons{"x: it shifts signals by less than a tenth of the time between samples"});
+}
+
+// Under the peak of the measurement, about 1.4 + noise [N], a flexibility of 0.1 m/N gives less
+// than 0.5 times the noise of the displacement, 0.5 m.
+TEST_F(Pruning, WithdrawsAFlexibilityWithinTheNoiseOfTheDisplacement) {
+  relation.driven_by = {"displacement.long"};
+  Candidate flexible = friction("x");
+  flexible.frees[0].unit = "m/N";
+  add(flexible);
+
+  EXPECT_EQ(reasons({0.03, 0, 0}, {}),
             Reasons{"x: its size lies within the noise of the displacement"});
 }
 

@@ -14,9 +14,12 @@
 namespace rths::diagnosis {
 namespace {
 
-constexpr double kLeastGap = 3;       // of the deviation of the displacement's noise
-constexpr double kWorse = 1.01;       // ratio of errors on a held-out record
-constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records
+constexpr double kLeastGap = 3;        // of the deviation of the displacement's noise
+constexpr double kLeastFlexion = 0.5;  // of the same, under the largest force
+constexpr double kWorse = 1.01;        // ratio of errors on a held-out record
+constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records,
+constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
+constexpr double kLeastShift = 0.1;   // of the time between samples
 
 bool is_gap(const FreeParameter& free) {
   const std::string_view name = last_name(free.name);
@@ -61,9 +64,11 @@ class Pruning {
     for (std::size_t i = selection_.rounds.size(); i-- > 0;) {
       const Candidate& candidate = selection_.rounds[i].chosen.candidate;
       if (is_needed(selection_, i)) continue;
-      if (may_be_absent(candidate, estimates)) return {{i, "its size may be zero"}};
       if (is_within_noise(candidate, estimates))
         return {{i, "its size lies within the noise of the displacement"}};
+      if (is_within_sample(candidate, estimates))
+        return {{i, "it shifts signals by less than a tenth of the time between samples"}};
+      if (may_be_absent(candidate, estimates)) return {{i, "its size may be zero"}};
     }
     return std::nullopt;
   }
@@ -89,22 +94,37 @@ class Pruning {
   bool is_within_noise(const Candidate& candidate, const std::vector<Estimate>& estimates) const {
     const auto drivers = problem_.relation().drivers();
     if (drivers.empty() || !drivers[0].starts_with("displacement.")) return false;
-    const double least = kLeastGap * noise_.deviation("displacement");
+    const double deviation = noise_.deviation("displacement");
+    const double peak = problem_.drive(0).measured.cwiseAbs().maxCoeff();
     return std::any_of(candidate.frees.begin(), candidate.frees.end(), [&](const auto& free) {
       const Estimate* size = estimate_of(free.name, estimates);
-      return is_gap(free) && size != nullptr && size->value < least;
+      if (size == nullptr) return false;
+      if (free.unit == "m/N") return std::abs(size->value) * peak < kLeastFlexion * deviation;
+      return is_gap(free) && size->value < kLeastGap * deviation;
+    });
+  }
+
+  // A recording code's own integration shifts signals by a fraction of its time step.
+  bool is_within_sample(const Candidate& candidate, const std::vector<Estimate>& estimates) const {
+    const double least = kLeastShift * problem_.record(0).time_step;
+    return std::any_of(candidate.frees.begin(), candidate.frees.end(), [&](const auto& free) {
+      const Estimate* size = estimate_of(free.name, estimates);
+      return free.absent && free.unit == "s" && size != nullptr &&
+             std::abs(size->value - *free.absent) < least;
     });
   }
 
   // The candidate without which the held-out records are predicted best, if that is better than
   // with it, or hardly worse.
   Weak unproven() {
-    const auto with = errors(selection_.named), base = errors(selection_.base);
+    const auto with = errors(*held_out_, selection_.named),
+               base = errors(*held_out_, selection_.base);
     Weak worst;
     double best = 0;
     for (std::size_t i = 0; i < selection_.rounds.size(); ++i) {
       if (is_needed(selection_, i)) continue;
-      const auto bare = errors(without(problem_, folds_, selection_, i));
+      const Hypothesis rest = without(problem_, folds_, selection_, i);
+      const auto bare = errors(*held_out_, rest);
       std::string reason;
       double gain = 0, before = 0;
       for (std::size_t k = 0; k < with.size(); ++k) {
@@ -113,7 +133,7 @@ class Pruning {
         gain += bare[k] - with[k];
         before += base[k];
       }
-      if (reason.empty() && gain < kLeastShare * before)
+      if (reason.empty() && gain < kLeastShare * before && fit_share(rest) < kFitShare)
         reason = "it explains less than 0.1 % of the unseen records' error";
       if (reason.empty() || (worst && gain >= best)) continue;
       best = gain;
@@ -122,11 +142,20 @@ class Pruning {
     return worst;
   }
 
-  // Squares of NRMSE on the held-out records; infinite where there is no prediction.
-  [[nodiscard]] std::vector<double> errors(const Hypothesis& hypothesis) const {
+  // What a candidate explains of the error of the records that were fitted, in energy. A rare event
+  // on a held-out record may hide it there.
+  [[nodiscard]] double fit_share(const Hypothesis& rest) const {
+    const auto with = errors(problem_, selection_.named), bare = errors(problem_, rest),
+               base = errors(problem_, selection_.base);
+    return (sum(bare) - sum(with)) / sum(base);
+  }
+
+  // Squares of NRMSE; infinite where there is no prediction.
+  [[nodiscard]] static std::vector<double> errors(const Problem& problem,
+                                                  const Hypothesis& hypothesis) {
     std::vector<double> all;
-    const Supposition supposition{*held_out_, hypothesis};
-    for (std::size_t i = 0; i < held_out_->records(); ++i) {
+    const Supposition supposition{problem, hypothesis};
+    for (std::size_t i = 0; i < problem.records(); ++i) {
       const double error = nrmse(supposition, i);
       all.push_back(std::isfinite(error) ? error * error : 1e300);
     }
