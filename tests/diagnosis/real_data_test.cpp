@@ -227,8 +227,10 @@ TEST_F(ActuatorExample, LagsAndIsNotOnlyDelayed) {
 }
 
 TEST_F(ActuatorExample, WithoutLagsInTheCatalogueIsUnknownAndDependsOnVelocity) {
-  const Verdict verdict = diagnosed({"actuator_delay", "first_order_lag", "actuator_bandwidth",
-                                     "oil_column_resonance", "valve_deadband"});
+  // A velocity limit and a gain explain a part of a lag.
+  const Verdict verdict =
+      diagnosed({"actuator_delay", "first_order_lag", "actuator_bandwidth", "oil_column_resonance",
+                 "valve_deadband", "rate_saturation", "gain"});
 
   EXPECT_EQ(verdict.outcome, Outcome::Unknown);
   ASSERT_FALSE(verdict.descriptions.empty());

@@ -88,6 +88,13 @@ TEST(Select, FindsTwoEffects) {
   EXPECT_EQ(selection.rounds[0].chosen.candidate.name, "e5");  // the larger
 }
 
+// The second effect is 0.36 % of the first in energy, and nearly all of the rest.
+TEST(Select, FindsASmallEffectBesideALargeOne) {
+  const Selection selection = SixCandidates{{{"e2", 0.6}, {"e5", -10}}, 2}.selected();
+
+  EXPECT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
+}
+
 // With estimates of ±z₁ and ±z₂ deviations on the two folds, the gain of an absent effect is
 // 2 z₁ z₂ - ½ (z₁² + z₂²), at most ½ (z₁² + z₂²). That exceeds the accepted 18 nat with probability
 // exp(-18). With 120 candidates in 20 records, a false alarm has the probability 2·10⁻⁶.

@@ -22,10 +22,10 @@ bool Investigation::has_remainder() const {
 bool Investigation::is_unknown() const {
   const double explained = std::min(selection.explained(), proof.explained());
   if (!has_remainder() || (is_named() && explained >= kExplained)) return false;
-  // Noise may exceed its level at rest (by less than 0.2 in cases where nothing is missing). So a
+  // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
   // small excess counts only if it has a form.
-  constexpr double kPlain = 0.25, kFormShare = 0.3;
-  const double rest = selection.variance_named - 1;
+  constexpr double kPlain = 0.5, kFormShare = 0.3;
+  const double rest = std::min(selection.variance_named, proof.variance()) - 1;
   return rest > kPlain || (!descriptions.empty() && descriptions[0].share > kFormShare);
 }
 

@@ -137,6 +137,12 @@ double Proof::explained() const {
   return beyond > 0 ? std::clamp((before * before - after * after) / beyond, 0.0, 1.0) : 0;
 }
 
+double Proof::variance() const {
+  double most = 0;
+  for (const RecordScore& score : records) most = std::max(most, score.variance_after);
+  return most;
+}
+
 bool Proof::is_systematic() const {
   constexpr double kWellAbove = 1.25;  // the floor
   return !is_white && times_noise() > kWellAbove;

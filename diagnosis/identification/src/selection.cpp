@@ -20,7 +20,8 @@ namespace {
 constexpr std::ptrdiff_t kMostTerms = 4;  // besides rules
 // The smallest gain of a term, besides kLeastAcceptedGain:
 constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation,
-constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of the base
+constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of the base,
+constexpr double kMostOfRest = 0.5;        // or, if less, of the excess that the other terms leave
 constexpr double kMaterial = 2e-4;         // of the output's standard deviation: smallest change
 constexpr double kWhite = 1.02;            // mean w² of a residual that is noise
 
@@ -155,18 +156,24 @@ class Selector {
     return Supposition{problem_, hypothesis}.variance(folds_.second);
   }
 
-  // Smallest gain of a term that is accepted, in the noise of the round [nat].
-  [[nodiscard]] double accepted() const {
+  // Smallest gain of a term that is accepted beside the others, in the noise of the round [nat].
+  [[nodiscard]] double accepted(const Hypothesis& rest) const {
     const double n = observations(problem_, folds_.both);
-    const double excess = std::max(0.0, variance_of(unexplained_) - 1);
-    return std::max({kLeastAcceptedGain, kAcceptedDensity * n, kAcceptedShare * 0.5 * n * excess});
+    const auto excess = [&](const Hypothesis& model) {
+      return 0.5 * n * std::max(0.0, variance_of(model) - 1);
+    };
+    // A large effect leaves small errors of its own form, which are no effects. A term that
+    // explains most of what is left is one.
+    const double share =
+        std::min(kAcceptedShare * excess(unexplained_), kMostOfRest * excess(rest));
+    return std::max({kLeastAcceptedGain, kAcceptedDensity * n, share});
   }
 
   // Takes the contenders of a round, if it accepts one. A term may have to wait for another one; a
   // holder that is compared with its rivals has waited already.
   std::optional<SelectionRound> winner(Round& round, const Candidate* holder) const {
     auto& contenders = round.contenders();
-    const double least = accepted();
+    const double least = accepted(round.base());
     const std::vector<Contender> waiting = held_back(contenders, holder, least, seed_);
     if (contenders.empty() || !is_acceptable(contenders[0], least, seed_) ||
         change_of(problem_, round.base(), contenders[0].fitted, folds_.second) < kMaterial)

@@ -45,6 +45,8 @@ struct Proof {
   [[nodiscard]] double explained() const;
   /// Error that remains, in multiples of the error that the sensors' noise causes [-].
   [[nodiscard]] double times_noise() const { return after / floor; }
+  /// Largest variance of a record's whitened residual; 1 is noise [-].
+  [[nodiscard]] double variance() const;
   /// Returns true if the remaining error is coloured and well above the noise.
   [[nodiscard]] bool is_systematic() const;
 };
