@@ -2,7 +2,8 @@
 """Compares one verdict with one answer, by the definitions in docs/diagnosis_trials.md.
 
 Names are compared in the generator's spelling. Only the outcome "missing" can name an effect: causes in
-a verdict "unknown" count as reported names, never as the right one.
+a verdict "unknown" count as reported names, never as the right one. Of tier "raw" more is missing than the
+effect, so there "unknown besides the effect" names it.
 """
 import places
 import sizes
@@ -152,6 +153,12 @@ def _effect_row(verdict, answer, effect):
     return row
 
 
+def naming(verdict, answer):
+    """The verdict that may name effects: of tier "raw" also one that names causes beside an unknown remainder."""
+    is_beside = answer.get("tier") == "raw" and verdict["verdict"] == "unknown" and bool(verdict["causes"])
+    return {**verdict, "verdict": "missing", "remainder": True} if is_beside else verdict
+
+
 def judge(verdict, answer):
     """The scored row of one case.
 
@@ -175,15 +182,15 @@ def judge(verdict, answer):
         "tool_s": verdict.get("seconds"),
     }
     if effects:
-        truths = [effect["truth"] for effect in effects]
+        truths, named = [effect["truth"] for effect in effects], naming(verdict, answer)
         row.update({
             "information": min(t["information_nat"] for t in truths),
             "detectable": all(t["detectable"] for t in truths),
             "distinguishable": all(t["distinguishable"] for t in truths),
             "tie_truth": sorted({name for t in truths for name in t["tie"]}),
-            "right_first": is_right_first(verdict, effects),
-            "right_in_tie": is_right_in_tie(verdict, effects),
-            "all_named": are_all_named(verdict, effects),
+            "right_first": is_right_first(named, effects),
+            "right_in_tie": is_right_in_tie(named, effects),
+            "all_named": are_all_named(named, effects),
         })
         row.update(_record_rows(verdict, answer))
     if len(effects) == 1:

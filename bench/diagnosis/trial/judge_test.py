@@ -162,5 +162,13 @@ class Pairs(unittest.TestCase):
         self.assertTrue(judge(said, alike)["all_named"])
 
 
+class Raw(unittest.TestCase):
+    def test_an_effect_beside_an_unknown_remainder_is_named_where_more_is_missing(self):
+        said = verdict("unknown", cause("p_delta"))
+        self.assertTrue(judge(said, answer(effect("p_delta")) | {"tier": "raw"})["right_first"])
+        self.assertFalse(judge(said, answer(effect("p_delta")) | {"tier": "standard"})["right_first"])
+        self.assertFalse(judge(verdict("unknown"), answer(effect("p_delta")) | {"tier": "raw"})["right_first"])
+
+
 if __name__ == "__main__":
     unittest.main()
