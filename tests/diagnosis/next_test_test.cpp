@@ -120,7 +120,10 @@ Case rubber_case(double relaxation_time) {
 TEST(NextTest, SeparatesRelaxationFromDampingWhichOneFrequencyCannot) {
   constexpr double kRelaxationTime = 0.2;
   Case c = rubber_case(kRelaxationTime);
-  const Verdict tied = diagnose(c);
+  // At one amplitude it looks like damping too.
+  DiagnosisOptions options;
+  options.without = {"velocity_dependent_friction"};
+  const Verdict tied = diagnose(c, options);
   ASSERT_EQ(tied.outcome, Outcome::Missing) << tied.sentence;
   ASSERT_TRUE(is_tied(tied, "viscous_friction")) << tied.sentence;
   ASSERT_TRUE(is_tied(tied, "viscoelastic_relaxation")) << tied.sentence;
@@ -129,7 +132,7 @@ TEST(NextTest, SeparatesRelaxationFromDampingWhichOneFrequencyCannot) {
   c.records.push_back(recorded("next", Use::Fit, rubber(kRelaxationTime), proposed(tied),
                                length_of(tied), {"displacement.long", "force.long", "N", 2e-7, 20},
                                4));
-  const Verdict decided = diagnose(c);
+  const Verdict decided = diagnose(c, options);
 
   ASSERT_EQ(decided.causes.size(), 1U) << tied.sentence << "\n" << decided.sentence;
   EXPECT_EQ(decided.causes[0].name, "viscoelastic_relaxation") << decided.sentence;
