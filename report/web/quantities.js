@@ -31,7 +31,11 @@ const quantities = (() => {
   };
   // Without trailing zeros: 0.5 instead of 0.500.
   const brief = (value, digits = 3) => number(value, digits).replace(/(\.\d*?)0+(?=$|·)/, "$1").replace(/\.(?=$|·)/, "");
-  const share = value => (value == null ? "–" : `${value > 0 && value < 0.01 ? "< 1" : decimals(value * 100, 0)}\u2009%`);
+  const share = value => {
+    if (value == null) return "–";
+    const tiny = value !== 0 && Math.abs(value) < 0.01;
+    return `${tiny ? (value > 0 ? "< 1" : "> −1") : decimals(value * 100, 0)}\u2009%`;
+  };
   const percent = value => {
     if (value == null) return "–";
     const p = value * 100, size = Math.abs(p);
