@@ -16,16 +16,17 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
-constexpr int kRows = 400;
+constexpr int kLeastSquaresRows = 400;
 
 // y = a exp(-b t) + noise
 struct Decay {
-  VectorXd t = VectorXd::LinSpaced(kRows, 0, 2), y;
+  VectorXd t = VectorXd::LinSpaced(kLeastSquaresRows, 0, 2), y;
 
-  explicit Decay(unsigned seed, double deviation = 0.05) : y(kRows) {
+  explicit Decay(unsigned seed, double deviation = 0.05) : y(kLeastSquaresRows) {
     std::mt19937 random{seed};
     std::normal_distribution<double> normal{0, deviation};
-    for (int i = 0; i < kRows; ++i) y[i] = 3e6 * std::exp(-1.5 * t[i]) + 1e6 * normal(random);
+    for (int i = 0; i < kLeastSquaresRows; ++i)
+      y[i] = 3e6 * std::exp(-1.5 * t[i]) + 1e6 * normal(random);
   }
 
   FitProblem problem() const {
@@ -34,13 +35,13 @@ struct Decay {
       const Eigen::ArrayXd e = (-x[1] * t.array()).exp();
       residual = (y.array() - x[0] * e) / 5e4;
       if (jacobian != nullptr) {
-        jacobian->resize(kRows, 2);
+        jacobian->resize(kLeastSquaresRows, 2);
         jacobian->col(0) = -e / 5e4;
         jacobian->col(1) = x[0] * t.array() * e / 5e4;
       }
       return true;
     };
-    p.rows = kRows;
+    p.rows = kLeastSquaresRows;
     p.start = VectorXd{{1e6, 0.2}};
     p.low = VectorXd::Constant(2, 0);
     p.high = VectorXd::Constant(2, kNone);
@@ -71,20 +72,20 @@ TEST(LeastSquares, StaysInsideItsBounds) {
 // y = (c + f) v forwards, (c + b) v backwards. Only two of the three parameters are determined; the
 // bounds at zero select them. The fit takes no more iterations than a linear problem.
 TEST(LeastSquares, FindsAMinimumOnABoundIfParametersAreNotDetermined) {
-  const VectorXd v = VectorXd::LinSpaced(kRows, -1, 1);
+  const VectorXd v = VectorXd::LinSpaced(kLeastSquaresRows, -1, 1);
   FitProblem p;
   p.residuals = [&v](const VectorXd& x, VectorXd& residual, MatrixXd* jacobian) {
     const Eigen::ArrayXd forward = v.array().max(0), backward = v.array().min(0);
     residual = (170 - x[0] - x[1]) * forward + (245 - x[0] - x[2]) * backward;
     if (jacobian != nullptr) {
-      jacobian->resize(kRows, 3);
+      jacobian->resize(kLeastSquaresRows, 3);
       jacobian->col(0) = -v;
       jacobian->col(1) = -forward;
       jacobian->col(2) = -backward;
     }
     return true;
   };
-  p.rows = kRows;
+  p.rows = kLeastSquaresRows;
   p.start = VectorXd{{208, 5, 2}};
   p.low = VectorXd::Zero(3);
   p.high = VectorXd::Constant(3, kNone);

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acceptance.hpp"
+
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "identification/linear_relation.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr std::uint64_t kAcceptanceSeed = 5;
+
+Contender gaining(const std::string& name, const std::vector<double>& blocks) {
+  Contender contender{friction(name), {}, 0, blocks, 0, 0, 0.25};
+  contender.gain = std::accumulate(blocks.begin(), blocks.end(), 0.0);
+  return contender;
+}
+std::vector<double> even(double gain, std::size_t blocks = 50) {
+  return std::vector<double>(blocks, gain / static_cast<double>(blocks));
+}
+std::vector<std::string> names_of(const std::vector<Contender>& contenders) {
+  std::vector<std::string> names;
+  for (const auto& one : contenders) names.push_back(one.candidate.name);
+  return names;
+}
+using Strings = std::vector<std::string>;
+
+TEST(Acceptance, NeedsMoreThanTheLeastGain) {
+  EXPECT_TRUE(is_acceptable(gaining("x", even(20.1)), 20, kAcceptanceSeed));
+  EXPECT_FALSE(is_acceptable(gaining("x", even(20)), 20, kAcceptanceSeed));
+}
+
+// One block in fifty is absent from a resampled record with the probability (1 − 1/50)⁵⁰ = 36 %.
+TEST(Acceptance, NeedsAGainInNearlyAllResampledRecords) {
+  std::vector<double> blocks(50, -0.5);
+  blocks[7] = 60;
+
+  EXPECT_FALSE(is_acceptable(gaining("x", blocks), 18, kAcceptanceSeed));
+}
+
+// A rare event that costs nothing elsewhere.
+TEST(Acceptance, AcceptsALargeGainAtOneInstant) {
+  std::vector<double> blocks(50, 0.0);
+  blocks[7] = 20 * kLeastAcceptedGain + 1;
+  EXPECT_TRUE(is_acceptable(gaining("x", blocks), 18, kAcceptanceSeed));
+
+  blocks[7] = 20 * kLeastAcceptedGain - 1;
+  EXPECT_FALSE(is_acceptable(gaining("x", blocks), 18, kAcceptanceSeed));
+}
+
+TEST(HeldBack, WaitsForAnAcceptableSimplerCandidate) {
+  Contender complex = gaining("complex", even(100));
+  complex.candidate.after = {"simple"};
+  std::vector<Contender> contenders{complex, gaining("simple", even(90))};
+
+  EXPECT_EQ(names_of(held_back(contenders, nullptr, 18, kAcceptanceSeed)), Strings{"complex"});
+  EXPECT_EQ(names_of(contenders), Strings{"simple"});
+}
+
+TEST(HeldBack, DoesNotWaitForACandidateThatGainsTooLittle) {
+  Contender complex = gaining("complex", even(100));
+  complex.candidate.after = {"simple"};
+  std::vector<Contender> contenders{complex, gaining("simple", even(10))};
+
+  EXPECT_TRUE(held_back(contenders, nullptr, 18, kAcceptanceSeed).empty());
+  EXPECT_EQ(names_of(contenders), (Strings{"complex", "simple"}));
+}
+
+TEST(HeldBack, LetsAHolderDefendItsPlace) {
+  Contender complex = gaining("complex", even(100));
+  complex.candidate.after = {"simple"};
+  std::vector<Contender> contenders{complex, gaining("simple", even(90))};
+
+  EXPECT_TRUE(held_back(contenders, &complex.candidate, 18, kAcceptanceSeed).empty());
+}
+
+TEST(Chosen, IsTheBestIfItLeadsSignificantly) {
+  const auto round =
+      chosen({gaining("best", even(100)), gaining("other", even(50))}, kAcceptanceSeed);
+
+  EXPECT_EQ(round.chosen.candidate.name, "best");
+  EXPECT_TRUE(round.tied.empty());
+  EXPECT_EQ(names_of(round.others), Strings{"other"});
+}
+
+// A lead that changes its sign from block to block is not significant.
+TEST(Chosen, IsTheCheapestOfATie) {
+  std::vector<double> blocks = even(100);
+  for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i] += i % 2 == 0 ? 10 : -10.1;
+  Contender costly = gaining("costly", even(100)), cheap = gaining("cheap", blocks);
+  costly.candidate.price = 3;
+  cheap.candidate.price = 1;
+
+  const auto round = chosen({costly, cheap}, kAcceptanceSeed);
+
+  EXPECT_EQ(round.chosen.candidate.name, "cheap");
+  EXPECT_EQ(names_of(round.tied), Strings{"costly"});
+}
+
+// 1 % of the gain is a tie, however significant.
+TEST(Chosen, TiesWhatDiffersByLessThanOnePercent) {
+  const auto round =
+      chosen({gaining("best", even(1000)), gaining("next", even(991))}, kAcceptanceSeed);
+
+  EXPECT_EQ(names_of(round.tied), Strings{"next"});
+}
+
+// What a law contains besides the chosen one does not show, so it supports it.
+TEST(Chosen, TakesNoLawThatContainsItForAnAlternative) {
+  Contender larger = gaining("larger", even(100)), simple = gaining("simple", even(100));
+  larger.candidate.contains = {"simple"};
+  larger.candidate.price = 2;
+  simple.candidate.price = 1;
+
+  const auto round = chosen({larger, simple}, kAcceptanceSeed);
+
+  EXPECT_EQ(round.chosen.candidate.name, "simple");
+  EXPECT_DOUBLE_EQ(round.chosen.confidence, 0.5);
+  EXPECT_TRUE(round.tied.empty());
+}
+
+// One effect on all axes and on one of them is one effect.
+TEST(Chosen, CountsAnEffectOnSeveralAxesOnce) {
+  Contender both = gaining("x", even(100)), one = gaining("x", even(100));
+  both.candidate.price = 1;
+  one.candidate.price = 2;
+  one.candidate.axis = "long";
+
+  const auto round = chosen({both, one}, kAcceptanceSeed);
+
+  EXPECT_EQ(round.chosen.candidate.axis, "");
+  EXPECT_DOUBLE_EQ(round.chosen.confidence, 0.5);
+  EXPECT_TRUE(round.tied.empty());
+  EXPECT_TRUE(round.others.empty());
+}
+
+}  // namespace
+}  // namespace rths::diagnosis

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/identification/investigation.hpp>
+
+#include <cmath>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "identification/linear_relation.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index kInvestigatedRows = 900;
+constexpr double kInvestigatedStep = 0.05;
+
+/// Three records, the last one held out, of two effects: `named`, which is a candidate, and
+/// `unknown`, which is none. Noise of variance 1, unless grown.
+struct Investigated {
+  double named = 0, unknown = 0;
+  double noise = 1;                  ///< its deviation
+  double unknown_held_out = NAN;     ///< of the held-out record; NAN: as on the others
+  std::vector<Record> records = {};  // NOLINT(readability-redundant-member-init): cases omit it
+  std::unique_ptr<SensorNoise> sensors = nullptr;
+
+  [[nodiscard]] std::unique_ptr<Investigation> found() {
+    for (const int i : {0, 1, 2}) {
+      const VectorXd signal = sine_of(3 + i, kInvestigatedRows);
+      const double rest = i == 2 && !std::isnan(unknown_held_out) ? unknown_held_out : unknown;
+      const VectorXd measured = named * signal + rest * sine_of(11 + i, kInvestigatedRows) +
+                                noise * gauss(kInvestigatedRows, 1, 40 + unsigned(i));
+      records.push_back(linear_record("record " + std::to_string(i),
+                                      i == 0 ? Use::Fit : Use::HeldOut, kInvestigatedStep, measured,
+                                      {{"x.coefficient", signal}}));
+    }
+    auto relation = std::make_unique<LinearRelation>();
+    relation->known = {friction("x")};
+    std::vector<const Record*> all;
+    for (const auto& record : records) all.push_back(&record);
+    sensors = std::make_unique<SensorNoise>(
+        all, std::vector<std::pair<std::string, double>>{{"output.0", 1}});
+    Progress progress;
+    return investigate(std::move(relation), records, *sensors, 1, progress);
+  }
+};
+
+TEST(Investigation, OfNoiseFindsNothing) {
+  Investigated noise;
+  const auto found = noise.found();
+
+  EXPECT_FALSE(found->is_named());
+  EXPECT_FALSE(found->has_remainder());
+  EXPECT_FALSE(found->is_unknown());
+  EXPECT_TRUE(found->descriptions.empty());
+}
+
+// The first record is fitted, the second scores, the third proves.
+TEST(Investigation, NamesAnEffectAndProvesItOnTheRecordThatWasKeptBack) {
+  Investigated effect{.named = 2};
+  const auto found = effect.found();
+
+  ASSERT_TRUE(found->is_named());
+  EXPECT_EQ(found->selection.rounds[0].chosen.candidate.name, "x");
+  EXPECT_FALSE(found->has_remainder());
+  EXPECT_FALSE(found->is_unknown());
+  EXPECT_TRUE(found->proof.is_held_out);
+  ASSERT_EQ(found->proof.records.size(), 1U);
+  EXPECT_EQ(found->proof.records[0].record, "record 2");
+  // NRMSE: effect and noise have the variances 4 and 1, of 5 in all.
+  EXPECT_NEAR(found->proof.before, 1, 0.01);
+  EXPECT_NEAR(found->proof.after, std::sqrt(1 / 5.0), 0.03);
+  EXPECT_GT(found->proof.explained(), 0.97);
+}
+
+// Variances of the residual: 1 of noise and 4 of the rest.
+TEST(Investigation, OfAnEffectThatIsNoCandidateIsUnknown) {
+  Investigated rest{.unknown = 2};
+  const auto found = rest.found();
+
+  EXPECT_FALSE(found->is_named());
+  EXPECT_TRUE(found->has_remainder());
+  EXPECT_TRUE(found->is_unknown());
+  EXPECT_NEAR(found->proof.variance(), 5, 0.5);
+  EXPECT_TRUE(found->proof.is_systematic());
+}
+
+// 99 % is explained; the rest, of variance 1, is reported and does not take the name back.
+TEST(Investigation, NamesAnEffectBesideASmallRemainder) {
+  Investigated both{.named = 10, .unknown = 1};
+  const auto found = both.found();
+
+  ASSERT_TRUE(found->is_named());
+  EXPECT_TRUE(found->has_remainder());
+  EXPECT_FALSE(found->is_unknown());
+}
+
+TEST(Investigation, IsUnknownIfTheNamedTermExplainsLittle) {
+  Investigated both{.named = 1, .unknown = 3};
+  const auto found = both.found();
+
+  EXPECT_TRUE(found->has_remainder());
+  EXPECT_TRUE(found->is_unknown());
+}
+
+// White noise that is stronger than stated: variance 1.3. It is reported, and it is no effect.
+TEST(Investigation, TakesALittleMoreNoiseForNoise) {
+  Investigated noisy{.noise = std::sqrt(1.3)};
+  const auto found = noisy.found();
+
+  EXPECT_TRUE(found->has_remainder());
+  EXPECT_FALSE(found->is_unknown());
+}
+
+// Only the largest record counts: an event on the held-out record is not noise.
+TEST(Investigation, IsUnknownIfOnlyTheHeldOutRecordAndTheNoiseDiffer) {
+  Investigated event{.unknown = 1, .unknown_held_out = 3};
+  const auto found = event.found();
+
+  EXPECT_TRUE(found->is_unknown());
+  EXPECT_NEAR(found->proof.variance(), 10, 1);
+}
+
+}  // namespace
+}  // namespace rths::diagnosis
