@@ -7,7 +7,8 @@
 namespace rths::sim {
 
 std::span<const TermKind> machine_kinds() {
-  static const auto kinds = joined({mount_kinds(), spring_kinds(), table_kinds(), friction_kinds(), drag_kinds()});
+  static const auto kinds =
+      joined({mount_kinds(), spring_kinds(), table_kinds(), friction_kinds(), drag_kinds()});
   return kinds;
 }
 

@@ -32,7 +32,8 @@ struct FlatSlider {
   static constexpr std::string_view kName = "flat_slider";
   static constexpr std::string_view kTitle = "flat slider";
   static constexpr std::string_view kEquation = "F = k0 (u - u_p),  |F| <= mu N,  N = max(0, load)";
-  static constexpr std::string_view kSource = "Constantinou, Mokha & Reinhorn 1990; step of Krieg & Krieg 1977";
+  static constexpr std::string_view kSource =
+      "Constantinou, Mokha & Reinhorn 1990; step of Krieg & Krieg 1977";
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kCoefficient, kStiffness };
