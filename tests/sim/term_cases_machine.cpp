@@ -11,6 +11,9 @@ std::vector<TermCase> machine_cases() {
     cases.push_back({kind, {}, {}, {"range"}, {}, 0.003});
   // Its force and its reference velocity are one parameter.
   cases.push_back({"power_damping", {}, {}, {"reference_velocity"}, {}});
+  // The motion takes several steps to cross the presliding.
+  for (const char* kind : {"planar_friction", "velocity_dependent_friction"})
+    cases.push_back({kind, {"", "", {{"presliding", 5e-3}}}, {}, {}, {}});
   cases.push_back({"tabulated_friction", {}, {}, {"range", "creep_velocity"}, {}, 0.003});
   return cases;
 }
