@@ -168,6 +168,18 @@ TEST_F(Pruning, WithdrawsAShiftWithinASample) {
             Reasons{"x: it shifts signals by less than a tenth of the time between samples"});
 }
 
+// A second size, of another unit, is no shift.
+TEST_F(Pruning, KeepsADriftThatBeginsWithinASample) {
+  Candidate drift = friction("x");
+  drift.frees[0].unit = "s";
+  drift.frees[0].absent = 0.998;
+  drift.frees.push_back(size_parameter("y.coefficient"));
+  drift.starts = {VectorXd::Zero(2)};
+  add(drift);
+
+  EXPECT_EQ(reasons({1, 0.5, 0}, {}), Reasons{});
+}
+
 // Under the peak of the measurement, about 1.4 + noise [N], a flexibility of 0.1 m/N gives less
 // than 0.5 times the noise of the displacement, 0.5 m.
 TEST_F(Pruning, WithdrawsAFlexibilityWithinTheNoiseOfTheDisplacement) {

@@ -104,14 +104,18 @@ class Pruning {
     });
   }
 
-  // A recording code's own integration shifts signals by a fraction of its time step.
+  // A recording code's own integration shifts signals by a fraction of its time step. A drift of
+  // the clock has a rate beside its shift, and grows.
   bool is_within_sample(const Candidate& candidate, const std::vector<Estimate>& estimates) const {
     const double least = kLeastShift * problem_.record(0).time_step;
-    return std::any_of(candidate.frees.begin(), candidate.frees.end(), [&](const auto& free) {
+    bool has_size = false;
+    for (const auto& free : candidate.frees) {
       const Estimate* size = estimate_of(free.name, estimates);
-      return free.absent && free.unit == "s" && size != nullptr &&
-             std::abs(size->value - *free.absent) < least;
-    });
+      if (!free.absent || size == nullptr) continue;
+      has_size = true;
+      if (free.unit != "s" || std::abs(size->value - *free.absent) >= least) return false;
+    }
+    return has_size;
   }
 
   // The candidate without which the held-out records are predicted best, if that is better than
