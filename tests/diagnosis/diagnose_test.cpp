@@ -37,7 +37,7 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Hidden& 
         hidden.ripple * (t < test_support::kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
     return std::clamp(force, -hidden.saturation, hidden.saturation);
   };
-  return test_support::record_of(name, use, seed, guide, hidden.force_step);
+  return test_support::record_of(name, use, seed, guide, {.force_step = hidden.force_step});
 }
 
 Case case_of(const Hidden& hidden) {

@@ -68,7 +68,8 @@ class ImprovedCase : public ::testing::Test {
   template <class Make>
   void record_force(const Make& specimen) const {
     for (unsigned k = 0; k < std::size(kFiles); ++k)
-      write(kFiles[k], test_support::record_of(kFiles[k], Use::Fit, k + 1, specimen()));
+      write(kFiles[k], test_support::record_of(kFiles[k], Use::Fit, k + 1, specimen(),
+                                               {.length = test_support::kShortLength}));
   }
   void write(const char* file, const Record& record) const {
     Columns columns;
@@ -313,9 +314,10 @@ kind = "data"
 
 TEST_F(ImprovedCase, HasTheCoarseStepsOfASensor) {
   for (unsigned k = 0; k < std::size(kFiles); ++k)
-    write(kFiles[k], test_support::record_of(
-                         kFiles[k], Use::Fit, k + 1,
-                         [](double, double x, double v) { return 2e5 * x + 3e3 * v; }, 400));
+    write(kFiles[k],
+          test_support::record_of(kFiles[k], Use::Fit, k + 1,
+                                  [](double, double x, double v) { return 2e5 * x + 3e3 * v; },
+                                  {.force_step = 400}));
 
   const RoundTrip trip = round_trip(records(1.9) + kGuide + R"([model]
 kind = "platen"

@@ -23,14 +23,18 @@ enum class Hidden { Friction, Cogging };
 
 Record record_of(const std::string& name, Use use, unsigned seed, Hidden hidden) {
   double side = 0, before = 0;
-  return test_support::record_of(name, use, seed, [&](double, double x, double v) {
-    const double way = x - before, direction = way > 0 ? 1 : -1;
-    side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
-    before = x;
-    const double effect =
-        hidden == Hidden::Friction ? 300 * side : 300 * std::sin(2 * std::numbers::pi * x / 0.02);
-    return kStiffness * x + kDamping * v + effect;
-  });
+  return test_support::record_of(
+      name, use, seed,
+      [&](double, double x, double v) {
+        const double way = x - before, direction = way > 0 ? 1 : -1;
+        side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
+        before = x;
+        const double effect = hidden == Hidden::Friction
+                                  ? 300 * side
+                                  : 300 * std::sin(2 * std::numbers::pi * x / 0.02);
+        return kStiffness * x + kDamping * v + effect;
+      },
+      {.length = test_support::kShortLength});
 }
 
 /// @param force, length  SI units per unit of the case

@@ -8,7 +8,7 @@
 namespace rths::diagnosis::test_support {
 
 Record record_of(const std::string& name, Use use, unsigned seed, const Specimen& specimen,
-                 double force_step) {
+                 const Recorded& recorded) {
   std::mt19937 random{seed};
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
@@ -22,7 +22,7 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Specimen
   record.use = use;
   record.time_step = kStep;
   Channel u{"displacement.long", "m", {}}, f{"force.long", "N", {}};
-  const int samples = static_cast<int>(kLength / kStep);
+  const int samples = static_cast<int>(recorded.length / kStep);
   for (int k = 0; k < samples; ++k) {
     const double t = k * kStep;
     const double rise = t < kQuiet ? 0 : 1 - std::exp(-std::pow((t - kQuiet) / 2, 2));
@@ -35,7 +35,8 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Specimen
       v += 0.03 * (rise * w * std::cos(w * t + phase[i]) + slope * std::sin(w * t + phase[i]));
     }
     double force = specimen(t, x, v) + kForceNoise * normal(random) + 50;
-    if (force_step > 0) force = force_step * std::round(force / force_step);
+    if (recorded.force_step > 0)
+      force = recorded.force_step * std::round(force / recorded.force_step);
     u.values.push_back(x + 2e-7 * normal(random));
     f.values.push_back(force);
   }

@@ -59,7 +59,7 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Bearing&
     side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
     return 2e5 * x + first.force(way) + second.force(way) + bearing.friction * side;
   };
-  return test_support::record_of(name, use, seed, force);
+  return test_support::record_of(name, use, seed, force, {.length = test_support::kShortLength});
 }
 
 Verdict verdict_of(const Bearing& bearing) {

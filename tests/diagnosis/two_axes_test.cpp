@@ -31,7 +31,7 @@ Record record_of(Use use, unsigned seed, const Law& law) {
         kStiffness * x + kDamping * v + law.friction * side + law.drag * std::abs(v) * v;
     return std::clamp(force, -law.range, law.range);
   };
-  return test_support::record_of("", use, seed, guide);
+  return test_support::record_of("", use, seed, guide, {.length = test_support::kShortLength});
 }
 
 Verdict verdict_on(const Law& longitudinal, const Law& lateral) {

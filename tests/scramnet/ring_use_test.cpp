@@ -1,52 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Programs written for the cards beside a run, and the rings that they leave.
-#include <sys/wait.h>
-
-#include <csignal>
-
+// Programs written for the cards beside a run.
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
 
-#include "vendor_ring.hpp"
+#include "ring_use.hpp"
 
 namespace {
 
 using rths::broker::Ring;
 using rths::test::Finished;
-using rths::test::run_rths;
+using rths::test::RingUse;
 using rths::test::Running;
 using rths::test::small_map;
-
-class RingUse : public rths::test::VendorRing {
- protected:
-  void SetUp() override { use(name); }
-  void TearDown() override {
-    for (const char* variable : {"RTHS_SCRAMNET_NODE", "RTHS_SCRAMNET_SHARE"}) unsetenv(variable);
-    rths::broker::remove_ring(name);
-    use(ring());
-  }
-  static void be_node(const std::string& node) { setenv("RTHS_SCRAMNET_NODE", node.c_str(), 1); }
-  /// A client that stores two words and ends.
-  static Finished run_client() { return Running{client("peer", {"40", "2", "0"})}.wait(); }
-  /// Starts a client that stays on the ring, and waits until it is there.
-  [[nodiscard]] std::unique_ptr<Running> start_client(const std::string& node) const {
-    auto started = std::make_unique<Running>(client("peer", {"40", "900", "20000"}));
-    for (int i = 0; i < 5000 && !is_on_ring(node, started->pid()); ++i) usleep(1000);
-    EXPECT_TRUE(is_on_ring(node, started->pid()));
-    return started;
-  }
-  [[nodiscard]] bool is_on_ring(const std::string& node, int pid) const {
-    const auto report = rths::broker::inspect_ring(name);
-    if (!report || report->cards == 0) return false;
-    for (const auto& occupant : report->occupants)
-      if (occupant.node == node && occupant.pid == pid) return true;
-    return false;
-  }
-
-  std::string name = ring() + "_use";
-};
 
 TEST_F(RingUse, RefusesANodeThatIsRunning) {
   Ring made = Ring::create(name, small_map());
@@ -119,52 +86,6 @@ TEST_F(RingUse, MakesARunSayWhichProgramHasItsRing) {
                                "end client (pid {1}); remove it by 'rths clean {0}' and start the "
                                "run before them",
                                name, running->pid()));
-}
-
-TEST_F(RingUse, KeepsIdleCardsUntilTheirRingIsNamed) {
-  ASSERT_EQ(run_client().exit_code, 0);
-  kill(start_client("client")->pid(), SIGKILL);  // as by ^C, which these programs do not handle
-
-  const Finished clean = run_rths({"clean"});
-
-  EXPECT_NE(clean.out.find(fmt::format("kept {0}: memory and registers of 1 card; 'rths clean {0}' "
-                                       "removes it\n",
-                                       name)),
-            std::string::npos)
-      << clean.out;
-  EXPECT_NE(rths::test::error_of([&] {
-              static_cast<void>(Ring::create(name, small_map()));
-            }).find("exists already, made by programs written for the cards; remove it by"),
-            std::string::npos);
-  EXPECT_EQ(run_rths({"clean", name}).out, fmt::format("removed {}\n", name));
-  EXPECT_FALSE(rths::broker::inspect_ring(name));
-}
-
-TEST_F(RingUse, KeepsANamedRingThatIsInUse) {
-  const auto running = start_client("client");
-
-  const Finished clean = run_rths({"clean", name});
-
-  EXPECT_EQ(clean.exit_code, 1);
-  EXPECT_EQ(clean.out, fmt::format("kept {}: processes use it\n", name));
-  EXPECT_EQ(run_rths({"clean", "no_such_ring"}).err, "rths: there is no ring 'no_such_ring'\n");
-}
-
-// The ring of a run that crashed is removed, although a card was on it.
-TEST_F(RingUse, DoesNotKeepCardsOfACrashedRun) {
-  const pid_t run = fork();
-  if (run == 0) {
-    Ring made = Ring::create(name, small_map());
-    const auto controller = made.join("controller", 0);
-    kill(getpid(), SIGKILL);
-  }
-  ASSERT_EQ(waitpid(run, nullptr, 0), run);
-  be_node("machine");
-  ASSERT_EQ(run_client().exit_code, 0);
-
-  static_cast<void>(run_rths({"clean"}));  // other tests may leave rings, too
-
-  EXPECT_FALSE(rths::broker::inspect_ring(name));
 }
 
 }  // namespace
