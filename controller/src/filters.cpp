@@ -2,6 +2,7 @@
 #include <rths/controller/filters.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -12,9 +13,14 @@
 #include <rths/core/error.hpp>
 
 namespace rths::controller {
+namespace {
+
+constexpr std::size_t kMostSections = 4;
+
+}  // namespace
 
 LowPass::LowPass(int order, double cutoff, double period) {
-  if (order < 2 || order > 8 || order % 2 != 0)
+  if (order < 2 || order > 2 * static_cast<int>(kMostSections) || order % 2 != 0)
     throw Error{"low-pass: order is " + std::to_string(order) + ", expected 2, 4, 6 or 8"};
   if (!(period > 0) || !(cutoff > 0) || cutoff * period >= 0.5)
     throw Error{"low-pass: a cut-off of " + std::to_string(cutoff) +
@@ -29,14 +35,39 @@ LowPass::LowPass(int order, double cutoff, double period) {
 }
 
 double LowPass::operator()(double input) noexcept {
-  double value = input;
-  for (auto& s : sections_) {
-    const double out = s.b0 * value + s.z1;
-    s.z1 = 2 * s.b0 * value - s.a1 * out + s.z2;
-    s.z2 = s.b0 * value - s.a2 * out;
-    value = out;
+  filter({&input, 1});
+  return input;
+}
+
+void LowPass::filter(std::span<double> signal) noexcept {
+  switch (sections_.size()) {
+    case 1:
+      return filter_by<1>(signal);
+    case 2:
+      return filter_by<2>(signal);
+    case 3:
+      return filter_by<3>(signal);
+    default:
+      return filter_by<kMostSections>(signal);
   }
-  return value;
+}
+
+// Coefficients and state are local, so that the compiler keeps them in registers.
+template <std::size_t kSections>
+void LowPass::filter_by(std::span<double> signal) noexcept {
+  std::array<Section, kSections> sections;
+  std::copy_n(sections_.begin(), kSections, sections.begin());
+  for (double& sample : signal) {
+    double value = sample;
+    for (auto& s : sections) {
+      const double out = s.b0 * value + s.z1;
+      s.z1 = 2 * s.b0 * value - s.a1 * out + s.z2;
+      s.z2 = s.b0 * value - s.a2 * out;
+      value = out;
+    }
+    sample = value;
+  }
+  std::copy(sections.begin(), sections.end(), sections_.begin());
 }
 
 MovingAverage::MovingAverage(int length) {

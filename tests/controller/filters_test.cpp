@@ -49,6 +49,24 @@ TEST(LowPass, PassesAConstantUnchanged) {
   EXPECT_NEAR(out, 2.5, 1e-9);
 }
 
+TEST(LowPass, FiltersASignalAsSampleBySample) {
+  for (const int order : {2, 4, 6, 8}) {
+    LowPass whole{order, 20, kPeriod}, pieces = whole, single = whole;
+    std::vector<double> signal(200);
+    for (std::size_t i = 0; i < signal.size(); ++i)
+      signal[i] = std::sin(0.3 * static_cast<double>(i));
+    auto by_pieces = signal, by_samples = signal;
+
+    whole.filter(signal);
+    pieces.filter(std::span{by_pieces}.first(77));
+    pieces.filter(std::span{by_pieces}.subspan(77));
+    for (double& sample : by_samples) sample = single(sample);
+
+    EXPECT_EQ(signal, by_samples) << order;
+    EXPECT_EQ(by_pieces, by_samples) << order;
+  }
+}
+
 TEST(LowPass, RefusesSettingsOutOfRange) {
   EXPECT_NE(test::error_of([] { LowPass(3, 20, kPeriod); }), "");
   EXPECT_NE(test::error_of([] { LowPass(2, 500, kPeriod); }), "");

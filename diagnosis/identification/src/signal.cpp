@@ -34,7 +34,9 @@ VectorXd reflected(const VectorXd& x, Index margin) {
 void run(controller::LowPass filter, VectorXd& x) {
   // The filter starts at rest, at the level of the first sample.
   const double level = x[0];
-  for (double& value : x) value = level + filter(value - level);
+  x.array() -= level;
+  filter.filter({x.data(), static_cast<std::size_t>(x.size())});
+  x.array() += level;
 }
 
 }  // namespace
