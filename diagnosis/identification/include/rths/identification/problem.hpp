@@ -27,7 +27,7 @@ class Problem {
   /// @param draws  smallest number of noise draws
   /// @throws Error if a record lacks a channel that the relation needs
   Problem(const Relation& relation, const std::vector<const Record*>& records,
-          const SensorNoise& noise, std::uint64_t seed, std::size_t draws = 8);
+          const SensorNoise& noise, std::uint64_t seed, std::size_t draws = 24);
   /// A problem of tests that were not run yet, with the noise of the first record of `like` at its
   /// median size.
   Problem(const Problem& like, const std::vector<const Record*>& tests);
