@@ -144,8 +144,8 @@ double Proof::variance() const {
 }
 
 bool Proof::is_systematic() const {
-  constexpr double kWellAbove = 1.25;  // the floor
-  return !is_white && times_noise() > kWellAbove;
+  constexpr double kWellAbove = 1.25;  // the noise, as an error and as a whitened variance
+  return !is_white && times_noise() > kWellAbove && variance() > kWellAbove;
 }
 
 }  // namespace rths::diagnosis
