@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
+
+#include <rths/models/relations.hpp>
 
 #include "one_axis.hpp"
 
@@ -65,6 +68,28 @@ TEST(Diagnosis, FindsNothingMissingInACompleteModel) {
   ASSERT_EQ(verdict.fit.size(), 3U);
   // Two seconds at rest in each record give the low third octaves to about 30 %.
   EXPECT_NEAR(verdict.fit[2].variance_after, 1, 0.3);
+}
+
+// White noise of deviation σ sampled every Δt has a velocity of 2π σ √(2 Δt f³/3) below f. The
+// motion ends near 1.5 Hz, the comparison at 25 Hz: without a filter of the motion, all of it would
+// drive the model.
+TEST(Diagnosis, DrivesItsModelByWhatIsNotNoiseInTheMotion) {
+  constexpr double kNoise = 1e-4;  // [m]
+  const Case clean = case_of({});
+  Case noisy = clean;
+  std::mt19937 random{5};
+  std::normal_distribution<double> normal;
+  for (Record& record : noisy.records)
+    for (double& x : record.channels[0].values) x += kNoise * normal(random);
+
+  const auto driven = [](const Case& c) {
+    return force_relation(c, {})->prepare(c.records[0])->velocity.col(0).eval();
+  };
+  const Eigen::VectorXd error = driven(noisy) - driven(clean);
+
+  const double unfiltered =
+      2 * std::numbers::pi * kNoise * std::sqrt(2 * test_support::kStep * std::pow(25, 3) / 3);
+  EXPECT_LT(std::sqrt(error.cwiseAbs2().mean()), unfiltered * std::pow(18.6 / 25, 1.5));
 }
 
 bool has_limit(const Verdict& verdict, const std::string& text) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/models/dynamic_relation.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -130,6 +131,28 @@ TEST_F(Oscillator, FollowsFrictionWithPresliding) {
 
   EXPECT_GT(test_support::relative_error(predicted(relation_->base()), measured()), 0.1);
   EXPECT_LT(error, 5e-3);
+}
+
+// The reading of a sensor that overflows jumps by its span of 2 L. With a stiffness that is 3 %
+// off, the prediction differs from it nowhere by more than the displacement does, though it jumps
+// at other samples.
+TEST_F(Oscillator, PredictsTheValueNextToAReadingThatOverflows) {
+  const auto u = test_support::random_signal(3, 1200, kOscillatorStep, 0.3, 6, 30);
+  const auto truth = answer(u, [](double, double) { return 0.0; });
+  const double limit = 0.6 * *std::max_element(truth.begin(), truth.end());
+  std::vector<double> read = truth;
+  for (double& y : read) y -= 2 * limit * std::round(y / (2 * limit));
+  with(u, read);
+  Hypothesis base = relation_->base();
+  base.values[1] *= 1.03;
+  const MatrixXd unlimited = predicted(base);
+  base.terms.push_back({{"overflow", "", {{"limit", limit}}}, "output.y"});
+
+  const VectorXd error = predicted(base) - measured();
+
+  const VectorXd displacement = VectorXd::Map(truth.data(), Index(truth.size()));
+  EXPECT_LT((unlimited - displacement).cwiseAbs().maxCoeff(), limit);
+  EXPECT_LT((error - (unlimited - displacement)).cwiseAbs().maxCoeff(), 1e-9 * limit);
 }
 
 // Compares every candidate's derivatives with differences of the prediction.

@@ -81,6 +81,7 @@ Proof proof_with(double before, double after, double floor, bool is_white) {
   proof.after = after;
   proof.floor = floor;
   proof.is_white = is_white;
+  proof.records.emplace_back().variance_after = std::pow(after / floor, 2);
   return proof;
 }
 
@@ -96,6 +97,15 @@ TEST(Proof, IsSystematicIfColouredAndWellAboveTheNoise) {
   EXPECT_TRUE(proof_with(5, 3, 2, false).is_systematic());
   EXPECT_FALSE(proof_with(5, 3, 2, true).is_systematic());
   EXPECT_FALSE(proof_with(5, 2.4, 2, false).is_systematic());
+}
+
+// Slow noise, whose size a short rest does not show, raises the error but hardly the variance of
+// the whitened residual.
+TEST(Proof, IsNotSystematicIfTheWhitenedResidualIsHardlyLargerThanNoise) {
+  Proof proof = proof_with(5, 3, 2, false);
+  proof.records[0].variance_after = 1.2;
+
+  EXPECT_FALSE(proof.is_systematic());
 }
 
 /// Two outputs y = 3 x + 4 z on the first record, and y = 3 x on the second. The model before has

@@ -28,6 +28,49 @@ std::vector<double> white_blocks(Eigen::Index count, double deviation, unsigned 
   return {x.begin(), x.end()};
 }
 
+/// y = 3 x without any noise, while the measured x has an error of ± d, row by row. The noise of
+/// the residual is then 3 d.
+class NoisyInput : public LinearRelation {
+ public:
+  static constexpr double kError = 0.2, kSlope = 3;
+  static constexpr Eigen::Index kRows = 800;
+
+  NoisyInput() { stated = linear_model({"x"}, {kSlope}); }
+  [[nodiscard]] Record record(double sign) const {
+    const Eigen::VectorXd truth = sine_of(3, kRows);
+    Eigen::VectorXd measured = truth;
+    for (Eigen::Index i = 0; i < kRows; ++i) measured[i] += (i % 2 == 0 ? 1 : -1) * kError;
+    for (Eigen::Index i = 0; i < kRows; ++i) measured[i] += sign * (i % 2 == 0 ? 1 : -1) * kError;
+    return linear_record("one", Use::Fit, 0.05, kSlope * truth, {{"x", measured}});
+  }
+  [[nodiscard]] std::vector<std::unique_ptr<Drive>> disturbed(
+      const Drive& /*drive*/, const Record& /*noise*/) const override {
+    std::vector<std::unique_ptr<Drive>> all;
+    for (const double sign : {1.0, -1.0}) all.push_back(prepare(record(sign)));
+    return all;
+  }
+};
+
+// ½ Σ w² of slope v is n [(3 - v)² + v² d²]/(2 · 9 d²): least at 3/(1 + d²), not at 3. Without what
+// the noise is expected to cause, n v²/(2 · 9), it is least at 3.
+TEST(Scores, DoNotPreferASlopeThatReactsLessToTheNoiseOfItsInput) {
+  const NoisyInput relation;
+  const std::vector<Record> records{relation.record(0)};
+  const Problem problem = linear_problem(relation, records);
+  constexpr double d = NoisyInput::kError, n = NoisyInput::kRows, b = NoisyInput::kSlope;
+  const auto blocks = [&](double slope) {
+    return sum(Supposition{problem, linear_model({"x"}, {slope})}.blocks(whole({0})));
+  };
+  const auto score = [&](double slope) {
+    return sum(scores(problem, linear_model({"x"}, {slope}), whole({0})));
+  };
+  const double attenuated = b / (1 + d * d);
+
+  EXPECT_LT(blocks(attenuated), blocks(b));
+  for (const double slope : {attenuated, b, 1.1 * b})
+    EXPECT_NEAR(score(slope), n * std::pow((b - slope) / (b * d), 2) / 2, 1e-6 * n) << slope;
+}
+
 TEST(Quantile, IsTheValueAtTheShareOfTheRank) {
   std::vector<double> values(101);
   std::iota(values.rbegin(), values.rend(), 0);

@@ -48,6 +48,24 @@ TEST(LowPassed, PreservesALineUpToItsEnds) {
   EXPECT_LT((low_passed(line, 4, 25, kStep) - line).cwiseAbs().maxCoeff(), 1e-6);
 }
 
+// Bands end at 500/∛2^k Hz. Those above 24.8 Hz hold noise alone; 19.7 to 24.8 Hz has the sine. Its
+// leakage is 31 dB lower two bins of 1 Hz away, less than the noise.
+TEST(NoiseBegins, AboveTheLastBandWithASignal) {
+  std::vector<VectorXd> signals, at_rest;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    signals.push_back(3 * sine(21.5, 20'000) + noise(20'000, seed));
+    at_rest.push_back(noise(2000, 10 + seed));
+  }
+
+  EXPECT_NEAR(noise_begins(signals, at_rest, kStep), 500 / std::pow(2, 13 / 3.0), 1e-9);
+}
+
+TEST(NoiseBegins, AtTheNyquistFrequencyOfSignalsThatExceedTheNoiseThere) {
+  EXPECT_EQ(noise_begins({2 * noise(20'000, 1)}, {noise(2000, 2)}, kStep), 500);
+  EXPECT_EQ(noise_begins({noise(20'000, 1)}, {VectorXd::Zero(2000)}, kStep), 500);
+  EXPECT_EQ(noise_begins({noise(20'000, 1)}, {noise(50, 2)}, kStep), 500);  // too short
+}
+
 TEST(Fused, UsesDisplacementAtLowAndAccelerationAtHighFrequencies) {
   const int n = 20'000;
   VectorXd truth(n), acceleration(n);

@@ -53,6 +53,7 @@ struct Form {
 };
 
 constexpr double kRidge = 1e-3;        // of the mean square of the columns
+constexpr double kLeastExcess = 0.05;  // mean w² beyond 1: less may be an error of the noise
 constexpr double kSteadyShare = 0.05;  // of its size: a state that varies less is held constant
 
 VectorXd bent(const VectorXd& v) { return (v.array() / 0.05).asinh(); }
@@ -359,7 +360,8 @@ void add_change(const Supposition& supposition, const Folds& folds,
     excess += w.squaredNorm() - static_cast<double>(w.size());
     times.push_back(best.time);
   }
-  if (times.size() < 2 || !(excess > 0)) return;
+  if (times.size() < 2) return;
+  excess = std::max(excess, kLeastExcess * observations(supposition.problem(), folds.both));
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
   const double share = gain / excess * (*last - *first < 1.5 ? 1 : 0.5);
   found.push_back(
@@ -397,8 +399,7 @@ void add_free_forms(const Supposition& supposition, const Folds& folds,
   const Problem& problem = supposition.problem();
   const Supposition base{problem,
                          fitted(problem, supposition.hypothesis(), folds.first, kShortFit)};
-  const double excess = base.variance(folds.second) - 1;
-  if (!(excess > 0)) return;
+  const double excess = std::max(kLeastExcess, base.variance(folds.second) - 1);
   std::vector<Candidate> terms;
   for (const auto& form : forms) terms.push_back(form.term);
   const auto screened = screen(base, folds.first, terms);
@@ -435,7 +436,7 @@ void add_regressions(const Supposition& supposition, const Folds& folds, double 
 // Energy of the residual beyond the noise on a fold.
 double excess_on(const Supposition& supposition, const Fold& fold) {
   const double n = observations(supposition.problem(), fold);
-  return std::max(1.0, n * (supposition.variance(fold) - 1));
+  return n * std::max(kLeastExcess, supposition.variance(fold) - 1);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ using Eigen::VectorXd;
 
 constexpr int kResidualOrder = 12;
 constexpr double kResidualRidge = 1e-9;    // of the variance: filters remove high frequencies
-constexpr double kSmoothingTime = 0.25;    // of the deviation [s]
+constexpr double kSmoothingTime = 0.1;     // of the deviation [s]
 constexpr double kPieceTime = 3;           // shortest piece of one colour [s]
 constexpr Index kLeastPiece = 150;         // rows of one colour, at least
 constexpr double kLeastErrorShare = 2e-3;  // of the output: smallest error of a measurement

@@ -87,6 +87,10 @@ void Problem::renew_noise(const Hypothesis& hypothesis) {
   }
 }
 
+std::vector<MatrixXd> Problem::draws_at(const Hypothesis& hypothesis, std::size_t record) const {
+  return draws_of(records_[record], hypothesis, kFewDraws);
+}
+
 double Problem::log_noise(const Hypothesis& hypothesis) const {
   double sum = 0;
   for (const auto& data : records_)
@@ -206,15 +210,15 @@ Fit Supposition::fit(const Fold& fold, int most_iterations) const {
   return fit;
 }
 
-std::vector<double> Supposition::blocks(const Fold& fold) const {
-  VectorXd residual;
-  MatrixXd none;
-  std::vector<double> sums;
+namespace {
+
+// ½ Σ w² of every block of a fold's rows.
+std::vector<double> block_sums(const Problem& problem, const Fold& fold, const VectorXd& residual) {
   constexpr double kBlock = 1;  // [s]
-  if (!evaluate(fold, hypothesis_.values, {}, residual, none)) return sums;
+  std::vector<double> sums;
   Index first = 0;
   for (const auto& share : fold.shares) {
-    const Drive& drive = problem_->drive(share.record);
+    const Drive& drive = problem.drive(share.record);
     const Index rows = drive.rows(), outputs = drive.measured.cols();
     const double length = static_cast<double>(rows) * drive.time_step;
     // Short records are divided into some tens of blocks, for resampling.
@@ -229,6 +233,33 @@ std::vector<double> Supposition::blocks(const Fold& fold) const {
       sums.push_back(sum / 2);
     }
     first += rows * outputs;
+  }
+  return sums;
+}
+
+}  // namespace
+
+std::vector<double> Supposition::blocks(const Fold& fold) const {
+  VectorXd residual;
+  MatrixXd none;
+  if (!evaluate(fold, hypothesis_.values, {}, residual, none)) return {};
+  return block_sums(*problem_, fold, residual);
+}
+
+std::vector<double> Supposition::noise_blocks(const Fold& fold) const {
+  std::vector<double> sums;
+  for (const auto& share : fold.shares) {
+    const auto draws = problem_->draws_at(hypothesis_, share.record);
+    std::vector<double> mean;
+    for (const auto& draw : draws) {
+      MatrixXd white = problem_->noise(share.record).whitened(draw);
+      if (share.weight.size() > 0) white.array().colwise() *= share.weight;
+      const auto one = block_sums(*problem_, {{share}}, white.reshaped());
+      mean.resize(one.size());
+      for (std::size_t i = 0; i < one.size(); ++i)
+        mean[i] += one[i] / static_cast<double>(draws.size());
+    }
+    sums.insert(sums.end(), mean.begin(), mean.end());
   }
   return sums;
 }

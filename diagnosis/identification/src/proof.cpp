@@ -43,8 +43,6 @@ double nrmse(const Supposition& supposition, std::size_t record) {
                             energy_of(drive.measured, drive), have_one_unit(problem.relation())));
 }
 
-namespace {
-
 double noise_floor(const Problem& problem, std::size_t record) {
   const Drive& drive = problem.drive(record);
   const auto& draws = problem.draws(record);
@@ -54,6 +52,8 @@ double noise_floor(const Problem& problem, std::size_t record) {
   return std::sqrt(
       share_of(noise, energy_of(drive.measured, drive), have_one_unit(problem.relation())));
 }
+
+namespace {
 
 RecordScore score_of(const Problem& problem, const Selection& selection, std::size_t record) {
   const Supposition before{problem, selection.base}, after{problem, selection.named};
@@ -144,8 +144,8 @@ double Proof::variance() const {
 }
 
 bool Proof::is_systematic() const {
-  constexpr double kWellAbove = 1.25;  // the floor
-  return !is_white && times_noise() > kWellAbove;
+  constexpr double kWellAbove = 1.25;  // the noise, as an error and as a whitened variance
+  return !is_white && times_noise() > kWellAbove && variance() > kWellAbove;
 }
 
 }  // namespace rths::diagnosis

@@ -19,6 +19,11 @@ double value_there(const Hypothesis& hypothesis, const std::string& parameter) {
   return 0;
 }
 
+// Σ w² over a fold.
+double energy_of(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold) {
+  return Supposition{problem, hypothesis}.variance(fold) * observations(problem, fold);
+}
+
 // A candidate in the place of the holder: all parameters have the values of the whole model, and
 // those of the candidate the values of the holder's parameters of the same name.
 Hypothesis in_place(const Hypothesis& rest, const Candidate& candidate, Eigen::VectorXd start,
@@ -60,7 +65,7 @@ Round::Round(Problem& problem, const Folds& folds, const Hypothesis& current,
     : problem_{problem}, folds_{folds}, seed_{seed}, effort_{effort} {
   base_ = fitted(problem, current, folds.first, kLongFit);
   base_scores_ = scores(problem, base_, folds.second);
-  const double base = 2 * sum(scores(problem, base_, folds.first));
+  const double base = energy_of(problem, base_, folds.first);
   std::vector<TrialFit> trials;
   try_best(base_, candidates, base, trials);
   if (base > kFar * observations(problem, folds.first)) {
@@ -76,7 +81,7 @@ Round::Round(Problem& problem, const Folds& folds, const Defended& term,
     : problem_{problem}, folds_{folds}, seed_{seed} {
   base_ = fitted(problem, term.rest, folds.first, kLongFit);
   base_scores_ = scores(problem, base_, folds.second);
-  const double base = 2 * sum(scores(problem, base_, folds.first));
+  const double base = energy_of(problem, base_, folds.first);
   std::vector<TrialFit> trials;
   try_rivals(term, candidates, base, trials);
   compare(base, std::move(trials));

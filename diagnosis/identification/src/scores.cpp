@@ -42,7 +42,11 @@ std::optional<Fit> fit_if_possible(const Problem& problem, const Hypothesis& hyp
 }
 
 std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold) {
-  return Supposition{problem, hypothesis}.blocks(fold);
+  const Supposition supposition{problem, hypothesis};
+  const auto sums = supposition.blocks(fold);
+  // A free run is driven by exact inputs.
+  if (problem.relation().runs_freely() || sums.empty()) return sums;
+  return minus(sums, supposition.noise_blocks(fold));
 }
 
 std::vector<double> resampled_sums(const std::vector<double>& blocks, std::uint64_t seed) {

@@ -217,4 +217,41 @@ Spectrum power_spectrum(const VectorXd& signal, int window, double time_step) {
   return spectrum;
 }
 
+namespace {
+
+// Sum of the spectral densities of signals.
+VectorXd density_of(const std::vector<VectorXd>& signals, int window, double time_step) {
+  VectorXd sum = VectorXd::Zero(window / 2 + 1);
+  for (const auto& signal : signals) sum += power_spectrum(signal, window, time_step).density;
+  return sum;
+}
+
+}  // namespace
+
+double noise_begins(const std::vector<VectorXd>& signals, const std::vector<VectorXd>& at_rest,
+                    double time_step) {
+  constexpr Index kLongest = 1024, kShortest = 64;
+  constexpr double kMostRatio = 2;  // of densities
+  Index samples = kLongest;
+  for (const auto* all : {&signals, &at_rest})
+    for (const auto& signal : *all) samples = std::min(samples, signal.size());
+  double high = 0.5 / time_step;
+  if (samples < kShortest) return high;
+  int window = kShortest;
+  while (2 * window <= samples) window *= 2;
+  const VectorXd moving = density_of(signals, window, time_step),
+                 still = density_of(at_rest, window, time_step);
+  for (Index last = moving.size(); last > 0;) {
+    const double low = high / std::cbrt(2.0);
+    const auto first = static_cast<Index>(std::floor(low * window * time_step)) + 1;
+    const Index bins = last - first;
+    if (bins <= 0 ||
+        !(moving.segment(first, bins).sum() < kMostRatio * still.segment(first, bins).sum()))
+      break;
+    high = low;
+    last = first;
+  }
+  return high;
+}
+
 }  // namespace rths::diagnosis

@@ -474,6 +474,8 @@ const std::vector<CandidateTerm>& connection_entries() {
 // peaks.
 const std::vector<CandidateTerm>& signal_entries() {
   constexpr auto kEither = kOnInput | kOnOutput;
+  // No reading exceeds the range of its sensor by more than noise.
+  constexpr double kLeastRange = 0.98;
   static const std::vector<CandidateTerm> entries{
       {"actuator_delay", "", kOnInput, 0, {size("delay", {1.5, 8})}},
       {"first_order_lag", "", kOnInput, 0, {size("time_constant", {1.5, 8})}},
@@ -495,7 +497,7 @@ const std::vector<CandidateTerm>& signal_entries() {
       {"saturation", "", kOnInput, 0, {size("limit", {0.8, 0.45})}},
       {"saturation", "", kOnOutput, 0, {size("limit", {0.97, 0.6})}},
       {"overflow", "", kOnInput, 0, {size("limit", {0.85, 0.5})}},
-      {"overflow", "", kOnOutput, 0, {size("limit", {1, 1.5})}},
+      {"overflow", "", kOnOutput, 0, {size("limit", {1, 1.2}, kLeastRange, 10)}},
   };
   return entries;
 }

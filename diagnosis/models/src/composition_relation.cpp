@@ -101,6 +101,8 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
                                                             : "m/s2";
   for (const std::size_t axis : setup_.axes)
     outputs_.emplace_back(setup_.channels.predicted + "." + axis_name(axis), unit);
+  if (predicted == Predicted::Force)
+    setup_.pace.motion_cutoff = motion_cutoff(records, setup_.channels, setup_.axes);
   constexpr double kNothing = 1e-12;
   scale_ = {kNothing, kNothing, kNothing, 0, 0, kNothing, kNothing, 0, false, 1};
   axis_scales_.assign(setup_.axes.size(), scale_);

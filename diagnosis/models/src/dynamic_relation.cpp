@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -97,6 +98,42 @@ Freed freed(const DynamicModel& model, const Hypothesis& base, const FittedParam
   return result;
 }
 
+// An output whose sensor overflows.
+struct Overflow {
+  Index output;
+  double limit;               // unless it is free [SI]
+  std::optional<Index> free;  // free parameter that holds the limit
+};
+
+// A reading that overflows is known but for multiples of its span. Of all values that give the same
+// reading, this simulator predicts the one next to the measurement. A small error of the model then
+// stays small where a reading jumps, so that fits converge.
+class NearestReading final : public Simulator {
+ public:
+  NearestReading(std::unique_ptr<Simulator> simulator, std::vector<Overflow> overflows,
+                 const Eigen::MatrixXd& measured)
+      : simulator_{std::move(simulator)}, overflows_{std::move(overflows)}, measured_{measured} {}
+
+  bool run(const Eigen::VectorXd& values, const std::vector<Index>& wanted,
+           Eigen::MatrixXd& prediction, std::vector<Eigen::MatrixXd>& derivatives) const override {
+    if (!simulator_->run(values, wanted, prediction, derivatives)) return false;
+    for (const auto& [output, limit, free] : overflows_) {
+      const double span = 2 * (free ? values[*free] : limit);
+      const Eigen::ArrayXd turns =
+          ((measured_.col(output) - prediction.col(output)).array() / span).round();
+      prediction.col(output).array() += span * turns;
+      for (std::size_t i = 0; i < wanted.size(); ++i)
+        if (free == wanted[i]) derivatives[i].col(output).array() += 2 * turns;
+    }
+    return true;
+  }
+
+ private:
+  std::unique_ptr<Simulator> simulator_;
+  std::vector<Overflow> overflows_;
+  const Eigen::MatrixXd& measured_;  // rows × outputs
+};
+
 class DynamicRelation : public Relation {
  public:
   DynamicRelation(const Case& c, std::vector<std::string> without)
@@ -170,11 +207,35 @@ class DynamicRelation : public Relation {
   }
   std::unique_ptr<Simulator> simulator(const Hypothesis& hypothesis,
                                        const Drive& drive) const override {
-    return std::make_unique<DynamicSimulator>(model_, hypothesis, &sizes_, drive.time_step,
-                                              dynamic_cast<const DynamicDrive&>(drive).signals);
+    auto simulator =
+        std::make_unique<DynamicSimulator>(model_, hypothesis, &sizes_, drive.time_step,
+                                           dynamic_cast<const DynamicDrive&>(drive).signals);
+    auto overflows = overflows_of(hypothesis);
+    if (overflows.empty()) return simulator;
+    return std::make_unique<NearestReading>(std::move(simulator), std::move(overflows),
+                                            drive.measured);
   }
 
  private:
+  std::vector<Overflow> overflows_of(const Hypothesis& hypothesis) const {
+    std::vector<Overflow> overflows;
+    for (std::size_t i = 0; i < hypothesis.terms.size(); ++i) {
+      const auto& [settings, component] = hypothesis.terms[i];
+      const auto role = std::find(model_.outputs.begin(), model_.outputs.end(), component);
+      if (settings.kind != "overflow" || role == model_.outputs.end()) continue;
+      Overflow one{
+          role - model_.outputs.begin(), sim::term_kind("overflow").parameters[0].absent, {}};
+      for (const auto& [key, value] : settings.parameters)
+        if (key == "limit") one.limit = value;
+      for (std::size_t k = 0; k < hypothesis.free.size(); ++k) {
+        const auto at = find_parameter(model_, hypothesis.terms, hypothesis.free[k].name);
+        if (!at.of_model && at.term == i) one.free = static_cast<Index>(k);
+      }
+      overflows.push_back(one);
+    }
+    return overflows;
+  }
+
   // Whether a fitted parameter is the offset of an output.
   bool take_offset(const std::string& name) {
     const auto is_offset = [&](const ModelTerm& term) {

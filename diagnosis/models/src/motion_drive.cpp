@@ -84,8 +84,13 @@ class Thinner {
   int factor_;
 };
 
+struct Filtering {
+  Thinner thin;
+  double motion_cutoff;
+};
+
 void take_motion(const Record& record, const MotionChannels& channels, std::size_t axis,
-                 const Thinner& thinner, MotionDrive& drive) {
+                 const Filtering& filtering, MotionDrive& drive) {
   const std::string& name = axis_name(axis);
   VectorXd motion = without_rest(column(record, channels.motion + "." + name), record);
   if (motion.size() == 0)
@@ -93,12 +98,15 @@ void take_motion(const Record& record, const MotionChannels& channels, std::size
                             channels.motion, name)};
   const VectorXd acceleration = without_rest(column(record, "acceleration." + name), record);
   const bool fuses = channels.fuses_acceleration && acceleration.size() > 0;
-  if (fuses) motion = fused_motion(record, motion, acceleration);
+  if (fuses)
+    motion = fused_motion(record, motion, acceleration);
+  else if (filtering.motion_cutoff > 0)
+    motion = low_passed(motion, kOrder, filtering.motion_cutoff, record.time_step);
   // Differences damp high frequencies, so they are taken before thinning.
-  drive.motion[axis] = thinner(motion);
-  drive.rate[axis] = thinner(rate_of(motion, record.time_step));
+  drive.motion[axis] = filtering.thin(motion);
+  drive.rate[axis] = filtering.thin(rate_of(motion, record.time_step));
   drive.second_rate[axis] =
-      thinner(fuses ? acceleration : second_rate_of(motion, record.time_step));
+      filtering.thin(fuses ? acceleration : second_rate_of(motion, record.time_step));
 }
 
 VectorXd predicted_channel(const Record& record, const MotionChannels& channels, std::size_t axis) {
@@ -155,7 +163,8 @@ std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChan
   if (drive->cutoff == 0) drive->thinning = 1;
   drive->start = record.start;
   drive->time_step = drive->model_step * drive->thinning;
-  for (const std::size_t axis : axes) take_motion(record, channels, axis, thinner, *drive);
+  for (const std::size_t axis : axes)
+    take_motion(record, channels, axis, {thinner, pace.motion_cutoff}, *drive);
   for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
     drive->specimen_force[axis] = thinner(column(record, "force." + axis_name(axis)));
   drive->axial_load = thinner(column(record, "vertical_force"));
@@ -190,6 +199,24 @@ std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChan
   }
   add_state_axes(axes, channels.predicted == "force", auxiliary, *drive);
   return drive;
+}
+
+double motion_cutoff(const std::vector<const Record*>& records, const MotionChannels& channels,
+                     const std::vector<std::size_t>& axes) {
+  constexpr double kMargin = 1.5;    // the filter keeps what lies just below the noise
+  constexpr double kHighest = 0.25;  // of the sampling rate: a higher cutoff removes little
+  const double time_step = records[0]->time_step;
+  std::vector<VectorXd> motions, at_rest;
+  for (const Record* record : records)
+    for (const std::size_t axis : axes) {
+      motions.push_back(column(*record, channels.motion + "." + axis_name(axis)));
+      if (!record->quiet || record->time_step != time_step || motions.back().size() == 0) return 0;
+      const auto [from, to] = *record->quiet;
+      at_rest.push_back(
+          motions.back().segment(static_cast<Index>(from), static_cast<Index>(to - from)));
+    }
+  const double cutoff = kMargin * noise_begins(motions, at_rest, time_step);
+  return cutoff < kHighest / time_step ? cutoff : 0;
 }
 
 }  // namespace rths::diagnosis

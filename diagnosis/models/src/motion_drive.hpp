@@ -4,6 +4,8 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <rths/identification/relation.hpp>
 #include <rths/sim/term.hpp>
@@ -17,6 +19,8 @@ struct Pace {
   double model_rate;    ///< at most [Hz]
   double cutoff;        ///< of the filter of prediction and measurement [Hz]
   double compare_rate;  ///< at most [Hz]
+  /// Of a filter of motions into which no acceleration is fused [Hz]; 0: none.
+  double motion_cutoff = 0;
 };
 
 /// Signals that drive a composition, at its rate: one number per step, empty if not recorded.
@@ -57,6 +61,12 @@ struct MotionChannels {
                                                         const MotionChannels& channels,
                                                         const std::vector<std::size_t>& axes,
                                                         const Pace& pace);
+
+/// Cutoff of a filter that removes from motions only what is noise, as intervals at rest show [Hz].
+/// 0: they do not show it, or the filter would remove nothing.
+[[nodiscard]] double motion_cutoff(const std::vector<const Record*>& records,
+                                   const MotionChannels& channels,
+                                   const std::vector<std::size_t>& axes);
 
 [[nodiscard]] const std::string& axis_name(std::size_t axis);
 

@@ -27,7 +27,7 @@ class Problem {
   /// @param draws  smallest number of noise draws
   /// @throws Error if a record lacks a channel that the relation needs
   Problem(const Relation& relation, const std::vector<const Record*>& records,
-          const SensorNoise& noise, std::uint64_t seed, std::size_t draws = 8);
+          const SensorNoise& noise, std::uint64_t seed, std::size_t draws = 24);
   /// A problem of tests that were not run yet, with the noise of the first record of `like` at its
   /// median size.
   Problem(const Problem& like, const std::vector<const Record*>& tests);
@@ -50,6 +50,9 @@ class Problem {
   /// Computes the noise of the residual again for another hypothesis, by sending the sensors' noise
   /// through its model.
   void renew_noise(const Hypothesis& hypothesis);
+  /// Residuals of a record due to noise alone at a hypothesis, from a few draws.
+  [[nodiscard]] std::vector<Eigen::MatrixXd> draws_at(const Hypothesis& hypothesis,
+                                                      std::size_t record) const;
   /// Level of the residual noise at a hypothesis, see ResidualNoise::log_size; from a few draws.
   [[nodiscard]] double log_noise(const Hypothesis& hypothesis) const;
 
@@ -95,6 +98,9 @@ class Supposition {
   [[nodiscard]] Fit fit(const Fold& fold, int most_iterations) const;
   /// ½ Σ w² of every second of a fold's records [nat].
   [[nodiscard]] std::vector<double> blocks(const Fold& fold) const;
+  /// The part of `blocks` that noise is expected to cause at this hypothesis: a model that reacts
+  /// less to the noise of the measured motion fits it better, without being more right [nat].
+  [[nodiscard]] std::vector<double> noise_blocks(const Fold& fold) const;
   /// Mean of w² over a fold [-].
   [[nodiscard]] double variance(const Fold& fold) const;
 

@@ -64,6 +64,12 @@ struct Spectrum {
 /// @param window  samples, a power of two   @throws Error if the signal is shorter   @setup
 [[nodiscard]] Spectrum power_spectrum(const Eigen::VectorXd& signal, int window, double time_step);
 
+/// The frequency from which on signals are noise: no third of an octave above it has twice the
+/// density, in the sum over all signals, that they have at rest. The Nyquist frequency if there is
+/// none [Hz].   @setup
+[[nodiscard]] double noise_begins(const std::vector<Eigen::VectorXd>& signals,
+                                  const std::vector<Eigen::VectorXd>& at_rest, double time_step);
+
 /// Spectral density of short stretches of one process, in bands that widen with frequency. Narrow
 /// low bands resolve drift; wide high bands smooth broadband noise. Below the first band the
 /// density rises as 1/f, up to threefold.
