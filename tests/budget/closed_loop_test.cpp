@@ -4,6 +4,7 @@
 // adapters, ring, handshake and diagram.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <random>
 
@@ -192,6 +193,41 @@ TEST_F(ClosedLoop, IsExplainedByTheBudgetOfTheRun) {
     EXPECT_LT(axis.after, 0.03) << axis.name;
     EXPECT_GT(axis.before, 3 * axis.after) << axis.name;
     EXPECT_GT(axis.share[static_cast<std::size_t>(Part::Tracking)], 0.5) << axis.name;
+  }
+}
+
+// The run draws its own noise and adapts its own compensation; both loops contain the same
+// laboratory. What the noise does to the response bounds their difference.
+TEST_F(ClosedLoop, IsRepeatedByARunOfTheImprovedExperiment) {
+  make(true);
+  auto improved = experiment;
+  improved.model = experiment.specimen;
+  improved.assumed_machine = experiment.machine;
+  const recording::Reader run{folder / "run.h5"};
+  const auto found = launch::budget_of_run(experiment, improved, run, nullptr);
+  const Response with = closed_loop(hybrid, kAll);
+  hybrid.noise = {};
+  const Response without = closed_loop(hybrid, kAll);
+  Config file = Config::load(experiment.file);
+  file.put("duration_s", 10);
+  file.put("rest_s", 0.5);
+
+  file.set("model", Config{});  // the specimen and the machine of the laboratory are as identified
+  file = launch::improved_experiment(file, "", found);
+  file.put("folder", experiment.file.parent_path().string());
+  std::ofstream{folder / "improved.toml"} << file.to_toml();
+  launch::RunOptions options;
+  options.clock = launch::ClockKind::Virtual;
+  options.recording = folder / "improved.h5";
+  const auto again = launch::load_experiment(folder / "improved.toml");
+  ASSERT_TRUE(launch::run(again, options).completed);
+
+  const Response response = launch::response_of(again, recording::Reader{options.recording});
+  for (const std::size_t axis : {0U, 1U}) {
+    const double tolerance = 2 * apart(without[axis], with[axis]) + found.axes[axis].after;
+    EXPECT_LT(tolerance, 0.03);
+    EXPECT_LT(apart(found.axes[axis].improved, response[axis]), tolerance);
+    EXPECT_LT(apart(measured[axis], response[axis]), 0.03);
   }
 }
 
