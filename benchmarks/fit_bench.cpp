@@ -20,13 +20,14 @@
 #include <ceres/ceres.h>
 #include <nlohmann/json.hpp>
 
-#include <rths/budget/transfer_system.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/identification/problem.hpp>
 #include <rths/launch/hybrid_test.hpp>
 #include <rths/models/dynamic_relation.hpp>
 #include <rths/models/relations.hpp>
+
+#include "fit_transfer.hpp"
 
 namespace rths::benchmarks {
 namespace {
@@ -51,6 +52,8 @@ struct Calls {
 
 FitProblem counted(const FitProblem& problem, Calls& calls) {
   FitProblem result = problem;
+  result.most_iterations = kMostIterations;
+  result.tolerance = kTolerance;
   result.residuals = [&problem, &calls](const VectorXd& parameters, VectorXd& residual,
                                         MatrixXd* jacobian) {
     ++(jacobian != nullptr ? calls.jacobians : calls.residuals);
@@ -158,8 +161,6 @@ FitProblem problem_of(const diagnosis::Supposition& supposition, const diagnosis
   }
   for (const auto& share : fold.shares)
     problem.rows += supposition.problem().drive(share.record).measured.size();
-  problem.most_iterations = kMostIterations;
-  problem.tolerance = kTolerance;
   problem.residuals = [&supposition, fold, all](const VectorXd& values, VectorXd& residual,
                                                 MatrixXd* jacobian) {
     MatrixXd none;
@@ -207,66 +208,6 @@ void add_case(const std::filesystem::path& folder, Json& results) {
       std::fprintf(stderr, "%s: %s\n", title.c_str(), error.what());
     }
   }
-}
-
-/// Parameters of a transfer system as `budget::identify_transfer` fits them.
-struct Fitted {
-  double budget::TransferSystem::*member;
-  double start, low, high, scale;
-};
-constexpr Fitted kFitted[] = {{&budget::TransferSystem::gain, 24, 1, 500, 20},
-                              {&budget::TransferSystem::transport_delay, 0.006, 0, 0.1, 0.002},
-                              {&budget::TransferSystem::valve_frequency, 15, 1, 100, 10},
-                              {&budget::TransferSystem::valve_damping, 0.7, 0.1, 5, 1},
-                              {&budget::TransferSystem::dead_band, 1e-4, 0, 0.02, 5e-4},
-                              {&budget::TransferSystem::pressure_feedback, 1e-9, 0, 1e-6, 1e-8},
-                              {&budget::TransferSystem::compliance, 1e-9, 1e-11, 1e-7, 1e-9},
-                              {&budget::TransferSystem::supply_force, 8e6, 1e3, 1e9, 1e7},
-                              {&budget::TransferSystem::leakage, 1e-11, 0, 1e-6, 1e-9}};
-
-bool residual_at(const budget::TransferRecord& record, const VectorXd& parameters,
-                 VectorXd& residual) {
-  budget::TransferSystem system;
-  for (std::size_t i = 0; i < std::size(kFitted); ++i)
-    system.*kFitted[i].member = parameters[static_cast<Index>(i)];
-  const auto x = budget::predicted(system, record);
-  residual.resize(static_cast<Index>(x.size()));
-  for (std::size_t i = 0; i < x.size(); ++i)
-    residual[static_cast<Index>(i)] = 1e4 * (record.displacement[i] - x[i]);  // 0.1 mm
-  return residual.allFinite();
-}
-
-FitProblem transfer_problem(const budget::TransferRecord& record) {
-  constexpr auto kCount = static_cast<Index>(std::size(kFitted));
-  FitProblem problem;
-  problem.rows = static_cast<Index>(record.displacement.size());
-  problem.start = problem.low = problem.high = problem.scale = VectorXd(kCount);
-  for (Index i = 0; i < kCount; ++i) {
-    const Fitted& one = kFitted[i];
-    problem.start[i] = one.start;
-    problem.low[i] = one.low;
-    problem.high[i] = one.high;
-    problem.scale[i] = one.scale;
-  }
-  problem.most_iterations = kMostIterations;
-  problem.tolerance = kTolerance;
-  problem.residuals = [&record](const VectorXd& parameters, VectorXd& residual,
-                                MatrixXd* jacobian) {
-    if (!residual_at(record, parameters, residual)) return false;
-    if (jacobian == nullptr) return true;
-    jacobian->resize(residual.size(), parameters.size());
-    VectorXd other;
-    for (Index i = 0; i < parameters.size(); ++i) {
-      const double size = 1e-4 * std::max(kFitted[i].scale, std::abs(parameters[i]));
-      const double step = parameters[i] + size > kFitted[i].high ? -size : size;
-      VectorXd beside = parameters;
-      beside[i] += step;
-      if (!residual_at(record, beside, other)) return false;
-      jacobian->col(i) = (other - residual) / step;
-    }
-    return true;
-  };
-  return problem;
 }
 
 void add_run(const std::filesystem::path& folder, Json& results) {

@@ -79,8 +79,8 @@ class Minimiser {
   [[nodiscard]] bool has_converged() const { return gain_ <= problem_.tolerance * at_.cost; }
 
   [[nodiscard]] Fit result(bool converged) const {
-    return {parameters(at_), 2 * at_.cost,
-            at_.jacobian * scale_.cwiseInverse().asDiagonal(), at_.residual, converged};
+    return {parameters(at_), 2 * at_.cost, at_.jacobian * scale_.cwiseInverse().asDiagonal(),
+            at_.residual, converged};
   }
 
  private:
