@@ -3,7 +3,9 @@
 
 usage: keep.py demo REPORT                 report.json of `./lab demo --headless --solver numerical`
        keep.py examples RTHS               runs examples in virtual time and bearing loops with the command RTHS
-       keep.py budget RTHS                    mismatch budgets of examples in virtual time
+       keep.py budget RTHS                 mismatch budgets of examples in virtual time
+       keep.py demo_seeds RTHS             the demo with ten seeds, in virtual and in real time; takes an hour
+       keep.py least_squares FITS          what rths_fit_bench has printed
        keep.py opensees_runs RTHS          runs OpenSees with RTHS, and alone with RTHS_OPENSEES_PYTHON
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
        keep.py deaths TESTS                  --gtest_output=json:TESTS
@@ -21,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 
+import demo_seeds
 import opensees_runs
 from results_file import RESULTS, TREE, commit, machine, stamp, write
 
@@ -175,6 +178,8 @@ def opensees_comparison(file):
 
 def main():
     makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget,
+              "demo_seeds": demo_seeds.demo_seeds,
+              "least_squares": lambda file: json.loads(pathlib.Path(file).read_text()),
               "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),
               "kills": kills, "deaths": deaths, "real_recordings": real_recordings,
               "opensees_comparison": opensees_comparison}

@@ -199,6 +199,18 @@ Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) n
   return result == Status::Done && status != Status::Fault ? Status::Done : status;
 }
 
+void AdapterRunner::keep_times(std::size_t steps) {
+  times_ = {};
+  times_.late.reserve(steps);
+  times_.duration.reserve(steps);
+}
+
+void AdapterRunner::keep(const Timing& timing) noexcept {
+  if (timing.is_early || times_.late.size() == times_.late.capacity()) return;
+  times_.late.push_back(static_cast<float>(to_seconds(timing.late)));
+  times_.duration.push_back(static_cast<float>(to_seconds(timing.duration)));
+}
+
 // Writes since the last step end the wait at once; they are consumed together.
 void AdapterRunner::wait_for_inputs(TimePoint time) noexcept {
   constexpr int kMost = 1000;
@@ -237,6 +249,7 @@ LoopEnd run_loop(AdapterRunner& runner, Clock& clock, TimePoint epoch, const Sch
     timing.due = epoch + time;
     const Status status = runner.tick(time, stopping.load(std::memory_order_relaxed), timing);
     timing.duration = clock.now() - begun;
+    runner.keep(timing);
     if (status == Status::Done || status == Status::Fault) return {status, time};
     if (!timing.is_early) due += schedule.period;
   }

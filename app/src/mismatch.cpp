@@ -47,6 +47,21 @@ budget::MismatchBudget budget_of(const std::filesystem::path& recording,
                                held_out ? &*held_out : nullptr);
 }
 
+// The improved simulation as an experiment, if the transfer system is identified.
+void improve_experiment(const std::filesystem::path& file, const launch::Overrides& changes,
+                        diagnosis::Verdict& verdict) {
+  if (verdict.outcome != diagnosis::Outcome::Missing ||
+      !budget::is_tracking_identified(verdict.budget))
+    return;
+  Config experiment = Config::load(std::filesystem::absolute(file));
+  for (const auto& [key, value] : changes) experiment.set(key, value);
+  experiment = experiment.in_its_folder();
+  auto& improved = verdict.improved;
+  improved.experiment = launch::improved_experiment(experiment, verdict.fragment, verdict.budget);
+  improved.experiment_folder = experiment.resolve("");
+  improved.has_improved_laboratory = true;
+}
+
 }  // namespace
 
 void add_mismatch_budget(const std::filesystem::path& recording,
@@ -55,6 +70,7 @@ void add_mismatch_budget(const std::filesystem::path& recording,
   try {
     diagnosis::add_budget(budget_of(recording, experiment, changes, folder, verdict.fragment),
                           verdict);
+    improve_experiment(experiment, changes, verdict);
   } catch (const Error& error) {
     verdict.limits.push_back(std::string{"There is no mismatch budget of the response: "} +
                              error.what());

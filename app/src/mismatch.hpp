@@ -8,7 +8,8 @@
 
 namespace rths::app {
 
-/// Adds the mismatch budget of a run to its verdict, or a limit that says why there is none.
+/// Adds the mismatch budget of a run and the improved simulation as an experiment to its verdict,
+/// or a limit that says why there is none.
 /// @param recording  run.h5; a held-out record lies beside it
 /// @param changes  of the run to its experiment
 /// @param folder  of the results; the improved model of the verdict is written there

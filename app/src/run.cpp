@@ -129,11 +129,10 @@ Diagnosed diagnose(const RunArguments& arguments, const std::filesystem::path& f
     diagnosed.text =
         fmt::format("diagnosis {}\n{}{}\n", (folder / report::kDiagnosisPage).string(),
                     broken.empty() ? "" : "of a test that is not conclusive: ", verdict.sentence);
-    if (!verdict.fragment.empty())
-      for (const auto& file : {folder / report::kImprovedFolder / report::kImprovedExperiment,
-                               folder / report::kFragmentFile})
-        if (std::filesystem::exists(file))
-          diagnosed.text += fmt::format("improved  {}\n", file.string());
+    for (const auto& file : {folder / report::kImprovedFolder / report::kImprovedExperiment,
+                             folder / report::kFragmentFile})
+      if (std::filesystem::exists(file))
+        diagnosed.text += fmt::format("improved  {}\n", file.string());
     return diagnosed;
   } catch (const Error& error) {
     return {"", error.what()};

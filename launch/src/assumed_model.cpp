@@ -8,6 +8,7 @@
 
 #include <rths/adapters/srmd.hpp>
 #include <rths/core/error.hpp>
+#include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/installed_files.hpp>
 #include <rths/sim/composition.hpp>
 
@@ -126,7 +127,50 @@ Config bearing_of(const Config& changes, const Config& specimen) {
   return other.overlaid(changes);
 }
 
+// The actuator terms of a machine, switched off: the identified transfer system contains them.
+Config without_actuator_terms(Config machine) {
+  for (const auto& name : machine.keys()) {
+    if (!machine.is_table(name)) continue;
+    Config term = machine.table(name);
+    if (sim::term_kind(term.text("kind", name)).stage != sim::Stage::Actuator) continue;
+    term.set("enabled", "false");
+    machine.set(name, term);
+  }
+  return machine;
+}
+
+// The hydraulics of each axis as identified.
+void put_hydraulics(const budget::MismatchBudget& found, Config& machine) {
+  auto axes = adapters::read_machine(machine).axes;
+  for (const auto& axis : found.axes) {
+    auto& one = axes[axis.name == "long" ? 0 : 1];
+    one = budget::servo_axis(axis.transfer, one);
+  }
+  for (const auto& [key, member] : adapters::machine_keys())
+    machine.put(key, std::vector<double>{axes[0].*member, axes[1].*member});
+}
+
 }  // namespace
+
+Config improved_experiment(const Config& experiment, const std::string& improvement,
+                           const budget::MismatchBudget& found) {
+  const Config model = experiment.table_or_empty("model");
+  const Config terms =
+      read_improvement(model).overlaid(Config::parse(improvement, "improved.toml"));
+  const Config changes = model.table_or_empty("specimen").overlaid(found_in(terms, "specimen"));
+  Config machine = without_actuator_terms(experiment.table_or_empty("machine")
+                                              .overlaid(model.table_or_empty("machine"))
+                                              .overlaid(as_machine(found_in(terms, "machine"))));
+  put_hydraulics(found, machine);
+  Config improved = experiment;
+  improved.put("name", experiment.text("name") + "_improved");
+  improved.set("specimen", changes.has("model")
+                               ? changes
+                               : experiment.table_or_empty("specimen").overlaid(changes));
+  improved.set("machine", machine);
+  improved.set("model", model.without("specimen").without("machine").without("improvement"));
+  return improved;
+}
 
 AssumedModel read_assumed_model(const Config& table, const Config& specimen, const Config& machine,
                                 double axial_load) {

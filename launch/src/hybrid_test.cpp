@@ -9,6 +9,8 @@
 #include <rths/core/error.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
+#include "recorded_host.hpp"
+
 namespace rths::launch {
 namespace {
 
@@ -17,8 +19,6 @@ using recording::NodeTicks;
 using recording::Reader;
 
 constexpr const char* kHorizontal[] = {"long", "lat"};
-constexpr std::size_t kNoiseReach = 10;  // samples: 10 ms to either side
-constexpr const char* kController = "xpc";
 
 const NodePlan& controller_of(const Experiment& experiment) {
   for (const auto& plan : experiment.nodes)
@@ -101,11 +101,6 @@ std::vector<budget::Lead> lead_of(const Reader& run, const NodeTicks& ticks, con
   return lead;
 }
 
-std::string corrected_force(bool corrects, const char* axis) {
-  return corrects ? std::string{"monitor."} + kController + ".observer.force." + axis
-                  : std::string{"srmd."} + axis + ".force.fbk";
-}
-
 double relative_difference(const std::vector<double>& wanted, const std::vector<double>& found) {
   double apart = 0, all = 0;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -113,25 +108,6 @@ double relative_difference(const std::vector<double>& wanted, const std::vector<
     all += wanted[i] * wanted[i];
   }
   return all > 0 ? std::sqrt(apart / all) : 0;
-}
-
-// Controller periods from "at target" to the next target, and the period of the first target.
-void read_computing(const NodeTicks& ticks, budget::HybridTest& test) {
-  const auto at_target = ticks.values(std::string{"monitor."} + kController + ".pc.at_target");
-  const auto targets = ticks.values(std::string{"monitor."} + kController + ".pc.targets");
-  std::size_t reached = 0;
-  bool is_first = true;
-  for (std::size_t i = 1; i < targets.size(); ++i) {
-    // Missing rows are interpolated: only whole targets count.
-    if (std::floor(targets[i]) > std::floor(targets[i - 1])) {
-      if (is_first)
-        test.first_target = i;
-      else
-        test.computing.push_back(static_cast<int>(i - reached));
-      is_first = false;
-    }
-    if (at_target[i] >= 1 && at_target[i - 1] < 1) reached = i;
-  }
 }
 
 }  // namespace
@@ -156,11 +132,9 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
   if (!test.tested[1])
     std::fill(test.motion.lat_acceleration.begin(), test.motion.lat_acceleration.end(), 0);
   read_diagram(controller_of(experiment), test);
-  for (std::size_t i = 0; i < 2; ++i)
-    if (const std::string force = corrected_force(test.corrects, kHorizontal[i]); run.has(force))
-      test.force_noise[i] = budget::noise_of(ticks.values(force), kNoiseReach);
-  read_computing(ticks, test);
-  test.axial_load = ticks_or(run, ticks, "srmd.vert.force.fbk", experiment.model.axial_load);
+  const NodeTicks machine{run, kMachine};
+  read_host(experiment, run, ticks, test);
+  test.axial_load = ticks_or(run, machine, "srmd.vert.force.fbk", experiment.model.axial_load);
   test.specimen_simulated = test.specimen_identified = experiment.model;
   test.machine_simulated = test.machine_identified = experiment.assumed_machine;
   return test;
@@ -192,8 +166,9 @@ std::array<std::vector<double>, 2> fed_force_of(const Reader& run) {
   return force;
 }
 
-budget::TransferRecord transfer_record_of(const Reader& run, const std::string& axis) {
-  const NodeTicks ticks{run, "srmd"};
+budget::TransferRecord transfer_record_of(const Reader& run, const std::string& axis,
+                                          const budget::TickOrder& order) {
+  const NodeTicks ticks{run, kMachine};
   const auto machine = [&](const char* word) {
     return ticks.values(fmt::format("srmd.{}.{}", axis, word));
   };
@@ -201,7 +176,15 @@ budget::TransferRecord transfer_record_of(const Reader& run, const std::string& 
   const auto time = at_each_count(ticks.counter(), run.time());
   record.period = (time[ticks.count() - 1] - time[0]) / static_cast<double>(ticks.count() - 1);
   record.reference = machine("displ.ref_echo");
+  // A machine that is late makes its missed ticks at once, between two rows of the recording.
+  if (!order.controller_before.empty()) {
+    const auto sent = NodeTicks{run, kController}.values(fmt::format("xpc.{}.displ.ref", axis));
+    for (std::size_t i = 0; i < record.reference.size(); ++i)
+      if (const std::size_t made = order.controller_ticks(i); made >= 1 && made <= sent.size())
+        record.reference[i] = sent[made - 1];
+  }
   record.displacement = machine("displ.fbk");
+  record.acceleration = machine("accel.fbk");
   record.force = machine("force.fbk");
   return record;
 }
@@ -217,11 +200,10 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   auto test = hybrid_test_of(experiment, run);
   test.specimen_identified = improved.model;
   test.machine_identified = improved.assumed_machine;
-  std::array<budget::TransferSystem, 2> systems;
+  std::array<budget::TransferRecord, 2> records;
   for (std::size_t i = 0; i < 2; ++i)
-    if (test.tested[i])
-      systems[i] = budget::identify_transfer(transfer_record_of(run, kHorizontal[i]));
-  auto found = budget::mismatch_budget(std::move(test), response_of(experiment, run), systems,
+    if (test.tested[i]) records[i] = transfer_record_of(run, kHorizontal[i], test.order);
+  auto found = budget::mismatch_budget(std::move(test), response_of(experiment, run), records,
                                        fed_force_of(run));
   const NodeTicks ticks{run, kController};
   for (auto& axis : found.axes) {
@@ -229,7 +211,7 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
         ticks.values(fmt::format("monitor.{}.pc.command.{}", kController, axis.name)),
         ticks.values(fmt::format("monitor.{}.displacement.out.{}", kController, axis.name)));
     if (held_out != nullptr)
-      axis.held_out = budget::error_on(axis.transfer, transfer_record_of(*held_out, axis.name));
+      axis.held_out = budget::error_on(axis.transfer, transfer_record_of(*held_out, axis.name, {}));
   }
   return found;
 }

@@ -14,6 +14,7 @@
 
 #include <rths/core/error.hpp>
 
+#include "recorded_host.hpp"
 #include "run_modes.hpp"
 
 namespace rths::launch {
@@ -33,6 +34,12 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
           {"kernel", fmt::format("{} {} {}", host.sysname, host.release, host.machine)}};
 }
 
+std::size_t steps_of(const Experiment& experiment, const NodePlan& plan) {
+  constexpr double kSlowest = 2, kMargin = 10;  // of the planned duration; [s]
+  const double longest = (experiment.rest + experiment.duration * experiment.rate) * kSlowest;
+  return static_cast<std::size_t>((longest + kMargin) / to_seconds(plan.schedule.period));
+}
+
 Duration longest_stop(const Experiment& experiment) {
   constexpr double kMarginForPeers = 1.0;  // [s]
   return from_seconds(experiment.retreat.hold + experiment.retreat.ramp + kMarginForPeers);
@@ -45,10 +52,19 @@ std::string ending_of(const RunOutcome& outcome) {
   return outcome.interrupted ? "interrupted" : outcome.trouble;
 }
 
+void add_times(const std::filesystem::path& file, const NodePlan& plan,
+               const adapters::StepTimes& times) {
+  const double period = to_seconds(plan.schedule.period);
+  recording::add_meta_series(file, kLateSeries + plan.node, period,
+                             {times.late.begin(), times.late.end()});
+  recording::add_meta_series(file, kDurationSeries + plan.node, period,
+                             {times.duration.begin(), times.duration.end()});
+}
+
 // Adds data that is available only after the run. A killed recorder leaves its file open for
 // writing.
 void add_to_meta(const std::filesystem::path& file, const Experiment& experiment,
-                 const RunOutcome& outcome, const WallRunResult& result) {
+                 const RunOutcome& outcome, const RunResult& result) {
   std::string privileges;
   for (const auto& line : result.privileges) privileges += (privileges.empty() ? "" : "; ") + line;
   recording::NamedTexts meta{{"ending", ending_of(outcome)},
@@ -63,6 +79,9 @@ void add_to_meta(const std::filesystem::path& file, const Experiment& experiment
   if (!result.lateness.largest.empty())
     recording::add_meta_series(file, "host_late", result.lateness.interval,
                                result.lateness.largest);
+  for (const auto& plan : experiment.nodes)
+    if (const auto times = result.times.find(plan.node); times != result.times.end())
+      add_times(file, plan, times->second);
 }
 
 // As execvp searches it.
@@ -102,12 +121,9 @@ RunOutcome run(const Experiment& experiment, const RunOptions& options) {
   const WallClock clock;
   const TimePoint begun = clock.now();
   RunOutcome outcome;
-  WallRunResult result;
-  if (options.clock == ClockKind::Virtual) {
-    result.trouble = run_in_virtual_time(experiment, assembly, options);
-  } else {
-    result = run_in_wall_time(experiment, assembly, options);
-  }
+  const RunResult result = options.clock == ClockKind::Virtual
+                               ? run_in_virtual_time(experiment, assembly, options)
+                               : run_in_wall_time(experiment, assembly, options);
   outcome.trouble = result.trouble;
   outcome.interrupted = result.interrupted;
   outcome.completed = outcome.trouble.empty() && !outcome.interrupted;

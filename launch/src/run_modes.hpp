@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,23 +30,25 @@ struct RunCleaning {
   }
 };
 
-/// @returns the fault, empty if none
-[[nodiscard]] std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
-                                              const RunOptions& options);
-
 /// Wake-up latency of the host during a run: the largest of each interval.
 struct HostLateness {
   double interval = 0;          ///< [s]
   std::vector<double> largest;  ///< [s]
 };
 
-struct WallRunResult {
+struct RunResult {
   std::string trouble;  ///< empty if none
   bool interrupted = false;
   HostLateness lateness;
-  std::vector<std::string> privileges;  ///< missing privileges, one line per node
+  std::map<std::string, adapters::StepTimes> times;  ///< by node; some or none
+  std::vector<std::string> privileges;               ///< missing privileges, one line per node
 };
-[[nodiscard]] WallRunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
-                                             const RunOptions& options);
+[[nodiscard]] RunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
+                                         const RunOptions& options);
+[[nodiscard]] RunResult run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
+                                            const RunOptions& options);
+
+/// Steps of a node in the longest run of an experiment, slow-downs included.
+[[nodiscard]] std::size_t steps_of(const Experiment& experiment, const NodePlan& plan);
 
 }  // namespace rths::launch

@@ -17,6 +17,7 @@
 #include "peer_watch.hpp"
 #include "realtime_thread.hpp"
 #include "run_modes.hpp"
+#include "step_times.hpp"
 
 namespace rths::launch {
 namespace {
@@ -189,6 +190,9 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
     const SetupGuard guard{launcher, node};
     station->adapter->activate();
   }
+  // The budget of a diagnosis replays the order of their steps.
+  if (station->plan.adapter == "srmd" || station->plan.adapter == "simulink_like")
+    runner.keep_times(steps_of(experiment, station->plan));
   LauncherLink::send_line("ready");
   const auto epoch = wait_for_go(launcher);
   if (!epoch) {
@@ -202,6 +206,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
     const Reason reason = watch(loop, launcher, peers, longest_stop(experiment));
     code = conclude(loop, runner, node, reason, experiment.retreat);
   }
+  if (code == 0) send_times(runner.times());
   code = deactivate(*station->adapter, node, code);
   // After a fault, exits without leaving the ring, so that peers detect it even without the
   // launcher.

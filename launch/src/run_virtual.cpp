@@ -3,10 +3,11 @@
 // A run in virtual time: all adapters are stepped in the order of their due times. On one host they
 // are in this process, on a ring in private memory. On several hosts, each makes the steps of its
 // nodes and waits for those of the others. No step reads a clock, so the same experiment gives the
-// same bits.
+// same bits. A step can be made late on purpose.
 #include "run_modes.hpp"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -29,13 +30,14 @@ struct Runner {
   const Station* station;
   std::unique_ptr<adapters::AdapterRunner> runner;
   Duration due;
+  Duration start;  ///< of its next step
   bool finished = false;
 };
 
 Runner* next_due(std::vector<Runner>& runners) {
   Runner* next = nullptr;
   for (auto& runner : runners)
-    if (!runner.finished && (next == nullptr || runner.due < next->due)) next = &runner;
+    if (!runner.finished && (next == nullptr || runner.start < next->start)) next = &runner;
   return next;
 }
 
@@ -53,7 +55,10 @@ class VirtualRun {
                                         *station.adapter, ring, station.plan.node,
                                         assembly.map.hash(), station.plan.schedule.period)
                                   : nullptr,
-                          station.plan.schedule.phase, false});
+                          station.plan.schedule.phase, Duration{0}, false});
+      schedule(runners_.back());
+      if (options.lateness && runners_.back().runner)
+        runners_.back().runner->keep_times(steps_of(experiment, station.plan));
     }
   }
 
@@ -67,11 +72,27 @@ class VirtualRun {
         return "a node did not come to rest";
       report_progress(runner->due);
       runner->due += runner->station->plan.schedule.period;
+      schedule(*runner);
     }
     return trouble_;
   }
 
+  [[nodiscard]] std::map<std::string, adapters::StepTimes> times() const {
+    std::map<std::string, adapters::StepTimes> times;
+    for (const auto& runner : runners_)
+      if (options_.lateness && runner.runner)
+        times[runner.station->plan.node] = runner.runner->times();
+    return times;
+  }
+
  private:
+  // A late step delays those that follow until their time has come.
+  void schedule(Runner& runner) const {
+    const Duration late =
+        options_.lateness ? options_.lateness(runner.station->plan.node, runner.due) : Duration{0};
+    runner.start = std::max(runner.start, runner.due + std::max(late, Duration{0}));
+  }
+
   // Empty if another host did not make its step.
   std::optional<Status> step(Runner& runner) {
     const std::string& node = runner.station->plan.node;
@@ -80,7 +101,15 @@ class VirtualRun {
       if (!waited.trouble.empty()) trouble_ = waited.trouble;
       return waited.status;
     }
-    const Status status = runner.runner->tick(runner.due, stopping_since_.has_value(), {});
+    adapters::Timing timing;
+    if (options_.lateness) {
+      clock_.sleep_until(runner.start);
+      timing.late = runner.start - runner.due;
+      timing.clock = &clock_;
+      timing.due = runner.due;
+    }
+    const Status status = runner.runner->tick(runner.due, stopping_since_.has_value(), timing);
+    runner.runner->keep(timing);
     if (turns_ != nullptr) turns_->pass_on(runner.runner->node(), node, status);
     return status;
   }
@@ -105,16 +134,21 @@ class VirtualRun {
   const Experiment& experiment_;
   const RunOptions& options_;
   Turns* turns_;
+  VirtualClock clock_;
   std::vector<Runner> runners_;
   std::optional<Duration> stopping_since_;
   Duration next_progress_{0};
   std::string trouble_;
 };
 
-std::string run_on_one_host(const Experiment& experiment, Assembly& assembly,
-                            const RunOptions& options) {
+RunResult run_on_one_host(const Experiment& experiment, Assembly& assembly,
+                          const RunOptions& options) {
   broker::Ring ring = broker::Ring::in_process(assembly.map);
-  return VirtualRun{experiment, assembly, options, ring, nullptr}.run();
+  VirtualRun run{experiment, assembly, options, ring, nullptr};
+  RunResult result;
+  result.trouble = run.run();
+  result.times = run.times();
+  return result;
 }
 
 // The nodes of the other hosts step there, in the same order.
@@ -142,8 +176,8 @@ std::string run_on_several_hosts(const Experiment& experiment, Assembly& assembl
 
 }  // namespace
 
-std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
-                                const RunOptions& options) {
+RunResult run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
+                              const RunOptions& options) {
   const bool ends =
       std::any_of(experiment.nodes.begin(), experiment.nodes.end(), [](const NodePlan& plan) {
         return plan.adapter == "numerical" || plan.adapter == "opensees";
@@ -153,17 +187,21 @@ std::string run_in_virtual_time(const Experiment& experiment, Assembly& assembly
         experiment.file.string() +
         ": no node has the adapter 'numerical' or 'opensees', expected one to end a run in virtual "
         "time"};
-  std::string trouble = options.host.empty() ? run_on_one_host(experiment, assembly, options)
-                                             : run_on_several_hosts(experiment, assembly, options);
+  RunResult result;
+  if (options.host.empty())
+    result = run_on_one_host(experiment, assembly, options);
+  else
+    result.trouble = run_on_several_hosts(experiment, assembly, options);
   for (auto& station : assembly.stations) {
     if (!options.host.empty() && station.plan.host != options.host) continue;
     try {
       station.adapter->deactivate();
     } catch (const Error& error) {
-      if (trouble.empty()) trouble = fmt::format("{}: {}", station.plan.node, error.what());
+      if (result.trouble.empty())
+        result.trouble = fmt::format("{}: {}", station.plan.node, error.what());
     }
   }
-  return trouble;
+  return result;
 }
 
 }  // namespace rths::launch

@@ -19,6 +19,7 @@
 #include "interrupt.hpp"
 #include "launcher_link.hpp"
 #include "run_modes.hpp"
+#include "step_times.hpp"
 
 namespace rths::launch {
 namespace {
@@ -75,7 +76,7 @@ class WallRun {
     if (link_ != nullptr) link_->wait_until_ready([this] { return has_lost_a_node(); });
   }
 
-  WallRunResult run() {
+  RunResult run() {
     if (InterruptGuard::is_interrupted()) {
       result_.interrupted = true;
       return std::move(result_);
@@ -187,6 +188,8 @@ class WallRun {
         fail(node, ": " + line->substr(6));
       } else if (line->rfind("note ", 0) == 0) {
         result_.privileges.push_back(node.node + ": " + line->substr(5));
+      } else if (line->rfind(kTimesLine, 0) == 0) {
+        read_times(line->substr(std::string_view{kTimesLine}.size()), result_.times[node.node]);
       }
     }
     // A node stopped after a fault also exits with an error; the reason is already known.
@@ -231,14 +234,14 @@ class WallRun {
   std::optional<TimePoint> stopping_;
   TimePoint shown_{0};
   bool stopped_for_a_reason_ = false;
-  WallRunResult result_;
+  RunResult result_;
 };
 
 // Tells the other hosts how the test ended here.
-WallRunResult run_with_other_hosts(const Experiment& experiment, const Assembly& assembly,
-                                   const RunOptions& options, HostLink& link) {
+RunResult run_with_other_hosts(const Experiment& experiment, const Assembly& assembly,
+                               const RunOptions& options, HostLink& link) {
   const Duration farewell = longest_stop(experiment) + kRestMargin;
-  WallRunResult result;
+  RunResult result;
   try {
     WallRun run{experiment, assembly, options, &link};
     run.wait_until_ready();
@@ -256,8 +259,8 @@ WallRunResult run_with_other_hosts(const Experiment& experiment, const Assembly&
 
 }  // namespace
 
-WallRunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
-                               const RunOptions& options) {
+RunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
+                           const RunOptions& options) {
   const InterruptGuard guard;
   broker::on_lost_memory(broker::OnLostMemory::Continue);
   broker::Ring ring = broker::Ring::create(options.ring, assembly.map);

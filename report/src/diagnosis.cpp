@@ -106,26 +106,39 @@ Config placed(Config file, const fs::path& paths_from, const fs::path& folder) {
   return file;
 }
 
-// The improved case, and for a run the improved experiment.
-void write_improved(const diagnosis::CaseSource& improved, const fs::path& folder,
-                    DiagnosisFiles& files) {
-  if (improved.file.keys().empty()) return;
-  const fs::path inside = folder / kImprovedFolder;
-  fs::create_directories(inside);
-  files.improved = inside / kImprovedCase;
-  write_file(*files.improved, head_of("The case with the improved model", "rths diagnose") +
-                                  placed(improved.file, improved.folder, inside).to_toml());
-  if (improved.experiment.keys().empty() || !files.fragment) return;
+// An experiment whose laboratory is the improved simulation, or whose simulation is improved.
+Config improved_experiment(const diagnosis::CaseSource& improved, const fs::path& inside,
+                           const std::optional<fs::path>& fragment) {
   Config experiment = placed(improved.experiment, improved.experiment_folder, inside);
+  if (improved.has_improved_laboratory) return experiment;
   Config model = experiment.table_or_empty("model");
   auto improvement = model.texts("improvement", {});
   improvement.push_back(
-      fs::proximate(fs::absolute(*files.fragment), improved.experiment_folder).string());
+      fs::proximate(fs::absolute(*fragment), improved.experiment_folder).string());
   model.put("improvement", improvement);
   experiment.set("model", model);
+  return experiment;
+}
+
+// The improved case, and for a run the improved experiment.
+void write_improved(const diagnosis::CaseSource& improved, const fs::path& folder,
+                    DiagnosisFiles& files) {
+  const fs::path inside = folder / kImprovedFolder;
+  if (!improved.file.keys().empty()) {
+    fs::create_directories(inside);
+    files.improved = inside / kImprovedCase;
+    write_file(*files.improved, head_of("The case with the improved model", "rths diagnose") +
+                                    placed(improved.file, improved.folder, inside).to_toml());
+  }
+  if (improved.experiment.keys().empty() || !(files.fragment || improved.has_improved_laboratory))
+    return;
+  fs::create_directories(inside);
   files.experiment = inside / kImprovedExperiment;
   write_file(*files.experiment,
-             head_of("The experiment with the improved model", "rths run") + experiment.to_toml());
+             head_of(improved.has_improved_laboratory ? "The improved simulation as an experiment"
+                                                      : "The experiment with the improved model",
+                     "rths run") +
+                 improved_experiment(improved, inside, files.fragment).to_toml());
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ const budget = (() => {
   const AXIS = { long: "longitudinal", lat: "lateral" };
   const PART = {
     tracking: "tracking of the machine", force: "measurement of the force", specimen: "specimen",
-    machine: "friction and inertia of the machine", numerical: "numerical side",
+    machine: "friction and inertia of the machine", numerical: "numerical side", host: "lateness of the host",
   };
 
   const pictures = () => {

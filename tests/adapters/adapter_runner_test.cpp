@@ -346,6 +346,23 @@ TEST_F(AdapterRunnerTest, RunsMissedStepsAfterwards) {
   EXPECT_EQ(clock.now(), milliseconds{50});
 }
 
+TEST_F(AdapterRunnerTest, KeepsTheTimesOfScheduledStepsUntilAsManyAreKept) {
+  VirtualClock clock;
+  clock.sleep_until(milliseconds{2});
+  const std::atomic<bool> stopping{false};
+  echo.ends_after = 5;
+  runner.keep_times(4);
+
+  static_cast<void>(
+      run_loop(runner, clock, TimePoint{0}, {milliseconds{1}, Duration{0}}, stopping));
+  Timing early;
+  early.is_early = true;
+  EXPECT_REALTIME(runner.keep(early));
+
+  EXPECT_EQ(runner.times().late, (std::vector<float>{0.002F, 0.001F, 0, 0}));
+  EXPECT_EQ(runner.times().duration, (std::vector<float>(4, 0.0F)));
+}
+
 /// Each reading of this clock advances it, as if the host stopped the process there.
 class SlowClock final : public Clock {
  public:

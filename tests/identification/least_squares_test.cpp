@@ -80,6 +80,19 @@ TEST(LeastSquares, NeedsFewJacobians) {
   EXPECT_LE(jacobians, 1 + residuals / 2);
 }
 
+// As of a force that saturates at 1e15 N if the effect is absent.
+TEST(LeastSquares, FindsTheOthersIfAScaleIsFarBeyondItsBounds) {
+  const Decay decay{1, 0};
+  FitProblem p = decay.problem();
+  p.high[1] = 5;
+  p.scale[1] = 1e15;
+
+  const Fit fit = least_squares(p);
+
+  EXPECT_NEAR(fit.parameters[0], 3e6, 10);
+  EXPECT_NEAR(fit.parameters[1], 1.5, 1e-5);
+}
+
 TEST(LeastSquares, StaysInsideItsBounds) {
   const Decay decay{1};
   FitProblem p = decay.problem();

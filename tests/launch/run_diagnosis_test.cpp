@@ -3,6 +3,7 @@
 // A hybrid test from start to end: the specimen and the machine include effects that the simulation
 // omits, and the run ends with a diagnosis.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <set>
 
@@ -154,7 +155,27 @@ TEST_F(DiagnosedRun, WritesAnImprovedCaseOfItsRecords) {
   EXPECT_GT(improved.model.fitted.size(), given.model.fitted.size());
 }
 
-TEST_F(DiagnosedRun, ImprovesTheSimulationWithOneMoreCommand) {
+/// RMS difference between the first targets of two runs over the RMS of those of the first run.
+double difference(const recording::Reader& one, const recording::Reader& other,
+                  const std::string& axis, std::size_t steps) {
+  const auto targets = [&](const recording::Reader& run) {
+    return recording::at_each_count(run.signal("monitor.xpc.pc.targets"),
+                                    run.signal("opf." + axis + ".displ.target"));
+  };
+  const auto a = targets(one), b = targets(other);
+  double apart = 0, all = 0;
+  for (std::size_t i = 0; i < std::min({a.size(), b.size(), steps}); ++i) {
+    apart += (a[i] - b[i]) * (a[i] - b[i]);
+    all += a[i] * a[i];
+  }
+  return std::sqrt(apart / all);
+}
+
+// Its laboratory is the improved simulation, so its response is that of the test. In the last
+// seconds the plant rings, where a change of the dead band by 0.2 % changes the response of the
+// whole test by 1.5 %.
+TEST_F(DiagnosedRun, RunsTheImprovedSimulationWithOneMoreCommand) {
+  constexpr std::size_t kStrong = 2000;  // steps: 20 s
   const test::TemporaryFolder again;
   const auto improved = out() / "improved/experiment.toml";
 
@@ -167,20 +188,16 @@ TEST_F(DiagnosedRun, ImprovesTheSimulationWithOneMoreCommand) {
   const std::string model = recording.config(recording::kModelText);
   for (const char* term : {"[adiabatic_heating]", "[load_dependent_friction]"})
     EXPECT_NE(model.find(term), std::string::npos) << term << " in\n" << model;
-  const Json before = json_of(out() / "report.json")["axes"];
-  const Json after = json_of(again.path() / "report.json")["axes"];
-  for (const char* axis : {"long", "lat"}) {
-    // The remaining difference is the machine's delay, which no simulation includes.
-    EXPECT_LT(after[axis]["numerical_difference_percent"],
-              0.97 * before[axis]["numerical_difference_percent"].get<double>())
-        << axis;
-    // The specimen is unchanged, and the solver uses nearly the same stiffness.
-    EXPECT_NEAR(after[axis]["peak_displacement_mm"], before[axis]["peak_displacement_mm"],
-                0.05 * before[axis]["peak_displacement_mm"].get<double>())
-        << axis;
-    EXPECT_EQ(json_of(out() / "report.json")["axes"][axis]["improved_peak_shear_kN"],
-              after[axis]["numerical_peak_shear_kN"])
-        << axis;
+  const std::string text = test::content_of(improved);
+  EXPECT_NE(text.find("dead_band = ["), std::string::npos) << text;
+  EXPECT_EQ(text.find("improvement"), std::string::npos) << text;
+  const recording::Reader measured{out() / "run.h5"};
+  for (const auto& axis : verdict["budget"]["axes"]) {
+    const std::string name = axis["axis"];
+    EXPECT_LT(difference(measured, recording, name, kStrong), 0.03) << name;
+    EXPECT_LT(difference(measured, recording, name, 2 * kStrong),
+              0.5 * axis["difference_before"].get<double>())
+        << name;
   }
 }
 

@@ -114,6 +114,25 @@ TEST(WallRun, RunsEachNodeAsAProcessOfItsOwn) {
   EXPECT_GT(numbers["host_late_max_ms"], 0);
 }
 
+// A step of controller or machine begins after its scheduled time and takes some time.
+TEST(WallRun, RecordsTheTimesOfTheStepsOfControllerAndMachine) {
+  WallRun run{"times", "2", kShortRest};
+  expect_regular_end(run.running.wait(60));
+
+  const recording::Reader recorded{run.recording()};
+  for (const std::string node : {"srmd", "xpc"}) {
+    const auto late = recorded.meta_series("late." + node);
+    const auto duration = recorded.meta_series("duration." + node);
+    const auto steps = recorded.signal("monitor." + node + ".host.step");
+    EXPECT_EQ(late.interval, 0.001) << node;
+    EXPECT_EQ(late.values.size(), duration.values.size()) << node;
+    // The recorder misses some of the last steps.
+    EXPECT_GE(static_cast<double>(late.values.size()), steps.back()) << node;
+    EXPECT_GE(*std::min_element(late.values.begin(), late.values.end()), 0) << node;
+    EXPECT_GT(*std::max_element(duration.values.begin(), duration.values.end()), 0) << node;
+  }
+}
+
 TEST(WallRun, TakesAsLongAsTheTest) {
   WallRun run{"time", "3", kShortRest};
 

@@ -104,7 +104,8 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
                    {"switch_pc", kSingle, "1"},        {"state", kSingle, "1"},
                    {"counter", kSingle, "1"},          {"stopped", kSingle, "1"},
                    {"correct_time", kSingle, "s"},     {"predict_time", kSingle, "s"},
-                   {"slow_down_time", kSingle, "s"},   {"targets", kSingle, "1"}};
+                   {"slow_down_time", kSingle, "s"},   {"targets", kSingle, "1"},
+                   {"target_time", kSingle, "s"}};
   const auto delays = read_sampling_delay(table, context, settings);
   block.kind = table.placed("name", [&] {
     return PredictorCorrectorBlock{settings, delays, context.period};

@@ -22,7 +22,7 @@ PredictorCorrectorBlock::PredictorCorrectorBlock(
     vector->setZero(settings.axes);
 }
 
-// Outputs the time spent in each state when the next target arrives.
+// Outputs the time spent in each state when the next target arrives, and the time of its arrival.
 void PredictorCorrectorBlock::count(const Wires& w, bool new_target) noexcept {
   if (new_target) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -30,6 +30,7 @@ void PredictorCorrectorBlock::count(const Wires& w, bool new_target) noexcept {
       time_in_[i] = 0;
     }
     *w.out[13] += 1;
+    *w.out[14] = w.time;
   }
   const int state = static_cast<int>(command_.state());
   if (state >= 0) time_in_[state] += period_;

@@ -17,18 +17,28 @@ void read_pair(const Config& table, const std::string& key, double sim::ServoAxi
 
 }  // namespace
 
+std::span<const MachineKey> machine_keys() {
+  static constexpr MachineKey kKeys[] = {{"position_gain_per_s", &sim::ServoAxis::position_gain},
+                                         {"pressure_gain", &sim::ServoAxis::pressure_gain},
+                                         {"valve_frequency_Hz", &sim::ServoAxis::valve_frequency},
+                                         {"valve_damping", &sim::ServoAxis::valve_damping},
+                                         {"dead_band", &sim::ServoAxis::dead_band},
+                                         {"rated_flow_m3_per_s", &sim::ServoAxis::rated_flow},
+                                         {"piston_area_m2", &sim::ServoAxis::piston_area},
+                                         {"oil_volume_m3", &sim::ServoAxis::oil_volume},
+                                         {"bulk_modulus_Pa", &sim::ServoAxis::bulk_modulus},
+                                         {"leakage_m3_per_Pa_s", &sim::ServoAxis::leakage},
+                                         {"transport_delay_s", &sim::ServoAxis::transport_delay},
+                                         {"effective_mass_kg", &sim::ServoAxis::effective_mass},
+                                         {"force_offset_N", &sim::ServoAxis::force_offset}};
+  return kKeys;
+}
+
 sim::TestMachine read_machine(const Config& changes) {
   const Config table = sim::srmd_terms().overlaid(changes);
   sim::TestMachine machine = sim::srmd_machine();
   auto& axes = machine.axes;
-  read_pair(table, "position_gain_per_s", &sim::ServoAxis::position_gain, axes);
-  read_pair(table, "pressure_gain", &sim::ServoAxis::pressure_gain, axes);
-  read_pair(table, "valve_frequency_Hz", &sim::ServoAxis::valve_frequency, axes);
-  read_pair(table, "dead_band", &sim::ServoAxis::dead_band, axes);
-  read_pair(table, "bulk_modulus_Pa", &sim::ServoAxis::bulk_modulus, axes);
-  read_pair(table, "transport_delay_s", &sim::ServoAxis::transport_delay, axes);
-  read_pair(table, "effective_mass_kg", &sim::ServoAxis::effective_mass, axes);
-  read_pair(table, "force_offset_N", &sim::ServoAxis::force_offset, axes);
+  for (const auto& [key, member] : machine_keys()) read_pair(table, key, member, axes);
   auto& noise = machine.noise;
   noise.displacement = table.number_in("displacement_noise_m", 0, 1, noise.displacement);
   noise.force = table.number_in("force_noise_N", 0, 1e9, noise.force);

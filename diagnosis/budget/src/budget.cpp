@@ -14,11 +14,14 @@ namespace {
 
 constexpr double kWorthNaming = 0.02;  // share [-]
 constexpr const char* kAxisNames[] = {"long", "lat"};
-constexpr const char* kPartNames[kParts] = {"tracking", "force", "specimen", "machine",
-                                            "numerical"};
-constexpr const char* kPartTexts[kParts] = {"tracking of the machine", "measurement of the force",
-                                            "the specimen", "friction and inertia of the machine",
-                                            "the numerical side"};
+constexpr const char* kPartNames[kParts] = {"tracking", "force",     "specimen",
+                                            "machine",  "numerical", "host"};
+constexpr const char* kPartTexts[kParts] = {"tracking of the machine",
+                                            "measurement of the force",
+                                            "the specimen",
+                                            "friction and inertia of the machine",
+                                            "the numerical side",
+                                            "lateness of the host"};
 
 double energy(const std::vector<double>& values) {
   double sum = 0;
@@ -47,7 +50,12 @@ using Energies = std::vector<std::array<double, 2>>;
 Energies energies_of(const HybridTest& test, const Response& measured, Response& simulated,
                      Response& improved) {
   Energies energies(std::size_t{1} << kParts);
+  const bool is_late = !test.order.machine_before.empty() || !test.arrivals.empty();
   for (Parts parts = kNone; parts <= kAll; ++parts) {
+    if (!is_late && has(parts, Part::Host)) {
+      energies[parts] = energies[parts & ~only(Part::Host)];
+      continue;
+    }
     Response response = closed_loop(test, parts);
     for (std::size_t axis = 0; axis < 2; ++axis) {
       energies[parts][axis] = energy_between(measured[axis], response[axis]);
@@ -56,7 +64,7 @@ Energies energies_of(const HybridTest& test, const Response& measured, Response&
             fmt::format("the closed loop diverges with {} as identified", parts_text(parts))};
     }
     if (parts == kNone) simulated = response;
-    if (parts == kAll) improved = std::move(response);
+    if ((parts | only(Part::Host)) == kAll) improved = std::move(response);
   }
   return energies;
 }
@@ -92,13 +100,16 @@ double total(const MismatchBudget& budget, std::size_t part) {
 const char* name_of(Part part) { return kPartNames[static_cast<unsigned>(part)]; }
 
 MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
-                               const std::array<TransferSystem, 2>& systems,
+                               const std::array<TransferRecord, 2>& records,
                                const std::array<std::vector<double>, 2>& force) {
+  std::array<TransferSystem, 2> systems;
   for (std::size_t axis = 0; axis < 2; ++axis)
     if (test.tested[axis]) {
+      systems[axis] = identify_transfer(records[axis]);
       auto& hydraulics = test.machine_identified.axes[axis];
       hydraulics = servo_axis(systems[axis], hydraulics);
     }
+  test.noise = sensor_noise(test, records);
   MismatchBudget budget;
   budget.integration_step = test.integration_step;
   Response simulated, improved;

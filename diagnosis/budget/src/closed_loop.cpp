@@ -6,7 +6,8 @@
 
 #include <rths/controller/target_exchange.hpp>
 #include <rths/sim/plant_analysis.hpp>
-#include <rths/sim/term.hpp>
+
+#include "laboratory.hpp"
 
 namespace rths::budget {
 namespace {
@@ -15,202 +16,13 @@ using Eigen::Vector2d;
 
 constexpr double kRounding = 1e-9;  // of a count of steps times their length [s]
 
-std::vector<sim::TermSettings> terms_of_stage(const sim::TestMachine& machine, sim::Stage stage) {
-  std::vector<sim::TermSettings> found;
-  for (const auto& term : machine.terms)
-    if (sim::term_kind(term.kind).stage == stage) found.push_back(term);
-  return found;
-}
-
-/// Terms with their state.
-class RunningTerms {
- public:
-  RunningTerms(const std::vector<sim::TermSettings>& terms, double period)
-      : composition_{terms, period}, state_(composition_.states()) {}
-  void advance(sim::Quantities<double>& q) noexcept { composition_.advance(state_, q); }
-
- private:
-  sim::Composition composition_;
-  std::vector<double> state_;
-};
-
-/// Motion of the platen and the forces on it, at the end of a controller period.
-struct Platen {
-  Vector2d displacement = Vector2d::Zero(), velocity = Vector2d::Zero(),
-           acceleration = Vector2d::Zero();
-  Vector2d specimen_force = Vector2d::Zero();
-};
-
-/// The machine's own force, as it moves the platen [N].
-class MachineOwnForce {
- public:
-  MachineOwnForce(const sim::TestMachine& machine, double period)
-      : terms_{terms_of_stage(machine, sim::Stage::Machine), period}, axes_{machine.axes} {
-    // platen_inertia reads the acceleration of its quantities; as a term of a machine it adds mass.
-  }
-  Vector2d operator()(const Platen& platen, double time, double axial_load) noexcept {
-    sim::Quantities<double> q;
-    q.time = time;
-    for (std::size_t i = 0; i < 2; ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
-      q.displacement[i] = platen.displacement[axis];
-      q.velocity[i] = platen.velocity[axis];
-      q.acceleration[i] = platen.acceleration[axis];
-    }
-    q.axial_load = axial_load;
-    terms_.advance(q);
-    return {q.force[0] + axes_[0].effective_mass * platen.acceleration[0] + axes_[0].force_offset,
-            q.force[1] + axes_[1].effective_mass * platen.acceleration[1] + axes_[1].force_offset};
-  }
-
- private:
-  RunningTerms terms_;
-  std::array<sim::ServoAxis, 2> axes_;
-};
-
-/// Moves the platen as the reference says. Its rates are differences.
-class IdealTransfer {
- public:
-  IdealTransfer(const HybridTest& test, const sim::Bearing& specimen)
-      : period_{test.period},
-        actuator_{terms_of_stage(test.machine_simulated, sim::Stage::Actuator), period_},
-        specimen_{specimen, period_} {}
-
-  void step(const Vector2d& reference, double axial_load, Platen& platen) noexcept {
-    sim::Quantities<double> q;
-    q.time = time_;
-    q.displacement = {reference[0], reference[1]};
-    actuator_.advance(q);
-    time_ += period_;
-    const Vector2d displacement{q.displacement[0], q.displacement[1]};
-    const Vector2d velocity = (displacement - platen.displacement) / period_;
-    platen.acceleration = (velocity - platen.velocity) / period_;
-    platen.velocity = velocity;
-    platen.displacement = displacement;
-    platen.specimen_force = specimen_.advance(displacement, velocity, axial_load);
-  }
-
- private:
-  double period_, time_ = 0;
-  RunningTerms actuator_;
-  sim::BearingRun specimen_;
-};
-
-sim::TestMachine quiet(sim::TestMachine machine, const sim::TestMachine& terms,
-                       const sim::Bearing& specimen) {
-  machine.terms = terms.terms;
-  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-    machine.axes[i].effective_mass = terms.axes[i].effective_mass;
-    machine.axes[i].force_offset = terms.axes[i].force_offset;
-  }
-  // The identified hydraulics contain the actuator; sensors are exact.
-  std::erase_if(machine.terms, [](const auto& term) {
-    const sim::Stage stage = sim::term_kind(term.kind).stage;
-    return stage == sim::Stage::Actuator || stage == sim::Stage::Sensor;
-  });
-  machine.noise = {0, 0, 0};
-  machine.specimen = specimen;
-  machine.has_specimen = true;
-  return machine;
-}
-
-/// Moves the platen by the identified hydraulics.
-class ServoTransfer {
- public:
-  ServoTransfer(const HybridTest& test, const sim::TestMachine& terms, const sim::Bearing& specimen)
-      : period_{test.period}, run_{quiet(test.machine_identified, terms, specimen), period_} {}
-
-  void step(const Vector2d& reference, double axial_load, Platen& platen) noexcept {
-    sim::MachineFeedback feedback;
-    static_cast<void>(run_.step(reference, axial_load, feedback));
-    platen.velocity = (feedback.displacement - platen.displacement) / period_;
-    platen.displacement = feedback.displacement;
-    platen.acceleration = feedback.acceleration;
-    platen.specimen_force = run_.specimen_force();
-    table_force = feedback.force;
-  }
-
-  Vector2d table_force = Vector2d::Zero();
-
- private:
-  double period_;
-  sim::TestMachineRun run_;
-};
-
-/// From the reference to the force that the controller feeds back.
-class Laboratory {
- public:
-  Laboratory(const HybridTest& test, Parts identified, std::size_t first_period)
-      : test_{test},
-        specimen_{has(identified, Part::Specimen) ? test.specimen_identified
-                                                  : test.specimen_simulated},
-        machine_{has(identified, Part::Machine) ? test.machine_identified : test.machine_simulated},
-        ideal_{test, specimen_},
-        force_{machine_, test.period},
-        simulated_force_{test.machine_simulated, test.period},
-        measures_{has(identified, Part::Force)},
-        knows_load_{has(identified, Part::Machine) && !test.axial_load.empty()},
-        periods_{first_period} {
-    if (has(identified, Part::Tracking)) servo_.emplace(test, machine_, specimen_);
-    for (const auto& machine : test.corrected)
-      observers_.emplace_back(machine, test.period, test.slope_samples);
-  }
-
-  /// One controller period. @param compression  of the analysis [N]   @returns the force fed back
-  const Vector2d& step(const Vector2d& reference, double compression) noexcept {
-    const double load = knows_load_
-                            ? test_.axial_load[std::min(periods_, test_.axial_load.size() - 1)]
-                            : compression;
-    if (servo_)
-      servo_->step(reference, load, platen_);
-    else
-      ideal_.step(reference, load, platen_);
-    ++periods_;
-    const double time = static_cast<double>(periods_) * test_.period;
-    const Vector2d own = force_(platen_, time, load);
-    const Vector2d simulated = simulated_force_(platen_, time, load);
-    const Vector2d table = servo_ ? servo_->table_force : Vector2d{platen_.specimen_force + own};
-    if (!measures_) {
-      fed_back_ = platen_.specimen_force + own - simulated;
-      return fed_back_;
-    }
-    for (Eigen::Index i = 0; i < 2; ++i) {
-      const double corrected = observers_[static_cast<std::size_t>(i)].step(
-          platen_.displacement[i], platen_.acceleration[i], table[i]);
-      fed_back_[i] = (test_.corrects ? corrected : table[i]) + noise(static_cast<std::size_t>(i));
-    }
-    return fed_back_;
-  }
-
-  // Of the period just made.
-  [[nodiscard]] double noise(std::size_t axis) const noexcept {
-    const auto& noise = test_.force_noise[axis];
-    return periods_ <= noise.size() ? noise[periods_ - 1] : 0;
-  }
-  [[nodiscard]] const Vector2d& fed_back() const { return fed_back_; }
-  [[nodiscard]] const Vector2d& displacement() const { return platen_.displacement; }
-
- private:
-  const HybridTest& test_;
-  const sim::Bearing& specimen_;
-  const sim::TestMachine& machine_;
-  std::optional<ServoTransfer> servo_;
-  IdealTransfer ideal_;
-  MachineOwnForce force_, simulated_force_;
-  std::vector<controller::ForceObserver> observers_;
-  bool measures_, knows_load_;
-  std::size_t periods_;
-  Platen platen_;
-  Vector2d fed_back_ = Vector2d::Zero();
-};
-
 /// The lead that compensates for the transfer system; none if that is ideal.
-Vector2d led(const HybridTest& test, bool tracks, std::size_t period, const Vector2d& x,
+Vector2d led(const HybridTest& test, bool tracks, std::size_t tick, const Vector2d& x,
              const Vector2d& v, const Vector2d& a) {
   Vector2d reference = x;
   for (std::size_t i = 0; tracks && i < 2; ++i) {
     if (test.lead[i].empty()) continue;
-    const Lead& lead = test.lead[i][std::min(period, test.lead[i].size() - 1)];
+    const Lead& lead = test.lead[i][std::min(tick, test.lead[i].size() - 1)];
     const auto axis = static_cast<Eigen::Index>(i);
     reference[axis] = lead[0] * x[axis] + lead[1] * v[axis] + lead[2] * a[axis];
   }
@@ -236,23 +48,60 @@ double compression(const HybridTest& test, const sim::PlantAnalysis& analysis) {
   return test.specimen_simulated.axial_load + analysis.vertical_force();
 }
 
+/// The laboratory, and the references that the controller has sent to it.
+class DrivenLaboratory {
+ public:
+  /// @param first_tick  of the controller
+  DrivenLaboratory(const HybridTest& test, Parts identified, std::size_t first_tick)
+      : order_{has(identified, Part::Host) ? test.order : TickOrder{}},
+        first_tick_{first_tick},
+        laboratory_{test, identified, first_tick == 0 ? 0 : order_.machine_ticks(first_tick)} {}
+
+  /// Of the controller's next tick.
+  void send(const Vector2d& reference) { references_.push_back(reference); }
+  /// Moves the machine until the controller reads its feedback in a tick.
+  void move_until(std::size_t controller_tick, double compression) {
+    while (laboratory_.ticks() < order_.machine_ticks(controller_tick))
+      laboratory_.move(reference_of(laboratory_.ticks()), compression);
+  }
+  const Vector2d& feed_back() { return laboratory_.feed_back(); }
+  [[nodiscard]] const Vector2d& displacement() const { return laboratory_.displacement(); }
+
+ private:
+  // The latest reference that the machine finds in a tick.
+  [[nodiscard]] Vector2d reference_of(std::size_t machine_tick) const {
+    const std::size_t sent = order_.controller_ticks(machine_tick);
+    if (references_.empty() || sent <= first_tick_) return Vector2d::Zero();
+    return references_[std::min(sent - first_tick_, references_.size()) - 1];
+  }
+
+  TickOrder order_;
+  std::size_t first_tick_;
+  std::vector<Vector2d> references_;
+  Laboratory laboratory_;
+};
+
 // As simulated: a target per controller period, which is its command.
 Response run_with_fine_steps(const HybridTest& test, Parts identified) {
   const double step = test.period / test.rate;  // model time
   sim::PlantAnalysis analysis = analysis_of(test, step);
-  Laboratory laboratory{test, identified, test.first_target};
+  const std::size_t first = test.first_target + 1;  // tick of the controller
+  DrivenLaboratory laboratory{test, identified, first};
   const bool tracks = has(identified, Part::Tracking);
   Response response;
   Vector2d last_velocity = Vector2d::Zero();
-  const auto steps = std::llround(test.duration / step);
-  const auto per_sample = std::max(1LL, std::llround(test.integration_step / step));
-  for (long long n = 1; n <= steps; ++n) {
+  const auto steps = static_cast<std::size_t>(std::llround(test.duration / step));
+  const auto per_sample = std::max<std::size_t>(
+      1, static_cast<std::size_t>(std::llround(test.integration_step / step)));
+  for (std::size_t n = 1; n <= steps; ++n) {
+    const std::size_t tick = first + n - 1;
     const Vector2d target = along_tested(test, analysis.predict());
     const Vector2d velocity = along_tested(test, analysis.predicted_velocity()) / test.rate;
-    const Vector2d reference = led(test, tracks, test.first_target + static_cast<std::size_t>(n),
-                                   target, velocity, (velocity - last_velocity) / test.period);
+    laboratory.send(
+        led(test, tracks, tick, target, velocity, (velocity - last_velocity) / test.period));
     last_velocity = velocity;
-    analysis.correct(along_tested(test, laboratory.step(reference, compression(test, analysis))));
+    laboratory.move_until(tick + 1, compression(test, analysis));
+    analysis.correct(along_tested(test, laboratory.feed_back()));
     if (n % per_sample == 0) append(target, response);
   }
   return response;
@@ -264,6 +113,7 @@ class SteppedRun {
   SteppedRun(const HybridTest& test, Parts identified)
       : test_{test},
         tracks_{has(identified, Part::Tracking)},
+        is_late_{has(identified, Part::Host)},
         analysis_{analysis_of(test, test.integration_step)},
         laboratory_{test, identified, 0},
         settings_{settings_of(test)},
@@ -271,6 +121,7 @@ class SteppedRun {
         exchange_{{0, 0}, settings_},
         arrival_{test.first_target} {
     target_.displacement = target_.velocity = target_.acceleration = Eigen::VectorXd::Zero(2);
+    if (is_late_ && !test.arrivals.empty()) arrival_ = test.arrivals[0].last;
     begin();
   }
 
@@ -295,51 +146,72 @@ class SteppedRun {
     load_ = compression(test_, analysis_);
   }
 
-  // One controller period: the machine moves, the controller commands, the integrator answers.
+  // One tick of the controller, after those of the machine: the integrator answers it.
   void step() {
-    laboratory_.step(reference_, load_);
-    const bool arrives = period_ == arrival_;
+    laboratory_.move_until(tick_, load_);
+    const Vector2d& force = laboratory_.feed_back();
+    const bool arrives = tick_ == arrival_;
     if (arrives) append(target_.displacement, response_);
     const auto substeps =
         std::max(1L, std::lround(settings_.substeps * test_.period / settings_.simulation_step));
     for (long i = 0; i < substeps; ++i) {
       const bool is_new = exchange_.begin(arrives ? 1 : 0);
       command_.substep(is_new, target_);
-      exchange_.end(command_, laboratory_.displacement(), laboratory_.fed_back());
+      exchange_.end(command_, laboratory_.displacement(), force);
     }
-    reference_ = led(test_, tracks_, period_, command_.command(), command_.command_velocity(),
-                     command_.command_acceleration());
+    laboratory_.send(led(test_, tracks_, tick_, command_.command(), command_.command_velocity(),
+                         command_.command_acceleration()));
     if (arrives) is_under_way_ = true;
     if (is_under_way_ && exchange_.at_target()) answer();
-    ++period_;
+    ++tick_;
   }
 
   void answer() {
     is_under_way_ = false;
     analysis_.correct(along_tested(test_, exchange_.held_force()));
-    const std::size_t done = response_[0].size() - 1;
+    const std::size_t next = response_[0].size();
     const int computing =
-        test_.computing.empty() ? 1 : test_.computing[std::min(done, test_.computing.size() - 1)];
-    arrival_ = period_ + static_cast<std::size_t>(std::max(1, computing));
+        test_.computing.empty() ? 1 : test_.computing[std::min(next, test_.computing.size()) - 1];
+    arrival_ = tick_ + static_cast<std::size_t>(std::max(1, computing));
+    if (is_late_ && next < test_.arrivals.size()) {
+      const Arrival& found = test_.arrivals[next];
+      arrival_ = std::max(std::clamp(arrival_, found.first, found.last), tick_ + 1);
+    }
     begin();
   }
 
   const HybridTest& test_;
-  bool tracks_;
+  bool tracks_, is_late_;
   sim::PlantAnalysis analysis_;
-  Laboratory laboratory_;
+  DrivenLaboratory laboratory_;
   controller::PredictorCorrectorSettings settings_;
   controller::PredictorCorrector command_;
   controller::TargetExchange exchange_;
   controller::Target target_;
-  std::size_t period_ = 0, arrival_;
+  std::size_t tick_ = 0, arrival_;
   bool is_under_way_ = false;
   double load_ = 0;
-  Vector2d reference_ = Vector2d::Zero();
   Response response_;
 };
 
 }  // namespace
+
+TickOrder order_of(const TickTimes& machine, const TickTimes& controller) {
+  TickOrder order;
+  bool is_on_time = true;
+  const std::size_t moves = machine.begin.size(), answers = controller.begin.size();
+  for (std::size_t n = 0, m = 0; n < answers; ++n) {
+    while (m < moves && machine.end[m] <= controller.begin[n]) ++m;
+    order.machine_before.push_back(m);
+    is_on_time = is_on_time && (m == n + 1 || m == moves);
+  }
+  for (std::size_t m = 0, n = 0; m < moves; ++m) {
+    while (n < answers && controller.end[n] < machine.begin[m]) ++n;
+    order.controller_before.push_back(n);
+    is_on_time = is_on_time && (n == m || n == answers);
+  }
+  return is_on_time ? TickOrder{} : order;
+}
 
 std::vector<double> noise_of(const std::vector<double>& signal, std::size_t reach) {
   std::vector<double> noise(signal.size(), 0.0);

@@ -26,6 +26,14 @@ void check(const FitProblem& p) {
     throw Error{"least squares: the start lies outside the bounds"};
 }
 
+// A scale far beyond the distance of the bounds would make all other parameters negligible.
+VectorXd scale_within_bounds(const FitProblem& p) {
+  VectorXd scale = p.scale;
+  for (Index i = 0; i < scale.size(); ++i)
+    if (const double span = p.high[i] - p.low[i]; span > 0) scale[i] = std::min(scale[i], span);
+  return scale;
+}
+
 // A point of the fit, in parameters divided by their scales.
 struct Point {
   VectorXd x, residual;
@@ -38,9 +46,10 @@ class Minimiser {
  public:
   explicit Minimiser(const FitProblem& problem)
       : problem_{problem},
-        low_{problem.low.cwiseQuotient(problem.scale)},
-        high_{problem.high.cwiseQuotient(problem.scale)} {
-    at_.x = problem.start.cwiseQuotient(problem.scale);
+        scale_{scale_within_bounds(problem)},
+        low_{problem.low.cwiseQuotient(scale_)},
+        high_{problem.high.cwiseQuotient(scale_)} {
+    at_.x = problem.start.cwiseQuotient(scale_);
     if (!evaluate(at_, true)) throw Error{"least squares: no residual at the start"};
   }
 
@@ -56,8 +65,8 @@ class Minimiser {
 
   [[nodiscard]] Fit result(bool converged) {
     if (problem_.wants_jacobian && !at_.is_exact) converged = refresh() && converged;
-    return {parameters(at_), 2 * at_.cost,
-            at_.jacobian * problem_.scale.cwiseInverse().asDiagonal(), at_.residual, converged};
+    return {parameters(at_), 2 * at_.cost, at_.jacobian * scale_.cwiseInverse().asDiagonal(),
+            at_.residual, converged};
   }
 
  private:
@@ -107,14 +116,14 @@ class Minimiser {
   }
 
   [[nodiscard]] VectorXd parameters(const Point& point) const {
-    return point.x.cwiseProduct(problem_.scale).cwiseMax(problem_.low).cwiseMin(problem_.high);
+    return point.x.cwiseProduct(scale_).cwiseMax(problem_.low).cwiseMin(problem_.high);
   }
 
   bool evaluate(Point& point, bool wants_jacobian) const {
     if (!problem_.residuals(parameters(point), point.residual,
                             wants_jacobian ? &point.jacobian : nullptr))
       return false;
-    if (wants_jacobian) point.jacobian *= problem_.scale.asDiagonal();
+    if (wants_jacobian) point.jacobian *= scale_.asDiagonal();
     point.cost = point.residual.squaredNorm() / 2;
     return std::isfinite(point.cost) && (!wants_jacobian || point.jacobian.allFinite());
   }
@@ -165,7 +174,7 @@ class Minimiser {
   }
 
   const FitProblem& problem_;
-  VectorXd low_, high_;
+  VectorXd scale_, low_, high_;
   Point at_;
   double damping_ = kFirstDamping, gain_ = 0;
 };

@@ -89,7 +89,7 @@ void name_transfer_system(Verdict& verdict) {
   std::erase_if(verdict.causes, [](const Cause& cause) { return cause.part == Part::Actuator; });
   if (verdict.causes.empty()) {
     verdict.fragment.clear();
-    verdict.improved = {};
+    verdict.improved.file = {};
     verdict.refitted.clear();
     verdict.ablation.clear();
   }

@@ -31,6 +31,12 @@ struct Timing {
   TimePoint due{0};              ///< scheduled start of the step on this clock
 };
 
+/// Times of the scheduled steps of a node, in order [s].
+struct StepTimes {
+  std::vector<float> late;      ///< start after the scheduled time
+  std::vector<float> duration;  ///< until its outputs are written
+};
+
 /// Monitors that every node writes, at the start of its monitor partition: see `AdapterRunner`.
 [[nodiscard]] std::vector<Port> runner_ports();
 
@@ -52,6 +58,13 @@ class AdapterRunner {
 
   /// Runs one step. @param time  scheduled, since the start of the run   @realtime
   [[nodiscard]] Status tick(Duration time, bool stopping, const Timing& timing) RTHS_REALTIME;
+
+  /// Keeps the times of this many scheduled steps from now on.   @setup
+  void keep_times(std::size_t steps);
+  /// To be called after each step, with its own duration. Does nothing for early steps, without
+  /// `keep_times`, and when as many are kept.   @realtime
+  void keep(const Timing& timing) RTHS_REALTIME;
+  [[nodiscard]] const StepTimes& times() const { return times_; }
 
   /// Waits until `time` or the adapter's Wake event.   @realtime, except for the sleep
   void wait_until(TimePoint time, Clock& clock) RTHS_REALTIME;
@@ -98,6 +111,7 @@ class AdapterRunner {
   std::vector<double> inputs_, outputs_;
   StepData step_;
   std::uint64_t steps_ = 0, overruns_ = 0, stale_ = 0;
+  StepTimes times_;
 };
 
 /// Returns the signal name of a port of `node`.

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <rths/budget/budget.hpp>
+#include <rths/core/config.hpp>
 #include <rths/launch/experiment.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::launch {
 
 /// A run as the closed loop of a budget. Simulated parts come from [model] of the experiment. What
-/// the run did itself comes from its recording: times of computing, compensation, vertical load,
-/// and the settings of its controller. The identified parts equal the simulated ones.
+/// the run did itself comes from its recording: times of computing, lateness of the host,
+/// compensation, vertical load, and the settings of its controller. The identified parts equal the
+/// simulated ones.
 /// @param run  recording with a node "xpc" of adapter simulink_like and "srmd"
 /// @throws Error if the recording lacks a signal   @setup
 [[nodiscard]] budget::HybridTest hybrid_test_of(const Experiment& experiment,
@@ -24,9 +26,11 @@ namespace rths::launch {
 [[nodiscard]] std::array<std::vector<double>, 2> fed_force_of(const recording::Reader& run);
 
 /// Signals of one axis of the machine of a run.
-/// @param axis  "long" or "lat"   @throws Error if the recording lacks a signal   @setup
+/// @param axis  "long" or "lat"
+/// @param order  of the ticks of the run   @throws Error if the recording lacks a signal   @setup
 [[nodiscard]] budget::TransferRecord transfer_record_of(const recording::Reader& run,
-                                                        const std::string& axis);
+                                                        const std::string& axis,
+                                                        const budget::TickOrder& order);
 
 /// The mismatch budget of a run. Its transfer system is identified from the recording.
 /// @param improved  the experiment with the improvements of a diagnosis: its model holds specimen
@@ -38,5 +42,13 @@ namespace rths::launch {
                                                    const Experiment& improved,
                                                    const recording::Reader& run,
                                                    const recording::Reader* held_out);
+
+/// The improved simulation as an experiment: its laboratory is the model of the given experiment
+/// with the improvements and the identified transfer systems. Its simulation omits nothing.
+/// @param experiment  with the changes of its command line
+/// @param improvement  improved.toml of a diagnosis, as text; may be empty
+/// @throws Error if a term is wrong   @setup
+[[nodiscard]] Config improved_experiment(const Config& experiment, const std::string& improvement,
+                                         const budget::MismatchBudget& found);
 
 }  // namespace rths::launch

@@ -28,6 +28,9 @@ struct RunOptions {
   std::function<void()> started;
   std::function<void(const Progress&)> progress;   ///< called a few times per second; may be empty
   std::function<void(const std::string&)> report;  ///< a line per event of the network, any thread
+  /// In virtual time on one host: how late a step of a node starts that is due at a time. The
+  /// recording then holds the times of all steps, as in real time. Empty: never.
+  std::function<Duration(const std::string& node, Duration due)> lateness;
 };
 
 /// Result of a run.

@@ -38,17 +38,18 @@ struct MismatchBudget {
   [[nodiscard]] bool is_empty() const { return axes.empty(); }
 };
 
-/// "tracking", "force", "specimen", "machine", "numerical"
+/// "tracking", "force", "specimen", "machine", "numerical", "host"
 [[nodiscard]] const char* name_of(Part part);
 
-/// Runs the closed loop with all 32 sets of identified parts.
+/// Identifies the transfer systems and the noise of the sensors, then runs the closed loop with all
+/// 64 sets of identified parts; 32 if the host was never late.
 /// @param measured  response of the test
-/// @param systems  identified transfer systems; those of untested axes are ignored. The hydraulics
-///                 of `test.machine_identified` become these.
+/// @param records  of the machine; those of untested axes are ignored. The hydraulics of
+///                 `test.machine_identified` become the identified ones.
 /// @param force  fed to the integrator of the test, by integration step [N]
-/// @throws Error if a closed loop diverges, or as `closed_loop` does   @setup
+/// @throws Error if a closed loop diverges, or as `closed_loop` and `identify_transfer` do   @setup
 [[nodiscard]] MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
-                                             const std::array<TransferSystem, 2>& systems,
+                                             const std::array<TransferRecord, 2>& records,
                                              const std::array<std::vector<double>, 2>& force);
 
 /// Whether the identified transfer system describes the motion: its error on unseen motion is at

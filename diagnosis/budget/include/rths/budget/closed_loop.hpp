@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <rths/budget/transfer_system.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
 #include <rths/sim/ground_motion.hpp>
@@ -23,8 +24,9 @@ enum class Part : unsigned {
   Specimen,   ///< bearing
   Machine,    ///< friction, inertia and offset of the platen
   Numerical,  ///< step of the integration, prediction, time of computing
+  Host,       ///< lateness of controller and machine, and of the targets
 };
-inline constexpr std::size_t kParts = 5;
+inline constexpr std::size_t kParts = 6;
 
 /// The parts that are as identified, the others are as simulated: bit i is Part i.
 using Parts = unsigned;
@@ -36,6 +38,43 @@ inline constexpr Parts kNone = 0, kAll = (1U << kParts) - 1;
 
 /// Lead of the reference over the command of one axis: a0 x + a1 ẋ + a2 ẍ.
 using Lead = Eigen::Vector3d;
+
+/// Times of the ticks of a node, since a common start [s].
+struct TickTimes {
+  std::vector<double> begin;  ///< the node reads its inputs
+  std::vector<double> end;    ///< its outputs are written
+};
+
+/// The order in which controller and machine made their ticks. Ticks beyond the vectors, and all if
+/// they are empty, are on time: in each period, the machine moves before the controller.
+struct TickOrder {
+  std::vector<std::size_t> machine_before;     ///< ticks of the machine, by tick of the controller
+  std::vector<std::size_t> controller_before;  ///< ticks of the controller, by tick of the machine
+
+  [[nodiscard]] std::size_t machine_ticks(std::size_t controller_tick) const {
+    return controller_tick < machine_before.size() ? machine_before[controller_tick]
+                                                   : controller_tick + 1;
+  }
+  [[nodiscard]] std::size_t controller_ticks(std::size_t machine_tick) const {
+    return machine_tick < controller_before.size() ? controller_before[machine_tick] : machine_tick;
+  }
+};
+
+/// @returns an empty order if all ticks were on time   @setup
+[[nodiscard]] TickOrder order_of(const TickTimes& machine, const TickTimes& controller);
+
+/// The tick of the controller in which a target arrived: one from first to last. A recording with
+/// missing rows does not tell which.
+struct Arrival {
+  std::size_t first = 0, last = 0;
+};
+
+/// Noise of the sensors of one axis, by tick of the machine, as recorded; may be empty.
+struct MeasuredNoise {
+  std::vector<double> displacement;  ///< [m]
+  std::vector<double> acceleration;  ///< [m/s²]
+  std::vector<double> force;         ///< of the load cells [N]
+};
 
 /// A hybrid test with two horizontal axes, each part as simulated and as identified.
 struct HybridTest {
@@ -51,26 +90,29 @@ struct HybridTest {
   double integration_step = 0.01;  ///< model time [s]
   double rate = 1;                 ///< wall time over model time
   controller::PredictorCorrectorSettings command;
-  /// Controller periods from "at target" to the arrival of the next target, by step; the last value
-  /// holds for later steps.
+  /// Controller ticks from "at target" to the arrival of the next target on a host that is never
+  /// late, by step; the last value holds for later steps.
   std::vector<int> computing;
-  std::size_t first_target = 1;  ///< controller period in which the first target arrives
+  std::size_t first_target = 1;  ///< controller tick in which the first target arrives
+
+  // Host, as identified
+  TickOrder order;
+  std::vector<Arrival> arrivals;  ///< by target; later targets arrive after `computing`
 
   // Controller
   double period = 0.001;                              ///< wall time [s]
   std::array<controller::MachineForce, 2> corrected;  ///< force that the correction subtracts
   bool corrects = true;                               ///< false: the table force is fed back
   int slope_samples = 32;
-  /// Noise of the corrected force by controller period, as recorded [N]; may be empty.
-  std::array<std::vector<double>, 2> force_noise;
-  /// Lead by controller period, as sent; the last holds for later periods. Empty: none.
+  std::array<MeasuredNoise, 2> noise;
+  /// Lead by controller tick, as sent; the last holds for later ticks. Empty: none.
   std::array<std::vector<Lead>, 2> lead;
 
   // Specimen and machine. Of the machines, the loop uses terms, masses and offsets; of the
   // identified one its hydraulics too.
   sim::Bearing specimen_simulated, specimen_identified;
   sim::TestMachine machine_simulated, machine_identified;
-  /// Measured vertical load by controller period [N]; empty: that of the analysis.
+  /// Measured vertical load by machine tick [N]; empty: that of the analysis.
   std::vector<double> axial_load;
 };
 
@@ -80,13 +122,20 @@ struct HybridTest {
 /// Source: Savitzky & Golay (1964).   @setup
 [[nodiscard]] std::vector<double> noise_of(const std::vector<double>& signal, std::size_t reach);
 
+/// Noise of the sensors in the records of both axes of a machine: what the identified laboratory,
+/// moved by the recorded references, leaves of the measured signals, and no parabola through 801
+/// samples follows. It stays within three standard deviations of the noise at rest, before the
+/// first target, so that an error of the model is not taken for noise.   @setup
+[[nodiscard]] std::array<MeasuredNoise, 2> sensor_noise(
+    const HybridTest& test, const std::array<TransferRecord, 2>& records);
+
 /// Displacement of the bearing, one sample per integration step: long, lat [m]. Sample k is at
 /// (k + 1) integration_step.
 using Response = std::array<std::vector<double>, 2>;
 
 /// The closed loop in virtual time. Parts as simulated: an ideal transfer system with the actuator
-/// terms of the simulated machine, an exact force, the simulated bearing and machine, and an
-/// integration with a target per controller period.
+/// terms of the simulated machine, an exact force, the simulated bearing and machine, an
+/// integration with a target per controller period, and a host that is never late.
 /// @param identified  parts that are as identified
 /// @throws Error as TestMachineRun and PlantAnalysis do   @setup
 [[nodiscard]] Response closed_loop(const HybridTest& test, Parts identified);

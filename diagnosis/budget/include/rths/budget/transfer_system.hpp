@@ -14,6 +14,7 @@ struct TransferRecord {
   std::vector<double> reference;     ///< sent to the machine and held for the period before [m]
   std::vector<double> displacement;  ///< measured at the end of the period [m]
   std::vector<double> force;         ///< of the actuator, measured at the same instant [N]
+  std::vector<double> acceleration;  ///< measured at the same instant; may be empty [m/s²]
 };
 
 /// A parameter of an identified transfer system.

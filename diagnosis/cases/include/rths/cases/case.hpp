@@ -51,6 +51,8 @@ struct CaseSource {
   std::filesystem::path folder;  ///< where relative paths of `file` start
   Config experiment;             ///< of a run whose experiment file still exists, with changes
   std::filesystem::path experiment_folder;  ///< where relative paths of `experiment` start
+  /// The laboratory of `experiment` is the improved simulation itself.
+  bool has_improved_laboratory = false;
 };
 
 /// Recordings, and a model that does not explain them.

@@ -19,7 +19,7 @@ struct FitProblem {
   Eigen::Index rows = 0;      ///< of the residual
   Eigen::VectorXd start;      ///< inside the bounds
   Eigen::VectorXd low, high;  ///< bounds; ±infinity: none
-  Eigen::VectorXd scale;      ///< of each parameter, > 0: normalises it
+  Eigen::VectorXd scale;      ///< of each parameter, > 0: normalises it, up to its bounds' distance
   int most_iterations = 20;
   double tolerance = 1e-6;     ///< on the relative change of the sum of squares [-]
   bool wants_jacobian = true;  ///< the fit's Jacobian is exact; else it may be an approximation

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The laboratory of a closed loop: from the reference of the machine to the force that the
+// controller feeds back.
+#pragma once
+
+#include <memory>
+
+#include <rths/budget/closed_loop.hpp>
+
+namespace rths::budget {
+
+class Laboratory {
+ public:
+  /// @param first_tick  of the machine: the noise and the vertical load of earlier ticks are
+  /// skipped
+  Laboratory(const HybridTest& test, Parts identified, std::size_t first_tick);
+  ~Laboratory();
+
+  /// One tick of the machine. @param compression  of the analysis [N]
+  void move(const Eigen::Vector2d& reference, double compression);
+  /// Ticks of the machine, those before the first included.
+  [[nodiscard]] std::size_t ticks() const;
+  /// One tick of the controller. @returns the force that it feeds back [N]
+  const Eigen::Vector2d& feed_back();
+  [[nodiscard]] const Eigen::Vector2d& displacement() const;
+
+ private:
+  struct Model;
+  std::unique_ptr<Model> model_;
+};
+
+}  // namespace rths::budget

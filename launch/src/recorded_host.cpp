@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recorded_host.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rths::launch {
+namespace {
+
+using recording::NodeTicks;
+using recording::Reader;
+
+constexpr const char* kSolverLate = "monitor.opf.host.late";
+constexpr const char* kTargetTime = "monitor.xpc.pc.target_time";
+
+/// Of the steps of a node [s].
+struct Schedule {
+  double period = 0.001, phase = 0;
+};
+
+Schedule schedule_of(const Experiment& experiment, const std::string& node) {
+  for (const auto& plan : experiment.nodes)
+    if (plan.node == node)
+      return {to_seconds(plan.schedule.period), to_seconds(plan.schedule.phase)};
+  return {};
+}
+
+// Times of the scheduled steps of a node; empty if the recording lacks them.
+budget::TickTimes times_of(const Experiment& experiment, const Reader& run,
+                           const std::string& node) {
+  const auto late = run.meta_series(kLateSeries + node);
+  const auto duration = run.meta_series(kDurationSeries + node);
+  const Schedule schedule = schedule_of(experiment, node);
+  budget::TickTimes times;
+  for (std::size_t i = 0; i < std::min(late.values.size(), duration.values.size()); ++i) {
+    times.begin.push_back(schedule.phase + static_cast<double>(i) * schedule.period +
+                          late.values[i]);
+    times.end.push_back(times.begin.back() + duration.values[i]);
+  }
+  return times;
+}
+
+// The ticks in which the targets arrived. The controller shows the time of the last one, so rows
+// may be missing; of several targets between two rows, the others arrived in one of the ticks
+// between.
+std::vector<budget::Arrival> arrivals_of(const Reader& run, const NodeTicks& ticks,
+                                         const Schedule& schedule) {
+  const auto targets = run.signal(std::string{"monitor."} + kController + ".pc.targets");
+  const auto time = run.has(kTargetTime) ? run.signal(kTargetTime) : std::vector<double>{};
+  std::vector<budget::Arrival> arrivals;
+  std::size_t last = 0;  // ticks made
+  for (std::size_t row = 0; row < targets.size(); ++row) {
+    const auto made = static_cast<std::size_t>(std::lround(std::max(0.0, ticks.counter()[row])));
+    if (made <= last) continue;
+    if (made > ticks.count()) break;
+    const std::size_t before = arrivals.size();
+    while (static_cast<double>(arrivals.size()) + 1 <= targets[row])
+      arrivals.push_back({last, made - 1});
+    if (arrivals.size() > before && !time.empty()) {
+      const auto tick = std::max(0L, std::lround((time[row] - schedule.phase) / schedule.period));
+      arrivals.back().first = arrivals.back().last =
+          std::clamp(static_cast<std::size_t>(tick), last, made - 1);
+    }
+    last = made;
+  }
+  return arrivals;
+}
+
+// Whether the targets of a test arrived in time, by tick of the controller.
+class Punctuality {
+ public:
+  Punctuality(const Reader& run, const NodeTicks& ticks, const budget::TickTimes& controller,
+              double period)
+      : begin_{controller.begin},
+        solver_{run.has(kSolverLate) ? ticks.values(kSolverLate) : std::vector<double>{0}},
+        period_{period} {}
+  [[nodiscard]] bool holds(std::size_t from, std::size_t to) const {
+    for (std::size_t tick = from; tick <= to && tick < begin_.size(); ++tick) {
+      const double due = begin_.front() + static_cast<double>(tick) * period_;
+      if (begin_[tick] - due > period_ / 2 ||
+          solver_[std::min(tick, solver_.size() - 1)] > period_ / 2)
+        return false;
+    }
+    return true;
+  }
+
+ private:
+  const std::vector<double>& begin_;
+  std::vector<double> solver_;
+  double period_;
+};
+
+// Ticks of the controller from "at target" to the next target. Where the host was late, the median
+// takes the place of what was recorded. Returns whether the host was never late.
+bool read_computing(const NodeTicks& ticks, const Punctuality& in_time,
+                    const std::vector<budget::Arrival>& arrivals, budget::HybridTest& test) {
+  const auto at_target = ticks.values(std::string{"monitor."} + kController + ".pc.at_target");
+  std::vector<int> punctual;
+  std::vector<bool> is_punctual;
+  for (std::size_t k = 1; k < arrivals.size(); ++k) {
+    std::size_t reached = arrivals[k].last;
+    while (reached > arrivals[k - 1].last &&
+           !(at_target[reached] >= 1 && at_target[reached - 1] < 1))
+      --reached;
+    test.computing.push_back(static_cast<int>(arrivals[k].last - reached));
+    is_punctual.push_back(arrivals[k].first == arrivals[k].last &&
+                          in_time.holds(reached, arrivals[k].last));
+    if (is_punctual.back()) punctual.push_back(test.computing.back());
+  }
+  if (punctual.empty()) return false;
+  const auto middle = punctual.begin() + static_cast<std::ptrdiff_t>(punctual.size() / 2);
+  std::nth_element(punctual.begin(), middle, punctual.end());
+  for (std::size_t k = 0; k < test.computing.size(); ++k)
+    if (!is_punctual[k]) test.computing[k] = *middle;
+  return punctual.size() == test.computing.size();
+}
+
+}  // namespace
+
+void read_host(const Experiment& experiment, const Reader& run, const NodeTicks& ticks,
+               budget::HybridTest& test) {
+  const auto controller = times_of(experiment, run, kController);
+  test.order = budget::order_of(times_of(experiment, run, kMachine), controller);
+  auto arrivals = arrivals_of(run, ticks, schedule_of(experiment, kController));
+  if (!arrivals.empty()) test.first_target = arrivals[0].last;
+  const bool in_time = read_computing(ticks, {run, ticks, controller, test.period}, arrivals, test);
+  const bool has_times = !controller.begin.empty();
+  if (has_times && !(in_time && test.order.machine_before.empty()))
+    test.arrivals = std::move(arrivals);
+}
+
+}  // namespace rths::launch

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/budget/closed_loop.hpp>
+#include <rths/launch/experiment.hpp>
+#include <rths/recording/recording.hpp>
+
+namespace rths::launch {
+
+inline constexpr const char* kController = "xpc";
+inline constexpr const char* kMachine = "srmd";
+
+/// Series of /meta: start of each scheduled step of a node after its scheduled time, and duration
+/// of the step [s]. The name of the node follows.
+inline constexpr const char* kLateSeries = "late.";
+inline constexpr const char* kDurationSeries = "duration.";
+
+/// Reads from a recording in which order controller and machine made their ticks, when the targets
+/// arrived, and how long the solver computes while the host is not late.
+/// @param ticks  of the controller
+void read_host(const Experiment& experiment, const recording::Reader& run,
+               const recording::NodeTicks& ticks, budget::HybridTest& test);
+
+}  // namespace rths::launch
