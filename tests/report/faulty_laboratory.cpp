@@ -95,8 +95,8 @@ void run_with(const launch::Experiment& experiment, const std::vector<Fault>& fa
   for (auto& station : assembly.stations)
     if (station.plan.adapter == "srmd")
       station.adapter = std::make_unique<FaultyMachine>(std::move(station.adapter), faults, from);
-  const std::string trouble = launch::run_in_virtual_time(experiment, assembly, {});
-  if (trouble.empty()) recording::add_meta(recording, {{"ending", "completed"}});
+  const auto run = launch::run_in_virtual_time(experiment, assembly, {});
+  if (run.trouble.empty()) recording::add_meta(recording, {{"ending", "completed"}});
 }
 
 std::vector<Broken> judge_with(const launch::Experiment& experiment,
