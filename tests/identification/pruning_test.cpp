@@ -65,16 +65,6 @@ class Pruning : public ::testing::Test {
 
 using Reasons = std::vector<std::string>;
 
-// Beside an unknown effect of energy 16, x explains 9 and y explains 1. The noise has 1.
-TEST_F(Pruning, WithdrawsWhatExplainsFarLessThanIsLeft) {
-  add(friction("x"));
-  add(friction("y"));
-
-  EXPECT_EQ(
-      reasons({3, 1, 4}, {{3, 1, 4}}),
-      Reasons{"y: it explains less than a tenth of what is left of the unseen records' error"});
-}
-
 // On 1200 rows, the interval is ± 1.96/√1200 = 0.057. It may be wider by the error of a variance
 // that is taken from 40 blocks: for 0.08, that would need twice the variance, four deviations more.
 TEST_F(Pruning, WithdrawsASizeThatMayBeZero) {

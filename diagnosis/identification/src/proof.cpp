@@ -43,6 +43,8 @@ double nrmse(const Supposition& supposition, std::size_t record) {
                             energy_of(drive.measured, drive), have_one_unit(problem.relation())));
 }
 
+namespace {
+
 double noise_floor(const Problem& problem, std::size_t record) {
   const Drive& drive = problem.drive(record);
   const auto& draws = problem.draws(record);
@@ -52,8 +54,6 @@ double noise_floor(const Problem& problem, std::size_t record) {
   return std::sqrt(
       share_of(noise, energy_of(drive.measured, drive), have_one_unit(problem.relation())));
 }
-
-namespace {
 
 RecordScore score_of(const Problem& problem, const Selection& selection, std::size_t record) {
   const Supposition before{problem, selection.base}, after{problem, selection.named};

@@ -17,10 +17,8 @@ namespace {
 constexpr double kLeastGap = 3;        // of the deviation of the displacement's noise
 constexpr double kLeastFlexion = 0.5;  // of the same, under the largest force
 constexpr double kWorse = 1.01;        // ratio of errors on a held-out record
-// Of the energy of the error on the held-out records, a term explains at least these shares,
-constexpr double kLeastShare = 1e-3;  // of that before,
-constexpr double kLeastOfRest = 0.1;  // and of what is left beyond the noise;
-constexpr double kFitShare = 0.1;     // or this share on the records of the fit.
+constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records,
+constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
 constexpr double kLeastShift = 0.1;   // of the time between samples
 
 bool is_gap(const FreeParameter& free) {
@@ -127,25 +125,20 @@ class Pruning {
                base = errors(*held_out_, selection_.base);
     Weak worst;
     double best = 0;
-    const auto floor = floors(*held_out_);
-    double left = 0;
-    for (std::size_t k = 0; k < with.size(); ++k) left += std::max(0.0, with[k] - floor[k]);
-    const double least = std::max(kLeastShare * sum(base), kLeastOfRest * left);
     for (std::size_t i = 0; i < selection_.rounds.size(); ++i) {
       if (is_needed(selection_, i)) continue;
       const Hypothesis rest = without(problem_, folds_, selection_, i);
       const auto bare = errors(*held_out_, rest);
       std::string reason;
-      double gain = 0;
+      double gain = 0, before = 0;
       for (std::size_t k = 0; k < with.size(); ++k) {
         if (with[k] > kWorse * kWorse * bare[k])
           reason = fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
         gain += bare[k] - with[k];
+        before += base[k];
       }
-      if (reason.empty() && gain < least && fit_share(rest) < kFitShare)
-        reason = gain < kLeastShare * sum(base)
-                     ? "it explains less than 0.1 % of the unseen records' error"
-                     : "it explains less than a tenth of what is left of the unseen records' error";
+      if (reason.empty() && gain < kLeastShare * before && fit_share(rest) < kFitShare)
+        reason = "it explains less than 0.1 % of the unseen records' error";
       if (reason.empty() || (worst && gain >= best)) continue;
       best = gain;
       worst = {{i, reason}};
@@ -159,14 +152,6 @@ class Pruning {
     const auto with = errors(problem_, selection_.named), bare = errors(problem_, rest),
                base = errors(problem_, selection_.base);
     return (sum(bare) - sum(with)) / sum(base);
-  }
-
-  // Squares of the errors that noise alone causes.
-  [[nodiscard]] static std::vector<double> floors(const Problem& problem) {
-    std::vector<double> all;
-    for (std::size_t i = 0; i < problem.records(); ++i)
-      all.push_back(std::pow(noise_floor(problem, i), 2));
-    return all;
   }
 
   // Squares of NRMSE; infinite where there is no prediction.

@@ -24,8 +24,6 @@ struct RecordScore {
 /// measurement, offset removed. Outputs of different units count alike.
 /// @returns NaN if there is no prediction
 [[nodiscard]] double nrmse(const Supposition& supposition, std::size_t record);
-/// The same of the noise alone, by the draws of the problem.
-[[nodiscard]] double noise_floor(const Problem& problem, std::size_t record);
 
 /// Autocorrelation of the whitened residual of a record.
 struct Whiteness {
