@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <set>
 
 #include <gtest/gtest.h>
 
@@ -206,12 +205,12 @@ TEST(Diagnosis, NamesAStopBehindAGap) {
   ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
   const Cause& cause = verdict.causes[0];
   ASSERT_FALSE(cause.alternatives.empty()) << verdict.sentence;
-  EXPECT_EQ((std::set{cause.name, cause.alternatives[0].name}),
-            (std::set<std::string>{"gap_contact", "large_strain_stiffening"}));
+  EXPECT_EQ(cause.name, "gap_contact");
+  EXPECT_EQ(cause.alternatives[0].name, "large_strain_stiffening");
   EXPECT_NEAR(cause.alternatives[0].share, 1, 1e-3);
   for (const auto& parameter : cause.parameters) {
-    const bool is_length = parameter.unit == "m";
-    EXPECT_NEAR(parameter.value, is_length ? 0.06 : 3e5, is_length ? 6e-4 : 6e3) << parameter.name;
+    const bool is_gap = parameter.name == "gap_contact.gap";
+    EXPECT_NEAR(parameter.value, is_gap ? 0.06 : 3e5, is_gap ? 6e-4 : 6e3) << parameter.name;
   }
 }
 

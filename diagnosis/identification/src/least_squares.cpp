@@ -107,12 +107,15 @@ class Minimiser {
   }
 
   // Broyden's update: the smallest change of the Jacobian that reproduces the step's change of the
-  // residual.
+  // residual, in units in which the columns have length one.
   void take_secant(Point& next, const VectorXd& way) {
+    const VectorXd weighted = at_.jacobian.colwise().squaredNorm().transpose().cwiseProduct(way);
+    const double square = weighted.dot(way);
     next.jacobian = std::move(at_.jacobian);
-    const VectorXd unexplained = next.residual - at_.residual - next.jacobian * way;
-    next.jacobian.noalias() += unexplained * (way / way.squaredNorm()).transpose();
     next.is_exact = false;
+    if (!(square > 0)) return;
+    const VectorXd unexplained = next.residual - at_.residual - next.jacobian * way;
+    next.jacobian.noalias() += unexplained * (weighted / square).transpose();
   }
 
   [[nodiscard]] VectorXd parameters(const Point& point) const {

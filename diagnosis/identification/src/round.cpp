@@ -7,6 +7,7 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr double kTriedShare = 0.02;    // of the best screened gain
+constexpr double kSameGain = 1e-4;      // relative difference of the gains of equal laws
 constexpr double kKeptShare = 0.35;     // of the gain of the best trial fit
 constexpr double kLeastGain = 6;        // [nat]: below it a candidate is not fitted
 constexpr double kFar = 10;             // mean w²: above it, fits also start at the stated values
@@ -168,9 +169,20 @@ void Round::score(Contender& contender) const {
   contender.gain = sum(contender.differences);
 }
 
+// Two terms may be the same law for a model, such as a stop behind a gap and stiffening beyond an
+// onset on one axis. Their gains then differ by the rounding of their fits alone, and the order of
+// their names decides.
 void Round::sort() {
   std::stable_sort(contenders_.begin(), contenders_.end(),
                    [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
+  if (contenders_.empty()) return;
+  const double least = (1 - kSameGain) * contenders_[0].gain;
+  const auto last = std::find_if(contenders_.begin() + 1, contenders_.end(),
+                                 [&](const Contender& one) { return !(one.gain > least); });
+  const auto first = std::min_element(
+      contenders_.begin(), last,
+      [](const Contender& a, const Contender& b) { return a.candidate.name < b.candidate.name; });
+  std::rotate(contenders_.begin(), first, first + 1);
 }
 
 // A candidate that uses one more channel also has the noise of that channel. All candidates are
