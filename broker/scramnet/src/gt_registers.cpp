@@ -104,18 +104,19 @@ bool accepts(const GtCard& card, std::uint32_t type, std::uint32_t id) {
   return type == SCGT_BROADCAST_INTR && id < 32 && is_set(card, gt::kBroadcastMask, 1U << id);
 }
 
-std::uint32_t get_state(const GtCard& card, std::uint32_t id, const GtRing& ring) {
+std::uint32_t get_state(const GtCard& card, std::uint32_t id, const GtRing& ring,
+                        std::int64_t now) {
   if (id >= kStates.size()) return kNoState;
   const State& state = kStates[id];
   const bool own = (state.index & kOwn) != 0;
   const std::uint32_t word =
-      own ? card.own[state.index & ~kOwn].load() : read_cr(card, state.index, ring);
+      own ? card.own[state.index & ~kOwn].load() : read_cr(card, state.index, ring, now);
   const std::uint32_t value = word >> state.shift & state.mask;
   if (id == SCGT_RING_SIZE) return value + 1;
   return state.access == Access::Inverted ? 1 - value : value;
 }
 
-StateResult set_state(GtCard& card, std::uint32_t id, std::uint32_t value) {
+StateResult set_state(GtCard& card, std::uint32_t id, std::uint32_t value, std::int64_t now) {
   if (id >= kStates.size()) return StateResult::BadParameter;
   const State& state = kStates[id];
   if (state.access == Access::ReadOnly) return StateResult::BadParameter;
@@ -129,7 +130,7 @@ StateResult set_state(GtCard& card, std::uint32_t id, std::uint32_t value) {
     card.own[state.index & ~kOwn].store(bits);
   } else {
     const std::uint32_t before = card.cr[state.index].load();
-    write_cr(card, state.index, (before & ~field) | bits);
+    write_cr(card, state.index, (before & ~field) | bits, now);
   }
   return StateResult::Ok;
 }

@@ -39,8 +39,10 @@ void write_cr(GtCard& card, std::uint32_t index, std::uint32_t value, std::int64
 
 enum class StateResult { Ok, BadParameter, Unsupported };
 /// @returns 0xFFFFFFFF if there is no such state
-[[nodiscard]] std::uint32_t get_state(const GtCard& card, std::uint32_t state, const GtRing& ring);
-[[nodiscard]] StateResult set_state(GtCard& card, std::uint32_t state, std::uint32_t value);
+[[nodiscard]] std::uint32_t get_state(const GtCard& card, std::uint32_t state, const GtRing& ring,
+                                      std::int64_t now = now_ns());
+[[nodiscard]] StateResult set_state(GtCard& card, std::uint32_t state, std::uint32_t value,
+                                    std::int64_t now = now_ns());
 
 /// True if a card's registers let an interrupt in that has reached it. Its type and id may be
 /// anything; a unicast interrupt is not checked for the card's node id.
