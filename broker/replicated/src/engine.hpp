@@ -31,10 +31,13 @@ class Engine {
   Access write(std::uint32_t node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
   [[nodiscard]] std::uint32_t read(std::uint32_t node, std::uint32_t offset, std::uint32_t bytes);
   [[nodiscard]] std::uint32_t read_csr(std::uint32_t node, int index);
+  [[nodiscard]] std::uint32_t peek_csr(std::uint32_t node, int index);
   void write_csr(std::uint32_t node, int index, std::uint32_t value);
   void set_acr(std::uint32_t node, std::uint32_t longword, std::uint32_t bits);
   [[nodiscard]] std::uint32_t gt_state(std::uint32_t node, std::uint32_t state);
   bool set_gt_state(std::uint32_t node, std::uint32_t state, std::uint32_t value);
+  [[nodiscard]] std::uint32_t read_cr(std::uint32_t node, std::uint32_t offset);
+  void write_cr(std::uint32_t node, std::uint32_t offset, std::uint32_t value);
   Access send_interrupt(std::uint32_t node, const Entry& interrupt);
 
   void power_up(std::uint32_t node);
@@ -92,11 +95,12 @@ class Engine {
   [[nodiscard]] scramnet::Registers registers(const Node& node) const;
   Access write_plus(Node& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
   Access write_gt(Node& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
-  Access queue(Node& node, const Entry& entry);
+  Access enqueue(Node& node, const Entry& entry);
   void latch(Node& node, std::uint32_t csr1_bits);
   void latch_error(Node& node, std::uint32_t csr1_bits);
   void trigger(Node& node, std::uint32_t acr_bit, std::uint32_t acr);
   void update_path(std::uint32_t at);
+  [[nodiscard]] std::uint32_t live_status(std::uint32_t at) const;
   [[nodiscard]] bool has_carrier(std::uint32_t at) const;
   [[nodiscard]] scramnet::GtRing gt_ring(std::uint32_t at) const;
   [[nodiscard]] std::uint32_t position(const Node& node) const {

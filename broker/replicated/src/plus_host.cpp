@@ -32,27 +32,9 @@ bool filters(const Registers& csr, std::uint32_t offset) {
          (offset >= kLowMemory || csr.all_set(0, csr0::kFilterAlsoLow));
 }
 
-}  // namespace
-
-Registers Engine::registers(const Node& node) const {
-  now_ns_ = now_.count() / 15;
-  return Registers{*node.plus, now_ns_};
-}
-
-// Adds to the FIFO and raises its flags.
-Access Engine::queue(Node& node, const Entry& entry) {
-  node.fifo.add(entry);
-  if (type_ == CardType::Plus && node.fifo.size() >= TransmitFifo::kSevenEighths)
-    latch(node, csr1::kTransmitFifoSevenEighths |
-                    (node.fifo.size() >= TransmitFifo::kFullFlag ? csr1::kTransmitFifoFull : 0U));
-  schedule_transmit(position(node), now_ + rates_.insertion);
-  return Access::Queued;
-}
-
 // HIPRO: bytes of a longword are withheld until all four have been written. Returns true if the
 // longword may leave.
-static bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset,
-                            std::uint32_t bytes) {
+bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset, std::uint32_t bytes) {
   if ((acr & acr::kHiPro) == 0 || bytes == 4) {
     node.hipro_longword = kNone;
     return true;
@@ -63,6 +45,23 @@ static bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset,
   if (node.hipro_bytes != kAllBytes) return false;
   node.hipro_longword = kNone;
   return true;
+}
+
+}  // namespace
+
+Registers Engine::registers(const Node& node) const {
+  now_ns_ = now_.count() / 15;
+  return Registers{*node.plus, now_ns_};
+}
+
+// Adds to the FIFO and raises its flags.
+Access Engine::enqueue(Node& node, const Entry& entry) {
+  node.fifo.add(entry);
+  if (type_ == CardType::Plus && node.fifo.size() >= TransmitFifo::kSevenEighths)
+    latch(node, csr1::kTransmitFifoSevenEighths |
+                    (node.fifo.size() >= TransmitFifo::kFullFlag ? csr1::kTransmitFifoFull : 0U));
+  schedule_transmit(position(node), now_ + rates_.insertion);
+  return Access::Queued;
 }
 
 Access Engine::write_plus(Node& node, std::uint32_t offset, std::uint32_t value,
@@ -93,24 +92,35 @@ Access Engine::write_plus(Node& node, std::uint32_t offset, std::uint32_t value,
   entry.address = static_cast<std::uint32_t>(network_offset(csr.peek(12))) + at;
   entry.value = after;
   entry.interrupt = interrupt;
-  return queue(node, entry);
+  return enqueue(node, entry);
+}
+
+// Conditions of CSR1 that hold now.
+std::uint32_t Engine::live_status(std::uint32_t at) const {
+  const Node& node = nodes_[at];
+  const std::uint32_t level = node.fifo.size();
+  return (level != 0 ? csr1::kTransmitFifoNotEmpty : 0U) |
+         (level >= TransmitFifo::kSevenEighths ? csr1::kTransmitFifoSevenEighths : 0U) |
+         (level >= TransmitFifo::kFullFlag ? csr1::kTransmitFifoFull : 0U) |
+         (size(node.plus->fifo) >= kFifoEntries ? csr1::kInterruptFifoFull : 0U) |
+         (has_carrier(at) ? 0U : csr1::kNoCarrier);
 }
 
 std::uint32_t Engine::read_csr(std::uint32_t at, int index) {
-  Node& node = nodes_[at];
-  Surroundings around;
-  around.nodes = node.counts.ring_nodes;
-  around.bypass_switch = node.bypass_switch;
-  if (index == 1) {
-    const std::uint32_t level = node.fifo.size();
-    around.live_status =
-        (level != 0 ? csr1::kTransmitFifoNotEmpty : 0U) |
-        (level >= TransmitFifo::kSevenEighths ? csr1::kTransmitFifoSevenEighths : 0U) |
-        (level >= TransmitFifo::kFullFlag ? csr1::kTransmitFifoFull : 0U) |
-        (size(node.plus->fifo) >= kFifoEntries ? csr1::kInterruptFifoFull : 0U) |
-        (has_carrier(at) ? 0U : csr1::kNoCarrier);
-  }
-  return registers(node).read(index, around);
+  const Node& node = nodes_[at];
+  return registers(node).read(index, {.nodes = node.counts.ring_nodes,
+                                      .bypass_switch = node.bypass_switch,
+                                      .live_status = index == 1 ? live_status(at) : 0});
+}
+
+std::uint32_t Engine::peek_csr(std::uint32_t at, int index) {
+  const Node& node = nodes_[at];
+  if (index == 1)
+    return node.plus->latched.load() | live_status(at) |
+           (node.plus->armed.load() != 0 ? csr1::kArmed : 0U) |
+           (node.bypass_switch ? 0U : csr1::kNoBypassSwitch);
+  if (index == 4) return peek(node.plus->fifo).value_or(0) & 0xFFFC;
+  return read_csr(at, index);
 }
 
 void Engine::write_csr(std::uint32_t at, int index, std::uint32_t value) {
@@ -130,26 +140,8 @@ void Engine::write_csr(std::uint32_t at, int index, std::uint32_t value) {
 }
 
 void Engine::set_acr(std::uint32_t at, std::uint32_t longword, std::uint32_t bits) {
-  nodes_[at].acr.set(longword, static_cast<std::uint8_t>(bits & acr::kBits));
-}
-
-void Engine::update_path(std::uint32_t at) {
-  Node& node = nodes_[at];
-  if (!node.powered) {
-    node.path = Path::Off;
-  } else if (type_ == CardType::Gt) {
-    constexpr std::uint32_t kWrap = 0x8'0000;
-    node.path = is_set(*node.gt, gt::kLinkControl, kWrap) ? Path::Looped : Path::Inserted;
-  } else {
-    const Registers csr = registers(node);
-    const bool inserted = csr.all_set(0, csr0::kInsert), wire = csr.all_set(2, csr2::kWireLoopback);
-    const bool loops = !csr.all_set(8, csr8::kNoSwitchLoopback) ||
-                       (!csr.all_set(2, csr2::kNoFibreLoopback) && node.bypass_switch);
-    node.path = inserted ? (wire    ? Path::Breaking
-                            : loops ? Path::Looped
-                                    : Path::Inserted)
-                         : (wire ? Path::Looped : Path::Monitor);
-  }
+  SparseBytes& cells = nodes_[at].acr;
+  if (longword < cells.size()) cells.set(longword, static_cast<std::uint8_t>(bits & acr::kBits));
 }
 
 }  // namespace rths::replicated

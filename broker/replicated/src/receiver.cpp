@@ -59,7 +59,7 @@ void Engine::store_plus(Node& node, const Message& message, bool own) {
     const std::uint64_t offset = address - window;
     node.memory.set(offset, message.longwords[i]);
     const std::uint32_t acr = node.acr.get<std::uint8_t>(offset / 4);
-    if (acr != 0) trigger(node, acr::kTriggerOnMessage, acr);
+    trigger(node, acr::kTriggerOnMessage, acr);
     if (!csr.accepts_interrupt(acr, own, message.interrupt)) continue;
     const std::uint32_t repeated = message.repeated ? kRepeatedEntry : 0;
     if (!push(node.plus->fifo, static_cast<std::uint32_t>(address) | repeated))
@@ -115,9 +115,10 @@ void Engine::latch_error(Node& node, std::uint32_t csr1_bits) {
 
 // Overridden interrupts disable the external triggers.
 void Engine::trigger(Node& node, std::uint32_t acr_bit, std::uint32_t acr) {
+  if ((acr & acr_bit) == 0) return;
   Registers csr = registers(node);
   constexpr std::uint32_t kOverrides = csr0::kAllReceiveInterrupts | csr0::kAllSendInterrupts;
-  if ((acr & acr_bit) == 0 || (csr.peek(0) & kOverrides) != 0) return;
+  if ((csr.peek(0) & kOverrides) != 0) return;
   ++node.counts.triggers;
   csr.count(Counted::Triggers);
   if (acr_bit == acr::kTriggerOnMessage) csr.clear_slow_counter();

@@ -36,9 +36,11 @@ std::uint32_t Card::read(ByteOffset offset, std::uint32_t bytes) const {
   return engine_->read(node_, offset.value(), bytes);
 }
 std::uint32_t Card::read_csr(int index) { return engine_->read_csr(node_, index); }
+std::uint32_t Card::peek_csr(int index) const { return engine_->peek_csr(node_, index); }
 void Card::write_csr(int index, std::uint32_t value) { engine_->write_csr(node_, index, value); }
 std::uint32_t Card::acr(LongwordOffset longword) const {
-  return engine_->nodes()[node_].acr.get<std::uint8_t>(longword.value());
+  const SparseBytes& cells = engine_->nodes()[node_].acr;
+  return longword.value() < cells.size() ? cells.get<std::uint8_t>(longword.value()) : 0xFF;
 }
 void Card::set_acr(LongwordOffset longword, std::uint32_t bits) {
   engine_->set_acr(node_, longword.value(), bits);
@@ -46,6 +48,10 @@ void Card::set_acr(LongwordOffset longword, std::uint32_t bits) {
 std::uint32_t Card::gt_state(std::uint32_t state) const { return engine_->gt_state(node_, state); }
 bool Card::set_gt_state(std::uint32_t state, std::uint32_t value) {
   return engine_->set_gt_state(node_, state, value);
+}
+std::uint32_t Card::read_cr(std::uint32_t offset) const { return engine_->read_cr(node_, offset); }
+void Card::write_cr(std::uint32_t offset, std::uint32_t value) {
+  engine_->write_cr(node_, offset, value);
 }
 Access Card::send_interrupt(std::uint32_t type, std::uint32_t id, std::uint32_t value) {
   Entry entry;

@@ -48,10 +48,6 @@ bool Registers::all_set(int index, std::uint32_t bits) const {
   return (peek(index) & bits) == bits;
 }
 
-void Registers::change(int index, std::uint32_t set, std::uint32_t clear) {
-  write(index, (peek(index) & ~clear) | set);
-}
-
 std::int64_t Registers::now() const { return virtual_ns_ != nullptr ? *virtual_ns_ : now_ns(); }
 
 std::uint32_t Registers::read(int index, const Surroundings& around) {

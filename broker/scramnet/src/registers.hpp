@@ -39,8 +39,6 @@ class Registers {
   /// The stored value, without side effects.
   [[nodiscard]] std::uint32_t peek(int index) const;
   [[nodiscard]] bool all_set(int index, std::uint32_t bits) const;
-  /// Sets and clears bits of CSR0, 2, 8 or 9.
-  void change(int index, std::uint32_t set, std::uint32_t clear);
   void latch(std::uint32_t csr1_bits) { plus_->latched.fetch_or(csr1_bits); }
   /// Adds to CSR13 if it counts these events.
   void count(Counted events, std::uint32_t number = 1);

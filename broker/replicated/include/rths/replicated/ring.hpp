@@ -85,6 +85,7 @@ struct GtInterrupt {
 
 /// Levels and counts of a card, for tools and tests; no access changes them.
 struct CardReport {
+  bool powered = true;
   std::uint32_t transmit_fifo = 0;   ///< entries
   std::uint32_t interrupt_fifo = 0;  ///< entries; of a GT card: its interrupt queue
   std::uint64_t sent = 0, repeated = 0, stored = 0, rejected = 0, passed = 0;  ///< messages
@@ -103,13 +104,16 @@ class Engine;
 /// The host's side of one card. Accesses take no time of their own and act at `Ring::now()`.
 class Card {
  public:
-  /// Stores 1, 2 or 4 bytes at an offset of the card's window, which is aligned to their number.
+  /// Stores 1, 2 or 4 bytes at an offset of the card's window, rounded down to their number. Beyond
+  /// the memory a store has no effect and a read gives all ones.
   Access write(ByteOffset offset, std::uint32_t value, std::uint32_t bytes = 4);
   [[nodiscard]] std::uint32_t read(ByteOffset offset, std::uint32_t bytes = 4) const;
 
   /// Control/status registers, with their side effects. SCRAMNet+ only.
   [[nodiscard]] std::uint32_t read_csr(int index);
   void write_csr(int index, std::uint32_t value);
+  /// The value that reading would give, without the side effects.
+  [[nodiscard]] std::uint32_t peek_csr(int index) const;
   /// Auxiliary control RAM of a longword of the window. SCRAMNet+ only.
   [[nodiscard]] std::uint32_t acr(LongwordOffset longword) const;
   void set_acr(LongwordOffset longword, std::uint32_t bits);
@@ -117,6 +121,9 @@ class Card {
   /// States as in the vendor's GT API; see scgtapi.h for numbers. GT only.
   [[nodiscard]] std::uint32_t gt_state(std::uint32_t state) const;
   bool set_gt_state(std::uint32_t state, std::uint32_t value);
+  /// Control registers by byte offset. GT only.
+  [[nodiscard]] std::uint32_t read_cr(std::uint32_t offset) const;
+  void write_cr(std::uint32_t offset, std::uint32_t value);
   /// Queues an interrupt behind the stores so far. @param type  0: to node `id`; 1: broadcast `id`
   Access send_interrupt(std::uint32_t type, std::uint32_t id, std::uint32_t value);
   /// Takes the oldest interrupt of the card's queue.
