@@ -119,7 +119,8 @@ TEST_F(Control, ReadsLatchedBitsOnceUnlessTheirCausePersists) {
   for (std::uint32_t i = 0; i < 900; ++i) store(0, i, i);
   csr(0, 0, 0x8003);
   settle();
-  EXPECT_EQ(csr(0, 1) & 0x1FFF, 4U);  // was at seven eighths
+  EXPECT_EQ(card(0).peek_csr(1) & 0x1FFF, 4U);  // looking clears nothing
+  EXPECT_EQ(csr(0, 1) & 0x1FFF, 4U);            // was at seven eighths
   EXPECT_EQ(csr(0, 1) & 0x1FFF, 0U);
 }
 
@@ -256,6 +257,8 @@ TEST_F(Control, IsHealthyOnAClosedRingAndShowsTheLossOfCarrier) {
 }
 
 TEST_F(Control, HasACarrierFromItselfWhenItIsAlone) {
+  use(nodes(2));  // none is in the ring
+  EXPECT_EQ(csr(0, 1) & 0x40, 0x40U);
   use_inserted(1);
   EXPECT_EQ(csr(0, 1) & 0x40, 0U);
   ring().set_fibre(0, false);
@@ -356,7 +359,7 @@ TEST_F(Control, RestartsHiProAtAStoreToAnotherWord) {
   use_inserted(2, kBurst | 0x2000);
   acr(0, 5, 0x10);
   store_bytes(0, 20, 0x1111, 2);
-  store_bytes(0, 100, 1, 1);
+  EXPECT_EQ(store_bytes(0, 100, 1, 1), Access::Queued);  // no HIPRO word
   EXPECT_EQ(store_bytes(0, 22, 0x2222, 2), Access::Withheld);
   EXPECT_EQ(store_bytes(0, 20, 0x1111, 2), Access::Queued);
   EXPECT_EQ(store(0, 5, 3), Access::Queued);  // a whole longword
@@ -484,7 +487,8 @@ TEST_F(Control, LoopsMessagesInsideTheCardInWireLoopback) {
   store(0, 5, 1);
   store(1, 6, 1);
   settle();
-  EXPECT_EQ(card(1).report().stored, 1U);
+  ASSERT_EQ(card(1).report().stored, 1U);
+  EXPECT_NEAR(to_ns(hops(Hop::Kind::Stored, 1)[0].begin), kMessageNs, 0.01);
   EXPECT_EQ(load(1, 5), 0U);
   EXPECT_EQ(load(2, 5), 1U);
   EXPECT_EQ(load(2, 6), 0U);

@@ -146,8 +146,11 @@ TEST_F(VirtualGt, WritesItselfLastIfEnabled) {
 
 TEST_F(VirtualGt, SendsBlocksOf128Bytes) {
   use_gt(2);
+  store(1, 64, 7);
+  settle();
   for (std::uint32_t i = 0; i < 64; ++i) store(0, i, i + 1);
   settle();
+  EXPECT_EQ(load(1, 64), 7U);  // behind the last block
   EXPECT_EQ(card(0).report().sent, 2U);
   for (std::uint32_t i = 0; i < 64; ++i) EXPECT_EQ(load(1, i), i + 1);
 }

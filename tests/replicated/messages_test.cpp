@@ -118,6 +118,12 @@ TEST_F(Messages, CountTheNodesOfTheRingOnTheirWay) {
   store(3, 1, 11);
   settle();
   EXPECT_EQ(csr(3, 3), 4U << 8 | 7U);
+  csr(3, 8, csr(3, 8) | 1);
+  csr(3, 3, 4U << 8 | 9U);  // its messages start at age 9
+  csr(3, 8, csr(3, 8) & ~1U);
+  store(3, 1, 12);
+  settle();
+  EXPECT_EQ(csr(3, 3), 4U << 8 | 7U);
 }
 
 TEST_F(Messages, WithAnotherNodesIdAreReportedAndDelivered) {
