@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -104,6 +105,13 @@ class VirtualCards : public testing::Test {
  private:
   std::optional<replicated::Ring> ring_;
   std::vector<Hop> hops_;
+};
+
+/// Registers and modes of SCRAMNet+ cards.
+class Control : public VirtualCards {
+ protected:
+  /// CSR1 bit 1: whether the transmit FIFO holds anything.
+  bool has_queued(std::uint32_t node) { return (csr(node, 1) & 2) != 0; }
 };
 
 }  // namespace rths::test
