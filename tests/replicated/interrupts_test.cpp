@@ -61,6 +61,7 @@ TEST_F(VirtualInterrupts, GiveAddressesInOrderOfArrival) {
   use_pair();
   for (const std::uint32_t word : {9U, 3U, 0x7FFFFU, 3U}) store(0, word, word);
   settle();
+  EXPECT_EQ(csr(1, 5), 0x8000U);  // not repeated
   for (const std::uint32_t word : {9U, 3U, 0x7FFFFU, 3U}) EXPECT_EQ(interrupt(1), 4 * word);
   EXPECT_EQ(interrupt(1), -1);
 }

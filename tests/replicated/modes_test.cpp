@@ -220,6 +220,8 @@ TEST_F(Control, LoopsMessagesInsideTheCardInWireLoopback) {
   EXPECT_EQ(load(2, 5), 1U);
   EXPECT_EQ(load(2, 6), 0U);
   EXPECT_EQ(csr(1, 3) & 0xFF, 1U);
+  ring().set_fibre(0, false);
+  EXPECT_EQ(csr(1, 1) & 0x40, 0U);  // hears itself
 }
 
 TEST_F(Control, LoopsThroughFibreOrSwitch) {
