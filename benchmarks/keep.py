@@ -7,6 +7,7 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py demo_seeds RTHS             the demo with ten seeds, in virtual and in real time; takes an hour
        keep.py least_squares FITS          what rths_fit_bench has printed
        keep.py opensees_runs RTHS          runs OpenSees with RTHS, and alone with RTHS_OPENSEES_PYTHON
+       keep.py card RTHS                   hops per second of cards in virtual time
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
        keep.py deaths TESTS                  --gtest_output=json:TESTS
        keep.py real_recordings TESTS
@@ -176,8 +177,13 @@ def opensees_comparison(file):
     return {"largest_axial_percent": largest, "rows": rows}
 
 
+def card(rths):
+    """`rths bench card`; stops if it misses its goal."""
+    return json.loads(subprocess.run([rths, "bench", "card", "--json"], capture_output=True, text=True, check=True).stdout)
+
+
 def main():
-    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget,
+    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget, "card": card,
               "demo_seeds": demo_seeds.demo_seeds,
               "least_squares": lambda file: json.loads(pathlib.Path(file).read_text()),
               "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),

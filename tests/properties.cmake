@@ -10,6 +10,14 @@ function(rths_tests program expression property value)
   endforeach()
 endfunction()
 
+# All tests of the cards: ctest -L scramnet
+foreach(program rths_replicated_test rths_scramnet_card_test)
+  rths_tests(${program} "." LABELS "unit;scramnet")
+endforeach()
+foreach(program rths_scramnet_test rths_ring_command_test)
+  rths_tests(${program} "." LABELS "system;scramnet")
+endforeach()
+
 # Tests that read shared runs.
 rths_tests(rths_page_test "^Page\\." FIXTURES_REQUIRED short_run)
 rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED "example_run;short_run")
@@ -35,3 +43,6 @@ rths_tests(rths_broker_test "KillsOf" TIMEOUT 900)
 rths_tests(rths_damaged_ring_test "CrashesNo" TIMEOUT 3600)
 rths_tests(rths_recording_test "WithDamage" TIMEOUT 900)
 rths_tests(rths_command_test "DamagedRingCommands" TIMEOUT 900)
+
+# With RTHS_LONG=1, a million writes on 256 nodes.
+rths_tests(rths_replicated_test "On256Nodes" TIMEOUT 1200)

@@ -119,6 +119,24 @@ struct LoopArguments {
 /// Drives a bearing through loops; prints a table per cycle, draws and writes the loop.
 [[nodiscard]] int loop(const LoopArguments& arguments);
 
+struct RingArguments {
+  std::string source;  ///< scenario; of `show` also the name of a ring
+  std::string out;     ///< file of the trace; empty: named after the scenario, in this folder
+  std::optional<double> at_us;  ///< time of the picture [µs]; empty: the end
+};
+/// Writes every hop of a scenario as Chrome trace events.
+[[nodiscard]] int ring_trace(const RingArguments& arguments);
+/// Draws ring, nodes and registers of a scenario, or of a ring in shared memory.
+[[nodiscard]] int ring_show(const RingArguments& arguments);
+
+struct CardBenchArguments {
+  int passes = 5;
+  double seconds = 0.5;  ///< computing time of a pass [s]
+  bool json = false;
+};
+/// Measures how fast cards in virtual time are computed.
+[[nodiscard]] int bench_card(const CardBenchArguments& arguments);
+
 struct TermsArguments {
   std::vector<std::string> names;  ///< empty: all
   std::string format = "text";     ///< text, markdown, or json, one object per line

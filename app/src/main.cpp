@@ -47,6 +47,8 @@ struct Arguments {
   BenchArguments bench;
   LoopArguments loop;
   TermsArguments terms;
+  RingArguments ring;
+  CardBenchArguments card_bench;
   BearingBenchArguments bearings;
   OpenseesBenchArguments trips;
   BridgeBenchArguments bridge_bench;
@@ -206,6 +208,39 @@ void add_bridge(CLI::App& app, Arguments& a, Chosen& chosen) {
   });
 }
 
+void add_ring(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command =
+      app.add_subcommand("ring", "Simulate a ring of cards in virtual time, message by message");
+  command->require_subcommand(1);
+  auto* trace = command->add_subcommand(
+      "trace", "Write every hop of a scenario as trace events for Perfetto or chrome://tracing");
+  trace->add_option("scenario", a.ring.source, "Scenario file")
+      ->required()
+      ->check(CLI::ExistingFile);
+  trace->add_option("--out", a.ring.out,
+                    "File for the trace [name of the scenario, in this folder]");
+  trace->callback([&] { chosen = [&a] { return ring_trace(a.ring); }; });
+  auto* show = command->add_subcommand(
+      "show", "Draw nodes, registers, FIFOs and ages of a scenario or of a running ring");
+  show->add_option("source", a.ring.source, "Scenario file, or name of a ring")->required();
+  show->add_option("--at-us", a.ring.at_us, "Time in the scenario [us; its end]")
+      ->check(CLI::NonNegativeNumber);
+  show->callback([&] { chosen = [&a] { return ring_show(a.ring); }; });
+}
+
+void add_bench_card(CLI::App& bench, Arguments& a, Chosen& chosen) {
+  auto* command = bench.add_subcommand(
+      "card", "Hops per second of computing time of cards in virtual time, and their rates");
+  command->add_flag("--json", a.card_bench.json, "One JSON document instead of a table");
+  command->add_option("--passes", a.card_bench.passes, "Number of passes of each row")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--seconds", a.card_bench.seconds, "Computing time of a pass [s]")
+      ->check(CLI::Range(0.001, 100.0))
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return bench_card(a.card_bench); }; });
+}
+
 void add_bench_bearings(CLI::App& bench, Arguments& a, Chosen& chosen) {
   auto* command = bench.add_subcommand(
       "bearings", "Median and worst time of one step of a bearing, compared with OpenSees");
@@ -299,6 +334,7 @@ void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
                    "Folder for finished cycles; cycles found there are not repeated");
   ring->callback([&] { chosen = [&a] { return bench_ring(a.bench); }; });
   add_bench_bearings(*command, a, chosen);
+  add_bench_card(*command, a, chosen);
   add_bench_opensees(*command, a, chosen);
   add_bench_bridge(*command, a, chosen);
   add_bench_diagnosis(*command, a, chosen);
@@ -425,7 +461,7 @@ int parse_and_run(int argc, char** argv) {
   Chosen chosen;
   for (const auto add :
        {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch, add_bridge,
-        add_send, add_bench, add_loop, add_terms, add_diagnose, add_map, add_rest})
+        add_send, add_ring, add_bench, add_loop, add_terms, add_diagnose, add_map, add_rest})
     add(app, arguments, chosen);
   const std::vector<std::string> words{argv + 1, argv + argc};
   if (const auto result = run_hidden(app, words)) return *result;

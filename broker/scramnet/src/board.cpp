@@ -26,9 +26,6 @@ std::byte* whole_memory(const CardSession& session) {
   return memory;
 }
 
-constexpr std::uint32_t kPagingOn = 0x1;
-constexpr std::uint32_t kPageBytesShift = 7;  // CSR12 bit 5 is address bit 12
-
 }  // namespace
 
 Board::Board(const Settings& settings)
@@ -51,7 +48,7 @@ std::uint32_t Board::read_csr(int index) {
     session_.for_each_card([&](const CardSession::CardView& card) {
       nodes += Registers{*card.card}.all_set(0, csr0::kInsert) ? 1 : 0;
     });
-  return registers().read(index, nodes, bypass_switch_);
+  return registers().read(index, {.nodes = nodes, .bypass_switch = bypass_switch_});
 }
 
 void Board::write_csr(int index, std::uint32_t value) {
@@ -124,8 +121,7 @@ void Board::unmap_window() {
 // Maps other pages at the same address; a concurrent load or store uses the old or the new page.
 void Board::update_window() {
   const std::uint32_t csr12 = registers().peek(12);
-  const std::uint64_t wanted =
-      (csr12 & kPagingOn) == 0 ? 0 : std::uint64_t{csr12 & 0xFFE0} << kPageBytesShift;
+  const std::uint64_t wanted = network_offset(csr12);
   const std::uint64_t offset = wanted + window_bytes_ <= session_.memory_bytes() ? wanted : 0;
   if (offset != page_offset_) {
     page_offset_ = offset;

@@ -28,6 +28,10 @@ std::optional<std::uint32_t> pop(InterruptFifo& fifo) noexcept {
   return std::nullopt;
 }
 
+std::uint32_t size(const InterruptFifo& fifo) noexcept {
+  return fifo.tail.load() - fifo.head.load();
+}
+
 void clear(InterruptFifo& fifo) noexcept { fifo.head.store(fifo.tail.load()); }
 
 }  // namespace rths::scramnet

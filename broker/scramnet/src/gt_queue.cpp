@@ -55,12 +55,6 @@ bool try_push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
 
 }  // namespace
 
-bool accepts(const GtCard& card, std::uint32_t type, std::uint32_t id) {
-  if (!is_set(card, gt::kLinkControl, gt::kReceive)) return false;
-  if (type == SCGT_UNICAST_INTR) return is_set(card, gt::kUnicastMask, 1);
-  return type == SCGT_BROADCAST_INTR && id < 32 && is_set(card, gt::kBroadcastMask, 1U << id);
-}
-
 bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
   for (int attempt = 0; !try_push(card, interrupt, self); ++attempt) {
     if (attempt == kAttempts) return false;

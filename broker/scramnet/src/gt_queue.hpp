@@ -14,10 +14,6 @@ struct GtInterrupt {
 /// Interrupts that a queue keeps for its readers.
 inline constexpr std::uint64_t kKeptInterrupts = kGtQueueEntries - 1;
 
-/// True if a card's registers let an interrupt in that has reached it. Its type and id may be
-/// anything; a unicast interrupt is not checked for the card's node id.
-[[nodiscard]] bool accepts(const GtCard& card, std::uint32_t type, std::uint32_t id);
-
 /// Puts an interrupt into a card's queue and wakes its sleeping readers. Any number of processes
 /// may call; the entry of a process that dies meanwhile is skipped.
 /// @returns false if another writer blocked the queue for too long, about 10 ms

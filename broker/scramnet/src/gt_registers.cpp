@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gt_registers.hpp"
 
-#include "monotonic_time.hpp"
-
 #include <array>
 #include <ctime>
 
@@ -62,12 +60,12 @@ constexpr auto kStates = [] {
 
 }  // namespace
 
-void power_up_gt(GtCard& card) {
+void power_up_gt(GtCard& card, std::int64_t now) {
   for (auto& cr : card.cr) cr.store(0);
   for (auto& own : card.own) own.store(0);
   card.cr[gt::kLinkControl].store(gt::kTransmit | gt::kReceive | gt::kRetransmit | gt::kLaser0 |
                                   gt::kLaser1);
-  card.timer_since_ns.store(now_ns());
+  card.timer_since_ns.store(now);
 }
 
 std::uint32_t node_id(const GtCard& card) {
@@ -78,38 +76,47 @@ bool is_set(const GtCard& card, std::uint32_t index, std::uint32_t bits) {
   return (card.cr[index].load() & bits) == bits;
 }
 
-std::uint32_t read_cr(const GtCard& card, std::uint32_t index, const GtRing& ring) {
+std::uint32_t read_cr(const GtCard& card, std::uint32_t index, const GtRing& ring,
+                      std::int64_t now) {
   switch (index) {
     case gt::kLinkStatus:
-      return gt::kLinkUp | gt::kSignal0 | gt::kSignal1 | (ring.nodes - 1) << 24;
+      return (ring.closed ? gt::kLinkUp | gt::kSignal0 | gt::kSignal1 : 0U) | (ring.nodes - 1)
+                                                                                  << 24;
     case gt::kMisc:
       return ring.upstream << 24 | (card.cr[index].load() & 0x00FF'FFFF);
     case gt::kTimer:
-      return static_cast<std::uint32_t>((now_ns() - card.timer_since_ns.load()) / kTimerTickNs) +
+      return static_cast<std::uint32_t>((now - card.timer_since_ns.load()) / kTimerTickNs) +
              card.cr[index].load();
     default:
       return card.cr[index].load();
   }
 }
 
-void write_cr(GtCard& card, std::uint32_t index, std::uint32_t value) {
+void write_cr(GtCard& card, std::uint32_t index, std::uint32_t value, std::int64_t now) {
   if (index == gt::kBoardInfo || index == gt::kLinkStatus) return;
-  if (index == gt::kTimer) card.timer_since_ns.store(now_ns());
+  if (index == gt::kTimer) card.timer_since_ns.store(now);
   card.cr[index].store(value);
 }
 
-std::uint32_t get_state(const GtCard& card, std::uint32_t id, const GtRing& ring) {
+bool accepts(const GtCard& card, std::uint32_t type, std::uint32_t id) {
+  if (!is_set(card, gt::kLinkControl, gt::kReceive)) return false;
+  if (type == SCGT_UNICAST_INTR) return is_set(card, gt::kUnicastMask, 1);
+  return type == SCGT_BROADCAST_INTR && id < 32 && is_set(card, gt::kBroadcastMask, 1U << id);
+}
+
+std::uint32_t get_state(const GtCard& card, std::uint32_t id, const GtRing& ring,
+                        std::int64_t now) {
   if (id >= kStates.size()) return kNoState;
   const State& state = kStates[id];
   const bool own = (state.index & kOwn) != 0;
   const std::uint32_t word =
-      own ? card.own[state.index & ~kOwn].load() : read_cr(card, state.index, ring);
+      own ? card.own[state.index & ~kOwn].load() : read_cr(card, state.index, ring, now);
   const std::uint32_t value = word >> state.shift & state.mask;
   if (id == SCGT_RING_SIZE) return value + 1;
   return state.access == Access::Inverted ? 1 - value : value;
 }
 
-StateResult set_state(GtCard& card, std::uint32_t id, std::uint32_t value) {
+StateResult set_state(GtCard& card, std::uint32_t id, std::uint32_t value, std::int64_t now) {
   if (id >= kStates.size()) return StateResult::BadParameter;
   const State& state = kStates[id];
   if (state.access == Access::ReadOnly) return StateResult::BadParameter;
@@ -123,7 +130,7 @@ StateResult set_state(GtCard& card, std::uint32_t id, std::uint32_t value) {
     card.own[state.index & ~kOwn].store(bits);
   } else {
     const std::uint32_t before = card.cr[state.index].load();
-    write_cr(card, state.index, (before & ~field) | bits);
+    write_cr(card, state.index, (before & ~field) | bits, now);
   }
   return StateResult::Ok;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "card.hpp"
+#include "monotonic_time.hpp"
 
 namespace rths::scramnet {
 
@@ -14,7 +15,7 @@ inline constexpr std::uint32_t kBoardInfo = 0x00 / 4, kUser = 0x08 / 4, kLinkCon
                                kUnicastMask = 0x1C / 4, kMisc = 0x20 / 4, kTimer = 0x40 / 4;
 inline constexpr std::uint32_t kLaser0 = 0x1, kLaser1 = 0x2, kNodeIdShift = 8, kTransmit = 0x1'0000,
                                kReceive = 0x2'0000, kRetransmit = 0x4'0000,
-                               kInterruptSelf = 0x20'0000;
+                               kWriteMeLast = 0x10'0000, kInterruptSelf = 0x20'0000;
 inline constexpr std::uint32_t kLinkUp = 0x2'0000, kSignal0 = 0x4'0000, kSignal1 = 0x8'0000;
 inline constexpr std::uint32_t kSwaps = 0x3;
 }  // namespace gt
@@ -26,17 +27,26 @@ enum GtCount : std::uint32_t { kReceived, kSent, kMissed, kReads, kWrites };
 struct GtRing {
   std::uint32_t nodes = 1;     ///< number of nodes
   std::uint32_t upstream = 0;  ///< node id of the preceding node
+  bool closed = true;          ///< the ring is closed, so that a signal arrives
 };
 
-void power_up_gt(GtCard& card);
-[[nodiscard]] std::uint32_t read_cr(const GtCard& card, std::uint32_t index, const GtRing& ring);
+/// @param now  time on the card's clock [ns]
+void power_up_gt(GtCard& card, std::int64_t now = now_ns());
+[[nodiscard]] std::uint32_t read_cr(const GtCard& card, std::uint32_t index, const GtRing& ring,
+                                    std::int64_t now = now_ns());
 /// Writes to read-only registers are ignored.
-void write_cr(GtCard& card, std::uint32_t index, std::uint32_t value);
+void write_cr(GtCard& card, std::uint32_t index, std::uint32_t value, std::int64_t now = now_ns());
 
 enum class StateResult { Ok, BadParameter, Unsupported };
 /// @returns 0xFFFFFFFF if there is no such state
-[[nodiscard]] std::uint32_t get_state(const GtCard& card, std::uint32_t state, const GtRing& ring);
-[[nodiscard]] StateResult set_state(GtCard& card, std::uint32_t state, std::uint32_t value);
+[[nodiscard]] std::uint32_t get_state(const GtCard& card, std::uint32_t state, const GtRing& ring,
+                                      std::int64_t now = now_ns());
+[[nodiscard]] StateResult set_state(GtCard& card, std::uint32_t state, std::uint32_t value,
+                                    std::int64_t now = now_ns());
+
+/// True if a card's registers let an interrupt in that has reached it. Its type and id may be
+/// anything; a unicast interrupt is not checked for the card's node id.
+[[nodiscard]] bool accepts(const GtCard& card, std::uint32_t type, std::uint32_t id);
 
 [[nodiscard]] std::uint32_t node_id(const GtCard& card);
 [[nodiscard]] bool is_set(const GtCard& card, std::uint32_t index, std::uint32_t bits);

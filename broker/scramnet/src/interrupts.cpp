@@ -3,28 +3,11 @@
 
 #include <csignal>
 
-#include "bits.hpp"
-#include "fifo.hpp"
 #include "registers.hpp"
 
 namespace rths::scramnet {
-namespace {
-
-// A memory interrupt is in the FIFO; an error interrupt is in CSR1, with the FIFO empty.
-bool has_pending_interrupt(Card& card) {
-  if (peek(card.plus.fifo)) return true;
-  const Registers registers{card};
-  return registers.all_set(0, csr0::kErrorInterrupts) &&
-         (card.plus.latched.load() & registers.peek(9)) != 0;
-}
-
-}  // namespace
-
 void deliver_if_due(Card& card) {
-  if (!Registers{card}.all_set(0, csr0::kHostInterrupts | csr0::kReceive)) return;
-  if (!has_pending_interrupt(card)) return;
-  if (card.plus.armed.exchange(0) == 0) return;
-  card.plus.host_interrupts.fetch_add(1);
+  if (!Registers{card}.take_host_interrupt()) return;
   for (const auto& entry : card.plus.registered) {
     const broker::Claim process = entry.load();
     if (process != 0 && broker::is_alive(process)) kill(broker::pid_of(process), SIGUSR1);

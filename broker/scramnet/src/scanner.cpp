@@ -37,10 +37,7 @@ bool receives(const Registers& registers) {
 }
 
 bool sends_interrupt(CardSession::CardView card, std::uint32_t longword) {
-  const Registers registers{*card.card};
-  return registers.all_set(0, csr0::kTransmit | csr0::kSendInterrupts) &&
-         (registers.all_set(0, csr0::kAllSendInterrupts) ||
-          (card.acr[longword].load() & acr::kTransmitInterrupt) != 0);
+  return Registers{*card.card}.sends_interrupt(card.acr[longword].load());
 }
 
 }  // namespace
@@ -108,12 +105,12 @@ bool Scanner::raises_interrupt(std::uint32_t longword) const {
   const auto& own = session_->own();
   const Registers registers{*own.card};
   const std::uint32_t network = network_longword_ + longword;
+  const std::uint32_t acr = own.acr[longword].load();
   bool found = registers.all_set(8, csr8::kAllInterrupt) ||
-               (registers.all_set(2, csr2::kReceiveOwn | csr2::kInterruptOwn) &&
-                sends_interrupt(own, longword));
+               registers.accepts_interrupt(acr, true, sends_interrupt(own, longword));
   session_->for_each_card([&](const CardSession::CardView& card) {
     if (card.card != own.card && network < session_->memory_bytes() / 4)
-      found |= sends_interrupt(card, network);
+      found |= registers.accepts_interrupt(acr, false, sends_interrupt(card, network));
   });
   return found;
 }

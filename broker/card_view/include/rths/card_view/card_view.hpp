@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rths::card_view {
+
+/// A card of a program on a ring in shared memory, as it was at one instant.
+struct SharedCard {
+  std::uint32_t index = 0;
+  int process = 0;                      ///< its process; 0: the card is idle
+  bool gt = false;                      ///< a GT card, which has no CSRs
+  std::uint32_t id = 0;                 ///< node id
+  std::array<std::uint32_t, 16> csr{};  ///< without the side effects of reading
+  std::uint32_t interrupt_fifo = 0;     ///< entries
+  std::uint32_t host_interrupts = 0;    ///< delivered so far
+};
+
+/// The cards of a ring that are in use.
+/// @throws Error if there is no such ring or it cannot be read   @setup
+[[nodiscard]] std::vector<SharedCard> cards_of(const std::string& ring);
+
+}  // namespace rths::card_view

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/card_view/card_view.hpp>
+
+#include <algorithm>
+
+#include "bits.hpp"
+#include "card_table.hpp"
+#include "fifo.hpp"
+#include "gt_registers.hpp"
+
+namespace rths::card_view {
+namespace {
+
+SharedCard view_of(std::uint32_t index, const scramnet::CardTable::CardView& mapped) {
+  const scramnet::Card& card = *mapped.card;
+  SharedCard view;
+  view.index = index;
+  view.gt = mapped.acr == nullptr;
+  view.id = view.gt ? scramnet::node_id(card.gt) : card.plus.csr[3].load() >> 8 & 0xFF;
+  const broker::Claim holder = card.holder.load();
+  view.process = holder != 0 && broker::is_alive(holder) ? broker::pid_of(holder) : 0;
+  for (std::size_t csr = 0; csr < view.csr.size(); ++csr)
+    view.csr[csr] = card.plus.csr[csr].load() & 0xFFFF;
+  view.csr[1] = (card.plus.latched.load() & 0xFFFF) |
+                (card.plus.armed.load() != 0 ? scramnet::csr1::kArmed : 0U);
+  view.interrupt_fifo = std::min(scramnet::size(card.plus.fifo), scramnet::kFifoEntries);
+  view.host_interrupts = card.plus.host_interrupts.load();
+  return view;
+}
+
+}  // namespace
+
+std::vector<SharedCard> cards_of(const std::string& name) {
+  const broker::Ring ring = broker::Ring::attach(name);
+  const scramnet::CardTable cards{ring, name};
+  std::vector<SharedCard> views;
+  for (std::uint32_t index = 0; index < cards.count(); ++index)
+    if (const auto card = cards.at(index)) views.push_back(view_of(index, *card));
+  return views;
+}
+
+}  // namespace rths::card_view

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <rths/replicated/ring.hpp>
+
+#include "events.hpp"
+#include "gt_registers.hpp"
+#include "message.hpp"
+#include "node.hpp"
+#include "rates.hpp"
+
+namespace rths::replicated {
+
+/// The ring: nodes, messages and events. Parts: engine.cpp the messages' way, transmitter.cpp own
+/// messages, receiver.cpp the effect of received ones, plus_host.cpp and gt_host.cpp the host's
+/// side.
+class Engine {
+ public:
+  explicit Engine(const RingSetup& setup);
+
+  [[nodiscard]] Time now() const { return now_; }
+  void run_until(Time time);
+  bool run_until_idle(Time limit);
+  [[nodiscard]] const EventQueue& events() const { return events_; }
+  [[nodiscard]] std::vector<Node>& nodes() { return nodes_; }
+  [[nodiscard]] CardType type() const { return type_; }
+
+  Access write(std::uint32_t node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
+  [[nodiscard]] std::uint32_t read(std::uint32_t node, std::uint32_t offset, std::uint32_t bytes);
+  [[nodiscard]] std::uint32_t read_csr(std::uint32_t node, int index);
+  [[nodiscard]] std::uint32_t peek_csr(std::uint32_t node, int index);
+  void write_csr(std::uint32_t node, int index, std::uint32_t value);
+  void set_acr(std::uint32_t node, std::uint32_t longword, std::uint32_t bits);
+  [[nodiscard]] std::uint32_t gt_state(std::uint32_t node, std::uint32_t state);
+  bool set_gt_state(std::uint32_t node, std::uint32_t state, std::uint32_t value);
+  [[nodiscard]] std::uint32_t read_cr(std::uint32_t node, std::uint32_t offset);
+  void write_cr(std::uint32_t node, std::uint32_t offset, std::uint32_t value);
+  Access send_interrupt(std::uint32_t node, const Entry& interrupt);
+
+  void power_up(std::uint32_t node);
+  void set_power(std::uint32_t node, bool on);
+  void set_fibre(std::uint32_t node, bool connected);
+  void set_bit_error_rate(double rate) { bit_error_rate_ = rate; }
+  [[nodiscard]] CardReport report(std::uint32_t node);
+
+  std::function<void(const Hop&)> observer;
+  std::uint64_t hops = 0, log_hash = 0xCBF2'9CE4'8422'2325;
+
+ private:
+  // The way of messages.
+  void process(const Event& event);
+  void on_head(std::uint32_t message, std::uint32_t at);
+  void pass_optically(std::uint32_t message, std::uint32_t at);
+  void forward(std::uint32_t message, std::uint32_t at);
+  [[nodiscard]] bool own_goes_first(Node& node, Time ready) const;
+  void drain(std::uint32_t at);
+  void put_on_line(std::uint32_t message, std::uint32_t at, Time start);
+  void send_to_next(std::uint32_t message, std::uint32_t from, Time start);
+  void close(std::uint32_t message);
+  void expect_reception(std::uint32_t message, std::uint32_t at);
+  void damage(Message& message);
+  void end_head(std::uint32_t message);
+  void release_if_done(std::uint32_t message);
+  [[nodiscard]] std::uint32_t behind(std::uint32_t node) const;
+  void post(Event::Kind kind, std::uint32_t node, Time time, std::uint32_t subject);
+  void log(Hop::Kind kind, const Message& message, std::uint32_t at, Time begin, Time end);
+  void log(Hop::Kind kind, const Message& message, std::uint32_t at) {
+    log(kind, message, at, now_, now_);
+  }
+
+  // Own messages.
+  void schedule_transmit(std::uint32_t at, Time earliest);
+  [[nodiscard]] bool may_transmit(const Node& node) const;
+  void on_transmit(std::uint32_t at);
+  void start_own(std::uint32_t at);
+  std::uint32_t make_own(std::uint32_t at);
+  [[nodiscard]] std::uint32_t most_longwords(const Node& node) const;
+  void on_extend(std::uint32_t at);
+  void on_timeout(std::uint32_t at, std::uint32_t attempt);
+  void expect_return(std::uint32_t at, std::uint32_t message);
+  void on_return(std::uint32_t at, const Message& message, bool damaged);
+  [[nodiscard]] bool corrects(const Node& node) const;
+
+  // Received messages.
+  void on_received(const Event& event);
+  void store_plus(Node& node, const Message& message, bool own);
+  void store_gt(Node& node, const Message& message, bool own);
+  void reject(Node& node);
+  [[nodiscard]] bool is_own_id(const Node& node, const Message& message) const;
+
+  // Host's side.
+  [[nodiscard]] scramnet::Registers registers(const Node& node) const;
+  Access write_plus(Node& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
+  Access write_gt(Node& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
+  Access enqueue(Node& node, const Entry& entry);
+  void latch(Node& node, std::uint32_t csr1_bits);
+  void latch_error(Node& node, std::uint32_t csr1_bits);
+  void trigger(Node& node, std::uint32_t acr_bit, std::uint32_t acr);
+  void update_path(std::uint32_t at);
+  [[nodiscard]] std::uint32_t live_status(std::uint32_t at) const;
+  [[nodiscard]] bool has_carrier(std::uint32_t at) const;
+  [[nodiscard]] scramnet::GtRing gt_ring(std::uint32_t at) const;
+  [[nodiscard]] std::uint32_t position(const Node& node) const {
+    return static_cast<std::uint32_t>(&node - nodes_.data());
+  }
+
+  CardType type_;
+  Rates rates_;
+  bool strict_ids_;
+  double bit_error_rate_;
+  std::uint64_t random_;
+  std::vector<Node> nodes_;
+  Messages messages_;
+  EventQueue events_;
+  Time now_{0};
+  mutable std::int64_t now_ns_ = 0;  ///< the same for registers
+  std::uint64_t numbers_ = 0;
+  std::uint32_t scheduled_ = 0;  ///< transmissions
+};
+
+}  // namespace rths::replicated

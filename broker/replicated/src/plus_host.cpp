@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The host's side of a SCRAMNet+ card: stores, registers, ACR.
+#include "bits.hpp"
+#include "engine.hpp"
+#include "fifo.hpp"
+#include "registers.hpp"
+
+namespace rths::replicated {
+
+using namespace scramnet;
+
+namespace {
+
+constexpr std::uint32_t kLowMemory = 0x1000;  // [B], see CSR0.11
+constexpr std::uint8_t kAllBytes = 0xF;
+
+std::uint8_t byte_mask(std::uint32_t offset, std::uint32_t bytes) {
+  return static_cast<std::uint8_t>(((1U << bytes) - 1) << offset % 4);
+}
+
+std::uint32_t merged(std::uint32_t before, std::uint32_t value, std::uint32_t offset,
+                     std::uint32_t bytes) {
+  if (bytes == 4) return value;
+  const std::uint32_t shift = offset % 4 * 8;
+  const std::uint32_t mask = ((1U << 8 * bytes) - 1) << shift;
+  return (before & ~mask) | (value << shift & mask);
+}
+
+bool filters(const Registers& csr, std::uint32_t offset) {
+  return csr.all_set(0, csr0::kFilter) &&
+         (offset >= kLowMemory || csr.all_set(0, csr0::kFilterAlsoLow));
+}
+
+// HIPRO: bytes of a longword are withheld until all four have been written. Returns true if the
+// longword may leave.
+bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset, std::uint32_t bytes) {
+  if ((acr & acr::kHiPro) == 0 || bytes == 4) {
+    node.hipro_longword = kNone;
+    return true;
+  }
+  if (node.hipro_longword != offset / 4) node.hipro_bytes = 0;
+  node.hipro_longword = offset / 4;
+  node.hipro_bytes |= byte_mask(offset, bytes);
+  if (node.hipro_bytes != kAllBytes) return false;
+  node.hipro_longword = kNone;
+  return true;
+}
+
+}  // namespace
+
+Registers Engine::registers(const Node& node) const {
+  now_ns_ = now_.count() / 15;
+  return Registers{*node.plus, now_ns_};
+}
+
+// Adds to the FIFO and raises its flags.
+Access Engine::enqueue(Node& node, const Entry& entry) {
+  node.fifo.add(entry);
+  if (type_ == CardType::Plus && node.fifo.size() >= TransmitFifo::kSevenEighths)
+    latch(node, csr1::kTransmitFifoSevenEighths |
+                    (node.fifo.size() >= TransmitFifo::kFullFlag ? csr1::kTransmitFifoFull : 0U));
+  schedule_transmit(position(node), now_ + rates_.insertion);
+  return Access::Queued;
+}
+
+Access Engine::write_plus(Node& node, std::uint32_t offset, std::uint32_t value,
+                          std::uint32_t bytes) {
+  const Registers csr = registers(node);
+  if (csr.all_set(0, csr0::kAcrWindow)) {
+    if (offset % 4 == 0) set_acr(position(node), offset / 4, value);
+    return Access::Local;
+  }
+  const std::uint32_t at = offset & ~3U;
+  const std::uint32_t before = node.memory.get<std::uint32_t>(at);
+  const std::uint32_t after = merged(before, value, offset, bytes);
+  const std::uint32_t acr = node.acr.get<std::uint8_t>(at / 4);
+  const bool interrupt = csr.sends_interrupt(acr);
+  const bool connected = (csr.peek(0) & (csr0::kReceive | csr0::kTransmit)) != 0;
+  const bool unchanged = after == before && !interrupt && filters(csr, offset);
+  const bool full = node.fifo.is_full() && connected && !unchanged;
+  if (full && !csr.all_set(8, csr8::kNoHoldoff)) return Access::HeldOff;
+
+  const bool complete = !csr.all_set(2, csr2::kHiPro) || completes_hipro(node, acr, offset, bytes);
+  if (!csr.all_set(2, csr2::kNoHostWrite)) node.memory.set(at, after);
+  trigger(node, acr::kTriggerOnHostWrite, acr);
+  if (!complete) return Access::Withheld;
+  if (!connected) return Access::Local;
+  if (unchanged) return Access::Filtered;
+  if (full) return Access::Lost;
+  Entry entry;
+  entry.address = static_cast<std::uint32_t>(network_offset(csr.peek(12))) + at;
+  entry.value = after;
+  entry.interrupt = interrupt;
+  return enqueue(node, entry);
+}
+
+// Conditions of CSR1 that hold now.
+std::uint32_t Engine::live_status(std::uint32_t at) const {
+  const Node& node = nodes_[at];
+  const std::uint32_t level = node.fifo.size();
+  return (level != 0 ? csr1::kTransmitFifoNotEmpty : 0U) |
+         (level >= TransmitFifo::kSevenEighths ? csr1::kTransmitFifoSevenEighths : 0U) |
+         (level >= TransmitFifo::kFullFlag ? csr1::kTransmitFifoFull : 0U) |
+         (size(node.plus->fifo) >= kFifoEntries ? csr1::kInterruptFifoFull : 0U) |
+         (has_carrier(at) ? 0U : csr1::kNoCarrier);
+}
+
+std::uint32_t Engine::read_csr(std::uint32_t at, int index) {
+  const Node& node = nodes_[at];
+  return registers(node).read(index, {.nodes = node.counts.ring_nodes,
+                                      .bypass_switch = node.bypass_switch,
+                                      .live_status = index == 1 ? live_status(at) : 0});
+}
+
+std::uint32_t Engine::peek_csr(std::uint32_t at, int index) {
+  const Node& node = nodes_[at];
+  if (index == 1)
+    return node.plus->latched.load() | live_status(at) |
+           (node.plus->armed.load() != 0 ? csr1::kArmed : 0U) |
+           (node.bypass_switch ? 0U : csr1::kNoBypassSwitch);
+  if (index == 4) return peek(node.plus->fifo).value_or(0) & 0xFFFC;
+  return read_csr(at, index);
+}
+
+void Engine::write_csr(std::uint32_t at, int index, std::uint32_t value) {
+  Node& node = nodes_[at];
+  Registers csr = registers(node);
+  const std::uint32_t before = csr.peek(0);
+  csr.write(index, value);
+  if (index == 0 && ((before | csr.peek(0)) & csr0::kResetTransmitFifo) != 0) {
+    node.fifo.clear();
+    node.outstanding.active = false;
+    node.hipro_longword = kNone;
+  }
+  if (index == 13) node.transit_armed = csr.measures_transit();
+  update_path(at);
+  schedule_transmit(at, now_);
+  static_cast<void>(csr.take_host_interrupt());
+}
+
+void Engine::set_acr(std::uint32_t at, std::uint32_t longword, std::uint32_t bits) {
+  SparseBytes& cells = nodes_[at].acr;
+  if (longword < cells.size()) cells.set(longword, static_cast<std::uint8_t>(bits & acr::kBits));
+}
+
+}  // namespace rths::replicated

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The effect of a message on a card that has received its last bit.
+#include "bits.hpp"
+#include "engine.hpp"
+#include "fifo.hpp"
+#include "registers.hpp"
+
+#include <gtucore.h>
+
+namespace rths::replicated {
+
+using namespace scramnet;
+
+// Cards know their messages by their id. Where another node has the same id, the hardware takes
+// that node's messages for its own.
+bool Engine::is_own_id(const Node& node, const Message& message) const {
+  const bool plus = type_ == CardType::Plus;
+  const std::uint32_t id = plus ? node.plus->receive_id.load() : node_id(*node.gt);
+  return message.source == id && (strict_ids_ || message.origin == position(node));
+}
+
+void Engine::on_received(const Event& event) {
+  Node& node = nodes_[event.node];
+  Message& message = messages_[event.subject];
+  const std::uint32_t id =
+      type_ == CardType::Plus ? node.plus->receive_id.load() : node_id(*node.gt);
+  if (message.origin != event.node && message.source == id) ++node.counts.same_id;
+  if (event.damaged) {
+    log(Hop::Kind::Rejected, message, event.node);
+    reject(node);
+  } else if (type_ == CardType::Plus) {
+    store_plus(node, message, event.own);
+  } else {
+    store_gt(node, message, event.own);
+  }
+  if (event.own && message.origin == event.node) on_return(event.node, message, event.damaged);
+  --message.receivers;
+  release_if_done(event.subject);
+}
+
+void Engine::reject(Node& node) {
+  ++node.counts.rejected;
+  if (type_ == CardType::Plus)
+    latch_error(node, csr1::kBadMessage);
+  else
+    node.gt->own[0].fetch_add(1);  // link errors
+}
+
+void Engine::store_plus(Node& node, const Message& message, bool own) {
+  Registers csr = registers(node);
+  if (!csr.all_set(0, csr0::kReceive) || (own && !csr.all_set(2, csr2::kReceiveOwn))) return;
+  ++node.counts.stored;
+  csr.count(Counted::Messages);
+  const std::uint64_t window = network_offset(csr.peek(12));
+  for (std::uint32_t i = 0; i < message.longwords.size(); ++i) {
+    const std::uint64_t address = message.address + std::uint64_t{4} * i;
+    if (address < window || address - window >= node.memory.size()) continue;
+    const std::uint64_t offset = address - window;
+    node.memory.set(offset, message.longwords[i]);
+    const std::uint32_t acr = node.acr.get<std::uint8_t>(offset / 4);
+    trigger(node, acr::kTriggerOnMessage, acr);
+    if (!csr.accepts_interrupt(acr, own, message.interrupt)) continue;
+    const std::uint32_t repeated = message.repeated ? kRepeatedEntry : 0;
+    if (!push(node.plus->fifo, static_cast<std::uint32_t>(address) | repeated))
+      ++node.counts.lost_interrupts;
+    if (size(node.plus->fifo) == kFifoEntries) latch(node, csr1::kInterruptFifoFull);
+  }
+  log(Hop::Kind::Stored, message, position(node));
+  static_cast<void>(csr.take_host_interrupt());
+}
+
+void Engine::store_gt(Node& node, const Message& message, bool own) {
+  const GtCard& card = *node.gt;
+  if (message.content != Content::Data) {
+    const bool unicast = message.content == Content::Unicast;
+    const std::uint32_t type = unicast ? SCGT_UNICAST_INTR : SCGT_BROADCAST_INTR;
+    if (own && !is_set(card, gt::kLinkControl, gt::kInterruptSelf)) return;
+    if (unicast && message.address != node_id(card)) return;
+    if (!accepts(card, type, message.address)) return;
+    GtQueue& queue = node.queue;
+    if (queue.size() == kGtQueue) {
+      ++node.counts.lost_interrupts;
+      return;
+    }
+    queue.entries[queue.added++ % kGtQueue] = {type, message.source, unicast ? 0 : message.address,
+                                               message.longwords[0]};
+  } else {
+    if (!is_set(card, gt::kLinkControl, gt::kReceive)) return;
+    if (own && !is_set(card, gt::kLinkControl, gt::kWriteMeLast)) return;
+    for (std::uint32_t i = 0; i < message.longwords.size(); ++i) {
+      const std::uint64_t offset = message.address + std::uint64_t{4} * i;
+      if (offset >= node.memory.size()) continue;
+      for (std::uint32_t byte = 0; byte < 4; ++byte)
+        if ((message.enables >> byte & 1U) != 0)
+          node.memory.set(offset + byte,
+                          static_cast<std::uint8_t>(message.longwords[i] >> 8 * byte));
+    }
+  }
+  ++node.counts.stored;
+  log(Hop::Kind::Stored, message, position(node));
+}
+
+// CSR1.4 and the other conditions of CSR1 interrupt the host if CSR9 selects them.
+void Engine::latch(Node& node, std::uint32_t csr1_bits) {
+  Registers csr = registers(node);
+  csr.latch(csr1_bits);
+  static_cast<void>(csr.take_host_interrupt());
+}
+
+void Engine::latch_error(Node& node, std::uint32_t csr1_bits) {
+  registers(node).count(Counted::Errors);
+  latch(node, csr1_bits);
+}
+
+// Overridden interrupts disable the external triggers.
+void Engine::trigger(Node& node, std::uint32_t acr_bit, std::uint32_t acr) {
+  if ((acr & acr_bit) == 0) return;
+  Registers csr = registers(node);
+  constexpr std::uint32_t kOverrides = csr0::kAllReceiveInterrupts | csr0::kAllSendInterrupts;
+  if ((csr.peek(0) & kOverrides) != 0) return;
+  ++node.counts.triggers;
+  csr.count(Counted::Triggers);
+  if (acr_bit == acr::kTriggerOnMessage) csr.clear_slow_counter();
+}
+
+}  // namespace rths::replicated

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "message.hpp"
+
+namespace rths::replicated {
+
+/// A store on its way to the ring.
+struct Entry {
+  std::uint32_t address = 0;  ///< on the ring [B]; of an interrupt: its number
+  std::uint32_t value = 0;
+  std::uint8_t enables = 0xF;
+  Content content = Content::Data;
+  bool interrupt = false;
+};
+
+/// The card's transmit FIFO. The vendor's self-test expects its full flag by 1022 entries.
+class TransmitFifo {
+ public:
+  static constexpr std::uint32_t kEntries = 1024, kSevenEighths = 896, kFullFlag = 1022;
+
+  [[nodiscard]] std::uint32_t size() const { return added_ - taken_; }
+  [[nodiscard]] bool is_empty() const { return added_ == taken_; }
+  [[nodiscard]] bool is_full() const { return size() == kEntries; }
+  [[nodiscard]] const Entry& first() const { return entries_[taken_ % kEntries]; }
+  void add(const Entry& entry) { entries_[added_++ % kEntries] = entry; }
+  Entry take() { return entries_[taken_++ % kEntries]; }
+  void clear() { taken_ = added_; }
+
+ private:
+  std::array<Entry, kEntries> entries_{};
+  std::uint32_t added_ = 0, taken_ = 0;
+};
+
+}  // namespace rths::replicated

@@ -1,0 +1,36 @@
+#!/usr/bin/env python3
+"""Checks the table of the card's behaviours in docs/scramnet.md: every row has a state for each fidelity and names tests
+that exist. Standard library only."""
+import pathlib
+import re
+import sys
+
+TREE = pathlib.Path(__file__).resolve().parents[2]
+BEHAVIOURS = 52
+STATES = {"exact", "approximated", "not possible"}
+ROW = re.compile(r"^\| (\d+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", re.MULTILINE)
+TEST = re.compile(r"\bTEST(?:_F)?\(\s*(\w+),\s*(\w+)\)")
+
+
+def main():
+    known = {f"{suite}.{name}" for folder in ("scramnet", "replicated")
+             for file in (TREE / "tests" / folder).glob("*_test.cpp")
+             for suite, name in TEST.findall(file.read_text())}
+    rows = ROW.findall((TREE / "docs/scramnet.md").read_text())
+    wrong = []
+    if [int(row[0]) for row in rows] != list(range(1, BEHAVIOURS + 1)):
+        wrong.append(f"the table has the rows {[int(row[0]) for row in rows]}, expected 1 to {BEHAVIOURS}")
+    for number, _, shared, replicated, tests in rows:
+        wrong += [f"row {number}: '{state}' is no state" for state in (shared, replicated) if state not in STATES]
+        names = re.findall(r"`([^`]+)`", tests)
+        if not names:
+            wrong.append(f"row {number}: names no test")
+        wrong += [f"row {number}: there is no test {name}" for name in names if name not in known]
+    for line in wrong:
+        print(line)
+    print(f"{len(rows)} behaviours, {len(wrong)} mistakes")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
