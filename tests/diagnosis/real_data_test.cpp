@@ -281,7 +281,7 @@ TEST_F(RealData, FrictionDeviceHasFrictionBehindPlay) {
   print_refit(verdict);
 }
 
-TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownAndDependsOnVelocity) {
+TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownWithoutAForm) {
   open("brfd");
   if (IsSkipped()) return;
 
@@ -292,7 +292,7 @@ TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownAndDependsO
 
   EXPECT_EQ(verdict.outcome, Outcome::Unknown);
   ASSERT_FALSE(verdict.descriptions.empty());
-  EXPECT_EQ(verdict.descriptions[0].form, "f(v)");
+  EXPECT_LT(verdict.descriptions[0].share, 0.5);
 }
 
 }  // namespace
