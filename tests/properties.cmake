@@ -22,6 +22,9 @@ endforeach()
 rths_tests(rths_page_test "^Page\\." FIXTURES_REQUIRED short_run)
 rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED "example_run;short_run")
 
+# They remove the rings of dead processes, which other tests make on purpose.
+rths_tests(rths_left_ring_test "." RUN_SERIAL ON)
+
 # With RTHS_LONG=1, forty runs each.
 rths_tests(rths_death_trial_test "." TIMEOUT 1200)
 

@@ -58,28 +58,6 @@ TEST(LeastSquares, FindsParametersOfAnySize) {
   EXPECT_NEAR(fit.parameters[1], 1.5, 1e-5);
 }
 
-// Secants replace most Jacobians, and the last step is taken with an exact one.
-TEST(LeastSquares, NeedsFewJacobians) {
-  const Decay decay{1};
-  FitProblem p = decay.problem();
-  int residuals = 0, jacobians = 0;
-  p.residuals = [&, exact = p.residuals](const VectorXd& x, VectorXd& residual,
-                                         MatrixXd* jacobian) {
-    ++(jacobian != nullptr ? jacobians : residuals);
-    return exact(x, residual, jacobian);
-  };
-
-  const Fit fit = least_squares(p);
-
-  VectorXd residual;
-  MatrixXd jacobian;
-  ASSERT_TRUE(p.residuals(fit.parameters, residual, &jacobian));
-  EXPECT_LT((jacobian.transpose() * residual).norm(), 1e-3 * jacobian.norm() * residual.norm());
-  EXPECT_TRUE(fit.jacobian.isApprox(jacobian, 1e-9));
-  EXPECT_GE(residuals, 5);
-  EXPECT_LE(jacobians, 1 + residuals / 2);
-}
-
 // As of a force that saturates at 1e15 N if the effect is absent.
 TEST(LeastSquares, FindsTheOthersIfAScaleIsFarBeyondItsBounds) {
   const Decay decay{1, 0};

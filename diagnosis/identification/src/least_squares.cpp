@@ -38,8 +38,7 @@ VectorXd scale_within_bounds(const FitProblem& p) {
 struct Point {
   VectorXd x, residual;
   MatrixXd jacobian;
-  double cost = 0;       // half the sum of squares
-  bool is_exact = true;  // the Jacobian; else it is a secant approximation
+  double cost = 0;  // half the sum of squares
 };
 
 class Minimiser {
@@ -53,34 +52,8 @@ class Minimiser {
     if (!evaluate(at_, true)) throw Error{"least squares: no residual at the start"};
   }
 
-  // A step with the Jacobian that secants approximate; if it fails or hardly helps, with the exact
-  // one.
   // @returns false if no step reduces the cost
   bool step() {
-    const bool may_repeat = !at_.is_exact;
-    if (try_step() && (!may_repeat || !has_converged())) return true;
-    return may_repeat && refresh() && try_step();
-  }
-  [[nodiscard]] bool has_converged() const { return gain_ <= problem_.tolerance * at_.cost; }
-
-  [[nodiscard]] Fit result(bool converged) {
-    if (problem_.wants_jacobian && !at_.is_exact) converged = refresh() && converged;
-    return {parameters(at_), 2 * at_.cost, at_.jacobian * scale_.cwiseInverse().asDiagonal(),
-            at_.residual, converged};
-  }
-
- private:
-  static constexpr int kMostAttempts = 10;
-  static constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e6;
-  static constexpr double kLeastDecrease = 1e-2;  // of the tolerance: smallest predicted decrease
-  static constexpr double kPoorStep = 0.25, kGoodStep = 0.75;  // share of the predicted decrease
-
-  bool refresh() {
-    at_.is_exact = true;
-    return evaluate(at_, true);
-  }
-
-  bool try_step() {
     const VectorXd gradient = at_.jacobian.transpose() * at_.residual;
     const MatrixXd H = at_.jacobian.transpose() * at_.jacobian;
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
@@ -91,32 +64,29 @@ class Minimiser {
       if (!(predicted > problem_.tolerance * kLeastDecrease * at_.cost)) return false;
       if (evaluate(next, false) && next.cost < at_.cost) {
         const double ratio = (at_.cost - next.cost) / predicted;
-        damping_ = std::clamp(ratio > kGoodStep   ? damping_ / 10
-                              : ratio < kPoorStep ? damping_ * 4
-                                                  : damping_,
+        damping_ = std::clamp(ratio > 0.75   ? damping_ / 10
+                              : ratio < 0.25 ? damping_ * 4
+                                             : damping_,
                               kLeastDamping, kMostDamping);
         gain_ = at_.cost - next.cost;
-        take_secant(next, way);
         at_ = std::move(next);
-        return ratio > kPoorStep || refresh();
+        return evaluate(at_, true);
       }
-      if (!at_.is_exact) return false;
       damping_ = std::min(damping_ * 10, kMostDamping);
     }
     return false;
   }
+  [[nodiscard]] bool has_converged() const { return gain_ <= problem_.tolerance * at_.cost; }
 
-  // Broyden's update: the smallest change of the Jacobian that reproduces the step's change of the
-  // residual, in units in which the columns have length one.
-  void take_secant(Point& next, const VectorXd& way) {
-    const VectorXd weighted = at_.jacobian.colwise().squaredNorm().transpose().cwiseProduct(way);
-    const double square = weighted.dot(way);
-    next.jacobian = std::move(at_.jacobian);
-    next.is_exact = false;
-    if (!(square > 0)) return;
-    const VectorXd unexplained = next.residual - at_.residual - next.jacobian * way;
-    next.jacobian.noalias() += unexplained * (weighted / square).transpose();
+  [[nodiscard]] Fit result(bool converged) const {
+    return {parameters(at_), 2 * at_.cost, at_.jacobian * scale_.cwiseInverse().asDiagonal(),
+            at_.residual, converged};
   }
+
+ private:
+  static constexpr int kMostAttempts = 10;
+  static constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e6;
+  static constexpr double kLeastDecrease = 1e-2;  // of the tolerance: smallest predicted decrease
 
   [[nodiscard]] VectorXd parameters(const Point& point) const {
     return point.x.cwiseProduct(scale_).cwiseMax(problem_.low).cwiseMin(problem_.high);

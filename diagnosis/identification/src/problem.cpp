@@ -188,7 +188,6 @@ Fit Supposition::fit(const Fold& fold, int most_iterations) const {
   for (const auto& share : fold.shares) least.rows += problem_->drive(share.record).measured.size();
   least.most_iterations = most_iterations;
   least.tolerance = 1e-5;
-  least.wants_jacobian = false;
   if (count == 0) {
     Fit fit;
     fit.parameters = hypothesis_.values;

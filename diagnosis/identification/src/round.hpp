@@ -10,9 +10,9 @@ namespace rths::diagnosis {
 struct Effort {
   std::size_t starts = 2;                            ///< of a candidate
   std::size_t tried = 10, kept = 5, most_kept = 10;  ///< candidates: in short fits, in long fits
-  int trial_fit = 6;                                 ///< iterations of a short fit
+  int trial_fit = 3;                                 ///< iterations of a short fit
 };
-inline constexpr Effort kThorough{4, 16, 6, 10, 8};
+inline constexpr Effort kThorough{4, 16, 6, 10, 5};
 
 /// One round of the forward selection. It screens the candidates, tries short fits of the best
 /// ones, fits the remaining ones on one fold and scores them on the other, then with the folds

@@ -21,23 +21,20 @@ struct FitProblem {
   Eigen::VectorXd low, high;  ///< bounds; ±infinity: none
   Eigen::VectorXd scale;      ///< of each parameter, > 0: normalises it, up to its bounds' distance
   int most_iterations = 20;
-  double tolerance = 1e-6;     ///< on the relative change of the sum of squares [-]
-  bool wants_jacobian = true;  ///< the fit's Jacobian is exact; else it may be an approximation
+  double tolerance = 1e-6;  ///< on the relative change of the sum of squares [-]
 };
 
 /// Result of a fit.
 struct Fit {
   Eigen::VectorXd parameters;
   double sum_of_squares = 0;
-  Eigen::MatrixXd jacobian;  ///< at `parameters`; see FitProblem::wants_jacobian
+  Eigen::MatrixXd jacobian;  ///< at `parameters`
   Eigen::VectorXd residual;  ///< at `parameters`
   bool converged = false;
 };
 
 /// Bounded least squares by Levenberg-Marquardt. Each iteration minimises the quadratic model
-/// within the bounds, so one of several correlated parameters may lie on a bound. Between exact
-/// Jacobians, secants update it (Broyden 1965), because a Jacobian costs one residual per
-/// parameter.
+/// within the bounds, so one of several correlated parameters may lie on a bound.
 /// @throws Error if the sizes do not agree, or there is no residual at the start   @setup
 [[nodiscard]] Fit least_squares(const FitProblem& problem);
 
