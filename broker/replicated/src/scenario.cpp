@@ -47,7 +47,7 @@ std::uint32_t whole(const Config& table, const std::string& key, std::int64_t mo
 /// Reads the tables of a scenario.
 class Reader {
  public:
-  explicit Reader(const Config& file) : file_{file} {
+  explicit Reader(const Config& file) {
     static_cast<void>(file.integer_in("format", 1, 1));
     scenario_.setup.cards =
         choice<CardType>(file, "cards", {{"plus", CardType::Plus}, {"gt", CardType::Gt}}, "plus");
@@ -166,7 +166,6 @@ class Reader {
     scenario_.actions.push_back(action);
   }
 
-  const Config& file_;
   Scenario scenario_;
   std::uint32_t csr2_ = 0;
 };
