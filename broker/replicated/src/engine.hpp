@@ -89,6 +89,7 @@ class Engine {
   void store_plus(Node& node, const Message& message, bool own);
   void store_gt(Node& node, const Message& message, bool own);
   void reject(Node& node);
+  [[nodiscard]] std::uint32_t receive_id(const Node& node) const;
   [[nodiscard]] bool is_own_id(const Node& node, const Message& message) const;
 
   // Host's side.

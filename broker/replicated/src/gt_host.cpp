@@ -20,7 +20,7 @@ Access Engine::write_gt(Node& node, std::uint32_t offset, std::uint32_t value,
   Entry entry;
   entry.address = offset & ~3U;
   entry.value = value << offset % 4 * 8;
-  entry.enables = static_cast<std::uint8_t>(((1U << bytes) - 1) << offset % 4);
+  entry.enables = enabled_bytes(offset, bytes);
   return enqueue(node, entry);
 }
 

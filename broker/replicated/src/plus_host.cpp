@@ -15,10 +15,6 @@ namespace {
 constexpr std::uint32_t kLowMemory = 0x1000;  // [B], see CSR0.11
 constexpr std::uint8_t kAllBytes = 0xF;
 
-std::uint8_t byte_mask(std::uint32_t offset, std::uint32_t bytes) {
-  return static_cast<std::uint8_t>(((1U << bytes) - 1) << offset % 4);
-}
-
 std::uint32_t merged(std::uint32_t before, std::uint32_t value, std::uint32_t offset,
                      std::uint32_t bytes) {
   if (bytes == 4) return value;
@@ -41,7 +37,7 @@ bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset, std::u
   }
   if (node.hipro_longword != offset / 4) node.hipro_bytes = 0;
   node.hipro_longword = offset / 4;
-  node.hipro_bytes |= byte_mask(offset, bytes);
+  node.hipro_bytes |= enabled_bytes(offset, bytes);
   if (node.hipro_bytes != kAllBytes) return false;
   node.hipro_longword = kNone;
   return true;

@@ -12,20 +12,20 @@ namespace rths::replicated {
 
 using namespace scramnet;
 
+std::uint32_t Engine::receive_id(const Node& node) const {
+  return type_ == CardType::Plus ? node.plus->receive_id.load() : node_id(*node.gt);
+}
+
 // Cards know their messages by their id. Where another node has the same id, the hardware takes
 // that node's messages for its own.
 bool Engine::is_own_id(const Node& node, const Message& message) const {
-  const bool plus = type_ == CardType::Plus;
-  const std::uint32_t id = plus ? node.plus->receive_id.load() : node_id(*node.gt);
-  return message.source == id && (strict_ids_ || message.origin == position(node));
+  return message.source == receive_id(node) && (strict_ids_ || message.origin == position(node));
 }
 
 void Engine::on_received(const Event& event) {
   Node& node = nodes_[event.node];
   Message& message = messages_[event.subject];
-  const std::uint32_t id =
-      type_ == CardType::Plus ? node.plus->receive_id.load() : node_id(*node.gt);
-  if (message.origin != event.node && message.source == id) ++node.counts.same_id;
+  if (message.origin != event.node && message.source == receive_id(node)) ++node.counts.same_id;
   if (event.damaged) {
     log(Hop::Kind::Rejected, message, event.node);
     reject(node);

@@ -17,6 +17,11 @@ struct Entry {
   bool interrupt = false;
 };
 
+/// Bytes of a longword that a store of 1, 2 or 4 bytes covers, as bits.
+[[nodiscard]] constexpr std::uint8_t enabled_bytes(std::uint32_t offset, std::uint32_t bytes) {
+  return static_cast<std::uint8_t>(((1U << bytes) - 1) << offset % 4);
+}
+
 /// The card's transmit FIFO. The vendor's self-test expects its full flag by 1022 entries.
 class TransmitFifo {
  public:
