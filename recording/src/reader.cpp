@@ -102,11 +102,12 @@ struct Reader::File {
   };
   std::map<std::string, Column> columns;
   std::vector<std::string> names;
-  /// The partition read last; callers tend to read signals of one partition together.
+  /// The uncompressed partition read last; callers tend to read signals of one partition together.
   std::string cached;
   std::vector<double> values;
 
   void index_partition(const Handle& signals, const std::string& partition);
+  [[nodiscard]] std::vector<double> column(const Column& of);
   const std::vector<double>& load(const std::string& partition);
   void read_everything(const Reader& reader);
   [[nodiscard]] std::size_t width(const std::string& partition) const {
@@ -135,6 +136,41 @@ void Reader::File::index_partition(const Handle& signals, const std::string& par
     columns[signal_names[i]] = {partition, i, units[i]};
     names.push_back(signal_names[i]);
   }
+}
+
+// Whether each column is compressed by itself, so that it can be read without the others.
+bool is_column_by_column(const Handle& table) {
+  const Handle properties{H5Dget_create_plist(table.id()), H5Pclose, "HDF5 properties"};
+  hsize_t chunk[2] = {0, 0};
+  return H5Pget_layout(properties.id()) == H5D_CHUNKED &&
+         H5Pget_chunk(properties.id(), 2, chunk) == 2 && chunk[1] == 1;
+}
+
+std::vector<double> read_column(const Handle& table, std::size_t index) {
+  const Handle space{H5Dget_space(table.id()), H5Sclose, "HDF5 space"};
+  hsize_t size[2] = {0, 0};
+  H5Sget_simple_extent_dims(space.id(), size, nullptr);
+  const hsize_t start[2] = {0, index}, count[2] = {size[0], 1};
+  check(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start, nullptr, count, nullptr),
+        "selecting a column");
+  const Handle rows{H5Screate_simple(1, size, nullptr), H5Sclose, "HDF5 space"};
+  std::vector<double> values(size[0]);
+  check(H5Dread(table.id(), H5T_NATIVE_DOUBLE, rows.id(), space.id(), H5P_DEFAULT, values.data()),
+        "reading a dataset");
+  return values;
+}
+
+std::vector<double> Reader::File::column(const Column& of) {
+  if (cached != of.partition) {
+    const Handle table = open_dataset(file.id(), "signals/" + of.partition);
+    if (is_column_by_column(table)) return read_column(table, of.index);
+  }
+  const auto& all = load(of.partition);
+  const std::size_t columns_in_all = width(of.partition);
+  std::vector<double> result(all.size() / columns_in_all);
+  for (std::size_t row = 0; row < result.size(); ++row)
+    result[row] = all[row * columns_in_all + of.index];
+  return result;
 }
 
 const std::vector<double>& Reader::File::load(const std::string& partition) {
@@ -200,12 +236,8 @@ std::vector<double> Reader::signal(const std::string& name) const {
     throw Error{
         fmt::format("the recording has no signal '{}'{}", name, did_you_mean(name, file_->names))};
   }
-  const auto& column = found->second;
-  const auto& values = file_->load(column.partition);
-  const std::size_t width = file_->width(column.partition);
-  std::vector<double> result(std::min(file_->time.size(), values.size() / width));
-  for (std::size_t row = 0; row < result.size(); ++row)
-    result[row] = values[row * width + column.index];
+  auto result = file_->column(found->second);
+  result.resize(std::min(file_->time.size(), result.size()));
   return result;
 }
 
