@@ -41,16 +41,16 @@ std::vector<double> floor_spectrum(std::span<const double> long_acceleration,
         oscillator_step(2 * std::numbers::pi * frequency, damping_ratio, time_step / substeps);
     Oscillator along;
     Oscillator across;
-    double peak = 0;
+    double peak_square = 0;
     for (std::size_t i = 1; i < long_acceleration.size(); ++i)
       for (int k = 0; k < substeps; ++k) {
         const double a = along.advance(step, between(long_acceleration, i, k, substeps),
                                        between(long_acceleration, i, k + 1, substeps));
         const double b = across.advance(step, between(lat_acceleration, i, k, substeps),
                                         between(lat_acceleration, i, k + 1, substeps));
-        peak = std::max(peak, std::hypot(a, b));
+        peak_square = std::max(peak_square, a * a + b * b);
       }
-    spectrum.push_back(peak);
+    spectrum.push_back(std::sqrt(peak_square));
   }
   return spectrum;
 }
