@@ -18,9 +18,9 @@ foreach(program rths_scramnet_test rths_ring_command_test)
   rths_tests(${program} "." LABELS "system;scramnet")
 endforeach()
 
-# Tests that read shared runs.
-rths_tests(rths_page_test "^Page\\." FIXTURES_REQUIRED short_run)
-rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED "example_run;short_run")
+# Tests that read the shared run.
+rths_tests(rths_page_test "^Page\\." FIXTURES_REQUIRED shared_run)
+rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED shared_run)
 
 # They remove the rings of dead processes, which other tests make on purpose.
 rths_tests(rths_left_ring_test "." RUN_SERIAL ON)

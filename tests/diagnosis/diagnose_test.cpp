@@ -40,7 +40,9 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Hidden& 
         hidden.ripple * (t < test_support::kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
     return std::clamp(force, -hidden.saturation, hidden.saturation);
   };
-  return test_support::record_of(name, use, seed, guide, {.force_step = hidden.force_step});
+  return test_support::record_of(
+      name, use, seed, guide,
+      {.force_step = hidden.force_step, .length = test_support::kShortLength});
 }
 
 Case case_of(const Hidden& hidden) {
@@ -235,8 +237,8 @@ TEST(Diagnosis, MapsAllVisitedStates) {
   for (const auto& cell : where.states) smallest_set += cell.share;
   EXPECT_GE(smallest_set, 0.8);
   EXPECT_GE(all, smallest_set);
-  // White noise of about 2,400 rows.
-  EXPECT_NEAR(verdict.correlation_bound, 1.96 / std::sqrt(2400), 2e-3);
+  // White noise of about 1,400 rows.
+  EXPECT_NEAR(verdict.correlation_bound, 1.96 / std::sqrt(1400), 2e-3);
 }
 
 TEST(Diagnosis, MapsTheExcessOverAccelerationAndDissipatedEnergy) {

@@ -239,6 +239,7 @@ TEST_F(ActuatorExample, WithoutLagsInTheCatalogueIsUnknownAndDependsOnVelocity) 
 }
 
 TEST_F(RealData, MrDamperHasFrictionThatDependsOnItsCurrent) {
+  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("mr_damper");
   if (IsSkipped()) return;
 
@@ -253,6 +254,7 @@ TEST_F(RealData, MrDamperHasFrictionThatDependsOnItsCurrent) {
 }
 
 TEST_F(RealData, MrDamperWithoutItInTheCatalogueIsUnknownAndDependsOnVelocityAndCurrent) {
+  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("mr_damper");
   if (IsSkipped()) return;
 
@@ -282,6 +284,7 @@ TEST_F(RealData, FrictionDeviceHasFrictionBehindPlay) {
 }
 
 TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownWithoutAForm) {
+  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("brfd");
   if (IsSkipped()) return;
 

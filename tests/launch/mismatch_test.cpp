@@ -10,6 +10,7 @@
 
 #include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/long_run.hpp"
 #include "support/process.hpp"
 
 namespace rths::launch {
@@ -80,7 +81,8 @@ TEST(DetunedTracking, RaisesFloorSpectraAbove6HzInRealTimeOnly) {
 }
 
 TEST(DetunedTracking, IsBlamedOnTheMachineAndNotOnTheBearing) {
-  const Mismatch run{"mismatch_tracking_2d.toml"};
+  const Mismatch run{"mismatch_tracking_2d.toml",
+                     {"--set", test::is_long() ? "duration_s=20" : "duration_s=10"}};
   const Json verdict = json_of(run.file("verdict.json"));
 
   EXPECT_EQ(verdict["verdict"], "missing");
@@ -102,7 +104,8 @@ TEST(DetunedTracking, IsBlamedOnTheMachineAndNotOnTheBearing) {
 }
 
 TEST(VerticalCoupling, IsNamedAndClosesTheGapInFloorSpectra) {
-  const Mismatch run{"mismatch_coupling.toml"};
+  const Mismatch run{"mismatch_coupling.toml",
+                     {"--set", test::is_long() ? "duration_s=12" : "duration_s=6"}};
   const Json verdict = json_of(run.file("verdict.json"));
   const Json report = run.report();
 
@@ -128,8 +131,9 @@ TEST(VerticalCoupling, IsNamedAndClosesTheGapInFloorSpectra) {
 TEST(MismatchedNothing, IsReportedAsNone) {
   // The compensation is tuned correctly, and no actuator assumption is wrong.
   const Mismatch run{"srmd_lprb_2d.toml",
-                     {"--set", "duration_s=20", "--set", "model.specimen.lead_heating.enabled=true",
-                      "--set", "model.machine.load_dependent_friction.enabled=true"}};
+                     {"--set", test::is_long() ? "duration_s=20" : "duration_s=10", "--set",
+                      "model.specimen.lead_heating.enabled=true", "--set",
+                      "model.machine.load_dependent_friction.enabled=true"}};
   const Json verdict = json_of(run.file("verdict.json"));
 
   EXPECT_EQ(verdict["verdict"], "none") << verdict["sentence"];

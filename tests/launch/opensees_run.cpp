@@ -82,15 +82,15 @@ Rows OpenSeesRun::own_response(const std::string& bearing) const {
   const auto response = folder_.path() / "own.csv";
   test::Running running{{python_, (test::source_tree() / kPlant).string(),
                          (test::source_tree() / "examples/records" / kRecord).string(), "--columns",
-                         "2", "1", "--unit", "13.72931", "--bearing", bearing, "--response",
-                         response.string()}};
+                         "2", "1", "--unit", "13.72931", "--bearing", bearing, "--duration",
+                         std::to_string(duration_), "--response", response.string()}};
   EXPECT_EQ(running.wait(60).exit_code, 0);
   return read_rows(response);
 }
 
 std::string OpenSeesRun::plant_arguments() const {
-  return fmt::format(R"("{{motion}}", "--port", "{}", "--response", "{}")", port_,
-                     (folder_.path() / "ring.csv").string());
+  return fmt::format(R"("{{motion}}", "--port", "{}", "--duration", "{}", "--response", "{}")",
+                     port_, duration_, (folder_.path() / "ring.csv").string());
 }
 
 }  // namespace rths

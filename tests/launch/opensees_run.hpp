@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 #include "support/process.hpp"
 #include "support/with_opensees.hpp"
 
@@ -44,6 +45,9 @@ class OpenSeesRun : public test::WithOpenSees<> {
   [[nodiscard]] std::string plant_arguments() const;
   [[nodiscard]] Rows ring_response() const { return read_rows(folder_.path() / "ring.csv"); }
 
+  /// Of the analyses of `kPlant` and of the frame [s]; steps of 10 ms.
+  int duration_ = test::is_long() ? 30 : 10;
+  [[nodiscard]] std::size_t steps() const { return 100 * static_cast<std::size_t>(duration_); }
   static constexpr const char* kRecord = "petrolia_1992_riodell_freefield.csv";
   static constexpr const char* kPlant = "examples/opensees/isolated_plant.py";
   static constexpr const char* kMast = "tests/opensees/mast.py";

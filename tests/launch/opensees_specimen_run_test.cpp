@@ -19,26 +19,27 @@ class OpenSeesSpecimen : public OpenSeesRun {
   [[nodiscard]] std::vector<std::string> command(const std::string& column_arguments,
                                                  const std::string& protocol) const {
     const std::string units = "dofs=[\"long\"], length_unit_m=0.0254, force_unit_N=4448.2216";
-    return {
-        test::rths_command(),
-        "run",
-        (test::source_tree() / "examples/opensees/one_bay_frame.toml").string(),
-        "--clock",
-        "virtual",
-        "--out",
-        out().string(),
-        "--force",
-        "--set",
-        fmt::format(
-            "node.xpc={{adapter=\"opensees_specimen\", python=\"{}\", script=\"column.py\", "
-            "arguments=[\"{}\"{}], connect_deadline_s=10, element=[{{name=\"column\", "
-            "port={}, protocol=\"{}\", {}}}]}}",
-            python_, column_port_, column_arguments, column_port_, protocol, units),
-        "--set",
-        fmt::format("node.opf={{adapter=\"opensees\", python=\"{}\", script=\"one_bay_frame.py\", "
-                    "arguments=[\"{{motion}}\", \"--port\", \"{}\", \"--response\", \"{}\"], "
-                    "element=[{{name=\"left_column\", port={}, initial_stiffness=[[2.8]], {}}}]}}",
-                    python_, port_, (folder_.path() / "ring.csv").string(), port_, units)};
+    return {test::rths_command(),
+            "run",
+            (test::source_tree() / "examples/opensees/one_bay_frame.toml").string(),
+            "--clock",
+            "virtual",
+            "--out",
+            out().string(),
+            "--force",
+            "--set",
+            fmt::format(
+                "node.xpc={{adapter=\"opensees_specimen\", python=\"{}\", script=\"column.py\", "
+                "arguments=[\"{}\"{}], connect_deadline_s=10, element=[{{name=\"column\", "
+                "port={}, protocol=\"{}\", {}}}]}}",
+                python_, column_port_, column_arguments, column_port_, protocol, units),
+            "--set",
+            fmt::format(
+                "node.opf={{adapter=\"opensees\", python=\"{}\", script=\"one_bay_frame.py\", "
+                "arguments=[\"{{motion}}\", \"--port\", \"{}\", \"--duration\", \"{}\", "
+                "\"--response\", \"{}\"], "
+                "element=[{{name=\"left_column\", port={}, initial_stiffness=[[2.8]], {}}}]}}",
+                python_, port_, duration_, (folder_.path() / "ring.csv").string(), port_, units)};
   }
   std::uint16_t column_port_ = test::free_port();
 };
@@ -54,11 +55,11 @@ TEST_F(OpenSeesSpecimen, IsDrivenByASolverAsIfItWereOneModel) {
       test::Running alone{{python_,
                            (test::source_tree() / "examples/opensees/one_bay_frame.py").string(),
                            (out() / "run.opf.motion.csv").string(), "--column", "steel",
-                           "--response", own.string()}};
+                           "--duration", std::to_string(duration_), "--response", own.string()}};
       ASSERT_EQ(alone.wait(60).exit_code, 0);
     }
     const Rows found = ring_response(), expected = read_rows(own);
-    ASSERT_EQ(found.size(), 3000U);
+    ASSERT_EQ(found.size(), steps());
     // Errors: float32, and 1e-7 from the stiffness that holds the column at its target.
     for (const std::size_t column : {1U, 2U}) EXPECT_LT(nrmse(found, expected, column), 1e-5);
   }

@@ -35,19 +35,16 @@ test::Finished run_example(const std::filesystem::path& out,
   return test::run_rths(arguments, seconds);
 }
 
-/// The unchanged example, run with its diagnosis.
+/// The example, run with its diagnosis.
 class DiagnosedRun : public ::testing::Test {
  protected:
   void SetUp() override {
-    for (const auto& shared : {run, repeatable})
-      ASSERT_TRUE(shared.is_made()) << shared.path << ": ctest makes this run before the test";
+    ASSERT_TRUE(run.is_made()) << run.path << ": ctest makes this run before the test";
     verdict = json_of(out() / "verdict.json");
   }
   [[nodiscard]] const std::filesystem::path& out() const { return run.path; }
 
-  const test::SharedRun run = test::example_run();
-  /// For tests that take as long as the run itself.
-  const test::SharedRun repeatable = test::is_long() ? test::example_run() : test::short_run();
+  const test::SharedRun run = test::shared_run();
   Json verdict;
 };
 
@@ -76,7 +73,7 @@ TEST_F(DiagnosedRun, ExplainsTheResponseByABudgetThatAddsUp) {
     double sum = axis["remainder"];
     for (const auto& share : axis["shares"]) sum += share.get<double>();
     EXPECT_NEAR(sum, 1, 0.02);
-    EXPECT_GT(axis["difference_before"], 0.15);
+    EXPECT_GT(axis["difference_before"], 0.1);
     EXPECT_LT(axis["difference_after"], 0.03);
   }
 }
@@ -173,7 +170,8 @@ double difference(const recording::Reader& one, const recording::Reader& other,
 
 // Its laboratory is the improved simulation, so its response is that of the test. In the last
 // seconds the plant rings, where a change of the dead band by 0.2 % changes the response of the
-// whole test by 1.5 %.
+// whole test by 1.5 %. In the weak motion of the first 10 s, another noise of the sensors alone
+// changes it by a tenth.
 TEST_F(DiagnosedRun, RunsTheImprovedSimulationWithOneMoreCommand) {
   constexpr std::size_t kStrong = 2000;  // steps: 20 s
   const test::TemporaryFolder again;
@@ -194,7 +192,9 @@ TEST_F(DiagnosedRun, RunsTheImprovedSimulationWithOneMoreCommand) {
   const recording::Reader measured{out() / "run.h5"};
   for (const auto& axis : verdict["budget"]["axes"]) {
     const std::string name = axis["axis"];
-    EXPECT_LT(difference(measured, recording, name, kStrong), 0.03) << name;
+    if (test::is_long()) {
+      EXPECT_LT(difference(measured, recording, name, kStrong), 0.03) << name;
+    }
     EXPECT_LT(difference(measured, recording, name, 2 * kStrong),
               0.5 * axis["difference_before"].get<double>())
         << name;
@@ -203,37 +203,34 @@ TEST_F(DiagnosedRun, RunsTheImprovedSimulationWithOneMoreCommand) {
 
 TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
   const test::TemporaryFolder again;
-  const auto& first = repeatable.path;
-
   const auto finished = test::run_rths(
-      {"diagnose", (first / "run.h5").string(), "--out", again.path().string()}, 110);
+      {"diagnose", (out() / "run.h5").string(), "--out", again.path().string()}, 110);
 
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   Json verdict_again = json_of(again.path() / "verdict.json");
   verdict_again["seconds"] = nullptr;  // a run in virtual time does not report it
-  const Json first_verdict = json_of(first / "verdict.json");
+  const Json first_verdict = json_of(out() / "verdict.json");
   EXPECT_EQ(first_verdict["verdict"], "missing");
   EXPECT_EQ(verdict_again, first_verdict);
   EXPECT_EQ(test::content_of(again.path() / "improved.toml"),
-            test::content_of(first / "improved.toml"));
+            test::content_of(out() / "improved.toml"));
 }
 
 TEST_F(DiagnosedRun, GivesTheSameBytesEveryTime) {
+  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   const test::TemporaryFolder again;
-  const auto& first = repeatable.path;
-
-  ASSERT_EQ(run_example(again.path(), repeatable.options).exit_code, 0);
+  ASSERT_EQ(run_example(again.path(), run.options).exit_code, 0);
 
   for (const char* file : {"verdict.json", "improved.toml", "diagnosis.html"}) {
-    EXPECT_FALSE(test::content_of(first / file).empty()) << file;
-    EXPECT_EQ(test::content_of(again.path() / file), test::content_of(first / file)) << file;
+    EXPECT_FALSE(test::content_of(out() / file).empty()) << file;
+    EXPECT_EQ(test::content_of(again.path() / file), test::content_of(out() / file)) << file;
   }
   for (const char* file : {"run.h5", "held_out.h5", "improved.h5"}) {
     const std::string command = "h5diff --exclude-path=/meta " + (again.path() / file).string() +
-                                " " + (first / file).string();
+                                " " + (out() / file).string();
     EXPECT_EQ(std::system(command.c_str()), 0) << file;
     EXPECT_EQ(recording::Reader{again.path() / file}.rows(),
-              recording::Reader{first / file}.rows());
+              recording::Reader{out() / file}.rows());
   }
 }
 

@@ -70,8 +70,10 @@ TEST_P(EveryBearing, BehavesInTheTestAsInTheSimulation) {
   const test::TemporaryFolder folder;
   const auto file =
       test::source_tree() / "examples" / (std::string{"srmd_"} + GetParam() + "_2d.toml");
-  const test::Finished run = test::run_rths(
-      {"run", file.string(), "--clock", "virtual", "--out", folder.path().string()}, 120);
+  const test::Finished run =
+      test::run_rths({"run", file.string(), "--clock", "virtual", "--out", folder.path().string(),
+                      "--set", test::is_long() ? "duration_s=40" : "duration_s=15"},
+                     120);
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json numbers = Json::parse(test::content_of(folder.path() / "report.json"));
 

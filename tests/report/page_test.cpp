@@ -19,7 +19,7 @@ class Page : public ::testing::Test {
   }
   [[nodiscard]] std::filesystem::path file() const { return run.path / "report.html"; }
 
-  const test::SharedRun run = test::short_run();
+  const test::SharedRun run = test::shared_run();
   std::string html;
 };
 

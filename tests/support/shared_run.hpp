@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 
 namespace rths::test {
 
-/// A run of examples/srmd_lprb_2d.toml in virtual time that several tests read. ctest makes it once
-/// as a fixture of these tests (tests/CMakeLists.txt).
+/// A run of examples/srmd_lprb_2d.toml in virtual time with its diagnosis, which several tests
+/// read. ctest makes it once as a fixture of these tests (tests/CMakeLists.txt).
 struct SharedRun {
   /// Output folder. Tests must not write into it.
   std::filesystem::path path;
@@ -21,12 +22,11 @@ struct SharedRun {
   [[nodiscard]] std::string standard_output() const { return content_of(path.string() + ".out"); }
 };
 
-/// The unchanged example.
-inline SharedRun example_run() { return {build_tree() / "shared_runs/example", {}}; }
-
-/// The first 10 s of the example. Its diagnosis names the same causes.
-inline SharedRun short_run() {
-  return {build_tree() / "shared_runs/short", {"--set", "duration_s=10"}};
+/// The first 10 s of the example, or all of it in long runs. Both diagnoses name the same causes.
+inline SharedRun shared_run() {
+  SharedRun run{build_tree() / "shared_run", {}};
+  if (!is_long()) run.options = {"--set", "duration_s=10"};
+  return run;
 }
 
 }  // namespace rths::test
