@@ -237,8 +237,8 @@ TEST(Diagnosis, MapsAllVisitedStates) {
   for (const auto& cell : where.states) smallest_set += cell.share;
   EXPECT_GE(smallest_set, 0.8);
   EXPECT_GE(all, smallest_set);
-  // White noise of about 1,400 rows.
-  EXPECT_NEAR(verdict.correlation_bound, 1.96 / std::sqrt(1400), 2e-3);
+  // White noise of about 950 rows.
+  EXPECT_NEAR(verdict.correlation_bound, 1.96 / std::sqrt(950), 2e-3);
 }
 
 TEST(Diagnosis, MapsTheExcessOverAccelerationAndDissipatedEnergy) {

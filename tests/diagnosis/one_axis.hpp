@@ -9,7 +9,7 @@
 namespace rths::diagnosis::test_support {
 
 constexpr double kStep = 0.004, kLength = 40, kQuiet = 2;  // of a record [s]
-constexpr double kShortLength = 24;                        // enough for large effects [s]
+constexpr double kShortLength = 16;                        // enough for large effects [s]
 constexpr double kForceNoise = 20;                         // [N]
 
 /// A specimen on one axis that moves by about 0.1 m. Returns the force of its load cell before

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Tests of figures.py: a changed digit of a page is found, a missing result is reported, --write fills figures in."""
 import json
+import os
 import pathlib
 import tempfile
 import unittest
@@ -26,6 +27,10 @@ text = "| `@` | {ring.rows[@].ns:.1f} | {ring.rows[@].goal:.1f} |"
 PAGE = "A word takes 1.05 ns,\n1046 ps. With 64 bytes:\n\n| `word` | 1.0 | – |\n"
 
 
+# With RTHS_LONG=1 every digit is changed, else a part of them, which is another one on each page.
+STEP = 1 if os.environ.get("RTHS_LONG") else 7
+
+
 class Pages(unittest.TestCase):
     """The pages of this project."""
 
@@ -44,7 +49,7 @@ class Pages(unittest.TestCase):
         before = problems(text)
         waiting = check.unchecked[page["file"]]  # for a result that is not there
         for begin, end in ranges_of(text, page):
-            for i in range(begin, end):
+            for i in range(begin + len(page["file"]) % STEP, end, STEP):
                 if text[i].isdecimal() and not any(first <= i < last for first, last in waiting):
                     changed = text[:i] + str((int(text[i]) + 1) % 10) + text[i + 1:]
                     self.assertTrue(problems(changed) - before, f"{text[max(0, i - 30):i + 20]!r} at {i}")
