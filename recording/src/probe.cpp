@@ -23,10 +23,14 @@ namespace rths::recording {
 namespace {
 
 using std::chrono::milliseconds;
+using std::chrono::seconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kShortest{10'000};
-constexpr std::uint64_t kSlowest = 10'000;  // of a loaded host [B/ms]
+// Processor time of the child. The clock allows more: on a loaded host it gets a part of a
+// processor.
+constexpr std::uint64_t kShortest = 10;          // [s]
+constexpr std::uint64_t kSlowest = 10'000'000;   // [B/s]
+constexpr std::uint64_t kClockPerProcessor = 6;  // [-]
 constexpr std::uint64_t kLeastMemory = std::uint64_t{4} << 30U;
 constexpr std::uint64_t kMemoryPerByte = 16;  // of a file, which may be compressed
 
@@ -41,7 +45,9 @@ constexpr bool kIsSanitized = true;
 constexpr bool kIsSanitized = false;
 #endif
 
-void limit_memory(std::uint64_t file_bytes) {
+std::uint64_t most_seconds(std::uint64_t file_bytes) { return kShortest + file_bytes / kSlowest; }
+
+void limit_resources(std::uint64_t file_bytes) {
   if (!kIsSanitized) {
     const std::uint64_t most = kLeastMemory + kMemoryPerByte * file_bytes;
     const rlimit limit{most, most};
@@ -49,6 +55,8 @@ void limit_memory(std::uint64_t file_bytes) {
   }
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
+  const rlimit time{most_seconds(file_bytes), most_seconds(file_bytes)};
+  setrlimit(RLIMIT_CPU, &time);
 }
 
 // Answers of the child; the message follows an error.
@@ -71,7 +79,7 @@ constexpr char kError = 'e';
 
 // Reads until the end, which is also the end of the child. Empty: the child crashed or took too
 // long.
-std::string await(int from, milliseconds longest) {
+std::string await(int from, seconds longest) {
   std::string text;
   std::array<char, 512> chunk{};
   for (const auto deadline = steady_clock::now() + longest;;) {
@@ -95,7 +103,7 @@ bool in_child(const std::filesystem::path& file, const std::function<bool()>& ac
   const pid_t child = fork();
   if (child == 0) {
     is_child = true;
-    limit_memory(bytes);
+    limit_resources(bytes);
     const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
     dup2(null, STDOUT_FILENO);
     dup2(null, STDERR_FILENO);
@@ -104,7 +112,7 @@ bool in_child(const std::filesystem::path& file, const std::function<bool()>& ac
   }
   close(ends[1]);
   const std::string text =
-      child < 0 ? "" : await(ends[0], kShortest + milliseconds{bytes / kSlowest});
+      child < 0 ? "" : await(ends[0], seconds{kClockPerProcessor * most_seconds(bytes)});
   close(ends[0]);
   if (child > 0) kill(child, SIGKILL);
   if (child > 0) waitpid(child, nullptr, 0);

@@ -49,11 +49,17 @@ std::vector<T> read_all(const Handle& dataset) {
   return values;
 }
 
-// Only readers in SWMR mode open a file with the mark of a crashed writer.
+// Only readers in SWMR mode open a file with the mark of a crashed writer. They read metadata that
+// a writer may be changing again, after a pause that doubles from 1 ns each time.
 Handle open_file(const std::filesystem::path& path) {
+  constexpr unsigned kAttempts = 28;  // a quarter of a second
   silence_hdf5();
   hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file < 0) file = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT);
+  if (file < 0) {
+    const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
+    check(H5Pset_metadata_read_attempts(access.id(), kAttempts), "HDF5 properties");
+    file = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
+  }
   return {file, H5Fclose, path.string() + ": opening it as a recording"};
 }
 
