@@ -32,7 +32,6 @@ rths_tests(rths_death_trial_test "." TIMEOUT 1200)
 rths_tests(rths_diagnosed_run_test "^(VerticalCoupling|DetunedTracking)\\." COST 18)
 rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." COST 8)
 rths_tests(rths_diagnosed_run_test "^RunDiagnosis\\.Compares" COST 30)
-rths_tests(rths_diagnosed_run_test "^RunDiagnosis\\.Compares" TIMEOUT 400)
 rths_tests(rths_real_data_test "\\.(SilverboxHas|MrDamperHas)" COST 20)
 rths_tests(rths_real_data_test "\\.(SilverboxWithout|MrDamperWithout|FrictionDeviceHas)" COST 10)
 rths_tests(rths_next_test_test "^Intervals\\." COST 15)
@@ -40,6 +39,14 @@ rths_tests(rths_rule_test "." COST 10)
 rths_tests(rths_diagnosis_test "^Diagnosis\\." COST 6)
 rths_tests(rths_dynamic_diagnosis_test "." COST 5)
 rths_tests(rths_opensees_test "." COST 3)
+rths_tests(rths_replicated_test "On256Nodes" COST 12)
+
+# Long with RTHS_LONG=1, and longer on a loaded host.
+rths_tests(rths_real_data_test "^RealData\\." TIMEOUT 900)
+rths_tests(rths_dds_test "^Gateways\\.LoseNothing" TIMEOUT 900)
+rths_tests(rths_bridge_test "^TwoHosts\\.Converge|^VendorHosts" TIMEOUT 1800)
+rths_tests(rths_several_hosts_test "InVirtualTime" TIMEOUT 900)
+rths_tests(rths_diagnosed_run_test "." TIMEOUT 400)
 
 # Thousands of deaths with RTHS_LONG=1, several times slower under sanitizers.
 rths_tests(rths_broker_test "KillsOf" TIMEOUT 900)
