@@ -157,7 +157,7 @@ void compress(const std::filesystem::path& file) {
 // Computes the companions of a completed run, its diagnosis and its report.
 int conclude(const RunArguments& arguments, const launch::Experiment& experiment,
              const std::filesystem::path& folder, const std::vector<report::Broken>& broken) {
-  const bool has_held_out = experiment.held_out.has_value();
+  const bool has_held_out = experiment.held_out.has_value() && experiment.has_own_solver();
   const bool diagnoses = has_held_out && arguments.diagnoses;
   std::optional<Steps> steps{std::in_place, 3 + (has_held_out ? 1 : 0) + (diagnoses ? 1 : 0)};
   steps->begin("the test without compensation");

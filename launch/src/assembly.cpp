@@ -21,29 +21,6 @@ constexpr double kRecorderOverhang = 0.2;          // [s]
 constexpr NodeId kOperatorId{200};
 constexpr std::uint16_t kFirstExtraNodeId = 201;  // for nodes that are not in the laboratory's map
 
-// Columns: time [s], accelerations long and lat [m/s²].
-std::string text_of(const sim::GroundMotion& motion) {
-  std::string text = "t_s,long_m_per_s2,lat_m_per_s2\n";
-  for (std::size_t i = 0; i < motion.long_acceleration.size(); ++i)
-    text += fmt::format("{:.9g},{:.9g},{:.9g}\n", static_cast<double>(i) * motion.time_step,
-                        motion.long_acceleration[i], motion.lat_acceleration[i]);
-  return text;
-}
-
-void replace_all(std::string& text, std::string_view from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-}
-
-// Replaces the placeholders in an argument of a script.
-std::string filled_in(std::string argument, const Experiment& e,
-                      const std::filesystem::path& motion) {
-  replace_all(argument, kMotionPlaceholder, std::filesystem::absolute(motion).string());
-  replace_all(argument, kStepPlaceholder, fmt::format("{}", e.integration_step));
-  replace_all(argument, kDurationPlaceholder, fmt::format("{}", e.duration));
-  return argument;
-}
-
 std::unique_ptr<adapters::Adapter> make_echo(const memmap::Map& laboratory,
                                              adapters::EchoSettings settings) {
   settings.layout = adapters::opf_layout(laboratory);
@@ -287,6 +264,11 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
   description.nodes.push_back({kOperator, kOperatorId, ""});
   std::vector<Station> stations;
   for (const auto& plan : experiment.nodes) {
+    if (plan.foreign) {
+      static_cast<void>(laboratory.node(plan.node));
+      stations.push_back({plan, nullptr});
+      continue;
+    }
     // A recorder reads all signals, so it is built when the map is complete.
     const bool records = plan.adapter == "recorder";
     stations.push_back(
@@ -301,7 +283,7 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
     if (station.adapter)
       adapters::check_ports(station.adapter->ports(), assembly.map, station.plan.node);
   for (auto& station : assembly.stations)
-    if (!station.adapter)
+    if (!station.adapter && !station.plan.foreign)
       station.adapter = make_recorder(experiment, clock, recording, assembly.map);
   return assembly;
 }

@@ -57,6 +57,26 @@ adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
   return history;
 }
 
+// The numerical adapter imposes the recorded targets in place of a user's own solver.
+// @returns whether all nodes then have virtual time
+bool replace_foreign_solver(Experiment& experiment) {
+  const memmap::Map map = memmap::load_map(experiment.map);
+  const auto target = map.find_signal("opf.newTarget");
+  for (auto& plan : experiment.nodes) {
+    if (!plan.foreign) continue;
+    if (!target || map.entry(*target).partition->node != plan.node) return false;
+    plan.foreign.reset();
+    plan.adapter = "numerical";
+    plan.schedule = {std::chrono::microseconds{250}, std::chrono::microseconds{100}};
+  }
+  return true;
+}
+
+bool has_foreign_node(const Experiment& experiment) {
+  return std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
+                     [](const auto& plan) { return plan.foreign.has_value(); });
+}
+
 // Writes results of an analysis as a recording, with a map made for them.
 class ResultMap {
  public:
@@ -136,7 +156,7 @@ bool run_uncompensated(const Experiment& experiment, const std::filesystem::path
     switched_off = switched_off || !node.uncompensated.empty();
     node.tune.insert(node.tune.begin(), node.uncompensated.begin(), node.uncompensated.end());
   }
-  if (!switched_off) return false;
+  if (!switched_off || !replace_foreign_solver(bare)) return false;
   bare.history = recorded_targets(experiment, history);
   run_companion(bare, recording, version, "the run without compensation");
   return true;
@@ -144,7 +164,7 @@ bool run_uncompensated(const Experiment& experiment, const std::filesystem::path
 
 bool run_held_out(const Experiment& experiment, const std::filesystem::path& recording,
                   const std::string& version) {
-  if (!experiment.held_out) return false;
+  if (!experiment.held_out || has_foreign_node(experiment)) return false;
   Experiment second = experiment;
   second.motion = *experiment.held_out;
   second.machine.seed += kSeedOffset;
@@ -153,7 +173,8 @@ bool run_held_out(const Experiment& experiment, const std::filesystem::path& rec
   return true;
 }
 
-void run_numerical(const Experiment& experiment, const std::filesystem::path& recording) {
+bool run_numerical(const Experiment& experiment, const std::filesystem::path& recording) {
+  if (!experiment.has_structure()) return false;
   const sim::PlantMatrices plant = sim::assemble(experiment.plant);
   const sim::GroundMotion motion = along_tested_axes(experiment);
   const auto isolated =
@@ -179,6 +200,7 @@ void run_numerical(const Experiment& experiment, const std::filesystem::path& re
   std::string names;
   for (const auto& floor : isolated.floors) names += floor.name + "\n";
   result.write(recording, kReferenceStep, {{{"floors", names}}, {}, {}});
+  return true;
 }
 
 }  // namespace rths::launch

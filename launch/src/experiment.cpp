@@ -40,7 +40,8 @@ constexpr KnownAdapter kAdapters[] = {{"recorder", kMillisecond, 0.8 * kMillisec
                                       {"opensees_specimen", kMillisecond, 0.3 * kMillisecond},
                                       {"simulink_like", kMillisecond, 0.3 * kMillisecond},
                                       {"numerical", 0.25 * kMillisecond, 0.1 * kMillisecond},
-                                      {"opensees", 0.25 * kMillisecond, 0.1 * kMillisecond}};
+                                      {"opensees", 0.25 * kMillisecond, 0.1 * kMillisecond},
+                                      {"external", kMillisecond, 0}};
 
 const KnownAdapter& adapter_named(const Config& table) {
   const std::string name = table.text("adapter");
@@ -68,6 +69,15 @@ std::string default_python() {
   return python != nullptr ? python : "python3";
 }
 
+void check_placeholders(const Config& table, const std::string& key,
+                        const std::vector<std::string>& arguments,
+                        const std::vector<std::string_view>& known) {
+  for (const auto& argument : arguments)
+    if (argument.starts_with("{") && std::find(known.begin(), known.end(), argument) == known.end())
+      table.fail(key, fmt::format("unknown placeholder '{}', expected one of {}", argument,
+                                  fmt::join(known, ", ")));
+}
+
 adapters::OpenSeesScript read_script(const Config& table) {
   adapters::OpenSeesScript opensees;
   opensees.connect_deadline =
@@ -76,12 +86,8 @@ adapters::OpenSeesScript read_script(const Config& table) {
       table.number_in("answer_deadline_s", 0.1, 1e5, opensees.answer_deadline);
   const std::string python = table.text("python", default_python());
   const auto arguments = table.texts("arguments", {});
-  for (const auto& argument : arguments)
-    if (argument.starts_with("{") && argument != kMotionPlaceholder &&
-        argument != kStepPlaceholder && argument != kDurationPlaceholder)
-      table.fail("arguments",
-                 fmt::format("unknown placeholder '{}', expected {}, {} or {}", argument,
-                             kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder));
+  check_placeholders(table, "arguments", arguments,
+                     {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder});
   if (!table.has("script")) {
     for (const char* key : {"arguments", "python"})
       if (table.has(key))
@@ -119,12 +125,35 @@ adapters::EchoSettings read_echo(const Config& table) {
   return settings;
 }
 
+ForeignProgram read_foreign(const Config& table) {
+  ForeignProgram foreign;
+  foreign.command = table.texts("command", {});
+  check_placeholders(table, "command", foreign.command,
+                     {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder, kRingPlaceholder,
+                      kNodePlaceholder});
+  if (!foreign.command.empty() && foreign.command[0].find('/') != std::string::npos)
+    foreign.command[0] = table.resolve(foreign.command[0]).string();
+  foreign.folder = table.resolve("");
+  foreign.connect_deadline =
+      table.number_in("connect_deadline_s", 0.1, 1e5, foreign.connect_deadline);
+  foreign.longest_silence = table.number_in("silence_s", 0.05, 1e6, foreign.longest_silence);
+  return foreign;
+}
+
+// An external node has neither steps nor parameters of ours.
+NodePlan read_external(const Config& table, NodePlan plan) {
+  plan.foreign = read_foreign(table);
+  table.reject_unknown_keys();
+  return plan;
+}
+
 NodePlan read_node(const std::string& node, const Config& table, const sim::Bearing& model) {
   const KnownAdapter& adapter = adapter_named(table);
   NodePlan plan;
   plan.node = node;
   plan.adapter = adapter.name;
   plan.host = table.text("host", "");
+  if (plan.adapter == "external") return read_external(table, std::move(plan));
   double period = adapter.period;
   if (plan.adapter == "simulink_like") {
     plan.diagram = find_file(table, "diagram", "diagrams");
@@ -316,6 +345,12 @@ void spread_seed(Experiment& experiment) {
 
 }  // namespace
 
+bool Experiment::has_own_solver() const {
+  return std::any_of(nodes.begin(), nodes.end(), [](const NodePlan& plan) {
+    return plan.adapter == "numerical" || plan.adapter == "opensees";
+  });
+}
+
 std::string Experiment::leading_host() const {
   for (const auto& plan : nodes)
     if (plan.adapter == "recorder") return plan.host;
@@ -342,6 +377,7 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   experiment.motion = adapters::read_motion(motion);
   if (file.has("held_out")) experiment.held_out = adapters::read_motion(file.table("held_out"));
   experiment.plant = adapters::read_plant(file.table_or_empty("plant"));
+  experiment.has_plant = file.has("plant");
   read_laboratory(file, experiment);
   read_solver(file.table_or_empty("solver"), experiment);
   read_stop(file.table_or_empty("stop"), experiment);

@@ -178,11 +178,13 @@ std::string run_on_several_hosts(const Experiment& experiment, Assembly& assembl
 
 RunResult run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                               const RunOptions& options) {
-  const bool ends =
-      std::any_of(experiment.nodes.begin(), experiment.nodes.end(), [](const NodePlan& plan) {
-        return plan.adapter == "numerical" || plan.adapter == "opensees";
-      });
-  if (!ends)
+  for (const auto& plan : experiment.nodes)
+    if (plan.foreign)
+      throw Error{
+          fmt::format("{}: node '{}' is a program of its own, which has no virtual time; "
+                      "expected the wall clock (--clock wall)",
+                      experiment.file.string(), plan.node)};
+  if (!experiment.has_own_solver())
     throw Error{
         experiment.file.string() +
         ": no node has the adapter 'numerical' or 'opensees', expected one to end a run in virtual "

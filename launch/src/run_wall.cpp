@@ -31,13 +31,18 @@ constexpr auto kRestMargin = std::chrono::seconds{1};  // beyond the longest sto
 constexpr int kPollPeriod = 50;                        // [ms]
 constexpr auto kLifePeriod = std::chrono::milliseconds{50};
 constexpr double kProbeMargin = 10;  // [s] beyond the planned duration
+// Beyond the planned duration: a foreign solver that counts its steps may say farewell first.
+constexpr double kFarewellMargin = 1;  // [s]
 
-// An opensees_specimen is ready only after OpenSees has connected.
+// An opensees_specimen is ready only after OpenSees has connected, an external node when its
+// program is on the ring.
 Duration longest_start(const Experiment& experiment) {
   double longest = 0;
-  for (const auto& plan : experiment.nodes)
+  for (const auto& plan : experiment.nodes) {
     if (plan.opensees_specimen)
       longest = std::max(longest, plan.opensees_specimen->script.connect_deadline);
+    if (plan.foreign) longest = std::max(longest, plan.foreign->connect_deadline);
+  }
   return kReadyDeadline + from_seconds(longest);
 }
 
@@ -89,6 +94,7 @@ class WallRun {
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
     while (!all_ended()) {
       attend_to_nodes();
+      if (!stopping_ && is_over(epoch)) stop("");
       report_progress(epoch);
     }
     result_.interrupted = InterruptGuard::is_interrupted();
@@ -106,6 +112,14 @@ class WallRun {
     if (link_ != nullptr && !stopping_) follow_other_hosts();
     if (stopping_ && clock_.now() > *stopping_ + longest_stop(experiment_) + kRestMargin)
       kill_remaining();
+  }
+
+  // A solver of this project ends the run itself.
+  [[nodiscard]] bool is_over(TimePoint epoch) const {
+    if (experiment_.has_own_solver()) return false;
+    return clock_.now() >
+           epoch + from_seconds(experiment_.rest + experiment_.duration * experiment_.rate +
+                                kFarewellMargin);
   }
 
   // The leading host sets the common time zero. Empty if there is none: the result has the reason.

@@ -36,18 +36,27 @@ struct HostPlan {
   std::string interface;  ///< name or address; empty: `address`, or else the network's default
 };
 
+/// A node that is a program of the user's own.
+struct ForeignProgram {
+  std::vector<std::string> command;  ///< with placeholders; empty: the user starts it
+  std::filesystem::path folder;      ///< in which it runs
+  double connect_deadline = 60;      ///< until it is on the ring, and until it first writes [s]
+  double longest_silence = 1;        ///< later, without a new value in its words; model time [s]
+};
+
 /// A node of the map and the adapter that runs there.
 struct NodePlan {
   std::string node;
   std::string host;     ///< empty: the test runs on one host
   std::string adapter;  ///< numerical, opensees, simulink_like, srmd, ideal_machine, echo,
-                        ///< opensees_specimen or recorder
+                        ///< opensees_specimen, recorder or external
   adapters::Schedule schedule;
   std::filesystem::path diagram;                                        ///< of a simulink_like
   adapters::Handshake handshake = adapters::Handshake::AtTargetFirst;   ///< of a numerical
   std::optional<adapters::OpenSeesSettings> opensees;                   ///< of an opensees
   std::optional<adapters::EchoSettings> echo;                           ///< of an echo
   std::optional<adapters::OpenSeesSpecimenSettings> opensees_specimen;  ///< of an opensees_specimen
+  std::optional<ForeignProgram> foreign;                                ///< of an external
   Tuning tune;           ///< initial values of its parameters
   Tuning uncompensated;  ///< parameter values that switch compensation off
 };
@@ -68,8 +77,9 @@ struct Experiment {
   std::optional<sim::GroundMotion>
       held_out;  ///< a second earthquake, for the proof of the diagnosis
   sim::IsolatedPlant plant;
-  sim::Bearing specimen;  ///< the bearing on the platen
-  sim::Bearing model;     ///< the bearing as the simulation assumes it
+  bool has_plant = false;  ///< the file states it
+  sim::Bearing specimen;   ///< the bearing on the platen
+  sim::Bearing model;      ///< the bearing as the simulation assumes it
   sim::TestMachine machine;
   sim::TestMachine assumed_machine;  ///< the machine as the simulation assumes it
   double alpha = -0.05;              ///< of α-OS
@@ -86,6 +96,10 @@ struct Experiment {
   recording::NamedTexts config;  ///< input files, for the recording
 
   [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
+  /// True if a solver of this project ends the run.
+  [[nodiscard]] bool has_own_solver() const;
+  /// True if the structure of the solver is known, for the purely numerical result.
+  [[nodiscard]] bool has_structure() const { return has_own_solver() || has_plant; }
   /// The host that starts the test and has the recording; empty if there is one host.
   [[nodiscard]] std::string leading_host() const;
 };
