@@ -12,6 +12,7 @@
 #include <rths/adapters/recorder.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/recording/roles.hpp>
 
 namespace rths::launch {
 namespace {
@@ -279,6 +280,7 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
   }
   extend_for_hosts(description, experiment);
   Assembly assembly{memmap::Map{std::move(description)}, std::move(stations)};
+  recording::check_roles(experiment.roles, assembly.map);
   for (const auto& station : assembly.stations)
     if (station.adapter)
       adapters::check_ports(station.adapter->ports(), assembly.map, station.plan.node);

@@ -15,6 +15,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/launch/installed_files.hpp>
+#include <rths/recording/roles.hpp>
 
 #include "assumed_model.hpp"
 #include "script_placeholders.hpp"
@@ -386,6 +387,8 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   check_hosts(file, experiment);
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
   experiment.conclusive = file.table_or_empty("conclusive");
+  experiment.roles = file.table_or_empty("roles");
+  static_cast<void>(recording::read_roles(file));
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);

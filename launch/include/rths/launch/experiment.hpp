@@ -93,6 +93,7 @@ struct Experiment {
   std::vector<NodePlan> nodes;                           ///< in starting order
   std::optional<adapters::DisplacementHistory> history;  ///< imposed instead of an analysis
   Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
+  Config roles;                  ///< signals by role; assemble() checks them against the map
   recording::NamedTexts config;  ///< input files, for the recording
 
   [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
