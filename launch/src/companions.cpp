@@ -24,11 +24,11 @@ std::vector<double> signal_or_zeros(const recording::Reader& reader, const std::
   return reader.has(name) ? reader.signal(name) : std::vector<double>(reader.rows(), 0.0);
 }
 
-// Index of the target in each row. For OpenSees it is the adapter's step count, because the time of
-// OpenSees restarts after static analyses and does not advance during iterations.
+// Index of the target in each row: counted by the solver, or else from its time.
 std::vector<double> recorded_steps(const Experiment& experiment, const recording::Reader& reader) {
   for (const auto& plan : experiment.nodes)
-    if (plan.adapter == "opensees") return reader.signal("monitor." + plan.node + ".step");
+    if (const auto& count = plan.settings.target_count; !count.empty())
+      return reader.signal("monitor." + plan.node + "." + count);
   auto steps = reader.signal("opf.1.time.target");
   for (double& step : steps) step /= experiment.integration_step;
   return steps;

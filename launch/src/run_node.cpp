@@ -71,7 +71,7 @@ class LoopThread {
  public:
   LoopThread(adapters::AdapterRunner& runner, TimePoint epoch, const NodePlan& plan)
       : thread_{[this, &runner, epoch, &plan] {
-          missing_ = make_realtime(priority_of(plan.adapter));
+          missing_ = make_realtime(plan.settings.priority);
           WallClock clock;
           end_ = adapters::run_loop(runner, clock, epoch, plan.schedule, stopping_);
           finished_.store(true, std::memory_order_release);
@@ -190,9 +190,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
     const SetupGuard guard{launcher, node};
     station->adapter->activate();
   }
-  // The budget of a diagnosis replays the order of their steps.
-  if (station->plan.adapter == "srmd" || station->plan.adapter == "simulink_like")
-    runner.keep_times(steps_of(experiment, station->plan));
+  if (station->plan.settings.keeps_times) runner.keep_times(steps_of(experiment, station->plan));
   LauncherLink::send_line("ready");
   const auto epoch = wait_for_go(launcher);
   if (!epoch) {

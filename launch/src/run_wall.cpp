@@ -32,12 +32,11 @@ constexpr int kPollPeriod = 50;                        // [ms]
 constexpr auto kLifePeriod = std::chrono::milliseconds{50};
 constexpr double kProbeMargin = 10;  // [s] beyond the planned duration
 
-// An opensees_specimen is ready only after OpenSees has connected.
+// Some nodes are ready only after another program has connected.
 Duration longest_start(const Experiment& experiment) {
   double longest = 0;
   for (const auto& plan : experiment.nodes)
-    if (plan.opensees_specimen)
-      longest = std::max(longest, plan.opensees_specimen->script.connect_deadline);
+    longest = std::max(longest, plan.settings.start_deadline);
   return kReadyDeadline + from_seconds(longest);
 }
 

@@ -3,11 +3,11 @@
 
 #include <string_view>
 
-namespace rths::launch {
+namespace rths::adapters {
 
 /// Placeholders in the arguments of a script; replaced by values of the experiment.
 inline constexpr std::string_view kMotionPlaceholder = "{motion}";  ///< path of a motion file
 inline constexpr std::string_view kStepPlaceholder = "{step_s}";
 inline constexpr std::string_view kDurationPlaceholder = "{duration_s}";
 
-}  // namespace rths::launch
+}  // namespace rths::adapters
