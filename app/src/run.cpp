@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/launch/run.hpp>
@@ -111,9 +112,8 @@ diagnosis::Verdict diagnose_run(const RunArguments& arguments, const launch::Exp
   if (!written.fragment) return verdict;
   auto improvements = arguments.improvements;
   improvements.push_back(written.fragment->string());
-  launch::run_numerical(
-      launch::load_experiment(arguments.experiment, changes_of(arguments, improvements)),
-      folder / report::kImprovedFile);
+  launch::run_numerical(load_experiment(arguments.experiment, changes_of(arguments, improvements)),
+                        folder / report::kImprovedFile);
   return verdict;
 }
 
@@ -236,7 +236,7 @@ int judge_and_report(const RunArguments& arguments, const launch::Experiment& ex
 
 int run(const RunArguments& arguments) {
   const launch::Experiment experiment =
-      launch::load_experiment(arguments.experiment, changes_of(arguments, arguments.improvements));
+      load_experiment(arguments.experiment, changes_of(arguments, arguments.improvements));
   static_cast<void>(report::read_bounds(experiment.conclusive));
   check_host(arguments, experiment);
   RunFolder run_folder = folder_for(arguments, experiment.name);
@@ -258,8 +258,7 @@ int run(const RunArguments& arguments) {
 }
 
 int node(const NodeArguments& arguments) {
-  const launch::Experiment experiment =
-      launch::load_experiment(arguments.experiment, arguments.changes);
+  const launch::Experiment experiment = load_experiment(arguments.experiment, arguments.changes);
   return launch::run_node(experiment, arguments.node, arguments.ring, arguments.recording,
                           version());
 }

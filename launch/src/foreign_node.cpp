@@ -14,7 +14,6 @@
 
 #include "launcher_link.hpp"
 #include "peer_watch.hpp"
-#include "script_placeholders.hpp"
 
 namespace rths::launch {
 namespace {
@@ -89,7 +88,7 @@ class ForeignNode {
         ring_{ring},
         observer_{ring.observe()},
         id_{ring.map().node(plan.node)} {
-    if (plan.foreign->command.empty())
+    if (plan.settings.program->command.empty())
       ask_for_program(place);
     else
       start_program(place);
@@ -98,7 +97,7 @@ class ForeignNode {
   /// @throws Error if the program ends, or the deadline passes
   void wait_until_joined() {
     const WallClock clock;
-    const TimePoint deadline = clock.now() + from_seconds(plan_.foreign->connect_deadline);
+    const TimePoint deadline = clock.now() + from_seconds(plan_.settings.program->connect_deadline);
     while (presence().state != Presence::State::Alive) {
       if (program_ && program_->has_ended())
         throw Error{fmt::format("{} ended before it joined the ring as node '{}'{}", name_,
@@ -107,7 +106,7 @@ class ForeignNode {
         throw Error{
             fmt::format("no program joined the ring as node '{}' within {:g} s "
                         "(connect_deadline_s){}",
-                        plan_.node, plan_.foreign->connect_deadline, hint_)};
+                        plan_.node, plan_.settings.program->connect_deadline, hint_)};
       std::this_thread::sleep_for(kLookPeriod);
     }
     process_ = presence().pid;
@@ -130,43 +129,35 @@ class ForeignNode {
     }
   }
 
-  /// Waits while the others come to rest, then ends the program.
-  /// @returns a failure of the program by itself; empty if none
-  std::string release() {
+  /// Waits while the others come to rest, then ends the program. Its exit code no longer matters.
+  void release() {
     const auto rest = from_seconds(experiment_.retreat.hold + experiment_.retreat.ramp);
-    if (!program_) {
-      wait_until_left(rest);
-      return "";
-    }
-    if (program_->wait(rest)) return program_->failure().value_or("");
+    if (!program_) return wait_until_left(rest);
+    if (program_->wait(rest)) return;
     program_->ask_to_end();
     program_->wait(kLongestExit);
-    return "";
   }
 
  private:
   [[nodiscard]] Presence presence() const { return observer_.presence_of(id_); }
 
   void start_program(const RunPlace& place) {
-    const auto beside = [&](const std::string& ending) {
-      return place.recording.parent_path() /
-             (place.recording.stem().string() + "." + plan_.node + ending);
-    };
-    const auto motion = beside(".motion.csv");
+    const adapters::UserProgram& program = *plan_.settings.program;
+    const auto motion = adapters::file_beside(place.recording, plan_.node, ".motion.csv");
     adapters::ProgramStart start;
-    for (auto argument : plan_.foreign->command) {
-      if (argument.find(kMotionPlaceholder) != std::string::npos)
-        std::ofstream{motion} << text_of(experiment_.motion);
-      argument = filled_in(std::move(argument), experiment_, motion);
-      replace_all(argument, kRingPlaceholder, place.ring);
-      replace_all(argument, kNodePlaceholder, plan_.node);
+    for (auto argument : program.command) {
+      if (adapters::fill_in(argument, experiment_, motion))
+        std::ofstream{motion} << adapters::motion_text(experiment_.motion);
+      adapters::replace_all(argument, adapters::kRingPlaceholder, place.ring);
+      adapters::replace_all(argument, adapters::kNodePlaceholder, plan_.node);
       start.command.push_back(std::move(argument));
     }
     name_ = std::filesystem::path{start.command[0]}.filename().string();
     hint_ = fmt::format("; {} runs: does it open a card, or join as '{}'?", name_, plan_.node);
     start.name = name_;
-    start.folder = plan_.foreign->folder;
-    start.log = std::filesystem::absolute(beside(".log"));
+    start.folder = program.folder;
+    start.log =
+        std::filesystem::absolute(adapters::file_beside(place.recording, plan_.node, ".log"));
     for (const char* api : {"RTHS_", "RTHS_SCRAMNET_", "RTHS_SCGT_"}) {
       start.environment.emplace_back(std::string{api} + "RING", place.ring);
       start.environment.emplace_back(std::string{api} + "NODE", plan_.node);
@@ -181,7 +172,7 @@ class ForeignNode {
         "RTHS_SCGT_NODE), or join ring '{0}' as node '{1}'",
         place.ring, plan_.node);
     fmt::print(stderr, "{}: waits {:g} s for its program{}\n", plan_.node,
-               plan_.foreign->connect_deadline, hint_);
+               plan_.settings.program->connect_deadline, hint_);
   }
 
   [[nodiscard]] std::string with_failure() const {
@@ -202,11 +193,12 @@ class ForeignNode {
   // Until its first sign, a program may wait for its user.
   [[nodiscard]] std::optional<std::string> find_silence(std::uint64_t signs, TimePoint now) {
     if (signs == 0) {
-      if (now - began_ < from_seconds(plan_.foreign->connect_deadline)) return std::nullopt;
+      if (now - began_ < from_seconds(plan_.settings.program->connect_deadline))
+        return std::nullopt;
       return fmt::format("{} (process {}) wrote no word within {:g} s (connect_deadline_s)", name_,
-                         process_, plan_.foreign->connect_deadline);
+                         process_, plan_.settings.program->connect_deadline);
     }
-    const double longest = plan_.foreign->longest_silence * experiment_.rate;
+    const double longest = plan_.settings.program->longest_silence * experiment_.rate;
     if (silence_.look(now, signs) <= from_seconds(longest)) return std::nullopt;
     return fmt::format(
         "{} (process {}) is silent: no new value in its words for {:g} s (silence_s)", name_,
@@ -251,21 +243,11 @@ int run_foreign_node(const Experiment& experiment, const NodePlan& plan, broker:
     fmt::print(stderr, "{}: received no start message\n", plan.node);
     return 2;
   }
-  Ending ending = node->watch(launcher);
+  const Ending ending = node->watch(launcher);
   // The others stop at once; the program is ended when they are at rest.
-  if (!ending.is_known)
-    LauncherLink::send_line("fault " + ending.reason);
-  else if (ending.has_left)
-    LauncherLink::send_line("done");
-  if (!ending.has_left) {
-    const std::string failure = node->release();
-    if (ending.reason.empty() && !failure.empty()) {
-      ending = {failure, false, true};
-      LauncherLink::send_line("fault " + failure);
-    } else if (ending.is_known) {
-      LauncherLink::send_line("done");
-    }
-  }
+  if (!ending.is_known) LauncherLink::send_line("fault " + ending.reason);
+  if (!ending.has_left) node->release();
+  if (ending.is_known) LauncherLink::send_line("done");
   if (ending.reason.empty()) return 0;
   fmt::print(stderr, "{}: {}\n", plan.node, ending.reason);
   return 2;

@@ -18,7 +18,7 @@ PeerWatch::PeerWatch(const broker::Node& node, const memmap::Map& map, const Exp
       peers_.push_back({plan.node,
                         map.node(plan.node),
                         kLongestSilence + plan.schedule.period,
-                        plan.foreign.has_value(),
+                        plan.settings.program.has_value(),
                         {}});
 }
 

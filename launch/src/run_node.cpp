@@ -28,7 +28,7 @@ class LoopThread {
  public:
   LoopThread(adapters::AdapterRunner& runner, TimePoint epoch, const NodePlan& plan)
       : thread_{[this, &runner, epoch, &plan] {
-          missing_ = make_realtime(priority_of(plan.adapter));
+          missing_ = make_realtime(plan.settings.priority);
           WallClock clock;
           end_ = adapters::run_loop(runner, clock, epoch, plan.schedule, stopping_);
           finished_.store(true, std::memory_order_release);
@@ -140,7 +140,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   if (station == assembly.stations.end())
     throw Error{fmt::format("experiment '{}' has no node '{}'", experiment.name, node)};
   broker::Ring ring = broker::Ring::attach(ring_name);
-  if (station->plan.foreign)
+  if (station->plan.settings.program)
     return run_foreign_node(experiment, station->plan, ring, {ring_name, recording});
   adapters::AdapterRunner runner{*station->adapter, ring, node, assembly.map.hash(),
                                  station->plan.schedule.period};
@@ -149,9 +149,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
     const SetupGuard guard{launcher, node};
     station->adapter->activate();
   }
-  // The budget of a diagnosis replays the order of their steps.
-  if (station->plan.adapter == "srmd" || station->plan.adapter == "simulink_like")
-    runner.keep_times(steps_of(experiment, station->plan));
+  if (station->plan.settings.keeps_times) runner.keep_times(steps_of(experiment, station->plan));
   LauncherLink::send_line("ready");
   const auto epoch = launcher.wait_for_go();
   if (!epoch) {

@@ -179,16 +179,14 @@ std::string run_on_several_hosts(const Experiment& experiment, Assembly& assembl
 RunResult run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                               const RunOptions& options) {
   for (const auto& plan : experiment.nodes)
-    if (plan.foreign)
+    if (plan.settings.program)
       throw Error{
           fmt::format("{}: node '{}' is a program of its own, which has no virtual time; "
                       "expected the wall clock (--clock wall)",
                       experiment.file.string(), plan.node)};
   if (!experiment.has_own_solver())
-    throw Error{
-        experiment.file.string() +
-        ": no node has the adapter 'numerical' or 'opensees', expected one to end a run in virtual "
-        "time"};
+    throw Error{experiment.file.string() +
+                ": no node is a solver, expected one to end a run in virtual time"};
   RunResult result;
   if (options.host.empty())
     result = run_on_one_host(experiment, assembly, options);

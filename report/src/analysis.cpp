@@ -360,11 +360,17 @@ std::vector<double> targets_of(const Reader& run, const Roles& roles) {
   if (run.has(counted)) return run.signal(counted);
   if (!run.has(roles.new_target)) return {};
   auto flag = run.signal(roles.new_target);
+  const auto& target = roles.axes.empty() ? std::string{} : roles.axes[0].target;
+  const auto value = run.has(target) ? run.signal(target) : std::vector<double>(flag.size());
   double count = 0, before = 0;
-  for (double& word : flag) {
-    if (word > 0 && !(before > 0)) ++count;
-    before = word;
-    word = count;
+  bool awaits_flag = false;  // the value of a target can be recorded before its flag, or without
+  for (std::size_t row = 0; row < flag.size(); ++row) {
+    const bool rises = flag[row] > 0 && !(before > 0);
+    const bool changes = row > 0 && value[row] != value[row - 1];
+    if (changes || (rises && !awaits_flag)) ++count;
+    awaits_flag = (changes || awaits_flag) && !(flag[row] > 0);
+    before = flag[row];
+    flag[row] = count;
   }
   return flag;
 }

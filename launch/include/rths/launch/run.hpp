@@ -46,6 +46,10 @@ struct RunOutcome {
 /// @throws Error if it cannot be started   @setup
 [[nodiscard]] RunOutcome run(const Experiment& experiment, const RunOptions& options);
 
+/// Asks the run on a ring of this host to end in order, as at the end of its duration.
+/// @returns process id of its launcher   @throws Error if there is none   @setup
+int request_stop(const std::string& ring);
+
 /// Builds everything an experiment needs and discards it, to find errors that loading cannot find.
 /// @throws Error   @setup
 void check_assembly(const Experiment& experiment);
