@@ -13,7 +13,7 @@
 #include <rths/controller/ats.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
-#include <rths/launch/installed_files.hpp>
+#include <rths/core/installed_files.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 namespace rths {
@@ -59,8 +59,7 @@ BENCHMARK(force_observer_step);
 void test_machine_step_1ms(benchmark::State& state) {
   constexpr double kAxialLoad = 9.7e6;  // [N]
   sim::TestMachine with_specimen = sim::srmd_machine();
-  with_specimen.specimen =
-      sim::read_bearing(Config::load(launch::find_bearing("lprb")), kAxialLoad);
+  with_specimen.specimen = sim::read_bearing(Config::load(rths::find_bearing("lprb")), kAxialLoad);
   sim::TestMachineRun machine{with_specimen, 0.001};
   sim::MachineFeedback feedback;
   double t = 0;
@@ -83,7 +82,7 @@ void plant_integration_step(benchmark::State& state) {
 }
 BENCHMARK(plant_integration_step);
 
-memmap::Map srmd_map() { return memmap::load_map(launch::find_map("srmd")); }
+memmap::Map srmd_map() { return memmap::load_map(rths::find_map("srmd")); }
 
 void ring_word_write(benchmark::State& state) {
   auto ring = broker::Ring::in_process(srmd_map());
@@ -114,7 +113,7 @@ BENCHMARK(ring_group_read_48_words);
 // The whole hybrid controller: ten predictor-corrector substeps, two compensators, two observers.
 void hybrid_controller_tick(benchmark::State& state) {
   const auto target = adapters::make_simulink_like(
-      launch::shared_files() / "diagrams" / "hybrid_controller.toml", {});
+      rths::shared_files() / "diagrams" / "hybrid_controller.toml", {});
   std::vector<double> inputs;
   std::vector<double> outputs;
   for (const auto& port : target->ports()) {

@@ -15,8 +15,8 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/installed_files.hpp>
 #include <rths/dds/gateway.hpp>
-#include <rths/launch/installed_files.hpp>
 
 #include "commands.hpp"
 
@@ -41,7 +41,7 @@ class OwnRing {
  public:
   explicit OwnRing(const BridgeArguments& arguments) : name_{arguments.ring} {
     if (!arguments.map.empty())
-      ring_.emplace(broker::Ring::create(name_, memmap::load_map(launch::find_map(arguments.map))));
+      ring_.emplace(broker::Ring::create(name_, memmap::load_map(rths::find_map(arguments.map))));
   }
   ~OwnRing() {
     if (ring_) broker::remove_ring(name_);

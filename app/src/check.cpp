@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/adapters/simulink_like.hpp>
+#include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
@@ -38,7 +40,7 @@ int check_recording(const std::string& file) {
 }
 
 int check_experiment(const std::string& file) {
-  const auto experiment = launch::load_experiment(file);
+  const auto experiment = load_experiment(file);
   static_cast<void>(report::read_bounds(experiment.conclusive));
   launch::check_assembly(experiment);
   fmt::print("{}: experiment '{}', {} nodes, {:g} s of '{}'\n", file, experiment.name,

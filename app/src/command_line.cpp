@@ -10,7 +10,7 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
-#include <rths/launch/installed_files.hpp>
+#include <rths/core/installed_files.hpp>
 
 namespace rths::app {
 namespace {
@@ -52,8 +52,8 @@ Words candidates_for(const CLI::Option& option) {
   Words candidates = choices_of(option);
   if (option.get_name() == "ring" || option.get_name() == "source")
     for (const auto& ring : broker::list_rings()) candidates.push_back(ring.name);
-  if (option.get_name() == "map") candidates = launch::built_in_names("maps");
-  if (option.get_name() == "bearing") candidates = launch::built_in_names("bearings");
+  if (option.get_name() == "map") candidates = rths::built_in_names("maps");
+  if (option.get_name() == "bearing") candidates = rths::built_in_names("bearings");
   return candidates;
 }
 

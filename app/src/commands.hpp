@@ -203,6 +203,8 @@ struct DiagnoseArguments {
 [[nodiscard]] int map_check(const std::string& file);
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);
 [[nodiscard]] int report(const std::string& folder);
+/// Ends the run on a ring in order.
+[[nodiscard]] int stop(const std::string& ring);
 struct DoctorArguments {
   std::string format = "text";          ///< text or json: a line per ring, and one about real time
   std::optional<std::uint32_t> domain;  ///< of DDS: examines the network instead

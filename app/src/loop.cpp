@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-#include <rths/launch/installed_files.hpp>
+#include <rths/core/installed_files.hpp>
 #include <rths/report/drawing.hpp>
 #include <rths/sim/composition.hpp>
 #include <rths/sim/isolated_plant.hpp>
@@ -77,7 +77,7 @@ void check_change(const Config& bearing, const LoopArguments& arguments, const s
 }  // namespace
 
 int loop(const LoopArguments& arguments) {
-  const auto file = launch::find_bearing(arguments.bearing);
+  const auto file = rths::find_bearing(arguments.bearing);
   Config table = Config::load(file);
   for (const auto& [key, value] : arguments.changes) check_change(table, arguments, key);
   for (const auto& [key, value] : arguments.changes) table.set(key, value);

@@ -421,6 +421,9 @@ void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* report_command = app.add_subcommand("report", "Rewrite the report of a run");
   report_command->add_option("folder", a.folder, "Folder of the run")->required();
   report_command->callback([&] { chosen = [&a] { return report(a.folder); }; });
+  auto* stop_command = app.add_subcommand("stop", "End a run in order, with its report");
+  stop_command->add_option("ring", a.folder, "Name of the run's ring")->required();
+  stop_command->callback([&] { chosen = [&a] { return stop(a.folder); }; });
   auto* doctor_command = app.add_subcommand(
       "doctor", "List the rings of this host and their faults, or the network's");
   doctor_command->add_option("--format", a.doctor.format)->check(CLI::IsMember({"text", "json"}));

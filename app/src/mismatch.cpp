@@ -5,6 +5,7 @@
 #include <optional>
 #include <sstream>
 
+#include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/launch/hybrid_test.hpp>
@@ -33,12 +34,12 @@ budget::MismatchBudget budget_of(const std::filesystem::path& recording,
                                  const std::filesystem::path& file,
                                  const launch::Overrides& changes,
                                  const std::filesystem::path& folder, const std::string& fragment) {
-  const auto experiment = launch::load_experiment(file, changes);
+  const auto experiment = load_experiment(file, changes);
   auto improved = experiment;
   if (!fragment.empty()) {
     const auto path = std::filesystem::absolute(folder / report::kFragmentFile);
     write_file(path, fragment);
-    improved = launch::load_experiment(file, improved_by(path, changes));
+    improved = load_experiment(file, improved_by(path, changes));
   }
   const auto unseen = recording.parent_path() / diagnosis::kHeldOutFile;
   std::optional<recording::Reader> held_out;

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/launch/run.hpp>
@@ -95,10 +96,12 @@ void check_host(const RunArguments& arguments, const launch::Experiment& experim
 }
 
 // Writes the diagnosis of a run and, if it improves the model, the improved numerical result.
-diagnosis::Verdict diagnose_run(const RunArguments& arguments, const std::filesystem::path& folder,
+diagnosis::Verdict diagnose_run(const RunArguments& arguments, const launch::Experiment& experiment,
+                                const std::filesystem::path& folder,
                                 const std::vector<report::Broken>& broken) {
   diagnosis::Verdict verdict = diagnosis::diagnose(diagnosis::load_case(folder / report::kRunFile));
-  verdict.synthetic = true;  // in this version, specimen and machine are models
+  // A machine that is a program of the user's own may be a real one.
+  verdict.synthetic = !has_adapter(experiment, "external");
   for (const auto& condition : broken)
     verdict.limits.push_back("the test is not conclusive: " + condition.text());
   // In virtual time the same experiment gives the same bytes.
@@ -109,9 +112,8 @@ diagnosis::Verdict diagnose_run(const RunArguments& arguments, const std::filesy
   if (!written.fragment) return verdict;
   auto improvements = arguments.improvements;
   improvements.push_back(written.fragment->string());
-  launch::run_numerical(
-      launch::load_experiment(arguments.experiment, changes_of(arguments, improvements)),
-      folder / report::kImprovedFile);
+  launch::run_numerical(load_experiment(arguments.experiment, changes_of(arguments, improvements)),
+                        folder / report::kImprovedFile);
   return verdict;
 }
 
@@ -121,10 +123,10 @@ struct Diagnosed {
 };
 
 // The recordings are complete, so a failed diagnosis does not stop the report.
-Diagnosed diagnose(const RunArguments& arguments, const std::filesystem::path& folder,
-                   const std::vector<report::Broken>& broken) {
+Diagnosed diagnose(const RunArguments& arguments, const launch::Experiment& experiment,
+                   const std::filesystem::path& folder, const std::vector<report::Broken>& broken) {
   try {
-    const auto verdict = diagnose_run(arguments, folder, broken);
+    const auto verdict = diagnose_run(arguments, experiment, folder, broken);
     Diagnosed diagnosed;
     diagnosed.text =
         fmt::format("diagnosis {}\n{}{}\n", (folder / report::kDiagnosisPage).string(),
@@ -157,7 +159,7 @@ void compress(const std::filesystem::path& file) {
 // Computes the companions of a completed run, its diagnosis and its report.
 int conclude(const RunArguments& arguments, const launch::Experiment& experiment,
              const std::filesystem::path& folder, const std::vector<report::Broken>& broken) {
-  const bool has_held_out = experiment.held_out.has_value();
+  const bool has_held_out = experiment.held_out.has_value() && !has_adapter(experiment, "external");
   const bool diagnoses = has_held_out && arguments.diagnoses;
   std::optional<Steps> steps{std::in_place, 3 + (has_held_out ? 1 : 0) + (diagnoses ? 1 : 0)};
   steps->begin("the test without compensation");
@@ -175,7 +177,7 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   Diagnosed diagnosed;
   if (diagnoses) {
     steps->begin("the diagnosis");
-    diagnosed = diagnose(arguments, folder, broken);
+    diagnosed = diagnose(arguments, experiment, folder, broken);
     compress(folder / report::kImprovedFile);
   }
   steps->begin("the report");
@@ -219,7 +221,7 @@ std::string text_of(Recorded recorded, const std::filesystem::path& recording,
   return "none: the experiment has no recorder";
 }
 
-// Judges the recording of a completed run and, if there is a controller, reports on it.
+// Judges the recording of a completed run and reports on it.
 int judge_and_report(const RunArguments& arguments, const launch::Experiment& experiment,
                      const std::filesystem::path& folder) {
   const auto recording = folder / report::kRunFile;
@@ -227,18 +229,14 @@ int judge_and_report(const RunArguments& arguments, const launch::Experiment& ex
     throw Error{recording.string() + ": was removed during the run"};
   compress(recording);
   const auto broken = report::judge(recording::Reader{recording});
-  // The report is about tracking, so it needs a controller.
-  if (has_adapter(experiment, "simulink_like"))
-    return conclude(arguments, experiment, folder, broken);
-  fmt::print("{}", report::verdict_of(broken));
-  return broken.empty() ? kOk : kConditionNotMet;
+  return conclude(arguments, experiment, folder, broken);
 }
 
 }  // namespace
 
 int run(const RunArguments& arguments) {
   const launch::Experiment experiment =
-      launch::load_experiment(arguments.experiment, changes_of(arguments, arguments.improvements));
+      load_experiment(arguments.experiment, changes_of(arguments, arguments.improvements));
   static_cast<void>(report::read_bounds(experiment.conclusive));
   check_host(arguments, experiment);
   RunFolder run_folder = folder_for(arguments, experiment.name);
@@ -260,8 +258,7 @@ int run(const RunArguments& arguments) {
 }
 
 int node(const NodeArguments& arguments) {
-  const launch::Experiment experiment =
-      launch::load_experiment(arguments.experiment, arguments.changes);
+  const launch::Experiment experiment = load_experiment(arguments.experiment, arguments.changes);
   return launch::run_node(experiment, arguments.node, arguments.ring, arguments.recording,
                           version());
 }

@@ -1,142 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "assembly.hpp"
 #include "host_words.hpp"
-#include "script_placeholders.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include <rths/adapters/echo.hpp>
-#include <rths/adapters/ideal_machine.hpp>
-#include <rths/adapters/recorder.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/recording/roles.hpp>
 
 namespace rths::launch {
 namespace {
 
 constexpr std::uint32_t kPartitionAlignment = 16;  // longwords: one writer per cache line
-constexpr double kRecorderOverhang = 0.2;          // [s]
 constexpr NodeId kOperatorId{200};
 constexpr std::uint16_t kFirstExtraNodeId = 201;  // for nodes that are not in the laboratory's map
-
-// Columns: time [s], accelerations long and lat [m/s²].
-std::string text_of(const sim::GroundMotion& motion) {
-  std::string text = "t_s,long_m_per_s2,lat_m_per_s2\n";
-  for (std::size_t i = 0; i < motion.long_acceleration.size(); ++i)
-    text += fmt::format("{:.9g},{:.9g},{:.9g}\n", static_cast<double>(i) * motion.time_step,
-                        motion.long_acceleration[i], motion.lat_acceleration[i]);
-  return text;
-}
-
-void replace_all(std::string& text, std::string_view from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-}
-
-// Replaces the placeholders in an argument of a script.
-std::string filled_in(std::string argument, const Experiment& e,
-                      const std::filesystem::path& motion) {
-  replace_all(argument, kMotionPlaceholder, std::filesystem::absolute(motion).string());
-  replace_all(argument, kStepPlaceholder, fmt::format("{}", e.integration_step));
-  replace_all(argument, kDurationPlaceholder, fmt::format("{}", e.duration));
-  return argument;
-}
-
-std::unique_ptr<adapters::Adapter> make_echo(const memmap::Map& laboratory,
-                                             adapters::EchoSettings settings) {
-  settings.layout = adapters::opf_layout(laboratory);
-  return adapters::make_echo(settings);
-}
-
-// Fills in the arguments of a script. Its log and motion file lie beside the recording.
-void complete_script(const Experiment& e, const NodePlan& plan,
-                     const std::filesystem::path& recording, adapters::OpenSeesScript& script) {
-  const auto beside = [&](const std::string& ending) {
-    return recording.parent_path() / (recording.stem().string() + "." + plan.node + ending);
-  };
-  script.log = beside(".log");
-  const auto motion = beside(".motion.csv");
-  for (auto& argument : script.command) {
-    if (argument.find(kMotionPlaceholder) != std::string::npos)
-      script.files = {{motion, text_of(e.motion)}};
-    argument = filled_in(argument, e, motion);
-  }
-}
-
-std::unique_ptr<adapters::Adapter> make_opensees(const Experiment& e, const memmap::Map& laboratory,
-                                                 const NodePlan& plan, ClockKind clock,
-                                                 const std::filesystem::path& recording) {
-  adapters::OpenSeesSettings settings = *plan.opensees;
-  settings.layout = adapters::opf_layout(laboratory);
-  settings.simulation_step = e.simulation_step();
-  settings.rest = e.rest;
-  settings.wait_deadline = e.wait_deadline * e.rate;
-  settings.stops_time = clock == ClockKind::Virtual;
-  complete_script(e, plan, recording, settings.script);
-  return adapters::make_opensees(settings);
-}
-
-std::unique_ptr<adapters::Adapter> make_opensees_specimen(const Experiment& e,
-                                                          const memmap::Map& laboratory,
-                                                          const NodePlan& plan, ClockKind clock,
-                                                          const std::filesystem::path& recording) {
-  adapters::OpenSeesSpecimenSettings settings = *plan.opensees_specimen;
-  settings.layout = adapters::opf_layout(laboratory);
-  settings.simulation_step = e.simulation_step();
-  settings.stops_time = clock == ClockKind::Virtual;
-  complete_script(e, plan, recording, settings.script);
-  return adapters::make_opensees_specimen(settings);
-}
-
-std::map<std::string, std::string> units_of(const memmap::Map& map) {
-  std::map<std::string, std::string> units;
-  for (const auto& entry : map.signals()) units[entry.name] = entry.signal->unit;
-  return units;
-}
-
-std::unique_ptr<adapters::Adapter> make_adapter(const Experiment& e, const memmap::Map& laboratory,
-                                                const NodePlan& plan, ClockKind clock,
-                                                const std::filesystem::path& recording) {
-  if (plan.adapter == "srmd") {
-    adapters::SrmdSettings settings;
-    settings.machine = e.machine;
-    settings.period = to_seconds(plan.schedule.period);
-    settings.axes = e.axes;
-    settings.retreat = e.retreat;
-    return adapters::make_srmd(settings);
-  }
-  if (plan.adapter == "ideal_machine")
-    return adapters::make_ideal_machine(
-        {e.specimen, e.axes, e.integration_step, e.simulation_step()});
-  if (plan.adapter == "echo") return make_echo(laboratory, *plan.echo);
-  if (plan.adapter == "opensees_specimen")
-    return make_opensees_specimen(e, laboratory, plan, clock, recording);
-  if (plan.adapter == "simulink_like")
-    return adapters::make_simulink_like(
-        plan.diagram,
-        {e.axes, e.integration_step, e.simulation_step(), e.retreat, units_of(laboratory)});
-  // A given history needs no OpenSees: the numerical adapter imposes it.
-  if (plan.adapter == "opensees" && !e.history)
-    return make_opensees(e, laboratory, plan, clock, recording);
-  adapters::NumericalSettings settings;
-  settings.handshake = plan.opensees ? plan.opensees->handshake : plan.handshake;
-  settings.axes = e.axes;
-  settings.plant = e.plant;
-  settings.motion = e.motion;
-  settings.bearing_initial_stiffness = sim::initial_stiffness(e.model);
-  settings.integration_step = e.integration_step;
-  settings.alpha = e.alpha;
-  settings.duration = e.duration;
-  settings.rest = e.rest;
-  // The deadline scales with the rate.
-  settings.wait_deadline = e.wait_deadline * e.rate;
-  if (clock == ClockKind::Virtual || e.model_computing_time)
-    settings.computing_time = e.computing_time;
-  settings.history = e.history;
-  return adapters::make_numerical(settings);
-}
 
 void check_tuning(const NodePlan& plan, const std::vector<adapters::Port>& ports,
                   const Tuning& tuning) {
@@ -251,32 +130,19 @@ void extend_for_hosts(memmap::MapDescription& description, const Experiment& exp
   for (const auto& plan : experiment.nodes) append(turn_partition(plan.node), plan.node, 1);
 }
 
-Duration recorder_period(const Experiment& experiment) {
-  Duration period{0};
-  for (const auto& plan : experiment.nodes)
-    if (plan.adapter == "recorder") period = plan.schedule.period;
-  return period;
-}
-
-std::map<std::string, double> steps_per_row(const Experiment& experiment) {
-  std::map<std::string, double> result;
-  const Duration row = recorder_period(experiment);
-  for (const auto& plan : experiment.nodes)
-    result[plan.node] = to_seconds(row) / to_seconds(plan.schedule.period);
-  return result;
-}
-
-std::unique_ptr<adapters::Adapter> make_recorder(const Experiment& experiment, ClockKind clock,
-                                                 const RecordingPlan& recording,
-                                                 const memmap::Map& map) {
-  adapters::RecorderSettings settings;
-  settings.file = recording.file;
-  settings.info = {experiment.config, recording.meta, steps_per_row(experiment)};
-  settings.own_thread = clock == ClockKind::Wall;
-  settings.period = to_seconds(recorder_period(experiment));
-  // Records until the other nodes are at rest.
-  settings.linger = experiment.retreat.hold + experiment.retreat.ramp + kRecorderOverhang;
-  return adapters::make_recorder(map, settings);
+adapters::NodeContext context_of(const Experiment& experiment, const NodePlan& plan,
+                                 ClockKind clock, const RecordingPlan& recording,
+                                 const memmap::Map& map) {
+  adapters::NodeContext context{plan.node,
+                                plan.schedule.period,
+                                clock == ClockKind::Virtual,
+                                recording.file,
+                                map,
+                                experiment.config,
+                                recording.meta,
+                                {}};
+  for (const auto& other : experiment.nodes) context.periods[other.node] = other.schedule.period;
+  return context;
 }
 
 }  // namespace
@@ -287,22 +153,28 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
   description.nodes.push_back({kOperator, kOperatorId, ""});
   std::vector<Station> stations;
   for (const auto& plan : experiment.nodes) {
-    // A recorder reads all signals, so it is built when the map is complete.
-    const bool records = plan.adapter == "recorder";
-    stations.push_back(
-        {plan,
-         records ? nullptr : make_adapter(experiment, laboratory, plan, clock, recording.file)});
+    const auto& settings = plan.settings;
+    stations.push_back({plan, nullptr});
+    if (settings.program) {
+      static_cast<void>(laboratory.node(plan.node));  // its words are those of the map
+      continue;
+    }
+    if (!settings.monitors)
+      stations.back().adapter =
+          settings.make(experiment, context_of(experiment, plan, clock, recording, laboratory));
     extend(description, plan,
-           records ? adapters::recorder_monitors() : stations.back().adapter->ports());
+           settings.monitors ? *settings.monitors : stations.back().adapter->ports());
   }
   extend_for_hosts(description, experiment);
   Assembly assembly{memmap::Map{std::move(description)}, std::move(stations)};
+  recording::check_roles(experiment.roles, assembly.map);
   for (const auto& station : assembly.stations)
     if (station.adapter)
       adapters::check_ports(station.adapter->ports(), assembly.map, station.plan.node);
   for (auto& station : assembly.stations)
-    if (!station.adapter)
-      station.adapter = make_recorder(experiment, clock, recording, assembly.map);
+    if (!station.adapter && !station.plan.settings.program)
+      station.adapter = station.plan.settings.make(
+          experiment, context_of(experiment, station.plan, clock, recording, assembly.map));
   return assembly;
 }
 

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include <rths/adapters/srmd.hpp>
+#include <rths/adapters/test_setup.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/installed_files.hpp>
 #include <rths/launch/hybrid_test.hpp>
-#include <rths/launch/installed_files.hpp>
 #include <rths/sim/composition.hpp>
 
 namespace rths::launch {

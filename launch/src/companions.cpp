@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/recording/roles.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 namespace rths::launch {
@@ -24,12 +25,17 @@ std::vector<double> signal_or_zeros(const recording::Reader& reader, const std::
   return reader.has(name) ? reader.signal(name) : std::vector<double>(reader.rows(), 0.0);
 }
 
-// Index of the target in each row. For OpenSees it is the adapter's step count, because the time of
-// OpenSees restarts after static analyses and does not advance during iterations.
+// Index of the target in each row: counted by the solver, or from its time, or counted by the
+// controller.
 std::vector<double> recorded_steps(const Experiment& experiment, const recording::Reader& reader) {
   for (const auto& plan : experiment.nodes)
-    if (plan.adapter == "opensees") return reader.signal("monitor." + plan.node + ".step");
-  auto steps = reader.signal("opf.1.time.target");
+    if (const auto& count = plan.settings.target_count; !count.empty())
+      return reader.signal("monitor." + plan.node + "." + count);
+  const auto roles = recording::roles_of(reader);
+  const auto counted = roles.monitor_of_controller() + "pc.targets";
+  auto steps = reader.signal(reader.has(roles.time) ? roles.time : counted);
+  // A user's own solver may not write its time.
+  if (steps.back() <= 0 && reader.has(counted)) return reader.signal(counted);
   for (double& step : steps) step /= experiment.integration_step;
   return steps;
 }
@@ -55,6 +61,19 @@ adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
     history.displacement_lat[step] = across[row];
   }
   return history;
+}
+
+// The project's own solver imposes the recorded targets in place of a user's.
+// @returns whether all nodes then have virtual time
+bool replace_user_solver(Experiment& experiment) {
+  const memmap::Map map = memmap::load_map(experiment.map);
+  const auto target = map.find_signal("opf.newTarget");
+  for (auto& plan : experiment.nodes) {
+    if (!plan.settings.program) continue;
+    if (!target || map.entry(*target).partition->node != plan.node) return false;
+    plan.settings.program.reset();
+  }
+  return true;
 }
 
 // Writes results of an analysis as a recording, with a map made for them.
@@ -136,7 +155,7 @@ bool run_uncompensated(const Experiment& experiment, const std::filesystem::path
     switched_off = switched_off || !node.uncompensated.empty();
     node.tune.insert(node.tune.begin(), node.uncompensated.begin(), node.uncompensated.end());
   }
-  if (!switched_off) return false;
+  if (!switched_off || !replace_user_solver(bare)) return false;
   bare.history = recorded_targets(experiment, history);
   run_companion(bare, recording, version, "the run without compensation");
   return true;
@@ -144,7 +163,7 @@ bool run_uncompensated(const Experiment& experiment, const std::filesystem::path
 
 bool run_held_out(const Experiment& experiment, const std::filesystem::path& recording,
                   const std::string& version) {
-  if (!experiment.held_out) return false;
+  if (!experiment.held_out || experiment.has_user_program()) return false;
   Experiment second = experiment;
   second.motion = *experiment.held_out;
   second.machine.seed += kSeedOffset;
@@ -153,7 +172,8 @@ bool run_held_out(const Experiment& experiment, const std::filesystem::path& rec
   return true;
 }
 
-void run_numerical(const Experiment& experiment, const std::filesystem::path& recording) {
+bool run_numerical(const Experiment& experiment, const std::filesystem::path& recording) {
+  if (!experiment.has_structure()) return false;
   const sim::PlantMatrices plant = sim::assemble(experiment.plant);
   const sim::GroundMotion motion = along_tested_axes(experiment);
   const auto isolated =
@@ -179,6 +199,7 @@ void run_numerical(const Experiment& experiment, const std::filesystem::path& re
   std::string names;
   for (const auto& floor : isolated.floors) names += floor.name + "\n";
   result.write(recording, kReferenceStep, {{{"floors", names}}, {}, {}});
+  return true;
 }
 
 }  // namespace rths::launch

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdlib>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,40 +12,26 @@
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
-#include <rths/launch/installed_files.hpp>
+#include <rths/core/installed_files.hpp>
+#include <rths/recording/roles.hpp>
 
 #include "assumed_model.hpp"
-#include "script_placeholders.hpp"
 
 namespace rths::launch {
 namespace {
 
-constexpr double kMillisecond = 1e-3;
 constexpr const char* kDefaultSpecimen = "lprb";
 constexpr std::size_t kLongestName = 200;
 constexpr double kShortestTest = 1;  // [s]: shorter tests cannot measure delays
 
-// Order of steps within a millisecond: the machine samples, the controller answers, the recorder
-// reads both. The solver polls its flags four times per millisecond.
-struct KnownAdapter {
-  const char* name;
-  double period, phase;  // [s]
-};
-constexpr KnownAdapter kAdapters[] = {{"recorder", kMillisecond, 0.8 * kMillisecond},
-                                      {"srmd", kMillisecond, 0},
-                                      {"ideal_machine", kMillisecond, 0.3 * kMillisecond},
-                                      {"echo", kMillisecond, 0.3 * kMillisecond},
-                                      {"opensees_specimen", kMillisecond, 0.3 * kMillisecond},
-                                      {"simulink_like", kMillisecond, 0.3 * kMillisecond},
-                                      {"numerical", 0.25 * kMillisecond, 0.1 * kMillisecond},
-                                      {"opensees", 0.25 * kMillisecond, 0.1 * kMillisecond}};
+using Factories = std::span<const adapters::Factory>;
 
-const KnownAdapter& adapter_named(const Config& table) {
+const adapters::Factory& factory_named(Factories factories, const Config& table) {
   const std::string name = table.text("adapter");
   std::string known;
-  for (const auto& adapter : kAdapters) {
-    if (adapter.name == name) return adapter;
-    known += (known.empty() ? "" : ", ") + std::string{adapter.name};
+  for (const auto& factory : factories) {
+    if (factory.name == name) return factory;
+    known += (known.empty() ? "" : ", ") + std::string{factory.name};
   }
   table.fail("adapter", fmt::format("there is no adapter '{}', expected one of {}", name, known));
 }
@@ -62,99 +46,31 @@ void read_tuning(const Config& table, const std::string& prefix, Tuning& tuning)
   }
 }
 
-// Default Python of OpenSees scripts.
-std::string default_python() {
-  const char* python = std::getenv("RTHS_OPENSEES_PYTHON");
-  return python != nullptr ? python : "python3";
-}
-
-adapters::OpenSeesScript read_script(const Config& table) {
-  adapters::OpenSeesScript opensees;
-  opensees.connect_deadline =
-      table.number_in("connect_deadline_s", 0.1, 1e5, opensees.connect_deadline);
-  opensees.answer_deadline =
-      table.number_in("answer_deadline_s", 0.1, 1e5, opensees.answer_deadline);
-  const std::string python = table.text("python", default_python());
-  const auto arguments = table.texts("arguments", {});
-  for (const auto& argument : arguments)
-    if (argument.starts_with("{") && argument != kMotionPlaceholder &&
-        argument != kStepPlaceholder && argument != kDurationPlaceholder)
-      table.fail("arguments",
-                 fmt::format("unknown placeholder '{}', expected {}, {} or {}", argument,
-                             kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder));
-  if (!table.has("script")) {
-    for (const char* key : {"arguments", "python"})
-      if (table.has(key))
-        table.fail(key, fmt::format("found {} without a script, expected script", key));
-    return opensees;
-  }
-  const auto script = table.resolve(table.text("script"));
-  if (!std::filesystem::exists(script))
-    table.fail("script", fmt::format("script is '{}', expected a file", script.string()));
-  opensees.command = {python, script.string()};
-  opensees.command.insert(opensees.command.end(), arguments.begin(), arguments.end());
-  return opensees;
-}
-
-adapters::OpenSeesSettings read_opensees(const Config& table, const sim::Bearing& model) {
-  adapters::OpenSeesSettings settings;
-  adapters::read_opensees(table, sim::initial_stiffness(model), settings);
-  settings.is_prompt = table.flag("prompt", false);
-  settings.script = read_script(table);
-  return settings;
-}
-
-adapters::OpenSeesSpecimenSettings read_opensees_specimen(const Config& table) {
-  adapters::OpenSeesSpecimenSettings settings;
-  settings.elements = adapters::read_specimen_elements(table);
-  settings.script = read_script(table);
-  return settings;
-}
-
-adapters::EchoSettings read_echo(const Config& table) {
-  adapters::EchoSettings settings;
-  settings.stiffness = table.number_in("stiffness_N_per_m", 0, 1e15, settings.stiffness);
-  settings.is_down_when_idle = adapters::read_handshake(table) == adapters::Handshake::TargetFirst;
-  settings.is_prompt = table.flag("prompt", false);
-  return settings;
-}
-
-NodePlan read_node(const std::string& node, const Config& table, const sim::Bearing& model) {
-  const KnownAdapter& adapter = adapter_named(table);
+NodePlan read_node(Factories factories, const std::string& node, const Config& table,
+                   const adapters::TestSetup& setup) {
+  const adapters::Factory& factory = factory_named(factories, table);
   NodePlan plan;
   plan.node = node;
-  plan.adapter = adapter.name;
+  plan.adapter = factory.name;
   plan.host = table.text("host", "");
-  double period = adapter.period;
-  if (plan.adapter == "simulink_like") {
-    plan.diagram = find_file(table, "diagram", "diagrams");
-    period = adapters::diagram_period(plan.diagram);
-  }
-  if (plan.adapter == "opensees") {
-    plan.opensees = read_opensees(table, model);
-    // A prompt adapter steps on arrival of new data, so it needs fewer scheduled steps.
-    if (plan.opensees->is_prompt) period = kMillisecond;
-  }
-  if (plan.adapter == "numerical") plan.handshake = adapters::read_handshake(table);
-  if (plan.adapter == "echo") plan.echo = read_echo(table);
-  if (plan.adapter == "opensees_specimen") plan.opensees_specimen = read_opensees_specimen(table);
-  plan.schedule.period = from_seconds(table.number_in("period_s", 1e-5, 1, period));
-  plan.schedule.phase = from_seconds(table.number_in("phase_s", 0, 1, adapter.phase));
+  plan.settings = factory.read(node, table, setup);
+  const auto& usual = plan.settings.schedule;
+  plan.schedule.period =
+      from_seconds(table.number_in("period_s", 1e-5, 1, to_seconds(usual.period)));
+  plan.schedule.phase = from_seconds(table.number_in("phase_s", 0, 1, to_seconds(usual.phase)));
   read_tuning(table.table_or_empty("tune"), "", plan.tune);
   table.reject_unknown_keys();
   return plan;
 }
 
-std::vector<NodePlan> read_nodes(const Config& table, const sim::Bearing& model) {
+std::vector<NodePlan> read_nodes(Factories factories, const Config& table,
+                                 const adapters::TestSetup& setup) {
   std::vector<NodePlan> nodes;
-  for (const auto& node : table.keys()) nodes.push_back(read_node(node, table.table(node), model));
+  for (const auto& node : table.keys())
+    nodes.push_back(read_node(factories, node, table.table(node), setup));
   // Receivers start before senders.
-  const auto rank = [](const NodePlan& plan) {
-    return std::find_if(std::begin(kAdapters), std::end(kAdapters),
-                        [&](const auto& known) { return plan.adapter == known.name; });
-  };
   std::stable_sort(nodes.begin(), nodes.end(),
-                   [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+                   [](const auto& a, const auto& b) { return a.settings.role < b.settings.role; });
   return nodes;
 }
 
@@ -293,18 +209,9 @@ void read_uncompensated(const Config& table, Experiment& experiment) {
   }
 }
 
-// A script that reads its own motion would repeat the first earthquake, which proves nothing.
 void require_motion(const Config& file, const Experiment& experiment) {
-  for (const auto& plan : experiment.nodes) {
-    if (!plan.opensees) continue;
-    const auto& words = plan.opensees->script.command;
-    if (std::none_of(words.begin(), words.end(), [](const auto& word) {
-          return word.find(kMotionPlaceholder) != std::string::npos;
-        }))
-      file.fail("held_out", fmt::format("the script of node '{}' ignores the motion of the "
-                                        "experiment, expected {} among its arguments",
-                                        plan.node, kMotionPlaceholder));
-  }
+  for (const auto& plan : experiment.nodes)
+    if (!plan.settings.motion_fault.empty()) file.fail("held_out", plan.settings.motion_fault);
 }
 
 // Experiments with different seeds differ in all their noise.
@@ -316,13 +223,25 @@ void spread_seed(Experiment& experiment) {
 
 }  // namespace
 
+bool Experiment::has_own_solver() const {
+  return std::any_of(nodes.begin(), nodes.end(), [](const NodePlan& plan) {
+    return plan.settings.role == adapters::Role::Solver && !plan.settings.program;
+  });
+}
+
+bool Experiment::has_user_program() const {
+  return std::any_of(nodes.begin(), nodes.end(),
+                     [](const NodePlan& plan) { return plan.settings.program.has_value(); });
+}
+
 std::string Experiment::leading_host() const {
   for (const auto& plan : nodes)
-    if (plan.adapter == "recorder") return plan.host;
+    if (plan.settings.role == adapters::Role::Recorder) return plan.host;
   return hosts.empty() ? "" : hosts.front().name;
 }
 
-Experiment load_experiment(const std::filesystem::path& path, const Overrides& overrides) {
+Experiment load_experiment(Factories factories, const std::filesystem::path& path,
+                           const Overrides& overrides) {
   Config file = Config::load(path);
   for (const auto& [key, value] : overrides) file.set(key, value);
   file = file.in_its_folder();
@@ -345,18 +264,21 @@ Experiment load_experiment(const std::filesystem::path& path, const Overrides& o
   read_laboratory(file, experiment);
   read_solver(file.table_or_empty("solver"), experiment);
   read_stop(file.table_or_empty("stop"), experiment);
-  experiment.nodes = read_nodes(file.table("node"), experiment.model);
+  experiment.nodes = read_nodes(factories, file.table("node"), experiment);
   read_hosts(file, experiment);
   check_hosts(file, experiment);
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
   experiment.conclusive = file.table_or_empty("conclusive");
+  experiment.has_plant = file.has("plant");
+  experiment.roles = file.table_or_empty("roles");
+  static_cast<void>(recording::read_roles(file));
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);
   for (const auto& plan : experiment.nodes)
-    if (!plan.diagram.empty())
-      experiment.config.emplace_back(plan.diagram.filename().string(),
-                                     read_file(plan.diagram, kMostTextBytes));
+    if (const auto& diagram = plan.settings.diagram; !diagram.empty())
+      experiment.config.emplace_back(diagram.filename().string(),
+                                     read_file(diagram, kMostTextBytes));
   std::string changes;
   for (const auto& [key, value] : overrides) changes += fmt::format("{}={}\n", key, value);
   if (!changes.empty()) experiment.config.emplace_back(recording::kOverridesText, changes);

@@ -22,8 +22,8 @@ constexpr const char* kHorizontal[] = {"long", "lat"};
 
 const NodePlan& controller_of(const Experiment& experiment) {
   for (const auto& plan : experiment.nodes)
-    if (plan.adapter == "simulink_like") return plan;
-  throw Error{experiment.file.string() + ": no node has the adapter 'simulink_like'"};
+    if (!plan.settings.diagram.empty()) return plan;
+  throw Error{experiment.file.string() + ": no node runs a block diagram"};
 }
 
 double first_value(const Reader& run, const std::string& signal, double otherwise) {
@@ -66,7 +66,7 @@ void read_command(const Config& table, budget::HybridTest& test) {
 }
 
 void read_diagram(const NodePlan& plan, budget::HybridTest& test) {
-  const Config diagram = Config::load(plan.diagram);
+  const Config diagram = Config::load(plan.settings.diagram);
   const double substeps = static_cast<double>(diagram.integer("substeps", 1));
   test.period = to_seconds(plan.schedule.period);
   test.command.substeps =
@@ -193,10 +193,10 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
                                      const Reader& run, const Reader* held_out) {
   const bool is_numerical =
       std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
-                  [](const auto& plan) { return plan.adapter == "numerical"; });
+                  [](const auto& plan) { return plan.settings.integrates_plant; });
   if (!is_numerical)
     throw Error{experiment.file.string() +
-                ": no node has the adapter 'numerical', which a mismatch budget needs"};
+                ": no node integrates the plant as a mismatch budget repeats it"};
   auto test = hybrid_test_of(experiment, run);
   test.specimen_identified = improved.model;
   test.machine_identified = improved.assumed_machine;

@@ -6,7 +6,7 @@
 
 #include <array>
 #include <cstdio>
-#include <thread>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -15,6 +15,7 @@ namespace {
 
 // The launcher is an ordinary process, which the host may run later than the nodes.
 constexpr Duration kLongestLauncherSilence = std::chrono::seconds{1};
+constexpr Duration kLongestSetup = std::chrono::seconds{1};  // without a launcher
 
 }  // namespace
 
@@ -54,6 +55,28 @@ std::optional<std::string> LauncherLink::take_line() {
     received_.erase(0, end + 1);
     ++lines_;
     if (line != kAlive) return line;
+  }
+}
+
+std::optional<TimePoint> LauncherLink::wait_for_go() {
+  const WallClock clock;
+  for (;;) {
+    const auto line = receive_line(kLookPeriod);
+    if (line && line->rfind("go ", 0) == 0) return TimePoint{std::stoll(line->substr(3))};
+    if (line || find_trouble(clock.now())) return std::nullopt;
+  }
+}
+
+void SetupGuard::run(LauncherLink& launcher, const std::string& node) {
+  const WallClock clock;
+  TimePoint last_contact = clock.now();
+  while (!done_.load(std::memory_order_relaxed)) {
+    static_cast<void>(launcher.receive_line(kLookPeriod));
+    const auto trouble = launcher.find_trouble(clock.now());
+    if (!trouble) last_contact = clock.now();
+    if (clock.now() - last_contact < kLongestSetup) continue;
+    fmt::print(stderr, "{}: {} before the start\n", node, trouble.value_or(""));
+    std::_Exit(2);
   }
 }
 

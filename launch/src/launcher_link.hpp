@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "silence.hpp"
 
@@ -23,6 +25,8 @@ class LauncherLink {
   /// `receive_line`.
   [[nodiscard]] std::optional<std::string> find_trouble(TimePoint now);
   static void send_line(const std::string& line);
+  /// Waits for the start of the run. @returns its time zero; empty if it does not start
+  [[nodiscard]] std::optional<TimePoint> wait_for_go();
 
  private:
   [[nodiscard]] std::optional<std::string> take_line();
@@ -32,5 +36,28 @@ class LauncherLink {
   Silence silence_;
   bool vanished_ = false;
 };
+
+/// Ends the process if the launcher is lost while this object exists. Nothing moves yet, and the
+/// setup can wait for other programs for a long time.
+class SetupGuard {
+ public:
+  SetupGuard(LauncherLink& launcher, const std::string& node)
+      : thread_{[this, &launcher, node] { run(launcher, node); }} {}
+  ~SetupGuard() {
+    done_.store(true, std::memory_order_relaxed);
+    thread_.join();
+  }
+  SetupGuard(const SetupGuard&) = delete;
+  SetupGuard& operator=(const SetupGuard&) = delete;
+
+ private:
+  void run(LauncherLink& launcher, const std::string& node);
+
+  std::atomic<bool> done_{false};
+  std::thread thread_;  ///< last, because it uses the member above
+};
+
+/// Period of the looks at the launcher and at the peers.
+inline constexpr Duration kLookPeriod = std::chrono::milliseconds{20};
 
 }  // namespace rths::launch

@@ -15,8 +15,11 @@ PeerWatch::PeerWatch(const broker::Node& node, const memmap::Map& map, const Exp
     : node_{node}, own_{map.node(own_name)} {
   for (const auto& plan : experiment.nodes)
     if (plan.node != own_name)
-      peers_.push_back(
-          {plan.node, map.node(plan.node), kLongestSilence + plan.schedule.period, {}});
+      peers_.push_back({plan.node,
+                        map.node(plan.node),
+                        kLongestSilence + plan.schedule.period,
+                        plan.settings.program.has_value(),
+                        {}});
 }
 
 std::optional<std::string> PeerWatch::find_trouble(TimePoint now) {
@@ -29,6 +32,7 @@ std::optional<std::string> PeerWatch::find_trouble(TimePoint now) {
     if (presence.state == broker::Presence::State::Vanished)
       return fmt::format("{} (process {}) vanished", peer.name, presence.pid);
     if (presence.state == broker::Presence::State::Absent || !runs) continue;  // left in order
+    if (peer.is_foreign) continue;  // its own process judges its silence
     if (peer.silence.look(now, node_.beats_of(peer.id)) > peer.longest_silence)
       return fmt::format("{} (process {}) is silent", peer.name, presence.pid);
   }

@@ -30,6 +30,7 @@ class PeerWatch {
     std::string name;
     NodeId id;
     Duration longest_silence;
+    bool is_foreign;  ///< a program of the user's own, which may have no heartbeat
     Silence silence;
   };
   const broker::Node& node_;

@@ -36,11 +36,4 @@ std::string missing_privileges() {
   return missing;
 }
 
-int priority_of(const std::string& adapter) {
-  if (adapter == "srmd") return 60;
-  if (adapter == "simulink_like") return 50;
-  if (adapter == "numerical" || adapter.starts_with("opensees")) return 40;
-  return 30;
-}
-
 }  // namespace rths::launch

@@ -13,9 +13,8 @@ namespace rths::launch {
 /// Gives it real-time scheduling alone. @returns 0, or the error number
 int prefer_realtime(int priority);
 
-/// Priorities within a run: the host probe has the highest, then the most time-critical adapters.
+/// Priorities within a run: the host probe has the highest; those of the nodes are in NodeSettings.
 inline constexpr int kProbePriority = 70;
 inline constexpr int kGatewayPriority = 20;  ///< of a test on several hosts
-[[nodiscard]] int priority_of(const std::string& adapter);
 
 }  // namespace rths::launch

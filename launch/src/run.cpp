@@ -5,9 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <ctime>
-#include <sstream>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -84,33 +82,13 @@ void add_to_meta(const std::filesystem::path& file, const Experiment& experiment
       add_times(file, plan, times->second);
 }
 
-// As execvp searches it.
-bool is_program(const std::string& name) {
-  if (name.find('/') != std::string::npos) return access(name.c_str(), X_OK) == 0;
-  const char* path = std::getenv("PATH");
-  std::istringstream folders{path == nullptr ? "/usr/bin:/bin" : path};
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (access((std::filesystem::path{folder} / name).c_str(), X_OK) == 0) return true;
-  return false;
-}
-
-void check_program(const adapters::OpenSeesScript& script, const std::string& node) {
-  if (!script.command.empty() && !is_program(script.command[0]))
-    throw Error{
-        fmt::format("node '{}': there is no program '{}' to run its script, expected one "
-                    "as its key python or as RTHS_OPENSEES_PYTHON",
-                    node, script.command[0])};
-}
-
 }  // namespace
 
 void check_assembly(const Experiment& experiment) {
   static_cast<void>(assemble(experiment, ClockKind::Virtual, {}));
   static_cast<void>(sim::assemble(experiment.plant));  // for the purely numerical result
-  for (const auto& plan : experiment.nodes) {
-    if (plan.opensees) check_program(plan.opensees->script, plan.node);
-    if (plan.opensees_specimen) check_program(plan.opensees_specimen->script, plan.node);
-  }
+  for (const auto& plan : experiment.nodes)
+    if (plan.settings.check) plan.settings.check();
 }
 
 RunOutcome run(const Experiment& experiment, const RunOptions& options) {

@@ -13,6 +13,7 @@
 
 #include <rths/core/error.hpp>
 
+#include "foreign_node.hpp"
 #include "launcher_link.hpp"
 #include "peer_watch.hpp"
 #include "realtime_thread.hpp"
@@ -22,56 +23,12 @@
 namespace rths::launch {
 namespace {
 
-constexpr Duration kLookPeriod = std::chrono::milliseconds{20};
-constexpr Duration kLongestSetup = std::chrono::seconds{1};  // without a launcher
-
-/// Ends the process if the launcher is lost while this object exists. Nothing moves yet, and the
-/// setup can wait for other programs for a long time.
-class SetupGuard {
- public:
-  SetupGuard(LauncherLink& launcher, const std::string& node)
-      : thread_{[this, &launcher, node] { run(launcher, node); }} {}
-  ~SetupGuard() {
-    done_.store(true, std::memory_order_relaxed);
-    thread_.join();
-  }
-  SetupGuard(const SetupGuard&) = delete;
-  SetupGuard& operator=(const SetupGuard&) = delete;
-
- private:
-  void run(LauncherLink& launcher, const std::string& node) {
-    const WallClock clock;
-    TimePoint last_contact = clock.now();
-    while (!done_.load(std::memory_order_relaxed)) {
-      static_cast<void>(launcher.receive_line(kLookPeriod));
-      const auto trouble = launcher.find_trouble(clock.now());
-      if (!trouble) last_contact = clock.now();
-      if (clock.now() - last_contact < kLongestSetup) continue;
-      fmt::print(stderr, "{}: {} before the start\n", node, trouble.value_or(""));
-      std::_Exit(2);
-    }
-  }
-
-  std::atomic<bool> done_{false};
-  std::thread thread_;  ///< last, because it uses the member above
-};
-
-// The common time zero of a run; empty if the run does not start.
-std::optional<TimePoint> wait_for_go(LauncherLink& launcher) {
-  const WallClock clock;
-  for (;;) {
-    const auto line = launcher.receive_line(kLookPeriod);
-    if (line && line->rfind("go ", 0) == 0) return TimePoint{std::stoll(line->substr(3))};
-    if (line || launcher.find_trouble(clock.now())) return std::nullopt;
-  }
-}
-
 /// The real-time thread and its result.
 class LoopThread {
  public:
   LoopThread(adapters::AdapterRunner& runner, TimePoint epoch, const NodePlan& plan)
       : thread_{[this, &runner, epoch, &plan] {
-          missing_ = make_realtime(priority_of(plan.adapter));
+          missing_ = make_realtime(plan.settings.priority);
           WallClock clock;
           end_ = adapters::run_loop(runner, clock, epoch, plan.schedule, stopping_);
           finished_.store(true, std::memory_order_release);
@@ -183,6 +140,8 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   if (station == assembly.stations.end())
     throw Error{fmt::format("experiment '{}' has no node '{}'", experiment.name, node)};
   broker::Ring ring = broker::Ring::attach(ring_name);
+  if (station->plan.settings.program)
+    return run_foreign_node(experiment, station->plan, ring, {ring_name, recording});
   adapters::AdapterRunner runner{*station->adapter, ring, node, assembly.map.hash(),
                                  station->plan.schedule.period};
   LauncherLink launcher;
@@ -190,11 +149,9 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
     const SetupGuard guard{launcher, node};
     station->adapter->activate();
   }
-  // The budget of a diagnosis replays the order of their steps.
-  if (station->plan.adapter == "srmd" || station->plan.adapter == "simulink_like")
-    runner.keep_times(steps_of(experiment, station->plan));
+  if (station->plan.settings.keeps_times) runner.keep_times(steps_of(experiment, station->plan));
   LauncherLink::send_line("ready");
-  const auto epoch = wait_for_go(launcher);
+  const auto epoch = launcher.wait_for_go();
   if (!epoch) {
     fmt::print(stderr, "{}: received no start message\n", node);
     return deactivate(*station->adapter, node, 2);

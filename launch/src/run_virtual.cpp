@@ -178,15 +178,15 @@ std::string run_on_several_hosts(const Experiment& experiment, Assembly& assembl
 
 RunResult run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                               const RunOptions& options) {
-  const bool ends =
-      std::any_of(experiment.nodes.begin(), experiment.nodes.end(), [](const NodePlan& plan) {
-        return plan.adapter == "numerical" || plan.adapter == "opensees";
-      });
-  if (!ends)
-    throw Error{
-        experiment.file.string() +
-        ": no node has the adapter 'numerical' or 'opensees', expected one to end a run in virtual "
-        "time"};
+  for (const auto& plan : experiment.nodes)
+    if (plan.settings.program)
+      throw Error{
+          fmt::format("{}: node '{}' is a program of its own, which has no virtual time; "
+                      "expected the wall clock (--clock wall)",
+                      experiment.file.string(), plan.node)};
+  if (!experiment.has_own_solver())
+    throw Error{experiment.file.string() +
+                ": no node is a solver, expected one to end a run in virtual time"};
   RunResult result;
   if (options.host.empty())
     result = run_on_one_host(experiment, assembly, options);

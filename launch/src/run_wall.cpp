@@ -31,13 +31,14 @@ constexpr auto kRestMargin = std::chrono::seconds{1};  // beyond the longest sto
 constexpr int kPollPeriod = 50;                        // [ms]
 constexpr auto kLifePeriod = std::chrono::milliseconds{50};
 constexpr double kProbeMargin = 10;  // [s] beyond the planned duration
+// Beyond the planned duration: a foreign solver that counts its steps may say farewell first.
+constexpr double kFarewellMargin = 1;  // [s]
 
-// An opensees_specimen is ready only after OpenSees has connected.
+// Some nodes are ready only after another program has connected.
 Duration longest_start(const Experiment& experiment) {
   double longest = 0;
   for (const auto& plan : experiment.nodes)
-    if (plan.opensees_specimen)
-      longest = std::max(longest, plan.opensees_specimen->script.connect_deadline);
+    longest = std::max(longest, plan.settings.start_deadline);
   return kReadyDeadline + from_seconds(longest);
 }
 
@@ -63,12 +64,12 @@ class WallRun {
     for (auto& node : nodes_) {
       std::optional<std::string> line;
       while (!(line = node.process.read_line()) && !node.process.ended() &&
-             clock_.now() < deadline && !InterruptGuard::is_interrupted()) {
+             clock_.now() < deadline && !is_called_off()) {
         show_life();
         wait_for_output();
       }
       if (line == "ready" && !node.process.ended()) continue;
-      if (InterruptGuard::is_interrupted()) return;
+      if (is_called_off()) return;
       throw Error{fmt::format(
           "node '{}' did not become ready: it {}", node.node,
           node.process.ended() ? node.process.ending() : "sent no message before the deadline")};
@@ -77,7 +78,7 @@ class WallRun {
   }
 
   RunResult run() {
-    if (InterruptGuard::is_interrupted()) {
+    if (is_called_off()) {
       result_.interrupted = true;
       return std::move(result_);
     }
@@ -89,6 +90,7 @@ class WallRun {
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
     while (!all_ended()) {
       attend_to_nodes();
+      if (!stopping_ && (is_over(epoch) || InterruptGuard::is_stop_requested())) stop("");
       report_progress(epoch);
     }
     result_.interrupted = InterruptGuard::is_interrupted();
@@ -108,6 +110,18 @@ class WallRun {
       kill_remaining();
   }
 
+  // A solver of this project ends the run itself.
+  [[nodiscard]] bool is_over(TimePoint epoch) const {
+    if (experiment_.has_own_solver()) return false;
+    return clock_.now() >
+           epoch + from_seconds(experiment_.rest + experiment_.duration * experiment_.rate +
+                                kFarewellMargin);
+  }
+  // Before the start, a request to stop is an interruption.
+  [[nodiscard]] static bool is_called_off() {
+    return InterruptGuard::is_interrupted() || InterruptGuard::is_stop_requested();
+  }
+
   // The leading host sets the common time zero. Empty if there is none: the result has the reason.
   std::optional<TimePoint> agree_on_epoch() {
     if (link_ == nullptr) return clock_.now() + kHeadStart;
@@ -124,7 +138,7 @@ class WallRun {
         return std::nullopt;
       }
     }
-    result_.interrupted = InterruptGuard::is_interrupted();
+    result_.interrupted = is_called_off();
     result_.trouble = "the leading host did not start the test";
     return std::nullopt;
   }
@@ -136,7 +150,7 @@ class WallRun {
     for (const auto& node : nodes_)
       if (node.process.ended())
         throw Error{fmt::format("node '{}' {} before the start", node.node, node.process.ending())};
-    return InterruptGuard::is_interrupted();
+    return is_called_off();
   }
 
   void follow_other_hosts() {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <rths/recording/recording.hpp>
+#include <rths/recording/roles.hpp>
 
 namespace rths::recording {
 
@@ -28,7 +29,8 @@ std::vector<double> at_each_count(const std::vector<double>& counter,
 
 NodeTicks::NodeTicks(const Reader& run, const std::string& node)
     : run_{run}, counter_{run.signal("monitor." + node + ".host.step")} {
-  const auto stop = at_each_count(counter_, run.signal("opf.newTarget"));
+  const std::string flag = roles_of(run).new_target;
+  const auto stop = at_each_count(counter_, run.has(flag) ? run.signal(flag) : counter_);
   const auto end = std::find_if(stop.begin(), stop.end(), [](double word) { return word < 0; });
   count_ = static_cast<std::size_t>(end - stop.begin());
 }

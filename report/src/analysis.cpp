@@ -8,6 +8,8 @@
 #include <numeric>
 #include <span>
 
+#include <fmt/format.h>
+
 #include <rths/controller/delay.hpp>
 #include <rths/core/error.hpp>
 #include <rths/report/report.hpp>
@@ -16,7 +18,9 @@ namespace rths::report {
 namespace {
 
 using recording::at_each_count;
+using recording::AxisRoles;
 using recording::Reader;
+using recording::Roles;
 
 constexpr double kDelaySearch = 0.2;       // [s]
 constexpr double kWindow = 2.0;            // of windowed tracking [s]
@@ -24,8 +28,6 @@ constexpr double kWindowStep = 0.25;       // [s]
 constexpr double kWindowSearch = 0.1;      // [s]
 constexpr double kQuietShare = 0.02;       // of the largest command: a smaller motion has no delay
 constexpr double kExcusedLateness = 1e-3;  // of the host: one controller tick [s]
-
-const std::vector<std::string> kAxes = {"long", "lat"};
 
 // Tick interval between the first counted row and the first row of the final count, when the node
 // left.
@@ -38,20 +40,39 @@ double period_of(const std::vector<double>& time, const std::vector<double>& cou
   return (time[row(last)] - time[row(first)]) / counts;
 }
 
-/// Series of the controller's signals, one value per tick.
-class ControllerTicks {
+/// Series of signals: one value per tick of the controller. Without a controller of this project,
+/// one value per row, up to the end of the test.
+class Ticks {
  public:
-  explicit ControllerTicks(const Reader& reader)
-      : ticks_{reader, "xpc"}, interval_{period_of(reader.time(), ticks_.counter())} {}
+  Ticks(const Reader& run, const Roles& roles) : run_{run} {
+    if (run.has("monitor." + roles.controller + ".host.step")) {
+      ticks_.emplace(run, roles.controller);
+      interval_ = period_of(run.time(), ticks_->counter());
+      return;
+    }
+    rows_ = run.rows();
+    if (run.has(roles.new_target)) {
+      const auto flag = run.signal(roles.new_target);
+      const auto end = std::find_if(flag.begin(), flag.end(), [](double word) { return word < 0; });
+      rows_ = std::max<std::size_t>(2, static_cast<std::size_t>(end - flag.begin()));
+    }
+    interval_ = (run.time()[rows_ - 1] - run.time()[0]) / static_cast<double>(rows_ - 1);
+  }
   [[nodiscard]] Series series(const std::string& signal) const {
-    return {0, interval_, ticks_.values(signal)};
+    return {0, interval_, ticks_ ? ticks_->values(signal) : first_rows(run_.signal(signal))};
   }
   [[nodiscard]] double interval() const { return interval_; }
-  [[nodiscard]] std::size_t count() const { return ticks_.count(); }
 
  private:
-  recording::NodeTicks ticks_;
-  double interval_;
+  [[nodiscard]] std::vector<double> first_rows(std::vector<double> values) const {
+    values.resize(std::min(values.size(), rows_));
+    return values;
+  }
+
+  const Reader& run_;
+  std::optional<recording::NodeTicks> ticks_;
+  std::size_t rows_ = 0;
+  double interval_ = 0;
 };
 
 // Without motion there is no delay.
@@ -89,21 +110,40 @@ WindowedTracking windowed_tracking(const Series& command, const Series& measured
   return tracking;
 }
 
-AxisAnalysis analyse_axis(const Reader& run, const ControllerTicks& ticks,
-                          const std::string& axis) {
+// Displacement and force of the specimen at each target: as the controller holds them, or else as
+// the solver receives them with its next target.
+void add_steps(AxisAnalysis& axis, const Reader& run, const Roles& roles, const AxisRoles& names) {
+  const auto targets = targets_of(run, roles);
+  const auto at_targets = [&](const char* held, const std::string& returned,
+                              const std::string& measured) {
+    const std::string block = roles.monitor_of_controller() + "pc." + held + "." + names.axis;
+    const std::string name = run.has(block) ? block : run.has(returned) ? returned : measured;
+    return at_each_count(targets, run.signal(name));
+  };
+  axis.step_displacement =
+      at_targets("held_displacement", names.returned_displacement, names.displacement);
+  axis.step_force = at_targets("held_force", names.returned_force, names.force);
+}
+
+void add_compensator(AxisAnalysis& axis, const Reader& run, const Ticks& ticks,
+                     const std::string& monitor) {
+  const std::string block = monitor + "ats.";
+  if (!run.has(block + "a0." + axis.name)) return;
+  axis.a0 = ticks.series(block + "a0." + axis.name);
+  axis.a1 = ticks.series(block + "a1." + axis.name);
+  axis.a2 = ticks.series(block + "a2." + axis.name);
+  axis.ats_limited = std::lround(ticks.series(block + "limited." + axis.name).values.back());
+}
+
+AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const Roles& roles,
+                          const AxisRoles& names) {
   AxisAnalysis result;
-  result.name = axis;
-  result.command = ticks.series("monitor.xpc.pc.command." + axis);
-  result.measured = ticks.series("monitor.xpc.displacement.out." + axis);
-  result.force = ticks.series("monitor.xpc.observer.force." + axis);
-  result.a0 = ticks.series("monitor.xpc.ats.a0." + axis);
-  result.a1 = ticks.series("monitor.xpc.ats.a1." + axis);
-  result.a2 = ticks.series("monitor.xpc.ats.a2." + axis);
-  result.ats_limited = std::lround(ticks.series("monitor.xpc.ats.limited." + axis).values.back());
-  const auto targets = run.signal("monitor.xpc.pc.targets");
-  result.step_displacement =
-      at_each_count(targets, run.signal("monitor.xpc.pc.held_displacement." + axis));
-  result.step_force = at_each_count(targets, run.signal("monitor.xpc.pc.held_force." + axis));
+  result.name = names.axis;
+  result.command = ticks.series(names.command);
+  result.measured = ticks.series(names.displacement);
+  result.force = ticks.series(names.force);
+  add_compensator(result, run, ticks, roles.monitor_of_controller());
+  add_steps(result, run, roles, names);
   const auto delay =
       delay_or_none(result.command.values, result.measured.values, ticks.interval(), kDelaySearch);
   const auto error = controller::tracking_error(result.command.values, result.measured.values);
@@ -119,28 +159,58 @@ AxisAnalysis analyse_axis(const Reader& run, const ControllerTicks& ticks,
   return result;
 }
 
-void add_raw_delay(AxisAnalysis& axis, const ControllerTicks& ticks) {
-  const auto command = ticks.series("monitor.xpc.pc.command." + axis.name);
-  const auto measured = ticks.series("monitor.xpc.displacement.out." + axis.name);
+// Axes of which command, displacement and force are recorded.
+void add_axes(Analysis& analysis, const Reader& run, const Ticks& ticks, const Roles& roles) {
+  std::string missing;
+  for (const auto& names : roles.axes) {
+    const auto lacks = [&](const char* role, const std::string& name) {
+      if (run.has(name)) return false;
+      if (missing.empty()) missing = fmt::format("role {} of {}, '{}'", role, names.axis, name);
+      return true;
+    };
+    if (lacks("command", names.command) || lacks("displacement", names.displacement) ||
+        lacks("force", names.force))
+      continue;
+    analysis.axes.push_back(analyse_axis(run, ticks, roles, names));
+  }
+  if (analysis.axes.empty())
+    for (const char* section : {"response", "tracking"})
+      analysis.left_out.push_back({section, "the recording lacks the signal of " + missing +
+                                                "; [roles] of the experiment can name another"});
+}
+
+void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks, const AxisRoles& names) {
+  const auto command = ticks.series(names.command);
+  const auto measured = ticks.series(names.displacement);
   const auto delay = delay_or_none(command.values, measured.values, ticks.interval(), kDelaySearch);
   axis.raw_delay = delay.cross_correlation;
   axis.raw_delay_min_rms = delay.minimum_rms;
   axis.raw_nrms = controller::tracking_error(command.values, measured.values).nrms;
 }
 
-StepAnalysis analyse_steps(const Reader& run, const Series& host_late) {
+void add_raw_delays(Analysis& analysis, const Reader& uncompensated) {
+  const Roles roles = recording::roles_of(uncompensated);
+  const Ticks ticks{uncompensated, roles};
+  for (auto& axis : analysis.axes)
+    for (const auto& names : roles.axes)
+      if (names.axis == axis.name) add_raw_delay(axis, ticks, names);
+}
+
+StepAnalysis analyse_steps(const Reader& run, const Roles& roles, const Series& host_late) {
   StepAnalysis steps;
-  const auto targets = run.signal("monitor.xpc.pc.targets");
+  const auto targets = targets_of(run, roles);
+  steps.start = at_each_count(targets, run.time());
+  const std::string block = roles.monitor_of_controller() + "pc.";
+  if (!run.has(block + "predict_time")) return steps;
   // The times of a step are published with the next target, so they are shifted by one.
   const auto closed = [&](const char* signal) {
-    auto values = at_each_count(targets, run.signal(signal));
+    auto values = at_each_count(targets, run.signal(block + signal));
     if (!values.empty()) values.erase(values.begin());
     return values;
   };
-  steps.start = at_each_count(targets, run.time());
-  steps.correct = closed("monitor.xpc.pc.correct_time");
-  steps.predict = closed("monitor.xpc.pc.predict_time");
-  steps.slow = closed("monitor.xpc.pc.slow_down_time");
+  steps.correct = closed("correct_time");
+  steps.predict = closed("predict_time");
+  steps.slow = closed("slow_down_time");
   for (std::size_t i = 0; i < steps.slow.size(); ++i) {
     const bool excused = host_was_late(host_late, steps.start[i], steps.start[i + 1]);
     steps.excused.push_back(excused);
@@ -155,6 +225,7 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
   for (const auto& [name, count] : run.drops()) {
     static_cast<void>(count);
     const std::string prefix = "monitor." + name + ".host.";
+    if (!run.has(prefix + "late")) continue;
     const auto late = run.signal(prefix + "late");
     NodeAnalysis node;
     node.name = name;
@@ -169,13 +240,21 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
   return nodes;
 }
 
+// Model time of each target of the solver.
+std::vector<double> times_of_targets(const Reader& run, const Roles& roles,
+                                     const std::vector<double>& targets, double step) {
+  auto time = run.has(roles.time) ? at_each_count(targets, run.signal(roles.time))
+                                  : std::vector<double>(targets.size());
+  if (!time.empty() && time.back() == 0)  // a solver that does not write it
+    for (std::size_t i = 0; i < time.size(); ++i) time[i] = static_cast<double>(i + 1) * step;
+  return time;
+}
+
 // Difference between the test's target and the displacement of a model instead of the specimen.
-double difference(const Reader& run, const NumericalAxis& model, double interval) {
-  const auto steps = run.signal("monitor.opf.step");
-  const auto time = at_each_count(steps, run.signal("opf.1.time.target"));
-  const auto target = at_each_count(steps, run.signal("opf." + model.name + ".displ.target"));
+double difference(const std::vector<double>& time, const std::vector<double>& target,
+                  const NumericalAxis& model, double interval) {
   double apart = 0, all = 0;
-  for (std::size_t i = 0; i < target.size(); ++i) {
+  for (std::size_t i = 0; i < std::min(time.size(), target.size()); ++i) {
     const auto row = std::lround(time[i] / interval) - 1;
     if (row < 0 || row >= static_cast<long>(model.displacement.size())) continue;
     const double error = model.displacement[static_cast<std::size_t>(row)] - target[i];
@@ -186,27 +265,65 @@ double difference(const Reader& run, const NumericalAxis& model, double interval
 }
 
 std::vector<NumericalAxis> numerical_axes(const Analysis& analysis, const Reader& run,
-                                          const Reader& numerical) {
+                                          const Roles& roles, const Reader& numerical) {
+  // The solver's own count is exact where its target and the controller's are not of one row.
+  const std::string counter = "monitor." + roles.solver + ".step";
+  const auto steps = run.has(counter) ? run.signal(counter) : targets_of(run, roles);
+  const auto time = times_of_targets(run, roles, steps, analysis.integration_step);
   std::vector<NumericalAxis> axes;
-  for (const auto& axis : analysis.axes) {
+  for (const auto& names : roles.axes) {
+    const bool is_tested = std::any_of(analysis.axes.begin(), analysis.axes.end(),
+                                       [&](const auto& axis) { return axis.name == names.axis; });
+    if (!is_tested || !run.has(names.target)) continue;
     NumericalAxis result;
-    result.name = axis.name;
-    result.displacement = numerical.signal("result.displ." + axis.name);
-    result.force = numerical.signal("result.force." + axis.name);
+    result.name = names.axis;
+    result.displacement = numerical.signal("result.displ." + names.axis);
+    result.force = numerical.signal("result.force." + names.axis);
     result.peak_displacement = largest_magnitude(result.displacement);
     result.peak_shear = largest_magnitude(result.force);
-    result.difference = difference(run, result, analysis.numerical_interval);
+    result.difference = difference(time, at_each_count(steps, run.signal(names.target)), result,
+                                   analysis.numerical_interval);
     axes.push_back(std::move(result));
   }
   return axes;
 }
 
-void add_companions(Analysis& analysis, const Reader& run, const Reader* numerical,
-                    const Reader* improved) {
+void add_companions(Analysis& analysis, const Reader& run, const Roles& roles,
+                    const Reader* numerical, const Reader* improved) {
   if (numerical == nullptr) return;
   analysis.numerical_interval = numerical->time()[1] - numerical->time()[0];
-  analysis.numerical = numerical_axes(analysis, run, *numerical);
-  if (improved != nullptr) analysis.improved = numerical_axes(analysis, run, *improved);
+  analysis.numerical = numerical_axes(analysis, run, roles, *numerical);
+  if (improved != nullptr) analysis.improved = numerical_axes(analysis, run, roles, *improved);
+}
+
+// Model time that the test reached.
+double duration_of(const Reader& run, const Roles& roles, const StepAnalysis& steps, double step) {
+  if (run.has(roles.time))
+    if (const auto time = run.signal(roles.time); time.back() > 0) return time.back();
+  return steps.start.empty() ? run.time().back() : static_cast<double>(steps.start.size()) * step;
+}
+
+// Reasons for the sections that depend on the controller and on companion runs.
+void note_left_out(Analysis& analysis, const Roles& roles, bool has_uncompensated,
+                   bool has_numerical) {
+  const auto leave_out = [&](const char* section, const std::string& reason) {
+    analysis.left_out.push_back({section, reason});
+  };
+  const bool has_axes = !analysis.axes.empty();
+  if (!has_axes || analysis.axes[0].a0.values.empty())
+    leave_out("compensation",
+              fmt::format("no block 'ats' of a controller '{}' is recorded", roles.controller));
+  if (analysis.steps.predict.empty())
+    leave_out("predictor-corrector",
+              fmt::format("no block 'pc' of a controller '{}' is recorded", roles.controller));
+  if (!has_uncompensated)
+    leave_out("raw delay",
+              "there is no run without compensation: the experiment has no [uncompensated], or a "
+              "node has no virtual time");
+  if (!has_numerical)
+    leave_out("numerical result",
+              "there is none: the run ended early, or the solver is a program "
+              "whose structure [plant] does not state");
 }
 
 std::optional<Reader> open_if_there(const std::filesystem::path& file) {
@@ -238,6 +355,26 @@ double percentile(std::vector<double> values, double fraction) {
   return values[static_cast<std::size_t>(index)];
 }
 
+std::vector<double> targets_of(const Reader& run, const Roles& roles) {
+  const std::string counted = roles.monitor_of_controller() + "pc.targets";
+  if (run.has(counted)) return run.signal(counted);
+  if (!run.has(roles.new_target)) return {};
+  auto flag = run.signal(roles.new_target);
+  const auto& target = roles.axes.empty() ? std::string{} : roles.axes[0].target;
+  const auto value = run.has(target) ? run.signal(target) : std::vector<double>(flag.size());
+  double count = 0, before = 0;
+  bool awaits_flag = false;  // the value of a target can be recorded before its flag, or without
+  for (std::size_t row = 0; row < flag.size(); ++row) {
+    const bool rises = flag[row] > 0 && !(before > 0);
+    const bool changes = row > 0 && value[row] != value[row - 1];
+    if (changes || (rises && !awaits_flag)) ++count;
+    awaits_flag = (changes || awaits_flag) && !(flag[row] > 0);
+    before = flag[row];
+    flag[row] = count;
+  }
+  return flag;
+}
+
 Analysis analyse(const std::filesystem::path& folder) {
   const Reader run{folder / kRunFile};
   if (run.rows() < 2) throw Error{(folder / kRunFile).string() + ": contains no motion"};
@@ -254,22 +391,21 @@ Analysis analyse(const std::filesystem::path& folder) {
   analysis.changes = operator_changes(run);
   const auto late = run.meta_series("host_late");
   analysis.host_late = {0, late.interval, late.values};
-  const ControllerTicks ticks{run};
+  const Roles roles = recording::roles_of(run);
+  const Ticks ticks{run, roles};
   analysis.control_rate = 1 / ticks.interval();
-  for (const auto& axis : kAxes) {
-    if (!run.has("monitor.xpc.pc.command." + axis)) continue;
-    analysis.axes.push_back(analyse_axis(run, ticks, axis));
-    if (uncompensated) add_raw_delay(analysis.axes.back(), ControllerTicks{*uncompensated});
-  }
-  analysis.steps = analyse_steps(run, analysis.host_late);
-  analysis.duration = run.signal("opf.1.time.target").back();
+  add_axes(analysis, run, ticks, roles);
+  if (uncompensated) add_raw_delays(analysis, *uncompensated);
+  analysis.steps = analyse_steps(run, roles, analysis.host_late);
+  analysis.duration = duration_of(run, roles, analysis.steps, analysis.integration_step);
   analysis.nodes = analyse_nodes(run);
   analysis.hops = analyse_hops(run);
   analysis.drops = run.drops();
   analysis.rows_missing = run.rows_missing();
   const auto given = [](const auto& reader) { return reader ? &*reader : nullptr; };
-  add_companions(analysis, run, given(numerical), given(improved));
-  add_spectra(analysis, run, given(numerical), given(improved));
+  add_companions(analysis, run, roles, given(numerical), given(improved));
+  note_left_out(analysis, roles, uncompensated.has_value(), numerical.has_value());
+  add_spectra(analysis, run, roles.solver, given(numerical), given(improved));
   return analysis;
 }
 

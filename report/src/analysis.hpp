@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <rths/recording/recording.hpp>
+#include <rths/recording/roles.hpp>
 #include <rths/report/judgement.hpp>
 
 #include "bands.hpp"
@@ -98,6 +99,12 @@ struct OperatorChange {
   double from = 0, to = 0;  ///< [SI]
 };
 
+/// A section that a report does not have, and the reason.
+struct LeftOut {
+  std::string section;  ///< "tracking", "compensation", …: docs/experiments.md lists them
+  std::string reason;
+};
+
 struct Analysis {
   std::string name, motion, clock, map;
   std::map<std::string, std::string> meta;
@@ -124,14 +131,17 @@ struct Analysis {
   double numerical_interval = 0;        ///< [s]
   std::vector<double> frequencies;      ///< of the spectra [Hz]
   std::vector<FloorSpectra> floors;
-  std::vector<Broken> broken;  ///< conditions of a conclusive test; none: the test is conclusive
+  std::vector<LeftOut> left_out;  ///< sections
+  std::vector<Broken> broken;     ///< conditions of a conclusive test; none: the test is conclusive
 };
 
 /// @throws Error if the run cannot be read or contains no motion
 [[nodiscard]] Analysis analyse(const std::filesystem::path& folder);
 
-/// The recorded experiment with its overrides; empty if the recording holds none.
-[[nodiscard]] std::optional<Config> experiment_in(const recording::Reader& run);
+/// Number of targets until each row: as the controller counts them, or else the changes of
+/// target and flag, of which rows can miss some. Empty if the recording has neither.
+[[nodiscard]] std::vector<double> targets_of(const recording::Reader& run,
+                                             const recording::Roles& roles);
 
 /// Facts of the experiment and the ending of the run, from the recording.
 void describe(Analysis& analysis, const recording::Reader& run);
@@ -146,7 +156,7 @@ void describe(Analysis& analysis, const recording::Reader& run);
 [[nodiscard]] std::vector<OperatorChange> operator_changes(const recording::Reader& run);
 
 /// Floor spectra of the run and its companions, null if not recorded.
-void add_spectra(Analysis& analysis, const recording::Reader& run,
+void add_spectra(Analysis& analysis, const recording::Reader& run, const std::string& solver,
                  const recording::Reader* numerical, const recording::Reader* improved);
 
 /// Returns true if the lateness of the host reached a controller tick in [from, to].

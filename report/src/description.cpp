@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
+#include <rths/recording/roles.hpp>
 #include <rths/sim/isolated_plant.hpp>
 
 #include "analysis.hpp"
@@ -67,6 +68,15 @@ Config node_with(const Config& file, const std::vector<std::string>& adapters) {
   return {};
 }
 
+// Names of the nodes that are programs of the user's own.
+std::vector<std::string> foreign_nodes(const Config& file) {
+  std::vector<std::string> names;
+  const Config nodes = file.table_or_empty("node");
+  for (const auto& name : nodes.keys())
+    if (nodes.table(name).text("adapter", "") == "external") names.push_back(name);
+  return names;
+}
+
 std::string laboratory_sentence(const Config& file, const std::string& machine) {
   if (machine.empty()) return "Specimen and machine are not nodes of this experiment.";
   const std::string bearing = file.table_or_empty("specimen").text("model", "lprb");
@@ -83,6 +93,11 @@ std::string laboratory_sentence(const Config& file, const std::string& machine) 
 
 std::string structure_sentence(const Config& file) {
   const Config solver = node_with(file, {"numerical", "opensees"});
+  if (!solver.has("adapter"))
+    return file.has("plant")
+               ? "The structure is that of the solver's program. The numerical result is that of "
+                 "the experiment's [plant]: compare them only if both describe the same structure."
+               : "The structure is that of the solver's program.";
   if (solver.text("adapter", "") == "opensees")
     return fmt::format(
         "The structure is that of {}. The numerical result is that of the experiment's [plant]: "
@@ -95,6 +110,11 @@ std::string structure_sentence(const Config& file) {
 
 std::vector<std::string> scope_of(const Config& file, const std::string& machine) {
   std::vector<std::string> scope{laboratory_sentence(file, machine)};
+  if (const auto foreign = foreign_nodes(file); !foreign.empty())
+    scope.push_back(
+        fmt::format("{} of the user's own: {}.",
+                    foreign.size() == 1 ? "This node is a program" : "These nodes are programs",
+                    list_of(foreign)));
   auto changed = terms_in(file.table_or_empty("specimen"), "specimen.");
   for (auto& name : terms_in(file.table_or_empty("machine"), "machine."))
     changed.push_back(std::move(name));
@@ -121,20 +141,10 @@ std::vector<std::string> scope_of(const Config& file, const std::string& machine
 
 }  // namespace
 
-std::optional<Config> experiment_in(const recording::Reader& run) {
-  const auto meta = run.meta();
-  const auto name = meta.find("experiment");
-  if (name == meta.end()) return std::nullopt;
-  auto file = Config::parse(run.config(name->second), name->second);
-  for (const auto& line : lines(run.config(recording::kOverridesText)))
-    file.set(line.substr(0, line.find('=')), line.substr(line.find('=') + 1));
-  return file;
-}
-
 void describe(Analysis& analysis, const recording::Reader& run) {
   const std::string ending = text_at(analysis.meta, "ending", kNoEnding);
   analysis.ending = ending == kCompleted ? "" : ending;
-  const auto experiment = experiment_in(run);
+  const auto experiment = recording::experiment_in(run);
   if (!experiment) return;
   const Config& file = *experiment;
   analysis.command = command_of(analysis, lines(run.config(recording::kOverridesText)));

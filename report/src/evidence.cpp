@@ -8,14 +8,16 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/recording/roles.hpp>
 
 namespace rths::report {
 namespace {
 
+using recording::AxisRoles;
 using recording::NodeTicks;
 using recording::Reader;
+using recording::Roles;
 
-constexpr const char* kDirections[] = {"long", "lat"};
 constexpr std::size_t kSmoothing = 10;  // ticks to either side: less noise in the model's velocity
 
 Word word(const Reader& run, const NodeTicks& ticks, const std::string& name) {
@@ -34,25 +36,27 @@ std::vector<double> smoothed(const std::vector<double>& values) {
   return result;
 }
 
-AxisEvidence axis_of(const Reader& run, const NodeTicks& ticks, std::size_t index) {
-  const std::string axis = kDirections[index];
+AxisEvidence axis_of(const Reader& run, const NodeTicks& ticks, const Roles& roles,
+                     const AxisRoles& names) {
+  const std::size_t index = names.axis == "lat" ? 1 : 0;
+  const std::string monitor = roles.monitor_of_controller();
   const sim::ServoAxis machine = sim::srmd_machine().axes[index];
   const auto named = [&](const std::string& name) { return word(run, ticks, name); };
   AxisEvidence result;
   result.index = index;
   result.limits = machine.limits;
   result.effective_mass = machine.effective_mass;
-  result.command = named("monitor.xpc.pc.command." + axis);
-  result.reference = named("xpc." + axis + ".displ.ref");
-  result.echo = named("srmd." + axis + ".displ.ref_echo");
-  result.target = named("opf." + axis + ".displ.target");
-  result.answer = named("daq." + axis + ".force.fbk");
-  result.unlimited = named("monitor.xpc.feed_forward.reference." + axis);
-  result.limited = named("monitor.xpc.limits.out." + axis);
-  result.displacement = named("srmd." + axis + ".displ.fbk");
-  result.acceleration = named("srmd." + axis + ".accel.fbk");
-  result.force = named("srmd." + axis + ".force.fbk");
-  result.specimen_force = named("monitor.xpc.observer.force." + axis);
+  result.command = named(names.command);
+  result.reference = named(names.reference);
+  result.echo = named(names.reference_echo);
+  result.target = named(names.target);
+  result.answer = named(names.returned_force);
+  result.unlimited = named(monitor + "feed_forward.reference." + names.axis);
+  result.limited = named(monitor + "limits.out." + names.axis);
+  result.displacement = named(names.machine_displacement);
+  result.acceleration = named(names.machine_acceleration);
+  result.force = named(names.machine_force);
+  result.specimen_force = named(names.force);
   if (!result.specimen_force.is_recorded()) result.specimen_force = result.force;
   result.largest_command = std::min(largest_magnitude(result.command.values), result.limits.stroke);
   return result;
@@ -163,9 +167,10 @@ Fit fit_delayed(const Word& reference, const Word& response, const Window& windo
 
 Evidence gather(const Reader& run, const Config& experiment) {
   Evidence evidence;
-  for (const char* node : {"monitor.srmd.host.step", "monitor.xpc.host.step"})
-    if (!run.has(node)) return evidence;
-  const NodeTicks ticks{run, "srmd"};
+  const Roles roles = recording::roles_of(run);
+  for (const auto& node : {roles.machine, roles.controller})
+    if (!run.has("monitor." + node + ".host.step")) return evidence;
+  const NodeTicks ticks{run, roles.machine};
   evidence.time = recording::at_each_count(ticks.counter(), run.time());
   evidence.time.resize(std::min(evidence.time.size(), ticks.count()));
   if (evidence.time.size() < 2) return evidence;
@@ -173,16 +178,17 @@ Evidence gather(const Reader& run, const Config& experiment) {
                       static_cast<double>(evidence.time.size() - 1);
   evidence.rate = experiment.number("rate", 1.0);
   evidence.step = evidence.rate * experiment.number("integration_step_s", 0.01);
-  const auto target = ticks.values("opf.newTarget");
+  if (!run.has(roles.new_target)) return evidence;
+  const auto target = ticks.values(roles.new_target);
   evidence.rest = static_cast<std::size_t>(
       std::find_if(target.begin(), target.end(), [](double flag) { return flag > 0; }) -
       target.begin());
   evidence.gaps = gaps_in(ticks.counter());
-  evidence.load = word(run, ticks, "srmd.compression.force.fbk");
-  evidence.load_reference = word(run, ticks, "xpc.compression.force.ref");
-  for (std::size_t i = 0; i < std::size(kDirections); ++i)
-    if (run.has(fmt::format("monitor.xpc.pc.command.{}", kDirections[i])))
-      evidence.axes.push_back(axis_of(run, ticks, i));
+  evidence.load = word(run, ticks, roles.load);
+  evidence.load_reference = word(run, ticks, roles.load_reference);
+  for (const auto& names : roles.axes)
+    if (run.has(names.command) && run.has(names.machine_displacement))
+      evidence.axes.push_back(axis_of(run, ticks, roles, names));
   add_model_force(evidence, run);
   for (auto& axis : evidence.axes) {
     const auto& scale = axis.model_force.empty() ? axis.specimen_force.values : axis.model_force;

@@ -35,12 +35,13 @@ Break end_of_run(const Reader& run, const Config& experiment) {
   const auto meta = run.meta();
   const auto ending = meta.find("ending");
   const std::string how = ending == meta.end() ? "not recorded" : ending->second;
-  const std::string signal = "opf.1.time.target";
+  const std::string signal = recording::roles_of(run).time;
   double reached = planned;
-  // The time of OpenSees restarts with each analysis.
-  if (run.has(signal) && has_adapter(experiment, "numerical")) {
-    reached = 0;
-    for (const double time : run.signal(signal)) reached = std::max(reached, time);
+  // The time of OpenSees restarts with each analysis. A solver of the user's own may write none.
+  if (run.has(signal) && !has_adapter(experiment, "opensees")) {
+    double latest = 0;
+    for (const double time : run.signal(signal)) latest = std::max(latest, time);
+    if (latest > 0 || has_adapter(experiment, "numerical")) reached = latest;
   }
   if (how == "completed" && reached > planned - (1 + kRounding) * step) return {};
   return Broken{"end", end_of(run), signal, fmt::format("{:.2f} s, ending: {}", reached, how),
@@ -103,8 +104,9 @@ Break restart_of(const Reader& run, const std::string& node) {
 
 // Rows of the test, without the retreat after it.
 std::size_t test_rows(const Reader& run) {
-  if (!run.has("opf.newTarget")) return run.rows();
-  const auto flag = run.signal("opf.newTarget");
+  const std::string name = recording::roles_of(run).new_target;
+  if (!run.has(name)) return run.rows();
+  const auto flag = run.signal(name);
   return static_cast<std::size_t>(
       std::find_if(flag.begin(), flag.end(), [](double value) { return value < 0; }) -
       flag.begin());
@@ -145,10 +147,9 @@ Break node_limit(const Reader& run, const std::string& node, const Bounds& bound
 }
 
 Break late_host(const Reader& run, const Series& host_late, const Bounds& bounds) {
-  const std::string counter =
-      run.has("monitor.xpc.pc.targets") ? "monitor.xpc.pc.targets" : "monitor.opf.step";
-  if (!run.has(counter) || host_late.values.empty()) return {};
-  const auto start = recording::at_each_count(run.signal(counter), run.time());
+  const auto targets = targets_of(run, recording::roles_of(run));
+  if (targets.empty() || host_late.values.empty()) return {};
+  const auto start = recording::at_each_count(targets, run.time());
   double late = 0, first = 0;
   for (std::size_t i = 1; i < start.size(); ++i) {
     if (!host_was_late(host_late, start[i - 1], start[i])) continue;
@@ -165,6 +166,7 @@ Break late_host(const Reader& run, const Series& host_late, const Bounds& bounds
 // Collects the broken conditions.
 class Judgement {
  public:
+  explicit Judgement(const std::vector<AxisEvidence>& axes) : axes_{axes} {}
   void add(Break broken) {
     if (broken) broken_.push_back(std::move(*broken));
   }
@@ -178,8 +180,8 @@ class Judgement {
   [[nodiscard]] double time_of_valid_motion() const {
     double until = std::numeric_limits<double>::infinity();
     for (const auto& b : broken_) {
-      const bool is_displacement = b.signal.find(".displ.fbk") != std::string::npos;
-      const bool is_acceleration = b.signal.find(".accel.fbk") != std::string::npos;
+      const bool is_displacement = is_one_of(b.signal, &AxisEvidence::displacement);
+      const bool is_acceleration = is_one_of(b.signal, &AxisEvidence::acceleration);
       if (b.condition == "motion" || (b.condition == "offset" && !has("tracking")) ||
           (b.condition == "live" && (is_displacement || is_acceleration)))
         return 0;
@@ -195,6 +197,12 @@ class Judgement {
                        [&](const Broken& broken) { return broken.condition == condition; });
   }
 
+  [[nodiscard]] bool is_one_of(const std::string& signal, Word AxisEvidence::*word) const {
+    return std::any_of(axes_.begin(), axes_.end(),
+                       [&](const AxisEvidence& axis) { return (axis.*word).name == signal; });
+  }
+
+  const std::vector<AxisEvidence>& axes_;
   std::vector<Broken> broken_;
 };
 
@@ -267,13 +275,14 @@ std::string Broken::text() const {
 }
 
 std::vector<Broken> judge(const Reader& run) {
-  const auto recorded = experiment_in(run);
+  const auto recorded = recording::experiment_in(run);
   if (!recorded) throw Error{"the recording holds no experiment, expected /config"};
   const Config& experiment = *recorded;
   const Bounds bounds = read_bounds(experiment.table_or_empty("conclusive"));
-  Judgement judgement;
+  const Evidence evidence = run.rows() > 1 ? gather(run, experiment) : Evidence{};
+  Judgement judgement{evidence.axes};
   judge_run(judgement, run, experiment, bounds);
-  if (run.rows() > 1) judge_axes(judgement, gather(run, experiment), bounds);
+  judge_axes(judgement, evidence, bounds);
   return judgement.by_time();
 }
 

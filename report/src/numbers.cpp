@@ -166,6 +166,29 @@ Json broken_numbers(const std::vector<Broken>& conditions) {
   return list;
 }
 
+// Integration steps of the test.
+std::size_t count_of(const StepAnalysis& steps) {
+  return std::max(steps.start.size(), steps.slow.size() + 1);
+}
+
+Json mean_ms(const std::vector<double>& seconds) {
+  return seconds.empty() ? Json(nullptr) : Json(rounded(mean(seconds) * kMilli, 4));
+}
+
+Json left_out_numbers(const std::vector<LeftOut>& sections) {
+  Json list = Json::array();
+  for (const auto& left : sections)
+    list.push_back({{"section", left.section}, {"reason", left.reason}});
+  return list;
+}
+
+std::string left_out_summary(const std::vector<LeftOut>& sections) {
+  std::string text;
+  for (const auto& left : sections)
+    text += fmt::format("without {}: {}\n", left.section, left.reason);
+  return text;
+}
+
 long total_overruns(const Analysis& analysis) {
   long overruns = 0;
   for (const auto& node : analysis.nodes) overruns += node.overruns;
@@ -237,7 +260,7 @@ Json numbers_of(const Analysis& analysis) {
   json["ending"] = analysis.ending.empty() ? Json(nullptr) : Json(analysis.ending);
   json["control_rate_hz"] = rounded(analysis.control_rate, 3);
   json["integration_step_s"] = analysis.integration_step;
-  json["integration_steps"] = steps.slow.size() + 1;
+  json["integration_steps"] = count_of(steps);
   json["overruns"] = total_overruns(analysis);
   json["slow_downs"] = steps.slow_downs;
   json["slow_downs_excused"] = steps.slow_downs_excused;
@@ -245,9 +268,10 @@ Json numbers_of(const Analysis& analysis) {
   json["steps_excused"] = steps.excused_count;
   json["conclusive"] = is_conclusive(analysis);
   json["broken"] = broken_numbers(analysis.broken);
-  json["predict_ms_mean"] = rounded(mean(steps.predict) * kMilli, 4);
-  json["correct_ms_mean"] = rounded(mean(steps.correct) * kMilli, 4);
-  json["slow_down_ms_mean"] = rounded(mean(steps.slow) * kMilli, 4);
+  json["left_out"] = left_out_numbers(analysis.left_out);
+  json["predict_ms_mean"] = mean_ms(steps.predict);
+  json["correct_ms_mean"] = mean_ms(steps.correct);
+  json["slow_down_ms_mean"] = mean_ms(steps.slow);
   json["axes"] = Json::object();
   for (const auto& axis : analysis.axes) json["axes"][axis.name] = axis_numbers(axis, analysis);
   json["floors"] = Json::object();
@@ -279,22 +303,25 @@ std::string verdict_of(const std::vector<Broken>& conditions) {
 
 std::string summary_of(const Analysis& analysis) {
   const StepAnalysis& steps = analysis.steps;
-  std::string text = fmt::format(
-      "{:.3f} s, {} steps, {} process{}, {} clock, {:.0f} Hz\n"
-      "PC      predict {:.1f} ms  correct {:.1f} ms  slow-downs {}{}\n",
-      analysis.duration, steps.slow.size() + 1, analysis.processes,
-      analysis.processes == 1 ? "" : "es", analysis.clock, analysis.control_rate,
-      mean(steps.predict) * kMilli, mean(steps.correct) * kMilli, steps.slow_downs,
-      steps.slow_downs_excused > 0
-          ? fmt::format(" (and {} while the host was late)", steps.slow_downs_excused)
-          : "");
+  std::string text =
+      fmt::format("{:.3f} s, {} steps, {} process{}, {} clock, {:.0f} Hz\n", analysis.duration,
+                  count_of(steps), analysis.processes, analysis.processes == 1 ? "" : "es",
+                  analysis.clock, analysis.control_rate);
+  if (!steps.predict.empty())
+    text +=
+        fmt::format("PC      predict {:.1f} ms  correct {:.1f} ms  slow-downs {}{}\n",
+                    mean(steps.predict) * kMilli, mean(steps.correct) * kMilli, steps.slow_downs,
+                    steps.slow_downs_excused > 0
+                        ? fmt::format(" (and {} while the host was late)", steps.slow_downs_excused)
+                        : "");
   for (const auto& axis : analysis.axes)
     text += axis_summary(axis) + response_summary(axis.name, analysis);
   text += changes_summary(analysis.changes);
   text += fmt::format("host    at most {:.2f} ms late, {} of {} steps excused, {} overruns\n",
                       largest(analysis.host_late.values) * kMilli, steps.excused_count,
-                      steps.slow.size() + 1, total_overruns(analysis));
+                      count_of(steps), total_overruns(analysis));
   text += hops_summary(analysis.hops);
+  text += left_out_summary(analysis.left_out);
   if (analysis.rows_missing > 0)
     text += fmt::format("record  {} rows missing: the recorder did not run at their time\n",
                         analysis.rows_missing);

@@ -74,6 +74,7 @@ Json steps_data(const StepAnalysis& steps) {
 Json page_data(const Analysis& analysis, const Json& numbers) {
   Json data;
   data["numbers"] = numbers;
+  data["axes"] = Json::array();
   for (const auto& axis : analysis.axes) data["axes"].push_back(axis_data(axis));
   for (const auto& [name, axes] :
        {std::pair{"numerical", &analysis.numerical}, std::pair{"improved", &analysis.improved}}) {

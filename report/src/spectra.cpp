@@ -24,7 +24,7 @@ std::vector<std::string> lines(const std::string& text) {
   return result;
 }
 
-void add_spectra(Analysis& analysis, const recording::Reader& run,
+void add_spectra(Analysis& analysis, const recording::Reader& run, const std::string& solver,
                  const recording::Reader* numerical, const recording::Reader* improved) {
   analysis.frequencies = sim::spectrum_frequencies(kLowest, kHighest, kFrequencies);
   const auto spectrum = [&](const std::vector<double>& along, const std::vector<double>& across,
@@ -37,11 +37,17 @@ void add_spectra(Analysis& analysis, const recording::Reader& run,
   };
   std::vector<std::string> names;
   if (numerical != nullptr) names = lines(numerical->config("floors"));
-  const auto steps = run.signal("monitor.opf.step");
-  for (int floor = 1; run.has(fmt::format("monitor.opf.floor.{}.accel.long", floor)); ++floor) {
+  const std::string monitor = "monitor." + solver;
+  if (!run.has(monitor + ".floor.1.accel.long")) {
+    analysis.left_out.push_back(
+        {"floor spectra", fmt::format("the solver '{}' records no floor accelerations", solver)});
+    return;
+  }
+  const auto steps = run.signal(monitor + ".step");
+  for (int floor = 1; run.has(fmt::format("{}.floor.{}.accel.long", monitor, floor)); ++floor) {
     const auto hybrid = [&](const char* axis) {
       return recording::at_each_count(
-          steps, run.signal(fmt::format("monitor.opf.floor.{}.accel.{}", floor, axis)));
+          steps, run.signal(fmt::format("{}.floor.{}.accel.{}", monitor, floor, axis)));
     };
     const auto index = static_cast<std::size_t>(floor - 1);
     FloorSpectra spectra;

@@ -14,6 +14,7 @@
   // --- header ------------------------------------------------------------------------------------
   const fixed = (value, digits) => (value == null ? "–" : value.toFixed(digits));
   const axes = Object.entries(n.axes);
+  const has = section => !n.left_out.some(left => left.section === section);
   const bandName = b => `${b.from_Hz}–${b.to_Hz} Hz`;
 
   // The diagnosis of this test, above the test itself.
@@ -60,7 +61,8 @@
     byId("verdict").textContent = n.ending
       ? `Inconclusive: the test ended at ${fixed(n.duration_s, 2)} of ${n.planned_duration_s} s. Reason: ${n.ending}.`
       : n.conclusive
-      ? `${n.integration_steps} integration steps at ${Math.round(n.control_rate_hz)} Hz control, ${slow}` +
+      ? `${n.integration_steps} integration steps at ${Math.round(n.control_rate_hz)} Hz` +
+        (has("predictor-corrector") ? ` control, ${slow}` : "") +
         (n.steps_excused ? `; ${n.steps_excused} steps excused because the host was late` : "")
       : `Not conclusive: ${n.broken.length} ${n.broken.length === 1 ? "condition is" : "conditions are"} broken`;
     byId("verdict").classList.add(good ? "good" : "bad");
@@ -82,13 +84,30 @@
     if (data.numerical.length)
       card("response against numerical", each("numerical_difference_percent", 1), "%", "of the displacement, rms" +
         (data.improved.length ? `; against improved: ${each("improved_difference_percent", 1)} %` : ""));
+    if (!axes.length) return;
     const worst = a => a.tracking_bands.reduce((most, b) => (b.nrms_percent > most.nrms_percent ? b : most), a.tracking_bands[0]);
     card("NRMS", each("nrms_percent", 2), "%", "RMS error / largest command; most of it at " +
       axes.map(([, a]) => bandName(worst(a))).filter((name, i, all) => all.indexOf(name) === i).join(" and "));
     card("peak displacement", each("peak_displacement_mm", 0), "mm",
       data.numerical.length ? `numerical: ${each("numerical_peak_displacement_mm", 0)}` : "");
     card("peak shear", each("peak_shear_kN", 0), "kN", data.numerical.length ? `numerical: ${each("numerical_peak_shear_kN", 0)}` : "");
-    card("predict / correct", `${fixed(n.predict_ms_mean, 1)} / ${fixed(n.correct_ms_mean, 1)}`, "ms", "mean of a step");
+    if (has("predictor-corrector")) card("predict / correct", `${fixed(n.predict_ms_mean, 1)} / ${fixed(n.correct_ms_mean, 1)}`, "ms", "mean of a step");
+  };
+
+  // Sections that this run lacks show the reason instead of their figures.
+  const leftOut = () => {
+    const SECTION = { response: "response", tracking: "tracking", compensation: "ats",
+      "predictor-corrector": "steps", "floor spectra": "floors" };
+    for (const { section, reason } of n.left_out) {
+      const text = `Left out: ${reason}.`;
+      if (!SECTION[section]) {
+        byId("scope").append(el("li", { textContent: `Without ${section}: ${reason}.` }));
+        continue;
+      }
+      const figures = byId(SECTION[section]);
+      figures.hidden = true;
+      figures.parentElement.querySelector("p").textContent = text;
+    }
   };
 
   // --- figures -----------------------------------------------------------------------------------
@@ -123,6 +142,7 @@
   };
 
   const tracking = () => {
+    if (!axes.length) return;
     const first = data.axes[0];
     for (const a of data.axes)
       lines("tracking", `Displacement, ${AXIS_NAME[a.name]}`, times(a.command_mm), "time [s]", "displacement [mm]", [
@@ -156,6 +176,7 @@
   };
 
   const ats = () => {
+    if (!has("compensation")) return;
     const plot = (key, caption, unit) => lines("ats", caption, times(data.axes[0][key]), "time [s]", unit,
       data.axes.map(a => ({ ...styled(a.name, AXIS_NAME[a.name]), y: unpack(a[key].values), width: 1.2 })));
     plot("a0", "a₀", "a₀ [–]");
@@ -164,6 +185,7 @@
   };
 
   const steps = () => {
+    if (!has("predictor-corrector")) return;
     const s = data.steps;
     const [predict, slow, correct] = [unpack(s.predict_ms), unpack(s.slow_ms), unpack(s.correct_ms)];
     const sum = (...parts) => parts[0].map((_, i) => parts.reduce((total, p) => total + p[i], 0));
@@ -176,7 +198,7 @@
   };
 
   const floors = () => {
-    byId("floor-section").hidden = !data.floors.length;
+    if (!data.floors.length) return;
     byId("floor-text").textContent = `5\u2009% damping, at elevation ${n.spectrum_elevation_m}\u2009m: the largest magnitude over ` +
       "time of the absolute acceleration vector of an oscillator in two directions.";
     const f = unpack(data.frequencies_Hz);
@@ -240,6 +262,6 @@
       el("code", { textContent: n.command }), ".");
   };
 
-  for (const draw of [found, changes, header, response, tracking, bands, ats, steps, floors, host, numbers, scope]) draw();
+  for (const draw of [found, changes, header, response, tracking, bands, ats, steps, floors, host, numbers, scope, leftOut]) draw();
   plots.done();
 })();

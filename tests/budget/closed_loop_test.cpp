@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/app/builtin_adapters.hpp>
 #include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/run.hpp>
 
@@ -37,8 +38,7 @@ class ClosedLoop : public ::testing::Test {
       for (const char* sensor :
            {"displacement_noise_m", "force_noise_N", "acceleration_noise_m_per_s2"})
         changes.emplace_back(std::string{"machine."} + sensor, "0");
-    experiment =
-        launch::load_experiment(test::source_tree() / "examples/srmd_lprb_2d.toml", changes);
+    experiment = app::load_experiment(test::source_tree() / "examples/srmd_lprb_2d.toml", changes);
     launch::RunOptions options;
     options.clock = launch::ClockKind::Virtual;
     options.recording = folder / "run.h5";
@@ -219,7 +219,7 @@ TEST_F(ClosedLoop, IsRepeatedByARunOfTheImprovedExperiment) {
   launch::RunOptions options;
   options.clock = launch::ClockKind::Virtual;
   options.recording = folder / "improved.h5";
-  const auto again = launch::load_experiment(folder / "improved.toml");
+  const auto again = app::load_experiment(folder / "improved.toml");
   ASSERT_TRUE(launch::run(again, options).completed);
 
   const Response response = launch::response_of(again, recording::Reader{options.recording});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <rths/app/builtin_adapters.hpp>
 #include <rths/launch/experiment.hpp>
 #include <rths/launch/run.hpp>
 
@@ -8,6 +9,8 @@
 
 namespace rths::launch {
 namespace {
+
+using app::load_experiment;
 
 /// An experiment and its record, in their own folder.
 class ExperimentTest : public ::testing::Test {

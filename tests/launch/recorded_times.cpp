@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include <rths/app/builtin_adapters.hpp>
 #include <rths/launch/experiment.hpp>
 #include <rths/recording/recording.hpp>
 
@@ -64,7 +65,7 @@ RecordedTimes recorded_times(const std::filesystem::path& file) {
   for (std::size_t row = 1; row < run.rows(); ++row)
     times.gaps += std::lround((run.time()[row] - run.time()[row - 1]) / kRow) - 1;
   const auto experiment =
-      launch::load_experiment(source_tree() / "examples" / run.meta().at("experiment"));
+      app::load_experiment(source_tree() / "examples" / run.meta().at("experiment"));
   // These two run on schedule only, and every millisecond.
   for (const auto& plan : experiment.nodes)
     if (plan.node == "srmd" || plan.node == "xpc") compare(run, plan.node, plan.schedule, times);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include <rths/app/builtin_adapters.hpp>
 #include <rths/recording/recording.hpp>
 
 #include "launch/src/assembly.hpp"
@@ -84,7 +85,7 @@ class FaultyMachine final : public Adapter {
 launch::Experiment short_experiment(const std::string& example, const launch::Overrides& changes) {
   launch::Overrides all{{"duration_s", "12"}, {"rest_s", "0.5"}};
   all.insert(all.end(), changes.begin(), changes.end());
-  return launch::load_experiment(test::source_tree() / "examples" / (example + ".toml"), all);
+  return app::load_experiment(test::source_tree() / "examples" / (example + ".toml"), all);
 }
 
 void run_with(const launch::Experiment& experiment, const std::vector<Fault>& faults, double from,

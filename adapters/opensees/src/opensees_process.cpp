@@ -15,6 +15,20 @@ constexpr auto kExitTime = std::chrono::milliseconds{100};  // of a process afte
 constexpr auto kLongestFarewell = std::chrono::seconds{1};  // of its last message
 constexpr auto kToFinish = std::chrono::seconds{1};
 
+// The script runs in its own folder.
+ProgramStart start_of(const OpenSeesScript& script) {
+  ProgramStart start;
+  start.command = script.command;
+  start.log = script.log;
+  start.name = script.command[0];
+  if (script.command.size() < 2) return start;
+  const auto file = std::filesystem::absolute(script.command[1]);
+  start.name = file.filename().string();
+  start.command[1] = file.string();
+  start.folder = file.parent_path();
+  return start;
+}
+
 }  // namespace
 
 OpenSeesProcess::OpenSeesProcess(const OpenSeesScript& script)
@@ -25,7 +39,7 @@ OpenSeesProcess::OpenSeesProcess(const OpenSeesScript& script)
   if (script.command.empty())
     keeper_.emplace();
   else
-    script_.emplace(script.command, script.log);
+    script_.emplace(start_of(script));
 }
 
 void OpenSeesProcess::keep(int socket) const {

@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
+#include <rths/adapters/child_program.hpp>
 #include <rths/adapters/opensees_script.hpp>
 #include <rths/core/clock.hpp>
 
-#include "script.hpp"
 #include "socket_keeper.hpp"
 
 namespace rths::adapters {
@@ -44,7 +44,7 @@ class OpenSeesProcess {
   std::optional<std::string> finish();
 
  private:
-  std::optional<Script> script_;
+  std::optional<ChildProgram> script_;
   std::optional<SocketKeeper> keeper_;
   std::string log_;
   TimePoint restarted_;             ///< wall time

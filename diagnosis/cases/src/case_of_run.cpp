@@ -9,15 +9,16 @@
 
 #include <rths/core/error.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/recording/roles.hpp>
 
 namespace rths::diagnosis {
 namespace {
 
 using recording::at_each_count;
+using recording::AxisRoles;
 using recording::NodeTicks;
 using recording::Reader;
 
-constexpr const char* kAxes[] = {"long", "lat"};
 // A lead-rubber bearing at 1 m/s passes its yield displacement of 3 mm in 3 ms. Steps longer than
 // that cause numerical errors in the force. Slow tests do not need short steps.
 constexpr double kFineRate = 500, kUsualRate = 250;  // [Hz]
@@ -61,9 +62,10 @@ std::vector<double> shifted(const std::vector<double>& values, std::ptrdiff_t by
 }
 
 // Until the first target arrives, the loop is open and the machine is at rest.
-std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const NodeTicks& machine) {
+std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const NodeTicks& machine,
+                                                                 const std::string& new_target) {
   constexpr std::size_t kFewest = 500;  // samples
-  const auto word = machine.values("opf.newTarget");
+  const auto word = machine.values(new_target);
   const auto first =
       std::find_if(word.begin(), word.end(), [](double value) { return value != 0; });
   const auto end = static_cast<std::size_t>(first - word.begin());
@@ -87,33 +89,32 @@ std::vector<std::pair<std::size_t, std::size_t>> gaps_of(const NodeTicks& ticks)
 }
 
 void add_axis(Record& record, const Reader& run, const NodeTicks& machine,
-              const NodeTicks& controller, const std::string& axis) {
-  const std::string command = "monitor.xpc.pc.command." + axis;
-  if (!run.has(command)) return;
-  const auto measured = [&](const char* role, const char* unit, const char* word) {
-    record.channels.push_back({fmt::format("{}.{}", role, axis), unit,
-                               machine.values(fmt::format("srmd.{}.{}.fbk", axis, word))});
+              const NodeTicks& controller, const AxisRoles& names) {
+  if (!run.has(names.command) || !run.has(names.machine_displacement)) return;
+  const auto measured = [&](const char* role, const char* unit, const std::string& name) {
+    record.channels.push_back({role + ("." + names.axis), unit, machine.values(name)});
   };
   record.channels.push_back(
-      {"command." + axis, "m",
-       shifted(controller.values(command), lead(controller, machine), machine.count())});
-  measured("displacement", "m", "displ");
-  measured("acceleration", "m/s2", "accel");
-  measured("force", "N", "force");
+      {"command." + names.axis, "m",
+       shifted(controller.values(names.command), lead(controller, machine), machine.count())});
+  measured("displacement", "m", names.machine_displacement);
+  measured("acceleration", "m/s2", names.machine_acceleration);
+  measured("force", "N", names.machine_force);
 }
 
 Record record_of(const Reader& run, const std::string& name, Use use) {
-  const NodeTicks machine = ticks_of(run, "srmd");
-  const NodeTicks controller = ticks_of(run, "xpc");
+  const recording::Roles roles = recording::roles_of(run);
+  const NodeTicks machine = ticks_of(run, roles.machine);
+  const NodeTicks controller = ticks_of(run, roles.controller);
   Record record;
   record.name = name;
   record.use = use;
   record.time_step = interval_of(run, machine);
-  for (const char* axis : kAxes) add_axis(record, run, machine, controller, axis);
+  for (const auto& names : roles.axes) add_axis(record, run, machine, controller, names);
   if (record.channels.empty())
-    throw Error{"no axis has a command, expected 'monitor.xpc.pc.command.*'"};
-  record.channels.push_back({"vertical_force", "N", machine.values("srmd.vert.force.fbk")});
-  record.quiet = quiet_stretch(machine);
+    throw Error{fmt::format("no axis has a command, expected '{}'", roles.axes[0].command)};
+  record.channels.push_back({"vertical_force", "N", machine.values(roles.vertical_force)});
+  record.quiet = quiet_stretch(machine, roles.new_target);
   record.gaps = gaps_of(machine);
   return record;
 }

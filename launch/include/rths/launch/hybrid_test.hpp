@@ -12,7 +12,7 @@ namespace rths::launch {
 /// the run did itself comes from its recording: times of computing, lateness of the host,
 /// compensation, vertical load, and the settings of its controller. The identified parts equal the
 /// simulated ones.
-/// @param run  recording with a node "xpc" of adapter simulink_like and "srmd"
+/// @param run  recording with a node "xpc" that runs a block diagram, and "srmd"
 /// @throws Error if the recording lacks a signal   @setup
 [[nodiscard]] budget::HybridTest hybrid_test_of(const Experiment& experiment,
                                                 const recording::Reader& run);

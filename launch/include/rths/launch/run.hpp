@@ -46,26 +46,32 @@ struct RunOutcome {
 /// @throws Error if it cannot be started   @setup
 [[nodiscard]] RunOutcome run(const Experiment& experiment, const RunOptions& options);
 
+/// Asks the run on a ring of this host to end in order, as at the end of its duration.
+/// @returns process id of its launcher   @throws Error if there is none   @setup
+int request_stop(const std::string& ring);
+
 /// Builds everything an experiment needs and discards it, to find errors that loading cannot find.
 /// @throws Error   @setup
 void check_assembly(const Experiment& experiment);
 
 /// Repeats the displacement history of a run in virtual time without compensation, to measure the
-/// delay of the machine. Returns false if the experiment has no [uncompensated].
+/// delay of the machine. Returns false if the experiment has no [uncompensated], or if a node
+/// other than the solver is a program of the user's own.
 /// @param history  recording of the run whose targets are imposed   @throws Error   @setup
 bool run_uncompensated(const Experiment& experiment, const std::filesystem::path& history,
                        const std::filesystem::path& recording, const std::string& version);
 
 /// Repeats the test under the second earthquake in virtual time, with independent noise. The
 /// diagnosis proves its verdict on this recording. Returns false if the experiment has no
-/// [held_out].
+/// [held_out], or a node that is a program of the user's own.
 /// @throws Error   @setup
 bool run_held_out(const Experiment& experiment, const std::filesystem::path& recording,
                   const std::string& version);
 
 /// Writes the purely numerical result as a recording: with a model in place of the specimen, and on
-/// a fixed base.   @throws Error   @setup
-void run_numerical(const Experiment& experiment, const std::filesystem::path& recording);
+/// a fixed base. Returns false if the structure of a user's own solver is not stated in [plant].
+/// @throws Error   @setup
+bool run_numerical(const Experiment& experiment, const std::filesystem::path& recording);
 
 /// Runs one node in its own process; the launcher controls it through standard input.
 /// @returns exit code of the process   @setup

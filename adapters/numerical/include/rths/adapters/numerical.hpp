@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,27 +8,9 @@
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/opf_handshake.hpp>
-#include <rths/core/config.hpp>
-#include <rths/sim/ground_motion.hpp>
-#include <rths/sim/isolated_plant.hpp>
+#include <rths/adapters/test_setup.hpp>
 
 namespace rths::adapters {
-
-/// A seeded model of the solver's computing time per step in virtual time.
-struct ComputingTime {
-  double mean = 0.003;          ///< [s]
-  double spread = 0.1;          ///< standard deviation over mean [-]
-  double overrun_fraction = 0;  ///< fraction of the steps that take longer [-]
-  double overrun = 0.006;       ///< additional time of such a step [s]
-  std::uint64_t seed = 1;
-};
-
-/// A displacement history to impose instead of an analysis.
-struct DisplacementHistory {
-  double time_step = 0;                   ///< [s]
-  std::vector<double> displacement_long;  ///< [m]
-  std::vector<double> displacement_lat;   ///< [m], as long as the other
-};
 
 struct NumericalSettings {
   std::vector<std::string> axes = {"long", "lat"};
@@ -45,11 +26,6 @@ struct NumericalSettings {
   std::optional<ComputingTime> computing_time;  ///< empty: the actual time
   std::optional<DisplacementHistory> history;   ///< instead of the analysis
 };
-
-/// Reads a [plant] table. @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] sim::IsolatedPlant read_plant(const Config& table);
-/// Reads a [motion] table: .AT2 or columns, scaled. @setup
-[[nodiscard]] sim::GroundMotion read_motion(const Config& table);
 
 /// The project's own solver as a node with OpenFresco's words and handshake. It writes targets and
 /// newTarget, waits for switchPC and atTarget, and reads the sampled feedback.

@@ -2,13 +2,11 @@
 #pragma once
 
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/retreat.hpp>
-#include <rths/core/config.hpp>
 #include <rths/sim/test_machine.hpp>
 
 namespace rths::adapters {
@@ -22,17 +20,6 @@ struct SrmdSettings {
   std::vector<std::string> axes = {"long", "lat"};  ///< moving axes; others stay at rest
   Retreat retreat;
 };
-
-/// Reads the [machine] table of an experiment: changed parameters of the SRMD, and terms.
-/// @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] sim::TestMachine read_machine(const Config& table);
-
-/// A key of a [machine] table, and what it sets in both axes.
-struct MachineKey {
-  const char* key;
-  double sim::ServoAxis::*member;
-};
-[[nodiscard]] std::span<const MachineKey> machine_keys();
 
 /// @throws Error if a parameter is outside its physical range   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_srmd(const SrmdSettings& settings);

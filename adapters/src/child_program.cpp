@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "script.hpp"
+#include <rths/adapters/child_program.hpp>
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -7,10 +7,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <string_view>
 #include <thread>
 
 #include <fmt/format.h>
@@ -24,7 +26,8 @@ constexpr int kNotFound = 127;         // exit code, as in a shell
 constexpr int kHighestPriority = -20;  // of the scheduler's normal class
 
 // Runs in the child: only async-signal-safe calls.
-[[noreturn]] void become(char* const* argv, const char* folder, int log, pid_t parent) {
+[[noreturn]] void become(char* const* argv, char* const* environment, const char* folder, int log,
+                         pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(kNotFound);       // the parent has exited
   setpgid(0, 0);                                   // the parent forwards a terminal's signals
@@ -35,7 +38,7 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
   dup2(log, STDERR_FILENO);
   const int null = open("/dev/null", O_RDONLY);
   dup2(null, STDIN_FILENO);
-  execvp(argv[0], argv);
+  execvpe(argv[0], argv, environment);
   _exit(kNotFound);
 }
 
@@ -49,45 +52,66 @@ std::string last_line_of(const std::filesystem::path& file) {
   return last;
 }
 
+// Null-terminated pointers to the texts, as exec takes them.
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (auto& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+// The variables of this process, with the given ones added or replaced.
+std::vector<std::string> environment_of(const ProgramStart& start) {
+  std::vector<std::string> all;
+  for (const auto& [name, value] : start.environment) all.push_back(name + "=" + value);
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text{*variable};
+    const auto name = text.substr(0, text.find('='));
+    if (std::none_of(start.environment.begin(), start.environment.end(),
+                     [&](const auto& given) { return given.first == name; }))
+      all.emplace_back(text);
+  }
+  return all;
+}
+
 }  // namespace
 
-Script::Script(const std::vector<std::string>& command, const std::filesystem::path& log)
-    : name_{command.size() > 1 ? std::filesystem::path{command[1]}.filename().string()
-                               : command.at(0)},
-      log_{log} {
-  const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file < 0) throw Error{fmt::format("{}: {}", log.string(), std::strerror(errno))};
-  std::vector<std::string> words = command;
-  std::vector<char*> argv;
-  // It runs in another folder: make paths absolute.
-  if (words.size() > 1) words[1] = std::filesystem::absolute(words[1]).string();
-  if (words[0].find('/') != std::string::npos)
+ChildProgram::ChildProgram(const ProgramStart& start) : name_{start.name}, log_{start.log} {
+  const int file = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (file < 0) throw Error{fmt::format("{}: {}", log_.string(), std::strerror(errno))};
+  std::vector<std::string> words = start.command;
+  // It runs in another folder.
+  if (words.at(0).find('/') != std::string::npos)
     words[0] = std::filesystem::absolute(words[0]).string();
-  for (auto& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const std::string folder =
-      std::filesystem::absolute(command.size() > 1 ? command[1] : ".").parent_path().string();
+  const auto argv = pointers_to(words);
+  auto variables = environment_of(start);
+  const auto environment = pointers_to(variables);
+  const std::string folder = std::filesystem::absolute(start.folder).string();
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ == 0) become(argv.data(), folder.c_str(), file, parent);
+  if (pid_ == 0) become(argv.data(), environment.data(), folder.c_str(), file, parent);
   const int error = errno;
   close(file);
   if (pid_ < 0) throw Error{fmt::format("{} cannot be started: {}", name_, std::strerror(error))};
 }
 
-Script::~Script() {
+void ChildProgram::ask_to_end() const noexcept {
+  if (!has_ended_) kill(-pid_, SIGTERM);
+}
+
+ChildProgram::~ChildProgram() {
   if (has_ended()) return;
   kill(-pid_, SIGKILL);  // its process group: also processes that a wrapper has started
   kill(pid_, SIGKILL);
   waitpid(pid_, &status_, 0);
 }
 
-bool Script::has_ended() {
+bool ChildProgram::has_ended() {
   if (!has_ended_) has_ended_ = waitpid(pid_, &status_, WNOHANG) == pid_;
   return has_ended_;
 }
 
-bool Script::wait(Duration longest) {
+bool ChildProgram::wait(Duration longest) {
   const WallClock clock;
   const TimePoint deadline = clock.now() + longest;
   while (!has_ended() && clock.now() < deadline)
@@ -95,7 +119,7 @@ bool Script::wait(Duration longest) {
   return has_ended_;
 }
 
-std::optional<std::string> Script::failure() const {
+std::optional<std::string> ChildProgram::failure() const {
   if (!has_ended_) return fmt::format("{} does not exit", name_);
   if (WIFEXITED(status_) && WEXITSTATUS(status_) == 0) return std::nullopt;
   const std::string how =

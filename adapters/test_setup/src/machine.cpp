@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/srmd.hpp>
+#include <rths/adapters/test_setup.hpp>
 
 namespace rths::adapters {
 namespace {

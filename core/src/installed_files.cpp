@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/launch/installed_files.hpp>
+#include <rths/core/installed_files.hpp>
 
 #include <set>
 
@@ -7,7 +7,7 @@
 
 #include <rths/core/error.hpp>
 
-namespace rths::launch {
+namespace rths {
 namespace {
 
 std::filesystem::path installed(const std::string& name, const std::string& folder) {
@@ -64,4 +64,4 @@ std::filesystem::path find_file(const Config& table, const std::string& key,
   return file;
 }
 
-}  // namespace rths::launch
+}  // namespace rths

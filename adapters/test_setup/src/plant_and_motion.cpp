@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/numerical.hpp>
+#include <rths/adapters/test_setup.hpp>
+
+#include <cmath>
 
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>

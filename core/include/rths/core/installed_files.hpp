@@ -7,7 +7,7 @@
 
 #include <rths/core/config.hpp>
 
-namespace rths::launch {
+namespace rths {
 
 /// Folder of the installed maps, diagrams and bearings: share/rths beside bin.   @setup
 [[nodiscard]] std::filesystem::path shared_files();
@@ -31,4 +31,4 @@ namespace rths::launch {
                                               const std::string& folder,
                                               const std::string& otherwise = "");
 
-}  // namespace rths::launch
+}  // namespace rths

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <rths/adapters/factory.hpp>
+
+namespace rths::adapters {
+
+/// Reads the table of a node that is a program of the user's own. The settings build no adapter.
+/// @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] NodeSettings read_external(const std::string& node, const Config& table,
+                                         const TestSetup& setup);
+
+}  // namespace rths::adapters

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <rths/adapters/factory.hpp>
+#include <rths/adapters/opf_handshake.hpp>
+
+namespace rths::adapters {
+
+/// Key: handshake. @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] NodeSettings read_numerical(const std::string& node, const Config& table,
+                                          const TestSetup& setup);
+/// Builds the solver for a handshake.   @setup
+[[nodiscard]] std::unique_ptr<Adapter> make_numerical_node(const TestSetup& setup,
+                                                           const NodeContext& context,
+                                                           Handshake handshake);
+
+}  // namespace rths::adapters

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/numerical_node.hpp>
+
+#include <rths/adapters/numerical.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr double kPeriod = 0.25e-3, kPhase = 0.1e-3;  // [s]
+
+}  // namespace
+
+std::unique_ptr<Adapter> make_numerical_node(const TestSetup& setup, const NodeContext& context,
+                                             Handshake handshake) {
+  NumericalSettings settings;
+  settings.handshake = handshake;
+  settings.axes = setup.axes;
+  settings.plant = setup.plant;
+  settings.motion = setup.motion;
+  settings.bearing_initial_stiffness = sim::initial_stiffness(setup.model);
+  settings.integration_step = setup.integration_step;
+  settings.alpha = setup.alpha;
+  settings.duration = setup.duration;
+  settings.rest = setup.rest;
+  settings.wait_deadline = setup.wait_deadline * setup.rate;
+  if (context.is_virtual || setup.model_computing_time)
+    settings.computing_time = setup.computing_time;
+  settings.history = setup.history;
+  return make_numerical(settings);
+}
+
+// Polls its flags four times per millisecond.
+NodeSettings read_numerical(const std::string& /*node*/, const Config& table,
+                            const TestSetup& /*setup*/) {
+  NodeSettings settings;
+  settings.role = Role::Solver;
+  settings.schedule = schedule_of(kPeriod, kPhase);
+  settings.priority = 40;
+  settings.integrates_plant = true;
+  settings.make = [handshake = read_handshake(table)](const TestSetup& setup,
+                                                      const NodeContext& context) {
+    return make_numerical_node(setup, context, handshake);
+  };
+  return settings;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <rths/adapters/factory.hpp>
+
+namespace rths::adapters {
+
+/// Keys: see docs/opensees.md. @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] NodeSettings read_opensees_node(const std::string& node, const Config& table,
+                                              const TestSetup& setup);
+/// Keys: see docs/opensees.md. @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] NodeSettings read_opensees_specimen_node(const std::string& node, const Config& table,
+                                                       const TestSetup& setup);
+
+}  // namespace rths::adapters

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/opensees_node.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include <rths/adapters/opensees.hpp>
+#include <rths/adapters/opensees_specimen.hpp>
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr double kPeriod = 1e-3;            // [s]
+constexpr double kPollingPeriod = 0.25e-3;  // of its flags [s]
+constexpr int kPriority = 40;
+
+// Default Python of OpenSees scripts.
+std::string default_python() {
+  const char* python = std::getenv("RTHS_OPENSEES_PYTHON");
+  return python != nullptr ? python : "python3";
+}
+
+OpenSeesScript read_script(const Config& table) {
+  OpenSeesScript opensees;
+  opensees.connect_deadline =
+      table.number_in("connect_deadline_s", 0.1, 1e5, opensees.connect_deadline);
+  opensees.answer_deadline =
+      table.number_in("answer_deadline_s", 0.1, 1e5, opensees.answer_deadline);
+  const std::string python = table.text("python", default_python());
+  const auto arguments = table.texts("arguments", {});
+  check_placeholders(table, "arguments", arguments,
+                     {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder});
+  if (!table.has("script")) {
+    for (const char* key : {"arguments", "python"})
+      if (table.has(key))
+        table.fail(key, fmt::format("found {} without a script, expected script", key));
+    return opensees;
+  }
+  const auto script = table.resolve(table.text("script"));
+  if (!std::filesystem::exists(script))
+    table.fail("script", fmt::format("script is '{}', expected a file", script.string()));
+  opensees.command = {python, script.string()};
+  opensees.command.insert(opensees.command.end(), arguments.begin(), arguments.end());
+  return opensees;
+}
+
+// Fills in the arguments of a script. Its log and motion file lie beside the recording.
+void complete_script(const TestSetup& setup, const NodeContext& context, OpenSeesScript& script) {
+  script.log = file_beside(context.recording, context.node, ".log");
+  const auto motion = file_beside(context.recording, context.node, ".motion.csv");
+  for (auto& argument : script.command)
+    if (fill_in(argument, setup, motion)) script.files = {{motion, motion_text(setup.motion)}};
+}
+
+std::function<void()> program_check(const OpenSeesScript& script, const std::string& node) {
+  return [command = script.command, node] {
+    if (!command.empty() && !is_program(command[0]))
+      throw Error{
+          fmt::format("node '{}': there is no program '{}' to run its script, expected one "
+                      "as its key python or as RTHS_OPENSEES_PYTHON",
+                      node, command[0])};
+  };
+}
+
+// A script that reads its own motion would repeat the first earthquake, which proves nothing.
+std::string motion_fault(const std::vector<std::string>& command, const std::string& node) {
+  const bool takes_motion = std::any_of(command.begin(), command.end(), [](const auto& word) {
+    return word.find(kMotionPlaceholder) != std::string::npos;
+  });
+  if (takes_motion) return "";
+  return fmt::format(
+      "the script of node '{}' ignores the motion of the experiment, expected {} among its "
+      "arguments",
+      node, kMotionPlaceholder);
+}
+
+}  // namespace
+
+NodeSettings read_opensees_node(const std::string& node, const Config& table,
+                                const TestSetup& setup) {
+  OpenSeesSettings opensees;
+  read_opensees(table, sim::initial_stiffness(setup.model), opensees);
+  opensees.is_prompt = table.flag("prompt", false);
+  opensees.script = read_script(table);
+  NodeSettings settings;
+  settings.role = Role::Solver;
+  // A prompt adapter steps on arrival of new data, so it needs fewer scheduled steps.
+  settings.schedule = schedule_of(opensees.is_prompt ? kPeriod : kPollingPeriod, 0.1 * kPeriod);
+  settings.priority = kPriority;
+  // The time of OpenSees restarts after static analyses and does not advance during iterations.
+  settings.target_count = "step";
+  settings.motion_fault = motion_fault(opensees.script.command, node);
+  settings.check = program_check(opensees.script, node);
+  settings.make = [opensees](const TestSetup& test, const NodeContext& context) {
+    OpenSeesSettings complete = opensees;
+    complete.layout = opf_layout(context.map);
+    complete.simulation_step = test.simulation_step();
+    complete.rest = test.rest;
+    complete.wait_deadline = test.wait_deadline * test.rate;
+    complete.stops_time = context.is_virtual;
+    complete_script(test, context, complete.script);
+    return make_opensees(complete);
+  };
+  return settings;
+}
+
+NodeSettings read_opensees_specimen_node(const std::string& node, const Config& table,
+                                         const TestSetup& /*setup*/) {
+  OpenSeesSpecimenSettings opensees;
+  opensees.elements = read_specimen_elements(table);
+  opensees.script = read_script(table);
+  NodeSettings settings;
+  settings.schedule = schedule_of(kPeriod, 0.3 * kPeriod);
+  settings.priority = kPriority;
+  settings.start_deadline = opensees.script.connect_deadline;  // ready when OpenSees is connected
+  settings.check = program_check(opensees.script, node);
+  settings.make = [opensees](const TestSetup& test, const NodeContext& context) {
+    OpenSeesSpecimenSettings complete = opensees;
+    complete.layout = opf_layout(context.map);
+    complete.simulation_step = test.simulation_step();
+    complete.stops_time = context.is_virtual;
+    complete_script(test, context, complete.script);
+    return make_opensees_specimen(complete);
+  };
+  return settings;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <rths/adapters/factory.hpp>
+
+namespace rths::adapters {
+
+/// Has no keys of its own. @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] NodeSettings read_recorder(const std::string& node, const Config& table,
+                                         const TestSetup& setup);
+
+}  // namespace rths::adapters

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/recorder_node.hpp>
+
+#include <rths/adapters/recorder.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr double kPeriod = 1e-3;   // [s]
+constexpr double kOverhang = 0.2;  // recorded after the other nodes came to rest [s]
+
+std::unique_ptr<Adapter> make(const TestSetup& setup, const NodeContext& context) {
+  RecorderSettings settings;
+  settings.file = context.recording;
+  settings.info = {context.config, context.meta, {}};
+  for (const auto& [node, period] : context.periods)
+    settings.info.steps_per_row[node] = to_seconds(context.period) / to_seconds(period);
+  settings.own_thread = !context.is_virtual;
+  settings.period = to_seconds(context.period);
+  settings.linger = setup.retreat.hold + setup.retreat.ramp + kOverhang;
+  return make_recorder(context.map, settings);
+}
+
+}  // namespace
+
+NodeSettings read_recorder(const std::string& /*node*/, const Config& /*table*/,
+                           const TestSetup& /*setup*/) {
+  NodeSettings settings;
+  settings.role = Role::Recorder;
+  settings.schedule = schedule_of(kPeriod, 0.8 * kPeriod);
+  settings.monitors = recorder_monitors();
+  settings.make = make;
+  return settings;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/simulink_like_node.hpp>
+
+#include <rths/adapters/simulink_like.hpp>
+#include <rths/core/installed_files.hpp>
+
+namespace rths::adapters {
+namespace {
+
+constexpr double kPhase = 0.3e-3;  // after the machine has sampled [s]
+
+std::map<std::string, std::string> units_of(const memmap::Map& map) {
+  std::map<std::string, std::string> units;
+  for (const auto& entry : map.signals()) units[entry.name] = entry.signal->unit;
+  return units;
+}
+
+}  // namespace
+
+NodeSettings read_simulink_like(const std::string& /*node*/, const Config& table,
+                                const TestSetup& /*setup*/) {
+  NodeSettings settings;
+  settings.role = Role::Controller;
+  settings.diagram = find_file(table, "diagram", "diagrams");
+  settings.schedule = schedule_of(diagram_period(settings.diagram), kPhase);
+  settings.priority = 50;
+  settings.keeps_times = true;
+  settings.make = [diagram = settings.diagram](const TestSetup& setup, const NodeContext& context) {
+    return make_simulink_like(diagram, {setup.axes, setup.integration_step, setup.simulation_step(),
+                                        setup.retreat, units_of(context.map)});
+  };
+  return settings;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <rths/adapters/factory.hpp>
+
+namespace rths::adapters {
+
+/// A virtual SRMD; has no keys of its own. @throws Error with the place of the first wrong value
+/// @setup
+[[nodiscard]] NodeSettings read_srmd(const std::string& node, const Config& table,
+                                     const TestSetup& setup);
+/// An ideal machine; has no keys of its own. @throws Error with the place of the first wrong value
+/// @setup
+[[nodiscard]] NodeSettings read_ideal_machine(const std::string& node, const Config& table,
+                                              const TestSetup& setup);
+
+}  // namespace rths::adapters

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <rths/adapters/retreat.hpp>
+#include <rths/core/config.hpp>
+#include <rths/sim/bearing.hpp>
+#include <rths/sim/ground_motion.hpp>
+#include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/test_machine.hpp>
+
+namespace rths::adapters {
+
+/// A seeded model of the solver's computing time per step in virtual time.
+struct ComputingTime {
+  double mean = 0.003;          ///< [s]
+  double spread = 0.1;          ///< standard deviation over mean [-]
+  double overrun_fraction = 0;  ///< fraction of the steps that take longer [-]
+  double overrun = 0.006;       ///< additional time of such a step [s]
+  std::uint64_t seed = 1;
+};
+
+/// A displacement history to impose instead of an analysis.
+struct DisplacementHistory {
+  double time_step = 0;                   ///< [s]
+  std::vector<double> displacement_long;  ///< [m]
+  std::vector<double> displacement_lat;   ///< [m], as long as the other
+};
+
+/// Properties of a hybrid test that its adapters share.
+struct TestSetup {
+  std::vector<std::string> axes;
+  double integration_step = 0.01;  ///< Δt_int: model time per target [s]
+  double rate = 1;                 ///< Δt_sim/Δt_int: 1 is real time
+  double duration = 0;             ///< model time [s]
+  double rest = 0;                 ///< time at rest before the loop closes [s]
+  sim::GroundMotion motion;
+  sim::IsolatedPlant plant;
+  sim::Bearing specimen;  ///< the bearing on the platen
+  sim::Bearing model;     ///< the bearing as the simulation assumes it
+  sim::TestMachine machine;
+  double alpha = -0.05;      ///< of α-OS
+  double wait_deadline = 1;  ///< of a solver, for each flag of the handshake [s], times `rate`
+  ComputingTime computing_time;
+  bool model_computing_time = false;  ///< also in wall time, where this solver is fast
+  Retreat retreat;
+  std::optional<DisplacementHistory> history;  ///< imposed instead of an analysis
+
+  [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
+};
+
+/// Reads a [plant] table. @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] sim::IsolatedPlant read_plant(const Config& table);
+/// Reads a [motion] table: .AT2 or columns, scaled. @setup
+[[nodiscard]] sim::GroundMotion read_motion(const Config& table);
+
+/// Reads the [machine] table of an experiment: changed parameters of the SRMD, and terms.
+/// @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] sim::TestMachine read_machine(const Config& table);
+
+/// A key of a [machine] table, and what it sets in both axes.
+struct MachineKey {
+  const char* key;
+  double sim::ServoAxis::*member;
+};
+[[nodiscard]] std::span<const MachineKey> machine_keys();
+
+}  // namespace rths::adapters

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The composition root: the only place that knows the adapters by name.
+#include <rths/app/builtin_adapters.hpp>
+
+#include <rths/adapters/echo_node.hpp>
+#include <rths/adapters/external_node.hpp>
+#include <rths/adapters/numerical_node.hpp>
+#include <rths/adapters/opensees_node.hpp>
+#include <rths/adapters/recorder_node.hpp>
+#include <rths/adapters/simulink_like_node.hpp>
+#include <rths/adapters/srmd_node.hpp>
+
+namespace rths::app {
+namespace {
+
+using adapters::NodeContext;
+using adapters::NodeSettings;
+using adapters::TestSetup;
+
+// A given history needs no OpenSees: the project's own solver imposes it.
+NodeSettings read_opensees(const std::string& node, const Config& table, const TestSetup& setup) {
+  NodeSettings settings = adapters::read_opensees_node(node, table, setup);
+  settings.make = [make = settings.make, handshake = adapters::read_handshake(table)](
+                      const TestSetup& test, const NodeContext& context) {
+    return test.history ? adapters::make_numerical_node(test, context, handshake)
+                        : make(test, context);
+  };
+  return settings;
+}
+
+// Nor does it need a user's own solver.
+NodeSettings read_external(const std::string& node, const Config& table, const TestSetup& setup) {
+  NodeSettings settings = adapters::read_external(node, table, setup);
+  const NodeSettings solver = adapters::read_numerical(node, Config{}, setup);
+  settings.make = solver.make;
+  settings.schedule = solver.schedule;
+  return settings;
+}
+
+constexpr adapters::Factory kAdapters[] = {
+    {"recorder", adapters::read_recorder},
+    {"srmd", adapters::read_srmd},
+    {"ideal_machine", adapters::read_ideal_machine},
+    {"echo", adapters::read_echo},
+    {"opensees_specimen", adapters::read_opensees_specimen_node},
+    {"simulink_like", adapters::read_simulink_like},
+    {"numerical", adapters::read_numerical},
+    {"opensees", read_opensees},
+    {"external", read_external},
+};
+
+}  // namespace
+
+std::span<const adapters::Factory> builtin_adapters() { return kAdapters; }
+
+}  // namespace rths::app

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include <rths/broker/ring.hpp>
+#include <rths/core/error.hpp>
+#include <rths/launch/run.hpp>
+
+#include "interrupt.hpp"
+
+namespace rths::launch {
+namespace {
+
+// Whether a process handles the stop signal. Only the launcher of a run does; the signal would end
+// any other program that has created a ring.
+bool handles_stop(int process) {
+  std::ifstream status{fmt::format("/proc/{}/status", process)};
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("SigCgt:"))
+      return (std::stoull(line.substr(line.find_first_not_of("\t ", 7)), nullptr, 16) >>
+                  (kStopSignal - 1) &
+              1U) != 0;
+  return false;
+}
+
+}  // namespace
+
+int request_stop(const std::string& ring) {
+  const auto report = broker::inspect_ring(ring);
+  if (!report)
+    throw Error{fmt::format("there is no ring '{}': expected the ring of a running test", ring)};
+  const auto launcher = std::find_if(
+      report->occupants.begin(), report->occupants.end(), [](const broker::Occupant& occupant) {
+        return occupant.node == "creator" && occupant.alive && handles_stop(occupant.pid);
+      });
+  if (launcher == report->occupants.end())
+    throw Error{
+        fmt::format("ring '{}' has no launcher: expected the ring of a running test", ring)};
+  if (kill(launcher->pid, kStopSignal) != 0)
+    throw Error{
+        fmt::format("process {} cannot be asked to end the run on ring '{}'", launcher->pid, ring)};
+  return launcher->pid;
+}
+
+}  // namespace rths::launch

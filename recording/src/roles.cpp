@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/recording/roles.hpp>
+
+#include <algorithm>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::recording {
+namespace {
+
+constexpr const char* kHorizontal[] = {"long", "lat"};
+
+/// A role of an axis: its key, its member, and the SRMD's word with {c} and {a} for
+/// controller and axis.
+struct AxisRole {
+  const char* key;
+  std::string AxisRoles::*name;
+  const char* usual;
+};
+constexpr AxisRole kAxisRoles[] = {
+    {"target", &AxisRoles::target, "opf.{a}.displ.target"},
+    {"command", &AxisRoles::command, "monitor.{c}.pc.command.{a}"},
+    {"displacement", &AxisRoles::displacement, "monitor.{c}.displacement.out.{a}"},
+    {"force", &AxisRoles::force, "monitor.{c}.observer.force.{a}"},
+    {"reference", &AxisRoles::reference, "xpc.{a}.displ.ref"},
+    {"reference_echo", &AxisRoles::reference_echo, "srmd.{a}.displ.ref_echo"},
+    {"machine_displacement", &AxisRoles::machine_displacement, "srmd.{a}.displ.fbk"},
+    {"machine_acceleration", &AxisRoles::machine_acceleration, "srmd.{a}.accel.fbk"},
+    {"machine_force", &AxisRoles::machine_force, "srmd.{a}.force.fbk"},
+    {"returned_displacement", &AxisRoles::returned_displacement, "daq.{a}.displ.fbk"},
+    {"returned_force", &AxisRoles::returned_force, "daq.{a}.force.fbk"}};
+
+struct RunRole {
+  const char* key;
+  std::string Roles::*name;
+  const char* usual;
+};
+constexpr RunRole kSignalRoles[] = {
+    {"new_target", &Roles::new_target, "opf.newTarget"},
+    {"time", &Roles::time, "opf.1.time.target"},
+    {"load", &Roles::load, "srmd.compression.force.fbk"},
+    {"load_reference", &Roles::load_reference, "xpc.compression.force.ref"},
+    {"vertical_force", &Roles::vertical_force, "srmd.vert.force.fbk"}};
+
+/// A role of a node, with the adapters that play it.
+struct NodeRole {
+  const char* key;
+  std::string Roles::*name;
+  const char* usual;
+  std::vector<std::string> adapters;
+};
+const std::vector<NodeRole>& node_roles() {
+  static const std::vector<NodeRole> roles{
+      {"solver", &Roles::solver, "opf", {"numerical", "opensees"}},
+      {"controller", &Roles::controller, "xpc", {"simulink_like"}},
+      {"machine", &Roles::machine, "srmd", {"srmd"}}};
+  return roles;
+}
+
+// The first node with one of the adapters.
+std::optional<std::string> node_with(const Config& nodes,
+                                     const std::vector<std::string>& adapters) {
+  for (const auto& name : nodes.keys()) {
+    if (!nodes.is_table(name)) continue;
+    const std::string adapter = nodes.table(name).text("adapter", "");
+    if (std::find(adapters.begin(), adapters.end(), adapter) != adapters.end()) return name;
+  }
+  return std::nullopt;
+}
+
+std::string filled_in(std::string name, const Roles& roles, const std::string& axis) {
+  const auto replace = [&](const std::string& mark, const std::string& value) {
+    if (const auto at = name.find(mark); at != std::string::npos)
+      name.replace(at, mark.size(), value);
+  };
+  replace("{c}", roles.controller);
+  replace("{a}", axis);
+  return name;
+}
+
+}  // namespace
+
+Roles read_roles(const Config& experiment) {
+  const Config table = experiment.table_or_empty("roles");
+  const Config nodes = experiment.table_or_empty("node");
+  Roles roles;
+  for (const auto& role : node_roles())
+    roles.*role.name = table.text(role.key, node_with(nodes, role.adapters).value_or(role.usual));
+  for (const auto& role : kSignalRoles) roles.*role.name = table.text(role.key, role.usual);
+  const auto tested = experiment.texts("axes", {"long", "lat"});
+  for (const std::string axis : kHorizontal) {
+    const Config own = table.table_or_empty(axis);
+    AxisRoles names;
+    names.axis = axis;
+    for (const auto& role : kAxisRoles)
+      names.*role.name = own.text(role.key, filled_in(role.usual, roles, axis));
+    own.reject_unknown_keys();
+    if (std::find(tested.begin(), tested.end(), axis) != tested.end())
+      roles.axes.push_back(std::move(names));
+  }
+  table.reject_unknown_keys();
+  return roles;
+}
+
+void check_roles(const Config& roles, const memmap::Map& map) {
+  const auto check = [&](const Config& table, const char* key) {
+    if (!table.has(key)) return;
+    static_cast<void>(table.placed(key, [&] { return map.signal(table.text(key)); }));
+  };
+  for (const auto& role : node_roles())
+    if (roles.has(role.key))
+      static_cast<void>(roles.placed(role.key, [&] { return map.node(roles.text(role.key)); }));
+  for (const auto& role : kSignalRoles) check(roles, role.key);
+  for (const char* axis : kHorizontal)
+    for (const auto& role : kAxisRoles) check(roles.table_or_empty(axis), role.key);
+}
+
+std::optional<Config> experiment_in(const Reader& run) {
+  const auto meta = run.meta();
+  const auto name = meta.find("experiment");
+  if (name == meta.end()) return std::nullopt;
+  auto file = Config::parse(run.config(name->second), name->second);
+  std::istringstream changes{run.config(kOverridesText)};
+  for (std::string line; std::getline(changes, line);)
+    if (const auto equals = line.find('='); equals != std::string::npos)
+      file.set(line.substr(0, equals), line.substr(equals + 1));
+  return file;
+}
+
+Roles roles_of(const Reader& run) {
+  Roles roles = read_roles(experiment_in(run).value_or(Config{}));
+  const auto replace = [&](std::string& name, const std::vector<std::string>& others) {
+    if (run.has(name)) return;
+    for (const auto& other : others)
+      if (run.has(other)) {
+        name = other;
+        return;
+      }
+  };
+  for (auto& axis : roles.axes) {
+    replace(axis.command, {axis.target});
+    replace(axis.displacement, {axis.machine_displacement, axis.returned_displacement});
+    replace(axis.force, {axis.machine_force, axis.returned_force});
+  }
+  return roles;
+}
+
+}  // namespace rths::recording

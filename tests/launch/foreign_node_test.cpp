@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Nodes that are programs of the user's own, in real time: those of examples/foreign.
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/broker/ring.hpp>
+#include <rths/recording/recording.hpp>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+#include "support/ring_maps.hpp"
+#include "support/waiting.hpp"
+
+namespace rths::launch {
+namespace {
+
+using Json = nlohmann::json;
+using Words = std::vector<std::string>;
+
+std::string example(const std::string& name) {
+  return (test::source_tree() / "examples/foreign" / name).string();
+}
+
+std::string program(const std::string& name) {
+  return (test::build_tree() / "bin" / ("foreign_" + name)).string();
+}
+
+// A command for the key of an external node.
+std::string command_of(const Words& words) {
+  std::string list;
+  for (const auto& word : words) list += (list.empty() ? "\"" : ", \"") + word + "\"";
+  return "node.opf.command=[" + list + "]";
+}
+
+const Words kArguments{"{motion}", "{step_s}", "{duration_s}"};
+
+std::string solver(const std::string& name) {
+  Words words{program(name)};
+  words.insert(words.end(), kArguments.begin(), kArguments.end());
+  return command_of(words);
+}
+
+/// A run of an example with changes, on a ring of its own.
+class ForeignRun {
+ public:
+  ForeignRun(const std::string& name, const std::string& experiment, const Words& changes)
+      : ring{test::unique_ring(name)},
+        removal_{ring},
+        running{command(folder.path().string(), ring, experiment, changes)} {}
+
+  [[nodiscard]] std::filesystem::path file(const std::string& name) const {
+    return folder.path() / name;
+  }
+  [[nodiscard]] Json report() const { return Json::parse(test::content_of(file("report.json"))); }
+  /// Process of a node after 300 rows of the recorder; 0 if there is none.
+  [[nodiscard]] int process_of(const std::string& node) const {
+    int process = 0;
+    static_cast<void>(test::comes_true([&] {
+      const auto report = broker::inspect_ring(ring);
+      if (!report) return false;
+      bool is_recording = false;
+      for (const auto& occupant : report->occupants) {
+        is_recording = is_recording || (occupant.node == "recorder" && occupant.beats > 300);
+        if (occupant.node == node) process = occupant.pid;
+      }
+      return is_recording && process != 0;
+    }));
+    return process;
+  }
+  [[nodiscard]] bool ring_is_there() const { return broker::inspect_ring(ring).has_value(); }
+
+  test::TemporaryFolder folder;
+  std::string ring;
+
+ private:
+  static Words command(const std::string& out, const std::string& ring,
+                       const std::string& experiment, const Words& changes) {
+    Words words{test::rths_command(), "run", example(experiment), "--out", out, "--ring", ring};
+    for (const auto& change : changes) words.insert(words.end(), {"--set", change});
+    return words;
+  }
+  test::RingRemoval removal_;
+
+ public:
+  test::Running running;
+};
+
+// A busy host may have made the run inconclusive.
+void expect_regular_end(const test::Finished& run, const Json& report) {
+  EXPECT_EQ(run.err, "");
+  EXPECT_EQ(run.exit_code, report["conclusive"].get<bool>() ? 0 : 1) << run.out;
+  for (const auto& broken : report["broken"]) {
+    EXPECT_NE(broken["condition"], "end") << broken;
+    EXPECT_NE(broken["condition"], "wire") << broken;
+  }
+}
+
+Words left_out_of(const Json& report) {
+  Words sections;
+  for (const auto& left : report["left_out"]) sections.push_back(left["section"]);
+  return sections;
+}
+
+class Solver : public ::testing::TestWithParam<const char*> {};
+
+// A program of the vendor's API alone, and one of the C++ API.
+TEST_P(Solver, OfTheUsersOwnRunsATestToItsReport) {
+  ForeignRun run{std::string{"foreign_"} + GetParam(),
+                 "srmd_block_2d.toml",
+                 {"duration_s=2", solver(GetParam())}};
+
+  const test::Finished finished = run.running.wait();
+
+  const Json report = run.report();
+  expect_regular_end(finished, report);
+  EXPECT_EQ(report["duration_s"], 2);
+  EXPECT_EQ(report["integration_steps"], 200);
+  EXPECT_EQ(left_out_of(report), Words{"floor spectra"});
+  EXPECT_TRUE(std::filesystem::exists(run.file("report.html")));
+  EXPECT_TRUE(std::filesystem::exists(run.file("uncompensated.h5")));
+  EXPECT_TRUE(std::filesystem::exists(run.file("numerical.h5")));
+  EXPECT_NE(test::content_of(run.file("run.opf.log")).find("the block is at"), std::string::npos);
+  EXPECT_FALSE(run.ring_is_there());
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, Solver, ::testing::Values("block_scramnet", "block_rths"),
+                         [](const auto& name) { return std::string{name.param}; });
+
+TEST(ForeignNode, KilledStopsTheRunWithinTwoSecondsAndKeepsTheRecording) {
+  ForeignRun run{"foreign_killed", "srmd_block_2d.toml", {solver("block_scramnet")}};
+  const int victim = run.process_of("opf");
+  ASSERT_NE(victim, 0);
+
+  kill(victim, SIGKILL);
+  const WallClock clock;
+  const TimePoint killed = clock.now();
+  const test::Finished finished = run.running.wait();
+
+  EXPECT_LT(to_seconds(clock.now() - killed), 2.0);
+  EXPECT_EQ(finished.exit_code, 2);
+  for (const std::string node : {"opf", "xpc", "srmd", "recorder", "rths"}) {
+    const auto first = ("\n" + finished.err).find("\n" + node + ": ");
+    EXPECT_NE(first, std::string::npos) << node << " reports nothing:\n" << finished.err;
+    EXPECT_EQ(("\n" + finished.err).find("\n" + node + ": ", first + 1), std::string::npos)
+        << finished.err;
+  }
+  EXPECT_NE(finished.err.find("foreign_block_scramnet was killed by signal 9"), std::string::npos)
+      << finished.err;
+  EXPECT_GT(recording::Reader{run.file("run.h5")}.rows(), 300U);
+  EXPECT_FALSE(run.ring_is_there());
+}
+
+TEST(ForeignNode, StoppedIsNoticedAsSilentAndEnded) {
+  ForeignRun run{
+      "foreign_silent", "srmd_block_2d.toml", {solver("block_scramnet"), "node.opf.silence_s=0.5"}};
+  const int victim = run.process_of("opf");
+  ASSERT_NE(victim, 0);
+
+  kill(victim, SIGSTOP);
+  const test::Finished finished = run.running.wait();
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("is silent: no new value in its words for 0.5 s"), std::string::npos)
+      << finished.err;
+  EXPECT_FALSE(test::is_running(victim));
+}
+
+TEST(ForeignNode, FailureIsReportedWithItsLastLine) {
+  ForeignRun run{"foreign_failure",
+                 "srmd_block_2d.toml",
+                 {command_of({program("block_scramnet"), "no_such_file", "0.01", "2"})}};
+
+  const test::Finished finished = run.running.wait();
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("foreign_block_scramnet ended with 2: no_such_file is not a motion"),
+            std::string::npos)
+      << finished.err;
+  EXPECT_FALSE(run.ring_is_there());
+}
+
+TEST(ForeignNode, IsToldHowToJoinWhenItsUserStartsIt) {
+  const Words by_hand{"duration_s=2", "node.opf.command=[]"};
+  ForeignRun run{"foreign_by_hand", "srmd_block_2d.toml", by_hand};
+  ASSERT_TRUE(test::comes_true([&] { return run.ring_is_there(); }));
+  const auto motion = run.file("motion.csv");
+  std::ofstream{motion} << "t,a,b\n0,0,0\n10,0,0\n";
+
+  test::Running solver{{"/usr/bin/env", "RTHS_SCRAMNET_RING=" + run.ring, "RTHS_SCRAMNET_NODE=opf",
+                        program("block_scramnet"), motion.string(), "0.01", "2"}};
+
+  EXPECT_EQ(solver.wait().exit_code, 0);
+  const test::Finished finished = run.running.wait();
+  EXPECT_LE(finished.exit_code, 1) << finished.err;
+  EXPECT_NE(finished.err.find("opf: waits 60 s for its program: start it with RTHS_SCRAMNET_RING=" +
+                              run.ring + " RTHS_SCRAMNET_NODE=opf"),
+            std::string::npos)
+      << finished.err;
+  EXPECT_EQ(run.report()["duration_s"], 2);
+}
+
+TEST(ForeignNode, MissingAtItsDeadlineEndsTheStart) {
+  ForeignRun run{"foreign_missing",
+                 "srmd_block_2d.toml",
+                 {"node.opf.command=[]", "node.opf.connect_deadline_s=0.2"}};
+
+  const test::Finished finished = run.running.wait();
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("no program joined the ring as node 'opf' within 0.2 s"),
+            std::string::npos)
+      << finished.err;
+  EXPECT_FALSE(run.ring_is_there());
+}
+
+TEST(ForeignNode, HasNoVirtualTime) {
+  const auto refused = test::run_rths({"run", example("srmd_block_2d.toml"), "--clock", "virtual",
+                                       "--out", (test::build_tree() / "never").string()});
+
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("node 'opf' is a program of its own, which has no virtual time"),
+            std::string::npos)
+      << refused.err;
+}
+
+// The map of another laboratory, GT cards, no controller and no machine of this project.
+TEST(ForeignNode, OnAnotherLaboratorysRingHasAReport) {
+  ForeignRun run{"foreign_gt", "flextest_block.toml", {"duration_s=2", solver("block_gt")}};
+
+  const test::Finished finished = run.running.wait();
+
+  const Json report = run.report();
+  expect_regular_end(finished, report);
+  // A row of the recording can miss a target.
+  EXPECT_NEAR(report["integration_steps"].get<int>(), 200, 4);
+  const Json& axis = report["axes"]["long"];
+  EXPECT_GT(axis["peak_displacement_mm"], 1);
+  // The specimen is a spring.
+  EXPECT_NEAR(axis["peak_shear_kN"].get<double>(),
+              axis["peak_displacement_mm"].get<double>() * 9.75, 0.1);
+  EXPECT_LT(axis["nrms_percent"], 20);
+  EXPECT_EQ(left_out_of(report), (Words{"compensation", "predictor-corrector", "raw delay",
+                                        "numerical result", "floor spectra"}));
+  EXPECT_NE(finished.out.find("without compensation: "), std::string::npos);
+}
+
+TEST(ForeignNode, EndsInOrderWhenTheRunIsStopped) {
+  ForeignRun run{"foreign_stop", "flextest_block.toml", {solver("block_gt")}};
+  const int process = run.process_of("opf");
+  ASSERT_NE(process, 0);
+
+  const auto stopped = test::run_rths({"stop", run.ring});
+  const test::Finished finished = run.running.wait();
+
+  EXPECT_EQ(stopped.exit_code, 0) << stopped.err;
+  EXPECT_EQ(finished.err, "");
+  EXPECT_LE(finished.exit_code, 1);
+  EXPECT_TRUE(run.report()["ending"].is_null());
+  EXPECT_FALSE(test::is_running(process));
+}
+
+TEST(Stop, NamesARingWithoutARun) {
+  const auto ring = test::unique_ring("no_run");
+  const test::RingRemoval removal{ring};
+  EXPECT_NE(test::run_rths({"stop", ring}).err.find("there is no ring"), std::string::npos);
+
+  const auto mine = broker::Ring::create(ring, test::small_map());
+
+  // The signal would end this process.
+  EXPECT_NE(test::run_rths({"stop", ring}).err.find("has no launcher"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rths::launch

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <rths/recording/roles.hpp>
+
+#include "support/files.hpp"
+#include "support/ring_maps.hpp"
+
+namespace rths::recording {
+namespace {
+
+Roles roles_in(const std::string& text) { return read_roles(Config::parse(text, "x.toml")); }
+
+TEST(Roles, AreTheWordsOfTheSrmdByDefault) {
+  const Roles roles = roles_in("");
+
+  EXPECT_EQ(roles.new_target, "opf.newTarget");
+  ASSERT_EQ(roles.axes.size(), 2U);
+  EXPECT_EQ(roles.axes[1].command, "monitor.xpc.pc.command.lat");
+  EXPECT_EQ(roles.axes[1].machine_force, "srmd.lat.force.fbk");
+}
+
+TEST(Roles, FollowTheAdaptersOfTheNodes) {
+  const Roles roles = roles_in("[node.target]\nadapter = 'simulink_like'\n");
+
+  EXPECT_EQ(roles.controller, "target");
+  EXPECT_EQ(roles.axes[0].command, "monitor.target.pc.command.long");
+}
+
+TEST(Roles, AreBoundToWordsOfAnyMap) {
+  const Roles roles =
+      roles_in("axes = ['long']\n[roles]\nnew_target = 'a.go'\n[roles.long]\ntarget = 'a.displ'\n");
+
+  EXPECT_EQ(roles.new_target, "a.go");
+  ASSERT_EQ(roles.axes.size(), 1U);
+  EXPECT_EQ(roles.axes[0].target, "a.displ");
+}
+
+TEST(Roles, RefuseAnUnknownRoleAndAnUnknownWord) {
+  EXPECT_NE(test::error_of([] {
+              static_cast<void>(roles_in("[roles.long]\ntarger = 'a'\n"));
+            }).find("did you mean 'target'"),
+            std::string::npos);
+
+  const auto roles = Config::parse("[long]\ntarget = 'ref.lang'\n", "x.toml");
+  const std::string error = test::error_of([&] { check_roles(roles, test::small_map()); });
+  EXPECT_NE(error.find("x.toml:2"), std::string::npos) << error;
+  EXPECT_NE(error.find("ref.long"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace rths::recording
