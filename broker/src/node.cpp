@@ -99,8 +99,10 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
   if (id) {
     if (const auto rival = conflicting_process(segment, segment.slots()[slot_], *id)) {
       leave();
-      throw Error{fmt::format("node '{}' is already on the ring, as process {}", map.node_name(*id),
-                              *rival)};
+      throw Error{
+          fmt::format("node '{}' is already on the ring, as process {}; end that process, or "
+                      "join as another node",
+                      map.node_name(*id), *rival)};
     }
   }
   try {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -206,7 +207,9 @@ std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
   try {
     memory->object.emplace(SharedObject::open(name));
   } catch (const Error& error) {
-    throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
+    const bool exists = access(("/dev/shm/" + object_name(name)).c_str(), F_OK) == 0;
+    throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}{}", name, error.what(),
+                                  exists ? "" : "; start its run before the programs on it")};
   }
   if (!wait_until_ready(*memory->object, timeout))
     throw Error{

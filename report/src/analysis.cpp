@@ -358,6 +358,8 @@ double percentile(std::vector<double> values, double fraction) {
 std::vector<double> targets_of(const Reader& run, const Roles& roles) {
   const std::string counted = roles.monitor_of_controller() + "pc.targets";
   if (run.has(counted)) return run.signal(counted);
+  const std::string solved = "monitor." + roles.solver + ".step";
+  if (run.has(solved)) return run.signal(solved);
   if (!run.has(roles.new_target)) return {};
   auto flag = run.signal(roles.new_target);
   const auto& target = roles.axes.empty() ? std::string{} : roles.axes[0].target;

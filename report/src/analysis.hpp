@@ -138,7 +138,7 @@ struct Analysis {
 /// @throws Error if the run cannot be read or contains no motion
 [[nodiscard]] Analysis analyse(const std::filesystem::path& folder);
 
-/// Number of targets until each row: as the controller counts them, or else the changes of
+/// Number of targets until each row: as controller or solver count them, or else the changes of
 /// target and flag, of which rows can miss some. Empty if the recording has neither.
 [[nodiscard]] std::vector<double> targets_of(const recording::Reader& run,
                                              const recording::Roles& roles);

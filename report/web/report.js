@@ -143,6 +143,7 @@
 
   const tracking = () => {
     if (!axes.length) return;
+    if (!has("predictor-corrector")) byId("tracked").textContent = "Target of the solver";
     const first = data.axes[0];
     for (const a of data.axes)
       lines("tracking", `Displacement, ${AXIS_NAME[a.name]}`, times(a.command_mm), "time [s]", "displacement [mm]", [

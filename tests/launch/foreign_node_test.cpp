@@ -15,6 +15,7 @@
 #include <rths/broker/ring.hpp>
 #include <rths/recording/recording.hpp>
 
+#include "report/browser.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
 #include "support/ring_maps.hpp"
@@ -45,6 +46,10 @@ const Words kArguments{"{motion}", "{step_s}", "{duration_s}"};
 
 std::string solver(const std::string& name) {
   Words words{program(name)};
+  if (name == "python")
+    words = {"python3", (test::source_tree() / "tests/launch/foreign_solver.py").string(),
+             (test::build_tree() / "broker/scramnet/libplus.so").string(),
+             (test::build_tree() / "tests/foreign/srmd_map.h").string()};
   words.insert(words.end(), kArguments.begin(), kArguments.end());
   return command_of(words);
 }
@@ -112,7 +117,7 @@ Words left_out_of(const Json& report) {
 
 class Solver : public ::testing::TestWithParam<const char*> {};
 
-// A program of the vendor's API alone, and one of the C++ API.
+// Programs of the vendor's API alone, in C and in Python, and one of the C++ API.
 TEST_P(Solver, OfTheUsersOwnRunsATestToItsReport) {
   ForeignRun run{std::string{"foreign_"} + GetParam(),
                  "srmd_block_2d.toml",
@@ -132,7 +137,8 @@ TEST_P(Solver, OfTheUsersOwnRunsATestToItsReport) {
   EXPECT_FALSE(run.ring_is_there());
 }
 
-INSTANTIATE_TEST_SUITE_P(Programs, Solver, ::testing::Values("block_scramnet", "block_rths"),
+INSTANTIATE_TEST_SUITE_P(Programs, Solver,
+                         ::testing::Values("block_scramnet", "block_rths", "python"),
                          [](const auto& name) { return std::string{name.param}; });
 
 TEST(ForeignNode, KilledStopsTheRunWithinTwoSecondsAndKeepsTheRecording) {
@@ -238,19 +244,27 @@ TEST(ForeignNode, OnAnotherLaboratorysRingHasAReport) {
 
   const test::Finished finished = run.running.wait();
 
-  const Json report = run.report();
-  expect_regular_end(finished, report);
+  const Json numbers = run.report();
+  expect_regular_end(finished, numbers);
   // A row of the recording can miss a target.
-  EXPECT_NEAR(report["integration_steps"].get<int>(), 200, 4);
-  const Json& axis = report["axes"]["long"];
+  EXPECT_NEAR(numbers["integration_steps"].get<int>(), 200, 4);
+  const Json& axis = numbers["axes"]["long"];
   EXPECT_GT(axis["peak_displacement_mm"], 1);
   // The specimen is a spring.
   EXPECT_NEAR(axis["peak_shear_kN"].get<double>(),
               axis["peak_displacement_mm"].get<double>() * 9.75, 0.1);
   EXPECT_LT(axis["nrms_percent"], 20);
-  EXPECT_EQ(left_out_of(report), (Words{"compensation", "predictor-corrector", "raw delay",
-                                        "numerical result", "floor spectra"}));
+  EXPECT_EQ(left_out_of(numbers), (Words{"compensation", "predictor-corrector", "raw delay",
+                                         "numerical result", "floor spectra"}));
   EXPECT_NE(finished.out.find("without compensation: "), std::string::npos);
+  if (!std::filesystem::exists(report::test_support::kBrowser))
+    GTEST_SKIP() << "SKIPPED: no Chromium here; './lab test' installs it";
+  const std::string page =
+      report::test_support::rendered(run.file("report.html"), run.file("profile"));
+  // A loop; displacement, delay, error; lateness of the host. A page reports errors here, too.
+  EXPECT_EQ(report::test_support::body_of(page), "<body data-figures=\"5\">");
+  EXPECT_NE(page.find("Left out: no block 'ats' of a controller 'xpc' is recorded."),
+            std::string::npos);
 }
 
 TEST(ForeignNode, EndsInOrderWhenTheRunIsStopped) {

@@ -4,12 +4,19 @@
 #include <rths/recording/roles.hpp>
 
 #include "support/files.hpp"
-#include "support/ring_maps.hpp"
 
 namespace rths::recording {
 namespace {
 
 Roles roles_in(const std::string& text) { return read_roles(Config::parse(text, "x.toml")); }
+
+memmap::Map map_of_a_target() {
+  return memmap::parse_map(
+      "ringmap = 1\n[ring]\nname = 'x'\nversion = 1\nsize_bytes = 4096\n[nodes]\na = 1\n"
+      "[[partition]]\nname = 'a'\nnode = 'a'\noffset = 0\nlongwords = 1\n"
+      "[[partition.signal]]\nname = 'displ'\noffset = 0\ntype = 'f32'\nunit = 'm'\n",
+      "x");
+}
 
 TEST(Roles, AreTheWordsOfTheSrmdByDefault) {
   const Roles roles = roles_in("");
@@ -42,10 +49,10 @@ TEST(Roles, RefuseAnUnknownRoleAndAnUnknownWord) {
             }).find("did you mean 'target'"),
             std::string::npos);
 
-  const auto roles = Config::parse("[long]\ntarget = 'ref.lang'\n", "x.toml");
-  const std::string error = test::error_of([&] { check_roles(roles, test::small_map()); });
+  const auto roles = Config::parse("[long]\ntarget = 'a.dipsl'\n", "x.toml");
+  const std::string error = test::error_of([&] { check_roles(roles, map_of_a_target()); });
   EXPECT_NE(error.find("x.toml:2"), std::string::npos) << error;
-  EXPECT_NE(error.find("ref.long"), std::string::npos) << error;
+  EXPECT_NE(error.find("a.displ"), std::string::npos) << error;
 }
 
 }  // namespace
