@@ -12,6 +12,9 @@
 
 namespace rths::launch {
 
+/// Time between two looks at the peers.
+inline constexpr Duration kLookPeriod = std::chrono::milliseconds{20};
+
 /// Detects vanished and silent nodes of a run. A node has vanished when the kernel reports the end
 /// of its process. It is silent when its heartbeats stop while those of the watching node continue.
 class PeerWatch {
@@ -34,6 +37,7 @@ class PeerWatch {
   };
   const broker::Node& node_;
   NodeId own_;
+  bool has_images_;  ///< of a ring of cards, which carries heartbeats by messages
   std::uint64_t own_beats_ = 0;
   std::vector<Peer> peers_;
 };

@@ -22,7 +22,6 @@
 namespace rths::launch {
 namespace {
 
-constexpr Duration kLookPeriod = std::chrono::milliseconds{20};
 constexpr Duration kLongestSetup = std::chrono::seconds{1};  // without a launcher
 
 /// Ends the process if the launcher is lost while this object exists. Nothing moves yet, and the
@@ -182,7 +181,8 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
                                     [&](const Station& s) { return s.plan.node == node; });
   if (station == assembly.stations.end())
     throw Error{fmt::format("experiment '{}' has no node '{}'", experiment.name, node)};
-  broker::Ring ring = broker::Ring::attach(ring_name);
+  broker::Ring ring =
+      broker::Ring::attach(experiment.cards ? replicated::image_name(ring_name, node) : ring_name);
   adapters::AdapterRunner runner{*station->adapter, ring, node, assembly.map.hash(),
                                  station->plan.schedule.period};
   LauncherLink launcher;

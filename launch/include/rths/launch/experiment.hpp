@@ -17,6 +17,7 @@
 #include <rths/adapters/srmd.hpp>
 #include <rths/memmap/map.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/replicated/images.hpp>
 
 namespace rths::launch {
 
@@ -77,10 +78,11 @@ struct Experiment {
   adapters::ComputingTime computing_time;
   bool model_computing_time = false;  ///< also in wall time, where this solver is fast
   adapters::Retreat retreat;
-  std::vector<HostPlan> hosts;                           ///< by name; empty: one host
-  std::uint32_t domain = 0;                              ///< of DDS, between the hosts
-  double host_deadline = 60;                             ///< wait for the other hosts [s]
-  std::vector<NodePlan> nodes;                           ///< in starting order
+  std::optional<replicated::CardOptions> cards;  ///< of fidelity "replicated"; empty: "shared"
+  std::vector<HostPlan> hosts;                   ///< by name; empty: one host
+  std::uint32_t domain = 0;                      ///< of DDS, between the hosts
+  double host_deadline = 60;                     ///< wait for the other hosts [s]
+  std::vector<NodePlan> nodes;                   ///< in starting order
   std::optional<adapters::DisplacementHistory> history;  ///< imposed instead of an analysis
   Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
   recording::NamedTexts config;  ///< input files, for the recording
