@@ -129,6 +129,13 @@ struct RingArguments {
 /// Draws ring, nodes and registers of a scenario, or of a ring in shared memory.
 [[nodiscard]] int ring_show(const RingArguments& arguments);
 
+struct FaultArguments {
+  std::string ring;
+  std::vector<std::string> keys;  ///< key=value, as in a [[fault]] of an experiment
+};
+/// Causes a fault of the cards of a running replicated ring.
+[[nodiscard]] int fault(const FaultArguments& arguments);
+
 struct CardBenchArguments {
   int passes = 5;
   double seconds = 0.5;  ///< computing time of a pass [s]

@@ -48,6 +48,7 @@ struct Arguments {
   LoopArguments loop;
   TermsArguments terms;
   RingArguments ring;
+  FaultArguments fault;
   CardBenchArguments card_bench;
   BearingBenchArguments bearings;
   OpenseesBenchArguments trips;
@@ -226,6 +227,16 @@ void add_ring(CLI::App& app, Arguments& a, Chosen& chosen) {
   show->add_option("--at-us", a.ring.at_us, "Time in the scenario [us; its end]")
       ->check(CLI::NonNegativeNumber);
   show->callback([&] { chosen = [&a] { return ring_show(a.ring); }; });
+}
+
+void add_fault(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("fault", "Cause a fault of the cards of a replicated ring");
+  command->add_option("ring", a.fault.ring, "Name of a ring")->required();
+  command
+      ->add_option("keys", a.fault.keys,
+                   "key=value, as in a [[fault]] of an experiment: kind=power_off node=NAME")
+      ->required();
+  command->callback([&] { chosen = [&a] { return fault(a.fault); }; });
 }
 
 void add_bench_card(CLI::App& bench, Arguments& a, Chosen& chosen) {
@@ -462,9 +473,9 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", version());
   Arguments arguments;
   Chosen chosen;
-  for (const auto add :
-       {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch, add_bridge,
-        add_send, add_ring, add_bench, add_loop, add_terms, add_diagnose, add_map, add_rest})
+  for (const auto add : {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch,
+                         add_fault, add_bridge, add_send, add_ring, add_bench, add_loop, add_terms,
+                         add_diagnose, add_map, add_rest})
     add(app, arguments, chosen);
   const std::vector<std::string> words{argv + 1, argv + argc};
   if (const auto result = run_hidden(app, words)) return *result;

@@ -7,7 +7,7 @@
 #include <rths/broker/ring.hpp>
 #include <rths/card_view/card_view.hpp>
 #include <rths/core/error.hpp>
-#include <rths/replicated/scenario.hpp>
+#include <rths/replicated/images.hpp>
 
 #include "commands.hpp"
 #include "write_file.hpp"
@@ -15,30 +15,63 @@
 namespace rths::app {
 namespace {
 
-// Nodes of a ring in shared memory see the same words, so there are no messages to show.
-int show_shared(const std::string& name) {
+void print_registers(const card_view::SharedCard& card) {
+  for (const int csr : {0, 1, 2, 8})
+    fmt::print("{}", replicated::csr_line(csr, card.csr[static_cast<std::size_t>(csr)]));
+  fmt::print("  interrupt FIFO {} of 1024, {} interrupts to the host\n", card.interrupt_fifo,
+             card.host_interrupts);
+}
+
+broker::RingReport usable_ring(const std::string& name) {
   const auto ring = broker::inspect_ring(name);
   if (!ring)
     throw Error{fmt::format("'{}' is neither a scenario file nor a ring of this host", name)};
   if (!ring->usable) throw Error{fmt::format("ring '{}': {}", name, ring->trouble)};
-  fmt::print("{}: {} bytes in shared memory, {} processes, {} cards\n", name, ring->bytes,
-             ring->occupants.size(), ring->cards);
-  for (const auto& occupant : ring->occupants)
+  return *ring;
+}
+
+// Nodes of a ring in shared memory see the same words, so there are no messages to show.
+int show_shared(const broker::RingReport& ring, const std::vector<card_view::SharedCard>& cards) {
+  fmt::print("{}: {} bytes in shared memory, {} processes, {} cards\n", ring.name, ring.bytes,
+             ring.occupants.size(), ring.cards);
+  for (const auto& occupant : ring.occupants)
     fmt::print("  {:<12} process {} {}\n", occupant.node, occupant.pid,
                occupant.alive ? "alive" : "ended without leaving");
-  if (ring->cards == 0) return kOk;
-  for (const auto& card : card_view::cards_of(name)) {
+  for (const auto& card : cards) {
     fmt::print("\n{} {}, id {}, {}\n", card.gt ? "GT card" : "card", card.index, card.id,
                card.process == 0 ? "idle" : fmt::format("of process {}", card.process));
-    if (card.gt) continue;
-    for (const int csr : {0, 1, 2, 8}) {
-      const std::uint32_t value = card.csr[static_cast<std::size_t>(csr)];
-      fmt::print("  CSR{} {:04x}  {}\n", csr, value, replicated::csr_in_words(csr, value));
-    }
-    fmt::print("  interrupt FIFO {} of 1024, {} interrupts to the host\n", card.interrupt_fifo,
-               card.host_interrupts);
+    if (!card.gt) print_registers(card);
   }
   return kOk;
+}
+
+// Each node has an image and a card.
+int show_images(const broker::RingReport& ring) {
+  const auto attached = broker::Ring::attach(ring.name);
+  const auto& nodes = attached.map().description().nodes;
+  fmt::print("{}: {} bytes for each of {} nodes\n", ring.name, ring.bytes, nodes.size());
+  for (const auto& node : nodes) {
+    const std::string image = replicated::image_name(ring.name, node.name);
+    for (const auto& card : card_view::cards_of(image)) {
+      if (!card.carried) continue;
+      fmt::print("\n{}, image '{}', id {}\n", node.name, image, card.id);
+      print_registers(card);
+      fmt::print("  transmit FIFO  {} of 1024, messages sent {}, stored {}, rejected {}\n",
+                 card.carried->transmit_fifo, card.carried->sent, card.carried->stored,
+                 card.carried->rejected);
+      if (card.carried->ring_nodes != 0)
+        fmt::print("  ring of {} nodes\n", card.carried->ring_nodes);
+    }
+  }
+  return kOk;
+}
+
+int show_running(const std::string& name) {
+  const auto ring = usable_ring(name);
+  const auto cards = card_view::cards_of(name);
+  const bool has_images = std::any_of(cards.begin(), cards.end(),
+                                      [](const auto& card) { return card.carried.has_value(); });
+  return has_images ? show_images(ring) : show_shared(ring, cards);
 }
 
 }  // namespace
@@ -59,7 +92,7 @@ int ring_trace(const RingArguments& arguments) {
 int ring_show(const RingArguments& arguments) {
   if (!std::filesystem::exists(arguments.source)) {
     if (arguments.at_us) throw Error{"--at-us: a running ring has no other time than now"};
-    return show_shared(arguments.source);
+    return show_running(arguments.source);
   }
   replicated::Course course{replicated::load_scenario(arguments.source)};
   const replicated::Time end = course.scenario().duration;

@@ -106,6 +106,8 @@ bool is_same_layout(const Header& a, const Header& b) {
     header.creator = 0;
     header.cards_in_use = 0;
     header.looks = 0;
+    header.is_replicated = 0;
+    header.fault = 0;
     return header;
   };
   return layout(a) == layout(b);

@@ -53,8 +53,10 @@ struct alignas(256) Header {
   std::uint64_t memory_at, memory_bytes;
   std::uint64_t journals_at, journal_bits, journal_count;
   std::uint64_t cards_at, card_bytes, card_count;
-  std::uint64_t cards_in_use;  ///< bit n: card n has its space and its registers
-  std::uint64_t looks;         ///< that `rths watch` has completed
+  std::uint64_t cards_in_use;   ///< bit n: card n has its space and its registers
+  std::uint64_t looks;          ///< that `rths watch` has completed
+  std::uint64_t is_replicated;  ///< 1: each node has an image; see broker/replicated
+  std::uint64_t fault;          ///< that a process asks the cards of these images for; 0: none
 
   bool operator==(const Header&) const = default;
 };

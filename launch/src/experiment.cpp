@@ -141,6 +141,40 @@ void read_stop(const Config& table, Experiment& experiment) {
   table.reject_unknown_keys();
 }
 
+// Fidelity of the ring, its cards and their faults.
+void read_ring(const Config& file, Experiment& experiment) {
+  const std::string fidelity = file.text("fidelity", "shared");
+  if (fidelity != "shared" && fidelity != "replicated")
+    file.fail("fidelity", fmt::format("fidelity is '{}', expected shared or replicated", fidelity));
+  const bool is_replicated = fidelity == "replicated";
+  for (const char* key : {"cards", "fault"})
+    if (file.has(key) && !is_replicated)
+      file.fail(key,
+                fmt::format("found {} on a shared ring, expected fidelity = \"replicated\"", key));
+  if (!is_replicated) return;
+  if (!experiment.hosts.empty())
+    file.fail("fidelity", "fidelity is 'replicated', expected 'shared' on several hosts");
+  const Config table = file.table_or_empty("cards");
+  replicated::CardOptions cards;
+  cards.csr2 = replicated::read_protocol(table);
+  cards.fibre_m = table.number_in("fibre_m", 0, 1e6, cards.fibre_m);
+  cards.strict_ids = table.flag("strict_ids", false);
+  cards.bit_error_rate = table.number_in("bit_error_rate", 0, 1, 0.0);
+  cards.seed = experiment.seed;
+  table.reject_unknown_keys();
+  std::vector<std::string> names;
+  for (const auto& plan : experiment.nodes) names.push_back(plan.node);
+  for (const Config& fault : file.tables("fault")) {
+    replicated::Action action = replicated::read_fault(fault, names);
+    action.at = replicated::from_ns(fault.number_in("at_s", 0, 1e5) * 1e9);
+    cards.faults.push_back({fault.has("node") ? fault.text("node") : "", action});
+    fault.reject_unknown_keys();
+  }
+  std::stable_sort(cards.faults.begin(), cards.faults.end(),
+                   [](const auto& a, const auto& b) { return a.action.at < b.action.at; });
+  experiment.cards = std::move(cards);
+}
+
 // A part of the names of nodes and signals.
 bool is_host_name(const std::string& name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -267,6 +301,7 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   experiment.nodes = read_nodes(factories, file.table("node"), experiment);
   read_hosts(file, experiment);
   check_hosts(file, experiment);
+  read_ring(file, experiment);
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
   experiment.conclusive = file.table_or_empty("conclusive");
   experiment.has_plant = file.has("plant");

@@ -141,14 +141,20 @@ class ForeignNode {
  private:
   [[nodiscard]] Presence presence() const { return observer_.presence_of(id_); }
 
+  // The ring that a program joins by our interface. Cards find their image themselves.
+  [[nodiscard]] std::string own_ring_of(const RunPlace& place) const {
+    return experiment_.cards ? replicated::image_name(place.ring, plan_.node) : place.ring;
+  }
+
   void start_program(const RunPlace& place) {
     const adapters::UserProgram& program = *plan_.settings.program;
+    const std::string own_ring = own_ring_of(place);
     const auto motion = adapters::file_beside(place.recording, plan_.node, ".motion.csv");
     adapters::ProgramStart start;
     for (auto argument : program.command) {
       if (adapters::fill_in(argument, experiment_, motion))
         std::ofstream{motion} << adapters::motion_text(experiment_.motion);
-      adapters::replace_all(argument, adapters::kRingPlaceholder, place.ring);
+      adapters::replace_all(argument, adapters::kRingPlaceholder, own_ring);
       adapters::replace_all(argument, adapters::kNodePlaceholder, plan_.node);
       start.command.push_back(std::move(argument));
     }
@@ -159,7 +165,8 @@ class ForeignNode {
     start.log =
         std::filesystem::absolute(adapters::file_beside(place.recording, plan_.node, ".log"));
     for (const char* api : {"RTHS_", "RTHS_SCRAMNET_", "RTHS_SCGT_"}) {
-      start.environment.emplace_back(std::string{api} + "RING", place.ring);
+      start.environment.emplace_back(std::string{api} + "RING",
+                                     api == std::string{"RTHS_"} ? own_ring : place.ring);
       start.environment.emplace_back(std::string{api} + "NODE", plan_.node);
     }
     program_.emplace(start);
@@ -169,8 +176,8 @@ class ForeignNode {
     name_ = "its program";
     hint_ = fmt::format(
         ": start it with RTHS_SCRAMNET_RING={0} RTHS_SCRAMNET_NODE={1} (GT cards: RTHS_SCGT_RING, "
-        "RTHS_SCGT_NODE), or join ring '{0}' as node '{1}'",
-        place.ring, plan_.node);
+        "RTHS_SCGT_NODE), or join ring '{2}' as node '{1}'",
+        place.ring, plan_.node, own_ring_of(place));
     fmt::print(stderr, "{}: waits {:g} s for its program{}\n", plan_.node,
                plan_.settings.program->connect_deadline, hint_);
   }

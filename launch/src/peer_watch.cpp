@@ -12,7 +12,7 @@ constexpr Duration kLongestSilence = std::chrono::milliseconds{500};  // beyond 
 
 PeerWatch::PeerWatch(const broker::Node& node, const memmap::Map& map, const Experiment& experiment,
                      const std::string& own_name)
-    : node_{node}, own_{map.node(own_name)} {
+    : node_{node}, own_{map.node(own_name)}, has_images_{experiment.cards.has_value()} {
   for (const auto& plan : experiment.nodes)
     if (plan.node != own_name)
       peers_.push_back({plan.node,
@@ -34,7 +34,8 @@ std::optional<std::string> PeerWatch::find_trouble(TimePoint now) {
     if (presence.state == broker::Presence::State::Absent || !runs) continue;  // left in order
     if (peer.is_foreign) continue;  // its own process judges its silence
     if (peer.silence.look(now, node_.beats_of(peer.id)) > peer.longest_silence)
-      return fmt::format("{} (process {}) is silent", peer.name, presence.pid);
+      return has_images_ ? fmt::format("no messages of {} arrive", peer.name)
+                         : fmt::format("{} (process {}) is silent", peer.name, presence.pid);
   }
   return std::nullopt;
 }

@@ -35,6 +35,7 @@ class PeerWatch {
   };
   const broker::Node& node_;
   NodeId own_;
+  bool has_images_;  ///< of a ring of cards, which carries heartbeats by messages
   std::uint64_t own_beats_ = 0;
   std::vector<Peer> peers_;
 };

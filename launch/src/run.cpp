@@ -38,6 +38,12 @@ std::size_t steps_of(const Experiment& experiment, const NodePlan& plan) {
   return static_cast<std::size_t>((longest + kMargin) / to_seconds(plan.schedule.period));
 }
 
+void add_faults(const std::vector<std::string>& events, RunResult& result) {
+  for (const auto& event : events) result.faults += (result.faults.empty() ? "" : "; ") + event;
+  if (!result.faults.empty() && !result.trouble.empty())
+    result.trouble += " (faults: " + result.faults + ")";
+}
+
 Duration longest_stop(const Experiment& experiment) {
   constexpr double kMarginForPeers = 1.0;  // [s]
   return from_seconds(experiment.retreat.hold + experiment.retreat.ramp + kMarginForPeers);
@@ -68,6 +74,7 @@ void add_to_meta(const std::filesystem::path& file, const Experiment& experiment
   recording::NamedTexts meta{{"ending", ending_of(outcome)},
                              {"wall_time_s", fmt::format("{:.3f}", outcome.wall_time)},
                              {"privileges", privileges.empty() ? "all" : privileges}};
+  if (!result.faults.empty()) meta.emplace_back("faults", result.faults);
   if (outcome.completed)
     meta.emplace_back(
         "times_real_time",

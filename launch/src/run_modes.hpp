@@ -42,11 +42,16 @@ struct RunResult {
   HostLateness lateness;
   std::map<std::string, adapters::StepTimes> times;  ///< by node; some or none
   std::vector<std::string> privileges;               ///< missing privileges, one line per node
+  std::string faults;                                ///< of the cards, on purpose; empty if none
 };
 [[nodiscard]] RunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
                                          const RunOptions& options);
 [[nodiscard]] RunResult run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                                             const RunOptions& options);
+
+/// Names the faults of the cards in the result of a run; a run that ended early gives them as its
+/// cause.
+void add_faults(const std::vector<std::string>& events, RunResult& result);
 
 /// Steps of a node in the longest run of an experiment, slow-downs included.
 [[nodiscard]] std::size_t steps_of(const Experiment& experiment, const NodePlan& plan);

@@ -17,6 +17,8 @@
 
 #include "host_link.hpp"
 #include "interrupt.hpp"
+#include "launcher_link.hpp"
+#include "peer_watch.hpp"
 #include "turns.hpp"
 
 namespace rths::launch {
@@ -32,6 +34,8 @@ struct Runner {
   Duration due;
   Duration start;  ///< of its next step
   bool finished = false;
+  std::unique_ptr<PeerWatch> peers = nullptr;  ///< on a ring of cards
+  Duration next_look{0};
 };
 
 Runner* next_due(std::vector<Runner>& runners) {
@@ -41,20 +45,24 @@ Runner* next_due(std::vector<Runner>& runners) {
   return next;
 }
 
+using RingOf = std::function<broker::Ring&(const std::string& node)>;
+
 class VirtualRun {
  public:
+  /// @param ring_of  the ring of a node
   /// @param turns  order of the steps of all hosts; null on one host
   VirtualRun(const Experiment& experiment, Assembly& assembly, const RunOptions& options,
-             broker::Ring& ring, Turns* turns)
+             const RingOf& ring_of, Turns* turns)
       : experiment_{experiment}, options_{options}, turns_{turns} {
     for (auto& station : assembly.stations) {
       const bool is_here = turns == nullptr || station.plan.host == options.host;
       if (is_here) station.adapter->activate();
       runners_.push_back({&station,
-                          is_here ? std::make_unique<adapters::AdapterRunner>(
-                                        *station.adapter, ring, station.plan.node,
-                                        assembly.map.hash(), station.plan.schedule.period)
-                                  : nullptr,
+                          is_here
+                              ? std::make_unique<adapters::AdapterRunner>(
+                                    *station.adapter, ring_of(station.plan.node), station.plan.node,
+                                    assembly.map.hash(), station.plan.schedule.period)
+                              : nullptr,
                           station.plan.schedule.phase, Duration{0}, false});
       schedule(runners_.back());
       if (options.lateness && runners_.back().runner)
@@ -62,10 +70,21 @@ class VirtualRun {
     }
   }
 
+  /// Carries the messages of cards before and after each step.
+  void carry(replicated::Images& images, const memmap::Map& map) {
+    images_ = &images;
+    for (auto& runner : runners_)
+      runner.peers = std::make_unique<PeerWatch>(runner.runner->node(), map, experiment_,
+                                                 runner.station->plan.node);
+  }
+
   std::string run() {
     if (options_.started) options_.started();
     while (Runner* runner = next_due(runners_)) {
+      if (images_ != nullptr) images_->advance(runner->start);
       const auto status = step(*runner);
+      if (images_ != nullptr) images_->advance(runner->start);
+      look_for_peers(*runner);
       if (!status) return trouble_;
       if (*status == Status::Done || *status == Status::Fault) end(*runner, *status);
       if (stopping_since_ && runner->due > *stopping_since_ + longest_stop(experiment_))
@@ -114,6 +133,17 @@ class VirtualRun {
     return status;
   }
 
+  // Cards can part a node from its peers; then it stops the run.
+  void look_for_peers(Runner& runner) {
+    if (!runner.peers || stopping_since_ || runner.due < runner.next_look) return;
+    runner.next_look = runner.due + kLookPeriod;
+    const auto trouble = runner.peers->find_trouble(runner.due);
+    if (!trouble) return;
+    stopping_since_ = runner.due;
+    trouble_ = fmt::format("{}: {} at {:.3f} s", runner.station->plan.node, *trouble,
+                           to_seconds(runner.due));
+  }
+
   void end(Runner& runner, Status status) {
     runner.finished = true;
     if (!stopping_since_) stopping_since_ = runner.due;
@@ -134,6 +164,7 @@ class VirtualRun {
   const Experiment& experiment_;
   const RunOptions& options_;
   Turns* turns_;
+  replicated::Images* images_ = nullptr;
   VirtualClock clock_;
   std::vector<Runner> runners_;
   std::optional<Duration> stopping_since_;
@@ -143,10 +174,20 @@ class VirtualRun {
 
 RunResult run_on_one_host(const Experiment& experiment, Assembly& assembly,
                           const RunOptions& options) {
-  broker::Ring ring = broker::Ring::in_process(assembly.map);
-  VirtualRun run{experiment, assembly, options, ring, nullptr};
+  std::optional<replicated::Images> images;
+  std::optional<broker::Ring> shared;
+  if (experiment.cards)
+    images.emplace(replicated::Images::in_process(assembly.map, *experiment.cards));
+  else
+    shared.emplace(broker::Ring::in_process(assembly.map));
+  VirtualRun run{
+      experiment, assembly, options,
+      [&](const std::string& node) -> broker::Ring& { return images ? images->of(node) : *shared; },
+      nullptr};
+  if (images) run.carry(*images, assembly.map);
   RunResult result;
   result.trouble = run.run();
+  if (images) add_faults(images->events(), result);
   result.times = run.times();
   return result;
 }
@@ -161,7 +202,8 @@ std::string run_on_several_hosts(const Experiment& experiment, Assembly& assembl
   std::string trouble;
   try {
     Turns turns{ring, experiment, link};
-    VirtualRun run{experiment, assembly, options, ring, &turns};
+    VirtualRun run{experiment, assembly, options,
+                   [&](const std::string&) -> broker::Ring& { return ring; }, &turns};
     link.wait_until_ready([] { return InterruptGuard::is_interrupted(); });
     trouble = InterruptGuard::is_interrupted() ? "interrupted" : run.run();
   } catch (const Error& error) {

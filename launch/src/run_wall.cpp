@@ -13,6 +13,7 @@
 
 #include <rths/core/error.hpp>
 
+#include "card_carrier.hpp"
 #include "child_process.hpp"
 #include "host_link.hpp"
 #include "host_probe.hpp"
@@ -59,6 +60,9 @@ class WallRun {
         nodes_.push_back({station.plan.node, ChildProcess{arguments_for(station.plan.node)}});
   }
 
+  /// The thread that carries the messages of cards.
+  void carry_by(CardCarrier& carrier) { carrier_ = &carrier; }
+
   void wait_until_ready() {
     const TimePoint deadline = clock_.now() + longest_start(experiment_);
     for (auto& node : nodes_) {
@@ -86,6 +90,7 @@ class WallRun {
     const auto agreed = agree_on_epoch();
     if (!agreed) return std::move(result_);
     const TimePoint epoch = *agreed;
+    if (carrier_ != nullptr) carrier_->begin(epoch);
     for (auto& node : nodes_) node.process.send_line(fmt::format("go {}", epoch.count()));
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
     while (!all_ended()) {
@@ -243,6 +248,7 @@ class WallRun {
   const Experiment& experiment_;
   const RunOptions& options_;
   HostLink* link_;
+  CardCarrier* carrier_ = nullptr;
   WallClock clock_;
   std::deque<NodeProcess> nodes_;
   std::optional<TimePoint> stopping_;
@@ -271,12 +277,30 @@ RunResult run_with_other_hosts(const Experiment& experiment, const Assembly& ass
   return result;
 }
 
+// On a ring of cards: each node has an image of its own.
+RunResult run_on_images(const Experiment& experiment, const Assembly& assembly,
+                        const RunOptions& options) {
+  auto images = replicated::Images::create(options.ring, assembly.map, *experiment.cards);
+  const RunCleaning cleaning{options};
+  RunResult result;
+  {
+    CardCarrier carrier{images};
+    WallRun run{experiment, assembly, options, nullptr};
+    run.carry_by(carrier);
+    run.wait_until_ready();
+    result = run.run();
+  }
+  add_faults(images.events(), result);
+  return result;
+}
+
 }  // namespace
 
 RunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
                            const RunOptions& options) {
   const InterruptGuard guard;
   broker::on_lost_memory(broker::OnLostMemory::Continue);
+  if (experiment.cards) return run_on_images(experiment, assembly, options);
   broker::Ring ring = broker::Ring::create(options.ring, assembly.map);
   const RunCleaning cleaning{options};
   if (options.host.empty()) {

@@ -106,6 +106,58 @@ TEST(VirtualRun, GivesTheSameBitsEveryTime) {
   }
 }
 
+/// RMS of the difference of a signal between two recordings, over the RMS of the first.
+double difference(const recording::Reader& a, const recording::Reader& b, const std::string& name) {
+  const auto first = a.signal(name);
+  const auto second = b.signal(name);
+  double error = 0, size = 0;
+  for (std::size_t i = 0; i < std::min(first.size(), second.size()); ++i) {
+    error += (first[i] - second[i]) * (first[i] - second[i]);
+    size += first[i] * first[i];
+  }
+  return std::sqrt(error / size);
+}
+
+// A message needs 1 to 100 µs on the ring, and the nodes read what has arrived at their steps.
+TEST(VirtualRun, HasTheSameResponseOnARingOfCards) {
+  const test::TemporaryFolder shared, first, second;
+  const std::string duration = test::is_long() ? "duration_s=40" : "duration_s=2";
+  static_cast<void>(numbers_of(shared.path(), {duration}));
+  for (const auto* folder : {&first, &second})
+    static_cast<void>(numbers_of(folder->path(), {duration, "fidelity=replicated"}));
+
+  const recording::Reader a{shared.path() / "run.h5"};
+  const recording::Reader b{first.path() / "run.h5"};
+  for (const char* signal : {"srmd.long.displ.fbk", "srmd.lat.displ.fbk", "srmd.long.force.fbk"})
+    EXPECT_LE(difference(a, b, signal), 1e-3) << signal;
+  const std::string command = "h5diff --exclude-path=/meta " + (first.path() / "run.h5").string() +
+                              " " + (second.path() / "run.h5").string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+class EveryNode : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(EveryNode, MayLeaveTheRingOfCardsDuringARun) {
+  const test::TemporaryFolder folder;
+  const auto file =
+      folder.write("faulty.toml", test::content_of(example()) +
+                                      "\n[[fault]]\nat_s = 4\nkind = \"power_off\"\nnode = \"" +
+                                      GetParam() + "\"\n");
+  const test::Finished run = test::run_rths(
+      {"run", file.string(), "--clock", "virtual", "--no-diagnosis", "--out",
+       (folder.path() / "out").string(), "--set", "fidelity=replicated", "--set", "duration_s=10",
+       "--set", "folder=" + (test::source_tree() / "examples").string()},
+      60);
+
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_NE((run.out + run.err).find(std::string{GetParam()} + " out of the ring at 4.000 s"),
+            std::string::npos)
+      << run.out << run.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(OfTheExample, EveryNode, ::testing::Values("opf", "xpc", "srmd"),
+                         [](const auto& instance) { return std::string{instance.param}; });
+
 TEST(VirtualRun, HasOtherNoiseWithAnotherSeed) {
   const test::TemporaryFolder first;
   const test::TemporaryFolder second;

@@ -133,6 +133,29 @@ TEST(WallRun, RecordsTheTimesOfTheStepsOfControllerAndMachine) {
   }
 }
 
+const std::vector<std::string> kOnCards{"--set", "rest_s=0.5", "--set", "fidelity=replicated"};
+
+TEST(WallRun, CompletesOnARingOfCards) {
+  WallRun run{"cards", "2", kOnCards};
+
+  expect_regular_end(run.running.wait(60));
+  EXPECT_FALSE(run.ring_is_there());
+}
+
+TEST(WallRun, ComesToRestWhenANodeIsPulledOutOfItsRingOfCards) {
+  WallRun run{"pulled", "60", kOnCards};
+  run.wait_until_moving();
+
+  const test::Finished fault = test::run_rths({"fault", run.ring, "kind=power_off", "node=xpc"});
+  const test::Finished finished = run.running.wait(20);
+
+  EXPECT_EQ(fault.exit_code, 0) << fault.err;
+  EXPECT_NE(finished.exit_code, 0);
+  EXPECT_NE(finished.err.find("xpc out of the ring at "), std::string::npos) << finished.err;
+  for (const auto& report : broker::list_rings())
+    EXPECT_NE(report.name.rfind(run.ring, 0), 0U) << report.name;
+}
+
 TEST(WallRun, TakesAsLongAsTheTest) {
   WallRun run{"time", "3", kShortRest};
 

@@ -8,20 +8,36 @@ import sys
 TREE = pathlib.Path(__file__).resolve().parents[2]
 BEHAVIOURS = 52
 STATES = {"exact", "approximated", "not possible"}
-ROW = re.compile(r"^\| (\d+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", re.MULTILINE)
+LIVE_STATES = {"exact", "within the scan period", "not possible"}
+ROW = re.compile(r"^\| (\d+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", re.MULTILINE)
+REASON = re.compile(r"^- (\d+)(?:(, | to )(\d+))?: ", re.MULTILINE)
 TEST = re.compile(r"\bTEST(?:_F)?\(\s*(\w+),\s*(\w+)\)")
+
+
+def with_reason(page):
+    """Numbers of the behaviours that the page gives a reason for."""
+    numbers = set()
+    for first, to, last in REASON.findall(page):
+        numbers |= set(range(int(first), int(last) + 1)) if to == " to " else {int(first), int(last or first)}
+    return numbers
 
 
 def main():
     known = {f"{suite}.{name}" for folder in ("scramnet", "replicated")
              for file in (TREE / "tests" / folder).glob("*_test.cpp")
              for suite, name in TEST.findall(file.read_text())}
-    rows = ROW.findall((TREE / "docs/scramnet.md").read_text())
+    page = (TREE / "docs/scramnet.md").read_text()
+    rows = ROW.findall(page)
     wrong = []
     if [int(row[0]) for row in rows] != list(range(1, BEHAVIOURS + 1)):
         wrong.append(f"the table has the rows {[int(row[0]) for row in rows]}, expected 1 to {BEHAVIOURS}")
-    for number, _, shared, replicated, tests in rows:
+    impossible = {int(row[0]) for row in rows if row[4] == "not possible"}
+    if impossible != with_reason(page):
+        wrong.append(f"not possible live: {sorted(impossible)}, reasons: {sorted(with_reason(page))}")
+    for number, _, shared, replicated, live, tests in rows:
         wrong += [f"row {number}: '{state}' is no state" for state in (shared, replicated) if state not in STATES]
+        if live not in LIVE_STATES:
+            wrong.append(f"row {number}: '{live}' is no state of a live ring")
         names = re.findall(r"`([^`]+)`", tests)
         if not names:
             wrong.append(f"row {number}: names no test")

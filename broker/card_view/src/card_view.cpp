@@ -25,6 +25,13 @@ SharedCard view_of(std::uint32_t index, const scramnet::CardTable::CardView& map
                 (card.plus.armed.load() != 0 ? scramnet::csr1::kArmed : 0U);
   view.interrupt_fifo = std::min(scramnet::size(card.plus.fifo), scramnet::kFifoEntries);
   view.host_interrupts = card.plus.host_interrupts.load();
+  if (card.carried.active.load() == 0) return view;
+  view.csr[1] |= card.carried.live_status.load();
+  view.carried = {.transmit_fifo = card.carried.transmit_fifo.load(),
+                  .ring_nodes = card.carried.ring_nodes.load(),
+                  .sent = card.carried.sent.load(),
+                  .stored = card.carried.stored.load(),
+                  .rejected = card.carried.rejected.load()};
   return view;
 }
 

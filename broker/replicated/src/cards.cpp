@@ -22,7 +22,7 @@ Node::Node(const NodeSetup& setup, CardType type)
       memory{setup.memory_bytes},
       acr{type == CardType::Plus ? setup.memory_bytes / 4 : 0} {
   if (type == CardType::Plus)
-    plus = std::make_unique<PlusCard>();
+    own_plus = std::make_unique<PlusCard>(), plus = own_plus.get();
   else
     gt = std::make_unique<GtCard>();
 }
@@ -43,7 +43,7 @@ std::uint32_t Engine::read(std::uint32_t at, std::uint32_t offset, std::uint32_t
   offset -= offset % bytes;
   if (!node.powered || offset + std::uint64_t{bytes} > node.memory.size()) return 0xFFFF'FFFF;
   if (type_ == CardType::Plus && registers(node).all_set(0, csr0::kAcrWindow))
-    return offset % 4 == 0 ? node.acr.get<std::uint8_t>(offset / 4) : 0;
+    return offset % 4 == 0 ? node.acr.get(offset / 4) : 0;
   if (bytes == 1) return node.memory.get<std::uint8_t>(offset);
   if (bytes == 2) return node.memory.get<std::uint16_t>(offset);
   return node.memory.get<std::uint32_t>(offset);
@@ -55,8 +55,8 @@ void Engine::power_up(std::uint32_t at) {
     registers(node).power_up(node.id);
     registers(node).set_size_code(size_code_of(node.memory.size()));
   } else {
-    power_up_gt(*node.gt, now_.count() / 15);
-    static_cast<void>(set_state(*node.gt, 0, node.id, now_.count() / 15));
+    power_up_gt(*node.gt, clock_ns());
+    static_cast<void>(set_state(*node.gt, 0, node.id, clock_ns()));
   }
   update_path(at);
 }

@@ -33,15 +33,15 @@ void Course::run_until(Time time) {
     if (next > time) break;
     ring_.run_until(next);
     if (first == hosts_.size())
-      act(scenario_.actions[next_action_++]);
+      act(ring_, scenario_.actions[next_action_++]);
     else
       store(scenario_.traffic[first], hosts_[first]);
   }
   ring_.run_until(time);
 }
 
-void Course::act(const Action& action) {
-  Card card = ring_.card(action.node);
+void act(Ring& ring, const Action& action) {
+  Card card = ring.card(action.node);
   switch (action.kind) {
     case Action::Kind::Write:
       static_cast<void>(card.write(to_byte_offset(LongwordOffset{action.place}), action.value));
@@ -56,17 +56,13 @@ void Course::act(const Action& action) {
       return card.set_power(action.kind == Action::Kind::PowerOn);
     case Action::Kind::CutFibre:
     case Action::Kind::RepairFibre:
-      return ring_.set_fibre(action.node, action.kind == Action::Kind::RepairFibre);
+      return ring.set_fibre(action.node, action.kind == Action::Kind::RepairFibre);
     case Action::Kind::BitErrorRate:
-      return ring_.set_bit_error_rate(action.rate);
+      return ring.set_bit_error_rate(action.rate);
     case Action::Kind::Delay:
       return card.set_extra_delay(action.delay);
     case Action::Kind::Id:
-      if (scenario_.setup.cards == CardType::Plus)
-        card.write_csr(3, action.value << 8);
-      else
-        static_cast<void>(card.set_gt_state(0, action.value));
-      return;
+      return card.set_id(action.value);
   }
 }
 

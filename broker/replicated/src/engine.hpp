@@ -40,6 +40,12 @@ class Engine {
   void write_cr(std::uint32_t node, std::uint32_t offset, std::uint32_t value);
   Access send_interrupt(std::uint32_t node, const Entry& interrupt);
 
+  /// Uses a card in the object of an image, whose host is another process.
+  void share(std::uint32_t node, scramnet::Card& card, scramnet::Word* acr);
+  /// Takes what that host has done to its registers, and shows it the state of the card.
+  void exchange(std::uint32_t node);
+  /// Time of the registers at time 0 of the ring [ns]; by default 0.
+  void set_clock(std::int64_t origin_ns) { clock_origin_ns_ = origin_ns; }
   void power_up(std::uint32_t node);
   void set_power(std::uint32_t node, bool on);
   void set_fibre(std::uint32_t node, bool connected);
@@ -87,6 +93,8 @@ class Engine {
   // Received messages.
   void on_received(const Event& event);
   void store_plus(Node& node, const Message& message, bool own);
+  void interrupt_of(Node& node, const Message& message, bool own, std::uint64_t offset,
+                    std::uint64_t window);
   void store_gt(Node& node, const Message& message, bool own);
   void reject(Node& node);
   [[nodiscard]] std::uint32_t receive_id(const Node& node) const;
@@ -97,6 +105,11 @@ class Engine {
   Access write_plus(Node& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
   Access write_gt(Node& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
   Access enqueue(Node& node, const Entry& entry);
+  void reset_transmitter(Node& node);
+  void interrupt_host(Node& node);
+  [[nodiscard]] std::int64_t clock_ns() const {
+    return clock_origin_ns_ + std::chrono::duration_cast<std::chrono::nanoseconds>(now_).count();
+  }
   void latch(Node& node, std::uint32_t csr1_bits);
   void latch_error(Node& node, std::uint32_t csr1_bits);
   void trigger(Node& node, std::uint32_t acr_bit, std::uint32_t acr);
@@ -117,6 +130,7 @@ class Engine {
   Messages messages_;
   EventQueue events_;
   Time now_{0};
+  std::int64_t clock_origin_ns_ = 0;
   mutable std::int64_t now_ns_ = 0;  ///< the same for registers
   std::uint64_t numbers_ = 0;
   std::uint32_t scheduled_ = 0;  ///< transmissions

@@ -46,11 +46,11 @@ GtRing Engine::gt_ring(std::uint32_t at) const {
 }
 
 std::uint32_t Engine::gt_state(std::uint32_t at, std::uint32_t state) {
-  return get_state(*nodes_[at].gt, state, gt_ring(at), now_.count() / 15);
+  return get_state(*nodes_[at].gt, state, gt_ring(at), clock_ns());
 }
 
 bool Engine::set_gt_state(std::uint32_t at, std::uint32_t state, std::uint32_t value) {
-  const bool done = set_state(*nodes_[at].gt, state, value, now_.count() / 15) == StateResult::Ok;
+  const bool done = set_state(*nodes_[at].gt, state, value, clock_ns()) == StateResult::Ok;
   update_path(at);
   schedule_transmit(at, now_);
   return done;
@@ -58,13 +58,13 @@ bool Engine::set_gt_state(std::uint32_t at, std::uint32_t state, std::uint32_t v
 
 std::uint32_t Engine::read_cr(std::uint32_t at, std::uint32_t offset) {
   return offset / 4 < kGtRegisters
-             ? scramnet::read_cr(*nodes_[at].gt, offset / 4, gt_ring(at), now_.count() / 15)
+             ? scramnet::read_cr(*nodes_[at].gt, offset / 4, gt_ring(at), clock_ns())
              : 0xFFFF'FFFF;
 }
 
 void Engine::write_cr(std::uint32_t at, std::uint32_t offset, std::uint32_t value) {
   if (offset / 4 >= kGtRegisters) return;
-  scramnet::write_cr(*nodes_[at].gt, offset / 4, value, now_.count() / 15);
+  scramnet::write_cr(*nodes_[at].gt, offset / 4, value, clock_ns());
   update_path(at);
   schedule_transmit(at, now_);
 }

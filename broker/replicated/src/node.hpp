@@ -6,6 +6,7 @@
 
 #include <rths/replicated/ring.hpp>
 
+#include "acr_cells.hpp"
 #include "card.hpp"
 #include "message.hpp"
 #include "registers.hpp"
@@ -13,6 +14,9 @@
 #include "transmit_fifo.hpp"
 
 namespace rths::replicated {
+
+/// CSR0 of a node on the ring: inserted, receives, transmits.
+inline constexpr std::uint32_t kOnRing = 0x8003;
 
 /// How a node's transmitter and receiver are connected.
 enum class Path : std::uint8_t {
@@ -69,8 +73,12 @@ struct Node {
 
   // Card.
   std::uint32_t id;  ///< after power-up
-  SparseBytes memory, acr;
-  std::unique_ptr<scramnet::PlusCard> plus;
+  SparseBytes memory;
+  AcrCells acr;
+  std::unique_ptr<scramnet::PlusCard> own_plus;
+  scramnet::PlusCard* plus = nullptr;      ///< own, or in `shared`
+  scramnet::Card* shared = nullptr;        ///< card in the object of an image
+  std::uint32_t transmit_resets_seen = 0;  ///< of `shared`
   std::unique_ptr<scramnet::GtCard> gt;
   std::uint32_t hipro_longword = kNone;  ///< whose bytes are being collected
   std::uint8_t hipro_bytes = 0;

@@ -28,6 +28,12 @@ bool filters(const Registers& csr, std::uint32_t offset) {
          (offset >= kLowMemory || csr.all_set(0, csr0::kFilterAlsoLow));
 }
 
+// Flags of CSR1 for the level of a FIFO.
+std::uint32_t level_flags(const TransmitFifo& fifo) {
+  return (fifo.size() >= TransmitFifo::kSevenEighths ? csr1::kTransmitFifoSevenEighths : 0U) |
+         (fifo.size() >= TransmitFifo::kFullFlag ? csr1::kTransmitFifoFull : 0U);
+}
+
 // HIPRO: bytes of a longword are withheld until all four have been written. Returns true if the
 // longword may leave.
 bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset, std::uint32_t bytes) {
@@ -46,7 +52,7 @@ bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset, std::u
 }  // namespace
 
 Registers Engine::registers(const Node& node) const {
-  now_ns_ = now_.count() / 15;
+  now_ns_ = clock_ns();
   return Registers{*node.plus, now_ns_};
 }
 
@@ -54,8 +60,7 @@ Registers Engine::registers(const Node& node) const {
 Access Engine::enqueue(Node& node, const Entry& entry) {
   node.fifo.add(entry);
   if (type_ == CardType::Plus && node.fifo.size() >= TransmitFifo::kSevenEighths)
-    latch(node, csr1::kTransmitFifoSevenEighths |
-                    (node.fifo.size() >= TransmitFifo::kFullFlag ? csr1::kTransmitFifoFull : 0U));
+    latch(node, level_flags(node.fifo));
   schedule_transmit(position(node), now_ + rates_.insertion);
   return Access::Queued;
 }
@@ -70,7 +75,7 @@ Access Engine::write_plus(Node& node, std::uint32_t offset, std::uint32_t value,
   const std::uint32_t at = offset & ~3U;
   const std::uint32_t before = node.memory.get<std::uint32_t>(at);
   const std::uint32_t after = merged(before, value, offset, bytes);
-  const std::uint32_t acr = node.acr.get<std::uint8_t>(at / 4);
+  const std::uint32_t acr = node.acr.get(at / 4);
   const bool interrupt = csr.sends_interrupt(acr);
   const bool connected = (csr.peek(0) & (csr0::kReceive | csr0::kTransmit)) != 0;
   const bool unchanged = after == before && !interrupt && filters(csr, offset);
@@ -94,10 +99,7 @@ Access Engine::write_plus(Node& node, std::uint32_t offset, std::uint32_t value,
 // Conditions of CSR1 that hold now.
 std::uint32_t Engine::live_status(std::uint32_t at) const {
   const Node& node = nodes_[at];
-  const std::uint32_t level = node.fifo.size();
-  return (level != 0 ? csr1::kTransmitFifoNotEmpty : 0U) |
-         (level >= TransmitFifo::kSevenEighths ? csr1::kTransmitFifoSevenEighths : 0U) |
-         (level >= TransmitFifo::kFullFlag ? csr1::kTransmitFifoFull : 0U) |
+  return (node.fifo.is_empty() ? 0U : csr1::kTransmitFifoNotEmpty) | level_flags(node.fifo) |
          (size(node.plus->fifo) >= kFifoEntries ? csr1::kInterruptFifoFull : 0U) |
          (has_carrier(at) ? 0U : csr1::kNoCarrier);
 }
@@ -119,25 +121,57 @@ std::uint32_t Engine::peek_csr(std::uint32_t at, int index) {
   return read_csr(at, index);
 }
 
+void Engine::reset_transmitter(Node& node) {
+  node.fifo.clear();
+  node.outstanding.active = false;
+  node.hipro_longword = kNone;
+}
+
 void Engine::write_csr(std::uint32_t at, int index, std::uint32_t value) {
   Node& node = nodes_[at];
   Registers csr = registers(node);
   const std::uint32_t before = csr.peek(0);
   csr.write(index, value);
   if (index == 0 && ((before | csr.peek(0)) & csr0::kResetTransmitFifo) != 0) {
-    node.fifo.clear();
-    node.outstanding.active = false;
-    node.hipro_longword = kNone;
+    reset_transmitter(node);
   }
   if (index == 13) node.transit_armed = csr.measures_transit();
   update_path(at);
   schedule_transmit(at, now_);
-  static_cast<void>(csr.take_host_interrupt());
+  interrupt_host(node);
 }
 
 void Engine::set_acr(std::uint32_t at, std::uint32_t longword, std::uint32_t bits) {
-  SparseBytes& cells = nodes_[at].acr;
-  if (longword < cells.size()) cells.set(longword, static_cast<std::uint8_t>(bits & acr::kBits));
+  AcrCells& cells = nodes_[at].acr;
+  if (longword < cells.size()) cells.set(longword, bits);
+}
+
+void Engine::share(std::uint32_t at, scramnet::Card& card, scramnet::Word* acr) {
+  Node& node = nodes_[at];
+  node.shared = &card;
+  node.plus = &card.plus;
+  node.acr.share(acr);
+  power_up(at);
+  card.carried.active.store(1);
+}
+
+void Engine::exchange(std::uint32_t at) {
+  Node& node = nodes_[at];
+  if (node.shared == nullptr || !node.powered) return;
+  Carried& carried = node.shared->carried;
+  if (const auto resets = carried.transmit_resets.load(); resets != node.transmit_resets_seen) {
+    node.transmit_resets_seen = resets;
+    reset_transmitter(node);
+  }
+  update_path(at);
+  schedule_transmit(at, now_);
+  carried.live_status.store(live_status(at));
+  carried.ring_nodes.store(node.counts.ring_nodes);
+  carried.transmit_fifo.store(node.fifo.size());
+  carried.sent.store(static_cast<std::uint32_t>(node.counts.sent));
+  carried.stored.store(static_cast<std::uint32_t>(node.counts.stored));
+  carried.rejected.store(static_cast<std::uint32_t>(node.counts.rejected));
+  carried.scans.fetch_add(1);
 }
 
 }  // namespace rths::replicated

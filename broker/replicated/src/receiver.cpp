@@ -4,6 +4,7 @@
 #include "bits.hpp"
 #include "engine.hpp"
 #include "fifo.hpp"
+#include "interrupts.hpp"
 #include "registers.hpp"
 
 #include <gtucore.h>
@@ -53,21 +54,28 @@ void Engine::store_plus(Node& node, const Message& message, bool own) {
   ++node.counts.stored;
   csr.count(Counted::Messages);
   const std::uint64_t window = network_offset(csr.peek(12));
-  for (std::uint32_t i = 0; i < message.longwords.size(); ++i) {
-    const std::uint64_t address = message.address + std::uint64_t{4} * i;
-    if (address < window || address - window >= node.memory.size()) continue;
-    const std::uint64_t offset = address - window;
-    node.memory.set(offset, message.longwords[i]);
-    const std::uint32_t acr = node.acr.get<std::uint8_t>(offset / 4);
-    trigger(node, acr::kTriggerOnMessage, acr);
-    if (!csr.accepts_interrupt(acr, own, message.interrupt)) continue;
-    const std::uint32_t repeated = message.repeated ? kRepeatedEntry : 0;
-    if (!push(node.plus->fifo, static_cast<std::uint32_t>(address) | repeated))
-      ++node.counts.lost_interrupts;
-    if (size(node.plus->fifo) == kFifoEntries) latch(node, csr1::kInterruptFifoFull);
-  }
-  log(Hop::Kind::Stored, message, position(node));
-  static_cast<void>(csr.take_host_interrupt());
+  for (std::uint32_t i = 0; i < message.longwords.size(); ++i)
+    if (const auto offset = message.address + std::uint64_t{4} * i - window;
+        offset < node.memory.size())
+      node.memory.set(offset, message.longwords[i]);
+  log(Hop::Kind::Stored, message, position(node));  // the data are there before their interrupt
+  for (std::uint32_t i = 0; i < message.longwords.size(); ++i)
+    if (const auto offset = message.address + std::uint64_t{4} * i - window;
+        offset < node.memory.size())
+      interrupt_of(node, message, own, offset, window);
+  interrupt_host(node);
+}
+
+// Trigger and interrupt of one longword of a message.
+void Engine::interrupt_of(Node& node, const Message& message, bool own, std::uint64_t offset,
+                          std::uint64_t window) {
+  const std::uint32_t acr = node.acr.get(offset / 4);
+  trigger(node, acr::kTriggerOnMessage, acr);
+  if (!registers(node).accepts_interrupt(acr, own, message.interrupt)) return;
+  const std::uint32_t repeated = message.repeated ? kRepeatedEntry : 0;
+  if (!push(node.plus->fifo, static_cast<std::uint32_t>(offset + window) | repeated))
+    ++node.counts.lost_interrupts;
+  if (size(node.plus->fifo) == kFifoEntries) latch(node, csr1::kInterruptFifoFull);
 }
 
 void Engine::store_gt(Node& node, const Message& message, bool own) {
@@ -101,11 +109,16 @@ void Engine::store_gt(Node& node, const Message& message, bool own) {
   log(Hop::Kind::Stored, message, position(node));
 }
 
+// A card in an image has its host in another process.
+void Engine::interrupt_host(Node& node) {
+  if (node.shared != nullptr) return deliver_if_due(*node.shared);
+  static_cast<void>(registers(node).take_host_interrupt());
+}
+
 // CSR1.4 and the other conditions of CSR1 interrupt the host if CSR9 selects them.
 void Engine::latch(Node& node, std::uint32_t csr1_bits) {
-  Registers csr = registers(node);
-  csr.latch(csr1_bits);
-  static_cast<void>(csr.take_host_interrupt());
+  registers(node).latch(csr1_bits);
+  interrupt_host(node);
 }
 
 void Engine::latch_error(Node& node, std::uint32_t csr1_bits) {

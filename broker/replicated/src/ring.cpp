@@ -39,8 +39,8 @@ std::uint32_t Card::read_csr(int index) { return engine_->read_csr(node_, index)
 std::uint32_t Card::peek_csr(int index) const { return engine_->peek_csr(node_, index); }
 void Card::write_csr(int index, std::uint32_t value) { engine_->write_csr(node_, index, value); }
 std::uint32_t Card::acr(LongwordOffset longword) const {
-  const SparseBytes& cells = engine_->nodes()[node_].acr;
-  return longword.value() < cells.size() ? cells.get<std::uint8_t>(longword.value()) : 0xFF;
+  const AcrCells& cells = engine_->nodes()[node_].acr;
+  return longword.value() < cells.size() ? cells.get(longword.value()) : 0xFF;
 }
 void Card::set_acr(LongwordOffset longword, std::uint32_t bits) {
   engine_->set_acr(node_, longword.value(), bits);
@@ -67,6 +67,12 @@ std::optional<GtInterrupt> Card::take_interrupt() {
 }
 void Card::set_power(bool on) { engine_->set_power(node_, on); }
 void Card::set_extra_delay(Time delay) { engine_->nodes()[node_].extra_delay = delay; }
+void Card::set_id(std::uint32_t id) {
+  if (engine_->type() == CardType::Plus)
+    engine_->write_csr(node_, 3, id << 8);
+  else
+    static_cast<void>(engine_->set_gt_state(node_, 0, id));
+}
 CardReport Card::report() const { return engine_->report(node_); }
 
 }  // namespace rths::replicated

@@ -9,10 +9,11 @@
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 
+#include "node.hpp"
+
 namespace rths::replicated {
 namespace {
 
-constexpr std::uint32_t kOnRing = 0x8003;
 const std::map<std::string, std::uint32_t> kProtocols{
     // CSR2
     {"burst", 0xC040},    {"burst_256", 0xD040},    {"burst_1024", 0xD840},
@@ -44,6 +45,14 @@ std::uint32_t whole(const Config& table, const std::string& key, std::int64_t mo
   return static_cast<std::uint32_t>(table.integer_in(key, 0, most, otherwise));
 }
 
+std::uint32_t node_of(const Config& table, const std::vector<std::string>& names) {
+  const std::string name = table.text("node");
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    table.fail("node", fmt::format("'{}' is no node{}", name, did_you_mean(name, names)));
+  return static_cast<std::uint32_t>(found - names.begin());
+}
+
 /// Reads the tables of a scenario.
 class Reader {
  public:
@@ -51,7 +60,7 @@ class Reader {
     static_cast<void>(file.integer_in("format", 1, 1));
     scenario_.setup.cards =
         choice<CardType>(file, "cards", {{"plus", CardType::Plus}, {"gt", CardType::Gt}}, "plus");
-    csr2_ = choice(file, "protocol", kProtocols, "burst");
+    csr2_ = read_protocol(file);
     scenario_.setup.strict_ids = file.flag("strict_ids", false);
     scenario_.setup.bit_error_rate = file.number_in("bit_error_rate", 0, 1, 0);
     scenario_.setup.seed = static_cast<std::uint64_t>(file.integer_in("seed", 0, INT64_MAX, 1));
@@ -102,12 +111,7 @@ class Reader {
   }
 
   [[nodiscard]] std::uint32_t node_of(const Config& table) const {
-    const std::string name = table.text("node");
-    const auto found = std::find(scenario_.names.begin(), scenario_.names.end(), name);
-    if (found == scenario_.names.end())
-      table.fail("node",
-                 fmt::format("'{}' is no node{}", name, did_you_mean(name, scenario_.names)));
-    return static_cast<std::uint32_t>(found - scenario_.names.begin());
+    return replicated::node_of(table, scenario_.names);
   }
 
   // A store, a register, or an interrupt of a GT card.
@@ -152,16 +156,8 @@ class Reader {
   }
 
   void read_fault(const Config& table) {
-    Action action;
+    Action action = replicated::read_fault(table, scenario_.names);
     action.at = microseconds(table, "at_us", std::nullopt);
-    action.kind = choice(table, "kind", kFaults, "");
-    if (action.kind == Action::Kind::BitErrorRate)
-      action.rate = table.number_in("rate", 0, 1);
-    else
-      action.node = node_of(table);
-    if (action.kind == Action::Kind::Delay)
-      action.delay = from_ns(table.number_in("delay_ns", 0, 1e9));
-    if (action.kind == Action::Kind::Id) action.value = whole(table, "id", 255);
     table.reject_unknown_keys();
     scenario_.actions.push_back(action);
   }
@@ -171,6 +167,23 @@ class Reader {
 };
 
 }  // namespace
+
+Action read_fault(const Config& table, const std::vector<std::string>& names) {
+  Action action;
+  action.kind = choice(table, "kind", kFaults, "");
+  if (action.kind == Action::Kind::BitErrorRate)
+    action.rate = table.number_in("rate", 0, 1);
+  else
+    action.node = node_of(table, names);
+  if (action.kind == Action::Kind::Delay)
+    action.delay = from_ns(table.number_in("delay_ns", 0, 1e9));
+  if (action.kind == Action::Kind::Id) action.value = whole(table, "id", 255);
+  return action;
+}
+
+std::uint32_t read_protocol(const Config& table) {
+  return choice(table, "protocol", kProtocols, "burst");
+}
 
 Scenario load_scenario(const std::filesystem::path& file) {
   const Config config = Config::load(file);

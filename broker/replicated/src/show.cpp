@@ -80,8 +80,7 @@ std::string picture(const Scenario& scenario) {
 std::string registers(Card card) {
   std::string out;
   for (const int csr : {0, 1, 2, 8}) {
-    const std::uint32_t value = card.peek_csr(csr);
-    out += fmt::format("  CSR{} {:04x}  {}\n", csr, value, csr_in_words(csr, value));
+    out += csr_line(csr, card.peek_csr(csr));
   }
   const std::uint32_t ids = card.peek_csr(3);
   out += fmt::format("  CSR3 {:04x}  id {}, ", ids, ids >> 8);
@@ -111,12 +110,12 @@ std::string levels(const CardReport& report, std::uint32_t interrupts) {
 
 }  // namespace
 
-std::string csr_in_words(int index, std::uint32_t value) {
+std::string csr_line(int index, std::uint32_t value) {
   std::string words;
   for (const auto& one : kBits)
     if (one.csr == index && (value & one.bit) != 0)
       words += (words.empty() ? "" : ", ") + std::string{one.name};
-  return words.empty() ? "-" : words;
+  return fmt::format("  CSR{} {:04x}  {}\n", index, value, words.empty() ? "-" : words);
 }
 
 std::string show(Course& course) {

@@ -4,14 +4,19 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <ctime>
 
 #include <rths/core/error.hpp>
 
 #include "bits.hpp"
 #include "interrupts.hpp"
+#include "monotonic_time.hpp"
 
 namespace rths::scramnet {
 namespace {
+
+constexpr std::int64_t kLongestScanNs = 20'000'000;
+constexpr long kScanPollNs = 20'000;
 
 std::uint64_t checked_window(const CardSession& session, const Settings& settings) {
   if (session.own().acr == nullptr)
@@ -43,6 +48,11 @@ Board::Board(const Settings& settings)
 
 std::uint32_t Board::read_csr(int index) {
   if (index == 1 || index == 5) scanner_.scan();
+  const Carried& carried = session_.card().carried;
+  if (carried.active.load() != 0)
+    return registers().read(index, {.nodes = carried.ring_nodes.load(),
+                                    .bypass_switch = bypass_switch_,
+                                    .live_status = index == 1 ? carried.live_status.load() : 0});
   std::uint32_t nodes = 0;
   if (index == 3)
     session_.for_each_card([&](const CardSession::CardView& card) {
@@ -51,13 +61,29 @@ std::uint32_t Board::read_csr(int index) {
   return registers().read(index, {.nodes = nodes, .bypass_switch = bypass_switch_});
 }
 
+// On a replicated ring, another process gives effect to stores and registers at its next scan. A
+// register is written behind all earlier stores, and has its effect when the call returns.
+void Board::wait_for_scan() {
+  const Carried& carried = session_.card().carried;
+  if (carried.active.load() == 0) return;
+  const std::uint32_t before = carried.scans.load();
+  const std::int64_t deadline = now_ns() + kLongestScanNs;
+  const timespec pause{0, kScanPollNs};
+  while (carried.scans.load() - before < 2 && now_ns() < deadline)  // one may have begun before
+    clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
+}
+
 void Board::write_csr(int index, std::uint32_t value) {
+  wait_for_scan();
   const std::uint32_t before = registers().peek(0);
   registers().write(index, value);
+  if (index == 0 && ((before | registers().peek(0)) & csr0::kResetTransmitFifo) != 0)
+    session_.card().carried.transmit_resets.fetch_add(1);
   if (index == 0 || index == 8) control_changed(before);
   if (index == 1) scanner_.scan();
   if (index == 3) warn_of_shared_id();
   if (index == 12) update_window();
+  wait_for_scan();
 }
 
 void Board::change_csr(int index, std::uint32_t set, std::uint32_t clear) {

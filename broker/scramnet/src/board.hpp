@@ -54,6 +54,7 @@ class Board {
   void leave();
 
  private:
+  void wait_for_scan();
   void control_changed(std::uint32_t before);
   void warn_of_shared_id();
   void update_window();

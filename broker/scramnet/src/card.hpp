@@ -65,6 +65,17 @@ struct GtCard {
   std::array<GtEntry, kGtQueueEntries> queue;
 };
 
+/// Of a card whose stores are carried by messages; broker/replicated writes it at each scan.
+struct Carried {
+  Word active;                  ///< 1: no process compares words, and none shares this memory
+  Word scans;                   ///< so far
+  Word live_status;             ///< bits of CSR1 whose cause persists
+  Word ring_nodes;              ///< as the last own return showed
+  Word transmit_resets;         ///< of the transmit FIFO so far; counted by its host
+  Word transmit_fifo;           ///< entries
+  Word sent, stored, rejected;  ///< messages so far
+};
+
 struct Card {
   Word ready;          ///< kCardReady: powered up
   Word key;            ///< kAnonymous, or kNamed | node id
@@ -72,6 +83,7 @@ struct Card {
   Word is_copy;        ///< 1: a gateway's, of the card of a node on another host
   PlusCard plus;
   GtCard gt;
+  Carried carried;
 };
 static_assert(sizeof(Card) <= broker::kCardRegisterBytes);
 

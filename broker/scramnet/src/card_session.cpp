@@ -9,6 +9,7 @@
 
 #include <rths/core/error.hpp>
 
+#include "image_name.hpp"
 #include "ring_of_clients.hpp"
 #include "warning.hpp"
 
@@ -65,8 +66,24 @@ broker::Node join_as_client(broker::Ring& ring, const Settings& settings) {
 CardSession::CardSession(const Settings& settings) : self_{broker::own_claim()} {
   ring_.emplace(attach_or_make(settings));
   cards_.emplace(*ring_, settings.ring);
-  node_.emplace(join_as_client(*ring_, settings));
-  take_card(settings);
+  Settings own = settings;
+  if (cards_->has_images()) use_image(own);
+  node_.emplace(join_as_client(*ring_, own));
+  take_card(own);
+}
+
+// On a replicated ring, the card of this process has the image of its node.
+void CardSession::use_image(Settings& settings) {
+  if (settings.variables == kGtVariables)
+    throw Error{
+        fmt::format("ring '{}' has SCRAMNet+ cards, expected a ring of GT cards", settings.ring)};
+  if (settings.node.empty() || number_of(settings.node))
+    throw Error{fmt::format("ring '{}' is replicated: {}NODE is '{}', expected a node of its map",
+                            settings.ring, settings.variables, settings.node)};
+  static_cast<void>(ring_->map().node(settings.node));
+  settings.ring = image_name(settings.ring, settings.node);
+  ring_.emplace(broker::Ring::attach(settings.ring));
+  cards_.emplace(*ring_, settings.ring);
 }
 
 void CardSession::leave() {
@@ -89,6 +106,7 @@ void CardSession::take_card(const Settings& settings) {
   index_ = *taken;
   own_ = *cards_->at(index_);
   const broker::Claim holder = own_.card->holder.load();
+  if (own_.card->carried.active.load() != 0) return;
   if (holder != self_ && is_alive(holder)) announce_sharing(settings, broker::pid_of(holder));
 }
 

@@ -52,6 +52,7 @@ class CardSession {
   }
 
  private:
+  void use_image(Settings& settings);
   void take_card(const Settings& settings);
 
   std::optional<broker::Ring> ring_;

@@ -76,6 +76,8 @@ CardTable::~CardTable() {
 
 std::uint64_t CardTable::in_use() const { return std::atomic_ref{header_->cards_in_use}.load(); }
 
+bool CardTable::has_images() const { return std::atomic_ref{header_->is_replicated}.load() != 0; }
+
 std::uint64_t CardTable::looks() const { return std::atomic_ref{header_->looks}.load(); }
 
 std::optional<std::uint32_t> CardTable::take(std::uint32_t key, broker::Claim self) {

@@ -49,6 +49,8 @@ class CardTable {
   void reset(std::uint32_t index);
 
   [[nodiscard]] std::uint64_t memory_bytes() const { return layout_.memory_bytes; }
+  /// True if each node of this ring has an image of the memory.   @any_thread
+  [[nodiscard]] bool has_images() const;
   /// Number of looks that `rths watch` has completed on this ring.   @any_thread
   [[nodiscard]] std::uint64_t looks() const;
   /// Maps a range of the ring's memory, or of a card's ACR, at address `at` if that is not null.

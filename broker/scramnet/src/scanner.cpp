@@ -72,7 +72,9 @@ class Scanner::ScanLock {
   bool held_ = false;
 };
 
-bool Scanner::is_enabled() const { return receives(Registers{session_->card()}); }
+bool Scanner::is_enabled() const {
+  return session_->card().carried.active.load() == 0 && receives(Registers{session_->card()});
+}
 
 void Scanner::scan() {
   if (is_enabled()) {

@@ -110,7 +110,7 @@ Settings gt_settings(std::uint32_t unit) {
   Settings settings;
   settings.ring = "scgt";
   settings.ring_bytes = kLargestMemory;
-  settings.variables = "RTHS_SCGT_";
+  settings.variables = kGtVariables;
   read_all("scgt", settings);
   if (unit != 0) settings.ring += fmt::format("{}", unit);
   return settings;

@@ -6,6 +6,8 @@
 
 namespace rths::scramnet {
 
+inline constexpr const char* kGtVariables = "RTHS_SCGT_";
+
 /// Ring and card of a process. The environment has precedence over the file of
 /// RTHS_SCRAMNET_CONFIG, which has precedence over these defaults.
 struct Settings {

@@ -64,6 +64,7 @@ static int count_ticks(int by_signal) {
 int main(int argc, char** argv) {
   if (argc < 2 || sp_scram_init(0) < 0) return 1;
   scr_reset_mm();
+  scr_csr_write(SCR_CSR2, 0xC040); /* a card with CSR2 = 0 loops its messages back */
   if (strcmp(argv[1], "write") != 0) return count_ticks(strcmp(argv[1], "signal") == 0);
   return argc < 4 ? 1
                   : write_ticks((unsigned)strtoul(argv[2], NULL, 10), strtol(argv[3], NULL, 10));

@@ -12,6 +12,7 @@
 #include <rths/adapters/factory.hpp>
 #include <rths/memmap/map.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/replicated/images.hpp>
 
 namespace rths::launch {
 
@@ -52,6 +53,7 @@ struct Experiment : adapters::TestSetup {
   std::optional<sim::GroundMotion>
       held_out;                      ///< a second earthquake, for the proof of the diagnosis
   sim::TestMachine assumed_machine;  ///< the machine as the simulation assumes it
+  std::optional<replicated::CardOptions> cards;  ///< of fidelity "replicated"; empty: "shared"
   std::vector<HostPlan> hosts;       ///< by name; empty: one host
   std::uint32_t domain = 0;          ///< of DDS, between the hosts
   double host_deadline = 60;         ///< wait for the other hosts [s]

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,14 @@ struct SharedCard {
   std::array<std::uint32_t, 16> csr{};  ///< without the side effects of reading
   std::uint32_t interrupt_fifo = 0;     ///< entries
   std::uint32_t host_interrupts = 0;    ///< delivered so far
+
+  /// Level and messages so far of a card of a replicated ring.
+  struct Carried {
+    std::uint32_t transmit_fifo = 0;  ///< entries
+    std::uint32_t ring_nodes = 0;     ///< as its last own message showed; 0: none yet
+    std::uint32_t sent = 0, stored = 0, rejected = 0;
+  };
+  std::optional<Carried> carried;
 };
 
 /// The cards of a ring that are in use.

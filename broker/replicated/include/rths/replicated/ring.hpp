@@ -132,6 +132,8 @@ class Card {
   /// Switches power: a card without power is out of the ring and loses its state.
   void set_power(bool on);
   void set_extra_delay(Time delay);
+  /// Sets the id with which the card sends and receives.
+  void set_id(std::uint32_t id);
   [[nodiscard]] CardReport report() const;
 
  private:
@@ -176,6 +178,7 @@ class Ring {
   [[nodiscard]] std::uint64_t log_hash() const;
 
  private:
+  friend class Images;
   std::unique_ptr<Engine> engine_;
 };
 

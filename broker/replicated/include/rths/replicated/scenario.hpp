@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <rths/core/config.hpp>
 #include <rths/replicated/ring.hpp>
 
 namespace rths::replicated {
@@ -31,6 +32,16 @@ struct Action {
   double rate = 0;
   Time delay{0};
 };
+
+/// Does an action to a ring, at its present time.
+void act(Ring& ring, const Action& action);
+
+/// Reads kind, node and value of a fault. @param names  of the nodes, by position
+/// @throws Error naming the place of a mistake   @setup
+[[nodiscard]] Action read_fault(const Config& table, const std::vector<std::string>& names);
+/// CSR2 of the protocol that a table names; default "burst".
+/// @throws Error naming the place of a mistake   @setup
+[[nodiscard]] std::uint32_t read_protocol(const Config& table);
 
 /// A host that stores periodically, and repeats a store that is held off.
 struct Traffic {
@@ -72,7 +83,6 @@ class Course {
     std::mt19937 random;
     std::uint32_t place = 0;
   };
-  void act(const Action& action);
   void store(const Traffic& traffic, Host& host);
 
   Scenario scenario_;
@@ -86,7 +96,7 @@ class Course {
 [[nodiscard]] std::string trace_of(const Scenario& scenario);
 /// Ring, nodes, registers in words, FIFOs and ages at the present time.
 [[nodiscard]] std::string show(Course& course);
-/// The names of a register's set bits: "receive, transmit, insert".
-[[nodiscard]] std::string csr_in_words(int index, std::uint32_t value);
+/// A line with a register and the names of its set bits: "CSR0 8003  receive, transmit, inserted".
+[[nodiscard]] std::string csr_line(int index, std::uint32_t value);
 
 }  // namespace rths::replicated

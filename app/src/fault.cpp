@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <rths/broker/ring.hpp>
+#include <rths/core/config.hpp>
+#include <rths/core/error.hpp>
+#include <rths/replicated/images.hpp>
+
+#include "commands.hpp"
+
+namespace rths::app {
+
+int fault(const FaultArguments& arguments) {
+  Config table = Config::parse("", "rths fault");
+  for (const auto& key : arguments.keys) {
+    const auto equals = key.find('=');
+    if (equals == std::string::npos)
+      throw Error{fmt::format("found '{}', expected key=value", key)};
+    table.set(key.substr(0, equals), key.substr(equals + 1));
+  }
+  const auto ring = broker::Ring::attach(arguments.ring);
+  std::vector<std::string> names;
+  for (const auto& node : ring.map().description().nodes) names.push_back(node.name);
+  const auto action = replicated::read_fault(table, names);
+  table.reject_unknown_keys();
+  replicated::request_fault(arguments.ring, action);
+  return kOk;
+}
+
+}  // namespace rths::app

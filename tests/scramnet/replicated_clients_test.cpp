@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Unchanged programs of the vendor's API on a replicated ring: each has its own image and card.
+#include <pthread.h>
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <rths/card_view/card_view.hpp>
+#include <rths/core/clock.hpp>
+#include <rths/replicated/images.hpp>
+
+#include "support/long_run.hpp"
+#include "vendor_ring.hpp"
+
+namespace {
+
+using rths::Duration;
+using rths::LongwordOffset;
+using rths::NodeId;
+using rths::TimePoint;
+using rths::WallClock;
+using rths::test::Finished;
+using rths::test::Running;
+
+constexpr std::uint32_t kPartition = 1024;  // of the handshake [longwords]
+
+rths::memmap::Partition partition_of(const std::string& node, std::uint32_t base,
+                                     std::uint32_t longwords,
+                                     const std::vector<std::uint32_t>& flags = {}) {
+  rths::memmap::Partition partition;
+  partition.name = node + std::to_string(base);
+  partition.node = node;
+  partition.base = LongwordOffset{base};
+  partition.longwords = longwords;
+  for (const std::uint32_t offset : flags) {
+    rths::memmap::Signal signal;
+    signal.name = "flag_" + std::to_string(offset);
+    signal.unit = "1";
+    signal.event = true;
+    signal.offset = LongwordOffset{offset};
+    partition.signals.push_back(signal);
+  }
+  return partition;
+}
+
+rths::memmap::Map map_of(const std::vector<rths::memmap::Partition>& partitions) {
+  rths::memmap::MapDescription description;
+  description.name = "clients";
+  description.size_longwords = 2048;
+  description.nodes = {{"solver", NodeId{1}, ""}, {"controller", NodeId{2}, ""}};
+  description.partitions = partitions;
+  return rths::memmap::Map{description};
+}
+
+/// Words of OpenFresco's handshake: newTarget and four commands; switchPC, atTarget, four
+/// feedbacks.
+rths::memmap::Map handshake_map() {
+  return map_of({partition_of("solver", kPartition, 5, {kPartition}),
+                 partition_of("controller", kPartition + 5, 6, {kPartition + 5, kPartition + 6})});
+}
+
+/// Two words of the solver that interrupt, and one by which the controller is ready.
+rths::memmap::Map interrupt_map() {
+  return map_of({partition_of("solver", 0, 2), partition_of("controller", kPartition, 1)});
+}
+
+/// A replicated ring whose messages a thread carries.
+class ReplicatedClients : public rths::test::VendorRing {
+ protected:
+  void begin(const rths::memmap::Map& map) {
+    use(name());
+    images_.emplace(rths::replicated::Images::create(name(), map, {}));
+    thread_ = std::thread{[this] {
+      // The clients spin: without real-time scheduling, the scans come once per time slice.
+      const sched_param lowest{1};
+      static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest));
+      WallClock clock;
+      const TimePoint start = clock.now();
+      while (!ends_) {
+        images_->advance(rths::replicated::Time{clock.now() - start});
+        clock.sleep_until(clock.now() + std::chrono::microseconds{50});
+      }
+    }};
+  }
+  void TearDown() override {
+    ends_ = true;
+    thread_.join();
+    images_.reset();
+    use(ring());
+  }
+  static std::string name() { return ring() + "_images"; }
+  static std::vector<std::string> at_node(const std::string& node, std::vector<std::string> run) {
+    run.insert(run.begin(), {"/usr/bin/env", "RTHS_SCRAMNET_NODE=" + node});
+    return run;
+  }
+
+ private:
+  std::optional<rths::replicated::Images> images_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+TEST_F(ReplicatedClients, CompleteOpenFrescosHandshakeWithoutALostFlag) {
+  begin(handshake_map());
+  const std::string steps = rths::test::is_long() ? "10000" : "100";
+  Running controller{at_node("controller", client("controller"))};
+  Running solver{at_node("solver", client("openfresco", {steps}))};
+
+  const Finished of_solver = solver.wait(110);
+  const Finished of_controller = controller.wait(5);
+
+  EXPECT_EQ(of_solver.exit_code, 0) << of_solver.err;
+  EXPECT_EQ(of_controller.exit_code, 0) << of_controller.err;
+  EXPECT_EQ(of_solver.out, steps + " steps\n");
+  EXPECT_EQ(of_controller.out, steps + " steps\n");
+}
+
+/// A node counts the interrupts of another one.
+class ReplicatedInterrupts : public ReplicatedClients {
+ protected:
+  void count(const std::string& how) {
+    begin(interrupt_map());
+    Running writer{at_node("solver", client("ticks", {"write", "100", "500"}))};
+    ASSERT_TRUE(is_on_ring("solver"));  // before the counter says once that it is ready
+    Running counter{at_node("controller", client("ticks", {how}))};
+
+    EXPECT_EQ(writer.wait(30).exit_code, 0);
+    const Finished counted = counter.wait(30);  // by the interrupt of the last word
+    ASSERT_EQ(counted.exit_code, 0) << counted.err;
+    EXPECT_GE(std::stoi(counted.out), 1);
+    EXPECT_LE(std::stoi(counted.out), 100);
+  }
+  static bool is_on_ring(const std::string& node) {
+    for (int i = 0; i < 10'000; ++i, usleep(1000))
+      for (const auto& card : rths::card_view::cards_of(rths::replicated::image_name(name(), node)))
+        if (card.csr[0] == 0x8103) return true;
+    return false;
+  }
+};
+
+TEST_F(ReplicatedInterrupts, ReachAWaitingHost) { count("wait"); }
+TEST_F(ReplicatedInterrupts, ReachARegisteredHostBySignals) { count("signal"); }
+
+TEST_F(ReplicatedClients, MustNameTheirNode) {
+  begin(handshake_map());
+  const Finished finished = Running{client("controller")}.wait(10);
+
+  EXPECT_NE(finished.exit_code, 0);
+  EXPECT_NE(finished.err.find("RTHS_SCRAMNET_NODE is '', expected a node of its map"),
+            std::string::npos)
+      << finished.err;
+}
+
+}  // namespace
