@@ -9,6 +9,7 @@
 #include <rths/adapters/recorder_node.hpp>
 #include <rths/adapters/simulink_like_node.hpp>
 #include <rths/adapters/srmd_node.hpp>
+#include <rths/plugin/plugin_node.hpp>
 
 namespace rths::app {
 namespace {
@@ -37,6 +38,7 @@ constexpr adapters::Factory kAdapters[] = {
     {"simulink_like", adapters::read_simulink_like},
     {"numerical", adapters::read_numerical},
     {"opensees", read_opensees},
+    {"plugin", plugin::read_plugin},
 };
 
 }  // namespace
