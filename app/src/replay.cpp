@@ -77,12 +77,16 @@ int replay(const ReplayArguments& arguments) {
   step.inputs = in;
   step.outputs = out;
   adapter->activate();
+  const WallClock clock;
+  std::vector<double> times;
   std::size_t row = 0;
   for (Status status = Status::Ok; row < run.rows() && status != Status::Done; ++row) {
     for (std::size_t i = 0; i < in.size(); ++i)
       if (std::isfinite(inputs[i][row])) in[i] = inputs[i][row];
     step.time = run.time()[row];
+    const TimePoint begun = clock.now();
     status = adapter->step(step);
+    times.push_back(to_seconds(clock.now() - begun));
     if (status == Status::Fault)
       throw Error{fmt::format("{} at {:.3f} s", step.message, step.time)};
     compare(outputs, out, row);
@@ -94,7 +98,10 @@ int replay(const ReplayArguments& arguments) {
         "{:<40} {:>12.5g} {:>24} {}\n", output.name, output.largest,
         output.recorded.empty() ? "not recorded" : fmt::format("{:.3g}", output.largest_difference),
         output.unit == "1" ? "" : output.unit);
-  fmt::print("{} steps\n", row);
+  std::sort(times.begin(), times.end());
+  fmt::print("{} steps of {:.2f} us at the median, {:.2f} us at most\n", row,
+             times.empty() ? 0 : 1e6 * times[times.size() / 2],
+             times.empty() ? 0 : 1e6 * times.back());
   return kOk;
 }
 

@@ -148,7 +148,7 @@ static rths_status step(void *self, double time_s, const double *in, double *out
 #ifdef STEP_LOOPS
   while (is_later) lag->active = is_later;
 #elif defined STEP_WAITS
-  wait_ms(5);
+  wait_ms(2);
 #elif defined STEP_IS_SLOW_ONCE
   const clock_t begun = clock();
   while (lag->steps == LATER && clock() - begun < CLOCKS_PER_SEC / 20) lag->active = 1;

@@ -21,7 +21,9 @@ struct Broken {
 class BrokenAdapter : public ::testing::TestWithParam<Broken> {};
 
 std::vector<Finding> findings_of(const std::string& name) {
-  return check_plugin(test::build_tree() / "broken" / (name + ".so"), {});
+  ConformanceSettings settings;
+  settings.step_deadline = 0.5;
+  return check_plugin(test::build_tree() / "broken" / (name + ".so"), settings);
 }
 
 TEST_P(BrokenAdapter, BreaksExactlyItsRule) {

@@ -26,6 +26,7 @@ std::unique_ptr<adapters::Adapter> make(const std::string& name, bool in_child) 
   if (!in_child) return make_plugin(settings_of(name));
   ChildSettings child;
   child.title = "child";
+  child.step_deadline = 5;
   return make_child([name] { return make_plugin(settings_of(name)); }, child);
 }
 

@@ -149,9 +149,11 @@ double seconds_of(clockid_t clock) {
 }
 
 void Candidate::check_status(rths_status status) {
-  if (status < RTHS_OK || status > RTHS_FAULT)
+  if (status < RTHS_OK || status > RTHS_FAULT) {
     report_.fail(kLifecycle, fmt::format("step {} returned {}, expected 0 to {}", steps_, status,
                                          static_cast<int>(RTHS_FAULT)));
+    throw Ended{};
+  }
   if (status != RTHS_FAULT) return;
   const char* text = library_.message() != nullptr ? library_.message()(self_) : nullptr;
   report_.fail(kLifecycle,
@@ -286,11 +288,12 @@ void check_times(const std::vector<double>& wall_times, double period, TrialRepo
   auto times = wall_times;
   const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
   std::nth_element(times.begin(), middle, times.end());
-  if (*middle > period)
-    report.fail(kDeadline, fmt::format("half of the steps took more than {:.1f} ms, the period is "
-                                       "{:.1f} ms: do not wait in a step",
-                                       1e3 * *middle, 1e3 * period));
-  report.pass(kDeadline, fmt::format("median step {:.2f} us", 1e6 * *middle));
+  if (*middle <= period)
+    return report.pass(kDeadline, fmt::format("median step {:.2f} us", 1e6 * *middle));
+  report.fail(kDeadline, fmt::format("half of the steps took more than {:.1f} ms, the period is "
+                                     "{:.1f} ms: do not wait in a step",
+                                     1e3 * *middle, 1e3 * period));
+  throw Ended{};
 }
 
 void check_rest(const Library& library, Candidate& candidate, double period, TrialReport& report) {
