@@ -36,9 +36,17 @@ struct NodeArguments {
 };
 [[nodiscard]] int node(const NodeArguments& arguments);
 
-/// @param config  file with the `config` of a plugin; empty: none
-[[nodiscard]] int check(const std::string& file, const std::string& config);
+struct CheckArguments {
+  std::string file;     ///< or "server"
+  std::string address;  ///< of a server: HOST:PORT
+  std::string config;   ///< file with the `config` of a plugin; empty: none
+  bool udp = false;     ///< of a server, as the next two
+  int dofs = 1;
+  double amplitude = 0;  ///< of trials, in the server's units
+};
+[[nodiscard]] int check(const CheckArguments& arguments);
 [[nodiscard]] int check_plugin(const std::string& file, const std::string& config);
+[[nodiscard]] int check_server(const CheckArguments& arguments);
 
 struct NewAdapterArguments {
   std::string name;              ///< of the adapter and its folder

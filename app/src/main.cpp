@@ -54,9 +54,10 @@ struct Arguments {
   BridgeBenchArguments bridge_bench;
   DiagnosisBenchArguments trial;
   DiagnoseArguments diagnose;
+  CheckArguments check;
   NewAdapterArguments made;
   ReplayArguments replay;
-  std::string clock = "wall", file, plugin_config, language = "cpp", folder, format = "text";
+  std::string clock = "wall", file, language = "cpp", folder, format = "text";
   std::vector<std::string> sets, rings;
 };
 
@@ -118,10 +119,20 @@ void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
                                      "Check a map, diagram, bearing, experiment, case, improved "
                                      "model, motion, recording or plugin; its content decides "
                                      "which");
-  command->add_option("file", a.file)->required();
-  command->add_option("--config", a.plugin_config, "TOML file with the config of a plugin")
+  command->add_option("file", a.check.file, "File, or the word server")->required();
+  command->add_option("address", a.check.address,
+                      "HOST:PORT of a server for OpenSees' genericClient, after the word server");
+  command->add_option("--config", a.check.config, "TOML file with the config of a plugin")
       ->check(CLI::ExistingFile);
-  command->callback([&] { chosen = [&a] { return check(a.file, a.plugin_config); }; });
+  command->add_option("--dofs", a.check.dofs, "Degrees of freedom of a server")
+      ->check(CLI::Range(1, 15))
+      ->capture_default_str();
+  command
+      ->add_option("--amplitude", a.check.amplitude,
+                   "Trial displacement of a server, in its units [0: it stays at rest]")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--udp", a.check.udp, "The server uses UDP");
+  command->callback([&] { chosen = [&a] { return check(a.check); }; });
 }
 
 void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {

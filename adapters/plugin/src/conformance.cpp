@@ -6,11 +6,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
-#include <ctime>
-#include <limits>
-#include <numbers>
 #include <optional>
 #include <set>
 
@@ -19,194 +15,19 @@
 
 #include <rths/core/error.hpp>
 #include <rths/memmap/units.hpp>
-#include <rths/plugin/library.hpp>
 #include <rths/plugin/plugin_adapter.hpp>
 
+#include "candidate.hpp"
 #include "exports.hpp"
-#include "trial.hpp"
 
 namespace rths::plugin {
 namespace {
 
-constexpr int kSteps = 400;
-constexpr std::uint32_t kMostListed = 10'000;
-constexpr std::size_t kBand = 16;            // values around the outputs
-constexpr double kBandValue = 6.0221408e23;  // no plugin writes it
-constexpr double kAmplitude = 0.01;          // of inputs with a unit
-constexpr double kFlagPeriod = 0.04;         // of inputs without a unit: 0 and 1 in turns [s]
-constexpr double kRestDeadline = 2;          // after the stop [s]
+constexpr double kRestDeadline = 2;                       // after the stop [s]
+constexpr std::uint64_t kNoOutputs = 0xcbf29ce484222325;  // the fingerprint's start
 constexpr const char* kRuleNames[kRules] = {
     "exports",  "abi",        "lifecycle", "signals", "units",     "range",       "nan",  "bounds",
     "deadline", "allocation", "stop",      "restart", "instances", "determinism", "crash"};
-
-bool is_read(const rths_signal& signal) {
-  return signal.direction == RTHS_INPUT || signal.direction == RTHS_PARAMETER;
-}
-bool has_range(const rths_signal& signal) { return signal.lowest != 0 || signal.highest != 0; }
-
-/// Ends a trial whose further rules need what failed.
-struct Ended {};
-
-/// A plugin under trial. Its calls are noted, so that a crash can be named.
-class Candidate {
- public:
-  Candidate(const Library& library, const ConformanceSettings& settings, TrialReport& report)
-      : library_{library}, adapter_{library.adapter()}, settings_{settings}, report_{report} {}
-
-  void create() {
-    std::array<char, 400> error{};
-    call("create");
-    self_ = adapter_.create(settings_.config.c_str(), error.data(), error.size() - 1);
-    if (self_ != nullptr) return;
-    report_.fail(kLifecycle,
-                 error[0] != '\0'
-                     ? fmt::format("create failed: {}; give it a --config", error.data())
-                     : "create returned NULL without a message: write one to `error`");
-    throw Ended{};
-  }
-  void read_signals() {
-    std::uint32_t count = 0;
-    call("signals");
-    const rths_signal* signals = adapter_.signals(self_, &count);
-    if (signals == nullptr || count == 0 || count > kMostListed) {
-      report_.fail(kSignals, fmt::format("{} signals, expected 1 to {}",
-                                         signals == nullptr ? 0 : count, kMostListed));
-      throw Ended{};
-    }
-    signals_.assign(signals, signals + count);
-  }
-  void activate() {
-    std::array<char, 400> error{};
-    call("activate");
-    const rths_status status = adapter_.activate(self_, error.data(), error.size() - 1);
-    if (status != RTHS_OK) {
-      report_.fail(kLifecycle, fmt::format("activate returned {}: {}", status,
-                                           error[0] != '\0' ? error.data() : "without a message"));
-      throw Ended{};
-    }
-    steps_ = 0;
-    outputs_ = std::count_if(signals_.begin(), signals_.end(),
-                             [](const auto& signal) { return !is_read(signal); });
-    out_.assign(static_cast<std::size_t>(outputs_) + 2 * kBand, kBandValue);
-    std::fill_n(out(), outputs_, 0);
-  }
-  void stop() {
-    call("stop");
-    if (library_.stop() != nullptr) library_.stop()(self_);
-  }
-  void deactivate() {
-    call("deactivate");
-    adapter_.deactivate(self_);
-  }
-  void destroy() {
-    call("destroy");
-    adapter_.destroy(self_);
-    self_ = nullptr;
-  }
-  rths_status step();
-
-  [[nodiscard]] const std::vector<rths_signal>& signals() const { return signals_; }
-  [[nodiscard]] double* out() { return out_.data() + kBand; }
-  [[nodiscard]] std::size_t outputs() const { return static_cast<std::size_t>(outputs_); }
-  [[nodiscard]] const std::vector<double>& wall_times() const { return wall_times_; }
-
- private:
-  void call(const std::string& name) {
-    std::fill(report_.call.begin(), report_.call.end(), '\0');
-    std::copy_n(name.begin(), std::min(name.size(), report_.call.size() - 1), report_.call.begin());
-  }
-  [[nodiscard]] double input(const rths_signal& signal, std::size_t index, double time) const;
-  void check_outputs();
-  void check_status(rths_status status);
-
-  const Library& library_;
-  const rths_adapter& adapter_;
-  const ConformanceSettings& settings_;
-  TrialReport& report_;
-  void* self_ = nullptr;
-  std::vector<rths_signal> signals_;
-  std::ptrdiff_t outputs_ = 0;
-  std::vector<double> in_, out_, wall_times_;
-  int steps_ = 0;
-};
-
-// Smooth motions of different frequencies; flags that change; parameters at rest, then at both ends
-// of their ranges.
-double Candidate::input(const rths_signal& signal, std::size_t index, double time) const {
-  if (signal.direction == RTHS_PARAMETER) {
-    if (!has_range(signal) || steps_ < kSteps / 2) return signal.initial;
-    return steps_ < kSteps * 3 / 4 ? signal.lowest : signal.highest;
-  }
-  if (std::strcmp(signal.unit, "1") == 0) return std::fmod(time, kFlagPeriod) < kFlagPeriod / 2;
-  const double frequency = 1 + 0.37 * static_cast<double>(index % 7);  // [Hz]
-  return kAmplitude * std::sin(2 * std::numbers::pi * frequency * time);
-}
-
-double seconds_of(clockid_t clock) {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-void Candidate::check_status(rths_status status) {
-  if (status < RTHS_OK || status > RTHS_FAULT) {
-    report_.fail(kLifecycle, fmt::format("step {} returned {}, expected 0 to {}", steps_, status,
-                                         static_cast<int>(RTHS_FAULT)));
-    throw Ended{};
-  }
-  if (status != RTHS_FAULT) return;
-  const char* text = library_.message() != nullptr ? library_.message()(self_) : nullptr;
-  report_.fail(kLifecycle,
-               fmt::format("step {} returned a fault: {}", steps_,
-                           text != nullptr && *text != '\0' ? text : "without a message"));
-  throw Ended{};
-}
-
-void Candidate::check_outputs() {
-  std::size_t index = 0;
-  for (const auto& signal : signals_) {
-    if (is_read(signal)) continue;
-    const double value = out()[index++];
-    if (!std::isfinite(value))
-      report_.fail(kNan, fmt::format("step {} left {} in '{}': write a number in every step",
-                                     steps_, value, signal.name));
-    else if (has_range(signal) && (value < signal.lowest || value > signal.highest))
-      report_.fail(kRange,
-                   fmt::format("step {} wrote {:g} to '{}', stated as {:g} to {:g}: clamp it and "
-                               "return RTHS_LIMIT_EXCEEDED, or state the right range",
-                               steps_, value, signal.name, signal.lowest, signal.highest));
-  }
-  for (std::size_t i = 0; i < out_.size(); ++i)
-    if ((i < kBand || i >= kBand + outputs()) && out_[i] != kBandValue)
-      report_.fail(kBounds, fmt::format("step {} wrote outside its {} outputs", steps_, outputs()));
-}
-
-rths_status Candidate::step() {
-  const double time = steps_ * settings_.period;
-  in_.clear();
-  for (std::size_t i = 0; i < signals_.size(); ++i)
-    if (is_read(signals_[i])) in_.push_back(input(signals_[i], i, time));
-  const auto before = in_;
-  call(fmt::format("step {}", steps_));
-  const double wall = seconds_of(CLOCK_MONOTONIC), used = seconds_of(CLOCK_THREAD_CPUTIME_ID);
-  const long heap = rths_heap_calls != nullptr ? rths_heap_calls() : 0;
-  const rths_status status = adapter_.step(self_, time, in_.data(), out());
-  const long calls = rths_heap_calls != nullptr ? rths_heap_calls() - heap : 0;
-  const double processor = seconds_of(CLOCK_THREAD_CPUTIME_ID) - used;
-  wall_times_.push_back(seconds_of(CLOCK_MONOTONIC) - wall);
-  if (calls > 0)
-    report_.fail(kAllocation, fmt::format("step {} used the heap {} times: allocate in activate",
-                                          steps_, calls));
-  if (steps_ > 0 && processor > settings_.period)
-    report_.fail(kDeadline, fmt::format("step {} took {:.1f} ms, the period is {:.1f} ms", steps_,
-                                        1e3 * processor, 1e3 * settings_.period));
-  if (std::memcmp(before.data(), in_.data(), in_.size() * sizeof(double)) != 0)
-    report_.fail(kBounds, fmt::format("step {} wrote to its inputs: they are const", steps_));
-  check_outputs();
-  check_status(status);
-  ++steps_;
-  return status;
-}
 
 // FNV-1a.
 std::uint64_t extended(std::uint64_t fingerprint, const double* values, std::size_t count) {
@@ -220,9 +41,9 @@ std::uint64_t extended(std::uint64_t fingerprint, const double* values, std::siz
 }
 
 std::uint64_t run(Candidate& candidate) {
-  std::uint64_t fingerprint = 0xcbf29ce484222325;
+  std::uint64_t fingerprint = kNoOutputs;
   candidate.activate();
-  for (int i = 0; i < kSteps; ++i) {
+  for (int i = 0; i < kTrialSteps; ++i) {
     const rths_status status = candidate.step();
     fingerprint = extended(fingerprint, candidate.out(), candidate.outputs());
     if (status == RTHS_DONE) break;
@@ -359,9 +180,9 @@ void trial_of_instances(const std::filesystem::path& file, const ConformanceSett
     candidate.read_signals();
     candidate.activate();
   }
-  std::array<std::uint64_t, 2> fingerprints{0xcbf29ce484222325, 0xcbf29ce484222325};
+  std::array fingerprints{kNoOutputs, kNoOutputs};
   bool done = false;
-  for (int i = 0; i < kSteps && !done; ++i)
+  for (int i = 0; i < kTrialSteps && !done; ++i)
     for (std::size_t k = 0; k < pair.size(); ++k) {
       done = pair[k].step() == RTHS_DONE;
       fingerprints[k] = extended(fingerprints[k], pair[k].out(), pair[k].outputs());

@@ -5,15 +5,11 @@
 #include <string>
 #include <vector>
 
+#include <rths/adapters/finding.hpp>
+
 namespace rths::plugin {
 
-/// Result of one rule.
-struct Finding {
-  enum class Outcome { Pass, Fail, NotTried };
-  std::string rule;
-  Outcome outcome = Outcome::NotTried;
-  std::string text;  ///< found and expected, and the remedy of a Fail
-};
+using adapters::Finding;
 
 struct ConformanceSettings {
   std::string config;        ///< TOML text, for the plugin
