@@ -35,6 +35,11 @@ int print_findings(const std::string& title, const std::vector<Finding>& finding
   return count(Outcome::Fail) == 0 ? kOk : kConditionNotMet;
 }
 
+bool read_port(const char* begin, const char* end, std::uint16_t& port) {
+  const auto [stop, error] = std::from_chars(begin, end, port);
+  return error == std::errc{} && stop == end;
+}
+
 }  // namespace
 
 int check_plugin(const std::string& file, const std::string& config) {
@@ -49,7 +54,7 @@ int check_server(const CheckArguments& arguments) {
   adapters::ServerCheck check;
   const char* end = address.data() + address.size();
   if (arguments.file != "server" || colon == std::string::npos ||
-      std::from_chars(address.data() + colon + 1, end, check.port).ptr != end)
+      !read_port(address.data() + colon + 1, end, check.port))
     throw Error{
         fmt::format("found {} {}, expected FILE or server HOST:PORT", arguments.file, address)};
   check.address = address.substr(0, colon);

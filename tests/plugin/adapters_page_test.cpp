@@ -71,6 +71,15 @@ TEST(AdaptersPage, AlsoHoldsForAControllerInCpp) {
   EXPECT_NE(ran.out.find("100% tests passed"), std::string::npos) << ran.out;
 }
 
+TEST(CheckServer, NeedsAnAddressWithAPort) {
+  for (const char* address : {"localhost", "localhost:", "localhost:many", "localhost:99999"}) {
+    const auto refused = test::run_rths({"check", "server", address});
+    EXPECT_EQ(refused.exit_code, 2) << address;
+    EXPECT_NE(refused.err.find("expected FILE or server HOST:PORT"), std::string::npos)
+        << refused.err;
+  }
+}
+
 TEST(NewAdapter, RefusesNamesThatAreNoFileAndNoIdentifier) {
   EXPECT_NE(test::run_rths({"new", "adapter", "my-machine"}).err.find("expected letters"),
             std::string::npos);
