@@ -10,6 +10,7 @@
 #include <rths/adapters/recorder_node.hpp>
 #include <rths/adapters/simulink_like_node.hpp>
 #include <rths/adapters/srmd_node.hpp>
+#include <rths/plugin/plugin_node.hpp>
 
 namespace rths::app {
 namespace {
@@ -48,6 +49,7 @@ constexpr adapters::Factory kAdapters[] = {
     {"numerical", adapters::read_numerical},
     {"opensees", read_opensees},
     {"external", read_external},
+    {"plugin", plugin::read_plugin},
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/launch/run.hpp>
+#include <rths/plugin/conformance.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/judgement.hpp>
 #include <rths/sim/bearing.hpp>
@@ -132,8 +133,11 @@ bool looks_like_toml(const std::string& line) {
 
 }  // namespace
 
-int check(const std::string& file) {
+int check(const CheckArguments& arguments) {
+  const auto& file = arguments.file;
+  if (!arguments.address.empty()) return check_server(arguments);
   check_is_file(file);
+  if (plugin::is_library(file)) return check_plugin(file, arguments.config);
   if (recording::is_hdf5(file)) return check_recording(file);
   const std::string head = read_file(file, kMostTextBytes);
   const std::string line = first_line(head);

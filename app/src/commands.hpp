@@ -36,7 +36,33 @@ struct NodeArguments {
 };
 [[nodiscard]] int node(const NodeArguments& arguments);
 
-[[nodiscard]] int check(const std::string& file);
+struct CheckArguments {
+  std::string file;     ///< or "server"
+  std::string address;  ///< of a server: HOST:PORT
+  std::string config;   ///< file with the `config` of a plugin; empty: none
+  bool udp = false;     ///< of a server, as the next two
+  int dofs = 1;
+  double amplitude = 0;  ///< of trials, in the server's units
+};
+[[nodiscard]] int check(const CheckArguments& arguments);
+[[nodiscard]] int check_plugin(const std::string& file, const std::string& config);
+[[nodiscard]] int check_server(const CheckArguments& arguments);
+
+struct NewAdapterArguments {
+  std::string name;              ///< of the adapter and its folder
+  std::string language = "c";    ///< c or cpp
+  std::string role = "machine";  ///< or controller
+};
+[[nodiscard]] int new_adapter(const NewAdapterArguments& arguments);
+
+struct ReplayArguments {
+  std::string library;       ///< of the plugin
+  std::string recording;     ///< file, or folder of a run
+  std::string config;        ///< file with the `config` of the plugin; empty: none
+  std::string node = "xpc";  ///< whose monitors and parameters it has
+};
+/// Runs a plugin on the inputs of a recording and compares its outputs.
+[[nodiscard]] int replay(const ReplayArguments& arguments);
 
 struct DumpArguments {
   std::string ring_or_recording;      ///< name of a ring, or file of a recording

@@ -55,6 +55,9 @@ struct Arguments {
   BridgeBenchArguments bridge_bench;
   DiagnosisBenchArguments trial;
   DiagnoseArguments diagnose;
+  CheckArguments check;
+  NewAdapterArguments made;
+  ReplayArguments replay;
   std::string clock = "wall", file, language = "cpp", folder, format = "text";
   std::vector<std::string> sets, rings;
 };
@@ -115,9 +118,22 @@ void add_node(CLI::App& app, Arguments& a, Chosen& chosen) {
 void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("check",
                                      "Check a map, diagram, bearing, experiment, case, improved "
-                                     "model, motion or recording; its content decides which");
-  command->add_option("file", a.file)->required();
-  command->callback([&] { chosen = [&a] { return check(a.file); }; });
+                                     "model, motion, recording or plugin; its content decides "
+                                     "which");
+  command->add_option("file", a.check.file, "File, or the word server")->required();
+  command->add_option("address", a.check.address,
+                      "HOST:PORT of a server for OpenSees' genericClient, after the word server");
+  command->add_option("--config", a.check.config, "TOML file with the config of a plugin")
+      ->check(CLI::ExistingFile);
+  command->add_option("--dofs", a.check.dofs, "Degrees of freedom of a server")
+      ->check(CLI::Range(1, 15))
+      ->capture_default_str();
+  command
+      ->add_option("--amplitude", a.check.amplitude,
+                   "Trial displacement of a server, in its units [0: it stays at rest]")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--udp", a.check.udp, "The server uses UDP");
+  command->callback([&] { chosen = [&a] { return check(a.check); }; });
 }
 
 void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
@@ -428,6 +444,29 @@ void add_map(CLI::App& app, Arguments& a, Chosen& chosen) {
   gen->callback([&] { chosen = [&a] { return map_gen(a.file, a.language); }; });
 }
 
+void add_plugins(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* make = app.add_subcommand("new", "Make a folder to begin with");
+  make->require_subcommand(1);
+  auto* adapter = make->add_subcommand("adapter", "A plugin that builds, with its tests");
+  adapter->add_option("name", a.made.name, "Name of the adapter and its folder")->required();
+  adapter->add_option("--language", a.made.language)
+      ->check(CLI::IsMember({"c", "cpp"}))
+      ->capture_default_str();
+  adapter->add_option("--role", a.made.role)
+      ->check(CLI::IsMember({"machine", "controller"}))
+      ->capture_default_str();
+  adapter->callback([&] { chosen = [&a] { return new_adapter(a.made); }; });
+  auto* command = app.add_subcommand(
+      "replay", "Run a plugin on the inputs of a recording and compare its outputs");
+  command->add_option("library", a.replay.library, "Plugin")->required()->check(CLI::ExistingFile);
+  command->add_option("recording", a.replay.recording, "Recording, or folder of a run")->required();
+  command->add_option("--config", a.replay.config, "TOML file with the config of the plugin")
+      ->check(CLI::ExistingFile);
+  command->add_option("--node", a.replay.node, "Node of its monitors and parameters")
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return replay(a.replay); }; });
+}
+
 void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* report_command = app.add_subcommand("report", "Rewrite the report of a run");
   report_command->add_option("folder", a.folder, "Folder of the run")->required();
@@ -475,7 +514,7 @@ int parse_and_run(int argc, char** argv) {
   Chosen chosen;
   for (const auto add : {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch,
                          add_fault, add_bridge, add_send, add_ring, add_bench, add_loop, add_terms,
-                         add_diagnose, add_map, add_rest})
+                         add_diagnose, add_map, add_plugins, add_rest})
     add(app, arguments, chosen);
   const std::vector<std::string> words{argv + 1, argv + argc};
   if (const auto result = run_hidden(app, words)) return *result;

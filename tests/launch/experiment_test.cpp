@@ -267,7 +267,8 @@ TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
   EXPECT_EQ(error_with("seed = 7", "rate = 0.5"), "lab.toml:5:8: rate is 0.5, expected 1 to 1000");
   EXPECT_EQ(error_with("\"srmd\"\n[node.xpc]", "\"smrd\"\n[node.xpc]"),
             "lab.toml:14:11: there is no adapter 'smrd', expected one of recorder, srmd, "
-            "ideal_machine, echo, opensees_specimen, simulink_like, numerical, opensees, external");
+            "ideal_machine, echo, opensees_specimen, simulink_like, numerical, opensees, external, "
+            "plugin");
   EXPECT_EQ(error_with("record.csv", "records.csv"),
             "records.csv: cannot be read: No such file or directory");
   EXPECT_NE(error_with("\"controller.toml\"", "\"none.toml\"")

@@ -33,6 +33,7 @@ struct Counters {
   long first_system_call = -1;
 };
 thread_local Counters counters;
+thread_local long all_heap_calls = 0;
 
 #if defined(__x86_64__) && !defined(RTHS_SANITIZED)
 constexpr int kSetDispatch = 59;  // PR_SET_SYSCALL_USER_DISPATCH, newer than Debian 12's headers
@@ -105,6 +106,7 @@ long RealTimeGuard::first_system_call() const { return counters.first_system_cal
 
 namespace {
 void note_heap() {
+  ++all_heap_calls;
   if (counters.watching) ++counters.heap_calls;
 }
 void note_lock() {
@@ -116,6 +118,9 @@ void note_lock() {
 
 #ifndef RTHS_SANITIZED
 extern "C" {
+// Plugins are checked with it.
+long rths_heap_calls() { return rths::test::all_heap_calls; }
+
 void* __libc_malloc(std::size_t);
 void __libc_free(void*);
 void* __libc_calloc(std::size_t, std::size_t);

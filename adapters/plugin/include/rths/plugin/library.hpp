@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include <rths_adapter.h>
+
+namespace rths::plugin {
+
+/// A shared library that exports an adapter. It stays loaded until the process ends, because its
+/// threads and exit handlers may still run.
+class Library {
+ public:
+  /// Loads a library and checks its version and its functions.
+  /// @throws Error if it cannot be loaded or used   @setup
+  explicit Library(std::filesystem::path file);
+
+  [[nodiscard]] const rths_adapter& adapter() const { return *adapter_; }
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  /// "plugin 'name' (file)", for messages.
+  [[nodiscard]] std::string title() const;
+  /// Members of a later minor; null if the adapter has none.
+  [[nodiscard]] void (*stop() const)(void*) {
+    return has(offsetof(rths_adapter, stop)) ? adapter_->stop : nullptr;
+  }
+  [[nodiscard]] const char* (*message() const)(void*) {
+    return has(offsetof(rths_adapter, message)) ? adapter_->message : nullptr;
+  }
+
+ private:
+  [[nodiscard]] bool has(std::size_t offset) const {
+    return adapter_->struct_size >= offset + sizeof(void (*)());
+  }
+  std::filesystem::path file_;
+  const rths_adapter* adapter_ = nullptr;
+};
+
+}  // namespace rths::plugin

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <rths/adapters/adapter.hpp>
+#include <rths/adapters/retreat.hpp>
+
+namespace rths::plugin {
+
+struct PluginSettings {
+  std::filesystem::path library;
+  std::string config;  ///< TOML text, for the plugin
+  adapters::Retreat retreat;
+  double step_deadline = 0.3;  ///< of a step, wall time [s]
+  bool may_allocate = false;   ///< a step that uses the heap is not a fault
+};
+
+/// An adapter in a shared library, in this process.
+///
+/// A step is a Fault, with the name of the plugin and the reason, if it crashes, does not return in
+/// time, uses the heap, or writes NaN, a value outside its stated range or memory outside its
+/// outputs. The outputs then keep their last valid values and the plugin is not called again.
+///
+/// A crash or an endless loop can leave locks and memory of this process in a bad state.
+/// `make_child` separates them.
+/// @throws Error if the library cannot be loaded or its signals are not usable   @setup
+[[nodiscard]] std::unique_ptr<adapters::Adapter> make_plugin(const PluginSettings& settings);
+
+/// Number of heap calls of this thread. Programs that can count them define it.
+extern "C" __attribute__((weak)) long rths_heap_calls();
+
+}  // namespace rths::plugin

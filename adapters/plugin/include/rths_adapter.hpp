@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// rths_adapter.h for C++17 and later: derive from rths::PluginBase and export it with one line.
+//
+//     class Machine final : public rths::PluginBase { … };
+//     RTHS_EXPORT_ADAPTER(Machine, "machine", "1.0")
+//
+// The class needs a constructor from the TOML text of its `config`. Exceptions of [setup] functions
+// become messages.
+#pragma once
+
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "rths_adapter.h"
+
+namespace rths {
+
+/// An adapter in a shared library; see rths_adapter.h for each function.
+class PluginBase {
+ public:
+  virtual ~PluginBase() = default;
+  [[nodiscard]] virtual std::vector<rths_signal> signals() const = 0;
+  virtual void activate() {}
+  [[nodiscard]] virtual rths_status step(double time_s, const double* in, double* out) noexcept = 0;
+  virtual void deactivate() noexcept {}
+  /// Default: the step says how the adapter comes to rest.
+  virtual void stop() noexcept {}
+  [[nodiscard]] virtual const char* message() const noexcept { return ""; }
+};
+
+/// The functions of rths_adapter for one class.
+template <class Plugin>
+struct PluginExport {
+  std::unique_ptr<PluginBase> plugin;
+  std::vector<rths_signal> signals;
+
+  static PluginExport& of(void* self) noexcept { return *static_cast<PluginExport*>(self); }
+  template <class Call>
+  static bool tried(char* error, std::uint32_t size, Call call) noexcept {
+    try {
+      call();
+      return true;
+    } catch (const std::exception& reason) {
+      std::snprintf(error, size, "%s", reason.what());
+    } catch (...) {
+      std::snprintf(error, size, "an exception without text");
+    }
+    return false;
+  }
+  static void* create(const char* config, char* error, std::uint32_t size) noexcept {
+    std::unique_ptr<PluginExport> made;
+    const bool good = tried(error, size, [&] {
+      made = std::make_unique<PluginExport>();
+      made->plugin = std::make_unique<Plugin>(config);
+      made->signals = made->plugin->signals();
+    });
+    return good ? made.release() : nullptr;
+  }
+  static const rths_signal* list(void* self, std::uint32_t* count) noexcept {
+    *count = static_cast<std::uint32_t>(of(self).signals.size());
+    return of(self).signals.data();
+  }
+  static rths_status activate(void* self, char* error, std::uint32_t size) noexcept {
+    return tried(error, size, [&] { of(self).plugin->activate(); }) ? RTHS_OK : RTHS_FAULT;
+  }
+  static rths_status step(void* self, double time, const double* in, double* out) noexcept {
+    return of(self).plugin->step(time, in, out);
+  }
+  static void deactivate(void* self) noexcept { of(self).plugin->deactivate(); }
+  static void destroy(void* self) noexcept { delete static_cast<PluginExport*>(self); }
+  static void stop(void* self) noexcept { of(self).plugin->stop(); }
+  static const char* message(void* self) noexcept { return of(self).plugin->message(); }
+};
+
+}  // namespace rths
+
+/// Defines rths_adapter_entry. With HAS_STOP false, the host ramps outputs with RTHS_RAMP to rest.
+#define RTHS_EXPORT_ADAPTER_(PLUGIN, NAME, VERSION, STOP)      \
+  extern "C" const rths_adapter* rths_adapter_entry(void) {    \
+    using Export = rths::PluginExport<PLUGIN>;                 \
+    static const rths_adapter adapter = {RTHS_ADAPTER_ABI,     \
+                                         sizeof(rths_adapter), \
+                                         NAME,                 \
+                                         VERSION,              \
+                                         Export::create,       \
+                                         Export::list,         \
+                                         Export::activate,     \
+                                         Export::step,         \
+                                         Export::deactivate,   \
+                                         Export::destroy,      \
+                                         STOP,                 \
+                                         Export::message};     \
+    return &adapter;                                           \
+  }
+/// The host ramps outputs with RTHS_RAMP to rest.
+#define RTHS_EXPORT_ADAPTER(PLUGIN, NAME, VERSION) \
+  RTHS_EXPORT_ADAPTER_(PLUGIN, NAME, VERSION, nullptr)
+/// The adapter overrides `stop` and comes to rest by itself.
+#define RTHS_EXPORT_ADAPTER_WITH_STOP(PLUGIN, NAME, VERSION) \
+  RTHS_EXPORT_ADAPTER_(PLUGIN, NAME, VERSION, rths::PluginExport<PLUGIN>::stop)

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Parent and child share a page of turns, texts and arrays. Each waits for its turn in a futex.
+#include <rths/plugin/child_adapter.hpp>
+
+#include <fcntl.h>
+#include <linux/futex.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstring>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include <rths/core/clock.hpp>
+#include <rths/core/error.hpp>
+
+namespace rths::plugin {
+namespace {
+
+using adapters::Direction;
+using adapters::Port;
+using adapters::StepData;
+
+constexpr std::size_t kTextBytes = 1 << 20;  // of all ports, one line each
+constexpr std::size_t kMostValues = 20'000;
+constexpr Duration kLook = std::chrono::milliseconds{50};  // at the life of the other
+constexpr int kSpins = 2000;                               // before a sleep
+
+enum class Command : std::uint32_t { Make, Activate, Step, Deactivate };
+enum Turn : std::uint32_t { kParent, kChild };
+
+/// The memory of both processes.
+struct Shared {
+  std::atomic<std::uint32_t> turn{kChild};  ///< the child begins with Make
+  Command command = Command::Make;
+  Status status = Status::Ok;
+  double time = 0, age = 0;
+  bool stopping = false;
+  std::array<char, kTextBytes> text{};  ///< a message, or the ports after Make; empty: no Error
+  bool failed = false;                  ///< `text` is an Error
+  std::size_t inputs = 0, outputs = 0;
+  std::array<double, kMostValues> values{};  ///< inputs, then outputs
+};
+
+long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
+           const timespec* timeout) {
+  return syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&word), operation, value, timeout,
+                 nullptr, 0);
+}
+
+void give_turn(Shared& shared, Turn turn) {
+  shared.turn.store(turn, std::memory_order_release);
+  futex(shared.turn, FUTEX_WAKE, 1, nullptr);
+}
+
+// Waits for a turn, at most for one look.
+bool has_turn(Shared& shared, Turn turn) {
+  for (int i = 0; i < kSpins; ++i)
+    if (shared.turn.load(std::memory_order_acquire) == turn) return true;
+  const timespec look{0, static_cast<long>(kLook.count())};
+  futex(shared.turn, FUTEX_WAIT, turn == kParent ? kChild : kParent, &look);
+  return shared.turn.load(std::memory_order_acquire) == turn;
+}
+
+void set_text(Shared& shared, const std::string& text) {
+  const auto size = std::min(text.size(), shared.text.size() - 1);
+  std::memcpy(shared.text.data(), text.data(), size);
+  shared.text[size] = '\0';
+}
+
+bool is_read(const Port& port) {
+  return port.direction == Direction::Input || port.direction == Direction::Parameter;
+}
+
+std::string text_of(const std::vector<Port>& ports) {
+  std::string text;
+  for (const auto& port : ports)
+    text += fmt::format("{}\t{}\t{}\t{:a}\t{:d}\t{:d}\t{:a}\t{:a}\n", port.name,
+                        static_cast<int>(port.direction), port.unit, port.initial, port.event,
+                        port.range.has_value(), port.range ? port.range->first : 0,
+                        port.range ? port.range->second : 0);
+  return text;
+}
+
+std::vector<Port> ports_of(const std::string& text) {
+  std::vector<Port> ports;
+  std::istringstream lines{text};
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields{line};
+    std::array<std::string, 8> field;
+    for (auto& word : field) std::getline(fields, word, '\t');
+    Port port{field[0], static_cast<Direction>(std::stoi(field[1])), field[2],
+              std::strtod(field[3].c_str(), nullptr), field[4] == "1"};
+    if (field[5] == "1")
+      port.range = {std::strtod(field[6].c_str(), nullptr), std::strtod(field[7].c_str(), nullptr)};
+    ports.push_back(std::move(port));
+  }
+  return ports;
+}
+
+/// The child: answers until the parent is gone.
+class Server {
+ public:
+  Server(Shared& shared, const std::function<std::unique_ptr<adapters::Adapter>()>& make)
+      : shared_{shared}, make_{make} {}
+
+  [[noreturn]] void run(pid_t parent) {
+    for (;;) {
+      while (!has_turn(shared_, kChild))
+        if (getppid() != parent) _exit(0);
+      answer();
+      give_turn(shared_, kParent);
+    }
+  }
+
+ private:
+  void answer() {
+    if (shared_.command == Command::Step) return step();
+    shared_.failed = false;
+    try {
+      if (shared_.command == Command::Make) make();
+      if (shared_.command == Command::Activate) adapter_->activate();
+      if (shared_.command == Command::Deactivate) adapter_->deactivate();
+    } catch (const Error& error) {
+      shared_.failed = true;
+      set_text(shared_, error.what());
+    }
+  }
+  void make() {
+    adapter_ = make_();
+    const auto ports = adapter_->ports();
+    const std::string text = text_of(ports);
+    if (text.size() >= kTextBytes || ports.size() > kMostValues)
+      throw Error{fmt::format("{} signals, expected at most {}", ports.size(), kMostValues)};
+    shared_.inputs = static_cast<std::size_t>(std::count_if(ports.begin(), ports.end(), is_read));
+    shared_.outputs = ports.size() - shared_.inputs;
+    set_text(shared_, text);
+  }
+  void step() noexcept {
+    StepData step;
+    step.time = shared_.time;
+    step.age = shared_.age;
+    step.stopping = shared_.stopping;
+    step.inputs = {shared_.values.data(), shared_.inputs};
+    step.outputs = {shared_.values.data() + shared_.inputs, shared_.outputs};
+    shared_.status = adapter_->step(step);
+    if (shared_.status == Status::Fault) set_text(shared_, step.message);
+  }
+
+  Shared& shared_;
+  const std::function<std::unique_ptr<adapters::Adapter>()>& make_;
+  std::unique_ptr<adapters::Adapter> adapter_;
+};
+
+// Files and sockets of the parent stay its own; standard error is shared. Signals of a terminal are
+// for the parent, which brings the test to rest.
+void leave_parent() {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGTTOU})
+    std::signal(signal, SIG_IGN);
+  const int nothing = open("/dev/null", O_RDWR);
+  dup2(nothing, STDIN_FILENO);
+  dup2(nothing, STDOUT_FILENO);
+  close_range(STDERR_FILENO + 1, ~0U, 0);
+}
+
+class ChildAdapter final : public adapters::Adapter {
+ public:
+  ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter>()>& make,
+               const ChildSettings& settings);
+  ~ChildAdapter() override { end(); }
+  ChildAdapter(const ChildAdapter&) = delete;
+  ChildAdapter& operator=(const ChildAdapter&) = delete;
+
+  [[nodiscard]] std::vector<Port> ports() const override { return ports_; }
+  void activate() override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
+  void deactivate() override;
+
+ private:
+  [[nodiscard]] bool answers(double deadline) noexcept;
+  void demand(Command command, const char* name);
+  void end() noexcept;
+  void note_end(const char* call, double deadline) noexcept;
+
+  ChildSettings settings_;
+  Shared* shared_;
+  pid_t pid_ = -1;
+  int ending_ = 0;  ///< as waitpid returns it
+  bool is_over_ = false;
+  std::array<char, 400> message_{};
+  std::vector<Port> ports_;
+};
+
+ChildAdapter::ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter>()>& make,
+                           const ChildSettings& settings)
+    : settings_{settings} {
+  void* memory =
+      mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw Error{settings_.title + ": no memory for its process"};
+  shared_ = new (memory) Shared;
+  const pid_t parent = getpid();
+  pid_ = fork();
+  if (pid_ == 0) {
+    leave_parent();
+    Server{*shared_, make}.run(parent);
+  }
+  if (pid_ < 0) throw Error{fmt::format("{}: no process: {}", settings_.title, strerror(errno))};
+  try {
+    demand(Command::Make, "create");
+  } catch (const Error&) {
+    end();
+    throw;
+  }
+  ports_ = ports_of(shared_->text.data());
+}
+
+// Waits for the child's answer. On failure it is dead.
+bool ChildAdapter::answers(double deadline) noexcept {
+  const WallClock clock;
+  const TimePoint latest = clock.now() + from_seconds(deadline);
+  while (!has_turn(*shared_, kParent)) {
+    if (waitpid(pid_, &ending_, WNOHANG) == pid_) {
+      is_over_ = true;
+      return false;
+    }
+    if (clock.now() < latest) continue;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    is_over_ = true;
+    ending_ = 0;
+    return false;
+  }
+  return true;
+}
+
+void ChildAdapter::note_end(const char* call, double deadline) noexcept {
+  const std::size_t room = message_.size() - 1;
+  char* end = nullptr;
+  if (WIFSIGNALED(ending_))
+    end = fmt::format_to_n(message_.data(), room, "{}: {} ended its process: {}", settings_.title,
+                           call, strsignal(WTERMSIG(ending_)))
+              .out;
+  else if (ending_ == 0)
+    end = fmt::format_to_n(message_.data(), room, "{}: {} did not return within {:g} s",
+                           settings_.title, call, deadline)
+              .out;
+  else
+    end = fmt::format_to_n(message_.data(), room, "{}: {} ended its process with exit code {}",
+                           settings_.title, call, WEXITSTATUS(ending_))
+              .out;
+  *end = '\0';
+}
+
+// @throws Error of the adapter, or if it does not answer
+void ChildAdapter::demand(Command command, const char* name) {
+  if (is_over_) throw Error{message_.data()};
+  if (command != Command::Make) {
+    shared_->command = command;
+    give_turn(*shared_, kChild);
+  }
+  if (!answers(settings_.setup_deadline)) {
+    note_end(name, settings_.setup_deadline);
+    throw Error{message_.data()};
+  }
+  if (shared_->failed) throw Error{shared_->text.data()};
+}
+
+void ChildAdapter::activate() {
+  demand(Command::Activate, "activate");
+  if (settings_.priority == 0) return;
+  const sched_param parameters{settings_.priority};
+  sched_setscheduler(pid_, SCHED_FIFO, &parameters);  // without the privilege it runs as it is
+}
+
+Status ChildAdapter::step(StepData& step) noexcept {
+  step.message = message_.data();
+  if (is_over_) return Status::Fault;
+  shared_->command = Command::Step;
+  shared_->time = step.time;
+  shared_->age = step.age;
+  shared_->stopping = step.stopping;
+  std::copy(step.inputs.begin(), step.inputs.end(), shared_->values.begin());
+  double* outputs = shared_->values.data() + shared_->inputs;
+  std::copy(step.outputs.begin(), step.outputs.end(), outputs);
+  give_turn(*shared_, kChild);
+  if (!answers(settings_.step_deadline)) {
+    note_end("its step", settings_.step_deadline);
+    return Status::Fault;
+  }
+  std::copy_n(outputs, step.outputs.size(), step.outputs.begin());
+  if (shared_->status == Status::Fault)
+    std::memcpy(message_.data(), shared_->text.data(), message_.size() - 1);
+  return shared_->status;
+}
+
+void ChildAdapter::deactivate() {
+  if (!is_over_) demand(Command::Deactivate, "deactivate");
+}
+
+void ChildAdapter::end() noexcept {
+  if (!is_over_) {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  munmap(shared_, sizeof(Shared));
+}
+
+}  // namespace
+
+std::unique_ptr<adapters::Adapter> make_child(
+    const std::function<std::unique_ptr<adapters::Adapter>()>& make,
+    const ChildSettings& settings) {
+  return std::make_unique<ChildAdapter>(make, settings);
+}
+
+}  // namespace rths::plugin

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/plugin/plugin_adapter.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/plugin/library.hpp>
+
+#include "call_guard.hpp"
+
+namespace rths::plugin {
+namespace {
+
+using adapters::Direction;
+using adapters::Port;
+using adapters::StepData;
+
+constexpr Duration kSetupDeadline = std::chrono::seconds{10};
+constexpr std::uint32_t kMostSignals = 10'000;
+constexpr std::size_t kMargin = 8;             // longwords behind the outputs
+constexpr double kMarginValue = 6.0221408e23;  // no plugin writes it
+constexpr double kRestMargin = 0.5;            // beyond the path to rest [s]
+
+bool is_read(std::uint32_t direction) {
+  return direction == RTHS_INPUT || direction == RTHS_PARAMETER;
+}
+
+Status status_of(rths_status status) {
+  switch (status) {
+    case RTHS_OK:
+      return Status::Ok;
+    case RTHS_DONE:
+      return Status::Done;
+    case RTHS_STALE:
+      return Status::Stale;
+    case RTHS_LIMIT_EXCEEDED:
+      return Status::LimitExceeded;
+    default:
+      return Status::Fault;
+  }
+}
+
+/// An output, and what the plugin states about it.
+struct Stated {
+  std::string name;
+  double lowest, highest;
+  bool is_ramped;
+};
+
+class PluginAdapter final : public adapters::Adapter {
+ public:
+  explicit PluginAdapter(const PluginSettings& settings);
+  ~PluginAdapter() override;
+  PluginAdapter(const PluginAdapter&) = delete;
+  PluginAdapter& operator=(const PluginAdapter&) = delete;
+
+  [[nodiscard]] std::vector<Port> ports() const override { return ports_; }
+  void activate() override;
+  [[nodiscard]] Status step(StepData& step) noexcept override;
+  void deactivate() override;
+
+ private:
+  template <class Call>
+  void set_up(const char* name, Call call);
+  [[nodiscard]] std::vector<Port> read_signals();
+  [[nodiscard]] Port port_of(const rths_signal& signal) const;
+  [[nodiscard]] Status call_step(const StepData& step) noexcept;
+  [[nodiscard]] bool accepts_outputs() noexcept;
+  void begin_stop(const StepData& step) noexcept;
+  [[nodiscard]] Status come_to_rest(StepData& step, Status status) noexcept;
+  template <class... Values>
+  Status fail(fmt::format_string<Values...> text, Values&&... values) noexcept;
+
+  PluginSettings settings_;
+  Library library_;
+  const rths_adapter& adapter_;
+  std::string title_;
+  void* self_ = nullptr;
+  bool is_active_ = false, is_broken_ = false, has_stepped_ = false;
+  std::vector<Port> ports_;
+  std::vector<Stated> stated_;
+  std::vector<double> outputs_;  ///< as the plugin wrote them, and the margin
+  std::vector<double> held_;     ///< at the stop
+  double stopped_at_ = -1;
+  std::array<char, 400> message_{};
+  std::optional<CallGuard> guard_;  ///< while active
+};
+
+PluginAdapter::PluginAdapter(const PluginSettings& settings)
+    : settings_{settings},
+      library_{settings.library},
+      adapter_{library_.adapter()},
+      title_{library_.title()} {
+  std::array<char, 400> error{};
+  set_up("create", [&] {
+    self_ = adapter_.create(settings_.config.c_str(), error.data(), error.size() - 1);
+  });
+  if (self_ == nullptr)
+    throw Error{fmt::format("{}: {}", title_,
+                            error[0] != '\0' ? error.data() : "create failed without a message")};
+  ports_ = read_signals();
+  outputs_.assign(stated_.size() + kMargin, 0);
+  std::fill(outputs_.end() - kMargin, outputs_.end(), kMarginValue);
+  held_.resize(stated_.size());
+}
+
+// A plugin that crashed keeps its memory.
+PluginAdapter::~PluginAdapter() {
+  if (self_ == nullptr || is_broken_) return;
+  try {
+    deactivate();
+    set_up("destroy", [&] { adapter_.destroy(self_); });
+  } catch (const Error&) {  // the run is over
+  }
+}
+
+// @throws Error if the call does not return
+template <class Call>
+void PluginAdapter::set_up(const char* name, Call call) {
+  CallGuard guard{kSetupDeadline};
+  const CallEnd end = guard.run(call);
+  if (end == CallEnd::Returned) return;
+  is_broken_ = true;
+  throw Error{end == CallEnd::Overdue
+                  ? fmt::format("{}: {} did not return within {:g} s", title_, name,
+                                to_seconds(kSetupDeadline))
+                  : fmt::format("{}: {} crashed: {}", title_, name, strsignal(guard.signal()))};
+}
+
+Port PluginAdapter::port_of(const rths_signal& signal) const {
+  if (signal.name == nullptr || *signal.name == '\0' || signal.unit == nullptr)
+    throw Error{title_ + ": a signal has no name or no unit"};
+  if (signal.direction > RTHS_PARAMETER)
+    throw Error{fmt::format("{}: '{}' has direction {}, expected 0 to {}", title_, signal.name,
+                            signal.direction, static_cast<int>(RTHS_PARAMETER))};
+  Port port{signal.name, static_cast<Direction>(signal.direction), signal.unit, signal.initial,
+            (signal.flags & RTHS_EVENT) != 0};
+  if (signal.lowest != 0 || signal.highest != 0) port.range = {signal.lowest, signal.highest};
+  return port;
+}
+
+std::vector<Port> PluginAdapter::read_signals() {
+  const rths_signal* signals = nullptr;
+  std::uint32_t count = 0;
+  set_up("signals", [&] { signals = adapter_.signals(self_, &count); });
+  if (signals == nullptr || count == 0 || count > kMostSignals)
+    throw Error{fmt::format("{}: has {} signals, expected 1 to {}", title_,
+                            signals == nullptr ? 0 : count, kMostSignals)};
+  std::vector<Port> ports;
+  stated_.clear();
+  for (const rths_signal* signal = signals; signal != signals + count; ++signal) {
+    ports.push_back(port_of(*signal));
+    const auto& port = ports.back();
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (!is_read(signal->direction))
+      stated_.push_back({port.name, port.range ? port.range->first : -kInfinity,
+                         port.range ? port.range->second : kInfinity,
+                         (signal->flags & RTHS_RAMP) != 0});
+  }
+  return ports;
+}
+
+void PluginAdapter::activate() {
+  if (is_broken_) throw Error{title_ + ": failed earlier"};
+  std::array<char, 400> error{};
+  rths_status status = RTHS_OK;
+  set_up("activate", [&] { status = adapter_.activate(self_, error.data(), error.size() - 1); });
+  if (status != RTHS_OK)
+    throw Error{fmt::format("{}: {}", title_,
+                            error[0] != '\0' ? error.data() : "activate failed without a message")};
+  is_active_ = true;
+  guard_.emplace(from_seconds(settings_.step_deadline));
+  stopped_at_ = -1;
+  has_stepped_ = false;
+  const auto now = read_signals();
+  const bool is_same = std::equal(
+      now.begin(), now.end(), ports_.begin(), ports_.end(), [](const Port& a, const Port& b) {
+        return a.name == b.name && a.direction == b.direction && a.unit == b.unit;
+      });
+  if (!is_same)
+    throw Error{title_ + ": lists other signals after activate, expected the same ones"};
+}
+
+void PluginAdapter::deactivate() {
+  if (!is_active_) return;
+  is_active_ = false;
+  guard_.reset();
+  if (is_broken_) return;
+  set_up("deactivate", [&] { adapter_.deactivate(self_); });
+}
+
+template <class... Values>
+Status PluginAdapter::fail(fmt::format_string<Values...> text, Values&&... values) noexcept {
+  is_broken_ = true;
+  const std::size_t room = message_.size() - 1;
+  auto end = fmt::format_to_n(message_.data(), room, "{}: ", title_).out;
+  const auto left = static_cast<std::size_t>(message_.data() + room - end);
+  end = fmt::format_to_n(end, left, text, std::forward<Values>(values)...).out;
+  *end = '\0';
+  return Status::Fault;
+}
+
+// @realtime. Faults are the end of it.
+Status PluginAdapter::call_step(const StepData& step) noexcept {
+  rths_status status = RTHS_FAULT;
+  const char* reason = "";
+  const long before = rths_heap_calls != nullptr ? rths_heap_calls() : 0;
+  const CallEnd end = guard_->run([&] {
+    status = adapter_.step(self_, step.time, step.inputs.data(), outputs_.data());
+    if (status == RTHS_FAULT && library_.message() != nullptr) reason = library_.message()(self_);
+  });
+  if (end == CallEnd::Overdue)
+    return fail("its step did not return within {:g} s", settings_.step_deadline);
+  if (end == CallEnd::Crashed) return fail("its step crashed: {}", strsignal(guard_->signal()));
+  if (status == RTHS_FAULT)
+    return fail("{}", reason != nullptr && *reason != '\0' ? reason : "a fault without a message");
+  if (status < RTHS_OK || status > RTHS_FAULT)
+    return fail("its step returned status {}, expected 0 to {}", status,
+                static_cast<int>(RTHS_FAULT));
+  const long after = rths_heap_calls != nullptr ? rths_heap_calls() : 0;
+  if (after != before && !settings_.may_allocate)
+    return fail("its step used the heap {} times, expected none", after - before);
+  return accepts_outputs() ? status_of(status) : Status::Fault;
+}
+
+bool PluginAdapter::accepts_outputs() noexcept {
+  for (std::size_t i = 0; i < stated_.size(); ++i) {
+    const auto& stated = stated_[i];
+    const double value = outputs_[i];
+    if (value >= stated.lowest && value <= stated.highest && std::isfinite(value)) continue;
+    if (std::isfinite(value))
+      static_cast<void>(fail("its step wrote {:g} to '{}', which it states as {:g} to {:g}", value,
+                             stated.name, stated.lowest, stated.highest));
+    else
+      static_cast<void>(fail("its step wrote {} to '{}', expected a number", value, stated.name));
+    return false;
+  }
+  for (std::size_t i = stated_.size(); i < outputs_.size(); ++i)
+    if (outputs_[i] != kMarginValue) {
+      static_cast<void>(fail("its step wrote beyond its {} outputs", stated_.size()));
+      return false;
+    }
+  return true;
+}
+
+void PluginAdapter::begin_stop(const StepData& step) noexcept {
+  stopped_at_ = step.time;
+  std::copy(step.outputs.begin(), step.outputs.end(), held_.begin());
+  if (library_.stop() == nullptr) return;
+  if (guard_->run([&] { library_.stop()(self_); }) != CallEnd::Returned)
+    static_cast<void>(fail("stop did not return"));
+}
+
+// A plugin that comes to rest by itself says when; for others, the outputs that move are ramped.
+Status PluginAdapter::come_to_rest(StepData& step, Status status) noexcept {
+  const double since = step.time - stopped_at_;
+  const auto& retreat = settings_.retreat;
+  if (library_.stop() == nullptr) {
+    for (std::size_t i = 0; i < stated_.size(); ++i)
+      if (stated_[i].is_ramped) step.outputs[i] = retreat.fraction(since) * held_[i];
+    return retreat.finished(since) ? Status::Done : status;
+  }
+  const double longest = retreat.hold + retreat.ramp + kRestMargin;
+  if (status == Status::Done || since < longest) return status;
+  return fail("was not at rest {:g} s after the stop", longest);
+}
+
+Status PluginAdapter::step(StepData& step) noexcept {
+  if (!has_stepped_) std::copy(step.outputs.begin(), step.outputs.end(), outputs_.begin());
+  has_stepped_ = true;
+  if (step.stopping && stopped_at_ < 0) begin_stop(step);
+  const Status status = is_broken_ ? Status::Fault : call_step(step);
+  if (status == Status::Fault) {
+    step.message = message_.data();
+    return status;
+  }
+  std::copy_n(outputs_.begin(), stated_.size(), step.outputs.begin());
+  if (stopped_at_ < 0) return status;
+  const Status end = come_to_rest(step, status);
+  if (end == Status::Fault) step.message = message_.data();
+  return end;
+}
+
+}  // namespace
+
+std::unique_ptr<adapters::Adapter> make_plugin(const PluginSettings& settings) {
+  return std::make_unique<PluginAdapter>(settings);
+}
+
+}  // namespace rths::plugin

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trial.hpp"
+
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <exception>
+#include <memory>
+#include <span>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include <rths/core/clock.hpp>
+#include <rths/core/error.hpp>
+
+namespace rths::plugin {
+namespace {
+
+constexpr auto kTrialLook = std::chrono::milliseconds{2};
+constexpr double kIdleFactor = 5;            // of the deadline, for calls that wait
+constexpr double kLeastProcessorTime = 0.2;  // [s]: a call that loops has used it
+
+double processor_time_of(pid_t pid) {
+  clockid_t clock{};
+  timespec time{};
+  if (clock_getcpuclockid(pid, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+void set_text(std::span<char> text, const std::string& value) {
+  const auto size = std::min(value.size(), text.size() - 1);
+  std::memcpy(text.data(), value.data(), size);
+  text[size] = '\0';
+}
+
+[[noreturn]] void run_child(const std::function<void(TrialReport&)>& trial, TrialReport& report) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(number, SIG_DFL);
+  trial(report);
+  report.completed = true;
+  _exit(0);
+}
+
+// A busy host delays the child: a call is overdue if it used the processor, or waits far too long.
+bool is_overdue(pid_t pid, double waited, double processor_time, double deadline) {
+  if (waited > kIdleFactor * deadline) return true;
+  return waited > deadline && processor_time_of(pid) - processor_time > kLeastProcessorTime;
+}
+
+}  // namespace
+
+void TrialReport::pass(std::size_t rule, const std::string& text) {
+  rules[rule].tried = true;
+  if (!rules[rule].failed) set_text(rules[rule].text, text);
+}
+
+void TrialReport::fail(std::size_t rule, const std::string& text) {
+  rules[rule].tried = true;
+  if (!rules[rule].failed) set_text(rules[rule].text, text);
+  rules[rule].failed = true;
+}
+
+TrialReport run_trial(const std::function<void(TrialReport&)>& trial, double deadline) {
+  void* memory =
+      mmap(nullptr, sizeof(TrialReport), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw Error{"no memory for the trial of a plugin"};
+  auto* shared = new (memory) TrialReport;
+  const pid_t pid = fork();
+  if (pid == 0) run_child(trial, *shared);
+  if (pid < 0) throw Error{"no process for the trial of a plugin"};
+  const WallClock clock;
+  std::array<char, 100> call{};
+  TimePoint since = clock.now();
+  double processor_time = 0;
+  int ending = 0;
+  bool overdue = false;
+  while (waitpid(pid, &ending, WNOHANG) != pid) {
+    std::this_thread::sleep_for(kTrialLook);
+    if (call != shared->call) {
+      call = shared->call;
+      since = clock.now();
+      processor_time = processor_time_of(pid);
+    }
+    if (overdue || !is_overdue(pid, to_seconds(clock.now() - since), processor_time, deadline))
+      continue;
+    overdue = true;
+    kill(pid, SIGKILL);
+  }
+  TrialReport report = *shared;
+  munmap(memory, sizeof(TrialReport));
+  if (report.completed) return report;
+  if (overdue)
+    report.fail(kDeadline, fmt::format("{} did not return within {:g} s: bound its loops and waits",
+                                       report.call.data(), deadline));
+  else if (WIFSIGNALED(ending))
+    report.fail(kCrash, fmt::format("{} crashed: {}; run it under a debugger or the address "
+                                    "sanitizer",
+                                    report.call.data(), strsignal(WTERMSIG(ending))));
+  else
+    report.fail(kCrash, fmt::format("{} ended the process with exit code {}: return an error",
+                                    report.call.data(), WEXITSTATUS(ending)));
+  return report;
+}
+
+}  // namespace rths::plugin

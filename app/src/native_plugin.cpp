@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Built-in adapters behind the interface of plugins: librths_native.so. Its config has the keys
+// experiment (a file), node (of this experiment) and set (["key=value"]).
+#include <rths_adapter.hpp>
+
+#include <rths/app/builtin_adapters.hpp>
+#include <rths/core/error.hpp>
+#include <rths/memmap/map.hpp>
+
+namespace rths::app {
+namespace {
+
+launch::Overrides changes_of(const Config& config) {
+  launch::Overrides changes;
+  for (const auto& text : config.texts("set", {})) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos) config.fail("set", "found '" + text + "', expected key=value");
+    changes.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return changes;
+}
+
+rths_status status_of(Status status) {
+  switch (status) {
+    case Status::Done:
+      return RTHS_DONE;
+    case Status::Stale:
+      return RTHS_STALE;
+    case Status::LimitExceeded:
+      return RTHS_LIMIT_EXCEEDED;
+    case Status::Fault:
+      return RTHS_FAULT;
+    default:
+      return RTHS_OK;
+  }
+}
+
+class NativePlugin final : public rths::PluginBase {
+ public:
+  explicit NativePlugin(const char* text);
+
+  [[nodiscard]] std::vector<rths_signal> signals() const override;
+  // A new adapter is in its initial state.
+  void activate() override {
+    adapter_ = make();
+    adapter_->activate();
+    stopping_ = false;
+  }
+  [[nodiscard]] rths_status step(double time_s, const double* in, double* out) noexcept override;
+  void deactivate() noexcept override {
+    try {
+      adapter_->deactivate();
+    } catch (const Error&) {  // an incomplete file: no adapter without files throws
+    }
+  }
+  void stop() noexcept override { stopping_ = true; }
+  [[nodiscard]] const char* message() const noexcept override { return message_; }
+
+ private:
+  [[nodiscard]] std::unique_ptr<adapters::Adapter> make() const;
+
+  launch::Experiment experiment_;
+  const launch::NodePlan* plan_ = nullptr;
+  std::unique_ptr<adapters::Adapter> adapter_;
+  std::vector<adapters::Port> ports_;
+  std::size_t inputs_ = 0;
+  bool stopping_ = false;
+  const char* message_ = "";
+};
+
+NativePlugin::NativePlugin(const char* text) {
+  const Config config = Config::parse(text, "config");
+  experiment_ = load_experiment(config.text("experiment"), changes_of(config));
+  const std::string node = config.text("node");
+  config.reject_unknown_keys();
+  for (const auto& plan : experiment_.nodes)
+    if (plan.node == node) plan_ = &plan;
+  if (plan_ == nullptr) config.fail("node", "the experiment has no node '" + node + "'");
+  if (plan_->settings.monitors)
+    config.fail("node", "node '" + node + "' reads every signal, which a plugin cannot");
+  ports_ = make()->ports();
+  for (const auto& port : ports_)
+    if (port.direction == adapters::Direction::Input ||
+        port.direction == adapters::Direction::Parameter)
+      ++inputs_;
+}
+
+std::unique_ptr<adapters::Adapter> NativePlugin::make() const {
+  const memmap::Map map = memmap::load_map(experiment_.map);
+  return plan_->settings.make(experiment_,
+                              {plan_->node, plan_->schedule.period, true, {}, map, {}, {}, {}});
+}
+
+std::vector<rths_signal> NativePlugin::signals() const {
+  std::vector<rths_signal> signals;
+  for (const auto& port : ports_) {
+    const auto range = port.range.value_or(std::pair{0.0, 0.0});
+    signals.push_back({port.name.c_str(), port.unit.c_str(),
+                       static_cast<std::uint32_t>(port.direction),
+                       port.event ? static_cast<std::uint32_t>(RTHS_EVENT) : 0U, port.initial,
+                       range.first, range.second});
+  }
+  return signals;
+}
+
+rths_status NativePlugin::step(double time_s, const double* in, double* out) noexcept {
+  adapters::StepData step;
+  step.time = time_s;
+  step.inputs = {in, inputs_};
+  step.outputs = {out, ports_.size() - inputs_};
+  step.stopping = stopping_;
+  const Status status = adapter_->step(step);
+  message_ = step.message;
+  return status_of(status);
+}
+
+}  // namespace
+}  // namespace rths::app
+
+RTHS_EXPORT_ADAPTER_WITH_STOP(rths::app::NativePlugin, "native", "0.1")

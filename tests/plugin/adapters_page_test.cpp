@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The commands of docs/adapters.md, in the order of the page.
+#include <filesystem>
+#include <regex>
+
+#include <gtest/gtest.h>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace rths::plugin {
+namespace {
+
+/// Blocks of code of one language on a page.
+std::vector<std::string> blocks(const std::string& page, const std::string& language) {
+  std::vector<std::string> found;
+  const std::string begin = "```" + language + "\n";
+  for (auto at = page.find(begin); at != std::string::npos; at = page.find(begin, at)) {
+    at += begin.size();
+    found.push_back(page.substr(at, page.find("```", at) - at));
+  }
+  return found;
+}
+
+std::string without_ending_spaces(const std::string& text) {
+  return std::regex_replace(text, std::regex{"[ ]+\n"}, "\n");
+}
+
+/// All commands of the page in one shell; a test that is not conclusive exits with 1.
+test::Finished run_commands(const std::string& page, const std::filesystem::path& folder) {
+  const auto build = test::build_tree().string();
+  std::string script = "set -e\nexport PATH=" + build +
+                       "/bin:$PATH\nexport CMAKE_GENERATOR=Ninja\ncd " + folder.string() + "\n";
+  for (const auto& block : blocks(page, "sh"))
+    script += std::regex_replace(block, std::regex{"(rths run [^\n]*)"}, "$1 || [ $$? = 1 ]");
+  return test::Running{{"/bin/bash", "-c", script}}.wait(300);
+}
+
+TEST(AdaptersPage, HasCommandsThatWorkInItsOrder) {
+  const test::TemporaryFolder folder;
+  const auto page = test::content_of(test::source_tree() / "docs/adapters.md");
+
+  const auto ran = run_commands(page, folder.path());
+  ASSERT_EQ(ran.exit_code, 0) << ran.out << ran.err;
+  const auto output = without_ending_spaces(ran.out);
+  for (const auto& block : blocks(page, "text"))
+    for (std::size_t at = 0; at < block.size(); at = block.find('\n', at) + 1) {
+      const auto line = block.substr(at, block.find('\n', at) - at);
+      EXPECT_NE(output.find(line), std::string::npos) << line << "\n" << output;
+    }
+  EXPECT_NE(ran.out.find("100% tests passed"), std::string::npos) << ran.out;
+}
+
+TEST(AdaptersPage, ShowsLinesOfTheTemplate) {
+  const auto page = test::content_of(test::source_tree() / "docs/adapters.md");
+  const auto machine =
+      test::content_of(test::source_tree() / "adapters/plugin/templates/adapter/machine.c");
+  for (const auto& block : blocks(page, "c"))
+    EXPECT_NE(machine.find(block), std::string::npos) << block;
+}
+
+TEST(AdaptersPage, AlsoHoldsForAControllerInCpp) {
+  const test::TemporaryFolder folder;
+  const auto ran = run_commands(
+      "```sh\nrths new adapter pilot --role controller --language cpp\ncd pilot\ncmake -B build\n"
+      "cmake --build build\nctest --test-dir build\n```\n",
+      folder.path());
+
+  EXPECT_EQ(ran.exit_code, 0) << ran.out << ran.err;
+  EXPECT_NE(ran.out.find("100% tests passed"), std::string::npos) << ran.out;
+}
+
+TEST(CheckServer, NeedsAnAddressWithAPort) {
+  for (const char* address : {"localhost", "localhost:", "localhost:many", "localhost:99999"}) {
+    const auto refused = test::run_rths({"check", "server", address});
+    EXPECT_EQ(refused.exit_code, 2) << address;
+    EXPECT_NE(refused.err.find("expected FILE or server HOST:PORT"), std::string::npos)
+        << refused.err;
+  }
+}
+
+TEST(NewAdapter, RefusesNamesThatAreNoFileAndNoIdentifier) {
+  EXPECT_NE(test::run_rths({"new", "adapter", "my-machine"}).err.find("expected letters"),
+            std::string::npos);
+  const test::TemporaryFolder folder;
+  const test::Finished again = test::Running{
+      {"/bin/bash", "-c",
+       "cd " + folder.path().string() + " && mkdir demo && " + test::rths_command() +
+           " new adapter demo"}}.wait();
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_NE(again.err.find("demo: exists, expected a new folder"), std::string::npos) << again.err;
+}
+
+}  // namespace
+}  // namespace rths::plugin
