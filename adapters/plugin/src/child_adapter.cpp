@@ -16,6 +16,7 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <sstream>
 
@@ -99,7 +100,7 @@ std::vector<Port> ports_of(const std::string& text) {
     std::istringstream fields{line};
     std::array<std::string, 8> field;
     for (auto& word : field) std::getline(fields, word, '\t');
-    Port port{field[0], static_cast<Direction>(std::stoi(field[1])), field[2],
+    Port port{field[0], static_cast<Direction>(std::atoi(field[1].c_str())), field[2],
               std::strtod(field[3].c_str(), nullptr), field[4] == "1"};
     if (field[5] == "1")
       port.range = {std::strtod(field[6].c_str(), nullptr), std::strtod(field[7].c_str(), nullptr)};
@@ -189,6 +190,7 @@ class ChildAdapter final : public adapters::Adapter {
 
  private:
   [[nodiscard]] bool answers(double deadline) noexcept;
+  [[nodiscard]] std::string text() const;
   void demand(Command command, const char* name);
   void end() noexcept;
   void note_end(const char* call, double deadline) noexcept;
@@ -200,6 +202,7 @@ class ChildAdapter final : public adapters::Adapter {
   bool is_over_ = false;
   std::array<char, 400> message_{};
   std::vector<Port> ports_;
+  std::size_t inputs_ = 0;  ///< in `values`, before the outputs
 };
 
 ChildAdapter::ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter>()>& make,
@@ -222,7 +225,14 @@ ChildAdapter::ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter
     end();
     throw;
   }
-  ports_ = ports_of(shared_->text.data());
+  ports_ = ports_of(text());
+  if (ports_.size() > kMostValues) ports_.resize(kMostValues);
+  inputs_ = static_cast<std::size_t>(std::count_if(ports_.begin(), ports_.end(), is_read));
+}
+
+// Of the child, whose plugin may have written over its end.
+std::string ChildAdapter::text() const {
+  return {shared_->text.data(), strnlen(shared_->text.data(), shared_->text.size())};
 }
 
 // Waits for the child's answer. On failure it is dead.
@@ -273,7 +283,7 @@ void ChildAdapter::demand(Command command, const char* name) {
     note_end(name, settings_.setup_deadline);
     throw Error{message_.data()};
   }
-  if (shared_->failed) throw Error{shared_->text.data()};
+  if (shared_->failed) throw Error{text()};
 }
 
 void ChildAdapter::activate() {
@@ -291,7 +301,7 @@ Status ChildAdapter::step(StepData& step) noexcept {
   shared_->age = step.age;
   shared_->stopping = step.stopping;
   std::copy(step.inputs.begin(), step.inputs.end(), shared_->values.begin());
-  double* outputs = shared_->values.data() + shared_->inputs;
+  double* outputs = shared_->values.data() + inputs_;
   std::copy(step.outputs.begin(), step.outputs.end(), outputs);
   give_turn(*shared_, kChild);
   if (!answers(settings_.step_deadline)) {
@@ -299,9 +309,10 @@ Status ChildAdapter::step(StepData& step) noexcept {
     return Status::Fault;
   }
   std::copy_n(outputs, step.outputs.size(), step.outputs.begin());
-  if (shared_->status == Status::Fault)
+  const Status status = std::min(shared_->status, Status::Fault);
+  if (status == Status::Fault)
     std::memcpy(message_.data(), shared_->text.data(), message_.size() - 1);
-  return shared_->status;
+  return status;
 }
 
 void ChildAdapter::deactivate() {
