@@ -6,8 +6,9 @@
 #include <rths_adapter.h>
 
 enum { AXES = 2, NEW_TARGET = 0, TARGET, DISPLACEMENT = TARGET + AXES, FORCE = DISPLACEMENT + AXES,
-       STEP = FORCE + AXES };                       /* of the inputs */
-enum { REFERENCE = 0, FEEDBACK = AXES, FED_FORCE = 2 * AXES, AT_TARGET = 3 * AXES, SWITCH };
+       LOAD = FORCE + AXES, STEP, WEIGHT };         /* of the inputs */
+enum { REFERENCE, COMPRESSION = AXES, FEEDBACK, FED_FORCE = FEEDBACK + AXES,
+       AT_TARGET = FED_FORCE + AXES, SWITCH };      /* of the outputs */
 
 typedef struct {
   double from[AXES], to[AXES]; /* [m] */
@@ -25,9 +26,12 @@ static const rths_signal kSignals[] = {
     {"srmd.lat.displ.fbk", "m", RTHS_INPUT, 0, 0, 0, 0},
     {"srmd.long.force.fbk", "N", RTHS_INPUT, 0, 0, 0, 0},
     {"srmd.lat.force.fbk", "N", RTHS_INPUT, 0, 0, 0, 0},
+    {"opf.vert.force.target", "N", RTHS_INPUT, 0, 0, 0, 0},
     {"step", "s", RTHS_PARAMETER, 0, 0.007, 0.001, 10},
+    {"weight", "N", RTHS_PARAMETER, 0, 9685600, 0, 53.4e6},
     {"xpc.long.displ.ref", "m", RTHS_OUTPUT, RTHS_RAMP, 0, 0, 0},
     {"xpc.lat.displ.ref", "m", RTHS_OUTPUT, RTHS_RAMP, 0, 0, 0},
+    {"xpc.compression.force.ref", "N", RTHS_OUTPUT, 0, 0, 0, 0},
     {"daq.long.displ.fbk", "m", RTHS_OUTPUT, 0, 0, 0, 0},
     {"daq.lat.displ.fbk", "m", RTHS_OUTPUT, 0, 0, 0, 0},
     {"daq.long.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
@@ -69,6 +73,7 @@ static rths_status step(void *self, double time_s, const double *in, double *out
   double x = (time_s - c->begun) / in[STEP];
   if (x > 1) x = 1;
   for (int i = 0; i < AXES; ++i) out[REFERENCE + i] = c->from[i] + x * (c->to[i] - c->from[i]);
+  out[COMPRESSION] = in[WEIGHT] + in[LOAD];
   if (x >= 1 && !has_target && !c->at_target) {
     c->at_target = 1;
     memcpy(out + FEEDBACK, in + DISPLACEMENT, AXES * sizeof *out);
