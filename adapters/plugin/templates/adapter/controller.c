@@ -5,10 +5,24 @@
 
 #include <rths_adapter.h>
 
-enum { AXES = 2, NEW_TARGET = 0, TARGET, DISPLACEMENT = TARGET + AXES, FORCE = DISPLACEMENT + AXES,
-       LOAD = FORCE + AXES, STEP, WEIGHT };         /* of the inputs */
-enum { REFERENCE, COMPRESSION = AXES, FEEDBACK, FED_FORCE = FEEDBACK + AXES,
-       AT_TARGET = FED_FORCE + AXES, SWITCH };      /* of the outputs */
+enum {
+  AXES = 2,
+  NEW_TARGET = 0,
+  TARGET,
+  DISPLACEMENT = TARGET + AXES,
+  FORCE = DISPLACEMENT + AXES,
+  LOAD = FORCE + AXES,
+  STEP,
+  WEIGHT
+}; /* of the inputs */
+enum {
+  REFERENCE,
+  COMPRESSION = AXES,
+  FEEDBACK,
+  FED_FORCE = FEEDBACK + AXES,
+  AT_TARGET = FED_FORCE + AXES,
+  SWITCH
+}; /* of the outputs */
 
 typedef struct {
   double from[AXES], to[AXES]; /* [m] */
@@ -40,28 +54,28 @@ static const rths_signal kSignals[] = {
     {"daq.switchPC", "1", RTHS_OUTPUT, 0, 0, 0, 1},
 };
 
-static void *create(const char *config_toml, char *error, uint32_t error_size) {
-  Controller *controller = calloc(1, sizeof *controller);
+static void* create(const char* config_toml, char* error, uint32_t error_size) {
+  Controller* controller = calloc(1, sizeof *controller);
   (void)config_toml; /* this controller has no settings of its own */
   if (controller == NULL) snprintf(error, error_size, "no memory");
   return controller;
 }
 
-static const rths_signal *list(void *self, uint32_t *count) {
+static const rths_signal* list(void* self, uint32_t* count) {
   (void)self;
   *count = sizeof kSignals / sizeof *kSignals;
   return kSignals;
 }
 
-static rths_status activate(void *self, char *error, uint32_t error_size) {
+static rths_status activate(void* self, char* error, uint32_t error_size) {
   (void)error, (void)error_size;
   memset(self, 0, sizeof(Controller)); /* the initial state, also at a restart */
-  ((Controller *)self)->at_target = 1;
+  ((Controller*)self)->at_target = 1;
   return RTHS_OK;
 }
 
-static rths_status step(void *self, double time_s, const double *in, double *out) {
-  Controller *c = self;
+static rths_status step(void* self, double time_s, const double* in, double* out) {
+  Controller* c = self;
   const int has_target = in[NEW_TARGET] > 0;
   if (has_target && !c->has_target) { /* takes the target and answers with switchPC */
     memcpy(c->from, out + REFERENCE, sizeof c->from);
@@ -84,10 +98,20 @@ static rths_status step(void *self, double time_s, const double *in, double *out
   return RTHS_OK;
 }
 
-static void deactivate(void *self) { (void)self; }
+static void deactivate(void* self) { (void)self; }
 
-const rths_adapter *rths_adapter_entry(void) {
-  static const rths_adapter adapter = {RTHS_ADAPTER_ABI, sizeof(rths_adapter), "@NAME@", "0.1",
-                                       create, list, activate, step, deactivate, free, NULL, NULL};
+const rths_adapter* rths_adapter_entry(void) {
+  static const rths_adapter adapter = {RTHS_ADAPTER_ABI,
+                                       sizeof(rths_adapter),
+                                       "@NAME@",
+                                       "0.1",
+                                       create,
+                                       list,
+                                       activate,
+                                       step,
+                                       deactivate,
+                                       free,
+                                       NULL,
+                                       NULL};
   return &adapter;
 }

@@ -8,11 +8,22 @@ namespace {
 
 constexpr std::size_t kAxes = 2;
 enum In : std::size_t {
-  kNewTarget, kTarget, kDisplacement = kTarget + kAxes, kForce = kDisplacement + kAxes,
-  kLoad = kForce + kAxes, kStep, kWeight };
+  kNewTarget,
+  kTarget,
+  kDisplacement = kTarget + kAxes,
+  kForce = kDisplacement + kAxes,
+  kLoad = kForce + kAxes,
+  kStep,
+  kWeight
+};
 enum Out : std::size_t {
-  kReference, kCompression = kAxes, kFeedback, kFedForce = kFeedback + kAxes,
-  kAtTarget = kFedForce + kAxes, kSwitch };
+  kReference,
+  kCompression = kAxes,
+  kFeedback,
+  kFedForce = kFeedback + kAxes,
+  kAtTarget = kFedForce + kAxes,
+  kSwitch
+};
 
 class Controller final : public rths::PluginBase {
  public:
