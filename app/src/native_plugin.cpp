@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Built-in adapters behind the interface of plugins: librths_native.so. Its config has the keys
-// experiment (a file), node (of this experiment) and set (["key=value"]).
+// experiment (a file), node (of this experiment), set (["key=value"]) and, for a recorder,
+// recording (the file to write). A recorder then has the words of the laboratory's map.
 #include <rths_adapter.hpp>
 
 #include <rths/app/builtin_adapters.hpp>
@@ -61,6 +62,7 @@ class NativePlugin final : public rths::PluginBase {
   [[nodiscard]] std::unique_ptr<adapters::Adapter> make() const;
 
   launch::Experiment experiment_;
+  std::filesystem::path recording_;
   const launch::NodePlan* plan_ = nullptr;
   std::unique_ptr<adapters::Adapter> adapter_;
   std::vector<adapters::Port> ports_;
@@ -73,12 +75,13 @@ NativePlugin::NativePlugin(const char* text) {
   const Config config = Config::parse(text, "config");
   experiment_ = load_experiment(config.text("experiment"), changes_of(config));
   const std::string node = config.text("node");
+  recording_ = config.text("recording", "");
   config.reject_unknown_keys();
   for (const auto& plan : experiment_.nodes)
     if (plan.node == node) plan_ = &plan;
   if (plan_ == nullptr) config.fail("node", "the experiment has no node '" + node + "'");
-  if (plan_->settings.monitors)
-    config.fail("node", "node '" + node + "' reads every signal, which a plugin cannot");
+  if (plan_->settings.role == adapters::Role::Recorder && recording_.empty())
+    config.fail("node", "node '" + node + "' is a recorder, expected the key recording");
   ports_ = make()->ports();
   for (const auto& port : ports_)
     if (port.direction == adapters::Direction::Input ||
@@ -88,8 +91,11 @@ NativePlugin::NativePlugin(const char* text) {
 
 std::unique_ptr<adapters::Adapter> NativePlugin::make() const {
   const memmap::Map map = memmap::load_map(experiment_.map);
-  return plan_->settings.make(experiment_,
-                              {plan_->node, plan_->schedule.period, true, {}, map, {}, {}, {}});
+  const bool is_virtual = recording_.empty();  // a recorder has a thread, as in real time
+  adapters::NodeContext context{plan_->node, plan_->schedule.period, is_virtual, recording_,
+                                map,         experiment_.config,     {},         {}};
+  for (const auto& plan : experiment_.nodes) context.periods[plan.node] = plan.schedule.period;
+  return plan_->settings.make(experiment_, context);
 }
 
 std::vector<rths_signal> NativePlugin::signals() const {

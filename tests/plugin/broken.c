@@ -21,7 +21,7 @@ typedef struct {
   int steps;
   int stopping;
   int active;
-  const char *reason;
+  const char* reason;
 } Lag;
 
 #ifdef UNIT_NOT_SI
@@ -78,7 +78,7 @@ static double shared_position;
 __attribute__((visibility("default"))) int another_symbol(void) { return 1; }
 #endif
 
-static void *create(const char *config_toml, char *error, uint32_t error_size) {
+static void* create(const char* config_toml, char* error, uint32_t error_size) {
 #ifdef CREATE_FAILS
   snprintf(error, error_size, "no licence found, expected one");
   return NULL;
@@ -91,24 +91,24 @@ static void *create(const char *config_toml, char *error, uint32_t error_size) {
   exit(7);
 #endif
   (void)config_toml;
-  Lag *lag = calloc(1, sizeof *lag);
+  Lag* lag = calloc(1, sizeof *lag);
   if (lag == NULL) snprintf(error, error_size, "no memory");
   return lag;
 }
 
-static const rths_signal *list(void *self, uint32_t *count) {
+static const rths_signal* list(void* self, uint32_t* count) {
   *count = sizeof kSignals / sizeof *kSignals;
 #ifdef NO_SIGNALS
   *count = 0;
 #elif defined SIGNALS_CHANGE
-  *count -= (uint32_t)((Lag *)self)->active;
+  *count -= (uint32_t)((Lag*)self)->active;
 #endif
   (void)self;
   return kSignals;
 }
 
-static rths_status activate(void *self, char *error, uint32_t error_size) {
-  Lag *lag = self;
+static rths_status activate(void* self, char* error, uint32_t error_size) {
+  Lag* lag = self;
   (void)error, (void)error_size;
 #ifdef ACTIVATE_FAILS
   snprintf(error, error_size, "the amplifier is off");
@@ -132,14 +132,14 @@ static void wait_ms(long milliseconds) {
   nanosleep(&time, NULL);
 }
 
-static rths_status step(void *self, double time_s, const double *in, double *out) {
-  Lag *lag = self;
+static rths_status step(void* self, double time_s, const double* in, double* out) {
+  Lag* lag = self;
   const int is_later = ++lag->steps > LATER;
   (void)time_s, (void)is_later;
 #ifdef STATE_IS_SHARED
-  double *position = &shared_position;
+  double* position = &shared_position;
 #else
-  double *position = &lag->position;
+  double* position = &lag->position;
 #endif
   *position += in[GAIN] * 0.1 * (in[REFERENCE] - *position);
   out[POSITION] = *position;
@@ -153,12 +153,12 @@ static rths_status step(void *self, double time_s, const double *in, double *out
   const clock_t begun = clock();
   while (lag->steps == LATER && clock() - begun < CLOCKS_PER_SEC / 20) lag->active = 1;
 #elif defined STEP_ALLOCATES
-  void *volatile memory = malloc(100);
+  void* volatile memory = malloc(100);
   free(memory);
 #elif defined STEP_ALLOCATES_LATER
   if (lag->steps == LATER) free(strdup("late"));
 #elif defined STEP_CRASHES
-  if (is_later) *(volatile int *)8 = 1;
+  if (is_later) *(volatile int*)8 = 1;
 #elif defined STEP_DIVIDES_BY_ZERO
   if (is_later) raise(SIGFPE);
 #elif defined STEP_WRITES_NAN
@@ -172,7 +172,7 @@ static rths_status step(void *self, double time_s, const double *in, double *out
 #elif defined STEP_WRITES_BEFORE
   out[-1] = 1;
 #elif defined STEP_WRITES_INPUTS
-  ((double *)in)[REFERENCE] = 3;
+  ((double*)in)[REFERENCE] = 3;
 #elif defined STEP_RETURNS_UNKNOWN
   return 17;
 #elif defined STEP_FAILS
@@ -190,19 +190,19 @@ static rths_status step(void *self, double time_s, const double *in, double *out
 #endif
 }
 
-static void stop(void *self) { ((Lag *)self)->stopping = 1; }
-static const char *message(void *self) { return ((Lag *)self)->reason; }
+static void stop(void* self) { ((Lag*)self)->stopping = 1; }
+static const char* message(void* self) { return ((Lag*)self)->reason; }
 
-static void deactivate(void *self) {
-  ((Lag *)self)->active = 0;
+static void deactivate(void* self) {
+  ((Lag*)self)->active = 0;
 #ifdef DEACTIVATE_CRASHES
-  *(volatile int *)8 = 1;
+  *(volatile int*)8 = 1;
 #elif defined DEACTIVATE_LOOPS
   for (;;) wait_ms(1);
 #endif
 }
 
-static void destroy(void *self) {
+static void destroy(void* self) {
   (void)wait_ms;
 #ifdef DESTROYS_TWICE
   free(self);
@@ -241,7 +241,7 @@ static void destroy(void *self) {
 #endif
 
 #ifdef EARLIER_MINOR
-#define STOP (void (*)(void *))8 /* beyond the struct of minor 0: must not be read */
+#define STOP (void (*)(void*))8 /* beyond the struct of minor 0: must not be read */
 #else
 #define STOP stop
 #endif
@@ -249,9 +249,9 @@ static void destroy(void *self) {
 #ifdef NO_ENTRY
 int rths_adapter_entry_of_old(void) { return 0; }
 #else
-const rths_adapter *rths_adapter_entry(void) {
-  static const rths_adapter adapter = {ABI,  SIZE,       NAME,    "1.0", create, list,   activate,
-                                       STEP, deactivate, destroy, STOP,  message};
+const rths_adapter* rths_adapter_entry(void) {
+  static const rths_adapter adapter = {ABI,      SIZE, NAME,       "1.0",   create, list,
+                                       activate, STEP, deactivate, destroy, STOP,   message};
 #ifdef ENTRY_RETURNS_NULL
   return NULL;
 #endif

@@ -98,13 +98,16 @@ TEST(Conformance, PassesACorrectAdapterByEveryRule) {
     }
 }
 
-// The project's own controller and machine, through the same door.
-TEST(Conformance, PassesTheNativeControllerAndMachine) {
-  for (const char* node : {"xpc", "srmd"}) {
+// The project's own controller, machine and recorder, through the same door.
+TEST(Conformance, PassesTheNativeControllerMachineAndRecorder) {
+  const test::TemporaryFolder folder;
+  for (const char* node : {"xpc", "srmd", "recorder"}) {
     ConformanceSettings settings;
     settings.config = "experiment = \"" +
                       (test::source_tree() / "examples/srmd_lprb_2d.toml").string() +
                       "\"\nnode = \"" + node + "\"\n";
+    if (std::string{node} == "recorder")
+      settings.config += "recording = \"" + (folder.path() / "run.h5").string() + "\"\n";
     for (const auto& finding :
          check_plugin(test::build_tree() / "lib/rths/librths_native.so", settings))
       EXPECT_NE(finding.outcome, Finding::Outcome::Fail)

@@ -2,6 +2,7 @@
 //
 // Plugins in a hybrid test: the native controller and machine through the interface of plugins give
 // the same test, and a broken plugin ends it safely.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -88,16 +89,20 @@ TEST(PluginRun, OfTheNativeControllerAndMachineEqualsTheNativeRun) {
   }
 }
 
+/// The least mean of a hundred steps, since other programs only add to it.
 double microseconds_per_step(adapters::Adapter& adapter) {
-  constexpr int kSteps = 2000;
+  constexpr int kBatches = 20, kSteps = 100;
   adapter.activate();
   test::Bench bench{adapter};
-  for (int i = 0; i < 100; ++i) static_cast<void>(bench.step(0.001 * i));
-  const auto begin = std::chrono::steady_clock::now();
-  for (int i = 100; i < kSteps + 100; ++i) static_cast<void>(bench.step(0.001 * i));
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+  double least = 1e9;
+  for (int batch = 0; batch < kBatches; ++batch) {
+    const auto begin = std::chrono::steady_clock::now();
+    for (int i = 0; i < kSteps; ++i) static_cast<void>(bench.step(0.001 * (batch * kSteps + i)));
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+    least = std::min(least, spent.count() / kSteps * 1e6);
+  }
   adapter.deactivate();
-  return spent.count() / kSteps * 1e6;
+  return least;
 }
 
 // A figure, not a limit: the host may be busy.
@@ -182,6 +187,24 @@ TEST(PluginRun, EndsSafelyInRealTimeWhenAPluginLoopsForEver) {
   const test::TemporaryFolder folder;
   expect_safe_end(folder, run_with(folder, "step_loops", "wall"),
                   "srmd: plugin 'lag' (step_loops.so): its step did not return within 0.3 s");
+}
+
+TEST(PluginRun, SaysWhichKeyOfItsTableIsWrong) {
+  const test::TemporaryFolder folder;
+  const auto file = example_in(folder);
+  const auto error_with = [&](const std::string& key, const std::string& value) {
+    Overrides changes = as_plugin("xpc", "controller", false);
+    changes.emplace_back("node.xpc." + key, value);
+    return test::error_of([&] { static_cast<void>(experiment_with(file, changes)); });
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(has(error_with("role", "\"observer\""),
+                  "role is 'observer', expected machine, controller or solver"));
+  EXPECT_TRUE(
+      has(error_with("library", "\"/no/such.so\""), "library is '/no/such.so', expected a file"));
+  EXPECT_TRUE(has(error_with("own_proces", "true"), "did you mean 'own_process'?"));
 }
 
 TEST(PluginRun, IsRefusedIfThePluginStatesAnotherUnitThanTheMap) {

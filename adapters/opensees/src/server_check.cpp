@@ -53,7 +53,7 @@ class CheckingClient {
     endpoint_.send(std::as_bytes(std::span{message_}), from_seconds(check_.deadline));
   }
   /// @throws Error if there is no answer in time
-  [[nodiscard]] Numbers request(double code, std::size_t count, const char* what) {
+  [[nodiscard]] Numbers request(double code, std::size_t count, const char* quantity) {
     send(code);
     const WallClock clock;
     const TimePoint latest = clock.now() + from_seconds(check_.deadline);
@@ -67,7 +67,7 @@ class CheckingClient {
       return values;
     }
     throw Error{fmt::format("no {} within {:g} s: answer each request with {} numbers of 8 bytes",
-                            what, check_.deadline, kMessageDoubles)};
+                            quantity, check_.deadline, kMessageDoubles)};
   }
   /// The force at a displacement of all degrees of freedom.
   [[nodiscard]] Numbers force_at(double displacement) {

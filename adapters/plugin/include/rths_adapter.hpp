@@ -9,6 +9,7 @@
 // become messages.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -26,7 +27,7 @@ class PluginBase {
   virtual void activate() {}
   [[nodiscard]] virtual rths_status step(double time_s, const double* in, double* out) noexcept = 0;
   virtual void deactivate() noexcept {}
-  /// Default: the step says how the adapter comes to rest.
+  /// Called by the host with RTHS_EXPORT_ADAPTER_WITH_STOP only.
   virtual void stop() noexcept {}
   [[nodiscard]] virtual const char* message() const noexcept { return ""; }
 };
@@ -77,7 +78,7 @@ struct PluginExport {
 
 }  // namespace rths
 
-/// Defines rths_adapter_entry. With HAS_STOP false, the host ramps outputs with RTHS_RAMP to rest.
+/// Defines rths_adapter_entry; for the two macros below.
 #define RTHS_EXPORT_ADAPTER_(PLUGIN, NAME, VERSION, STOP)      \
   extern "C" const rths_adapter* rths_adapter_entry(void) {    \
     using Export = rths::PluginExport<PLUGIN>;                 \

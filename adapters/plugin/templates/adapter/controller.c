@@ -5,9 +5,24 @@
 
 #include <rths_adapter.h>
 
-enum { AXES = 2, NEW_TARGET = 0, TARGET, DISPLACEMENT = TARGET + AXES, FORCE = DISPLACEMENT + AXES,
-       STEP = FORCE + AXES };                       /* of the inputs */
-enum { REFERENCE = 0, FEEDBACK = AXES, FED_FORCE = 2 * AXES, AT_TARGET = 3 * AXES, SWITCH };
+enum {
+  AXES = 2,
+  NEW_TARGET = 0,
+  TARGET,
+  DISPLACEMENT = TARGET + AXES,
+  FORCE = DISPLACEMENT + AXES,
+  LOAD = FORCE + AXES,
+  STEP,
+  WEIGHT
+}; /* of the inputs */
+enum {
+  REFERENCE,
+  COMPRESSION = AXES,
+  FEEDBACK,
+  FED_FORCE = FEEDBACK + AXES,
+  AT_TARGET = FED_FORCE + AXES,
+  SWITCH
+}; /* of the outputs */
 
 typedef struct {
   double from[AXES], to[AXES]; /* [m] */
@@ -25,9 +40,12 @@ static const rths_signal kSignals[] = {
     {"srmd.lat.displ.fbk", "m", RTHS_INPUT, 0, 0, 0, 0},
     {"srmd.long.force.fbk", "N", RTHS_INPUT, 0, 0, 0, 0},
     {"srmd.lat.force.fbk", "N", RTHS_INPUT, 0, 0, 0, 0},
+    {"opf.vert.force.target", "N", RTHS_INPUT, 0, 0, 0, 0},
     {"step", "s", RTHS_PARAMETER, 0, 0.007, 0.001, 10},
+    {"weight", "N", RTHS_PARAMETER, 0, 9685600, 0, 53.4e6},
     {"xpc.long.displ.ref", "m", RTHS_OUTPUT, RTHS_RAMP, 0, 0, 0},
     {"xpc.lat.displ.ref", "m", RTHS_OUTPUT, RTHS_RAMP, 0, 0, 0},
+    {"xpc.compression.force.ref", "N", RTHS_OUTPUT, 0, 0, 0, 0},
     {"daq.long.displ.fbk", "m", RTHS_OUTPUT, 0, 0, 0, 0},
     {"daq.lat.displ.fbk", "m", RTHS_OUTPUT, 0, 0, 0, 0},
     {"daq.long.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
@@ -36,28 +54,28 @@ static const rths_signal kSignals[] = {
     {"daq.switchPC", "1", RTHS_OUTPUT, 0, 0, 0, 1},
 };
 
-static void *create(const char *config_toml, char *error, uint32_t error_size) {
-  Controller *controller = calloc(1, sizeof *controller);
+static void* create(const char* config_toml, char* error, uint32_t error_size) {
+  Controller* controller = calloc(1, sizeof *controller);
   (void)config_toml; /* this controller has no settings of its own */
   if (controller == NULL) snprintf(error, error_size, "no memory");
   return controller;
 }
 
-static const rths_signal *list(void *self, uint32_t *count) {
+static const rths_signal* list(void* self, uint32_t* count) {
   (void)self;
   *count = sizeof kSignals / sizeof *kSignals;
   return kSignals;
 }
 
-static rths_status activate(void *self, char *error, uint32_t error_size) {
+static rths_status activate(void* self, char* error, uint32_t error_size) {
   (void)error, (void)error_size;
   memset(self, 0, sizeof(Controller)); /* the initial state, also at a restart */
-  ((Controller *)self)->at_target = 1;
+  ((Controller*)self)->at_target = 1;
   return RTHS_OK;
 }
 
-static rths_status step(void *self, double time_s, const double *in, double *out) {
-  Controller *c = self;
+static rths_status step(void* self, double time_s, const double* in, double* out) {
+  Controller* c = self;
   const int has_target = in[NEW_TARGET] > 0;
   if (has_target && !c->has_target) { /* takes the target and answers with switchPC */
     memcpy(c->from, out + REFERENCE, sizeof c->from);
@@ -69,6 +87,7 @@ static rths_status step(void *self, double time_s, const double *in, double *out
   double x = (time_s - c->begun) / in[STEP];
   if (x > 1) x = 1;
   for (int i = 0; i < AXES; ++i) out[REFERENCE + i] = c->from[i] + x * (c->to[i] - c->from[i]);
+  out[COMPRESSION] = in[WEIGHT] + in[LOAD];
   if (x >= 1 && !has_target && !c->at_target) {
     c->at_target = 1;
     memcpy(out + FEEDBACK, in + DISPLACEMENT, AXES * sizeof *out);
@@ -79,10 +98,20 @@ static rths_status step(void *self, double time_s, const double *in, double *out
   return RTHS_OK;
 }
 
-static void deactivate(void *self) { (void)self; }
+static void deactivate(void* self) { (void)self; }
 
-const rths_adapter *rths_adapter_entry(void) {
-  static const rths_adapter adapter = {RTHS_ADAPTER_ABI, sizeof(rths_adapter), "@NAME@", "0.1",
-                                       create, list, activate, step, deactivate, free, NULL, NULL};
+const rths_adapter* rths_adapter_entry(void) {
+  static const rths_adapter adapter = {RTHS_ADAPTER_ABI,
+                                       sizeof(rths_adapter),
+                                       "@NAME@",
+                                       "0.1",
+                                       create,
+                                       list,
+                                       activate,
+                                       step,
+                                       deactivate,
+                                       free,
+                                       NULL,
+                                       NULL};
   return &adapter;
 }

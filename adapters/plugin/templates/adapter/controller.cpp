@@ -8,10 +8,22 @@ namespace {
 
 constexpr std::size_t kAxes = 2;
 enum In : std::size_t {
-  kNewTarget, kTarget, kDisplacement = kTarget + kAxes, kForce = kDisplacement + kAxes,
-  kStep = kForce + kAxes };
+  kNewTarget,
+  kTarget,
+  kDisplacement = kTarget + kAxes,
+  kForce = kDisplacement + kAxes,
+  kLoad = kForce + kAxes,
+  kStep,
+  kWeight
+};
 enum Out : std::size_t {
-  kReference, kFeedback = kAxes, kFedForce = 2 * kAxes, kAtTarget = 3 * kAxes, kSwitch };
+  kReference,
+  kCompression = kAxes,
+  kFeedback,
+  kFedForce = kFeedback + kAxes,
+  kAtTarget = kFedForce + kAxes,
+  kSwitch
+};
 
 class Controller final : public rths::PluginBase {
  public:
@@ -27,9 +39,12 @@ class Controller final : public rths::PluginBase {
             {"srmd.lat.displ.fbk", "m", RTHS_INPUT, 0, 0, 0, 0},
             {"srmd.long.force.fbk", "N", RTHS_INPUT, 0, 0, 0, 0},
             {"srmd.lat.force.fbk", "N", RTHS_INPUT, 0, 0, 0, 0},
+            {"opf.vert.force.target", "N", RTHS_INPUT, 0, 0, 0, 0},
             {"step", "s", RTHS_PARAMETER, 0, 0.007, 0.001, 10},
+            {"weight", "N", RTHS_PARAMETER, 0, 9685600, 0, 53.4e6},
             {"xpc.long.displ.ref", "m", RTHS_OUTPUT, RTHS_RAMP, 0, 0, 0},
             {"xpc.lat.displ.ref", "m", RTHS_OUTPUT, RTHS_RAMP, 0, 0, 0},
+            {"xpc.compression.force.ref", "N", RTHS_OUTPUT, 0, 0, 0, 0},
             {"daq.long.displ.fbk", "m", RTHS_OUTPUT, 0, 0, 0, 0},
             {"daq.lat.displ.fbk", "m", RTHS_OUTPUT, 0, 0, 0, 0},
             {"daq.long.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
@@ -52,6 +67,7 @@ class Controller final : public rths::PluginBase {
     const double x = std::min((time_s - begun_) / in[kStep], 1.0);
     for (std::size_t i = 0; i < kAxes; ++i)
       out[kReference + i] = from_[i] + x * (to_[i] - from_[i]);
+    out[kCompression] = in[kWeight] + in[kLoad];
     if (x >= 1 && !has_target && !at_target_) {
       at_target_ = true;
       std::copy_n(in + kDisplacement, kAxes, out + kFeedback);

@@ -5,7 +5,7 @@
 
 #include <rths_adapter.h>
 
-enum { AXES = 2, LAG = AXES, STIFFNESS };          /* of the inputs */
+enum { AXES = 2, LAG = AXES, STIFFNESS };             /* of the inputs */
 enum { DISPLACEMENT, FORCE = AXES, ECHO = 2 * AXES }; /* of the outputs */
 
 typedef struct {
@@ -26,31 +26,31 @@ static const rths_signal kSignals[] = {
     {"srmd.lat.displ.ref_echo", "m", RTHS_OUTPUT, 0, 0, 0, 0},
 };
 
-static void *create(const char *config_toml, char *error, uint32_t error_size) {
-  Machine *machine = calloc(1, sizeof *machine);
+static void* create(const char* config_toml, char* error, uint32_t error_size) {
+  Machine* machine = calloc(1, sizeof *machine);
   (void)config_toml; /* this machine has no settings of its own */
   if (machine == NULL) snprintf(error, error_size, "no memory");
   return machine;
 }
 
-static const rths_signal *list(void *self, uint32_t *count) {
+static const rths_signal* list(void* self, uint32_t* count) {
   (void)self;
   *count = sizeof kSignals / sizeof *kSignals;
   return kSignals;
 }
 
-static rths_status activate(void *self, char *error, uint32_t error_size) {
+static rths_status activate(void* self, char* error, uint32_t error_size) {
   (void)error, (void)error_size;
   memset(self, 0, sizeof(Machine)); /* the initial state, also at a restart */
   return RTHS_OK;
 }
 
-static rths_status step(void *self, double time_s, const double *in, double *out) {
-  Machine *machine = self;
+static rths_status step(void* self, double time_s, const double* in, double* out) {
+  Machine* machine = self;
   const double passed = time_s - machine->last_time;
   rths_status status = RTHS_OK;
   for (int i = 0; i < AXES; ++i) {
-    double *x = &machine->displacement[i];
+    double* x = &machine->displacement[i];
     *x += (in[i] - *x) * passed / (passed + in[LAG]);
     if (*x < -1.5 || *x > 1.5) status = RTHS_LIMIT_EXCEEDED;
     *x = *x < -1.5 ? -1.5 : *x > 1.5 ? 1.5 : *x;
@@ -62,10 +62,20 @@ static rths_status step(void *self, double time_s, const double *in, double *out
   return status;
 }
 
-static void deactivate(void *self) { (void)self; }
+static void deactivate(void* self) { (void)self; }
 
-const rths_adapter *rths_adapter_entry(void) {
-  static const rths_adapter adapter = {RTHS_ADAPTER_ABI, sizeof(rths_adapter), "@NAME@", "0.1",
-                                       create, list, activate, step, deactivate, free, NULL, NULL};
+const rths_adapter* rths_adapter_entry(void) {
+  static const rths_adapter adapter = {RTHS_ADAPTER_ABI,
+                                       sizeof(rths_adapter),
+                                       "@NAME@",
+                                       "0.1",
+                                       create,
+                                       list,
+                                       activate,
+                                       step,
+                                       deactivate,
+                                       free,
+                                       NULL,
+                                       NULL};
   return &adapter;
 }
