@@ -79,6 +79,7 @@ struct Ending {
   bool has_left = false;  ///< the program itself has ended or left the ring
 };
 
+/// A foreign node and its program.
 class ForeignNode {
  public:
   ForeignNode(const Experiment& experiment, const NodePlan& plan, broker::Ring& ring,
@@ -239,21 +240,20 @@ class ForeignNode {
 int run_foreign_node(const Experiment& experiment, const NodePlan& plan, broker::Ring& ring,
                      const RunPlace& place) {
   LauncherLink launcher;
-  std::optional<ForeignNode> node;
-  node.emplace(experiment, plan, ring, place);
+  ForeignNode node{experiment, plan, ring, place};
   {
     const SetupGuard guard{launcher, plan.node};
-    node->wait_until_joined();
+    node.wait_until_joined();
   }
   LauncherLink::send_line("ready");
   if (!launcher.wait_for_go()) {
     fmt::print(stderr, "{}: received no start message\n", plan.node);
     return 2;
   }
-  const Ending ending = node->watch(launcher);
+  const Ending ending = node.watch(launcher);
   // The others stop at once; the program is ended when they are at rest.
   if (!ending.is_known) LauncherLink::send_line("fault " + ending.reason);
-  if (!ending.has_left) node->release();
+  if (!ending.has_left) node.release();
   if (ending.is_known) LauncherLink::send_line("done");
   if (ending.reason.empty()) return 0;
   fmt::print(stderr, "{}: {}\n", plan.node, ending.reason);

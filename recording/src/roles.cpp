@@ -131,11 +131,19 @@ std::optional<Config> experiment_in(const Reader& run) {
 }
 
 Roles roles_of(const Reader& run) {
-  Roles roles = read_roles(experiment_in(run).value_or(Config{}));
+  const Config experiment = experiment_in(run).value_or(Config{});
+  const auto nodes = experiment.table_or_empty("node").keys();
+  Roles roles = read_roles(experiment);
+  // A recording has all words of the map, also those of nodes that are not in the test.
+  const auto is_written = [&](const std::string& name) {
+    if (!run.has(name)) return false;
+    const auto& writer = run.map().entry(run.map().signal(name)).partition->node;
+    return std::find(nodes.begin(), nodes.end(), writer) != nodes.end();
+  };
   const auto replace = [&](std::string& name, const std::vector<std::string>& others) {
-    if (run.has(name)) return;
+    if (is_written(name)) return;
     for (const auto& other : others)
-      if (run.has(other)) {
+      if (is_written(other)) {
         name = other;
         return;
       }

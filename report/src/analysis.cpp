@@ -159,24 +159,32 @@ AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const Roles& ro
   return result;
 }
 
-// Axes of which command, displacement and force are recorded.
+// Why an axis has no analysis; empty: it has one.
+std::string lack_of(const Reader& run, const Ticks& ticks, const AxisRoles& names) {
+  for (const auto& [role, name] :
+       {std::pair{"command", &names.command}, std::pair{"displacement", &names.displacement},
+        std::pair{"force", &names.force}})
+    if (!run.has(*name))
+      return fmt::format(
+          "the recording lacks '{}', the {}; [roles] of the experiment can name "
+          "another signal",
+          *name, role);
+  if (!(largest_magnitude(ticks.series(names.command).values) > 0))
+    return fmt::format("'{}', the command, is zero throughout", names.command);
+  return "";
+}
+
 void add_axes(Analysis& analysis, const Reader& run, const Ticks& ticks, const Roles& roles) {
-  std::string missing;
-  for (const auto& names : roles.axes) {
-    const auto lacks = [&](const char* role, const std::string& name) {
-      if (run.has(name)) return false;
-      if (missing.empty()) missing = fmt::format("role {} of {}, '{}'", role, names.axis, name);
-      return true;
-    };
-    if (lacks("command", names.command) || lacks("displacement", names.displacement) ||
-        lacks("force", names.force))
-      continue;
-    analysis.axes.push_back(analyse_axis(run, ticks, roles, names));
-  }
-  if (analysis.axes.empty())
-    for (const char* section : {"response", "tracking"})
-      analysis.left_out.push_back({section, "the recording lacks the signal of " + missing +
-                                                "; [roles] of the experiment can name another"});
+  std::vector<LeftOut> lacks;
+  for (const auto& names : roles.axes)
+    if (auto lack = lack_of(run, ticks, names); lack.empty())
+      analysis.axes.push_back(analyse_axis(run, ticks, roles, names));
+    else
+      lacks.push_back({"axis " + names.axis, std::move(lack)});
+  // Without any axis, the reason stands in the place of the figures.
+  if (analysis.axes.empty() && !lacks.empty())
+    lacks = {{"response", lacks[0].reason}, {"tracking", lacks[0].reason}};
+  analysis.left_out.insert(analysis.left_out.end(), lacks.begin(), lacks.end());
 }
 
 void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks, const AxisRoles& names) {

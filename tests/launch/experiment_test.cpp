@@ -269,6 +269,12 @@ TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
             "lab.toml:14:11: there is no adapter 'smrd', expected one of recorder, srmd, "
             "ideal_machine, echo, opensees_specimen, simulink_like, numerical, opensees, external, "
             "plugin");
+  EXPECT_EQ(
+      error_with("adapter = \"srmd\"", "adapter = \"external\"\ncommand = [\"x\", \"{moton}\"]"),
+      "lab.toml:15:11: unknown placeholder '{moton}', expected one of {motion}, {step_s}, "
+      "{duration_s}, {ring}, {node}");
+  EXPECT_EQ(error_with("adapter = \"srmd\"", "adapter = \"external\"\nperiod_s = 0.001"),
+            "lab.toml:15:12: found period_s of a program of its own, expected none");
   EXPECT_EQ(error_with("record.csv", "records.csv"),
             "records.csv: cannot be read: No such file or directory");
   EXPECT_NE(error_with("\"controller.toml\"", "\"none.toml\"")

@@ -141,8 +141,10 @@ INSTANTIATE_TEST_SUITE_P(Programs, Solver,
                          ::testing::Values("block_scramnet", "block_rths", "python"),
                          [](const auto& name) { return std::string{name.param}; });
 
-TEST(ForeignNode, KilledStopsTheRunWithinTwoSecondsAndKeepsTheRecording) {
-  ForeignRun run{"foreign_killed", "srmd_block_2d.toml", {solver("block_scramnet")}};
+class Killed : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Killed, StopsTheRunWithinTwoSecondsAndKeepsTheRecording) {
+  ForeignRun run{std::string{"killed_"} + GetParam(), "srmd_block_2d.toml", {solver(GetParam())}};
   const int victim = run.process_of("opf");
   ASSERT_NE(victim, 0);
 
@@ -159,11 +161,15 @@ TEST(ForeignNode, KilledStopsTheRunWithinTwoSecondsAndKeepsTheRecording) {
     EXPECT_EQ(("\n" + finished.err).find("\n" + node + ": ", first + 1), std::string::npos)
         << finished.err;
   }
-  EXPECT_NE(finished.err.find("foreign_block_scramnet was killed by signal 9"), std::string::npos)
+  EXPECT_NE(finished.err.find(GetParam() + std::string{" was killed by signal 9"}),
+            std::string::npos)
       << finished.err;
   EXPECT_GT(recording::Reader{run.file("run.h5")}.rows(), 300U);
   EXPECT_FALSE(run.ring_is_there());
 }
+
+INSTANTIATE_TEST_SUITE_P(Programs, Killed, ::testing::Values("block_scramnet", "block_rths"),
+                         [](const auto& name) { return std::string{name.param}; });
 
 TEST(ForeignNode, StoppedIsNoticedAsSilentAndEnded) {
   ForeignRun run{

@@ -209,6 +209,35 @@ TEST(VirtualRun, TestsOneAxisAlone) {
   for (const double u : reader.signal("monitor.srmd.true.displ.long")) ASSERT_NEAR(u, 0, 1e-3);
 }
 
+// Solver and ideal machine exchange the only words of this test.
+TEST(VirtualRun, WithoutAControllerHasAReport) {
+  const test::TemporaryFolder folder;
+  const auto motion = test::source_tree() / "examples/records/petrolia_1992_riodell_freefield.csv";
+  const auto experiment = folder.write(
+      "ideal.toml",
+      "format = 1\nname = \"ideal\"\nmap = \"srmd\"\nduration_s = 8\n[motion]\nfile = \"" +
+          motion.string() +
+          "\"\n[node.xpc]\nadapter = \"ideal_machine\"\n[node.opf]\nadapter = "
+          "\"numerical\"\n[node.recorder]\nadapter = \"recorder\"\n");
+
+  const auto run = test::run_rths({"run", experiment.string(), "--clock", "virtual", "--out",
+                                   (folder.path() / "out").string()});
+
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json numbers = Json::parse(test::content_of(folder.path() / "out/report.json"));
+  std::vector<std::string> left_out;
+  for (const auto& left : numbers["left_out"]) left_out.push_back(left["section"]);
+  EXPECT_EQ(left_out,
+            (std::vector<std::string>{"compensation", "predictor-corrector", "raw delay"}));
+  for (const char* axis : {"long", "lat"}) {
+    const Json& a = numbers["axes"][axis];
+    EXPECT_GT(a["peak_displacement_mm"], 10) << axis;
+    EXPECT_LT(a["numerical_difference_percent"], 5) << axis;
+    // Of each step of 10 ms, the solver computes for 3 ms. The machine arrives at the end.
+    EXPECT_NEAR(a["delay_compensated_ms"].get<double>(), 7, 1) << axis;
+  }
+}
+
 TEST(VirtualRun, FailsOnALoadCellOfTheWrongSign) {
   const test::TemporaryFolder folder;
   const auto run = test::run_rths(

@@ -13,10 +13,10 @@ namespace rths::adapters {
 
 /// How to start a program.
 struct ProgramStart {
-  std::string name;                  ///< in messages
-  std::vector<std::string> command;  ///< program, searched in PATH, and its arguments
+  std::string name;                    ///< in messages
+  std::vector<std::string> command;    ///< program, searched in PATH, and its arguments
   std::filesystem::path folder = ".";  ///< in which it runs
-  std::filesystem::path log;         ///< its output
+  std::filesystem::path log;           ///< its output
   /// Variables in addition to those of this process.
   std::vector<std::pair<std::string, std::string>> environment;
 };
