@@ -14,7 +14,7 @@ endfunction()
 foreach(program rths_replicated_test rths_scramnet_card_test)
   rths_tests(${program} "." LABELS "unit;scramnet")
 endforeach()
-foreach(program rths_scramnet_test rths_ring_command_test)
+foreach(program rths_scramnet_test rths_ring_command_test rths_replicated_card_test rths_replicated_clients_test)
   rths_tests(${program} "." LABELS "system;scramnet")
 endforeach()
 
@@ -53,6 +53,10 @@ rths_tests(rths_broker_test "KillsOf" TIMEOUT 900)
 rths_tests(rths_damaged_ring_test "CrashesNo" TIMEOUT 3600)
 rths_tests(rths_recording_test "WithDamage" TIMEOUT 900)
 rths_tests(rths_command_test "DamagedRingCommands" TIMEOUT 900)
+
+# With RTHS_LONG=1, ten thousand steps, and a run of 40 s.
+rths_tests(rths_replicated_clients_test "Handshake" TIMEOUT 700)
+rths_tests(rths_command_test "OnARingOfCards" TIMEOUT 600)
 
 # With RTHS_LONG=1, a million writes on 256 nodes.
 rths_tests(rths_replicated_test "On256Nodes" TIMEOUT 1200)

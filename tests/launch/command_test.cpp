@@ -33,7 +33,7 @@ TEST(Command, ExitsWithThreeOnWrongUsage) {
 }
 
 TEST(Command, HasHelpForEverySubcommand) {
-  for (const char* command : {"run", "check", "dump", "export", "who", "watch", "send", "bench",
+  for (const char* command : {"run", "check", "dump", "export", "who", "watch", "fault", "send", "bench",
                               "loop", "terms", "map", "report", "doctor", "clean"}) {
     const Finished help = run_rths({command, "--help"});
     EXPECT_EQ(help.exit_code, 0) << command;

@@ -284,6 +284,36 @@ TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
             "lab.toml:19:1: [uncompensated] names node 'xcp', expected a node of the experiment");
 }
 
+TEST_F(ExperimentTest, HasTheCardsOfAReplicatedRingAndTheirFaultsInOrder) {
+  const auto file = write("seed = 7",
+                          "seed = 7\nfidelity = \"replicated\"\ncards = {fibre_m = 25}\n"
+                          "[[fault]]\nat_s = 2\nkind = \"cut_fibre\"\nnode = \"opf\"\n"
+                          "[[fault]]\nat_s = 1\nkind = \"bit_error_rate\"\nrate = 1e-6");
+
+  const Experiment experiment = load_experiment(file);
+
+  ASSERT_TRUE(experiment.cards);
+  EXPECT_EQ(experiment.cards->fibre_m, 25);
+  EXPECT_EQ(experiment.cards->seed, 7U);
+  EXPECT_EQ(experiment.cards->csr2, 0xC040U);
+  ASSERT_EQ(experiment.cards->faults.size(), 2U);
+  EXPECT_EQ(experiment.cards->faults[0].action.rate, 1e-6);
+  EXPECT_EQ(experiment.cards->faults[1].node, "opf");
+  EXPECT_EQ(experiment.cards->faults[1].action.at, replicated::from_ns(2e9));
+}
+
+TEST_F(ExperimentTest, SaysWhereItsRingOfCardsIsWrong) {
+  EXPECT_EQ(error_with("seed = 7", "fidelity = \"exact\""),
+            "lab.toml:5:12: fidelity is 'exact', expected shared or replicated");
+  EXPECT_EQ(error_with("seed = 7", "cards = {fibre_m = 5}"),
+            "lab.toml:5:9: found cards on a shared ring, expected fidelity = \"replicated\"");
+  EXPECT_NE(error_with("seed = 7",
+                       "fidelity = \"replicated\"\n"
+                       "fault = [{at_s = 1, kind = \"power_off\", node = \"of\"}]")
+                .find("'of' is no node"),
+            std::string::npos);
+}
+
 TEST_F(ExperimentTest, RefusesToTuneUnknownParameters) {
   EXPECT_EQ(error_with("tune.ats.enabled", "tune.ats.enable"),
             "node 'xpc' has no parameter 'ats.enable' (did you mean 'ats.enabled'?)");

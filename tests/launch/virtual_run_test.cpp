@@ -121,10 +121,10 @@ double difference(const recording::Reader& a, const recording::Reader& b, const 
 // A message needs 1 to 100 µs on the ring, and the nodes read what has arrived at their steps.
 TEST(VirtualRun, HasTheSameResponseOnARingOfCards) {
   const test::TemporaryFolder shared, first, second;
-  const std::string duration = test::is_long() ? "duration_s=40" : "duration_s=2";
-  static_cast<void>(numbers_of(shared.path(), {duration}));
+  const std::string duration = test::is_long() ? "duration_s=40" : "duration_s=1";
+  static_cast<void>(numbers_of(shared.path(), {duration, "rest_s=0.2"}));
   for (const auto* folder : {&first, &second})
-    static_cast<void>(numbers_of(folder->path(), {duration, "fidelity=replicated"}));
+    static_cast<void>(numbers_of(folder->path(), {duration, "rest_s=0.2", "fidelity=replicated"}));
 
   const recording::Reader a{shared.path() / "run.h5"};
   const recording::Reader b{first.path() / "run.h5"};
@@ -141,16 +141,16 @@ TEST_P(EveryNode, MayLeaveTheRingOfCardsDuringARun) {
   const test::TemporaryFolder folder;
   const auto file =
       folder.write("faulty.toml", test::content_of(example()) +
-                                      "\n[[fault]]\nat_s = 4\nkind = \"power_off\"\nnode = \"" +
+                                      "\n[[fault]]\nat_s = 1\nkind = \"power_off\"\nnode = \"" +
                                       GetParam() + "\"\n");
   const test::Finished run = test::run_rths(
       {"run", file.string(), "--clock", "virtual", "--no-diagnosis", "--out",
-       (folder.path() / "out").string(), "--set", "fidelity=replicated", "--set", "duration_s=10",
-       "--set", "folder=" + (test::source_tree() / "examples").string()},
+       (folder.path() / "out").string(), "--set", "fidelity=replicated", "--set", "duration_s=3",
+       "--set", "rest_s=0.2", "--set", "folder=" + (test::source_tree() / "examples").string()},
       60);
 
   EXPECT_NE(run.exit_code, 0);
-  EXPECT_NE((run.out + run.err).find(std::string{GetParam()} + " out of the ring at 4.000 s"),
+  EXPECT_NE((run.out + run.err).find(std::string{GetParam()} + " out of the ring at 1.000 s"),
             std::string::npos)
       << run.out << run.err;
 }

@@ -25,6 +25,8 @@ constexpr double kOneNodeOn_ns = 597;
 class ReplicatedImages : public testing::Test {
  protected:
   void begin(const CardOptions& options = {}) {
+    machine.reset();
+    controller.reset();
     images.emplace(Images::in_process(test::small_map(kGroup), options));
     machine.emplace(images->of("machine").join("machine", 0));
     controller.emplace(images->of("controller").join("controller", 0));
@@ -113,6 +115,41 @@ TEST_F(ReplicatedImages, CutOffANodeThatIsOutOfTheRing) {
   EXPECT_EQ(beats, 1U);
   EXPECT_EQ(controller->beats_of(NodeId{1}), beats);
   EXPECT_EQ(images->events(), (std::vector<std::string>{"machine out of the ring at 0.000 s"}));
+}
+
+/// A value that arrives at the controller if the machine writes 9 some time after these faults.
+class FaultyImages : public ReplicatedImages {
+ protected:
+  std::uint32_t seen_after(const std::vector<Fault>& faults, CardOptions options = {}) {
+    options.faults = faults;
+    begin(options);
+    images->advance(kLongAfter);
+    EXPECT_EQ(machine->write(test::kMachineWord, 9), Status::Ok);
+    images->advance(kLongAfter);
+    images->advance(2 * kLongAfter);
+    return seen_by_controller();
+  }
+};
+
+TEST_F(FaultyImages, PassNothingOverACutFibreUntilItIsRepaired) {
+  const Fault cut = fault_at(10e-6, "machine", Action::Kind::CutFibre);
+  EXPECT_EQ(seen_after({cut}), 0U);
+  EXPECT_EQ(seen_after({cut, fault_at(20e-6, "machine", Action::Kind::RepairFibre)}), 9U);
+}
+
+TEST_F(FaultyImages, RejectMessagesWithBitErrors) {
+  Fault errors = fault_at(10e-6, "", Action::Kind::BitErrorRate);
+  errors.action.rate = 1;
+  EXPECT_EQ(seen_after({errors}), 0U);
+}
+
+TEST_F(FaultyImages, SwallowMessagesOfTheirOwnIdInStrictMode) {
+  Fault same = fault_at(10e-6, "controller", Action::Kind::Id);
+  same.action.value = 1;  // the machine's
+  EXPECT_EQ(seen_after({same}), 9U);
+  CardOptions strict;
+  strict.strict_ids = true;
+  EXPECT_EQ(seen_after({same}, strict), 0U);
 }
 
 TEST_F(ReplicatedImages, CountFaultsFromTheBeginning) {

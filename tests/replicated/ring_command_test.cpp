@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `rths ring` and `rths bench card` as a user runs them.
+#include <chrono>
 #include <filesystem>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include <rths/replicated/images.hpp>
 
 #include "scramnet/vendor_ring.hpp"
 
@@ -61,6 +64,36 @@ TEST_F(SharedCards, AreShownWithTheirRegistersInWords) {
   EXPECT_NE(run.out.find("CSR1 4000  armed"), std::string::npos) << run.out;
   EXPECT_EQ(scr_csr_read(SCR_CSR1) & CSR1_IARM, CSR1_IARM);
   EXPECT_EQ(run_rths({"ring", "show", ring(), "--at-us", "5"}).exit_code, 2);
+}
+
+TEST(ReplicatedRing, IsShownNodeByNode) {
+  const std::string name = rths::test::unique_ring("shown");
+  auto images = rths::replicated::Images::create(name, rths::test::small_map(), {});
+  auto machine = images.of("machine").join("machine", 0);
+  ASSERT_EQ(machine.write(rths::test::kMachineWord, 1), rths::Status::Ok);
+  for (int ms = 0; ms < 3; ++ms) images.advance(std::chrono::milliseconds{ms});
+
+  const auto run = run_rths({"ring", "show", name});
+
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("machine, image '" + name + ".machine', id 1"), std::string::npos)
+      << run.out;
+  EXPECT_NE(run.out.find("CSR0 8003  receive, transmit, inserted"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("messages sent 1, stored 0, rejected 0"), std::string::npos) << run.out;
+}
+
+TEST(FaultCommand, SaysWhyItCausesNoFault) {
+  const std::string name = rths::test::unique_ring("faultless");
+  const auto shared = rths::broker::Ring::create(name, rths::test::small_map());
+  const rths::test::RingRemoval removal{name};
+
+  const auto of_shared = run_rths({"fault", name, "kind=power_off", "node=machine"});
+  EXPECT_EQ(of_shared.exit_code, 2);
+  EXPECT_NE(of_shared.err.find("is shared, expected a replicated one"), std::string::npos);
+  const auto of_nobody = run_rths({"fault", name, "kind=power_off", "node=machin"});
+  EXPECT_EQ(of_nobody.exit_code, 2);
+  EXPECT_NE(of_nobody.err.find("'machin' is no node"), std::string::npos) << of_nobody.err;
+  EXPECT_EQ(run_rths({"fault", name, "power_off"}).exit_code, 2);
 }
 
 TEST(BenchCard, WritesOneJsonDocument) {

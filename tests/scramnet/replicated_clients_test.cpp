@@ -1,28 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Unchanged programs of the vendor's API on a replicated ring: each has its own image and card.
-#include <pthread.h>
-
-#include <atomic>
 #include <optional>
-#include <thread>
 
 #include <gtest/gtest.h>
 
 #include <rths/card_view/card_view.hpp>
-#include <rths/core/clock.hpp>
-#include <rths/replicated/images.hpp>
 
+#include "support/carried_images.hpp"
 #include "support/long_run.hpp"
 #include "vendor_ring.hpp"
 
 namespace {
 
-using rths::Duration;
 using rths::LongwordOffset;
 using rths::NodeId;
-using rths::TimePoint;
-using rths::WallClock;
 using rths::test::Finished;
 using rths::test::Running;
 
@@ -68,27 +60,14 @@ rths::memmap::Map interrupt_map() {
   return map_of({partition_of("solver", 0, 2), partition_of("controller", kPartition, 1)});
 }
 
-/// A replicated ring whose messages a thread carries.
+/// A replicated ring of vendor clients.
 class ReplicatedClients : public rths::test::VendorRing {
  protected:
   void begin(const rths::memmap::Map& map) {
     use(name());
-    images_.emplace(rths::replicated::Images::create(name(), map, {}));
-    thread_ = std::thread{[this] {
-      // The clients spin: without real-time scheduling, the scans come once per time slice.
-      const sched_param lowest{1};
-      static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest));
-      WallClock clock;
-      const TimePoint start = clock.now();
-      while (!ends_) {
-        images_->advance(rths::replicated::Time{clock.now() - start});
-        clock.sleep_until(clock.now() + std::chrono::microseconds{50});
-      }
-    }};
+    images_.emplace(name(), map);
   }
   void TearDown() override {
-    ends_ = true;
-    thread_.join();
     images_.reset();
     use(ring());
   }
@@ -99,9 +78,7 @@ class ReplicatedClients : public rths::test::VendorRing {
   }
 
  private:
-  std::optional<rths::replicated::Images> images_;
-  std::atomic<bool> ends_{false};
-  std::thread thread_;
+  std::optional<rths::test::CarriedImages> images_;
 };
 
 TEST_F(ReplicatedClients, CompleteOpenFrescosHandshakeWithoutALostFlag) {
@@ -110,7 +87,7 @@ TEST_F(ReplicatedClients, CompleteOpenFrescosHandshakeWithoutALostFlag) {
   Running controller{at_node("controller", client("controller"))};
   Running solver{at_node("solver", client("openfresco", {steps}))};
 
-  const Finished of_solver = solver.wait(110);
+  const Finished of_solver = solver.wait(rths::test::is_long() ? 600 : 110);
   const Finished of_controller = controller.wait(5);
 
   EXPECT_EQ(of_solver.exit_code, 0) << of_solver.err;
