@@ -260,6 +260,11 @@ Watch::Watch(Ring& ring)
 
 Watch::~Watch() = default;
 
+bool Watch::is_plain(const std::string& node) const {
+  return std::any_of(state_->members.begin(), state_->members.end(),
+                     [&](const auto& member) { return member.name == node && member.plain != 0; });
+}
+
 std::vector<PlainStore> Watch::look() {
   std::vector<PlainStore> found;
   ++state_->looks;

@@ -33,8 +33,8 @@ TEST(Command, ExitsWithThreeOnWrongUsage) {
 }
 
 TEST(Command, HasHelpForEverySubcommand) {
-  for (const char* command : {"run", "check", "dump", "export", "who", "watch", "fault", "send", "bench",
-                              "loop", "terms", "map", "report", "doctor", "clean"}) {
+  for (const char* command : {"run", "check", "dump", "export", "who", "watch", "fault", "send",
+                              "bench", "loop", "terms", "map", "report", "doctor", "clean"}) {
     const Finished help = run_rths({command, "--help"});
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_GT(lines(help.out), 2) << command;

@@ -71,7 +71,7 @@ TEST(ReplicatedRing, IsShownNodeByNode) {
   auto images = rths::replicated::Images::create(name, rths::test::small_map(), {});
   auto machine = images.of("machine").join("machine", 0);
   ASSERT_EQ(machine.write(rths::test::kMachineWord, 1), rths::Status::Ok);
-  for (int ms = 0; ms < 3; ++ms) images.advance(std::chrono::milliseconds{ms});
+  for (int ms : {0, 10, 20}) images.advance(std::chrono::milliseconds{ms});
 
   const auto run = run_rths({"ring", "show", name});
 

@@ -27,9 +27,9 @@ class ReplicatedCard : public testing::Test {
  protected:
   static std::string name() { return rths::test::unique_ring("replicated_card"); }
   static void SetUpTestSuite() {
-    images = std::make_unique<rths::test::CarriedImages>(name(), rths::test::small_map());
     setenv("RTHS_SCRAMNET_RING", name().c_str(), 1);
     setenv("RTHS_SCRAMNET_NODE", "machine", 1);
+    images = std::make_unique<rths::test::CarriedImages>(name(), rths::test::small_map());
     ring.emplace(rths::broker::Ring::attach(rths::replicated::image_name(name(), "controller")));
     controller.emplace(ring->join("controller", 0));
     ASSERT_EQ(sp_scram_init(0), 0);

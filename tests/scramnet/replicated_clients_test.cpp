@@ -76,6 +76,13 @@ class ReplicatedClients : public rths::test::VendorRing {
     run.insert(run.begin(), {"/usr/bin/env", "RTHS_SCRAMNET_NODE=" + node});
     return run;
   }
+  /// Waits until a program has written CSR0. A store does not reach a card that joins later.
+  static bool is_on_ring(const std::string& node, unsigned csr0) {
+    for (int i = 0; i < 10'000; ++i, usleep(1000))
+      for (const auto& card : rths::card_view::cards_of(rths::replicated::image_name(name(), node)))
+        if (card.csr[0] == csr0) return true;
+    return false;
+  }
 
  private:
   std::optional<rths::test::CarriedImages> images_;
@@ -84,8 +91,9 @@ class ReplicatedClients : public rths::test::VendorRing {
 TEST_F(ReplicatedClients, CompleteOpenFrescosHandshakeWithoutALostFlag) {
   begin(handshake_map());
   const std::string steps = rths::test::is_long() ? "10000" : "100";
-  Running controller{at_node("controller", client("controller"))};
   Running solver{at_node("solver", client("openfresco", {steps}))};
+  ASSERT_TRUE(is_on_ring("solver", 0x8003));
+  Running controller{at_node("controller", client("controller"))};
 
   const Finished of_solver = solver.wait(rths::test::is_long() ? 600 : 110);
   const Finished of_controller = controller.wait(5);
@@ -102,7 +110,7 @@ class ReplicatedInterrupts : public ReplicatedClients {
   void count(const std::string& how) {
     begin(interrupt_map());
     Running writer{at_node("solver", client("ticks", {"write", "100", "500"}))};
-    ASSERT_TRUE(is_on_ring("solver"));  // before the counter says once that it is ready
+    ASSERT_TRUE(is_on_ring("solver", 0x8103));  // before the counter says once that it is ready
     Running counter{at_node("controller", client("ticks", {how}))};
 
     EXPECT_EQ(writer.wait(30).exit_code, 0);
@@ -110,12 +118,6 @@ class ReplicatedInterrupts : public ReplicatedClients {
     ASSERT_EQ(counted.exit_code, 0) << counted.err;
     EXPECT_GE(std::stoi(counted.out), 1);
     EXPECT_LE(std::stoi(counted.out), 100);
-  }
-  static bool is_on_ring(const std::string& node) {
-    for (int i = 0; i < 10'000; ++i, usleep(1000))
-      for (const auto& card : rths::card_view::cards_of(rths::replicated::image_name(name(), node)))
-        if (card.csr[0] == 0x8103) return true;
-    return false;
   }
 };
 

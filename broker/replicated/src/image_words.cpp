@@ -22,7 +22,7 @@ void Images::State::find_words() {
 
 void Images::State::take_stores(std::uint32_t at) {
   Image& image = images[at];
-  if (!image.host) return;
+  if (!image.host || !image.present) return;
   if (image.plain) static_cast<void>(image.watch->look());
   flush(at);
   broker::Write write;

@@ -63,15 +63,6 @@ std::string in_words(const Action& action, const std::string& node) {
   }
 }
 
-// True if the process of a node stores through a pointer.
-bool is_plain(const std::string& image, const std::string& node) {
-  const auto report = broker::inspect_ring(image);
-  return report &&
-         std::any_of(report->occupants.begin(), report->occupants.end(), [&](const auto& occupant) {
-           return occupant.alive && occupant.plain && occupant.node == node;
-         });
-}
-
 }  // namespace
 
 std::string image_name(const std::string& ring, const std::string& node) {
@@ -129,9 +120,11 @@ void Images::State::follow_presence() {
   for (std::uint32_t at = 0; at < map.description().nodes.size(); ++at) {
     Image& image = images[at];
     const auto state = image.observer.presence_of(map.description().nodes[at].id).state;
-    if (state == Presence::Alive && !image.present) {
+    image.alive_looks = state == Presence::Alive ? image.alive_looks + 1 : 0;
+    image.plain = image.watch && image.watch->is_plain(image.node);
+    // At the first look, a program may not have said yet that it stores through a pointer.
+    if (!image.present && image.alive_looks >= (image.watch ? 2 : 1)) {
       image.present = true;
-      image.plain = image.watch && is_plain(image_name(name, image.node), image.node);
       if (!image.plain) cards.card(at).write_csr(0, kOnRing);
     }
     // Its last writes are taken and arrive until the second look.

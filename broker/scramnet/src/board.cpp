@@ -15,7 +15,7 @@
 namespace rths::scramnet {
 namespace {
 
-constexpr std::int64_t kLongestScanNs = 20'000'000;
+constexpr std::int64_t kLongestScanNs = 100'000'000;  // of a busy host
 constexpr long kScanPollNs = 20'000;
 
 std::uint64_t checked_window(const CardSession& session, const Settings& settings) {

@@ -38,6 +38,8 @@ class Watch {
   /// Compares all words once. Reports a store that is not allowed after 0.1 s, since a journal may
   /// be briefly behind; a store that the owner overwrites earlier is not reported.
   [[nodiscard]] std::vector<PlainStore> look();
+  /// True if a plain client was this node at the last look.
+  [[nodiscard]] bool is_plain(const std::string& node) const;
 
  private:
   struct State;
