@@ -54,11 +54,11 @@ struct Experiment : adapters::TestSetup {
       held_out;                      ///< a second earthquake, for the proof of the diagnosis
   sim::TestMachine assumed_machine;  ///< the machine as the simulation assumes it
   std::optional<replicated::CardOptions> cards;  ///< of fidelity "replicated"; empty: "shared"
-  std::vector<HostPlan> hosts;       ///< by name; empty: one host
-  std::uint32_t domain = 0;          ///< of DDS, between the hosts
-  double host_deadline = 60;         ///< wait for the other hosts [s]
-  std::vector<NodePlan> nodes;       ///< in starting order
-  bool has_plant = false;            ///< the file states the structure
+  std::vector<HostPlan> hosts;                   ///< by name; empty: one host
+  std::uint32_t domain = 0;                      ///< of DDS, between the hosts
+  double host_deadline = 60;                     ///< wait for the other hosts [s]
+  std::vector<NodePlan> nodes;                   ///< in starting order
+  bool has_plant = false;                        ///< the file states the structure
   Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
   Config roles;                  ///< signals by role; assemble() checks them against the map
   recording::NamedTexts config;  ///< input files, for the recording
