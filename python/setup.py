@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds the extension rths._rths with CMake, from the tree that this folder is in.
+
+RTHS_BUILD names a folder of an existing build, configured with RTHS_PYTHON=ON for the same interpreter; default: a new
+one in build/wheel.
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+TREE = pathlib.Path(__file__).resolve().parent.parent
+
+
+def version():
+    """That of the project in CMakeLists.txt."""
+    return re.search(r"project\(rths VERSION ([\d.]+)", (TREE / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
+
+
+class CMakeBuild(build_ext):
+    def build_extension(self, extension):
+        build = pathlib.Path(os.environ.get("RTHS_BUILD", TREE / "build" / "wheel"))
+        if not (build / "CMakeCache.txt").exists():
+            subprocess.run(["cmake", "-S", TREE, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                            "-DRTHS_TESTS=OFF", "-DRTHS_UNITY=ON", "-DRTHS_PYTHON=ON",
+                            f"-DRTHS_PYTHON_EXECUTABLE={sys.executable}"], check=True)
+        subprocess.run(["cmake", "--build", build, "--target", "rths_python"], check=True)
+        target = pathlib.Path(self.get_ext_fullpath(extension.name))
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(build / "python" / "rths" / target.name, target)
+
+
+setup(version=version(), ext_modules=[Extension("rths._rths", sources=[])], cmdclass={"build_ext": CMakeBuild})
