@@ -7,6 +7,7 @@ import dataclasses
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -61,7 +62,7 @@ class Run:
     """The result of a run."""
 
     exit_code: int  #: 0: completed and conclusive; 1: not conclusive, or interrupted; 2: failed
-    folder: pathlib.Path | None  #: None: the run did not start
+    folder: pathlib.Path | None  #: None: it did not start, or it has no recorder and no `out`
     report: Mapping[str, Any] | None  #: report.json, which docs/experiments.md describes; None: no report
     stdout: str
     stderr: str
@@ -83,7 +84,7 @@ class Run:
 
     def _folder(self) -> pathlib.Path:
         if self.folder is None:
-            raise Error(f"the run did not start: {self.trouble}")
+            raise Error(f"the run has no recording: {self.trouble or 'its experiment has no recorder'}")
         return self.folder
 
 
@@ -110,8 +111,7 @@ def run(experiment: str | pathlib.Path, *, set: Mapping[str, Any] | None = None,
     if not diagnosis:
         arguments.append("--no-diagnosis")
     ended = _ended(arguments, timeout_s)
-    recording = _after("recording ", ended.stdout)
-    folder = None if recording is None else pathlib.Path(recording.split(", ")[0].strip()).parent
+    folder = _folder_of(_after("recording ", ended.stdout), out)
     report = None if folder is None else _read_json(folder / "report.json")
     return Run(ended.returncode, folder, report, ended.stdout, ended.stderr)
 
@@ -204,6 +204,16 @@ def _stop(process: subprocess.Popen[str]) -> None:
         return
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
+
+
+def _folder_of(recording: str | None, out: str | pathlib.Path | None) -> pathlib.Path | None:
+    """The folder of a run, from the line about its recording: a path, or the reason why there is none."""
+    if recording is None:
+        return None
+    if out is not None:
+        return pathlib.Path(out)
+    file = pathlib.Path(re.sub(r", \d+ rows missing$", "", recording))
+    return file.parent if file.name == "run.h5" else None
 
 
 def _after(start: str, text: str) -> str | None:

@@ -48,11 +48,15 @@ class Laboratory:
     def __init__(self, folder: pathlib.Path, map: str | pathlib.Path):
         self.folder = folder
         self.name = f"test_{os.getpid()}_{uuid.uuid4().hex[:12]}"  #: of the ring
-        self.ring: Ring = create_ring(self.name, map)
-        self._observer = self.ring.observe()
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._nodes: list[Node] = []
-        self._recorder = _Recorder(self.ring, folder / RECORDING_FILE)
+        self.ring: Ring = create_ring(self.name, map)
+        try:
+            self._observer = self.ring.observe()
+            self._recorder = _Recorder(self.ring, folder / RECORDING_FILE)
+        except BaseException:
+            self.ring.close()
+            raise
 
     def join(self, node: str, *, plain: bool = False) -> Node:
         """Joins as a node. It leaves when the test ends."""

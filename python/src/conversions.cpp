@@ -1,25 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <memory>
+#include <utility>
+
 #include "bindings.hpp"
 
 namespace rths::python {
+namespace {
 
 namespace py = pybind11;
 
+// An object of Python that keeps the value until it is freed itself.
+template <class T>
+py::capsule kept(T value) {
+  auto owned = std::make_unique<T>(std::move(value));
+  py::capsule capsule{owned.get(),
+                      [](void* last) { const std::unique_ptr<T> freed{static_cast<T*>(last)}; }};
+  static_cast<void>(owned.release());
+  return capsule;
+}
+
+}  // namespace
+
 py::array_t<std::uint32_t> view_of(Member& member, const std::string& partition) {
   const auto [words, is_writable] = member.words_of(partition);
-  auto* const kept = new std::shared_ptr<RingHandle>{member.ring()};
-  const py::capsule owner{
-      kept, [](void* ring) { delete static_cast<std::shared_ptr<RingHandle>*>(ring); }};
-  py::array_t<std::uint32_t> view{static_cast<py::ssize_t>(words.size()), words.data(), owner};
+  py::array_t<std::uint32_t> view{static_cast<py::ssize_t>(words.size()), words.data(),
+                                  kept(member.ring())};
   if (!is_writable) view.attr("setflags")(py::arg("write") = false);
   return view;
 }
 
 py::array_t<double> array_of(std::vector<double> values) {
-  auto* const kept = new std::vector<double>{std::move(values)};
-  const py::capsule owner{kept,
-                          [](void* vector) { delete static_cast<std::vector<double>*>(vector); }};
-  return py::array_t<double>{static_cast<py::ssize_t>(kept->size()), kept->data(), owner};
+  const auto size = static_cast<py::ssize_t>(values.size());
+  const double* const data = values.data();  // a move keeps it
+  return py::array_t<double>{size, data, kept(std::move(values))};
 }
 
 }  // namespace rths::python

@@ -53,8 +53,11 @@ broker::Node& Member::node() {
   if (!node_)
     throw Error{name_.empty() ? "this observer has left the ring"
                               : fmt::format("node '{}' has left the ring", name_)};
-  if (node_->is_ring_lost()) throw Error{"the memory of the ring was lost: it was truncated"};
   return *node_;
+}
+
+void Member::check_memory() {
+  if (node().is_ring_lost()) throw Error{"the memory of the ring was lost: it was truncated"};
 }
 
 std::vector<std::uint32_t> Member::group_of(const memmap::Partition& partition) {
@@ -79,6 +82,7 @@ std::vector<double> Member::read(const std::vector<std::string>& signals) {
     if (words.empty()) words = group_of(*entry.partition);
     values.push_back(codec.decode(words[index_in_group(entry)]));
   }
+  check_memory();
   return values;
 }
 
@@ -126,6 +130,7 @@ void Member::write(const std::vector<std::pair<std::string, Value>>& values) {
           fmt::format("partition '{}': the ring refused the write", entry->partition->name)};
     groups.erase(group);
   }
+  check_memory();
 }
 
 Member::Words Member::words_of(const std::string& partition) {

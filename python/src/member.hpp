@@ -52,7 +52,10 @@ class Member {
   [[nodiscard]] const std::shared_ptr<RingHandle>& ring() const { return ring_; }
 
  private:
+  /// @throws Error if it has left
   [[nodiscard]] broker::Node& node();
+  /// @throws Error if memory of the ring was lost: then reads returned zeros
+  void check_memory();
   void check_owner(const memmap::SignalEntry& entry);
   [[nodiscard]] std::vector<std::uint32_t> group_of(const memmap::Partition& partition);
   void write_word(const memmap::SignalEntry& entry, std::uint32_t word);

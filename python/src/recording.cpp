@@ -32,10 +32,10 @@ std::unique_ptr<Writer> writer_for(const std::filesystem::path& file, RingHandle
 
 }  // namespace
 
+// All calls keep the global lock: HDF5 allows one thread at a time.
 void bind_recording(py::module_& module) {
-  using Unlocked = py::call_guard<py::gil_scoped_release>;
   py::class_<Reader>(module, "Reader", "Reads the recording of a finished, running or crashed run.")
-      .def(py::init<const std::filesystem::path&>(), py::arg("file"), Unlocked{})
+      .def(py::init<const std::filesystem::path&>(), py::arg("file"))
       .def_property_readonly("rows", &Reader::rows)
       .def_property_readonly(
           "time", [](const Reader& r) { return array_of(r.time()); },

@@ -14,23 +14,12 @@ from rths import _rths
 EXPERIMENT = TREE / "examples/srmd_lprb_2d.toml"
 
 
-@pytest.fixture
-def fake_command(tmp_path, monkeypatch):
-    """Function that replaces the command by a script of the shell."""
-    def replace(script):
-        file = tmp_path / "rths"
-        file.write_text(f"#!/bin/sh\n{script}\n")
-        file.chmod(0o755)
-        monkeypatch.setenv("RTHS_COMMAND", str(file))
-    return replace
-
-
 def test_a_run_that_fails_is_a_result_that_says_why(tmp_path):
     run = rths.run(EXPERIMENT, set={"duration": 3}, clock="virtual", out=tmp_path / "out")
 
     assert (run.exit_code, run.folder, run.report) == (2, None, None)
     assert "duration" in run.trouble
-    with pytest.raises(rths.Error, match="did not start.*duration"):
+    with pytest.raises(rths.Error, match="no recording: .*duration"):
         run.recording()
 
 
@@ -44,6 +33,17 @@ def test_changes_are_written_as_toml(fake_command):
         "run", "e.toml", "--clock", "wall", "--set", 'axes=["long"]', "--set", "rest_s=0.5", "--set",
         "node.echo.prompt=true", "--set", 'map="sts"', "--set", 'node.opf={"adapter" = "echo"}', "--ring", "own",
         "--no-diagnosis"]
+
+
+@pytest.mark.parametrize("line, folder", [
+    ("out/a, b/run.h5, 12 rows missing", "out/a, b"),
+    ("out/a/run.h5", "out/a"),
+    ("none: the experiment has no recorder", None),
+])
+def test_the_folder_of_a_run_is_that_of_its_recording(fake_command, line, folder):
+    fake_command(f"echo 'recording {line}'")
+
+    assert rths.run("e.toml").folder == (folder and pathlib.Path(folder))
 
 
 def test_a_run_that_does_not_end_is_stopped_in_order(fake_command, tmp_path):

@@ -68,3 +68,14 @@ def map_file(tmp_path):
 def ring(map_file):
     with rths.in_process_ring(map_file) as ring:
         yield ring
+
+
+@pytest.fixture
+def fake_command(tmp_path, monkeypatch):
+    """Function that replaces the command by a script of the shell."""
+    def replace(script):
+        file = tmp_path / "rths"
+        file.write_text(f"#!/bin/sh\n{script}\n")
+        file.chmod(0o755)
+        monkeypatch.setenv("RTHS_COMMAND", str(file))
+    return replace

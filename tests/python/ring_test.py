@@ -2,6 +2,7 @@
 import gc
 import math
 import os
+import pathlib
 import signal
 import subprocess
 import sys
@@ -214,6 +215,19 @@ def test_a_ring_is_shared_by_processes_and_removed_at_the_end(map_file):
         assert other.stdout.strip() == "0.125"
         assert ring.observe().read("machine.cycles") == 4
     assert name not in rths.ring_names()
+
+
+def test_a_truncated_ring_is_an_error_and_does_not_end_the_program(map_file):
+    name = f"test_truncated_{os.getpid()}"
+    with rths.create_ring(name, map_file) as ring:
+        node = ring.join("solver")
+        words = node.view("solver")
+        (file,) = pathlib.Path("/dev/shm").glob(f"*{name}")
+        os.truncate(file, 0)
+
+        with pytest.raises(rths.Error, match="was lost"):
+            node.read("solver.state")
+        assert words[0] == 0
 
 
 def test_a_ring_that_does_not_exist_is_an_error():

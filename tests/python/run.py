@@ -13,5 +13,5 @@ if missing:
 import pytest
 
 FOLDER = pathlib.Path(__file__).resolve().parent
-sys.exit(pytest.main(["-q", "-p", "no:cacheprovider", "-p", "rths.testing", f"--rootdir={FOLDER}", "--durations=3",
+sys.exit(pytest.main(["-q", "-rs", "-p", "no:cacheprovider", "-p", "rths.testing", f"--rootdir={FOLDER}", "--durations=3",
                       *(str(FOLDER / name) for name in sys.argv[1:])]))

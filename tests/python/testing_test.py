@@ -96,6 +96,16 @@ def test_a_frozen_process_answers_after_it_thaws(rths_lab):
     lab.expect_within(5, "machine.force", 1e4)
 
 
+def test_a_run_has_a_ring_and_a_folder_of_its_own(rths_lab, fake_command):
+    lab = rths_lab(TWO_SIGNALS)
+    fake_command('echo "$@"; echo "recording $6/run.h5"')
+
+    run = lab.run("an/experiment.toml")
+
+    assert run.folder.parent == lab.folder
+    assert run.stdout.startswith(f"run an/experiment.toml --clock virtual --out {run.folder} --ring {lab.name}_run\n")
+
+
 def test_a_process_that_ends_early_fails_with_its_output(rths_lab):
     lab = rths_lab(TWO_SIGNALS)
 
