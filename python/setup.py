@@ -15,7 +15,8 @@ from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
 TREE = pathlib.Path(__file__).resolve().parent.parent
-WORK = TREE / "build" / "wheel"
+BUILD = TREE / "build" / "wheel"  # beside other builds, which share downloads with it
+WORK = BUILD / "setuptools"
 
 
 def version():
@@ -27,11 +28,10 @@ def built():
     """Folder of the build that holds the extension."""
     if given := os.environ.get("RTHS_BUILD"):
         return pathlib.Path(given)
-    build = WORK / "cmake"
-    subprocess.run(["cmake", "-S", TREE, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DRTHS_TESTS=OFF",
+    subprocess.run(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DRTHS_TESTS=OFF",
                     "-DRTHS_UNITY=ON", "-DRTHS_PYTHON=ON", f"-DRTHS_PYTHON_EXECUTABLE={sys.executable}"], check=True)
-    subprocess.run(["cmake", "--build", build, "--target", "rths_python"], check=True)
-    return build
+    subprocess.run(["cmake", "--build", BUILD, "--target", "rths_python"], check=True)
+    return BUILD
 
 
 class CMakeBuild(build_ext):
