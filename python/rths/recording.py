@@ -39,7 +39,7 @@ class Recording:
         return self._reader.unit(signal)
 
     def config(self, file: str) -> str:
-        """Text of an input file of the run, for example "experiment"; empty if the recording has none."""
+        """Text of an input of the run: a file by its name, "overrides" or "model"; empty if the recording has none."""
         return self._reader.config(file)
 
     @property
