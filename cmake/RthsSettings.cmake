@@ -9,6 +9,7 @@ option(RTHS_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(RTHS_VECTOR_COPIES "Copy tear groups with vector instructions if the processor has them" ON)
 option(RTHS_UNITY "Compile a dozen sources of a library at once: a third of the time" OFF)
 option(RTHS_BENCHMARKS "Build the benchmarks, including the libraries that the ring is compared with" OFF)
+option(RTHS_PYTHON "Build the Python package" OFF)
 set(RTHS_TESTED "" CACHE STRING "Folders whose tests are built, as rths_test names them; empty: all")
 set(RTHS_SANITIZER "" CACHE STRING "Sanitizers, as the argument of -fsanitize")
 

@@ -234,6 +234,15 @@ Status Node::write_group(TearGroupId id, std::span<const std::uint32_t> words) n
   return Status::Ok;
 }
 
+std::span<const std::uint32_t> Node::memory() const {
+  return {words_, segment_->map().description().size_longwords};
+}
+
+std::span<std::uint32_t> Node::plain_memory() {
+  if (shared(segment_->slots()[slot_].plain).load() == 0) return {};
+  return {words_, segment_->map().description().size_longwords};
+}
+
 void Node::beat() noexcept {
   auto beats = shared(segment_->slots()[slot_].beats);
   beats.store(beats.load(std::memory_order_relaxed) + 1, std::memory_order_release);

@@ -47,6 +47,30 @@ TEST(Ring, RefusesWritesToAnotherNodesPartition) {
   EXPECT_EQ(controller.read(kMachineWord), 0U);
 }
 
+TEST(Ring, ShowsItsWordsWithoutACopy) {
+  Ring ring = Ring::in_process(small_map());
+  Node controller = ring.join("controller", 0);
+  const auto words = ring.observe().memory();
+
+  EXPECT_EQ(controller.write(kControllerWord, 42), Status::Ok);
+
+  EXPECT_EQ(words.size(), 1024U);
+  EXPECT_EQ(words[kControllerWord.value()], 42U);
+}
+
+TEST(Ring, LetsOnlyPlainNodesStoreThroughAPointer) {
+  Ring ring = Ring::in_process(small_map());
+  Node controller = ring.join("controller", 0);
+  Node machine = ring.join_plain("machine");
+
+  ASSERT_EQ(machine.plain_memory().size(), 1024U);
+  machine.plain_memory()[kMachineWord.value()] = 42;
+
+  EXPECT_EQ(controller.read(kMachineWord), 42U);
+  EXPECT_TRUE(controller.plain_memory().empty());
+  EXPECT_TRUE(ring.observe().plain_memory().empty());
+}
+
 TEST(Ring, RefusesToWriteOrReadATearGroupPartially) {
   Ring ring = Ring::in_process(small_map());
   Node machine = ring.join("machine", 0);

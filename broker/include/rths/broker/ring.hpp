@@ -88,6 +88,12 @@ class Node {
   [[nodiscard]] Status write_group(TearGroupId group,
                                    std::span<const std::uint32_t> words) RTHS_REALTIME;
 
+  /// The words of the ring, without a copy, as other nodes change them: each word is whole, a tear
+  /// group may not be. Valid as long as the `Ring`.   @setup
+  [[nodiscard]] std::span<const std::uint32_t> memory() const;
+  /// The same, to store through, of a node that joined by `join_plain`; empty for others.   @setup
+  [[nodiscard]] std::span<std::uint32_t> plain_memory();
+
   /// From now on, this node's writes do not wake the waiter.   @setup
   void spare(const Waiter& waiter);
   /// Increments this node's heartbeat, which `beats_of` returns to other nodes. Puts the time into

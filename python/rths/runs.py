@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs and diagnoses, by the installed command as a child process with a deadline."""
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ._rths import Error
+
+if TYPE_CHECKING:
+    from .recording import Recording
+
+_GRACE_S = 10.0  #: of a command that was asked to stop
+
+
+@dataclasses.dataclass(frozen=True)
+class Cause:
+    """A term that the simulation left out."""
+
+    name: str
+    title: str
+    part: str  #: "numerical", "actuator", "machine", "bearing", "structure" or "sensor"
+    confidence: float  #: 0 to 1
+    explained_fraction: float  #: of the error's energy beyond the noise, 0 to 1
+    parameters: Mapping[str, Mapping[str, Any]]  #: by name: "value", "ci95" and "unit"
+
+
+@dataclasses.dataclass(frozen=True)
+class Verdict:
+    """The verdict of a diagnosis. `numbers` holds all of verdict.json, which docs/verdict.md describes."""
+
+    kind: str  #: "missing", "none" or "unknown"
+    sentence: str
+    confidence: float  #: 0 to 1
+    causes: tuple[Cause, ...]  #: the most important first
+    numbers: Mapping[str, Any]
+    folder: pathlib.Path
+
+    @classmethod
+    def read(cls, folder: str | pathlib.Path) -> Verdict:
+        """Reads the verdict in the folder of a diagnosis or a run. Raises Error if there is none."""
+        folder = pathlib.Path(folder)
+        numbers = _read_json(folder / "verdict.json")
+        if numbers is None:
+            raise Error(f"{folder / 'verdict.json'}: does not exist, expected the folder of a diagnosis")
+        fields = [field.name for field in dataclasses.fields(Cause)]
+        causes = tuple(Cause(**{name: cause[name] for name in fields}) for cause in numbers["causes"])
+        return cls(numbers["verdict"], numbers["sentence"], numbers["confidence"], causes, numbers, folder)
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """The result of a run."""
+
+    exit_code: int  #: 0: completed and conclusive; 1: not conclusive, or interrupted; 2: failed
+    folder: pathlib.Path | None  #: None: it did not start, or it has no recorder and no `out`
+    report: Mapping[str, Any] | None  #: report.json, which docs/experiments.md describes; None: no report
+    stdout: str
+    stderr: str
+
+    @property
+    def trouble(self) -> str:
+        """Lines in which the command says why it failed; empty if it did not."""
+        return "\n".join(line for line in self.stderr.splitlines() if line.startswith("rths: ")) if self.exit_code else ""
+
+    def recording(self) -> Recording:
+        """The recording of the run. Raises Error if there is none."""
+        from .recording import Recording
+
+        return Recording(self._folder())
+
+    def verdict(self) -> Verdict:
+        """The diagnosis that ended the run. Raises Error if there was none."""
+        return Verdict.read(self._folder())
+
+    def _folder(self) -> pathlib.Path:
+        if self.folder is None:
+            raise Error(f"the run has no recording: {self.trouble or 'its experiment has no recorder'}")
+        return self.folder
+
+
+def run(experiment: str | pathlib.Path, *, set: Mapping[str, Any] | None = None, out: str | pathlib.Path | None = None,
+        force: bool = False, clock: str = "wall", ring: str | None = None, diagnosis: bool = True,
+        timeout_s: float = 600.0) -> Run:
+    """Runs an experiment by `rths run` and waits for its end.
+
+    set: keys to override, `{"duration_s": 12, "axes": ["long"]}`. out: folder of the results; None: a new one.
+    force: replaces the results of an earlier run in `out`. clock: "wall" or "virtual". ring: name of its ring.
+    diagnosis: diagnoses the recording of an experiment with a second earthquake.
+    timeout_s: deadline of the whole command [s]. Then the run is stopped in order, and Error is raised.
+    A failed run is a result: see `Run.exit_code` and `Run.trouble`.
+    """
+    arguments = ["run", str(experiment), "--clock", clock]
+    for key, value in (set or {}).items():
+        arguments += ["--set", f"{key}={_toml(value)}"]
+    if out is not None:
+        arguments += ["--out", str(out)] + ["--force"] * force
+    elif force:
+        raise Error("force is True without a folder of results, expected out=…")
+    if ring is not None:
+        arguments += ["--ring", ring]
+    if not diagnosis:
+        arguments.append("--no-diagnosis")
+    ended = _ended(arguments, timeout_s)
+    folder = _folder_of(_after("recording ", ended.stdout), out)
+    report = None if folder is None else _read_json(folder / "report.json")
+    return Run(ended.returncode, folder, report, ended.stdout, ended.stderr)
+
+
+def diagnose(case: str | pathlib.Path, *, out: str | pathlib.Path | None = None, without: Sequence[str] = (),
+             seed: int = 1, timeout_s: float = 600.0) -> Verdict:
+    """Diagnoses a case or a run by `rths diagnose`, and returns its verdict.
+
+    case: folder with a case.toml, a case file, or the folder or recording of a run. out: folder of the results.
+    without: terms that may not be named. seed: of noise draws. timeout_s: deadline of the whole command [s].
+    Raises Error if the case cannot be read, or at the deadline.
+    """
+    arguments = ["diagnose", str(case), "--seed", str(seed)]
+    if out is not None:
+        arguments += ["--out", str(out)]
+    if without:
+        arguments += ["--without", ",".join(without)]
+    ended = _ended(arguments, timeout_s)
+    numbers = _after("numbers ", ended.stdout)
+    if ended.returncode != 0 or numbers is None:
+        raise Error(ended.stderr.strip().removeprefix("rths: ") or f"rths diagnose ended with {ended.returncode}")
+    return Verdict.read(pathlib.Path(numbers.strip()).parent)
+
+
+def command() -> pathlib.Path:
+    """Path of the command: that of RTHS_COMMAND, of the installation of this package, or of PATH.
+
+    Raises Error if there is none.
+    """
+    named = os.environ.get("RTHS_COMMAND")
+    beside = [folder / "bin" / "rths" for folder in pathlib.Path(__file__).absolute().parents[1:6]]
+    for file in [pathlib.Path(named)] if named else beside:
+        if file.is_file() and os.access(file, os.X_OK):
+            return file
+    found = None if named else shutil.which("rths")
+    if found is None:
+        raise Error(f"RTHS_COMMAND is '{named}', expected the command rths" if named else
+                    "the command rths was not found, expected it in PATH or in RTHS_COMMAND")
+    return pathlib.Path(found)
+
+
+def map_file(map: str | pathlib.Path) -> str:
+    """File of a map: a path, or the name of a map that is installed with the command."""
+    text = str(map)
+    if "/" in text or "." in text or pathlib.Path(text).is_file():
+        return text
+    maps = command().resolve().parent.parent / "share" / "rths" / "maps"
+    file = maps / f"{text}.ringmap.toml"
+    if not file.is_file():
+        names = sorted(known.name.removesuffix(".ringmap.toml") for known in maps.glob("*.ringmap.toml"))
+        raise Error(f"there is no map '{text}', expected a file or one of: {', '.join(names)}")
+    return str(file)
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if isinstance(value, (str, pathlib.Path)):
+        return json.dumps(str(value), ensure_ascii=False)
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{json.dumps(key)} = {_toml(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, Sequence):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
+    raise Error(f"set: found a value of type {type(value).__name__}, expected a number, text, bool, list or dict")
+
+
+def _ended(arguments: list[str], timeout_s: float) -> subprocess.CompletedProcess[str]:
+    """Runs the command; at the deadline, or if this program is interrupted, stops it in order."""
+    process = subprocess.Popen([command(), *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True, encoding="utf-8", errors="replace",
+                               start_new_session=True)
+    try:
+        stdout, stderr = process.communicate(timeout=timeout_s)
+    except subprocess.TimeoutExpired:
+        raise Error(f"rths {arguments[0]} {arguments[1]}: did not end within {timeout_s:g} s and was stopped") from None
+    finally:
+        _stop(process)
+    return subprocess.CompletedProcess(arguments, process.returncode, stdout, stderr)
+
+
+def _stop(process: subprocess.Popen[str]) -> None:
+    """Interrupts the command, which stops its nodes in order; kills what remains after the grace."""
+    if process.poll() is not None:
+        return
+    process.send_signal(signal.SIGINT)
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        process.communicate(timeout=_GRACE_S)
+        return
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+
+
+def _folder_of(recording: str | None, out: str | pathlib.Path | None) -> pathlib.Path | None:
+    """The folder of a run, from the line about its recording: a path, or the reason why there is none."""
+    if recording is None:
+        return None
+    if out is not None:
+        return pathlib.Path(out)
+    file = pathlib.Path(re.sub(r", \d+ rows missing$", "", recording))
+    return file.parent if file.name == "run.h5" else None
+
+
+def _after(start: str, text: str) -> str | None:
+    return next((line.removeprefix(start) for line in text.splitlines() if line.startswith(start)), None)
+
+
+def _read_json(file: pathlib.Path) -> Any:
+    return json.loads(file.read_text(encoding="utf-8")) if file.is_file() else None

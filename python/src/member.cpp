@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "member.hpp"
+
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::python {
+namespace {
+
+std::size_t index_in_group(const memmap::SignalEntry& entry) {
+  return entry.signal->offset.value() - entry.partition->base.value();
+}
+
+// [SI]
+double number_of(const memmap::SignalEntry& entry, const memmap::Codec& codec, const Value& value) {
+  if (const auto* const number = std::get_if<double>(&value)) return *number;
+  const auto& text = std::get<std::string>(value);
+  std::vector<std::string> names;
+  for (const auto& [name, named] : entry.signal->values) {
+    if (name == text) return codec.to_si(static_cast<double>(named));
+    names.push_back(name);
+  }
+  throw Error{
+      fmt::format("{}='{}': expected a number{}", entry.name, text,
+                  names.empty() ? "" : fmt::format(" or one of: {}", fmt::join(names, ", ")))};
+}
+
+std::uint32_t word_of(const memmap::SignalEntry& entry, const memmap::Codec& codec,
+                      const Value& value) {
+  const double si = number_of(entry, codec, value);
+  if (!std::isfinite(si))
+    throw Error{fmt::format("{}={}: expected a finite number", entry.name, si)};
+  if (const auto& range = entry.signal->range) {
+    const double number = codec.from_si(si);
+    if (number < range->first || number > range->second)
+      throw Error{fmt::format("{}={}: expected {} to {} in SI, {} to {} {}", entry.name, si,
+                              codec.to_si(range->first), codec.to_si(range->second), range->first,
+                              range->second, entry.signal->unit)};
+  }
+  const std::uint32_t word = codec.encode(si);
+  if (!std::isfinite(codec.decode(word)))
+    throw Error{fmt::format("{}={}: too large for the type of the word", entry.name, si)};
+  return word;
+}
+
+}  // namespace
+
+broker::Node& Member::node() {
+  if (!node_)
+    throw Error{name_.empty() ? "this observer has left the ring"
+                              : fmt::format("node '{}' has left the ring", name_)};
+  return *node_;
+}
+
+void Member::check_memory() {
+  if (node().is_ring_lost()) throw Error{"the memory of the ring was lost: it was truncated"};
+}
+
+std::vector<std::uint32_t> Member::group_of(const memmap::Partition& partition) {
+  std::vector<std::uint32_t> words(partition.longwords);
+  if (node().read_group(ring_->ring().tear_group(partition.name), words) != Status::Ok)
+    throw Error{
+        fmt::format("partition '{}': its writer interferes with each read", partition.name)};
+  return words;
+}
+
+std::vector<double> Member::read(const std::vector<std::string>& signals) {
+  std::map<const memmap::Partition*, std::vector<std::uint32_t>> groups;
+  std::vector<double> values;
+  for (const auto& signal : signals) {
+    const auto& entry = ring_->entry(signal);
+    const auto& codec = ring_->codec(entry);
+    if (!entry.partition->tear_group) {
+      values.push_back(codec.decode(node().read(entry.signal->offset)));
+      continue;
+    }
+    auto& words = groups[entry.partition];
+    if (words.empty()) words = group_of(*entry.partition);
+    values.push_back(codec.decode(words[index_in_group(entry)]));
+  }
+  check_memory();
+  return values;
+}
+
+void Member::check_owner(const memmap::SignalEntry& entry) {
+  if (name_.empty())
+    throw Error{fmt::format("{}: this program observes the ring; join as node '{}' to write it",
+                            entry.name, entry.partition->node)};
+  if (entry.partition->node != name_)
+    throw Error{fmt::format("{}: belongs to node '{}', this program is node '{}'", entry.name,
+                            entry.partition->node, name_)};
+  if (!node().plain_memory().empty())
+    throw Error{fmt::format("{}: node '{}' joined as plain, so it stores through view() only",
+                            entry.name, name_)};
+}
+
+void Member::write_word(const memmap::SignalEntry& entry, std::uint32_t word) {
+  if (node().write(entry.signal->offset, word) != Status::Ok)
+    throw Error{fmt::format("{}: the ring refused the write", entry.name)};
+}
+
+void Member::write(const std::vector<std::pair<std::string, Value>>& values) {
+  std::vector<std::pair<const memmap::SignalEntry*, std::uint32_t>> words;
+  std::map<const memmap::Partition*, std::vector<std::uint32_t>> groups;
+  for (const auto& [signal, value] : values) {
+    const auto& entry = ring_->entry(signal);
+    check_owner(entry);
+    const std::uint32_t word = word_of(entry, ring_->codec(entry), value);
+    words.emplace_back(&entry, word);
+    if (!entry.partition->tear_group) continue;
+    auto& group = groups[entry.partition];
+    if (group.empty()) group = group_of(*entry.partition);
+    group[index_in_group(entry)] = word;
+  }
+  for (const auto& [entry, word] : words) {
+    if (!entry->partition->tear_group) {
+      write_word(*entry, word);
+      continue;
+    }
+    // In the place of the first of its words.
+    const auto group = groups.find(entry->partition);
+    if (group == groups.end()) continue;
+    if (node().write_group(ring_->ring().tear_group(entry->partition->name), group->second) !=
+        Status::Ok)
+      throw Error{
+          fmt::format("partition '{}': the ring refused the write", entry->partition->name)};
+    groups.erase(group);
+  }
+  check_memory();
+}
+
+Member::Words Member::words_of(const std::string& partition) {
+  const auto& found = ring_->partition(partition);
+  const bool is_writable = found.node == name_ && !node().plain_memory().empty();
+  return {node().memory().subspan(found.base.value(), found.longwords), is_writable};
+}
+
+std::uint64_t Member::beats_of(const std::string& other) {
+  return node().beats_of(ring_->map().node(other));
+}
+
+std::string Member::presence_of(const std::string& other) {
+  switch (node().presence_of(ring_->map().node(other)).state) {
+    case broker::Presence::State::Absent:
+      return "absent";
+    case broker::Presence::State::Alive:
+      return "alive";
+    case broker::Presence::State::Vanished:
+      return "vanished";
+  }
+  return "absent";
+}
+
+}  // namespace rths::python

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+import os
+import sys
+import threading
+import time
+
+import pytest
+from conftest import TREE, TWO_SIGNALS
+
+import rths
+
+SPRING = TREE / "examples/python/spring_machine.py"
+pytest_plugins = ["pytester"]
+
+
+def start_spring(lab, *arguments):
+    return lab.start([sys.executable, SPRING, lab.name, *arguments], name="machine", node="machine")
+
+
+def test_a_program_plays_a_node(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+    start_spring(lab, "--stiffness-N-per-m", "2e6")
+
+    lab.join("solver").write("solver.displacement", 0.1)
+
+    assert lab.expect_within(5, "machine.force", 2e5) == pytest.approx(2e5, rel=1e-6)
+
+
+def test_laboratories_do_not_see_each_other(rths_lab):
+    first, second = rths_lab(TWO_SIGNALS), rths_lab(TWO_SIGNALS)
+
+    first.join("solver").write("solver.displacement", 0.1)
+
+    assert first.name != second.name
+    assert second.read("solver.displacement") == 0
+
+
+def test_a_value_that_lasts_one_write_is_found(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+    solver, ends = lab.join("solver"), threading.Event()
+
+    def pulse():
+        while not ends.wait(0.002):
+            solver.write("solver.displacement", 0.3)
+            solver.write("solver.displacement", 0.0)
+
+    thread = threading.Thread(target=pulse)
+    thread.start()
+    try:
+        lab.eventually("solver.displacement", 0.3)
+        with pytest.raises(AssertionError, match="expected never .* found 0.3 m"):
+            lab.never(5, "solver.displacement", lambda displacement: displacement > 0.2)
+    finally:
+        ends.set()
+        thread.join()
+
+
+def test_unmet_expectations_say_what_was_found(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+    lab.join("solver").write("solver.displacement", 0.25)
+
+    with pytest.raises(AssertionError, match="solver.displacement: expected 0.1 m within 0.05 s, last value 0.25 m"):
+        lab.expect_within(0.05, "solver.displacement", 0.1)
+    lab.never(0.02, "solver.displacement", 0.1)
+
+
+def test_named_values_are_conditions(rths_lab, map_file):
+    lab = rths_lab(map_file)
+    lab.join("solver").write("solver.state", "moving")
+
+    lab.expect_within(1, "solver.state", "moving")
+    with pytest.raises(rths.Error, match="expected one of: idle, moving|expected one of: moving, idle"):
+        lab.never(1, "solver.state", "broken")
+
+
+def test_a_killed_process_is_seen_as_vanished(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+    start_spring(lab)
+    solver = lab.join("solver")
+
+    lab.kill("machine")
+
+    assert solver.presence_of("machine") == "vanished"
+
+
+def test_a_frozen_process_answers_after_it_thaws(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+    start_spring(lab)
+    solver = lab.join("solver")
+
+    lab.freeze("machine")
+    solver.write("solver.displacement", 0.01)
+    lab.never(0.05, "machine.force", lambda force: force != 0)
+    lab.thaw("machine")
+
+    lab.expect_within(5, "machine.force", 1e4)
+
+
+def test_a_run_has_a_ring_and_a_folder_of_its_own(rths_lab, fake_command):
+    lab = rths_lab(TWO_SIGNALS)
+    fake_command('echo "$@"; echo "recording $6/run.h5"')
+
+    run = lab.run("an/experiment.toml")
+
+    assert run.folder.parent == lab.folder
+    assert run.stdout.startswith(f"run an/experiment.toml --clock virtual --out {run.folder} --ring {lab.name}_run\n")
+
+
+def test_a_process_that_ends_early_fails_with_its_output(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+
+    with pytest.raises(AssertionError, match="ended with 1 before node 'machine'.*\n.*no_such_ring"):
+        lab.start([sys.executable, SPRING, "no_such_ring"], name="machine", node="machine")
+
+
+def test_of_a_failed_test_logs_and_recording_stay(pytester):
+    pytester.makepyfile(f"""
+        import sys
+
+        def test_fails(rths_lab):
+            lab = rths_lab({str(TWO_SIGNALS)!r})
+            lab.start([sys.executable, {str(SPRING)!r}, lab.name], name="machine", node="machine")
+            lab.join("solver").write("solver.displacement", 0.1)
+            lab.eventually("machine.force", 1e5)
+            assert False, lab.name
+
+        def test_passes(rths_lab):
+            rths_lab({str(TWO_SIGNALS)!r}).start([sys.executable, "-c", "import time; time.sleep(60)"], name="sleeper")
+    """)
+    begun = time.monotonic()
+
+    result = pytester.runpytest_subprocess("-p", "rths.testing", "--rths-keep", "kept")
+
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*logs and recording: *kept/test_fails_*"])
+    assert time.monotonic() - begun < 30
+    (folder,) = (pytester.path / "kept").iterdir()
+    assert {file.name for file in folder.iterdir()} == {"machine.log", "run.h5"}
+    frame = rths.load(folder)
+    assert frame["solver.displacement"].iloc[-1] == pytest.approx(0.1)
+    assert frame["machine.force"].iloc[-1] == pytest.approx(1e5)
+    assert not [name for name in rths.ring_names() if name in result.stdout.str()]
+
+
+def test_nothing_is_left_of_a_test_that_passed(pytester):
+    pytester.makepyfile(f"""
+        import os, sys
+
+        def test_passes(rths_lab):
+            lab = rths_lab({str(TWO_SIGNALS)!r})
+            process = lab.start([sys.executable, "-c", "import time; time.sleep(60)"], name="sleeper")
+            open("left", "w").write(f"{{lab.name}} {{process.pid}}")
+    """)
+
+    pytester.runpytest_subprocess("-p", "rths.testing").assert_outcomes(passed=1)
+
+    name, pid = (pytester.path / "left").read_text().split()
+    assert name not in rths.ring_names()
+    assert not os.path.exists(f"/proc/{pid}")
+    assert not (pytester.path / "out/failed_tests").exists()
