@@ -64,8 +64,7 @@ dds::CycloneOptions network_of(const Experiment& experiment, const RunOptions& o
 }
 
 HostLink::HostLink(broker::Ring& ring, const Experiment& experiment, const RunOptions& options)
-    : ring_{ring},
-      experiment_{experiment},
+    : experiment_{experiment},
       own_{options.host},
       leader_{experiment.leading_host()},
       fingerprint_{fingerprint_of(experiment)},

@@ -65,7 +65,6 @@ class HostLink {
   /// Names of the hosts that are not ready.
   [[nodiscard]] std::string missing_hosts();
 
-  broker::Ring& ring_;
   const Experiment& experiment_;
   std::string own_, leader_;
   std::uint64_t fingerprint_;
