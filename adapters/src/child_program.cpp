@@ -63,7 +63,8 @@ std::vector<char*> pointers_to(std::vector<std::string>& texts) {
 // The variables of this process, with the given ones added or replaced.
 std::vector<std::string> environment_of(const ProgramStart& start) {
   std::vector<std::string> all;
-  for (const auto& [name, value] : start.environment) all.push_back(name + "=" + value);
+  for (const auto& [name, value] : start.environment)
+    all.push_back(fmt::format("{}={}", name, value));
   for (char** variable = environ; *variable != nullptr; ++variable) {
     const std::string_view text{*variable};
     const auto name = text.substr(0, text.find('='));

@@ -52,7 +52,8 @@ class NativePlugin final : public rths::PluginBase {
   void deactivate() noexcept override {
     try {
       adapter_->deactivate();
-    } catch (const Error&) {  // an incomplete file: no adapter without files throws
+    } catch (const Error&) {
+      return;  // an incomplete file: no adapter without files throws
     }
   }
   void stop() noexcept override { stopping_ = true; }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -50,6 +51,65 @@ void compare(std::vector<Compared>& outputs, const std::vector<double>& values, 
   }
 }
 
+/// Values of a plugin's signals in a recording, row by row.
+struct Signals {
+  std::vector<std::vector<double>> inputs;
+  std::vector<Compared> outputs;
+};
+
+Signals signals_of(const adapters::Adapter& adapter, const recording::Reader& run,
+                   const std::string& node) {
+  Signals signals;
+  for (const auto& port : adapter.ports()) {
+    const std::string signal = adapters::signal_name(port, node);
+    const bool is_parameter = port.direction == Direction::Parameter;
+    if (is_read(port))
+      signals.inputs.push_back(
+          recorded_or(run, signal, is_parameter ? std::optional{port.initial} : std::nullopt));
+    else
+      signals.outputs.push_back(
+          {signal, port.unit, run.has(signal) ? run.signal(signal) : std::vector<double>{}});
+  }
+  return signals;
+}
+
+// Returns the time of each step [s]. The adapter can be done before the last row.
+std::vector<double> run_rows(adapters::Adapter& adapter, const recording::Reader& run,
+                             Signals& signals) {
+  std::vector<double> in(signals.inputs.size()), out(signals.outputs.size());
+  adapters::StepData step;
+  step.inputs = in;
+  step.outputs = out;
+  const WallClock clock;
+  std::vector<double> times;
+  Status status = Status::Ok;
+  for (std::size_t row = 0; row < run.rows() && status != Status::Done; ++row) {
+    for (std::size_t i = 0; i < in.size(); ++i)
+      if (std::isfinite(signals.inputs[i][row])) in[i] = signals.inputs[i][row];
+    step.time = run.time()[row];
+    const TimePoint begun = clock.now();
+    status = adapter.step(step);
+    times.push_back(to_seconds(clock.now() - begun));
+    if (status == Status::Fault)
+      throw Error{fmt::format("{} at {:.3f} s", step.message, step.time)};
+    compare(signals.outputs, out, row);
+  }
+  return times;
+}
+
+void print(const std::vector<Compared>& outputs, std::vector<double> times) {
+  fmt::print("{:<40} {:>12} {:>24}\n", "output", "largest", "largest difference");
+  for (const auto& output : outputs)
+    fmt::print(
+        "{:<40} {:>12.5g} {:>24} {}\n", output.name, output.largest,
+        output.recorded.empty() ? "not recorded" : fmt::format("{:.3g}", output.largest_difference),
+        output.unit == "1" ? "" : output.unit);
+  std::sort(times.begin(), times.end());
+  fmt::print("{} steps of {:.2f} us at the median, {:.2f} us at most\n", times.size(),
+             times.empty() ? 0 : 1e6 * times[times.size() / 2],
+             times.empty() ? 0 : 1e6 * times.back());
+}
+
 }  // namespace
 
 int replay(const ReplayArguments& arguments) {
@@ -60,48 +120,11 @@ int replay(const ReplayArguments& arguments) {
   settings.library = std::filesystem::absolute(arguments.library);
   if (!arguments.config.empty()) settings.config = Config::load(arguments.config).to_toml();
   const auto adapter = plugin::make_plugin(settings);
-  std::vector<std::vector<double>> inputs;
-  std::vector<Compared> outputs;
-  for (const auto& port : adapter->ports()) {
-    const std::string signal = adapters::signal_name(port, arguments.node);
-    const bool is_parameter = port.direction == Direction::Parameter;
-    if (is_read(port))
-      inputs.push_back(
-          recorded_or(run, signal, is_parameter ? std::optional{port.initial} : std::nullopt));
-    else
-      outputs.push_back(
-          {signal, port.unit, run.has(signal) ? run.signal(signal) : std::vector<double>{}});
-  }
-  std::vector<double> in(inputs.size()), out(outputs.size());
-  adapters::StepData step;
-  step.inputs = in;
-  step.outputs = out;
+  Signals signals = signals_of(*adapter, run, arguments.node);
   adapter->activate();
-  const WallClock clock;
-  std::vector<double> times;
-  std::size_t row = 0;
-  for (Status status = Status::Ok; row < run.rows() && status != Status::Done; ++row) {
-    for (std::size_t i = 0; i < in.size(); ++i)
-      if (std::isfinite(inputs[i][row])) in[i] = inputs[i][row];
-    step.time = run.time()[row];
-    const TimePoint begun = clock.now();
-    status = adapter->step(step);
-    times.push_back(to_seconds(clock.now() - begun));
-    if (status == Status::Fault)
-      throw Error{fmt::format("{} at {:.3f} s", step.message, step.time)};
-    compare(outputs, out, row);
-  }
+  auto times = run_rows(*adapter, run, signals);
   adapter->deactivate();
-  fmt::print("{:<40} {:>12} {:>24}\n", "output", "largest", "largest difference");
-  for (const auto& output : outputs)
-    fmt::print(
-        "{:<40} {:>12.5g} {:>24} {}\n", output.name, output.largest,
-        output.recorded.empty() ? "not recorded" : fmt::format("{:.3g}", output.largest_difference),
-        output.unit == "1" ? "" : output.unit);
-  std::sort(times.begin(), times.end());
-  fmt::print("{} steps of {:.2f} us at the median, {:.2f} us at most\n", row,
-             times.empty() ? 0 : 1e6 * times[times.size() / 2],
-             times.empty() ? 0 : 1e6 * times.back());
+  print(signals.outputs, std::move(times));
   return kOk;
 }
 

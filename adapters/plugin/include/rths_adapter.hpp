@@ -71,7 +71,9 @@ struct PluginExport {
     return of(self).plugin->step(time, in, out);
   }
   static void deactivate(void* self) noexcept { of(self).plugin->deactivate(); }
-  static void destroy(void* self) noexcept { delete static_cast<PluginExport*>(self); }
+  static void destroy(void* self) noexcept {
+    delete static_cast<PluginExport*>(self);  // NOLINT(cppcoreguidelines-owning-memory): of create
+  }
   static void stop(void* self) noexcept { of(self).plugin->stop(); }
   static const char* message(void* self) noexcept { return of(self).plugin->message(); }
 };

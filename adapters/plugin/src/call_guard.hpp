@@ -41,7 +41,7 @@ class CallGuard {
 
   Duration longest_;
   std::atomic<std::uint64_t> calls_{0};  ///< odd during a call
-  std::atomic<pthread_t> caller_{};
+  std::atomic<pthread_t> caller_;
   int signal_ = 0;
   std::mutex mutex_;
   std::condition_variable end_;

@@ -18,6 +18,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -211,7 +212,7 @@ ChildAdapter::ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter
   void* memory =
       mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw Error{settings_.title + ": no memory for its process"};
-  shared_ = new (memory) Shared;
+  shared_ = std::construct_at(static_cast<Shared*>(memory));
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0) {

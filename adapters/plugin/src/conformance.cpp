@@ -166,6 +166,7 @@ void first_trial(const std::filesystem::path& file, const ConformanceSettings& s
     for (const Rule rule : {kLifecycle, kNan, kBounds, kRestart, kCrash}) report.pass(rule);
     if (rths_heap_calls != nullptr) report.pass(kAllocation);
   } catch (const Ended&) {
+    return;  // the report says why
   }
 }
 
@@ -237,6 +238,7 @@ std::vector<Finding> check_plugin(const std::filesystem::path& library,
         try {
           trial_of_instances(library, settings, report.fingerprint, other);
         } catch (const Ended&) {
+          return;  // the report says why
         }
       },
       settings.step_deadline);

@@ -118,7 +118,8 @@ PluginAdapter::~PluginAdapter() {
   try {
     deactivate();
     set_up("destroy", [&] { adapter_.destroy(self_); });
-  } catch (const Error&) {  // the run is over
+  } catch (const Error&) {
+    return;  // the run is over
   }
 }
 
@@ -208,11 +209,14 @@ Status PluginAdapter::fail(fmt::format_string<Values...> text, Values&&... value
   return Status::Fault;
 }
 
+// Calls that this process has made so far, if it counts them.
+long heap_calls() noexcept { return rths_heap_calls != nullptr ? rths_heap_calls() : 0; }
+
 // @realtime. Faults are the end of it.
 Status PluginAdapter::call_step(const StepData& step) noexcept {
   rths_status status = RTHS_FAULT;
   const char* reason = "";
-  const long before = rths_heap_calls != nullptr ? rths_heap_calls() : 0;
+  const long before = heap_calls();
   const CallEnd end = guard_->run([&] {
     status = adapter_.step(self_, step.time, step.inputs.data(), outputs_.data());
     if (status == RTHS_FAULT && library_.message() != nullptr) reason = library_.message()(self_);
@@ -225,7 +229,7 @@ Status PluginAdapter::call_step(const StepData& step) noexcept {
   if (status < RTHS_OK || status > RTHS_FAULT)
     return fail("its step returned status {}, expected 0 to {}", status,
                 static_cast<int>(RTHS_FAULT));
-  const long after = rths_heap_calls != nullptr ? rths_heap_calls() : 0;
+  const long after = heap_calls();
   if (after != before && !settings_.may_allocate)
     return fail("its step used the heap {} times, expected none", after - before);
   return accepts_outputs() ? status_of(status) : Status::Fault;

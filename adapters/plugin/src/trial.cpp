@@ -71,7 +71,7 @@ TrialReport run_trial(const std::function<void(TrialReport&)>& trial, double dea
   void* memory =
       mmap(nullptr, sizeof(TrialReport), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw Error{"no memory for the trial of a plugin"};
-  auto* shared = new (memory) TrialReport;
+  auto* shared = std::construct_at(static_cast<TrialReport*>(memory));
   const pid_t pid = fork();
   if (pid == 0) run_child(trial, *shared);
   if (pid < 0) throw Error{"no process for the trial of a plugin"};

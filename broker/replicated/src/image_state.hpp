@@ -42,10 +42,11 @@ struct Images::State {
     std::string node;
     broker::Ring ring;
     broker::Node observer;
-    std::optional<broker::Follower> host;                  ///< writes of the node
-    std::vector<std::optional<broker::Node>> others = {};  ///< on this image, by position
-    std::vector<char> heard = {};                          ///< by position: since the last beat
-    std::deque<Store> waiting = {};                        ///< for space in the transmit FIFO
+    std::optional<broker::Follower> host;  ///< writes of the node
+    // g++ needs these initializers.
+    std::vector<std::optional<broker::Node>> others = {};  // NOLINT: on this image, by position
+    std::vector<char> heard = {};    // NOLINT: by position, since the last beat
+    std::deque<Store> waiting = {};  // NOLINT: for space in the transmit FIFO
     std::unique_ptr<broker::Watch> watch =
         nullptr;                            ///< finds stores through pointers; of named images
     bool plain = false;                     ///< its node stores through a pointer
@@ -66,6 +67,7 @@ struct Images::State {
   [[nodiscard]] std::uint32_t position(const std::string& node) const;
   void find_words();
   void follow_presence();
+  void follow_presence(std::uint32_t at);
   [[nodiscard]] bool is_drained(std::uint32_t at);
   void take_stores(std::uint32_t at);
   void store(std::uint32_t at, Store store);

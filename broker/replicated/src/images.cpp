@@ -117,22 +117,24 @@ std::uint32_t Images::State::position(const std::string& node) const {
 void Images::State::follow_presence() {
   for (auto& image : images)
     if (image.watch) static_cast<void>(image.watch->look());
-  for (std::uint32_t at = 0; at < map.description().nodes.size(); ++at) {
-    Image& image = images[at];
-    const auto state = image.observer.presence_of(map.description().nodes[at].id).state;
-    image.alive_looks = state == Presence::Alive ? image.alive_looks + 1 : 0;
-    image.plain = image.watch && image.watch->is_plain(image.node);
-    // At the first look, a program may not have said yet that it stores through a pointer.
-    if (!image.present && image.alive_looks >= (image.watch ? 2 : 1)) {
-      image.present = true;
-      if (!image.plain) cards.card(at).write_csr(0, kOnRing);
-    }
-    // Its last writes are taken and arrive until the second look.
-    image.absent_looks = state == Presence::Absent ? image.absent_looks + 1 : 0;
-    if (!image.present || image.absent_looks < 2 || !is_drained(at)) continue;
-    image.present = false;
-    for (auto& other : images) other.others[at].reset();
+  for (std::uint32_t at = 0; at < map.description().nodes.size(); ++at) follow_presence(at);
+}
+
+void Images::State::follow_presence(std::uint32_t at) {
+  Image& image = images[at];
+  const auto state = image.observer.presence_of(map.description().nodes[at].id).state;
+  image.alive_looks = state == Presence::Alive ? image.alive_looks + 1 : 0;
+  image.plain = image.watch && image.watch->is_plain(image.node);
+  // At the first look, a program may not have said yet that it stores through a pointer.
+  if (!image.present && image.alive_looks >= (image.watch ? 2 : 1)) {
+    image.present = true;
+    if (!image.plain) cards.card(at).write_csr(0, kOnRing);
   }
+  // Its last writes are taken and arrive until the second look.
+  image.absent_looks = state == Presence::Absent ? image.absent_looks + 1 : 0;
+  if (!image.present || image.absent_looks < 2 || !is_drained(at)) return;
+  image.present = false;
+  for (auto& other : images) other.others[at].reset();
 }
 
 bool Images::State::is_drained(std::uint32_t at) {

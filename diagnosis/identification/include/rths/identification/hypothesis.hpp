@@ -33,7 +33,7 @@ struct FreeParameter {
   double low, high;           ///< bounds
   double scale;               ///< size of a significant change, > 0
   bool is_tolerance = false;  ///< of the recording, not the model: a candidate may widen it
-  std::optional<double> absent = {};  ///< value without any effect; none: not a size
+  std::optional<double> absent = {};  // NOLINT: value without any effect; none: not a size
 };
 
 /// "eta" of "bouc_wen.eta"
