@@ -80,6 +80,19 @@ void Engine::set_fibre(std::uint32_t at, bool connected) {
     if (!connected && !has_carrier(node)) latch_error(nodes_[node], csr1::kNoCarrier);
 }
 
+namespace {
+
+Path path_of_plus(const Registers& csr, bool bypass_switch) {
+  const bool wire = csr.all_set(2, csr2::kWireLoopback);
+  if (!csr.all_set(0, csr0::kInsert)) return wire ? Path::Looped : Path::Monitor;
+  if (wire) return Path::Breaking;
+  const bool loops = !csr.all_set(8, csr8::kNoSwitchLoopback) ||
+                     (!csr.all_set(2, csr2::kNoFibreLoopback) && bypass_switch);
+  return loops ? Path::Looped : Path::Inserted;
+}
+
+}  // namespace
+
 void Engine::update_path(std::uint32_t at) {
   Node& node = nodes_[at];
   if (!node.powered) {
@@ -88,14 +101,7 @@ void Engine::update_path(std::uint32_t at) {
     constexpr std::uint32_t kWrap = 0x8'0000;
     node.path = is_set(*node.gt, gt::kLinkControl, kWrap) ? Path::Looped : Path::Inserted;
   } else {
-    const Registers csr = registers(node);
-    const bool inserted = csr.all_set(0, csr0::kInsert), wire = csr.all_set(2, csr2::kWireLoopback);
-    const bool loops = !csr.all_set(8, csr8::kNoSwitchLoopback) ||
-                       (!csr.all_set(2, csr2::kNoFibreLoopback) && node.bypass_switch);
-    node.path = inserted ? (wire    ? Path::Breaking
-                            : loops ? Path::Looped
-                                    : Path::Inserted)
-                         : (wire ? Path::Looped : Path::Monitor);
+    node.path = path_of_plus(registers(node), node.bypass_switch);
   }
 }
 

@@ -96,6 +96,8 @@ class Engine {
   void interrupt_of(Node& node, const Message& message, bool own, std::uint64_t offset,
                     std::uint64_t window);
   void store_gt(Node& node, const Message& message, bool own);
+  bool queue_gt(Node& node, const Message& message, bool own);
+  bool store_gt_data(Node& node, const Message& message, bool own);
   void reject(Node& node);
   [[nodiscard]] std::uint32_t receive_id(const Node& node) const;
   [[nodiscard]] bool is_own_id(const Node& node, const Message& message) const;

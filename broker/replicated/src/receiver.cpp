@@ -79,34 +79,44 @@ void Engine::interrupt_of(Node& node, const Message& message, bool own, std::uin
 }
 
 void Engine::store_gt(Node& node, const Message& message, bool own) {
-  const GtCard& card = *node.gt;
-  if (message.content != Content::Data) {
-    const bool unicast = message.content == Content::Unicast;
-    const std::uint32_t type = unicast ? SCGT_UNICAST_INTR : SCGT_BROADCAST_INTR;
-    if (own && !is_set(card, gt::kLinkControl, gt::kInterruptSelf)) return;
-    if (unicast && message.address != node_id(card)) return;
-    if (!accepts(card, type, message.address)) return;
-    GtQueue& queue = node.queue;
-    if (queue.size() == kGtQueue) {
-      ++node.counts.lost_interrupts;
-      return;
-    }
-    queue.entries[queue.added++ % kGtQueue] = {type, message.source, unicast ? 0 : message.address,
-                                               message.longwords[0]};
-  } else {
-    if (!is_set(card, gt::kLinkControl, gt::kReceive)) return;
-    if (own && !is_set(card, gt::kLinkControl, gt::kWriteMeLast)) return;
-    for (std::uint32_t i = 0; i < message.longwords.size(); ++i) {
-      const std::uint64_t offset = message.address + std::uint64_t{4} * i;
-      if (offset >= node.memory.size()) continue;
-      for (std::uint32_t byte = 0; byte < 4; ++byte)
-        if ((message.enables >> byte & 1U) != 0)
-          node.memory.set(offset + byte,
-                          static_cast<std::uint8_t>(message.longwords[i] >> 8 * byte));
-    }
-  }
+  const bool is_taken = message.content == Content::Data ? store_gt_data(node, message, own)
+                                                         : queue_gt(node, message, own);
+  if (!is_taken) return;
   ++node.counts.stored;
   log(Hop::Kind::Stored, message, position(node));
+}
+
+// @returns false if the card does not take this interrupt, or has no space for it
+bool Engine::queue_gt(Node& node, const Message& message, bool own) {
+  const GtCard& card = *node.gt;
+  const bool unicast = message.content == Content::Unicast;
+  const std::uint32_t type = unicast ? SCGT_UNICAST_INTR : SCGT_BROADCAST_INTR;
+  if (own && !is_set(card, gt::kLinkControl, gt::kInterruptSelf)) return false;
+  if (unicast && message.address != node_id(card)) return false;
+  if (!accepts(card, type, message.address)) return false;
+  GtQueue& queue = node.queue;
+  if (queue.size() == kGtQueue) {
+    ++node.counts.lost_interrupts;
+    return false;
+  }
+  queue.entries[queue.added++ % kGtQueue] = {type, message.source, unicast ? 0 : message.address,
+                                             message.longwords[0]};
+  return true;
+}
+
+// @returns false if the card does not receive
+bool Engine::store_gt_data(Node& node, const Message& message, bool own) {
+  const GtCard& card = *node.gt;
+  if (!is_set(card, gt::kLinkControl, gt::kReceive)) return false;
+  if (own && !is_set(card, gt::kLinkControl, gt::kWriteMeLast)) return false;
+  for (std::uint32_t i = 0; i < message.longwords.size(); ++i) {
+    const std::uint64_t offset = message.address + std::uint64_t{4} * i;
+    if (offset >= node.memory.size()) continue;
+    for (std::uint32_t byte = 0; byte < 4; ++byte)
+      if ((message.enables >> byte & 1U) != 0)
+        node.memory.set(offset + byte, static_cast<std::uint8_t>(message.longwords[i] >> 8 * byte));
+  }
+  return true;
 }
 
 // A card in an image has its host in another process.

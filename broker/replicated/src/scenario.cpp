@@ -97,12 +97,14 @@ class Reader {
       setup.id = (setup.id + 1) % 256;
       if (is_plus()) add_csr(node, 2, csr2_);
       if (is_plus() && inserted) add_csr(node, 0, kOnRing);
-      for (const auto& row : csr) {
-        if (row.size() != 2 || !is_plus()) table.fail("csr", "expected [[register, value], …]");
-        add_csr(node, static_cast<std::uint32_t>(row[0]), static_cast<std::uint32_t>(row[1]));
-      }
+      for (const auto& row : csr) add_csr(table, row, node);
     }
     table.reject_unknown_keys();
+  }
+
+  void add_csr(const Config& table, const std::vector<double>& row, std::uint32_t node) {
+    if (row.size() != 2 || !is_plus()) table.fail("csr", "expected [[register, value], …]");
+    add_csr(node, static_cast<std::uint32_t>(row[0]), static_cast<std::uint32_t>(row[1]));
   }
 
   void add_csr(std::uint32_t node, std::uint32_t index, std::uint32_t value) {
