@@ -25,10 +25,6 @@ enum RunnerPort : std::size_t {
   kRunnerPorts
 };
 
-bool is_read(const Port& port) {
-  return port.direction == Direction::Input || port.direction == Direction::Parameter;
-}
-
 }  // namespace
 
 std::vector<Port> runner_ports() {

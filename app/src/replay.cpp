@@ -29,10 +29,6 @@ struct Compared {
   double largest = 0, largest_difference = 0;
 };
 
-bool is_read(const Port& port) {
-  return port.direction == Direction::Input || port.direction == Direction::Parameter;
-}
-
 std::vector<double> recorded_or(const recording::Reader& run, const std::string& signal,
                                 std::optional<double> otherwise) {
   if (run.has(signal)) return run.signal(signal);

@@ -15,11 +15,9 @@
 namespace rths::plugin {
 namespace {
 
-constexpr std::uint32_t kMostListed = 10'000;
-constexpr std::size_t kBand = 16;            // values around the outputs
-constexpr double kBandValue = 6.0221408e23;  // no plugin writes it
-constexpr double kAmplitude = 0.01;          // of inputs with a unit
-constexpr double kFlagPeriod = 0.04;         // of inputs without a unit: 0 and 1 in turns [s]
+constexpr std::size_t kBand = 16;     // values around the outputs
+constexpr double kAmplitude = 0.01;   // of inputs with a unit
+constexpr double kFlagPeriod = 0.04;  // of inputs without a unit: 0 and 1 in turns [s]
 
 double seconds_of(clockid_t clock) {
   timespec time{};
@@ -46,9 +44,9 @@ void Candidate::read_signals() {
   std::uint32_t count = 0;
   call("signals");
   const rths_signal* signals = adapter_.signals(self_, &count);
-  if (signals == nullptr || count == 0 || count > kMostListed) {
+  if (signals == nullptr || count == 0 || count > kMostSignals) {
     report_.fail(kSignals, fmt::format("{} signals, expected 1 to {}",
-                                       signals == nullptr ? 0 : count, kMostListed));
+                                       signals == nullptr ? 0 : count, kMostSignals));
     throw Ended{};
   }
   signals_.assign(signals, signals + count);
@@ -66,7 +64,7 @@ void Candidate::activate() {
   steps_ = 0;
   outputs_ = static_cast<std::size_t>(std::count_if(
       signals_.begin(), signals_.end(), [](const auto& signal) { return !is_read(signal); }));
-  out_.assign(outputs_ + 2 * kBand, kBandValue);
+  out_.assign(outputs_ + 2 * kBand, kUntouched);
   std::fill_n(out(), outputs_, 0);
 }
 
@@ -132,7 +130,7 @@ void Candidate::check_outputs() {
                                steps_, value, signal.name, signal.lowest, signal.highest));
   }
   for (std::size_t i = 0; i < out_.size(); ++i)
-    if ((i < kBand || i >= kBand + outputs()) && out_[i] != kBandValue)
+    if ((i < kBand || i >= kBand + outputs()) && out_[i] != kUntouched)
       report_.fail(kBounds, fmt::format("step {} wrote outside its {} outputs", steps_, outputs()));
 }
 
@@ -154,9 +152,9 @@ rths_status Candidate::step() {
   const auto before = in_;
   call(fmt::format("step {}", steps_));
   const double wall = seconds_of(CLOCK_MONOTONIC), used = seconds_of(CLOCK_THREAD_CPUTIME_ID);
-  const long heap = rths_heap_calls != nullptr ? rths_heap_calls() : 0;
+  const long heap = heap_calls();
   const rths_status status = adapter_.step(self_, time, in_.data(), out());
-  const long calls = rths_heap_calls != nullptr ? rths_heap_calls() - heap : 0;
+  const long calls = heap_calls() - heap;
   const double processor = seconds_of(CLOCK_THREAD_CPUTIME_ID) - used;
   wall_times_.push_back(seconds_of(CLOCK_MONOTONIC) - wall);
   check_costs(calls, processor);

@@ -8,18 +8,12 @@
 #include <rths/plugin/conformance.hpp>
 #include <rths/plugin/library.hpp>
 
+#include "calls.hpp"
 #include "trial.hpp"
 
 namespace rths::plugin {
 
 inline constexpr int kTrialSteps = 400;  ///< of a run
-
-[[nodiscard]] inline bool is_read(const rths_signal& signal) {
-  return signal.direction == RTHS_INPUT || signal.direction == RTHS_PARAMETER;
-}
-[[nodiscard]] inline bool has_range(const rths_signal& signal) {
-  return signal.lowest != 0 || signal.highest != 0;
-}
 
 /// Ends a trial whose further rules need what failed.
 struct Ended {};

@@ -80,10 +80,6 @@ void set_text(Shared& shared, const std::string& text) {
   shared.text[size] = '\0';
 }
 
-bool is_read(const Port& port) {
-  return port.direction == Direction::Input || port.direction == Direction::Parameter;
-}
-
 std::string text_of(const std::vector<Port>& ports) {
   std::string text;
   for (const auto& port : ports)
@@ -144,7 +140,8 @@ class Server {
     const std::string text = text_of(ports);
     if (text.size() >= kTextBytes || ports.size() > kMostValues)
       throw Error{fmt::format("{} signals, expected at most {}", ports.size(), kMostValues)};
-    shared_.inputs = static_cast<std::size_t>(std::count_if(ports.begin(), ports.end(), is_read));
+    shared_.inputs =
+        static_cast<std::size_t>(std::count_if(ports.begin(), ports.end(), adapters::is_read));
     shared_.outputs = ports.size() - shared_.inputs;
     set_text(shared_, text);
   }
@@ -228,7 +225,8 @@ ChildAdapter::ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter
   }
   ports_ = ports_of(text());
   if (ports_.size() > kMostValues) ports_.resize(kMostValues);
-  inputs_ = static_cast<std::size_t>(std::count_if(ports_.begin(), ports_.end(), is_read));
+  inputs_ =
+      static_cast<std::size_t>(std::count_if(ports_.begin(), ports_.end(), adapters::is_read));
 }
 
 // Of the child, whose plugin may have written over its end.

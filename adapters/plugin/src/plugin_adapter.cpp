@@ -15,6 +15,7 @@
 #include <rths/plugin/library.hpp>
 
 #include "call_guard.hpp"
+#include "calls.hpp"
 
 namespace rths::plugin {
 namespace {
@@ -24,14 +25,8 @@ using adapters::Port;
 using adapters::StepData;
 
 constexpr Duration kSetupDeadline = std::chrono::seconds{10};
-constexpr std::uint32_t kMostSignals = 10'000;
-constexpr std::size_t kMargin = 8;             // longwords behind the outputs
-constexpr double kMarginValue = 6.0221408e23;  // no plugin writes it
-constexpr double kRestMargin = 0.5;            // beyond the path to rest [s]
-
-bool is_read(std::uint32_t direction) {
-  return direction == RTHS_INPUT || direction == RTHS_PARAMETER;
-}
+constexpr std::size_t kMargin = 8;   // longwords behind the outputs
+constexpr double kRestMargin = 0.5;  // beyond the path to rest [s]
 
 Status status_of(rths_status status) {
   switch (status) {
@@ -108,7 +103,7 @@ PluginAdapter::PluginAdapter(const PluginSettings& settings)
                             error[0] != '\0' ? error.data() : "create failed without a message")};
   ports_ = read_signals();
   outputs_.assign(stated_.size() + kMargin, 0);
-  std::fill(outputs_.end() - kMargin, outputs_.end(), kMarginValue);
+  std::fill(outputs_.end() - kMargin, outputs_.end(), kUntouched);
   held_.resize(stated_.size());
 }
 
@@ -144,7 +139,7 @@ Port PluginAdapter::port_of(const rths_signal& signal) const {
                             signal.direction, static_cast<int>(RTHS_PARAMETER))};
   Port port{signal.name, static_cast<Direction>(signal.direction), signal.unit, signal.initial,
             (signal.flags & RTHS_EVENT) != 0};
-  if (signal.lowest != 0 || signal.highest != 0) port.range = {signal.lowest, signal.highest};
+  if (has_range(signal)) port.range = {signal.lowest, signal.highest};
   return port;
 }
 
@@ -161,7 +156,7 @@ std::vector<Port> PluginAdapter::read_signals() {
     ports.push_back(port_of(*signal));
     const auto& port = ports.back();
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    if (!is_read(signal->direction))
+    if (!is_read(*signal))
       stated_.push_back({port.name, port.range ? port.range->first : -kInfinity,
                          port.range ? port.range->second : kInfinity,
                          (signal->flags & RTHS_RAMP) != 0});
@@ -209,9 +204,6 @@ Status PluginAdapter::fail(fmt::format_string<Values...> text, Values&&... value
   return Status::Fault;
 }
 
-// Calls that this process has made so far, if it counts them.
-long heap_calls() noexcept { return rths_heap_calls != nullptr ? rths_heap_calls() : 0; }
-
 // @realtime. Faults are the end of it.
 Status PluginAdapter::call_step(const StepData& step) noexcept {
   rths_status status = RTHS_FAULT;
@@ -248,7 +240,7 @@ bool PluginAdapter::accepts_outputs() noexcept {
     return false;
   }
   for (std::size_t i = stated_.size(); i < outputs_.size(); ++i)
-    if (outputs_[i] != kMarginValue) {
+    if (outputs_[i] != kUntouched) {
       static_cast<void>(fail("its step wrote beyond its {} outputs", stated_.size()));
       return false;
     }

@@ -32,6 +32,11 @@ struct Port {
   std::optional<std::pair<double, double>> range = {};  // NOLINT: g++ needs the initializer
 };
 
+/// True if an adapter reads the value of a port, false if it writes it.
+[[nodiscard]] inline bool is_read(const Port& port) {
+  return port.direction == Direction::Input || port.direction == Direction::Parameter;
+}
+
 /// Inputs and outputs of one step.
 struct StepData {
   double time = 0;                 ///< scheduled time since the start of the run [s]
