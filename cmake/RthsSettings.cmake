@@ -25,4 +25,5 @@ target_compile_options(rths_warnings INTERFACE
 if(RTHS_SANITIZER)
   add_compile_options(-fsanitize=${RTHS_SANITIZER} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${RTHS_SANITIZER})
+  add_compile_definitions(RTHS_SANITIZED)
 endif()

@@ -1,20 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Counts the heap calls of each thread, to name a plugin that allocates in its step. The functions
-// replace those of the C library and cost about a nanosecond. Sanitizers replace them, too, so
-// heap calls are then not counted.
+// Counts the heap calls of each thread, to name a plugin or a test that allocates in its step. The
+// functions replace those of the C library and cost about a nanosecond. Sanitizers replace them,
+// too, so heap calls are then not counted.
 #include <cerrno>
 #include <cstddef>
-
-#include <rths/plugin/plugin_adapter.hpp>
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define RTHS_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define RTHS_SANITIZED 1
-#endif
-#endif
 
 #ifndef RTHS_SANITIZED
 namespace {
@@ -28,6 +18,7 @@ void* __libc_calloc(std::size_t, std::size_t);
 void* __libc_realloc(void*, std::size_t);
 void* __libc_memalign(std::size_t, std::size_t);
 
+long rths_heap_calls();
 long rths_heap_calls() { return calls; }
 
 void* malloc(std::size_t size) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Heap and lock calls are counted in functions that replace those of the C library. System calls
-// are detected by Syscall User Dispatch: while the selector byte is set, the kernel raises SIGSYS
-// for each system call of this thread. The handler records the first call, clears the byte and
-// repeats it.
+// Locks are counted in a function that replaces that of the C library. System calls are detected
+// by Syscall User Dispatch: while the selector byte is set, the kernel raises SIGSYS for each system
+// call of this thread. The handler records the first call, clears the byte and repeats it.
 #include "realtime_guard.hpp"
 
 #include <dlfcn.h>
@@ -11,16 +10,13 @@
 #include <sys/prctl.h>
 #include <ucontext.h>
 
-#include <cerrno>
 #include <csignal>
-#include <cstddef>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define RTHS_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define RTHS_SANITIZED 1
-#endif
+// Of app/src/heap_calls.cpp, which counts the heap calls of each thread.
+#ifdef RTHS_SANITIZED
+static long rths_heap_calls() { return 0; }
+#else
+extern "C" long rths_heap_calls();
 #endif
 
 namespace rths::test {
@@ -28,12 +24,11 @@ namespace {
 
 struct Counters {
   bool watching = false;
-  long heap_calls = 0;
+  long heap_calls_before = 0;
   long locks = 0;
   long first_system_call = -1;
 };
 thread_local Counters counters;
-thread_local long all_heap_calls = 0;
 
 #if defined(__x86_64__) && !defined(RTHS_SANITIZED)
 constexpr int kSetDispatch = 59;  // PR_SET_SYSCALL_USER_DISPATCH, newer than Debian 12's headers
@@ -75,6 +70,7 @@ void allow_system_calls() {}
 
 RealTimeGuard::RealTimeGuard() {
   counters = {};
+  counters.heap_calls_before = rths_heap_calls();
   const bool dispatched = start_dispatch();
   counters.watching = true;
   if (dispatched) block_system_calls();
@@ -100,67 +96,17 @@ bool RealTimeGuard::sees_system_calls() {
   return works;
 }
 
-long RealTimeGuard::heap_calls() const { return counters.heap_calls; }
+long RealTimeGuard::heap_calls() const { return rths_heap_calls() - counters.heap_calls_before; }
 long RealTimeGuard::locks() const { return counters.locks; }
 long RealTimeGuard::first_system_call() const { return counters.first_system_call; }
-
-namespace {
-void note_heap() {
-  ++all_heap_calls;
-  if (counters.watching) ++counters.heap_calls;
-}
-void note_lock() {
-  if (counters.watching) ++counters.locks;
-}
-}  // namespace
 
 }  // namespace rths::test
 
 #ifndef RTHS_SANITIZED
-extern "C" {
-// Plugins are checked with it.
-long rths_heap_calls() { return rths::test::all_heap_calls; }
-
-void* __libc_malloc(std::size_t);
-void __libc_free(void*);
-void* __libc_calloc(std::size_t, std::size_t);
-void* __libc_realloc(void*, std::size_t);
-void* __libc_memalign(std::size_t, std::size_t);
-
-void* malloc(std::size_t size) {
-  rths::test::note_heap();
-  return __libc_malloc(size);
-}
-void free(void* block) {
-  rths::test::note_heap();
-  __libc_free(block);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  rths::test::note_heap();
-  return __libc_calloc(count, size);
-}
-void* realloc(void* block, std::size_t size) {
-  rths::test::note_heap();
-  return __libc_realloc(block, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) {
-  rths::test::note_heap();
-  return __libc_memalign(alignment, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  rths::test::note_heap();
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
-  rths::test::note_heap();
-  *block = __libc_memalign(alignment, size);
-  return *block == nullptr ? ENOMEM : 0;
-}
-int pthread_mutex_lock(pthread_mutex_t* mutex) {
+extern "C" int pthread_mutex_lock(pthread_mutex_t* mutex) {
   static const auto real =
       reinterpret_cast<int (*)(pthread_mutex_t*)>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
-  rths::test::note_lock();
+  if (rths::test::counters.watching) ++rths::test::counters.locks;
   return real(mutex);
-}
 }
 #endif
