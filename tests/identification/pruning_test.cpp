@@ -21,6 +21,7 @@ class Pruning : public ::testing::Test {
  protected:
   struct Sizes {
     double x, y, unknown;
+    double noise = 1;
   };
 
   [[nodiscard]] static Record pruned_record(const std::string& name, Use use, const Sizes& sizes,
@@ -28,9 +29,10 @@ class Pruning : public ::testing::Test {
     const VectorXd x = sine_of(3, kPruneRows), y = sine_of(5, kPruneRows);
     VectorXd rest = gauss(kPruneRows, 1, seed);
     for (const VectorXd& signal : {x, y}) rest -= signal * (signal.dot(rest) / kPruneRows);
-    return linear_record(name, use, kPruneStep,
-                         sizes.x * x + sizes.y * y + sizes.unknown * sine_of(9, kPruneRows) + rest,
-                         {{"x.coefficient", x}, {"y.coefficient", y}, {"x.play", y}});
+    return linear_record(
+        name, use, kPruneStep,
+        sizes.x * x + sizes.y * y + sizes.unknown * sine_of(9, kPruneRows) + sizes.noise * rest,
+        {{"x.coefficient", x}, {"y.coefficient", y}, {"x.play", y}});
   }
   void add(const Candidate& candidate) {
     selection.named = extended(selection.named, candidate, candidate.starts[0]);
@@ -123,6 +125,15 @@ TEST_F(Pruning, DoesNotBalanceHeldOutRecords) {
             Reasons{"x: with it, unseen is predicted worse"});
 }
 
+// The energy of the error grows from 0.25 + 0.235² to 0.25 + 0.265², by 0.015: more than 2 % of
+// itself, but less than 2 % of the noise, 1.
+TEST_F(Pruning, KeepsACandidateThatMakesAHeldOutRecordWorseByLessThanNoise) {
+  add(friction("x"));
+  add(friction("y"));
+
+  EXPECT_EQ(reasons({0.5, 0.5, 0}, {{0.5, 0.235, 0, 0.5}}), Reasons{});
+}
+
 // x is 0.5²/100² of the energy that the base does not predict: less than 10⁻³.
 TEST_F(Pruning, WithdrawsACandidateThatHardlyHelps) {
   add(friction("x"));
@@ -153,8 +164,19 @@ TEST_F(Pruning, WithdrawsAGapWithinTheNoiseOfTheDisplacement) {
   play.frees[0].unit = "m";
   add(play);
 
-  EXPECT_EQ(reasons({0, 1, 0}, {}),
+  EXPECT_EQ(reasons({0, 0.4, 0}, {}),
             Reasons{"x: its size lies within the noise of the displacement"});
+}
+
+// It explains half of the energy, which noise of the displacement cannot.
+TEST_F(Pruning, KeepsAGapWithinTheNoiseThatExplainsAQuarterOfTheError) {
+  relation.driven_by = {"displacement.long"};
+  Candidate play = friction("x");
+  play.frees = {size_parameter("x.play")};
+  play.frees[0].unit = "m";
+  add(play);
+
+  EXPECT_EQ(reasons({0, 1, 0}, {}), Reasons{});
 }
 
 // The time between samples is 50 ms. The shift of 2 ms is within a tenth of it: 2 ms - 1 s · 0.

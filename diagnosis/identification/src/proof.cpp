@@ -43,9 +43,7 @@ double nrmse(const Supposition& supposition, std::size_t record) {
                             energy_of(drive.measured, drive), have_one_unit(problem.relation())));
 }
 
-namespace {
-
-double noise_floor(const Problem& problem, std::size_t record) {
+double nrmse_of_noise(const Problem& problem, std::size_t record) {
   const Drive& drive = problem.drive(record);
   const auto& draws = problem.draws(record);
   ArrayXd noise = ArrayXd::Zero(drive.measured.cols());
@@ -55,6 +53,8 @@ double noise_floor(const Problem& problem, std::size_t record) {
       share_of(noise, energy_of(drive.measured, drive), have_one_unit(problem.relation())));
 }
 
+namespace {
+
 RecordScore score_of(const Problem& problem, const Selection& selection, std::size_t record) {
   const Supposition before{problem, selection.base}, after{problem, selection.named};
   const Fold fold = whole({record});
@@ -63,7 +63,7 @@ RecordScore score_of(const Problem& problem, const Selection& selection, std::si
   score.nrmse_before = nrmse(before, record);
   score.nrmse_after = nrmse(after, record);
   score.nrmse_stated = nrmse(Supposition{problem, problem.relation().base()}, record);
-  score.noise_floor = noise_floor(problem, record);
+  score.noise_floor = nrmse_of_noise(problem, record);
   score.variance_before = before.variance(fold);
   score.variance_after = after.variance(fold);
   return score;

@@ -16,9 +16,10 @@ namespace {
 
 constexpr double kLeastGap = 3;        // of the deviation of the displacement's noise
 constexpr double kLeastFlexion = 0.5;  // of the same, under the largest force
-constexpr double kWorse = 1.01;        // ratio of errors on a held-out record
+constexpr double kWorse = 0.02;  // of the energy of the error, or of noise, on a held-out record
 constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records,
 constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
+constexpr double kSeenShare = 0.25;   // of the same: seen in spite of the noise
 constexpr double kLeastShift = 0.1;   // of the time between samples
 
 bool is_gap(const FreeParameter& free) {
@@ -64,7 +65,8 @@ class Pruning {
     for (std::size_t i = selection_.rounds.size(); i-- > 0;) {
       const Candidate& candidate = selection_.rounds[i].chosen.candidate;
       if (is_needed(selection_, i)) continue;
-      if (is_within_noise(candidate, estimates))
+      if (is_within_noise(candidate, estimates) &&
+          fit_share(without(problem_, folds_, selection_, i)) < kSeenShare)
         return {{i, "its size lies within the noise of the displacement"}};
       if (is_within_sample(candidate, estimates))
         return {{i, "it shifts signals by less than a tenth of the time between samples"}};
@@ -123,6 +125,9 @@ class Pruning {
   Weak unproven() {
     const auto with = errors(*held_out_, selection_.named),
                base = errors(*held_out_, selection_.base);
+    std::vector<double> noise;
+    for (std::size_t k = 0; k < with.size(); ++k)
+      noise.push_back(std::pow(nrmse_of_noise(*held_out_, k), 2));
     Weak worst;
     double best = 0;
     for (std::size_t i = 0; i < selection_.rounds.size(); ++i) {
@@ -132,7 +137,7 @@ class Pruning {
       std::string reason;
       double gain = 0, before = 0;
       for (std::size_t k = 0; k < with.size(); ++k) {
-        if (with[k] > kWorse * kWorse * bare[k])
+        if (with[k] - bare[k] > kWorse * std::max(bare[k], noise[k]))
           reason = fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
         gain += bare[k] - with[k];
         before += base[k];

@@ -25,6 +25,9 @@ struct RecordScore {
 /// @returns NaN if there is no prediction
 [[nodiscard]] double nrmse(const Supposition& supposition, std::size_t record);
 
+/// The error that the sensors' noise alone causes, in the same unit.
+[[nodiscard]] double nrmse_of_noise(const Problem& problem, std::size_t record);
+
 /// Autocorrelation of the whitened residual of a record.
 struct Whiteness {
   std::vector<double> correlation;  ///< mean of the outputs, from lag 1 on
