@@ -18,17 +18,21 @@ constexpr Index kSelectRows = 600;    // of each of two records
 constexpr double kSelectStep = 0.05;  // 30 blocks of 1 s
 const std::vector<std::string> kEffects{"e1", "e2", "e3", "e4", "e5", "e6"};
 
-/// Six candidates with orthogonal signals, in white noise of variance 1.
+/// Six candidates with orthogonal signals, in white noise of variance 1. "unknown" is a seventh
+/// signal, without a candidate.
 struct SixCandidates {
   LinearRelation relation;
   std::vector<Record> records;
 
-  SixCandidates(const std::map<std::string, double>& truth, unsigned seed) {
+  SixCandidates(const std::map<std::string, double>& truth, unsigned seed, double noise = 1) {
     relation.stated = linear_model({"known"}, {0});
     for (const auto& effect : kEffects) relation.known.push_back(friction(effect));
     for (const int record : {0, 1}) {
       Inputs inputs{{"known", sine_of(2, kSelectRows)}};
-      VectorXd measured = 4 * inputs["known"] + gauss(kSelectRows, 1, 2 * seed + unsigned(record));
+      VectorXd measured =
+          4 * inputs["known"] + noise * gauss(kSelectRows, 1, 2 * seed + unsigned(record));
+      const auto unknown = truth.find("unknown");
+      if (unknown != truth.end()) measured += unknown->second * sine_of(30, kSelectRows);
       for (std::size_t i = 0; i < kEffects.size(); ++i) {
         const VectorXd signal = sine_of(3 + int(i) + 10 * record, kSelectRows);
         inputs[kEffects[i] + ".coefficient"] = signal;
@@ -93,6 +97,35 @@ TEST(Select, FindsASmallEffectBesideALargeOne) {
   const Selection selection = SixCandidates{{{"e2", 0.6}, {"e5", -10}}, 2}.selected();
 
   EXPECT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
+}
+
+// The noise has the variance 0.64 instead of 1. With the second effect it has 0.8, less than
+// stated, but it is coloured.
+TEST(Select, FindsASecondEffectInLessNoiseThanStated) {
+  const Selection selection = SixCandidates{{{"e2", 0.4}, {"e5", -1.5}}, 2, 0.8}.selected();
+
+  EXPECT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
+}
+
+// The second effect is 0.3 % of the first in energy, and 30 % of the rest. No other one explains
+// anything of the rest.
+TEST(Select, FindsAnEffectThatAloneExplainsSomeOfTheRest) {
+  const std::map<std::string, double> truth{
+      {"e2", std::sqrt(2.4)}, {"e5", -30}, {"unknown", std::sqrt(5.6)}};
+
+  const Selection selection = SixCandidates{truth, 2}.selected();
+
+  EXPECT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
+}
+
+// Two effects explain 25 and 20 % of the rest: these may be errors of the form of the first.
+TEST(Select, NamesNoneOfSeveralThatExplainSomeOfTheRest) {
+  const std::map<std::string, double> truth{
+      {"e2", std::sqrt(2.0)}, {"e4", std::sqrt(1.6)}, {"e5", -30}, {"unknown", std::sqrt(4.4)}};
+
+  const Selection selection = SixCandidates{truth, 2}.selected();
+
+  EXPECT_EQ(names_in(selection.rounds), std::set<std::string>{"e5"});
 }
 
 // With estimates of ±z₁ and ±z₂ deviations on the two folds, the gain of an absent effect is

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/identification/proof.hpp>
 #include <rths/identification/scores.hpp>
 
 #include "acceptance.hpp"
@@ -22,6 +23,7 @@ constexpr std::ptrdiff_t kMostTerms = 4;  // besides rules
 constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation,
 constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of the base,
 constexpr double kMostOfRest = 0.5;        // or, if less, of the excess that the other terms leave
+constexpr double kAloneOfRest = 0.2;       // or of this share, if no other term gains half as much
 constexpr double kMaterial = 2e-4;         // of the output's standard deviation: smallest change
 constexpr double kWhite = 1.02;            // mean w² of a residual that is noise
 
@@ -128,7 +130,7 @@ class Selector {
     const SelectionRound& added = selection_.rounds.back();
     current_ = added.chosen.fitted;
     problem_.renew_noise(current_);
-    if (!is_rule(added)) return !(variance_of(current_) < kWhite);
+    if (!is_rule(added)) return !is_noise(current_);
     // Further terms are measured by the excess that the right rule leaves.
     unexplained_ = current_;
     return true;
@@ -156,16 +158,28 @@ class Selector {
     return Supposition{problem_, hypothesis}.variance(folds_.second);
   }
 
+  // Whether nothing is left to explain. If the sensors' noise is less than stated, an effect hides
+  // in its size, but not in its colour.
+  [[nodiscard]] bool is_noise(const Hypothesis& hypothesis) const {
+    const Supposition named{problem_, hypothesis};
+    if (!(named.variance(folds_.second) < kWhite)) return false;
+    const auto& shares = folds_.second.shares;
+    return std::all_of(shares.begin(), shares.end(), [&](const Fold::Share& share) {
+      return whiteness_of(named, share.record).is_white;
+    });
+  }
+
   // Smallest gain of a term that is accepted beside the others, in the noise of the round [nat].
-  [[nodiscard]] double accepted(const Hypothesis& rest) const {
+  // @param is_alone  no other candidate gains half as much
+  [[nodiscard]] double accepted(const Hypothesis& rest, bool is_alone) const {
     const double n = observations(problem_, folds_.both);
     const auto excess = [&](const Hypothesis& model) {
       return 0.5 * n * std::max(0.0, variance_of(model) - 1);
     };
-    // A large effect leaves small errors of its own form, which are no effects. A term that
-    // explains most of what is left is one.
-    const double share =
-        std::min(kAcceptedShare * excess(unexplained_), kMostOfRest * excess(rest));
+    // A large effect leaves small errors of its own form, which are no effects: many terms explain
+    // a little of them. A term that explains most of what is left is one, or much of it alone.
+    const double share = std::min(kAcceptedShare * excess(unexplained_),
+                                  (is_alone ? kAloneOfRest : kMostOfRest) * excess(rest));
     return std::max({kLeastAcceptedGain, kAcceptedDensity * n, share});
   }
 
@@ -173,7 +187,7 @@ class Selector {
   // holder that is compared with its rivals has waited already.
   std::optional<SelectionRound> winner(Round& round, const Candidate* holder) const {
     auto& contenders = round.contenders();
-    const double least = accepted(round.base());
+    const double least = accepted(round.base(), contenders.size() == 1);
     const std::vector<Contender> waiting = held_back(contenders, holder, least, seed_);
     if (contenders.empty() || !is_acceptable(contenders[0], least, seed_) ||
         change_of(problem_, round.base(), contenders[0].fitted, folds_.second) < kMaterial)
