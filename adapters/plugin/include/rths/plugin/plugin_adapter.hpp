@@ -22,7 +22,8 @@ struct PluginSettings {
 ///
 /// A step is a Fault, with the name of the plugin and the reason, if it crashes, does not return in
 /// time, uses the heap, or writes NaN, a value outside its stated range or memory outside its
-/// outputs. The outputs then keep their last valid values and the plugin is not called again.
+/// outputs. The outputs then keep their last valid values. No step follows; only a plugin that is
+/// intact is deactivated and destroyed.
 ///
 /// A crash or an endless loop can leave locks and memory of this process in a bad state.
 /// `make_child` separates them.
