@@ -93,7 +93,7 @@ class PluginAdapter final : public adapters::Adapter {
 
 PluginAdapter::PluginAdapter(const PluginSettings& settings)
     : settings_{settings},
-      library_{settings.library},
+      library_{settings.library, settings.built_in},
       adapter_{library_.adapter()},
       title_{library_.title()} {
   std::array<char, 400> error{};

@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include <rths_adapter.h>
+
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/retreat.hpp>
 
@@ -12,7 +14,8 @@ namespace rths::plugin {
 
 struct PluginSettings {
   std::filesystem::path library;
-  std::string config;  ///< TOML text, for the plugin
+  const rths_adapter* built_in = nullptr;  ///< of this program; `library` is the file that it reads
+  std::string config;                      ///< TOML text, for the plugin
   adapters::Retreat retreat;
   double step_deadline = 0.3;  ///< of a step, wall time [s]
   bool may_allocate = false;   ///< a step that uses the heap is not a fault
