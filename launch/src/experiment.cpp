@@ -274,6 +274,10 @@ std::string Experiment::leading_host() const {
   return hosts.empty() ? "" : hosts.front().name;
 }
 
+std::string Experiment::ring_of(const std::string& ring, const std::string& node) const {
+  return cards ? replicated::image_name(ring, node) : ring;
+}
+
 Experiment load_experiment(Factories factories, const std::filesystem::path& path,
                            const Overrides& overrides) {
   Config file = Config::load(path);

@@ -71,6 +71,8 @@ struct Experiment : adapters::TestSetup {
   [[nodiscard]] bool has_structure() const { return has_own_solver() || has_plant; }
   /// The host that starts the test and has the recording; empty if there is one host.
   [[nodiscard]] std::string leading_host() const;
+  /// The ring that a node joins: on a replicated ring, its own image.
+  [[nodiscard]] std::string ring_of(const std::string& ring, const std::string& node) const;
 };
 
 /// Changes of the command line to an experiment file: dotted key, value as TOML.
