@@ -13,7 +13,6 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
-#include <rths/recording/roles.hpp>
 
 #include "assumed_model.hpp"
 
@@ -309,8 +308,8 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
   experiment.conclusive = file.table_or_empty("conclusive");
   experiment.has_plant = file.has("plant");
-  experiment.roles = file.table_or_empty("roles");
-  static_cast<void>(recording::read_roles(file));
+  experiment.role_table = file.table_or_empty("roles");
+  experiment.roles = recording::read_roles(file);
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);

@@ -12,6 +12,7 @@
 #include <rths/adapters/factory.hpp>
 #include <rths/memmap/map.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/recording/roles.hpp>
 #include <rths/replicated/images.hpp>
 
 namespace rths::launch {
@@ -60,7 +61,8 @@ struct Experiment : adapters::TestSetup {
   std::vector<NodePlan> nodes;                   ///< in starting order
   bool has_plant = false;                        ///< the file states the structure
   Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
-  Config roles;                  ///< signals by role; assemble() checks them against the map
+  recording::Roles roles;        ///< nodes and signals by role
+  Config role_table;             ///< their table; assemble() checks it against the map
   recording::NamedTexts config;  ///< input files, for the recording
 
   /// True if a solver of this project ends the run.
