@@ -167,7 +167,10 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   code = deactivate(*station->adapter, node, code);
   // After a fault, exits without leaving the ring, so that peers detect it even without the
   // launcher.
-  if (code != 0) std::_Exit(code);
+  if (code != 0) {
+    assembly.stations.clear();  // adapters remove their files
+    std::_Exit(code);
+  }
   return code;
 }
 

@@ -32,9 +32,29 @@ class PackedFmu : public ::testing::Test {
     return test::error_of([&] { static_cast<void>(node.make(file, test::lag_table(3))); });
   }
 
+  // A process that has loaded the FMU and is killed.
+  void be_killed_with(const fs::path& file) const {
+    const pid_t process = fork();
+    if (process == 0) {
+      const auto adapter = node.make(file, test::lag_table(3));
+      raise(SIGKILL);
+    }
+    waitpid(process, nullptr, 0);
+  }
+
   test::TemporaryFolder folder, temporary;
   test::BenchNode node;
 };
+
+TEST_F(PackedFmu, OfAKilledProcessIsRemovedAtTheEndOfAnother) {
+  const auto file = test::pack_fmu(test::lag_fmu(folder, 3, "correct"));
+  {
+    const auto adapter = node.make(file, test::lag_table(3));
+    be_killed_with(file);
+    EXPECT_EQ(left(), 4);
+  }
+  EXPECT_EQ(left(), 0);
+}
 
 TEST_F(PackedFmu, IsUnpackedWhileItsAdapterLives) {
   const auto file = test::pack_fmu(test::lag_fmu(folder, 3, "correct"));
@@ -105,12 +125,7 @@ TEST_F(PackedFmu, ThatIsDamagedIsRefused) {
 
 TEST_F(PackedFmu, OfAKilledProcessIsRemovedByTheNext) {
   const auto file = test::pack_fmu(test::lag_fmu(folder, 3, "correct"));
-  const pid_t process = fork();
-  if (process == 0) {
-    const auto adapter = node.make(file, test::lag_table(3));
-    raise(SIGKILL);
-  }
-  waitpid(process, nullptr, 0);
+  be_killed_with(file);
   ASSERT_EQ(left(), 2);
 
   {

@@ -18,6 +18,8 @@ namespace rths::fmi {
 /// si = scale·value + offset.
 struct Conversion {
   double scale = 1, offset = 0;
+
+  [[nodiscard]] double si(double value) const { return scale * value + offset; }
 };
 
 /// Variables of one type, which one call of the FMU reads or writes.
@@ -38,7 +40,7 @@ struct Exchange {
   template <class T>
   [[nodiscard]] T* values() noexcept {
     static_assert(sizeof(T) <= sizeof(std::uint64_t));
-    return static_cast<T*>(static_cast<void*>(memory.data()));
+    return reinterpret_cast<T*>(memory.data());
   }
 };
 

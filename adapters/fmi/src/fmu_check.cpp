@@ -30,7 +30,8 @@ std::string summary_of(const ModelDescription& description) {
 }  // namespace
 
 bool is_fmu(const std::filesystem::path& path) {
-  return path.extension() == ".fmu" || std::filesystem::exists(path / "modelDescription.xml");
+  return std::filesystem::exists(path) &&
+         (path.extension() == ".fmu" || std::filesystem::exists(path / "modelDescription.xml"));
 }
 
 std::vector<Finding> check_fmu(const std::filesystem::path& file, const Config& config) {

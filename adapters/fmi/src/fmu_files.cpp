@@ -118,16 +118,19 @@ class Archive {
 };
 
 // The lock of a living process cannot be taken. A lock file that another process has just removed
-// has no name.
+// has no name, and one of another user is left alone.
 bool take_lock(int lock) {
   struct stat state {};
-  return flock(lock, LOCK_EX | LOCK_NB) == 0 && fstat(lock, &state) == 0 && state.st_nlink > 0;
+  return flock(lock, LOCK_EX | LOCK_NB) == 0 && fstat(lock, &state) == 0 && state.st_nlink > 0 &&
+         state.st_uid == geteuid();
 }
 
 void remove_left_folders(const fs::path& parent) noexcept {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator{parent, error}) {
-    const fs::path lock_file = entry.path();
+  std::error_code end;
+  for (fs::directory_iterator entry{parent, end}; !end && entry != fs::directory_iterator{};
+       entry.increment(end)) {
+    std::error_code error;
+    const fs::path lock_file = entry->path();
     if (!lock_file.filename().string().starts_with(kPrefix) || lock_file.extension() != kLockEnding)
       continue;
     const int lock = open(lock_file.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
@@ -184,7 +187,10 @@ FmuFiles::FmuFiles(const fs::path& file) {
   }
 }
 
-FmuFiles::~FmuFiles() { remove(); }
+FmuFiles::~FmuFiles() {
+  remove();
+  if (!lock_file_.empty()) remove_left_folders(lock_file_.parent_path());
+}
 
 void FmuFiles::remove() noexcept {
   if (lock_file_.empty()) return;

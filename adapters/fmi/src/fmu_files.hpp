@@ -9,7 +9,7 @@
 namespace rths::fmi {
 
 /// Files of an FMU. A packed FMU is unpacked into a temporary folder, which is removed with this
-/// object; one that a killed process left behind is removed by the next object of any process.
+/// object. The object of another process removes one that a killed process left behind.
 class FmuFiles {
  public:
   /// @param file  an .fmu file, or a folder with its content

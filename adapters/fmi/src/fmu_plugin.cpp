@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/fmi/fmu_plugin.hpp>
 
-#include <cstdio>
+#include <algorithm>
 #include <limits>
 #include <mutex>
-#include <optional>
 #include <set>
+#include <tuple>
 
 #include <rths_adapter.hpp>
 
@@ -74,6 +74,7 @@ class FmuPlugin final : public PluginBase {
   enum class State { None, Instantiated, Stepping, Failed, Fatal };
 
   void bind_signals();
+  [[nodiscard]] double initial_of(const Binding& binding) const;
   void require(int answer, const char* function);
   void free_instance() noexcept;
   [[nodiscard]] int set_inputs(std::span<const double> in, bool& fits) noexcept;
@@ -132,27 +133,29 @@ void FmuPlugin::bind_signals() {
   tuned_.resize(input_count_);
 }
 
+// Initial value of a tunable parameter, in SI.
+double FmuPlugin::initial_of(const Binding& binding) const {
+  if (binding.direction != RTHS_PARAMETER) return 0;
+  double value = binding.variable->start.value_or(0);
+  for (const auto& [variable, started] : bindings_.start)
+    if (variable == binding.variable) value = started;
+  return binding.conversion.si(value);
+}
+
 std::vector<rths_signal> FmuPlugin::signals() const {
   std::vector<rths_signal> signals;
   for (const auto& binding : bindings_.signals) {
-    const auto& [scale, offset] = binding.conversion;
     const Variable& variable = *binding.variable;
-    double initial = 0;
-    if (binding.direction == RTHS_PARAMETER) initial = variable.start.value_or(0) * scale + offset;
-    for (const auto& [started, value] : bindings_.start)
-      if (started == &variable) initial = value * scale + offset;
     rths_signal signal{binding.signal.c_str(),
                        binding.unit.c_str(),
                        binding.direction,
                        static_cast<std::uint32_t>(binding.is_ramped ? RTHS_RAMP : 0),
-                       initial,
+                       initial_of(binding),
                        0,
                        0};
-    if (binding.direction != RTHS_INPUT && variable.lowest && variable.highest) {
-      signal.lowest = *variable.lowest * scale + offset;
-      signal.highest = *variable.highest * scale + offset;
-      if (signal.lowest > signal.highest) std::swap(signal.lowest, signal.highest);
-    }
+    if (binding.direction != RTHS_INPUT && variable.lowest && variable.highest)
+      std::tie(signal.lowest, signal.highest) = std::minmax(
+          {binding.conversion.si(*variable.lowest), binding.conversion.si(*variable.highest)});
     signals.push_back(signal);
   }
   return signals;
