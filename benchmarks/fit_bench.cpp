@@ -213,7 +213,7 @@ void add_case(const std::filesystem::path& folder, Json& results) {
 void add_run(const std::filesystem::path& folder, Json& results) {
   const recording::Reader run{folder / "run.h5"};
   for (const char* axis : {"long", "lat"}) {
-    const auto record = launch::transfer_record_of(run, axis, {});
+    const auto record = launch::transfer_record_of(recording::roles_of(run), run, axis, {});
     results.push_back(compared(std::string{"transfer system: "} + axis, transfer_problem(record)));
   }
 }

@@ -10,6 +10,7 @@
 #include <rths/adapters/recorder_node.hpp>
 #include <rths/adapters/simulink_like_node.hpp>
 #include <rths/adapters/srmd_node.hpp>
+#include <rths/fmi/fmu_node.hpp>
 #include <rths/plugin/plugin_node.hpp>
 
 namespace rths::app {
@@ -50,6 +51,7 @@ constexpr adapters::Factory kAdapters[] = {
     {"opensees", read_opensees},
     {"external", read_external},
     {"plugin", plugin::read_plugin},
+    {"fmu", fmi::read_fmu},
 };
 
 }  // namespace

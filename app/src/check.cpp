@@ -12,6 +12,7 @@
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
+#include <rths/fmi/fmu_check.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/plugin/conformance.hpp>
 #include <rths/recording/recording.hpp>
@@ -136,6 +137,7 @@ bool looks_like_toml(const std::string& line) {
 int check(const CheckArguments& arguments) {
   const auto& file = arguments.file;
   if (!arguments.address.empty()) return check_server(arguments);
+  if (fmi::is_fmu(file)) return check_fmu(file, arguments.config);
   check_is_file(file);
   if (plugin::is_library(file)) return check_plugin(file, arguments.config);
   if (recording::is_hdf5(file)) return check_recording(file);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Conformance of a plugin and of a server for OpenSees.
+// Conformance of a plugin, of an FMU and of a server for OpenSees.
 #include <algorithm>
 #include <charconv>
 
@@ -9,6 +9,7 @@
 #include <rths/adapters/server_check.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/fmi/fmu_check.hpp>
 #include <rths/plugin/conformance.hpp>
 
 #include "commands.hpp"
@@ -46,6 +47,11 @@ int check_plugin(const std::string& file, const std::string& config) {
   plugin::ConformanceSettings settings;
   if (!config.empty()) settings.config = Config::load(config).to_toml();
   return print_findings(file + ": plugin", plugin::check_plugin(file, settings));
+}
+
+int check_fmu(const std::string& file, const std::string& config) {
+  const Config table = config.empty() ? Config{} : Config::load(config);
+  return print_findings(file + ": FMU", fmi::check_fmu(file, table));
 }
 
 int check_server(const CheckArguments& arguments) {

@@ -46,6 +46,7 @@ struct CheckArguments {
 };
 [[nodiscard]] int check(const CheckArguments& arguments);
 [[nodiscard]] int check_plugin(const std::string& file, const std::string& config);
+[[nodiscard]] int check_fmu(const std::string& file, const std::string& config);
 [[nodiscard]] int check_server(const CheckArguments& arguments);
 
 struct NewAdapterArguments {

@@ -167,7 +167,7 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
   }
   extend_for_hosts(description, experiment);
   Assembly assembly{memmap::Map{std::move(description)}, std::move(stations)};
-  recording::check_roles(experiment.roles, assembly.map);
+  recording::check_roles(experiment.role_table, assembly.map);
   for (const auto& station : assembly.stations)
     if (station.adapter)
       adapters::check_ports(station.adapter->ports(), assembly.map, station.plan.node);

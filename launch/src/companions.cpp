@@ -21,8 +21,12 @@ constexpr std::uint64_t kSeedOffset = 1'000'003;  // beyond the small seeds of e
 
 constexpr const char* kDirections[] = {"long", "lat"};
 
-std::vector<double> signal_or_zeros(const recording::Reader& reader, const std::string& name) {
-  return reader.has(name) ? reader.signal(name) : std::vector<double>(reader.rows(), 0.0);
+// Targets of an axis; zeros if it is not tested.
+std::vector<double> targets_of(const Experiment& experiment, const recording::Reader& reader,
+                               const std::string& axis) {
+  for (const auto& roles : experiment.roles.axes)
+    if (roles.axis == axis && reader.has(roles.target)) return reader.signal(roles.target);
+  return std::vector<double>(reader.rows(), 0.0);
 }
 
 // Index of the target in each row: counted by the solver, or from its time, or counted by the
@@ -45,8 +49,8 @@ adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
                                                const std::filesystem::path& file) {
   const recording::Reader reader{file};
   const auto steps = recorded_steps(experiment, reader);
-  const auto along = signal_or_zeros(reader, "opf.long.displ.target");
-  const auto across = signal_or_zeros(reader, "opf.lat.displ.target");
+  const auto along = targets_of(experiment, reader, kDirections[0]);
+  const auto across = targets_of(experiment, reader, kDirections[1]);
   adapters::DisplacementHistory history;
   history.time_step = experiment.integration_step;
   history.displacement_long = {0};
@@ -67,7 +71,7 @@ adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
 // @returns whether all nodes then have virtual time
 bool replace_user_solver(Experiment& experiment) {
   const memmap::Map map = memmap::load_map(experiment.map);
-  const auto target = map.find_signal("opf.newTarget");
+  const auto target = map.find_signal(experiment.roles.new_target);
   for (auto& plan : experiment.nodes) {
     if (!plan.settings.program) continue;
     if (!target || map.entry(*target).partition->node != plan.node) return false;

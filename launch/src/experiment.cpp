@@ -13,7 +13,6 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
-#include <rths/recording/roles.hpp>
 
 #include "assumed_model.hpp"
 
@@ -243,6 +242,17 @@ void read_uncompensated(const Config& table, Experiment& experiment) {
   }
 }
 
+// Of the map and of the experiment.
+void read_roles(const Config& file, Experiment& experiment) {
+  const Config map_roles = Config::load(experiment.map).table_or_empty("roles");
+  if (!map_roles.keys().empty())
+    experiment.config.emplace_back(recording::kMapRolesText, map_roles.to_toml());
+  static_cast<void>(file.table_or_empty("roles"));
+  const Config merged = recording::with_map_roles(file, map_roles);
+  experiment.role_table = merged.table_or_empty("roles");
+  experiment.roles = recording::read_roles(merged);
+}
+
 void require_motion(const Config& file, const Experiment& experiment) {
   for (const auto& plan : experiment.nodes)
     if (!plan.settings.motion_fault.empty()) file.fail("held_out", plan.settings.motion_fault);
@@ -272,6 +282,10 @@ std::string Experiment::leading_host() const {
   for (const auto& plan : nodes)
     if (plan.settings.role == adapters::Role::Recorder) return plan.host;
   return hosts.empty() ? "" : hosts.front().name;
+}
+
+std::string Experiment::ring_of(const std::string& ring, const std::string& node) const {
+  return cards ? replicated::image_name(ring, node) : ring;
 }
 
 Experiment load_experiment(Factories factories, const std::filesystem::path& path,
@@ -305,8 +319,7 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
   experiment.conclusive = file.table_or_empty("conclusive");
   experiment.has_plant = file.has("plant");
-  experiment.roles = file.table_or_empty("roles");
-  static_cast<void>(recording::read_roles(file));
+  read_roles(file, experiment);
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);

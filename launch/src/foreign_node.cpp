@@ -142,14 +142,10 @@ class ForeignNode {
  private:
   [[nodiscard]] Presence presence() const { return observer_.presence_of(id_); }
 
-  // The ring that a program joins by our interface. Cards find their image themselves.
-  [[nodiscard]] std::string own_ring_of(const RunPlace& place) const {
-    return experiment_.cards ? replicated::image_name(place.ring, plan_.node) : place.ring;
-  }
-
   void start_program(const RunPlace& place) {
     const adapters::UserProgram& program = *plan_.settings.program;
-    const std::string own_ring = own_ring_of(place);
+    // Of a program that joins by our interface. Cards find their image themselves.
+    const std::string own_ring = experiment_.ring_of(place.ring, plan_.node);
     const auto motion = adapters::file_beside(place.recording, plan_.node, ".motion.csv");
     adapters::ProgramStart start;
     for (auto argument : program.command) {
@@ -178,7 +174,7 @@ class ForeignNode {
     hint_ = fmt::format(
         ": start it with RTHS_SCRAMNET_RING={0} RTHS_SCRAMNET_NODE={1} (GT cards: RTHS_SCGT_RING, "
         "RTHS_SCGT_NODE), or join ring '{2}' as node '{1}'",
-        place.ring, plan_.node, own_ring_of(place));
+        place.ring, plan_.node, experiment_.ring_of(place.ring, plan_.node));
     fmt::print(stderr, "{}: waits {:g} s for its program{}\n", plan_.node,
                plan_.settings.program->connect_deadline, hint_);
   }

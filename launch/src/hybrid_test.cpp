@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include <rths/core/error.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -15,15 +13,24 @@ namespace rths::launch {
 namespace {
 
 using recording::at_each_count;
+using recording::AxisRoles;
 using recording::NodeTicks;
 using recording::Reader;
+using recording::Roles;
 
 constexpr const char* kHorizontal[] = {"long", "lat"};
 
+// Words of a tested axis; null for another.
+const AxisRoles* axis_of(const Roles& roles, const std::string& axis) {
+  for (const auto& words : roles.axes)
+    if (words.axis == axis) return &words;
+  return nullptr;
+}
+
 const NodePlan& controller_of(const Experiment& experiment) {
   for (const auto& plan : experiment.nodes)
-    if (!plan.settings.diagram.empty()) return plan;
-  throw Error{experiment.file.string() + ": no node runs a block diagram"};
+    if (plan.node == experiment.roles.controller && !plan.settings.diagram.empty()) return plan;
+  throw Error{experiment.file.string() + ": the controller runs no block diagram"};
 }
 
 double first_value(const Reader& run, const std::string& signal, double otherwise) {
@@ -82,9 +89,10 @@ void read_diagram(const NodePlan& plan, budget::HybridTest& test) {
 }
 
 // The lead as sent: coefficients of the adaptive compensator and the gains of the feed-forward.
-std::vector<budget::Lead> lead_of(const Reader& run, const NodeTicks& ticks, const char* axis) {
-  const std::string tune = std::string{"tune."} + kController + ".";
-  const std::string monitor = std::string{"monitor."} + kController + ".ats.";
+std::vector<budget::Lead> lead_of(const Reader& run, const NodeTicks& ticks, const Roles& roles,
+                                  const char* axis) {
+  const std::string tune = "tune." + roles.controller + ".";
+  const std::string monitor = roles.monitor_of_controller() + "ats.";
   const bool adapts =
       run.has(monitor + "a0." + axis) && first_value(run, tune + "ats.enabled", 1) != 0;
   const bool leads = first_value(run, tune + "feed_forward.enabled", 0) != 0;
@@ -121,32 +129,34 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
   test.duration = experiment.duration;
   test.integration_step = experiment.integration_step;
   test.rate = experiment.rate;
-  const NodeTicks ticks{run, kController};
+  const Roles& roles = experiment.roles;
+  const NodeTicks ticks{run, roles.controller};
   for (std::size_t i = 0; i < 2; ++i) {
     test.tested[i] = std::find(experiment.axes.begin(), experiment.axes.end(), kHorizontal[i]) !=
                      experiment.axes.end();
-    if (test.tested[i]) test.lead[i] = lead_of(run, ticks, kHorizontal[i]);
+    if (test.tested[i]) test.lead[i] = lead_of(run, ticks, roles, kHorizontal[i]);
   }
   if (!test.tested[0])
     std::fill(test.motion.long_acceleration.begin(), test.motion.long_acceleration.end(), 0);
   if (!test.tested[1])
     std::fill(test.motion.lat_acceleration.begin(), test.motion.lat_acceleration.end(), 0);
   read_diagram(controller_of(experiment), test);
-  const NodeTicks machine{run, kMachine};
+  const NodeTicks machine{run, roles.machine};
   read_host(experiment, run, ticks, test);
-  test.axial_load = ticks_or(run, machine, "srmd.vert.force.fbk", experiment.model.axial_load);
+  test.axial_load = ticks_or(run, machine, roles.vertical_force, experiment.model.axial_load);
   test.specimen_simulated = test.specimen_identified = experiment.model;
   test.machine_simulated = test.machine_identified = experiment.assumed_machine;
   return test;
 }
 
 budget::Response response_of(const Experiment& experiment, const Reader& run) {
-  const auto targets = run.signal(std::string{"monitor."} + kController + ".pc.targets");
+  const auto targets = run.signal(experiment.roles.monitor_of_controller() + "pc.targets");
   budget::Response response;
   for (std::size_t i = 0; i < 2; ++i) {
-    const std::string signal = std::string{"opf."} + kHorizontal[i] + ".displ.target";
-    response[i] = at_each_count(
-        targets, run.has(signal) ? run.signal(signal) : std::vector<double>(targets.size(), 0));
+    const AxisRoles* axis = axis_of(experiment.roles, kHorizontal[i]);
+    response[i] = at_each_count(targets, axis != nullptr && run.has(axis->target)
+                                             ? run.signal(axis->target)
+                                             : std::vector<double>(targets.size(), 0));
     const auto steps =
         static_cast<std::size_t>(std::llround(experiment.duration / experiment.integration_step));
     if (response[i].size() > steps) response[i].resize(steps);
@@ -154,38 +164,37 @@ budget::Response response_of(const Experiment& experiment, const Reader& run) {
   return response;
 }
 
-std::array<std::vector<double>, 2> fed_force_of(const Reader& run) {
-  const auto steps = run.signal("monitor.opf.step");
+std::array<std::vector<double>, 2> fed_force_of(const Experiment& experiment, const Reader& run) {
+  const auto steps = run.signal("monitor." + experiment.roles.solver + ".step");
   std::array<std::vector<double>, 2> force;
   for (std::size_t i = 0; i < 2; ++i) {
     const std::string signal =
-        std::string{"monitor."} + kController + ".pc.held_force." + kHorizontal[i];
+        experiment.roles.monitor_of_controller() + "pc.held_force." + kHorizontal[i];
     force[i] = run.has(signal) ? at_each_count(steps, run.signal(signal))
                                : std::vector<double>(steps.size(), 0);
   }
   return force;
 }
 
-budget::TransferRecord transfer_record_of(const Reader& run, const std::string& axis,
-                                          const budget::TickOrder& order) {
-  const NodeTicks ticks{run, kMachine};
-  const auto machine = [&](const char* word) {
-    return ticks.values(fmt::format("srmd.{}.{}", axis, word));
-  };
+budget::TransferRecord transfer_record_of(const Roles& roles, const Reader& run,
+                                          const std::string& axis, const budget::TickOrder& order) {
+  const AxisRoles* words = axis_of(roles, axis);
+  if (words == nullptr) throw Error{"the run does not test the axis '" + axis + "'"};
+  const NodeTicks ticks{run, roles.machine};
   budget::TransferRecord record;
   const auto time = at_each_count(ticks.counter(), run.time());
   record.period = (time[ticks.count() - 1] - time[0]) / static_cast<double>(ticks.count() - 1);
-  record.reference = machine("displ.ref_echo");
+  record.reference = ticks.values(words->reference_echo);
   // A machine that is late makes its missed ticks at once, between two rows of the recording.
   if (!order.controller_before.empty()) {
-    const auto sent = NodeTicks{run, kController}.values(fmt::format("xpc.{}.displ.ref", axis));
+    const auto sent = NodeTicks{run, roles.controller}.values(words->reference);
     for (std::size_t i = 0; i < record.reference.size(); ++i)
       if (const std::size_t made = order.controller_ticks(i); made >= 1 && made <= sent.size())
         record.reference[i] = sent[made - 1];
   }
-  record.displacement = machine("displ.fbk");
-  record.acceleration = machine("accel.fbk");
-  record.force = machine("force.fbk");
+  record.displacement = ticks.values(words->machine_displacement);
+  record.acceleration = ticks.values(words->machine_acceleration);
+  record.force = ticks.values(words->machine_force);
   return record;
 }
 
@@ -202,16 +211,19 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   test.machine_identified = improved.assumed_machine;
   std::array<budget::TransferRecord, 2> records;
   for (std::size_t i = 0; i < 2; ++i)
-    if (test.tested[i]) records[i] = transfer_record_of(run, kHorizontal[i], test.order);
+    if (test.tested[i])
+      records[i] = transfer_record_of(experiment.roles, run, kHorizontal[i], test.order);
   auto found = budget::mismatch_budget(std::move(test), response_of(experiment, run), records,
-                                       fed_force_of(run));
-  const NodeTicks ticks{run, kController};
+                                       fed_force_of(experiment, run));
+  const Roles& roles = experiment.roles;
+  const NodeTicks ticks{run, roles.controller};
   for (auto& axis : found.axes) {
-    axis.tracking = relative_difference(
-        ticks.values(fmt::format("monitor.{}.pc.command.{}", kController, axis.name)),
-        ticks.values(fmt::format("monitor.{}.displacement.out.{}", kController, axis.name)));
+    const AxisRoles* words = axis_of(roles, axis.name);
+    axis.tracking =
+        relative_difference(ticks.values(words->command), ticks.values(words->displacement));
     if (held_out != nullptr)
-      axis.held_out = budget::error_on(axis.transfer, transfer_record_of(*held_out, axis.name, {}));
+      axis.held_out =
+          budget::error_on(axis.transfer, transfer_record_of(roles, *held_out, axis.name, {}));
   }
   return found;
 }

@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace rths::launch {
 namespace {
 
 using recording::NodeTicks;
 using recording::Reader;
-
-constexpr const char* kSolverLate = "monitor.opf.host.late";
-constexpr const char* kTargetTime = "monitor.xpc.pc.target_time";
 
 /// Of the steps of a node [s].
 struct Schedule {
@@ -44,9 +42,10 @@ budget::TickTimes times_of(const Experiment& experiment, const Reader& run,
 // may be missing; of several targets between two rows, the others arrived in one of the ticks
 // between.
 std::vector<budget::Arrival> arrivals_of(const Reader& run, const NodeTicks& ticks,
-                                         const Schedule& schedule) {
-  const auto targets = run.signal(std::string{"monitor."} + kController + ".pc.targets");
-  const auto time = run.has(kTargetTime) ? run.signal(kTargetTime) : std::vector<double>{};
+                                         const std::string& monitor, const Schedule& schedule) {
+  const auto targets = run.signal(monitor + "pc.targets");
+  const std::string target_time = monitor + "pc.target_time";
+  const auto time = run.has(target_time) ? run.signal(target_time) : std::vector<double>{};
   std::vector<budget::Arrival> arrivals;
   std::size_t last = 0;  // ticks made
   for (std::size_t row = 0; row < targets.size(); ++row) {
@@ -69,11 +68,9 @@ std::vector<budget::Arrival> arrivals_of(const Reader& run, const NodeTicks& tic
 // Whether the targets of a test arrived in time, by tick of the controller.
 class Punctuality {
  public:
-  Punctuality(const Reader& run, const NodeTicks& ticks, const budget::TickTimes& controller,
-              double period)
-      : begin_{controller.begin},
-        solver_{run.has(kSolverLate) ? ticks.values(kSolverLate) : std::vector<double>{0}},
-        period_{period} {}
+  /// @param solver_late  by tick of the controller [s]
+  Punctuality(std::vector<double> solver_late, const budget::TickTimes& controller, double period)
+      : begin_{controller.begin}, solver_{std::move(solver_late)}, period_{period} {}
   [[nodiscard]] bool holds(std::size_t from, std::size_t to) const {
     for (std::size_t tick = from; tick <= to && tick < begin_.size(); ++tick) {
       const double due = begin_.front() + static_cast<double>(tick) * period_;
@@ -92,9 +89,8 @@ class Punctuality {
 
 // Ticks of the controller from "at target" to the next target. Where the host was late, the median
 // takes the place of what was recorded. Returns whether the host was never late.
-bool read_computing(const NodeTicks& ticks, const Punctuality& in_time,
+bool read_computing(const std::vector<double>& at_target, const Punctuality& in_time,
                     const std::vector<budget::Arrival>& arrivals, budget::HybridTest& test) {
-  const auto at_target = ticks.values(std::string{"monitor."} + kController + ".pc.at_target");
   std::vector<int> punctual;
   std::vector<bool> is_punctual;
   for (std::size_t k = 1; k < arrivals.size(); ++k) {
@@ -119,11 +115,17 @@ bool read_computing(const NodeTicks& ticks, const Punctuality& in_time,
 
 void read_host(const Experiment& experiment, const Reader& run, const NodeTicks& ticks,
                budget::HybridTest& test) {
-  const auto controller = times_of(experiment, run, kController);
-  test.order = budget::order_of(times_of(experiment, run, kMachine), controller);
-  auto arrivals = arrivals_of(run, ticks, schedule_of(experiment, kController));
+  const auto& roles = experiment.roles;
+  const std::string monitor = roles.monitor_of_controller();
+  const auto controller = times_of(experiment, run, roles.controller);
+  test.order = budget::order_of(times_of(experiment, run, roles.machine), controller);
+  auto arrivals = arrivals_of(run, ticks, monitor, schedule_of(experiment, roles.controller));
   if (!arrivals.empty()) test.first_target = arrivals[0].last;
-  const bool in_time = read_computing(ticks, {run, ticks, controller, test.period}, arrivals, test);
+  const std::string late = "monitor." + roles.solver + ".host.late";
+  const Punctuality punctuality{run.has(late) ? ticks.values(late) : std::vector<double>{0},
+                                controller, test.period};
+  const bool in_time =
+      read_computing(ticks.values(monitor + "pc.at_target"), punctuality, arrivals, test);
   const bool has_times = !controller.begin.empty();
   if (has_times && !(in_time && test.order.machine_before.empty()))
     test.arrivals = std::move(arrivals);

@@ -7,9 +7,6 @@
 
 namespace rths::launch {
 
-inline constexpr const char* kController = "xpc";
-inline constexpr const char* kMachine = "srmd";
-
 /// Series of /meta: start of each scheduled step of a node after its scheduled time, and duration
 /// of the step [s]. The name of the node follows.
 inline constexpr const char* kLateSeries = "late.";

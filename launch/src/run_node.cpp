@@ -139,8 +139,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
                                     [&](const Station& s) { return s.plan.node == node; });
   if (station == assembly.stations.end())
     throw Error{fmt::format("experiment '{}' has no node '{}'", experiment.name, node)};
-  broker::Ring ring =
-      broker::Ring::attach(experiment.cards ? replicated::image_name(ring_name, node) : ring_name);
+  broker::Ring ring = broker::Ring::attach(experiment.ring_of(ring_name, node));
   if (station->plan.settings.program)
     return run_foreign_node(experiment, station->plan, ring, {ring_name, recording});
   adapters::AdapterRunner runner{*station->adapter, ring, node, assembly.map.hash(),
@@ -168,7 +167,10 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   code = deactivate(*station->adapter, node, code);
   // After a fault, exits without leaving the ring, so that peers detect it even without the
   // launcher.
-  if (code != 0) std::_Exit(code);
+  if (code != 0) {
+    assembly.stations.clear();  // adapters remove their files
+    std::_Exit(code);
+  }
   return code;
 }
 

@@ -83,6 +83,12 @@ std::string filled_in(std::string name, const Roles& roles, const std::string& a
 
 }  // namespace
 
+Config with_map_roles(const Config& experiment, const Config& map_roles) {
+  Config merged = experiment;
+  merged.set("roles", map_roles.overlaid(experiment.table_or_empty("roles")));
+  return merged;
+}
+
 Roles read_roles(const Config& experiment) {
   const Config table = experiment.table_or_empty("roles");
   const Config nodes = experiment.table_or_empty("node");
@@ -127,7 +133,8 @@ std::optional<Config> experiment_in(const Reader& run) {
   for (std::string line; std::getline(changes, line);)
     if (const auto equals = line.find('='); equals != std::string::npos)
       file.set(line.substr(0, equals), line.substr(equals + 1));
-  return file;
+  const std::string map_roles = run.config(kMapRolesText);
+  return map_roles.empty() ? file : with_map_roles(file, Config::parse(map_roles, kMapRolesText));
 }
 
 Roles roles_of(const Reader& run) {

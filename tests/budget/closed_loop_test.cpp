@@ -38,7 +38,7 @@ class ClosedLoop : public ::testing::Test {
       for (const char* sensor :
            {"displacement_noise_m", "force_noise_N", "acceleration_noise_m_per_s2"})
         changes.emplace_back(std::string{"machine."} + sensor, "0");
-    experiment = app::load_experiment(test::source_tree() / "examples/srmd_lprb_2d.toml", changes);
+    experiment = app::load_experiment(source, changes);
     launch::RunOptions options;
     options.clock = launch::ClockKind::Virtual;
     options.recording = folder / "run.h5";
@@ -47,18 +47,20 @@ class ClosedLoop : public ::testing::Test {
     const recording::Reader run{options.recording};
     hybrid = launch::hybrid_test_of(experiment, run);
     measured = launch::response_of(experiment, run);
-    force = launch::fed_force_of(run);
+    force = launch::fed_force_of(experiment, run);
     // The laboratory itself takes the place of what would be identified.
     hybrid.specimen_identified = experiment.specimen;
     hybrid.machine_identified = experiment.machine;
     if (has_noise)
-      hybrid.noise = sensor_noise(hybrid, {launch::transfer_record_of(run, "long", hybrid.order),
-                                           launch::transfer_record_of(run, "lat", hybrid.order)});
+      hybrid.noise = sensor_noise(
+          hybrid, {launch::transfer_record_of(experiment.roles, run, "long", hybrid.order),
+                   launch::transfer_record_of(experiment.roles, run, "lat", hybrid.order)});
   }
   [[nodiscard]] double difference(const Response& response) const {
     return std::max(apart(measured[0], response[0]), apart(measured[1], response[1]));
   }
 
+  std::filesystem::path source = test::source_tree() / "examples/srmd_lprb_2d.toml";
   const test::TemporaryFolder temporary;
   const std::filesystem::path& folder = temporary.path();
   launch::Experiment experiment;
@@ -194,6 +196,45 @@ TEST_F(ClosedLoop, IsExplainedByTheBudgetOfTheRun) {
     EXPECT_GT(axis.before, 3 * axis.after) << axis.name;
     EXPECT_GT(axis.share[static_cast<std::size_t>(Part::Tracking)], 0.5) << axis.name;
   }
+}
+
+// The example with other names of its nodes.
+std::filesystem::path renamed_example(const test::TemporaryFolder& folder) {
+  std::string map = test::content_of(test::source_tree() / "memmap/maps/srmd.ringmap.toml");
+  std::string text = test::content_of(test::source_tree() / "examples/srmd_lprb_2d.toml");
+  const auto replace = [](std::string& in, const std::string& from, const std::string& to) {
+    std::size_t at = in.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    for (; at != std::string::npos; at = in.find(from, at + to.size()))
+      in.replace(at, from.size(), to);
+  };
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"xpc", "target"},
+                                 {"srmd", "rig"},
+                                 {"opf", "integrator"}}) {
+    replace(map, "\n" + from + " = ", "\n" + to + " = ");
+    replace(map, "node = \"" + from + "\"", "node = \"" + to + "\"");
+    replace(text, "[node." + from + "]", "[node." + to + "]");
+  }
+  replace(text, "[uncompensated.xpc]", "[uncompensated.target]");
+  replace(text, "map = \"srmd\"", "map = \"" + folder.write("map.toml", map).string() + "\"");
+  replace(text, "format = 1\n",
+          "format = 1\nfolder = \"" + (test::source_tree() / "examples").string() + "\"\n");
+  return folder.write("renamed.toml", text);
+}
+
+TEST_F(ClosedLoop, DoesNotDependOnTheNamesOfTheNodes) {
+  make(true);
+  const auto expected = measured;
+  const auto expected_force = force;
+  const auto expected_arrivals = hybrid.computing;
+
+  source = renamed_example(temporary);
+  make(true);
+
+  EXPECT_EQ(experiment.roles.controller, "target");
+  EXPECT_EQ(measured, expected);
+  EXPECT_EQ(force, expected_force);
+  EXPECT_EQ(hybrid.computing, expected_arrivals);
 }
 
 // The run draws its own noise and adapts its own compensation; both loops contain the same

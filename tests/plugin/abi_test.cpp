@@ -3,9 +3,16 @@
 
 #include <rths_adapter.h>
 
-#include <rths/plugin/library.hpp>
+#include <algorithm>
+#include <cstdio>
 
+#include <rths/plugin/conformance.hpp>
+#include <rths/plugin/library.hpp>
+#include <rths/plugin/plugin_adapter.hpp>
+
+#include "support/bench.hpp"
 #include "support/files.hpp"
+#include "support/process.hpp"
 
 extern "C" std::size_t size_of_adapter_in_c(void);
 
@@ -24,6 +31,62 @@ TEST(AdapterAbi, LoadsAnEarlierMinorWithoutItsLaterMembers) {
   EXPECT_EQ(library.adapter().abi & 0xFFFF, 0U);
   EXPECT_EQ(library.stop(), nullptr);
   EXPECT_EQ(library.message(), nullptr);
+}
+
+TEST(AdapterAbi, RunsAnAdapterBuiltAgainstThePreviousHeader) {
+  PluginSettings settings;
+  settings.library = broken("abi_1_0");
+  const auto adapter = make_plugin(settings);
+  adapter->activate();
+  test::Bench bench{*adapter};
+  bench.in("xpc.long.displ.ref") = 0.02;
+
+  EXPECT_EQ(bench.step(0), Status::Ok);
+  EXPECT_EQ(bench.out("srmd.long.displ.fbk"), 0.01);
+  // It has no `stop`, so the host ramps its output.
+  Status status = bench.step(0.001, true);
+  EXPECT_GT(bench.out("srmd.long.displ.fbk"), 0);
+  for (int i = 2; i < 1500 && status == Status::Ok; ++i) status = bench.step(0.001 * i, true);
+  EXPECT_EQ(status, Status::Done);
+  EXPECT_EQ(bench.out("srmd.long.displ.fbk"), 0);
+}
+
+TEST(AdapterAbi, KeepsAllRulesForAnAdapterBuiltAgainstThePreviousHeader) {
+  const auto findings = check_plugin(broken("abi_1_0"), {});
+
+  for (const auto& finding : findings)
+    EXPECT_NE(finding.outcome, Finding::Outcome::Fail) << finding.rule << ": " << finding.text;
+  const auto abi = std::find_if(findings.begin(), findings.end(),
+                                [](const auto& finding) { return finding.rule == "abi"; });
+  ASSERT_NE(abi, findings.end());
+  EXPECT_NE(abi->text.find("adapter ABI 1.0"), std::string::npos) << abi->text;
+}
+
+TEST(AdapterAbi, HeadersCompileInBothLanguagesWithBothCompilers) {
+  const test::TemporaryFolder folder;
+  const std::string text =
+      "#include <rths_adapter.h>\n#include <rths/fmi/fmi2.h>\n#include "
+      "<rths/fmi/fmi3.h>\nint main(void) { return 0; }\n";
+  const auto c = folder.write("header.c", text), cpp = folder.write("header.cpp", text);
+  const auto include = [](const std::string& adapter) {
+    return "-I" + (test::source_tree() / "adapters" / adapter / "include").string();
+  };
+  const auto compiles = [&](const std::string& compiler, const std::string& standard,
+                            const std::filesystem::path& file) {
+    test::Running running{{"/usr/bin/env", compiler, "-std=" + standard, "-fsyntax-only", "-Wall",
+                           "-Wextra", "-Wpedantic", "-Werror", include("plugin"), include("fmi"),
+                           file.string()}};
+    const auto result = running.wait();
+    constexpr int kNoCommand = 127;
+    if (result.exit_code == kNoCommand) {
+      std::printf("SKIPPED: %s is not installed\n", compiler.c_str());
+      return;
+    }
+    EXPECT_EQ(result.exit_code, 0) << compiler << ": " << result.err;
+  };
+
+  for (const char* compiler : {"gcc", "clang-14"}) compiles(compiler, "c11", c);
+  for (const char* compiler : {"g++", "clang++-14"}) compiles(compiler, "c++20", cpp);
 }
 
 TEST(AdapterAbi, LoadsALaterMinor) { EXPECT_NE(Library{broken("later_minor")}.stop(), nullptr); }

@@ -43,6 +43,19 @@ TEST(Roles, AreBoundToWordsOfAnyMap) {
   EXPECT_EQ(roles.axes[0].target, "a.displ");
 }
 
+TEST(Roles, AreThoseOfTheMapUnlessTheExperimentStatesOthers) {
+  const auto experiment =
+      Config::parse("axes = ['long']\n[roles]\nnew_target = 'a.go'\n", "x.toml");
+  const auto map = Config::parse("new_target = 'b.go'\nmachine = 'b'\n[long]\ntarget = 'b.displ'\n",
+                                 "b.ringmap.toml");
+
+  const Roles roles = read_roles(with_map_roles(experiment, map));
+
+  EXPECT_EQ(roles.new_target, "a.go");
+  EXPECT_EQ(roles.machine, "b");
+  EXPECT_EQ(roles.axes.at(0).target, "b.displ");
+}
+
 TEST(Roles, RefuseAnUnknownRoleAndAnUnknownWord) {
   EXPECT_NE(test::error_of([] {
               static_cast<void>(roles_in("[roles.long]\ntarger = 'a'\n"));

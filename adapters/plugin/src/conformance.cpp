@@ -134,7 +134,7 @@ void first_trial(const std::filesystem::path& file, const ConformanceSettings& s
   std::copy(loading.begin(), loading.end(), report.call.begin());
   std::optional<Library> library;
   try {
-    library.emplace(std::filesystem::absolute(file));
+    library.emplace(std::filesystem::absolute(file), settings.built_in);
   } catch (const Error& error) {
     return report.fail(kAbi, error.what());
   }
@@ -173,7 +173,7 @@ void first_trial(const std::filesystem::path& file, const ConformanceSettings& s
 // Two instances in turns, as two nodes of one process.
 void trial_of_instances(const std::filesystem::path& file, const ConformanceSettings& settings,
                         std::uint64_t alone, TrialReport& report) {
-  const Library library{std::filesystem::absolute(file)};
+  const Library library{std::filesystem::absolute(file), settings.built_in};
   std::array<Candidate, 2> pair{Candidate{library, settings, report},
                                 Candidate{library, settings, report}};
   for (auto& candidate : pair) {
@@ -224,7 +224,7 @@ std::vector<Finding> check_plugin(const std::filesystem::path& library,
                                   const ConformanceSettings& settings) {
   const auto trial = [&](TrialReport& report) { first_trial(library, settings, report); };
   TrialReport report = run_trial(trial, settings.step_deadline);
-  add_exports(library, report);
+  if (settings.built_in == nullptr) add_exports(library, report);
   if (!report.completed || !report.rules[kCrash].tried) return findings_of(report);
   const auto again = run_trial(trial, settings.step_deadline);
   if (again.fingerprint == report.fingerprint)

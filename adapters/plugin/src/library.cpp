@@ -39,8 +39,15 @@ std::string fault_of(const rths_adapter& adapter) {
 
 }  // namespace
 
+Library::Library(std::filesystem::path file) : Library{std::move(file), nullptr} {}
+
+Library::Library(std::filesystem::path file, const rths_adapter* built_in)
+    : file_{std::move(file)}, adapter_{built_in}, is_built_in_{built_in != nullptr} {
+  if (!is_built_in_) load();
+}
+
 // All symbols are bound now, so that no step has to look one up.
-Library::Library(std::filesystem::path file) : file_{std::move(file)} {
+void Library::load() {
   void* handle = dlopen(file_.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (handle == nullptr) throw Error{fmt::format("cannot load the plugin: {}", dlerror())};
   const auto entry = reinterpret_cast<const rths_adapter* (*)()>(dlsym(handle, kEntry));
@@ -54,6 +61,7 @@ Library::Library(std::filesystem::path file) : file_{std::move(file)} {
 }
 
 std::string Library::title() const {
+  if (is_built_in_) return fmt::format("{} '{}'", adapter_->name, file_.filename().string());
   return fmt::format("plugin '{}' ({})", adapter_->name, file_.filename().string());
 }
 

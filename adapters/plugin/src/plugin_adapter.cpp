@@ -79,7 +79,9 @@ class PluginAdapter final : public adapters::Adapter {
   const rths_adapter& adapter_;
   std::string title_;
   void* self_ = nullptr;
-  bool is_active_ = false, is_broken_ = false, has_stepped_ = false;
+  bool is_active_ = false, has_stepped_ = false;
+  bool has_failed_ = false;  ///< no further step
+  bool is_broken_ = false;   ///< no further call
   std::vector<Port> ports_;
   std::vector<Stated> stated_;
   std::vector<double> outputs_;  ///< as the plugin wrote them, and the margin
@@ -91,7 +93,7 @@ class PluginAdapter final : public adapters::Adapter {
 
 PluginAdapter::PluginAdapter(const PluginSettings& settings)
     : settings_{settings},
-      library_{settings.library},
+      library_{settings.library, settings.built_in},
       adapter_{library_.adapter()},
       title_{library_.title()} {
   std::array<char, 400> error{};
@@ -124,7 +126,7 @@ void PluginAdapter::set_up(const char* name, Call call) {
   CallGuard guard{kSetupDeadline};
   const CallEnd end = guard.run(call);
   if (end == CallEnd::Returned) return;
-  is_broken_ = true;
+  is_broken_ = has_failed_ = true;
   throw Error{end == CallEnd::Overdue
                   ? fmt::format("{}: {} did not return within {:g} s", title_, name,
                                 to_seconds(kSetupDeadline))
@@ -165,7 +167,7 @@ std::vector<Port> PluginAdapter::read_signals() {
 }
 
 void PluginAdapter::activate() {
-  if (is_broken_) throw Error{title_ + ": failed earlier"};
+  if (has_failed_) throw Error{title_ + ": failed earlier"};
   std::array<char, 400> error{};
   rths_status status = RTHS_OK;
   set_up("activate", [&] { status = adapter_.activate(self_, error.data(), error.size() - 1); });
@@ -195,7 +197,7 @@ void PluginAdapter::deactivate() {
 
 template <class... Values>
 Status PluginAdapter::fail(fmt::format_string<Values...> text, Values&&... values) noexcept {
-  is_broken_ = true;
+  has_failed_ = true;
   const std::size_t room = message_.size() - 1;
   auto end = fmt::format_to_n(message_.data(), room, "{}: ", title_).out;
   const auto left = static_cast<std::size_t>(message_.data() + room - end);
@@ -213,6 +215,7 @@ Status PluginAdapter::call_step(const StepData& step) noexcept {
     status = adapter_.step(self_, step.time, step.inputs.data(), outputs_.data());
     if (status == RTHS_FAULT && library_.message() != nullptr) reason = library_.message()(self_);
   });
+  is_broken_ = end != CallEnd::Returned;
   if (end == CallEnd::Overdue)
     return fail("its step did not return within {:g} s", settings_.step_deadline);
   if (end == CallEnd::Crashed) return fail("its step crashed: {}", strsignal(guard_->signal()));
@@ -241,6 +244,7 @@ bool PluginAdapter::accepts_outputs() noexcept {
   }
   for (std::size_t i = stated_.size(); i < outputs_.size(); ++i)
     if (outputs_[i] != kUntouched) {
+      is_broken_ = true;
       static_cast<void>(fail("its step wrote beyond its {} outputs", stated_.size()));
       return false;
     }
@@ -251,8 +255,9 @@ void PluginAdapter::begin_stop(const StepData& step) noexcept {
   stopped_at_ = step.time;
   std::copy(step.outputs.begin(), step.outputs.end(), held_.begin());
   if (library_.stop() == nullptr) return;
-  if (guard_->run([&] { library_.stop()(self_); }) != CallEnd::Returned)
-    static_cast<void>(fail("stop did not return"));
+  if (guard_->run([&] { library_.stop()(self_); }) == CallEnd::Returned) return;
+  is_broken_ = true;
+  static_cast<void>(fail("stop did not return"));
 }
 
 // A plugin that comes to rest by itself says when; for others, the outputs that move are ramped.
@@ -273,7 +278,7 @@ Status PluginAdapter::step(StepData& step) noexcept {
   if (!has_stepped_) std::copy(step.outputs.begin(), step.outputs.end(), outputs_.begin());
   has_stepped_ = true;
   if (step.stopping && stopped_at_ < 0) begin_stop(step);
-  const Status status = is_broken_ ? Status::Fault : call_step(step);
+  const Status status = has_failed_ ? Status::Fault : call_step(step);
   if (status == Status::Fault) {
     step.message = message_.data();
     return status;

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <rths/plugin/child_adapter.hpp>
-#include <rths/plugin/plugin_adapter.hpp>
 
 namespace rths::plugin {
 namespace {
@@ -31,49 +30,62 @@ constexpr std::array kRoles{PluginRole{"machine", Role::Machine, 1e-3, 0, 60},
 constexpr double kStepDeadline = 0.3, kStepDeadlineInVirtualTime = 5;  // [s]
 constexpr double kChildMargin = 0.1;  // for the answer of the process [s]
 
-const PluginRole& read_role(const Config& table) {
+const PluginRole& role_in(const Config& table) {
   const std::string name = table.text("role");
   for (const auto& role : kRoles)
     if (role.name == name) return role;
   table.fail("role", fmt::format("role is '{}', expected machine, controller or solver", name));
 }
 
-std::unique_ptr<adapters::Adapter> make(PluginSettings plugin, bool own_process, double deadline,
-                                        int priority, const TestSetup& setup,
-                                        const NodeContext& context) {
-  plugin.retreat = setup.retreat;
-  plugin.step_deadline =
-      deadline > 0 ? deadline : (context.is_virtual ? kStepDeadlineInVirtualTime : kStepDeadline);
-  if (!own_process) return make_plugin(plugin);
-  ChildSettings child;
-  child.title =
-      fmt::format("plugin of node '{}' ({})", context.node, plugin.library.filename().string());
-  child.step_deadline = plugin.step_deadline + kChildMargin;
-  child.priority = context.is_virtual ? 0 : priority;
-  return make_child([plugin] { return make_plugin(plugin); }, child);
-}
-
 }  // namespace
 
-NodeSettings read_plugin(const std::string& /*node*/, const Config& table,
-                         const TestSetup& /*setup*/) {
-  const PluginRole& role = read_role(table);
-  PluginSettings plugin;
-  plugin.library = table.resolve(table.text("library"));
-  if (!std::filesystem::exists(plugin.library))
-    table.fail("library", fmt::format("library is '{}', expected a file", plugin.library.string()));
-  plugin.config = table.table_or_empty("config").to_toml();
-  plugin.may_allocate = table.flag("allocates", false);
-  const bool own_process = table.flag("own_process", false);
-  const double deadline = table.number_in("deadline_s", 0, 100, 0.0);
+NodeSettings read_role(const Config& table) {
+  const PluginRole& role = role_in(table);
   NodeSettings settings;
   settings.role = role.role;
   settings.schedule = adapters::schedule_of(role.period, role.phase);
   settings.priority = role.priority;
   settings.keeps_times = role.role != Role::Solver;
-  settings.make = [=, priority = role.priority](const TestSetup& setup,
-                                                const NodeContext& context) {
-    return make(plugin, own_process, deadline, priority, setup, context);
+  return settings;
+}
+
+Hosting read_hosting(const Config& table) {
+  Hosting hosting;
+  hosting.own_process = table.flag("own_process", false);
+  hosting.step_deadline = table.number_in("deadline_s", 0, 100, 0.0);
+  hosting.may_allocate = table.flag("allocates", false);
+  hosting.priority = role_in(table).priority;
+  return hosting;
+}
+
+std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Hosting& hosting,
+                                               const TestSetup& setup, const NodeContext& context) {
+  plugin.retreat = setup.retreat;
+  plugin.may_allocate = hosting.may_allocate;
+  plugin.step_deadline = hosting.step_deadline;
+  if (plugin.step_deadline == 0)
+    plugin.step_deadline = context.is_virtual ? kStepDeadlineInVirtualTime : kStepDeadline;
+  if (!hosting.own_process) return make_plugin(plugin);
+  ChildSettings child;
+  child.title =
+      fmt::format("{} of node '{}' ({})", plugin.built_in ? plugin.built_in->name : "plugin",
+                  context.node, plugin.library.filename().string());
+  child.step_deadline = plugin.step_deadline + kChildMargin;
+  child.priority = context.is_virtual ? 0 : hosting.priority;
+  return make_child([plugin] { return make_plugin(plugin); }, child);
+}
+
+NodeSettings read_plugin(const std::string& /*node*/, const Config& table,
+                         const TestSetup& /*setup*/) {
+  NodeSettings settings = read_role(table);
+  const Hosting hosting = read_hosting(table);
+  PluginSettings plugin;
+  plugin.library = table.resolve(table.text("library"));
+  if (!std::filesystem::exists(plugin.library))
+    table.fail("library", fmt::format("library is '{}', expected a file", plugin.library.string()));
+  plugin.config = table.table_or_empty("config").to_toml();
+  settings.make = [=](const TestSetup& setup, const NodeContext& context) {
+    return make_hosted(plugin, hosting, setup, context);
   };
   return settings;
 }

@@ -12,6 +12,7 @@
 #include <rths/adapters/factory.hpp>
 #include <rths/memmap/map.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/recording/roles.hpp>
 #include <rths/replicated/images.hpp>
 
 namespace rths::launch {
@@ -60,7 +61,8 @@ struct Experiment : adapters::TestSetup {
   std::vector<NodePlan> nodes;                   ///< in starting order
   bool has_plant = false;                        ///< the file states the structure
   Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
-  Config roles;                  ///< signals by role; assemble() checks them against the map
+  recording::Roles roles;        ///< nodes and signals by role
+  Config role_table;             ///< their table; assemble() checks it against the map
   recording::NamedTexts config;  ///< input files, for the recording
 
   /// True if a solver of this project ends the run.
@@ -71,6 +73,8 @@ struct Experiment : adapters::TestSetup {
   [[nodiscard]] bool has_structure() const { return has_own_solver() || has_plant; }
   /// The host that starts the test and has the recording; empty if there is one host.
   [[nodiscard]] std::string leading_host() const;
+  /// The ring that a node joins: on a replicated ring, its own image.
+  [[nodiscard]] std::string ring_of(const std::string& ring, const std::string& node) const;
 };
 
 /// Changes of the command line to an experiment file: dotted key, value as TOML.

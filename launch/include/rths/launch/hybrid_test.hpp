@@ -12,7 +12,8 @@ namespace rths::launch {
 /// the run did itself comes from its recording: times of computing, lateness of the host,
 /// compensation, vertical load, and the settings of its controller. The identified parts equal the
 /// simulated ones.
-/// @param run  recording with a node "xpc" that runs a block diagram, and "srmd"
+/// @param run  recording with a controller that runs a block diagram, and a machine: those of the
+///             experiment's roles
 /// @throws Error if the recording lacks a signal   @setup
 [[nodiscard]] budget::HybridTest hybrid_test_of(const Experiment& experiment,
                                                 const recording::Reader& run);
@@ -23,12 +24,14 @@ namespace rths::launch {
                                            const recording::Reader& run);
 
 /// Force that the integrator of a run received, by integration step: long, lat [N].   @setup
-[[nodiscard]] std::array<std::vector<double>, 2> fed_force_of(const recording::Reader& run);
+[[nodiscard]] std::array<std::vector<double>, 2> fed_force_of(const Experiment& experiment,
+                                                              const recording::Reader& run);
 
 /// Signals of one axis of the machine of a run.
 /// @param axis  "long" or "lat"
 /// @param order  of the ticks of the run   @throws Error if the recording lacks a signal   @setup
-[[nodiscard]] budget::TransferRecord transfer_record_of(const recording::Reader& run,
+[[nodiscard]] budget::TransferRecord transfer_record_of(const recording::Roles& roles,
+                                                        const recording::Reader& run,
                                                         const std::string& axis,
                                                         const budget::TickOrder& order);
 

@@ -22,8 +22,8 @@ struct AxisRoles {
 };
 
 /// Nodes and signals of a test by their role. Reports and diagnoses use roles, so they work with
-/// the map of any laboratory. The table [roles] of an experiment binds them; the defaults are the
-/// words of the SRMD.
+/// the map of any laboratory. The table [roles] of a map or of an experiment binds them; the
+/// defaults are the words of the SRMD.
 struct Roles {
   std::string solver, controller, machine;                   ///< nodes
   std::string new_target, time;                              ///< flag; model time of the target [s]
@@ -34,6 +34,12 @@ struct Roles {
   }
 };
 
+/// The table [roles] of the map of a run, in its recording.
+inline constexpr const char* kMapRolesText = "map_roles";
+
+/// An experiment whose [roles] also has those of its map. Its own have priority.   @setup
+[[nodiscard]] Config with_map_roles(const Config& experiment, const Config& map_roles);
+
 /// Reads [roles] of an experiment. The default of a node's role is the first node with a suitable
 /// adapter, then the SRMD's name.
 /// @throws Error with the place of the first wrong key   @setup
@@ -43,7 +49,8 @@ struct Roles {
 /// @throws Error with the place of the first that is missing   @setup
 void check_roles(const Config& roles, const memmap::Map& map);
 
-/// The recorded experiment with the changes of its command line; empty if the recording holds none.
+/// The recorded experiment with the roles of its map and the changes of its command line; empty if
+/// the recording holds none.
 /// @setup
 [[nodiscard]] std::optional<Config> experiment_in(const Reader& run);
 

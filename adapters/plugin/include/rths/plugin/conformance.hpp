@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <rths_adapter.h>
+
 #include <rths/adapters/finding.hpp>
 
 namespace rths::plugin {
@@ -12,8 +14,9 @@ namespace rths::plugin {
 using adapters::Finding;
 
 struct ConformanceSettings {
-  std::string config;        ///< TOML text, for the plugin
-  double period = 1e-3;      ///< of the steps [s]
+  const rths_adapter* built_in = nullptr;  ///< of this program; the rule exports is not tried
+  std::string config;                      ///< TOML text, for the plugin
+  double period = 1e-3;                    ///< of the steps [s]
   double step_deadline = 2;  ///< of a call, if it uses the processor [s]; else five times that
 };
 

@@ -10,16 +10,18 @@
 namespace rths::plugin {
 
 /// A shared library that exports an adapter. It stays loaded until the process ends, because its
-/// threads and exit handlers may still run.
+/// threads and exit handlers may still run. Or an adapter of this program that reads a file.
 class Library {
  public:
   /// Loads a library and checks its version and its functions.
   /// @throws Error if it cannot be loaded or used   @setup
   explicit Library(std::filesystem::path file);
+  /// @param built_in  an adapter of this program; `file` is what it reads. Null: loads the library
+  Library(std::filesystem::path file, const rths_adapter* built_in);
 
   [[nodiscard]] const rths_adapter& adapter() const { return *adapter_; }
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
-  /// "plugin 'name' (file)", for messages.
+  /// "plugin 'name' (file)", or "name 'file'" of a built-in adapter; for messages.
   [[nodiscard]] std::string title() const;
   /// Members of a later minor; null if the adapter has none.
   [[nodiscard]] void (*stop() const)(void*) {
@@ -33,8 +35,11 @@ class Library {
   [[nodiscard]] bool has(std::size_t offset) const {
     return adapter_->struct_size >= offset + sizeof(void (*)());
   }
+  void load();
+
   std::filesystem::path file_;
   const rths_adapter* adapter_ = nullptr;
+  bool is_built_in_ = false;
 };
 
 }  // namespace rths::plugin

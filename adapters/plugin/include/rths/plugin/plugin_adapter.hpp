@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include <rths_adapter.h>
+
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/retreat.hpp>
 
@@ -12,7 +14,8 @@ namespace rths::plugin {
 
 struct PluginSettings {
   std::filesystem::path library;
-  std::string config;  ///< TOML text, for the plugin
+  const rths_adapter* built_in = nullptr;  ///< of this program; `library` is the file that it reads
+  std::string config;                      ///< TOML text, for the plugin
   adapters::Retreat retreat;
   double step_deadline = 0.3;  ///< of a step, wall time [s]
   bool may_allocate = false;   ///< a step that uses the heap is not a fault
@@ -22,7 +25,8 @@ struct PluginSettings {
 ///
 /// A step is a Fault, with the name of the plugin and the reason, if it crashes, does not return in
 /// time, uses the heap, or writes NaN, a value outside its stated range or memory outside its
-/// outputs. The outputs then keep their last valid values and the plugin is not called again.
+/// outputs. The outputs then keep their last valid values. No step follows; only a plugin that is
+/// intact is deactivated and destroyed.
 ///
 /// A crash or an endless loop can leave locks and memory of this process in a bad state.
 /// `make_child` separates them.

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <rths/core/config.hpp>
+
+#include "model_description.hpp"
+
+namespace rths::fmi {
+
+/// An instance of an FMU.
+struct InstancePlan {
+  std::filesystem::path folder;  ///< of the unpacked FMU
+  std::string instance;          ///< its name
+  double period = 1e-3;          ///< of its steps [s]
+};
+
+/// The config of `fmu_adapter`.
+/// @param table  of the node, with all its signals
+/// @throws Error if the FMU cannot make steps of this length   @setup
+[[nodiscard]] std::string config_of(const ModelDescription& description, Config table,
+                                    const InstancePlan& plan);
+
+}  // namespace rths::fmi

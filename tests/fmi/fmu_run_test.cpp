@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Hybrid tests through FMUs: the native controller and machine as FMUs give the native test, and
+// the example runs to its report.
+#include <array>
+#include <cstdio>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <fmt/format.h>
+
+#include <rths/plugin/library.hpp>
+
+#include "plugin/native_runs.hpp"
+#include "support/process.hpp"
+#include "test_fmu.hpp"
+
+namespace rths::fmi {
+namespace {
+
+using launch::Overrides;
+
+constexpr double kControllerPhase = 0.3e-3;  // [s]
+
+/// A native node of the example as an FMU, by the bridge from plugins.
+class NativeFmu {
+ public:
+  NativeFmu(const test::TemporaryFolder& folder, const std::string& node)
+      : node_{node}, file_{folder.path() / (node + "_fmu")} {
+    const auto native = test::build_tree() / "lib/rths/librths_native.so";
+    const std::string config =
+        "experiment = \"" + test::example() + "\"\nnode = \"" + node + "\"\n";
+    const plugin::Library library{native};
+    std::array<char, 400> error{};
+    void* self = library.adapter().create(config.c_str(), error.data(), error.size());
+    if (self == nullptr) throw std::runtime_error{error.data()};
+    std::uint32_t count = 0;
+    const rths_signal* signals = library.adapter().signals(self, &count);
+    const auto unpacked = test::write_fmu(folder, description_of(signals, count),
+                                          test::lag_library(3, "plugin_as_fmu"), 3);
+    std::filesystem::rename(unpacked, file_);
+    std::filesystem::create_directory(file_ / "resources");
+    std::ofstream{file_ / "resources/plugin.txt"} << native.string() << '\n' << config;
+    library.adapter().destroy(self);
+  }
+
+  [[nodiscard]] Overrides as_node(const std::string& role, double phase, bool own_process) const {
+    const std::string key = "node." + node_ + ".";
+    return {{key + "adapter", "\"fmu\""},
+            {key + "file", test::quoted(file_.string())},
+            {key + "role", test::quoted(role)},
+            {key + "own_process", own_process ? "true" : "false"},
+            {key + "tunable", "[" + tunable_ + "]"},
+            {key + "start.phase", fmt::format("{}", phase)}};
+  }
+
+ private:
+  std::string description_of(const rths_signal* signals, std::uint32_t count) {
+    std::string text =
+        R"(<fmiModelDescription fmiVersion="3.0" modelName="bridge" instantiationToken="1">
+<CoSimulation modelIdentifier="plugin_as_fmu"/><ModelVariables>
+<Float64 name="phase" valueReference="100000" causality="parameter" variability="fixed" start="0"/>
+)";
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto& signal = signals[i];
+      const bool is_parameter = signal.direction == RTHS_PARAMETER;
+      if (is_parameter)
+        tunable_ += fmt::format("{}\"{}\"", tunable_.empty() ? "" : ", ", signal.name);
+      const char* attributes = R"(causality="output")";
+      if (is_parameter) attributes = R"(causality="parameter" variability="tunable")";
+      if (signal.direction == RTHS_INPUT) attributes = R"(causality="input")";
+      text +=
+          fmt::format("<Float64 name=\"{}\" valueReference=\"{}\" {} unit=\"{}\" start=\"{}\"/>\n",
+                      signal.name, i, attributes, signal.unit, signal.initial);
+    }
+    return text + "</ModelVariables></fmiModelDescription>";
+  }
+
+  std::string node_;
+  std::filesystem::path file_;
+  std::string tunable_;
+};
+
+// Compared until the solver ends the test: an FMU has no stop of its own.
+TEST(FmuRun, OfTheNativeControllerAndMachineEqualsTheNativeRun) {
+  const test::TemporaryFolder folder;
+  const auto native =
+      test::run_virtually(test::experiment_with(test::example(), {}), folder.path() / "native.h5");
+  const auto others = test::example_in(folder);
+  const NativeFmu controller{folder, "xpc"}, machine{folder, "srmd"};
+
+  for (const bool own_process : {false, true}) {
+    Overrides changes = controller.as_node("controller", kControllerPhase, own_process);
+    const auto more = machine.as_node("machine", 0, own_process);
+    changes.insert(changes.end(), more.begin(), more.end());
+    const auto run =
+        test::run_virtually(test::experiment_with(others, changes),
+                            folder.path() / (own_process ? "own_process.h5" : "in_process.h5"));
+    test::expect_same(native, run, own_process ? "own process" : "in process", 2);
+  }
+}
+
+// Figures, not limits: the host may be busy.
+TEST(FmuRun, PrintsTheCostOfATick) {
+  const test::TemporaryFolder folder;
+  const auto others = test::example_in(folder);
+  const NativeFmu controller{folder, "xpc"};
+  const auto cost = [&](const Overrides& changes) {
+    return test::cost_of_controller(
+        test::experiment_with(changes.empty() ? test::example() : others.string(), changes));
+  };
+  const std::array figures{cost({}), cost(test::as_plugin("xpc", "controller", false)),
+                           cost(test::as_plugin("xpc", "controller", true)),
+                           cost(controller.as_node("controller", kControllerPhase, false)),
+                           cost(controller.as_node("controller", kControllerPhase, true))};
+
+  std::printf(
+      "cost per tick of the controller: native %.2f us, plugin %.2f us, in its own process "
+      "%.2f us, FMU %.2f us, in its own process %.2f us\n",
+      figures[0], figures[1], figures[2], figures[3], figures[4]);
+  for (const double figure : figures) EXPECT_GT(figure, 0);
+}
+
+/// The machine of examples/fmu, packed as its CMakeLists.txt does.
+std::filesystem::path example_machine(const test::TemporaryFolder& folder) {
+  const auto example = test::source_tree() / "examples/fmu/modelDescription.xml";
+  return test::pack_fmu(
+      test::write_fmu(folder, test::content_of(example), test::lag_library(3, "machine"), 3));
+}
+
+test::Finished run_example(const test::TemporaryFolder& folder,
+                           const std::vector<std::string>& changes) {
+  std::vector<std::string> words{"run",
+                                 (test::source_tree() / "examples/fmu/experiment.toml").string(),
+                                 "--no-diagnosis",
+                                 "--out",
+                                 (folder.path() / "out").string(),
+                                 "--ring",
+                                 "fmu_" + folder.path().filename().string(),
+                                 "--set",
+                                 "node.srmd.file=\"" + example_machine(folder).string() + "\""};
+  words.insert(words.end(), changes.begin(), changes.end());
+  return test::run_rths(words, 100);
+}
+
+TEST(FmuRun, OfTheExampleReachesItsReport) {
+  const test::TemporaryFolder folder;
+  const auto run = run_example(folder, {"--clock", "virtual"});
+
+  EXPECT_EQ(run.exit_code, 1) << run.err;  // the specimen is a spring
+  const auto report = nlohmann::json::parse(test::content_of(folder.path() / "out/report.json"));
+  EXPECT_TRUE(report.at("ending").is_null()) << report.at("ending");
+  // The spring of the FMU: 5 kN/mm.
+  const recording::Reader recording{folder.path() / "out/run.h5"};
+  const auto displacement = recording.signal("srmd.long.displ.fbk");
+  const auto force = recording.signal("srmd.long.force.fbk");
+  double largest = 0;
+  for (std::size_t i = 0; i < displacement.size(); ++i) {
+    largest = std::max(largest, std::abs(displacement[i]));
+    EXPECT_NEAR(force[i], 5e6 * displacement[i], 1e-6 * 5e6);
+  }
+  EXPECT_GT(largest, 0.001);
+}
+
+TEST(FmuRun, InRealTimeEndsInOrder) {
+  const test::TemporaryFolder folder;
+  const auto run = run_example(folder, {"--set", "duration_s=2", "--set", "rest_s=0", "--set",
+                                        "node.srmd.own_process=true"});
+
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  const auto report = nlohmann::json::parse(test::content_of(folder.path() / "out/report.json"));
+  EXPECT_TRUE(report.at("ending").is_null()) << report.at("ending");
+}
+
+TEST(FmuRun, EndsSafelyWhenTheFmuIsBroken) {
+  const test::TemporaryFolder folder;
+  const auto broken =
+      test::pack_fmu(test::lag_fmu(folder, 3, "fails_step",
+                                   {{"name=\"u\"", "name=\"xpc.long.displ.ref\""},
+                                    {"name=\"y\"", "name=\"srmd.long.displ.fbk\""}}));
+  const auto experiment = folder.write("broken.toml", R"(format = 1
+name = "broken_fmu"
+map = "srmd"
+folder = ")" + (test::source_tree() / "examples").string() +
+                                                          R"("
+duration_s = 5
+[motion]
+file = "records/petrolia_1992_riodell_freefield.csv"
+[node.srmd]
+adapter = "fmu"
+role = "machine"
+file = ")" + broken.string() +
+                                                          R"("
+[node.srmd.start]
+enabled = true
+level = 0
+[node.xpc]
+adapter = "simulink_like"
+diagram = "hybrid_controller"
+[node.opf]
+adapter = "numerical"
+[node.recorder]
+adapter = "recorder"
+)");
+  const auto run = test::run_rths({"run", experiment.string(), "--clock", "virtual",
+                                   "--no-diagnosis", "--out", (folder.path() / "out").string(),
+                                   "--ring", "broken_fmu_" + folder.path().filename().string()},
+                                  60);
+
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_NE(run.err.find("the run ended early: srmd: FMU 'packed.fmu': fmi3DoStep returned "
+                         "fmi3Error: the pump is off at 0.100 s"),
+            std::string::npos)
+      << run.err;
+  EXPECT_GT(recording::Reader{folder.path() / "out" / "run.h5"}.rows(), 90U);
+}
+
+TEST(CheckOfFmuCommand, PrintsEveryRule) {
+  const test::TemporaryFolder folder;
+  const auto file = test::pack_fmu(test::lag_fmu(folder, 2, "correct"));
+
+  const auto good = test::run_rths({"check", file.string()});
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  EXPECT_NE(good.out.find("PASS  description  'Lag', FMI 2.0, 2 inputs, 4 outputs, 3 parameters"),
+            std::string::npos)
+      << good.out;
+  EXPECT_NE(good.out.find("FMU, 14 of 14 rules passed, 0 failed, 0 not tried"), std::string::npos)
+      << good.out;
+
+  const auto other = test::pack_fmu(test::lag_fmu(folder, 2, "correct", {{"8c4e", "0000"}}));
+  const auto bad = test::run_rths({"check", other.string()});
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_NE(bad.out.find("FAIL  lifecycle    activate returned 4: fmi2Instantiate failed: wrong"),
+            std::string::npos)
+      << bad.out;
+}
+
+}  // namespace
+}  // namespace rths::fmi
