@@ -50,7 +50,7 @@ struct CheckArguments {
 
 struct NewAdapterArguments {
   std::string name;              ///< of the adapter and its folder
-  std::string language = "c";    ///< c or cpp
+  std::string language = "c";    ///< c, cpp or python
   std::string role = "machine";  ///< or controller
 };
 [[nodiscard]] int new_adapter(const NewAdapterArguments& arguments);

@@ -450,7 +450,7 @@ void add_plugins(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* adapter = make->add_subcommand("adapter", "A plugin that builds, with its tests");
   adapter->add_option("name", a.made.name, "Name of the adapter and its folder")->required();
   adapter->add_option("--language", a.made.language)
-      ->check(CLI::IsMember({"c", "cpp"}))
+      ->check(CLI::IsMember({"c", "cpp", "python"}))
       ->capture_default_str();
   adapter->add_option("--role", a.made.role)
       ->check(CLI::IsMember({"machine", "controller"}))

@@ -7,6 +7,7 @@
 
 #include <rths/plugin/child_adapter.hpp>
 #include <rths/plugin/plugin_adapter.hpp>
+#include <rths/plugin/python_file.hpp>
 
 namespace rths::plugin {
 namespace {
@@ -46,8 +47,9 @@ std::unique_ptr<adapters::Adapter> make(PluginSettings plugin, bool own_process,
       deadline > 0 ? deadline : (context.is_virtual ? kStepDeadlineInVirtualTime : kStepDeadline);
   if (!own_process) return make_plugin(plugin);
   ChildSettings child;
-  child.title =
-      fmt::format("plugin of node '{}' ({})", context.node, plugin.library.filename().string());
+  child.title = plugin.title.empty() ? fmt::format("plugin of node '{}' ({})", context.node,
+                                                   plugin.library.filename().string())
+                                     : plugin.title;
   child.step_deadline = plugin.step_deadline + kChildMargin;
   child.priority = context.is_virtual ? 0 : priority;
   return make_child([plugin] { return make_plugin(plugin); }, child);
@@ -58,13 +60,18 @@ std::unique_ptr<adapters::Adapter> make(PluginSettings plugin, bool own_process,
 NodeSettings read_plugin(const std::string& /*node*/, const Config& table,
                          const TestSetup& /*setup*/) {
   const PluginRole& role = read_role(table);
+  const auto file = table.resolve(table.text("library"));
+  if (!std::filesystem::exists(file))
+    table.fail("library", fmt::format("library is '{}', expected a file", file.string()));
+  const std::string config = table.table_or_empty("config").to_toml();
+  const auto found = table.placed("library", [&] { return plugin_file(file, config); });
   PluginSettings plugin;
-  plugin.library = table.resolve(table.text("library"));
-  if (!std::filesystem::exists(plugin.library))
-    table.fail("library", fmt::format("library is '{}', expected a file", plugin.library.string()));
-  plugin.config = table.table_or_empty("config").to_toml();
-  plugin.may_allocate = table.flag("allocates", false);
-  const bool own_process = table.flag("own_process", false);
+  plugin.library = found.library;
+  plugin.config = found.config;
+  plugin.title = found.title;
+  // An interpreter uses the heap, and a jump out of it would leave it in a bad state.
+  plugin.may_allocate = table.flag("allocates", found.is_python) || found.is_python;
+  const bool own_process = table.flag("own_process", found.is_python) || found.is_python;
   const double deadline = table.number_in("deadline_s", 0, 100, 0.0);
   NodeSettings settings;
   settings.role = role.role;

@@ -12,9 +12,10 @@ namespace rths::plugin {
 using adapters::Finding;
 
 struct ConformanceSettings {
-  std::string config;        ///< TOML text, for the plugin
-  double period = 1e-3;      ///< of the steps [s]
-  double step_deadline = 2;  ///< of a call, if it uses the processor [s]; else five times that
+  std::string config;         ///< TOML text, for the plugin
+  bool may_allocate = false;  ///< a step may use the heap: the rule allocation is not tried
+  double period = 1e-3;       ///< of the steps [s]
+  double step_deadline = 2;   ///< of a call, if it uses the processor [s]; else five times that
 };
 
 /// Tries a plugin against all rules: exports, abi, lifecycle, signals, units, range, nan, bounds,
