@@ -48,6 +48,9 @@ struct CheckArguments {
 [[nodiscard]] int check_plugin(const std::string& file, const std::string& config);
 [[nodiscard]] int check_server(const CheckArguments& arguments);
 
+/// @param kept  folder for logs and recordings of failed tests
+[[nodiscard]] int test(const std::string& file, const std::string& kept);
+
 struct NewAdapterArguments {
   std::string name;              ///< of the adapter and its folder
   std::string language = "c";    ///< c, cpp or python

@@ -58,7 +58,8 @@ struct Arguments {
   CheckArguments check;
   NewAdapterArguments made;
   ReplayArguments replay;
-  std::string clock = "wall", file, language = "cpp", folder, format = "text";
+  std::string clock = "wall", file, language = "cpp", folder, format = "text",
+              kept = "out/failed_tests";
   std::vector<std::string> sets, rings;
 };
 
@@ -467,6 +468,15 @@ void add_plugins(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return replay(a.replay); }; });
 }
 
+void add_test(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "test", "Run a test: programs on a ring of their own, faults, expectations of signals");
+  command->add_option("file", a.file, "Test file")->required()->check(CLI::ExistingFile);
+  command->add_option("--keep", a.kept, "Folder for logs and recordings of failed tests")
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return test(a.file, a.kept); }; });
+}
+
 void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* report_command = app.add_subcommand("report", "Rewrite the report of a run");
   report_command->add_option("folder", a.folder, "Folder of the run")->required();
@@ -514,7 +524,7 @@ int parse_and_run(int argc, char** argv) {
   Chosen chosen;
   for (const auto add : {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch,
                          add_fault, add_bridge, add_send, add_ring, add_bench, add_loop, add_terms,
-                         add_diagnose, add_map, add_plugins, add_rest})
+                         add_diagnose, add_map, add_plugins, add_test, add_rest})
     add(app, arguments, chosen);
   const std::vector<std::string> words{argv + 1, argv + argc};
   if (const auto result = run_hidden(app, words)) return *result;
