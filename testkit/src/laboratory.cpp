@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/testkit/laboratory.hpp>
 
-#include <signal.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <charconv>
+#include <csignal>
 #include <map>
 #include <optional>
 #include <random>
@@ -359,7 +359,10 @@ std::filesystem::path make_test_folder(const std::filesystem::path& kept, const 
 void remove_test_folder(const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
-  std::filesystem::remove(folder.parent_path(), ignored);  // if it is empty
+  const auto kept = folder.parent_path();  // these if they are empty
+  std::filesystem::remove(kept, ignored);
+  if (kept.filename() == "failed_tests" && kept.parent_path().filename() == "out")
+    std::filesystem::remove(kept.parent_path(), ignored);
 }
 
 }  // namespace rths::testkit
