@@ -35,7 +35,8 @@ def check_excerpts(prefix):
 
 def environment(prefix):
     (site,) = prefix.glob("lib/python3.*/site-packages")
-    return {**os.environ, "PATH": f"{prefix}/bin:{os.environ['PATH']}", "PYTHONPATH": str(site), "PREFIX": str(prefix),
+    return {**os.environ, "PATH": f"{prefix}/bin:{pathlib.Path(sys.executable).parent}:{os.environ['PATH']}",
+            "PYTHONPATH": str(site), "PREFIX": str(prefix),
             "CMAKE_PREFIX_PATH": str(prefix), "CMAKE_GENERATOR": "Ninja", "PYTHONDONTWRITEBYTECODE": "1"}
 
 
