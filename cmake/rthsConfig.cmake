@@ -1,9 +1,11 @@
-if("adapter" IN_LIST rths_FIND_COMPONENTS)
-  include(${CMAKE_CURRENT_LIST_DIR}/rthsAdapter.cmake)
-  set(rths_adapter_FOUND TRUE)
-endif()
-# Adapters alone need none of the libraries.
-if(NOT rths_FIND_COMPONENTS STREQUAL "adapter")
+# The adapters' part and the tests' part need none of the libraries.
+include(${CMAKE_CURRENT_LIST_DIR}/rthsAdapter.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/rthsTest.cmake)
+set(rths_adapter_FOUND TRUE)
+set(rths_test_FOUND TRUE)
+set(rths_others ${rths_FIND_COMPONENTS})
+list(REMOVE_ITEM rths_others adapter test)
+if(rths_others OR NOT rths_FIND_COMPONENTS)
   include(${CMAKE_CURRENT_LIST_DIR}/RthsDependencies.cmake)
   include(${CMAKE_CURRENT_LIST_DIR}/rthsTargets.cmake)
 endif()

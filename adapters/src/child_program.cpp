@@ -27,11 +27,11 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
 
 // Runs in the child: only async-signal-safe calls.
 [[noreturn]] void become(char* const* argv, char* const* environment, const char* folder, int log,
-                         pid_t parent) {
+                         pid_t parent, bool is_favoured) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kNotFound);       // the parent has exited
-  setpgid(0, 0);                                   // the parent forwards a terminal's signals
-  setpriority(PRIO_PROCESS, 0, kHighestPriority);  // if permitted; every step waits for it
+  if (getppid() != parent) _exit(kNotFound);  // the parent has exited
+  setpgid(0, 0);                              // the parent forwards a terminal's signals
+  if (is_favoured) setpriority(PRIO_PROCESS, 0, kHighestPriority);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) std::signal(signal, SIG_DFL);
   if (chdir(folder) != 0) _exit(kNotFound);
   dup2(log, STDOUT_FILENO);
@@ -90,7 +90,8 @@ ChildProgram::ChildProgram(const ProgramStart& start) : name_{start.name}, log_{
   const std::string folder = std::filesystem::absolute(start.folder).string();
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ == 0) become(argv.data(), environment.data(), folder.c_str(), file, parent);
+  if (pid_ == 0)
+    become(argv.data(), environment.data(), folder.c_str(), file, parent, start.is_favoured);
   const int error = errno;
   close(file);
   if (pid_ < 0) throw Error{fmt::format("{} cannot be started: {}", name_, std::strerror(error))};

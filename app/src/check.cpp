@@ -139,7 +139,8 @@ int check(const CheckArguments& arguments) {
   if (!arguments.address.empty()) return check_server(arguments);
   if (fmi::is_fmu(file)) return check_fmu(file, arguments.config);
   check_is_file(file);
-  if (plugin::is_library(file)) return check_plugin(file, arguments.config);
+  if (plugin::is_library(file) || std::filesystem::path{file}.extension() == ".py")
+    return check_plugin(file, arguments.config);
   if (recording::is_hdf5(file)) return check_recording(file);
   const std::string head = read_file(file, kMostTextBytes);
   const std::string line = first_line(head);

@@ -11,6 +11,7 @@
 #include <rths/core/error.hpp>
 #include <rths/fmi/fmu_check.hpp>
 #include <rths/plugin/conformance.hpp>
+#include <rths/plugin/python_file.hpp>
 
 #include "commands.hpp"
 
@@ -45,8 +46,11 @@ bool read_port(const char* begin, const char* end, std::uint16_t& port) {
 
 int check_plugin(const std::string& file, const std::string& config) {
   plugin::ConformanceSettings settings;
-  if (!config.empty()) settings.config = Config::load(config).to_toml();
-  return print_findings(file + ": plugin", plugin::check_plugin(file, settings));
+  const auto loaded =
+      plugin::plugin_file(file, config.empty() ? "" : Config::load(config).to_toml());
+  settings.config = loaded.config;
+  settings.may_allocate = loaded.is_python;
+  return print_findings(file + ": plugin", plugin::check_plugin(loaded.library, settings));
 }
 
 int check_fmu(const std::string& file, const std::string& config) {

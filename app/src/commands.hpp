@@ -49,9 +49,12 @@ struct CheckArguments {
 [[nodiscard]] int check_fmu(const std::string& file, const std::string& config);
 [[nodiscard]] int check_server(const CheckArguments& arguments);
 
+/// @param kept  folder for logs and recordings of failed tests
+[[nodiscard]] int test(const std::string& file, const std::string& kept);
+
 struct NewAdapterArguments {
   std::string name;              ///< of the adapter and its folder
-  std::string language = "c";    ///< c or cpp
+  std::string language = "c";    ///< c, cpp or python
   std::string role = "machine";  ///< or controller
 };
 [[nodiscard]] int new_adapter(const NewAdapterArguments& arguments);

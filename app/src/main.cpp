@@ -58,7 +58,8 @@ struct Arguments {
   CheckArguments check;
   NewAdapterArguments made;
   ReplayArguments replay;
-  std::string clock = "wall", file, language = "cpp", folder, format = "text";
+  std::string clock = "wall", file, language = "cpp", folder, format = "text",
+              kept = "out/failed_tests";
   std::vector<std::string> sets, rings;
 };
 
@@ -450,7 +451,7 @@ void add_plugins(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* adapter = make->add_subcommand("adapter", "A plugin that builds, with its tests");
   adapter->add_option("name", a.made.name, "Name of the adapter and its folder")->required();
   adapter->add_option("--language", a.made.language)
-      ->check(CLI::IsMember({"c", "cpp"}))
+      ->check(CLI::IsMember({"c", "cpp", "python"}))
       ->capture_default_str();
   adapter->add_option("--role", a.made.role)
       ->check(CLI::IsMember({"machine", "controller"}))
@@ -465,6 +466,15 @@ void add_plugins(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->add_option("--node", a.replay.node, "Node of its monitors and parameters")
       ->capture_default_str();
   command->callback([&] { chosen = [&a] { return replay(a.replay); }; });
+}
+
+void add_test(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "test", "Run a test: programs on a ring of their own, faults, expectations of signals");
+  command->add_option("file", a.file, "Test file")->required()->check(CLI::ExistingFile);
+  command->add_option("--keep", a.kept, "Folder for logs and recordings of failed tests")
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return test(a.file, a.kept); }; });
 }
 
 void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
@@ -514,7 +524,7 @@ int parse_and_run(int argc, char** argv) {
   Chosen chosen;
   for (const auto add : {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch,
                          add_fault, add_bridge, add_send, add_ring, add_bench, add_loop, add_terms,
-                         add_diagnose, add_map, add_plugins, add_rest})
+                         add_diagnose, add_map, add_plugins, add_test, add_rest})
     add(app, arguments, chosen);
   const std::vector<std::string> words{argv + 1, argv + argc};
   if (const auto result = run_hidden(app, words)) return *result;

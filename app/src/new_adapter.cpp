@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <filesystem>
 #include <utility>
@@ -32,13 +33,39 @@ void check_name(const std::string& name) {
     throw Error{fmt::format("{}: exists, expected a new folder", name)};
 }
 
-Words words_of(const NewAdapterArguments& arguments) {
+/// A language of the templates: ending of their files.
+struct Language {
+  const char *ending, *name, *cmake;
+};
+constexpr std::array kLanguages{Language{"c", "C", "C"}, Language{"cpp", "C++", "CXX"},
+                                Language{"py", "Python", ""}};
+
+const Language& language_of(const std::string& name) {
+  if (name == "c") return kLanguages[0];
+  return name == "cpp" ? kLanguages[1] : kLanguages[2];
+}
+
+// A test under the template's own machine needs a model of its specimen: a spring.
+constexpr const char* kSpring =
+    "# The specimen of this machine: a spring.\n[specimen.bouc_wen]\n"
+    "characteristic_strength_N = 0\npost_yield_stiffness_N_per_m = 5e6\n"
+    "[specimen.lead_heating]\nenabled = false\n\n";
+
+Words words_of(const NewAdapterArguments& arguments, const Language& language) {
   const bool is_machine = arguments.role == "machine";
-  const bool is_c = arguments.language == "c";
-  return {{"@NAME@", arguments.name},
+  const bool is_python = *language.cmake == '\0';
+  const auto& name = arguments.name;
+  const std::string library = is_python ? name + ".py" : "build/" + name + ".so";
+  return {{"@COMMANDS@", is_python ? "    rths check " + library + "\n    rths run experiment.toml"
+                                   : "    cmake -B build && cmake --build build\n"
+                                     "    ctest --test-dir build\n    rths run experiment.toml"},
+          {"@NAME@", name},
           {"@ROLE@", arguments.role},
-          {"@LANGUAGE@", is_c ? "C" : "CXX"},
-          {"@ENDING@", arguments.language},
+          {"@LANGUAGE@", language.cmake},
+          {"@LANGUAGE_NAME@", language.name},
+          {"@ENDING@", language.ending},
+          {"@LIBRARY@", library},
+          {"@SPECIMEN@", is_machine ? kSpring : ""},
           {"@NODE@", is_machine ? "srmd" : "xpc"},
           {"@OTHER@", is_machine ? "xpc" : "srmd"},
           {"@OTHER_ADAPTER@", is_machine
@@ -60,16 +87,18 @@ int new_adapter(const NewAdapterArguments& arguments) {
   check_name(arguments.name);
   const auto templates = shared_files() / "templates" / "adapter";
   const std::filesystem::path folder = arguments.name;
-  const std::string source = arguments.role + "." + arguments.language;
-  const Words words = words_of(arguments);
+  const Language& language = language_of(arguments.language);
+  const std::string ending = std::string{"."} + language.ending;
+  Words files{{arguments.role + ending, arguments.name + ending},
+              {"experiment.toml.in", "experiment.toml"},
+              {"README.md.in", "README.md"}};
+  if (*language.cmake != '\0') files.emplace_back("CMakeLists.txt.in", "CMakeLists.txt");
+  const Words words = words_of(arguments, language);
   std::filesystem::create_directory(folder);
-  for (const auto& [from, to] : Words{{source, arguments.name + "." + arguments.language},
-                                      {"CMakeLists.txt.in", "CMakeLists.txt"},
-                                      {"experiment.toml.in", "experiment.toml"},
-                                      {"README.md.in", "README.md"}})
+  for (const auto& [from, to] : files)
     write_file(folder / to, filled_in(read_file(templates / from, kMostTextBytes), words));
-  fmt::print("{}/: a {} in {}. README.md has the commands that build and test it\n", arguments.name,
-             arguments.role, arguments.language == "c" ? "C" : "C++");
+  fmt::print("{}/: a {} in {}. README.md has the commands that test it\n", arguments.name,
+             arguments.role, language.name);
   return kOk;
 }
 

@@ -11,6 +11,7 @@
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/plugin/plugin_adapter.hpp>
+#include <rths/plugin/python_file.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/report.hpp>
 
@@ -113,8 +114,13 @@ int replay(const ReplayArguments& arguments) {
   if (std::filesystem::is_directory(source)) source /= report::kRunFile;
   const recording::Reader run{source};
   plugin::PluginSettings settings;
-  settings.library = std::filesystem::absolute(arguments.library);
-  if (!arguments.config.empty()) settings.config = Config::load(arguments.config).to_toml();
+  const std::string config =
+      arguments.config.empty() ? "" : Config::load(arguments.config).to_toml();
+  const auto loaded = plugin::plugin_file(std::filesystem::absolute(arguments.library), config);
+  settings.library = loaded.library;
+  settings.config = loaded.config;
+  settings.title = loaded.title;
+  settings.may_allocate = loaded.is_python;
   const auto adapter = plugin::make_plugin(settings);
   Signals signals = signals_of(*adapter, run, arguments.node);
   adapter->activate();

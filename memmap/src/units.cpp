@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <mutex>
 
 #include <fmt/format.h>
 #include <udunits2.h>
@@ -49,6 +50,9 @@ UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), t
 Unit parse_unit(const std::string& text) {
   if (text == "g")
     throw Error{"unit 'g' is ambiguous, expected 'gravity' (acceleration) or 'gram' (mass)"};
+  // The parser of UDUNITS has one state for all threads.
+  static std::mutex parser;
+  const std::lock_guard lock{parser};
   const UnitHandle unit = parse(text.c_str());
   if (!unit) throw Error{fmt::format("unit '{}' does not parse", text)};
   for (const char* si : kSiUnits) {

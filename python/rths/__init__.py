@@ -10,6 +10,7 @@ All values are in SI. Every error of rths is an `rths.Error`, with one line: pla
 plugin for pytest.
 """
 from ._rths import Error, LostWrites
+from .adapter import Adapter, Input, Monitor, Output, Parameter, Status
 from .recording import Recording, load
 from .ring import Follower, Node, Ring, Signal, Write, attach, create_ring, in_process_ring, ring_names
 from .runs import Cause, Run, Verdict, command, diagnose, run
@@ -18,6 +19,7 @@ for _error in (Error, LostWrites):
     _error.__module__ = "rths"
 
 __all__ = [
-    "Cause", "Error", "Follower", "LostWrites", "Node", "Recording", "Ring", "Run", "Signal", "Verdict", "Write",
-    "attach", "command", "create_ring", "diagnose", "in_process_ring", "load", "ring_names", "run",
+    "Adapter", "Cause", "Error", "Follower", "Input", "LostWrites", "Monitor", "Node", "Output", "Parameter", "Recording",
+    "Ring", "Run", "Signal", "Status", "Verdict", "Write", "attach", "command", "create_ring", "diagnose",
+    "in_process_ring", "load", "ring_names", "run",
 ]

@@ -21,7 +21,7 @@ py::capsule kept(T value) {
 
 }  // namespace
 
-py::array_t<std::uint32_t> view_of(Member& member, const std::string& partition) {
+py::array_t<std::uint32_t> view_of(SignalNode& member, const std::string& partition) {
   const auto [words, is_writable] = member.words_of(partition);
   py::array_t<std::uint32_t> view{static_cast<py::ssize_t>(words.size()), words.data(),
                                   kept(member.ring())};

@@ -37,31 +37,7 @@ class Waiting {
 
 }  // namespace
 
-Follower::Follower(std::shared_ptr<RingHandle> ring, const std::vector<std::string>& signals)
-    : ring_{std::move(ring)} {
-  if (signals.empty()) throw Error{"expected at least one signal to follow"};
-  std::vector<broker::LongwordRange> words;
-  for (const auto& signal : signals) {
-    entries_.push_back(&ring_->entry(signal));
-    words.push_back({entries_.back()->signal->offset, 1});
-  }
-  waiter_.emplace(ring_->ring().wait_for(words));
-}
-
-Change Follower::change_of(const broker::Write& write) {
-  Change change{ring_->map().node_name(write.writer), {}};
-  const std::uint32_t begin = write.offset.value();
-  for (const auto* const entry : entries_) {
-    const std::uint32_t offset = entry->signal->offset.value();
-    if (offset < begin) continue;
-    if (write.group.empty() ? offset != begin : offset - begin >= write.group.size()) continue;
-    const std::uint32_t word = write.group.empty() ? write.value : write.group[offset - begin];
-    change.values.emplace_back(entry->name, ring_->codec(*entry).decode(word));
-  }
-  return change;
-}
-
-std::optional<Change> Follower::wait(double timeout_s) {
+std::optional<testkit::Change> Follower::wait(double timeout_s) {
   const TimePoint deadline = deadline_after(timeout_s);
   const Waiting waiting{is_waiting_};
   const WallClock clock;
@@ -70,9 +46,9 @@ std::optional<Change> Follower::wait(double timeout_s) {
     Status status = Status::Late;
     {
       const pybind11::gil_scoped_release release;
-      status = waiter_->wait(std::min(deadline, clock.now() + kSignalPeriod), write);
+      status = follower_->wait(std::min(deadline, clock.now() + kSignalPeriod), write);
     }
-    if (status == Status::Ok) return change_of(write);
+    if (status == Status::Ok) return follower_->change_of(write);
     if (status == Status::LimitExceeded)
       throw LostWrites{"this follower was more than a journal behind: some writes were lost"};
     if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set{};

@@ -7,11 +7,10 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/units.hpp>
+#include <rths/testkit/expectation.hpp>
 
 #include "bindings.hpp"
 #include "follower.hpp"
-#include "member.hpp"
-#include "ring_handle.hpp"
 
 namespace rths::python {
 namespace {
@@ -35,14 +34,14 @@ py::dict description_of(const memmap::SignalEntry& entry, const memmap::Codec& c
                   "values"_a = values, "tear_group"_a = entry.partition->tear_group);
 }
 
-py::list signals_of(RingHandle& ring) {
+py::list signals_of(SignalRing& ring) {
   py::list signals;
   for (const auto& entry : ring.map().signals())
     signals.append(description_of(entry, ring.codec(entry)));
   return signals;
 }
 
-std::vector<std::string> nodes_of(RingHandle& ring) {
+std::vector<std::string> nodes_of(SignalRing& ring) {
   std::vector<std::string> names;
   for (const auto& node : ring.map().description().nodes) names.push_back(node.name);
   return names;
@@ -55,34 +54,43 @@ std::vector<std::string> ring_names() {
 }
 
 void bind_ring(py::module_& module) {
-  py::class_<RingHandle, std::shared_ptr<RingHandle>>(module, "Ring")
-      .def_static("create", &RingHandle::create, py::arg("name"), py::arg("map_file"), Unlocked{})
-      .def_static("attach", &RingHandle::attach, py::arg("name"), Unlocked{})
-      .def_static("in_process", &RingHandle::in_process, py::arg("map_file"), Unlocked{})
-      .def("join", &RingHandle::join, py::arg("node"), py::arg("plain"))
-      .def("observe", &RingHandle::observe)
-      .def("follow", &RingHandle::follow, py::arg("signals"))
+  py::class_<SignalRing, std::shared_ptr<SignalRing>>(module, "Ring")
+      .def_static("create", &SignalRing::create, py::arg("name"), py::arg("map_file"), Unlocked{})
+      .def_static("attach", &SignalRing::attach, py::arg("name"), Unlocked{})
+      .def_static("in_process", &SignalRing::in_process, py::arg("map_file"), Unlocked{})
+      .def("join", &SignalRing::join, py::arg("node"), py::arg("plain"))
+      .def("observe", &SignalRing::observe)
+      .def(
+          "follow",
+          [](const std::shared_ptr<SignalRing>& ring, const std::vector<std::string>& signals) {
+            return std::make_unique<Follower>(ring, signals);
+          },
+          py::arg("signals"))
       .def("signals", &signals_of)
       .def("nodes", &nodes_of)
-      .def_property_readonly("map_toml", [](RingHandle& r) { return r.map().to_toml(); })
-      .def_property_readonly("map_name", [](RingHandle& r) { return r.map().description().name; });
+      .def_property_readonly("map_toml", [](SignalRing& r) { return r.map().to_toml(); })
+      .def_property_readonly("map_name", [](SignalRing& r) { return r.map().description().name; });
 }
 
 void bind_members(py::module_& module) {
-  py::class_<Member>(module, "Node")
-      .def_property_readonly("name", &Member::name)
-      .def("read", &Member::read, py::arg("signals"))
-      .def("write", &Member::write, py::arg("values"))
+  py::class_<SignalNode>(module, "Node")
+      .def_property_readonly("name", &SignalNode::name)
+      .def("read", py::overload_cast<const std::vector<std::string>&>(&SignalNode::read),
+           py::arg("signals"))
+      .def("write",
+           py::overload_cast<const std::vector<std::pair<std::string, testkit::Value>>&>(
+               &SignalNode::write),
+           py::arg("values"))
       .def("view", &view_of, py::arg("partition"))
-      .def("beat", &Member::beat)
-      .def("beats_of", &Member::beats_of, py::arg("node"))
-      .def("presence_of", &Member::presence_of, py::arg("node"))
-      .def_property_readonly("has_left", &Member::has_left)
-      .def("leave", &Member::leave);
+      .def("beat", &SignalNode::beat)
+      .def("beats_of", &SignalNode::beats_of, py::arg("node"))
+      .def("presence_of", &SignalNode::presence_of, py::arg("node"))
+      .def_property_readonly("has_left", &SignalNode::has_left)
+      .def("leave", &SignalNode::leave);
 
-  py::class_<Change>(module, "Change")
-      .def_readonly("node", &Change::node)
-      .def_readonly("values", &Change::values);
+  py::class_<testkit::Change>(module, "Change")
+      .def_readonly("node", &testkit::Change::node)
+      .def_readonly("values", &testkit::Change::values);
   py::class_<Follower>(module, "Follower").def("wait", &Follower::wait, py::arg("timeout_s"));
 }
 
@@ -91,9 +99,11 @@ void bind_members(py::module_& module) {
 PYBIND11_MODULE(_rths, module) {
   const auto error = py::register_exception<Error>(module, "Error", PyExc_RuntimeError);
   py::register_exception<LostWrites>(module, "LostWrites", error);
+  py::register_exception<testkit::NotMet>(module, "NotMet", PyExc_AssertionError);
   bind_ring(module);
   bind_members(module);
   bind_recording(module);
+  bind_testkit(module);
   module.def("ring_names", &ring_names);
   module.def("remove_ring", &broker::remove_ring, py::arg("name"));
 }

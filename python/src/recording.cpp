@@ -22,7 +22,7 @@ std::vector<EventTuple> events_of(const Reader& reader) {
   return events;
 }
 
-std::unique_ptr<Writer> writer_for(const std::filesystem::path& file, RingHandle& ring,
+std::unique_ptr<Writer> writer_for(const std::filesystem::path& file, SignalRing& ring,
                                    const std::vector<std::string>& signals,
                                    const recording::NamedTexts& meta) {
   std::vector<SignalId> ids;

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <cmath>
 #include <ostream>
+#include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -53,6 +57,19 @@ TEST(Unit, ShiftsCelsius) {
 TEST(Unit, RefusesTheAmbiguousG) {
   EXPECT_EQ(test::error_of([] { static_cast<void>(parse_unit("g")); }),
             "unit 'g' is ambiguous, expected 'gravity' (acceleration) or 'gram' (mass)");
+}
+
+TEST(Unit, IsReadByManyThreadsAtOnce) {
+  std::atomic<int> wrong{0};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i)
+    threads.emplace_back([&wrong] {
+      for (int k = 0; k < 25; ++k)
+        if (std::abs(parse_unit("kN/mm").scale - 1e6) > 1e-6) ++wrong;
+    });
+  for (auto& thread : threads) thread.join();
+
+  EXPECT_EQ(wrong.load(), 0);
 }
 
 }  // namespace

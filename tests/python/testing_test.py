@@ -14,7 +14,7 @@ pytest_plugins = ["pytester"]
 
 
 def start_spring(lab, *arguments):
-    return lab.start([sys.executable, SPRING, lab.name, *arguments], name="machine", node="machine")
+    lab.start([sys.executable, SPRING, "{ring}", *arguments], node="machine")
 
 
 def test_a_program_plays_a_node(rths_lab):
@@ -96,6 +96,68 @@ def test_a_frozen_process_answers_after_it_thaws(rths_lab):
     lab.expect_within(5, "machine.force", 1e4)
 
 
+def start_linked_spring(lab):
+    lab.start([sys.executable, SPRING, "{ring}"], node="machine", linked=True)
+    solver = lab.join("solver")
+    solver.write("solver.displacement", 0.01)
+    lab.expect_within(5, "machine.force", 1e4)
+    return solver
+
+
+@pytest.mark.parametrize("dropped", ["machine", "machine.force"])
+def test_dropped_messages_do_not_arrive(rths_lab, dropped):
+    lab = rths_lab(TWO_SIGNALS)
+    solver = start_linked_spring(lab)
+
+    lab.drop(dropped)
+    solver.write("solver.displacement", 0.02)
+    lab.never(0.1, "machine.force", 2e4)
+    lab.restore("machine")
+    solver.write("solver.displacement", 0.03)
+
+    lab.expect_within(5, "machine.force", 3e4)
+
+
+def test_delayed_messages_arrive_in_their_order(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+    solver = start_linked_spring(lab)
+    forces = lab.ring.follow("machine.force")
+    begun = time.monotonic()
+
+    lab.delay("machine", 0.1)
+    solver.write("solver.displacement", 0.02)
+    solver.write("solver.displacement", 0.03)
+
+    assert [forces.wait(5).values["machine.force"] for _ in range(2)] == pytest.approx([2e4, 3e4])
+    assert time.monotonic() - begun >= 0.1
+
+
+def test_a_flipped_bit_changes_the_sign(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+    solver = start_linked_spring(lab)
+
+    lab.flip("machine.force", 31)
+    solver.write("solver.displacement", 0.02)
+
+    lab.expect_within(5, "machine.force", -2e4, tolerance=1)
+
+
+def test_messages_of_a_process_that_is_not_linked_cannot_be_changed(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+    start_spring(lab)
+
+    with pytest.raises(rths.Error, match="node 'machine' is not linked"):
+        lab.drop("machine")
+
+
+def test_a_process_that_fails_fails_the_test(rths_lab):
+    lab = rths_lab(TWO_SIGNALS)
+    lab.start([sys.executable, "-c", "raise SystemExit('out of memory')"], name="model")
+
+    with pytest.raises(AssertionError, match="program 'model' ended with 1: out of memory"):
+        lab.never(5, "machine.force", 1e4)
+
+
 def test_a_run_has_a_ring_and_a_folder_of_its_own(rths_lab, fake_command):
     lab = rths_lab(TWO_SIGNALS)
     fake_command('echo "$@"; echo "recording $6/run.h5"')
@@ -109,7 +171,7 @@ def test_a_run_has_a_ring_and_a_folder_of_its_own(rths_lab, fake_command):
 def test_a_process_that_ends_early_fails_with_its_output(rths_lab):
     lab = rths_lab(TWO_SIGNALS)
 
-    with pytest.raises(AssertionError, match="ended with 1 before node 'machine'.*\n.*no_such_ring"):
+    with pytest.raises(AssertionError, match="before node 'machine' was on the ring: .*ended with 1: .*no_such_ring"):
         lab.start([sys.executable, SPRING, "no_such_ring"], name="machine", node="machine")
 
 
@@ -148,8 +210,10 @@ def test_nothing_is_left_of_a_test_that_passed(pytester):
 
         def test_passes(rths_lab):
             lab = rths_lab({str(TWO_SIGNALS)!r})
-            process = lab.start([sys.executable, "-c", "import time; time.sleep(60)"], name="sleeper")
-            open("left", "w").write(f"{{lab.name}} {{process.pid}}")
+            lab.start([sys.executable, "-uc", "import os, time; print(os.getpid()); time.sleep(60)"], name="sleeper")
+            while not (pid := lab.log("sleeper").strip()):
+                pass
+            open("left", "w").write(f"{{lab.name}} {{pid}}")
     """)
 
     pytester.runpytest_subprocess("-p", "rths.testing").assert_outcomes(passed=1)

@@ -164,7 +164,7 @@ void first_trial(const std::filesystem::path& file, const ConformanceSettings& s
     candidate.deactivate();
     candidate.destroy();
     for (const Rule rule : {kLifecycle, kNan, kBounds, kRestart, kCrash}) report.pass(rule);
-    if (rths_heap_calls != nullptr) report.pass(kAllocation);
+    if (rths_heap_calls != nullptr && !settings.may_allocate) report.pass(kAllocation);
   } catch (const Ended&) {
     return;  // the report says why
   }

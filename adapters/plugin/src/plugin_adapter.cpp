@@ -95,7 +95,7 @@ PluginAdapter::PluginAdapter(const PluginSettings& settings)
     : settings_{settings},
       library_{settings.library, settings.built_in},
       adapter_{library_.adapter()},
-      title_{library_.title()} {
+      title_{settings.title.empty() ? library_.title() : settings.title} {
   std::array<char, 400> error{};
   set_up("create", [&] {
     self_ = adapter_.create(settings_.config.c_str(), error.data(), error.size() - 1);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/plugin/child_adapter.hpp>
+#include <rths/plugin/python_file.hpp>
 
 namespace rths::plugin {
 namespace {
@@ -67,9 +68,11 @@ std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Host
     plugin.step_deadline = context.is_virtual ? kStepDeadlineInVirtualTime : kStepDeadline;
   if (!hosting.own_process) return make_plugin(plugin);
   ChildSettings child;
-  child.title =
-      fmt::format("{} of node '{}' ({})", plugin.built_in ? plugin.built_in->name : "plugin",
-                  context.node, plugin.library.filename().string());
+  child.title = plugin.title;
+  if (child.title.empty())
+    child.title =
+        fmt::format("{} of node '{}' ({})", plugin.built_in ? plugin.built_in->name : "plugin",
+                    context.node, plugin.library.filename().string());
   child.step_deadline = plugin.step_deadline + kChildMargin;
   child.priority = context.is_virtual ? 0 : hosting.priority;
   return make_child([plugin] { return make_plugin(plugin); }, child);
@@ -78,12 +81,18 @@ std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Host
 NodeSettings read_plugin(const std::string& /*node*/, const Config& table,
                          const TestSetup& /*setup*/) {
   NodeSettings settings = read_role(table);
-  const Hosting hosting = read_hosting(table);
+  const auto file = table.resolve(table.text("library"));
+  if (!std::filesystem::exists(file))
+    table.fail("library", fmt::format("library is '{}', expected a file", file.string()));
+  const std::string config = table.table_or_empty("config").to_toml();
+  const auto found = table.placed("library", [&] { return plugin_file(file, config); });
+  Hosting hosting = read_hosting(table);
+  // An interpreter uses the heap, and a jump out of it would leave it in a bad state.
+  if (found.is_python) hosting.may_allocate = hosting.own_process = true;
   PluginSettings plugin;
-  plugin.library = table.resolve(table.text("library"));
-  if (!std::filesystem::exists(plugin.library))
-    table.fail("library", fmt::format("library is '{}', expected a file", plugin.library.string()));
-  plugin.config = table.table_or_empty("config").to_toml();
+  plugin.library = found.library;
+  plugin.config = found.config;
+  plugin.title = found.title;
   settings.make = [=](const TestSetup& setup, const NodeContext& context) {
     return make_hosted(plugin, hosting, setup, context);
   };

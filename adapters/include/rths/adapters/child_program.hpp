@@ -19,6 +19,7 @@ struct ProgramStart {
   std::filesystem::path log;           ///< its output
   /// Variables in addition to those of this process.
   std::vector<std::pair<std::string, std::string>> environment;
+  bool is_favoured = true;  ///< by the scheduler, if permitted: every step waits for it
 };
 
 /// A user's program in a child process that ends with this process. Otherwise it would poll its

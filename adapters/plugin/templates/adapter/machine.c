@@ -1,81 +1,52 @@
-/* A test machine: a first-order lag, and a specimen that is a spring with a damper. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+/* A test machine: a valve and a platen that follow the reference, and a specimen that is a spring.
+ */
+#include <rths_adapter_simple.h>
 
-#include <rths_adapter.h>
-
-enum { AXES = 2, LAG = AXES, STIFFNESS };             /* of the inputs */
-enum { DISPLACEMENT, FORCE = AXES, ECHO = 2 * AXES }; /* of the outputs */
-
-typedef struct {
-  double displacement[AXES]; /* [m] */
-  double last_time;          /* [s] */
-} Machine;
+enum { AXES = 2, LOAD = AXES, BANDWIDTH, STIFFNESS, PLATEN };                  /* of the inputs */
+enum { DISPLACEMENT, ACCELERATION = 2, FORCE = 4, ECHO = 6, COMPRESSION = 8 }; /* of the outputs */
+static const double kStroke = 1.5, kDamping = 0.7, kValve = 0.01;              /* [m], [-], [s] */
 
 static const rths_signal kSignals[] = {
     {"xpc.long.displ.ref", "m", RTHS_INPUT, 0, 0, 0, 0},
     {"xpc.lat.displ.ref", "m", RTHS_INPUT, 0, 0, 0, 0},
-    {"lag", "s", RTHS_PARAMETER, 0, 0.02, 0.001, 1},
+    {"xpc.compression.force.ref", "N", RTHS_INPUT, 0, 0, 0, 0},
+    {"bandwidth", "rad/s", RTHS_PARAMETER, 0, 40, 1, 500},
     {"stiffness", "N/m", RTHS_PARAMETER, 0, 5e6, 0, 1e9},
+    {"platen", "kg", RTHS_PARAMETER, 0, 115e3, 0, 1e6},
     {"srmd.long.displ.fbk", "m", RTHS_OUTPUT, 0, 0, -1.5, 1.5},
     {"srmd.lat.displ.fbk", "m", RTHS_OUTPUT, 0, 0, -1.5, 1.5},
+    {"srmd.long.accel.fbk", "m/s2", RTHS_OUTPUT, 0, 0, 0, 0},
+    {"srmd.lat.accel.fbk", "m/s2", RTHS_OUTPUT, 0, 0, 0, 0},
     {"srmd.long.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
     {"srmd.lat.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
     {"srmd.long.displ.ref_echo", "m", RTHS_OUTPUT, 0, 0, 0, 0},
     {"srmd.lat.displ.ref_echo", "m", RTHS_OUTPUT, 0, 0, 0, 0},
+    {"srmd.compression.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
 };
 
-static void* create(const char* config_toml, char* error, uint32_t error_size) {
-  Machine* machine = calloc(1, sizeof *machine);
-  (void)config_toml; /* this machine has no settings of its own */
-  if (machine == NULL) snprintf(error, error_size, "no memory");
-  return machine;
-}
+typedef struct {
+  double valve[AXES], displacement[AXES], velocity[AXES], last_time; /* [m], [m/s], [s] */
+} Machine;
 
-static const rths_signal* list(void* self, uint32_t* count) {
-  (void)self;
-  *count = sizeof kSignals / sizeof *kSignals;
-  return kSignals;
-}
-
-static rths_status activate(void* self, char* error, uint32_t error_size) {
-  (void)error, (void)error_size;
-  memset(self, 0, sizeof(Machine)); /* the initial state, also at a restart */
-  return RTHS_OK;
-}
-
-static rths_status step(void* self, double time_s, const double* in, double* out) {
-  Machine* machine = self;
-  const double passed = time_s - machine->last_time;
+static rths_status step(Machine* machine, double time_s, const double* in, double* out) {
+  const double passed = time_s - machine->last_time, bandwidth = in[BANDWIDTH];
   rths_status status = RTHS_OK;
   for (int i = 0; i < AXES; ++i) {
-    double* x = &machine->displacement[i];
-    *x += (in[i] - *x) * passed / (passed + in[LAG]);
-    if (*x < -1.5 || *x > 1.5) status = RTHS_LIMIT_EXCEEDED;
-    *x = *x < -1.5 ? -1.5 : *x > 1.5 ? 1.5 : *x;
+    double *x = &machine->displacement[i], *v = &machine->velocity[i], *valve = &machine->valve[i];
+    *valve += (in[i] - *valve) * passed / (passed + kValve);
+    const double acceleration = bandwidth * (bandwidth * (*valve - *x) - 2 * kDamping * *v);
+    *v += acceleration * passed;
+    *x += *v * passed;
+    if (*x < -kStroke || *x > kStroke) status = RTHS_LIMIT_EXCEEDED;
+    *x = *x < -kStroke ? -kStroke : *x > kStroke ? kStroke : *x;
     out[DISPLACEMENT + i] = *x;
-    out[FORCE + i] = in[STIFFNESS] * *x;
+    out[ACCELERATION + i] = acceleration;
+    out[FORCE + i] = in[STIFFNESS] * *x + in[PLATEN] * acceleration;
     out[ECHO + i] = in[i];
   }
+  out[COMPRESSION] = in[LOAD];
   machine->last_time = time_s;
   return status;
 }
 
-static void deactivate(void* self) { (void)self; }
-
-const rths_adapter* rths_adapter_entry(void) {
-  static const rths_adapter adapter = {RTHS_ADAPTER_ABI,
-                                       sizeof(rths_adapter),
-                                       "@NAME@",
-                                       "0.1",
-                                       create,
-                                       list,
-                                       activate,
-                                       step,
-                                       deactivate,
-                                       free,
-                                       NULL,
-                                       NULL};
-  return &adapter;
-}
+RTHS_SIMPLE_ADAPTER(Machine, "@NAME@", "0.1", kSignals, step)

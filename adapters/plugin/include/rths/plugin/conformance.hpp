@@ -16,8 +16,9 @@ using adapters::Finding;
 struct ConformanceSettings {
   const rths_adapter* built_in = nullptr;  ///< of this program; the rule exports is not tried
   std::string config;                      ///< TOML text, for the plugin
-  double period = 1e-3;                    ///< of the steps [s]
-  double step_deadline = 2;  ///< of a call, if it uses the processor [s]; else five times that
+  bool may_allocate = false;  ///< a step may use the heap: the rule allocation is not tried
+  double period = 1e-3;       ///< of the steps [s]
+  double step_deadline = 2;   ///< of a call, if it uses the processor [s]; else five times that
 };
 
 /// Tries a plugin against all rules: exports, abi, lifecycle, signals, units, range, nan, bounds,

@@ -16,6 +16,7 @@ struct PluginSettings {
   std::filesystem::path library;
   const rths_adapter* built_in = nullptr;  ///< of this program; `library` is the file that it reads
   std::string config;                      ///< TOML text, for the plugin
+  std::string title;                       ///< for messages; empty: "plugin 'name' (file)"
   adapters::Retreat retreat;
   double step_deadline = 0.3;  ///< of a step, wall time [s]
   bool may_allocate = false;   ///< a step that uses the heap is not a fault

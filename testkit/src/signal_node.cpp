@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "member.hpp"
+#include <rths/testkit/signals.hpp>
 
 #include <cmath>
 #include <map>
@@ -8,30 +8,14 @@
 
 #include <rths/core/error.hpp>
 
-namespace rths::python {
+namespace rths::testkit {
 namespace {
 
 std::size_t index_in_group(const memmap::SignalEntry& entry) {
   return entry.signal->offset.value() - entry.partition->base.value();
 }
 
-// [SI]
-double number_of(const memmap::SignalEntry& entry, const memmap::Codec& codec, const Value& value) {
-  if (const auto* const number = std::get_if<double>(&value)) return *number;
-  const auto& text = std::get<std::string>(value);
-  std::vector<std::string> names;
-  for (const auto& [name, named] : entry.signal->values) {
-    if (name == text) return codec.to_si(static_cast<double>(named));
-    names.push_back(name);
-  }
-  throw Error{
-      fmt::format("{}='{}': expected a number{}", entry.name, text,
-                  names.empty() ? "" : fmt::format(" or one of: {}", fmt::join(names, ", ")))};
-}
-
-std::uint32_t word_of(const memmap::SignalEntry& entry, const memmap::Codec& codec,
-                      const Value& value) {
-  const double si = number_of(entry, codec, value);
+std::uint32_t word_of(const memmap::SignalEntry& entry, const memmap::Codec& codec, double si) {
   if (!std::isfinite(si))
     throw Error{fmt::format("{}={}: expected a finite number", entry.name, si)};
   if (const auto& range = entry.signal->range) {
@@ -49,18 +33,18 @@ std::uint32_t word_of(const memmap::SignalEntry& entry, const memmap::Codec& cod
 
 }  // namespace
 
-broker::Node& Member::node() {
+broker::Node& SignalNode::node() {
   if (!node_)
     throw Error{name_.empty() ? "this observer has left the ring"
                               : fmt::format("node '{}' has left the ring", name_)};
   return *node_;
 }
 
-void Member::check_memory() {
+void SignalNode::check_memory() {
   if (node().is_ring_lost()) throw Error{"the memory of the ring was lost: it was truncated"};
 }
 
-std::vector<std::uint32_t> Member::group_of(const memmap::Partition& partition) {
+std::vector<std::uint32_t> SignalNode::group_of(const memmap::Partition& partition) {
   std::vector<std::uint32_t> words(partition.longwords);
   if (node().read_group(ring_->ring().tear_group(partition.name), words) != Status::Ok)
     throw Error{
@@ -68,7 +52,7 @@ std::vector<std::uint32_t> Member::group_of(const memmap::Partition& partition) 
   return words;
 }
 
-std::vector<double> Member::read(const std::vector<std::string>& signals) {
+std::vector<double> SignalNode::read(const std::vector<std::string>& signals) {
   std::map<const memmap::Partition*, std::vector<std::uint32_t>> groups;
   std::vector<double> values;
   for (const auto& signal : signals) {
@@ -86,7 +70,7 @@ std::vector<double> Member::read(const std::vector<std::string>& signals) {
   return values;
 }
 
-void Member::check_owner(const memmap::SignalEntry& entry) {
+void SignalNode::check_owner(const memmap::SignalEntry& entry) {
   if (name_.empty())
     throw Error{fmt::format("{}: this program observes the ring; join as node '{}' to write it",
                             entry.name, entry.partition->node)};
@@ -98,18 +82,18 @@ void Member::check_owner(const memmap::SignalEntry& entry) {
                             entry.name, name_)};
 }
 
-void Member::write_word(const memmap::SignalEntry& entry, std::uint32_t word) {
+void SignalNode::write_word(const memmap::SignalEntry& entry, std::uint32_t word) {
   if (node().write(entry.signal->offset, word) != Status::Ok)
     throw Error{fmt::format("{}: the ring refused the write", entry.name)};
 }
 
-void Member::write(const std::vector<std::pair<std::string, Value>>& values) {
+void SignalNode::write(const std::vector<std::pair<std::string, Value>>& values) {
   std::vector<std::pair<const memmap::SignalEntry*, std::uint32_t>> words;
   std::map<const memmap::Partition*, std::vector<std::uint32_t>> groups;
   for (const auto& [signal, value] : values) {
     const auto& entry = ring_->entry(signal);
     check_owner(entry);
-    const std::uint32_t word = word_of(entry, ring_->codec(entry), value);
+    const std::uint32_t word = word_of(entry, ring_->codec(entry), ring_->number(entry, value));
     words.emplace_back(&entry, word);
     if (!entry.partition->tear_group) continue;
     auto& group = groups[entry.partition];
@@ -133,17 +117,17 @@ void Member::write(const std::vector<std::pair<std::string, Value>>& values) {
   check_memory();
 }
 
-Member::Words Member::words_of(const std::string& partition) {
+SignalNode::Words SignalNode::words_of(const std::string& partition) {
   const auto& found = ring_->partition(partition);
   const bool is_writable = found.node == name_ && !node().plain_memory().empty();
   return {node().memory().subspan(found.base.value(), found.longwords), is_writable};
 }
 
-std::uint64_t Member::beats_of(const std::string& other) {
+std::uint64_t SignalNode::beats_of(const std::string& other) {
   return node().beats_of(ring_->map().node(other));
 }
 
-std::string Member::presence_of(const std::string& other) {
+std::string SignalNode::presence_of(const std::string& other) {
   switch (node().presence_of(ring_->map().node(other)).state) {
     case broker::Presence::State::Absent:
       return "absent";
@@ -155,4 +139,4 @@ std::string Member::presence_of(const std::string& other) {
   return "absent";
 }
 
-}  // namespace rths::python
+}  // namespace rths::testkit

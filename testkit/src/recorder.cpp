@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "recorder.hpp"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <rths/broker/watch.hpp>
+#include <rths/recording/recording.hpp>
+
+namespace rths::testkit {
+namespace {
+
+constexpr Duration kRecorderLook = std::chrono::milliseconds{10};  // for the end
+constexpr Duration kStoreLook = std::chrono::microseconds{500};    // at stores through pointers
+constexpr Duration kRow = std::chrono::milliseconds{1};
+constexpr Duration kLastWrites = std::chrono::milliseconds{500};  // may take so long
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t kMostEntries = 16'000'000;  // 256 MB
+
+bool has_plain_node(const broker::Watch& watch, const memmap::Map& map) {
+  for (const auto& node : map.description().nodes)
+    if (watch.is_plain(node.name)) return true;
+  return false;
+}
+
+}  // namespace
+
+Recorder::Recorder(const std::string& ring)
+    : ring_{SignalRing::attach(ring)},
+      observer_{ring_->ring().observe()},
+      waiter_{ring_->ring().wait_for({}, Duration{0})},
+      begun_{WallClock{}.now()} {
+  const auto& signals = ring_->map().signals();
+  for (std::uint32_t i = 0; i < signals.size(); ++i) {
+    const std::uint32_t offset = signals[i].signal->offset.value();
+    if (offset >= signals_.size()) signals_.resize(offset + 1, kNone);
+    signals_[offset] = i;
+    first_.push_back(ring_->codec(signals[i]).decode(observer_.read(signals[i].signal->offset)));
+  }
+  thread_ = std::thread{[this] { record(); }};
+}
+
+void Recorder::record() {
+  const WallClock clock;
+  broker::Watch watch{ring_->ring()};
+  TimePoint next_look{0};
+  TimePoint latest{std::numeric_limits<TimePoint::rep>::max()};
+  for (;;) {
+    const TimePoint now = clock.now();
+    const bool ends = ends_.load();
+    if (ends) latest = std::min(latest, now + kLastWrites);
+    if (now >= next_look) {
+      static_cast<void>(watch.look());
+      next_look = now + (has_plain_node(watch, ring_->map()) ? kStoreLook : kRecorderLook);
+    }
+    broker::Write write;
+    const Status status = waiter_.wait(ends ? TimePoint{0} : next_look, write);
+    if (status == Status::Ok) take(write);
+    if (status == Status::LimitExceeded) ++missing_;
+    if ((ends && status == Status::Late) || now > latest) return;
+  }
+}
+
+void Recorder::take(const broker::Write& write) {
+  const Duration time = WallClock{}.now() - begun_;
+  const std::span<const std::uint32_t> words =
+      write.group.empty() ? std::span{&write.value, 1} : write.group;
+  for (std::uint32_t i = 0; i < words.size(); ++i) {
+    const std::uint32_t offset = write.offset.value() + i;
+    const std::uint32_t signal = offset < signals_.size() ? signals_[offset] : kNone;
+    if (signal == kNone) continue;
+    if (entries_.size() < kMostEntries)
+      entries_.push_back({time, signal, words[i]});
+    else
+      ++missing_;
+  }
+}
+
+void Recorder::end() {
+  ends_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+void Recorder::write(const std::filesystem::path& file) {
+  end();
+  const auto& signals = ring_->map().signals();
+  std::vector<SignalId> ids;
+  for (const auto& entry : signals) ids.push_back(ring_->map().signal(entry.name));
+  recording::RecordingInfo info;
+  info.meta = {{"made_by", "rths testkit"}, {"writes_missing", fmt::format("{}", missing_)}};
+  recording::Writer writer{file, ring_->map(), ids, info};
+  std::vector<double> row = first_;
+  std::vector<bool> has_changed(row.size(), false);
+  writer.append(Duration{0}, row);
+  Duration begin{0}, last{0};  // of the changes in this row
+  const auto flush = [&] {
+    if (last == Duration{0}) return;
+    writer.append(last, row);
+    has_changed.assign(row.size(), false);
+  };
+  Duration written{0};
+  for (const auto& entry : entries_) {
+    if (has_changed[entry.signal] || entry.time - begin > kRow) {
+      flush();
+      written = last;
+      begin = entry.time;
+    }
+    row[entry.signal] = ring_->codec(signals[entry.signal]).decode(entry.word);
+    has_changed[entry.signal] = true;
+    last = std::max(entry.time, written + Duration{1});
+  }
+  flush();
+  writer.close();
+}
+
+}  // namespace rths::testkit

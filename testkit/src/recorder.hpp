@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <rths/testkit/signals.hpp>
+
+namespace rths::testkit {
+
+/// Keeps every change of a ring in memory, in a thread of its own, and journals the stores of
+/// programs for the cards, so that others can follow them.
+class Recorder {
+ public:
+  explicit Recorder(const std::string& ring);
+  ~Recorder() { end(); }
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// Ends the thread. Twice has no effect.
+  void end();
+  /// Writes all signals [SI] to a recording. Changes of different signals within a millisecond
+  /// share a row. @throws Error if the file cannot be written
+  void write(const std::filesystem::path& file);
+
+ private:
+  struct Entry {
+    Duration time;  ///< since the begin
+    std::uint32_t signal;
+    std::uint32_t word;
+  };
+  void record();
+  void take(const broker::Write& write);
+
+  std::shared_ptr<SignalRing> ring_;
+  broker::Node observer_;
+  broker::Waiter waiter_;
+  std::vector<std::uint32_t> signals_;  ///< by offset; kNone: no signal begins there
+  std::vector<double> first_;           ///< values at the begin [SI]
+  std::vector<Entry> entries_;
+  std::uint64_t missing_ = 0;  ///< writes that were lost, or for which there was no room
+  TimePoint begun_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+}  // namespace rths::testkit

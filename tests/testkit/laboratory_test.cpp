@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/testkit/gtest.hpp>
+
+#include <csignal>
+
+#include <gtest/gtest-spi.h>
+
+#include <rths/recording/recording.hpp>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+#include "support/waiting.hpp"
+
+namespace rths::testkit {
+namespace {
+
+std::string two_signals() {
+  return (test::source_tree() / "examples/python/two_signals.ringmap.toml").string();
+}
+
+/// A machine of the C++ API: answers each command with the force of a spring of 1 MN/m.
+Program spring(bool is_linked = false) {
+  return {"machine", {(test::build_tree() / "bin/rths_test_spring").string(), "{ring}"}, is_linked};
+}
+
+class LaboratoryOfATest : public LaboratoryTest {
+ protected:
+  Laboratory& with_spring(bool is_linked = false) {
+    auto& lab = laboratory(two_signals(), 20);
+    lab.start(spring(is_linked));
+    solver_ = lab.join("solver");
+    move(0.01);
+    lab.expect_within(5, "machine.force", 1e4);
+    return lab;
+  }
+  void move(double displacement) { solver_->write("solver.displacement", displacement); }
+
+ private:
+  std::unique_ptr<SignalNode> solver_;
+};
+
+TEST_F(LaboratoryOfATest, HasAProgramThatAnswers) {
+  with_spring();
+  move(0.1);
+  expect_within(5, "machine.force", {1e5, 10});
+  never(0.02, "machine.force", above(1.1e5));
+}
+
+TEST_F(LaboratoryOfATest, CarriesTheMessagesOfALinkedProgramInBothDirections) {
+  with_spring(true);
+  for (const double displacement : {0.02, 0.03, 0.04}) {
+    move(displacement);
+    expect_within(5, "machine.force", 1e6 * displacement);
+  }
+}
+
+TEST_F(LaboratoryOfATest, DropsMessagesUntilTheyAreRestored) {
+  auto& lab = with_spring(true);
+  lab.drop("machine");
+  move(0.02);
+  never(0.05, "machine.force", 2e4);
+  lab.restore("machine");
+  move(0.03);
+  expect_within(5, "machine.force", 3e4);
+}
+
+TEST_F(LaboratoryOfATest, FlipsABitOfASignal) {
+  auto& lab = with_spring(true);
+  lab.flip("machine.force", 31);
+  move(0.02);
+  expect_within(5, "machine.force", {-2e4, 1});
+}
+
+TEST_F(LaboratoryOfATest, DelaysMessages) {
+  auto& lab = with_spring(true);
+  lab.delay("machine", 0.1);
+  move(0.02);
+  never(0.08, "machine.force", 2e4);
+  expect_within(5, "machine.force", 2e4);
+}
+
+TEST_F(LaboratoryOfATest, FreezesAndThawsAProgram) {
+  auto& lab = with_spring();
+  lab.freeze("machine");
+  move(0.02);
+  never(0.03, "machine.force", 2e4);
+  lab.thaw("machine");
+  expect_within(5, "machine.force", 2e4);
+}
+
+TEST_F(LaboratoryOfATest, SaysWhichExpectationIsNotMet) {
+  auto& lab = with_spring();
+  EXPECT_EQ(test::error_of([&] {
+              lab.expect_within(0.02, "machine.force", {5e4, 1});
+            }),
+            "machine.force: expected 50000 N ± 1 within 0.02 s, last value 10000 N");
+  EXPECT_NE(test::error_of([&] {
+              lab.never(1, "machine.force", below(2e4));
+            }).find("machine.force: expected never below 20000, found 10000 N"),
+            std::string::npos);
+  EXPECT_NE(test::error_of([&] { lab.eventually("machine.forse", 1); }).find("machine.force"),
+            std::string::npos);
+  EXPECT_NONFATAL_FAILURE(expect_within(0.01, "machine.force", 7), "last value 10000 N");
+}
+
+TEST_F(LaboratoryOfATest, FailsIfAProgramFails) {
+  auto& lab = with_spring();
+  lab.start({"", {"sh", "-c", "echo no licence; exit 3"}, false, "model"});
+  EXPECT_NE(test::error_of([&] {
+              lab.never(5, "machine.force", 1);
+            }).find("program 'model' ended with 3: no licence"),
+            std::string::npos);
+}
+
+TEST_F(LaboratoryOfATest, RefusesMessageFaultsOfAProgramThatIsNotLinked) {
+  auto& lab = with_spring();
+  EXPECT_EQ(test::error_of([&] { lab.drop("machine"); }),
+            "the program of node 'machine' is not linked, so its messages cannot be changed");
+}
+
+TEST(Laboratory, LeavesNothingBehind) {
+  const test::TemporaryFolder folder;
+  std::string name;
+  int pid = 0;
+  {
+    Laboratory lab{folder.path(), two_signals()};
+    name = lab.name();
+    lab.start(spring(true));
+    lab.start({"", {"sh", "-c", "sleep 60 & echo $!; exit 0"}, false, "wrapper"});
+    lab.expect_end(5, "wrapper");
+    pid = std::stoi(lab.log("wrapper"));
+    EXPECT_TRUE(test::is_running(pid));
+  }
+  EXPECT_TRUE(test::comes_true([&] { return !test::is_running(pid); }));
+  for (const auto& report : broker::list_rings())
+    EXPECT_FALSE(report.name.starts_with(name)) << report.name;
+}
+
+TEST(Laboratory, RemovesTheRingsOfATestThatWasKilled) {
+  const test::TemporaryFolder folder;
+  const std::string dead =
+      "test_4194304_of_a_test_that_was_killed";  // above the largest process id
+  { const auto ring = broker::Ring::create(dead, memmap::load_map(two_signals())); }
+  ASSERT_TRUE(broker::inspect_ring(dead));
+  { const Laboratory lab{folder.path(), two_signals()}; }
+  EXPECT_FALSE(broker::inspect_ring(dead));
+}
+
+TEST(Laboratory, KeepsEveryChangeInItsRecording) {
+  const test::TemporaryFolder folder;
+  Laboratory lab{folder.path(), two_signals()};
+  const auto solver = lab.join("solver");
+  for (int i = 1; i <= 100; ++i) solver->write("solver.displacement", 0.001 * i);
+  lab.keep();
+
+  const recording::Reader recorded{folder.path() / "run.h5"};
+  const auto values = recorded.signal("solver.displacement");
+  ASSERT_EQ(values.size(), 101U);
+  for (int i = 0; i <= 100; ++i) EXPECT_NEAR(values[static_cast<std::size_t>(i)], 0.001 * i, 1e-6);
+}
+
+}  // namespace
+}  // namespace rths::testkit

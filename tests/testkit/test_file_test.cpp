@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// `rths test FILE`.
+#include <gtest/gtest.h>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace rths::testkit {
+namespace {
+
+class TestFile : public ::testing::Test {
+ protected:
+  test::Finished run(const std::string& text) {
+    const std::string spring = (test::build_tree() / "bin/rths_test_spring").string();
+    const std::string head =
+        "format = 1\nname = \"of a file\"\ndeadline_s = 20\nmap = \"" +
+        (test::source_tree() / "examples/python/two_signals.ringmap.toml").string() +
+        "\"\n[[program]]\nnode = \"machine\"\ncommand = [\"" + spring + "\", \"{ring}\"]\n" +
+        "[[program]]\nnode = \"solver\"\ncommand = [\"" +
+        (test::build_tree() / "bin/rths_test_pusher").string() + "\", \"{ring}\"]\n";
+    return test::run_rths(
+        {"test", folder_.write("of_a_file.toml", head + text).string(), "--keep", kept().string()});
+  }
+  [[nodiscard]] std::filesystem::path kept() const { return folder_.path() / "kept"; }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(TestFile, PassesAndLeavesNothing) {
+  const auto ran =
+      run("[[expect]]\nsignal = \"machine.force\"\nvalue = 1e5\ntolerance = 10\nwithin_s = 5\n"
+          "[[expect]]\nsignal = \"machine.force\"\nabove = 1.5e5\nnever_within_s = 0.2\n"
+          "[[expect]]\nends = \"solver\"\nwithin_s = 10\n");
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_EQ(ran.out.find("of a file: passed ("), 0U) << ran.out;
+  EXPECT_FALSE(std::filesystem::exists(kept()));
+}
+
+TEST_F(TestFile, KeepsLogsAndRecordingOfAFailure) {
+  const auto ran = run("[[expect]]\nsignal = \"machine.force\"\nvalue = 3e5\nwithin_s = 0.2\n");
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_NE(ran.err.find("of a file: machine.force: expected 300000 N from 0 to 0.2 s, last value"),
+            std::string::npos)
+      << ran.err;
+  ASSERT_TRUE(std::filesystem::exists(kept()));
+  const auto folder = std::filesystem::directory_iterator { kept() } -> path();
+  for (const char* file : {"machine.log", "solver.log", "run.h5"})
+    EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
+}
+
+TEST_F(TestFile, HasFaults) {
+  const auto ran =
+      run("[[fault]]\nkind = \"drop\"\nsignal = \"machine.force\"\n"
+          "[[expect]]\nsignal = \"machine.force\"\nabove = 1\nnever_within_s = 0.5\n");
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  const auto flipped =
+      run("[[fault]]\nkind = \"flip\"\nsignal = \"machine.force\"\nbit = 31\n"
+          "[[expect]]\nsignal = \"machine.force\"\nbelow = -9e4\nwithin_s = 5\n");
+  EXPECT_EQ(flipped.exit_code, 0) << flipped.err;
+  const auto killed =
+      run("[[fault]]\nkind = \"kill\"\nnode = \"machine\"\n"
+          "[[expect]]\nends = \"solver\"\nwithin_s = 10\n");
+  EXPECT_EQ(killed.exit_code, 0) << killed.err;
+}
+
+TEST_F(TestFile, NamesThePlaceOfAMistake) {
+  const std::vector<std::pair<std::string, std::string>> mistakes = {
+      {"", "has no [[expect]]"},
+      {"[[expect]]\nsignal = \"machine.force\"\nwithin_s = 1\n", "value, above, below"},
+      {"[[expect]]\nends = \"nobody\"\nwithin_s = 1\n", "there is no program 'nobody'"},
+      {"[[expect]]\nends = \"solver\"\nwithin = 1\n", "within"},
+      {"[[fault]]\nkind = \"burn\"\nnode = \"solver\"\n", "expected one of kill, freeze, drop"},
+      {"[[fault]]\nkind = \"drop\"\nsignal = \"machine.forse\"\n", "machine.force"},
+  };
+  for (const auto& [text, expected] : mistakes) {
+    const auto refused = run(text);
+    EXPECT_EQ(refused.exit_code, 2) << text;
+    EXPECT_NE(refused.err.find("of_a_file.toml"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find(expected), std::string::npos) << refused.err;
+  }
+}
+
+TEST_F(TestFile, EndsAtOnceWhenAProgramFails) {
+  const auto ran =
+      run("[[program]]\nname = \"model\"\ncommand = [\"sh\", \"-c\", \"echo no licence; exit 3\"]\n"
+          "[[expect]]\nsignal = \"machine.force\"\nabove = 1e9\nwithin_s = 15\n");
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_NE(ran.err.find("program 'model' ended with 3: no licence"), std::string::npos) << ran.err;
+  EXPECT_LT(ran.seconds, 10);
+}
+
+}  // namespace
+}  // namespace rths::testkit
