@@ -59,11 +59,12 @@ void PlatenRun::measure(PlatenFeedback& feedback) noexcept {
     feedback.force[i + 3] += draw(t.moment_noise);
     feedback.acceleration[i] = filtered_acceleration_[i] + draw(t.acceleration_noise);
   }
-  const Outriggers& o = machine_.outriggers;
   const Eigen::Matrix3d R = state_.pose.rotation();
-  for (std::size_t i = 0; i < kArms; ++i)
-    feedback.outrigger_force[i] =
-        -2 * o.stiffness * (state_.pose.position[2] + (R * o.arm[i])[2] - o.arm[i][2]);
+  const Eigen::Vector3d spin = R * state_.angular_velocity;
+  for (std::size_t i = 0; i < kArms; ++i) {
+    const Eigen::Vector3d& arm = machine_.outriggers.arm[i];
+    feedback.outrigger_force[i] = machine_.outriggers.pair(push_of(state_, arm, R * arm, spin));
+  }
 }
 
 }  // namespace rths::sim::machine

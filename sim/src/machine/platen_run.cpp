@@ -113,20 +113,21 @@ double PlatenRun::axial_load() const {
   return compression(state_.pose, state_.velocity, state_.pose.rotation());
 }
 
+// Change of the force of a pad above the floor's slab, by which the platen lifts its arm.
+double PlatenRun::push_of(const State& s, const Vector3d& arm, const Vector3d& r,
+                          const Vector3d& spin) const noexcept {
+  const Outriggers& o = machine_.outriggers;
+  return o.stiffness * (s.pose.position[2] + r[2] - arm[2]) +
+         o.damping * (s.velocity[2] + spin[0] * r[1] - spin[1] * r[0]);
+}
+
 // Weight, outriggers and the specimen's compression: all but actuators, friction and shear.
 Vector6 PlatenRun::support_force(const State& s, const Matrix3d& R) const noexcept {
   Vector6 total = wrench(machine_.top * R.col(2), {0, 0, -compression(s.pose, s.velocity, R)});
   total[2] -= machine_.weight();
-  const Outriggers& o = machine_.outriggers;
   const Vector3d spin = R * s.angular_velocity;
-  for (const auto& arm : o.arm) {
-    const Vector3d r = R * arm;
-    const double lift = s.pose.position[2] + r[2] - arm[2];
-    const double push =
-        o.stiffness * lift + o.damping * (s.velocity[2] + spin[0] * r[1] - spin[1] * r[0]);
-    const double net = std::max(0.0, o.preload - push) - std::max(0.0, o.preload + push);
-    total += wrench(r, {0, 0, net});
-  }
+  for (const auto& arm : machine_.outriggers.arm)
+    total += wrench(R * arm, {0, 0, machine_.outriggers.pair(push_of(s, arm, R * arm, spin))});
   return total;
 }
 
@@ -230,12 +231,9 @@ Vector2d PlatenRun::coulomb_of(std::size_t surface, const Matrix3d& R,
   const PlatenFriction& f = machine_.friction;
   double normal_part = 0;
   if (surface < 2 * kArms) {
-    const Outriggers& o = machine_.outriggers;
-    const Vector3d& arm = o.arm[surface / 2];
-    const Vector3d r = R * arm;
-    const double push = o.stiffness * (state_.pose.position[2] + r[2] - arm[2]) +
-                        o.damping * (state_.velocity[2] + spin[0] * r[1] - spin[1] * r[0]);
-    normal_part = f.coefficient * std::max(0.0, o.preload + (surface % 2 == 0 ? push : -push));
+    const Vector3d& arm = machine_.outriggers.arm[surface / 2];
+    const double push = push_of(state_, arm, R * arm, spin);
+    normal_part = f.coefficient * machine_.outriggers.pad(surface % 2 == 0 ? push : -push);
   } else {
     double load = 0;
     for (std::size_t i = kHorizontal; i < kActuators; ++i)

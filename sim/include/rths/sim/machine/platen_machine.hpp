@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 
 #include <Eigen/Core>
 
 #include <rths/core/config.hpp>
+#include <rths/core/realtime.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/machine/friction.hpp>
 #include <rths/sim/machine/geometry.hpp>
@@ -38,6 +39,13 @@ struct Outriggers {
   double preload = 50e3;                     ///< of each pad [N]
   double stiffness = 2e5;                    ///< of each pad [N/m]
   double damping = 2e4;                      ///< of each pad [N·s/m]
+
+  /// Force of a pad that is pushed [N], ≥ 0.   @realtime
+  [[nodiscard]] double pad(double push) const RTHS_REALTIME {
+    return std::max(0.0, preload + push);
+  }
+  /// Force of a pair on the platen, upwards [N], when the upper pad is pushed.   @realtime
+  [[nodiscard]] double pair(double push) const RTHS_REALTIME { return pad(-push) - pad(push); }
 };
 
 /// Friction of the nine surfaces. Each surface carries a ninth of `coulomb` and of `viscous`, and

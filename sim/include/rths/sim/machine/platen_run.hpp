@@ -103,6 +103,8 @@ class PlatenRun {
   };
 
   [[nodiscard]] Coordinates coordinates(const Pose& pose, const Eigen::Matrix3d& R) const noexcept;
+  [[nodiscard]] double push_of(const State& s, const Eigen::Vector3d& arm, const Eigen::Vector3d& r,
+                               const Eigen::Vector3d& spin) const noexcept;
   [[nodiscard]] Vector6 support_force(const State& s, const Eigen::Matrix3d& R) const noexcept;
   [[nodiscard]] Evaluation rates(const State& s, const Vector6& resistance) const noexcept;
   static void add(const State& from, const State& rates, double dt, State& to) noexcept;
