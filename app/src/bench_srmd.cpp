@@ -2,10 +2,12 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <fstream>
 
 #include <fmt/format.h>
 
 #include <rths/bench/srmd_bench.hpp>
+#include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
 
 #include "commands.hpp"
@@ -14,6 +16,9 @@
 namespace rths::app {
 
 int bench_srmd(const SrmdBenchArguments& arguments) {
+  // Before the measurement, which takes minutes.
+  if (!arguments.json.empty() && !std::ofstream{arguments.json, std::ios::app})
+    throw Error{arguments.json + ": cannot be written"};
   bench::SrmdOptions options;
   options.draws = arguments.draws;
   options.records = arguments.records;
