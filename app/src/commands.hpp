@@ -191,6 +191,15 @@ struct BearingBenchArguments {
 /// @returns 0 if all goals are met, 1 if inconclusive on this host, 2 if a goal is missed
 [[nodiscard]] int bench_bearings(const BearingBenchArguments& arguments);
 
+struct SrmdBenchArguments {
+  int draws = 2;         ///< members of the machine's family besides the nominal one
+  int records = 3;       ///< ground motions
+  double duration = 30;  ///< of a test [s]
+  std::string json;      ///< file for the results; empty: none
+};
+/// Runs hybrid tests on the machine with six degrees of freedom, in virtual time. @returns 0
+[[nodiscard]] int bench_srmd(const SrmdBenchArguments& arguments);
+
 struct DiagnosisBenchArguments {
   int cases = 400;                    ///< of all families together
   std::vector<std::string> families;  ///< empty: all

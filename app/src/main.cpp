@@ -53,6 +53,7 @@ struct Arguments {
   BearingBenchArguments bearings;
   OpenseesBenchArguments trips;
   BridgeBenchArguments bridge_bench;
+  SrmdBenchArguments srmd;
   DiagnosisBenchArguments trial;
   DiagnoseArguments diagnose;
   CheckArguments check;
@@ -284,6 +285,22 @@ void add_bench_bearings(CLI::App& bench, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return bench_bearings(a.bearings); }; });
 }
 
+void add_bench_srmd(CLI::App& bench, Arguments& a, Chosen& chosen) {
+  auto* command = bench.add_subcommand(
+      "srmd", "Hybrid tests on the virtual SRMD, compared with the figures of its paper");
+  command->add_option("--json", a.srmd.json, "File for the results");
+  command->add_option("--draws", a.srmd.draws, "Machines of the family besides the nominal one")
+      ->check(CLI::Range(0, 200))
+      ->capture_default_str();
+  command->add_option("--records", a.srmd.records, "Ground motions")
+      ->check(CLI::Range(1, 3))
+      ->capture_default_str();
+  command->add_option("--seconds", a.srmd.duration, "Duration of a test [s]")
+      ->check(CLI::Range(10.0, 1000.0))
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return bench_srmd(a.srmd); }; });
+}
+
 void add_bench_bridge(CLI::App& bench, Arguments& a, Chosen& chosen) {
   auto* command = bench.add_subcommand(
       "bridge", "From one ring to another over DDS, compared with bare DDS samples");
@@ -362,6 +379,7 @@ void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
                    "Folder for finished cycles; cycles found there are not repeated");
   ring->callback([&] { chosen = [&a] { return bench_ring(a.bench); }; });
   add_bench_bearings(*command, a, chosen);
+  add_bench_srmd(*command, a, chosen);
   add_bench_card(*command, a, chosen);
   add_bench_opensees(*command, a, chosen);
   add_bench_bridge(*command, a, chosen);

@@ -9,7 +9,9 @@
 #include <rths/adapters/recorder.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
+#include <rths/adapters/srmd_platen.hpp>
 
+#include "sim/machine/srmd_file.hpp"
 #include "support/bench.hpp"
 #include "support/files.hpp"
 #include "support/lead_rubber.hpp"
@@ -98,6 +100,12 @@ INSTANTIATE_TEST_SUITE_P(
                                   SrmdSettings settings;
                                   settings.machine = sim::srmd_machine();
                                   return make_srmd(settings);
+                                }},
+                      Candidate{"srmd_platen",
+                                [] {
+                                  SrmdPlatenSettings settings;
+                                  settings.machine = test::srmd_machine_with_bearing();
+                                  return make_srmd_platen(settings);
                                 }}),
     [](const auto& candidate) { return std::string{candidate.param.name}; });
 

@@ -3,6 +3,8 @@
 
 #include <rths/adapters/ideal_machine.hpp>
 #include <rths/adapters/srmd.hpp>
+#include <rths/adapters/srmd_platen.hpp>
+#include <rths/core/installed_files.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -18,16 +20,44 @@ std::unique_ptr<Adapter> make(const TestSetup& setup, const NodeContext& context
   return make_srmd(settings);
 }
 
+// A machine file with the changes of the experiment, and the member of its family.
+sim::machine::FamilyMember read_member(const Config& table) {
+  const Config file = Config::load(find_file(table, "model", "machines"));
+  const auto nominal =
+      sim::machine::read_platen_machine(file.overlaid(table.table_or_empty("changes")));
+  const auto index = table.integer_in("family_member", 0, sim::machine::kFamilySize, 0);
+  return sim::machine::family_member(nominal, static_cast<int>(index));
+}
+
+std::unique_ptr<Adapter> make_platen(const sim::machine::FamilyMember& member,
+                                     const TestSetup& setup, const NodeContext& context) {
+  SrmdPlatenSettings settings;
+  settings.machine = member.machine;
+  settings.machine.has_specimen = setup.machine.has_specimen;
+  settings.machine.specimen =
+      sim::machine::with_stiffness(setup.specimen, member.specimen_stiffness);
+  settings.machine.seed = setup.machine.seed;
+  settings.period = to_seconds(context.period);
+  settings.axes = setup.axes;
+  settings.retreat = setup.retreat;
+  return make_srmd_platen(settings);
+}
+
 }  // namespace
 
 // The machine samples before the controller steps.
-NodeSettings read_srmd(const std::string& /*node*/, const Config& /*table*/,
+NodeSettings read_srmd(const std::string& /*node*/, const Config& table,
                        const TestSetup& /*setup*/) {
   NodeSettings settings;
   settings.schedule = schedule_of(kPeriod, 0);
   settings.priority = 60;
   settings.keeps_times = true;
   settings.make = make;
+  if (table.has("model"))
+    settings.make = [member = read_member(table)](const TestSetup& setup,
+                                                  const NodeContext& context) {
+      return make_platen(member, setup, context);
+    };
   return settings;
 }
 

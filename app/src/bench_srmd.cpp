@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include <rths/bench/srmd_bench.hpp>
+#include <rths/core/error.hpp>
+#include <rths/core/installed_files.hpp>
+
+#include "commands.hpp"
+#include "write_file.hpp"
+
+namespace rths::app {
+
+int bench_srmd(const SrmdBenchArguments& arguments) {
+  // Before the measurement, which takes minutes.
+  if (!arguments.json.empty() && !std::ofstream{arguments.json, std::ios::app})
+    throw Error{arguments.json + ": cannot be written"};
+  bench::SrmdOptions options;
+  options.draws = arguments.draws;
+  options.records = arguments.records;
+  options.duration = arguments.duration;
+  options.machine = shared_files() / "machines/srmd.toml";
+  options.bearing = shared_files() / "bearings/lprb.toml";
+  options.records_folder = shared_files() / "examples/records";
+  const bool on_terminal = isatty(STDERR_FILENO) == 1;
+  if (on_terminal)
+    options.progress = [](const std::string& stage) { fmt::print(stderr, "\r{:<60}", stage); };
+  const bench::SrmdReport report = bench::run_srmd_bench(options);
+  if (on_terminal) fmt::print(stderr, "\r{: <60}\r", "");
+  fmt::print("{}", bench::to_text(report));
+  if (!arguments.json.empty()) write_file(arguments.json, bench::to_json(report));
+  return 0;
+}
+
+}  // namespace rths::app

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <rths/sim/ground_motion.hpp>
+#include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/machine/platen_machine.hpp>
+#include <rths/sim/plant_analysis.hpp>
+
+namespace rths::bench {
+
+inline constexpr double kPeriod = 1e-3;  ///< of controller and machine [s]
+
+/// Command of one axis and its rates, as the predictor-corrector gives them.
+using Command = Eigen::Vector3d;  ///< x [m], ẋ [m/s], ẍ [m/s²]
+
+/// The compensation of one axis: reference of the machine from command and measurement.
+class Compensator {
+ public:
+  Compensator() = default;
+  Compensator(const Compensator&) = delete;
+  Compensator& operator=(const Compensator&) = delete;
+  virtual ~Compensator() = default;
+  /// @param measured  displacement of this sample [m]  @returns the reference [m]
+  [[nodiscard]] virtual double step(const Command& command, double measured) = 0;
+  /// Coefficients, for the report.
+  [[nodiscard]] virtual Eigen::Vector3d coefficients() const { return {1, 0, 0}; }
+};
+
+/// A way to control the machine: a column of the benchmark.
+struct Controller {
+  const char* name;
+  double feed_forward;                                        ///< at the valves [-]
+  std::function<std::unique_ptr<Compensator>()> compensator;  ///< of one axis
+};
+
+/// No compensation: it measures the raw delay.
+[[nodiscard]] Controller bare_controller();
+/// The paper's: velocity feed-forward at the valves, and ATS.
+[[nodiscard]] Controller paper_controller();
+
+struct HybridTest {
+  sim::machine::PlatenMachine machine;  ///< with its specimen
+  sim::PlantMatrices plant;
+  sim::GroundMotion motion;
+  double duration = 40;                  ///< model time [s]
+  std::array<bool, 2> axes{true, true};  ///< tested: long, lat
+};
+
+/// One sample per controller period (1 ms).
+struct AxisHistory {
+  std::vector<double> command, measured;  ///< [m]
+  std::vector<Eigen::Vector3d> coefficients;
+};
+
+struct HybridHistory {
+  std::array<AxisHistory, 2> axes;
+  std::vector<Command> commands[2];  ///< for a second run of the same targets
+  sim::ResponseHistory response;     ///< of the plant, at the integration step
+  bool stable = true;                ///< false: a stroke was reached
+  long limits = 0;                   ///< periods with a limit of the machine reached
+};
+
+/// The closed loop in virtual time, as the example experiments run it: α-OS with 10 ms, target 3 ms
+/// after the measurement, predictor-corrector at 10 kHz, force observer with Table 2 of the paper.
+[[nodiscard]] HybridHistory run_hybrid(const HybridTest& test, const Controller& controller);
+
+/// The same commands sent to the machine again, with another controller and without a plant.
+[[nodiscard]] std::array<AxisHistory, 2> replay(const HybridTest& test, const HybridHistory& from,
+                                                const Controller& controller);
+
+/// The loop with an ideal machine: the same integration with the specimen's model.
+[[nodiscard]] sim::ResponseHistory numerical_loop(const HybridTest& test);
+
+}  // namespace rths::bench

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/bench/srmd_bench.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <span>
+
+#include <fmt/format.h>
+
+#include <rths/bench/statistics.hpp>
+#include <rths/controller/delay.hpp>
+#include <rths/core/error.hpp>
+#include <rths/sim/floor_spectrum.hpp>
+#include <rths/sim/machine/platen_run.hpp>
+
+#include "hybrid_loop.hpp"
+
+namespace rths::bench {
+namespace {
+
+constexpr std::size_t kRest = 1000;           // samples before the first target
+constexpr std::size_t kWindow = 2000;         // samples
+constexpr double kSearch = 0.15;              // largest delay [s]
+constexpr double kStrong = 0.2;               // of the strongest window's rms [-]
+constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
+
+struct Record {
+  const char* name;
+  const char* file;
+  int column_long, column_lat;
+  double scale;  // as in the example experiments
+  bool is_2d;
+};
+constexpr Record kRecords[] = {
+    {"petrolia 1-D", "petrolia_1992_riodell_freefield.csv", 2, 1, 1.4, false},
+    {"petrolia 2-D", "petrolia_1992_riodell_freefield.csv", 2, 1, 1.4, true},
+    {"imperial valley 2-D", "imperial_valley_1979_meloland_freefield.csv", 1, 2, 1.0, true}};
+
+sim::GroundMotion read_motion(const Record& record, const std::filesystem::path& folder) {
+  sim::GroundMotion motion;
+  const auto column = [&](int index) {
+    auto component = sim::read_column(folder / record.file, index);
+    motion.time_step = component.time_step;
+    for (double& value : component.values) value *= record.scale * kStandardGravity;
+    return component.values;
+  };
+  motion.long_acceleration = column(record.column_long);
+  motion.lat_acceleration = column(record.column_lat);
+  motion.vert_acceleration = column(3);
+  if (!record.is_2d) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0.0);
+  return motion;
+}
+
+double rms(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+double largest(std::span<const double> values) {
+  double found = 0;
+  for (const double value : values) found = std::max(found, std::abs(value));
+  return found;
+}
+
+double delay_of(std::span<const double> command, std::span<const double> measured) {
+  return controller::identify_delay(command, measured, kPeriod, kSearch).cross_correlation;
+}
+
+std::vector<double> strong_windows(const AxisHistory& axis) {
+  std::vector<double> strengths;
+  for (std::size_t at = kRest; at + kWindow <= axis.command.size(); at += kWindow)
+    strengths.push_back(rms(std::span{axis.command}.subspan(at, kWindow)));
+  std::vector<double> delays;
+  for (std::size_t i = 0; i < strengths.size(); ++i) {
+    if (strengths[i] < kStrong * *std::max_element(strengths.begin(), strengths.end())) continue;
+    const std::size_t at = kRest + i * kWindow;
+    delays.push_back(delay_of(std::span{axis.command}.subspan(at, kWindow),
+                              std::span{axis.measured}.subspan(at, kWindow)));
+  }
+  return delays;
+}
+
+void add_coefficients(const AxisHistory& history, SrmdAxis& axis) {
+  const std::span coefficients = std::span{history.coefficients}.subspan(kRest);
+  axis.lowest_a1 = axis.highest_a1 = coefficients[0][1];
+  double below = 0;
+  for (const auto& a : coefficients) {
+    below += a[0] < 1 ? 1 : 0;
+    axis.lowest_a1 = std::min(axis.lowest_a1, a[1]);
+    axis.highest_a1 = std::max(axis.highest_a1, a[1]);
+  }
+  axis.share_a0_below_1 = below / static_cast<double>(coefficients.size());
+}
+
+SrmdAxis figures_of(const char* name, const AxisHistory& history, const AxisHistory& raw,
+                    const AxisHistory& fed_forward) {
+  SrmdAxis axis;
+  axis.name = name;
+  axis.largest = largest(history.command);
+  axis.raw_delay = delay_of(raw.command, raw.measured);
+  axis.delay = delay_of(history.command, history.measured);
+  axis.windows = strong_windows(history);
+  const auto error = controller::tracking_error(history.command, history.measured);
+  axis.nrms = error.nrms;
+  axis.peak = error.peak;
+  axis.feed_forward_overshoot = largest(fed_forward.measured) / axis.largest - 1;
+  add_coefficients(history, axis);
+  return axis;
+}
+
+double floor_error(const sim::ResponseHistory& test, const sim::ResponseHistory& numerical) {
+  static const auto kFrequencies = sim::spectrum_frequencies(6, 11, 21);
+  double worst = 0;
+  for (std::size_t i = 0; i < numerical.floors.size(); ++i) {
+    const auto& ours = test.floors[i];
+    const auto& theirs = numerical.floors[i];
+    const std::size_t common =
+        std::min(ours.acceleration_long.size(), theirs.acceleration_long.size());
+    const auto spectrum = [&](const sim::ResponseHistory::Floor& floor) {
+      return sim::floor_spectrum(std::span{floor.acceleration_long}.first(common),
+                                 std::span{floor.acceleration_lat}.first(common), test.time_step,
+                                 kFrequencies, 0.05);
+    };
+    const auto s = spectrum(ours);
+    const auto reference = spectrum(theirs);
+    std::vector<double> differences;
+    for (std::size_t k = 0; k < s.size(); ++k) differences.push_back(s[k] / reference[k] - 1);
+    worst = std::max(worst, rms(differences));
+  }
+  return worst;
+}
+
+SrmdTest run_test(const HybridTest& test, const Controller& controller,
+                  const sim::ResponseHistory& numerical) {
+  SrmdTest result;
+  result.controller = controller.name;
+  const HybridHistory history = run_hybrid(test, controller);
+  result.stable = history.stable;
+  result.limit_periods = history.limits;
+  if (!history.stable) return result;
+  const auto raw = replay(test, history, bare_controller());
+  Controller feed_forward = bare_controller();
+  feed_forward.feed_forward = controller.feed_forward;
+  const auto fed_forward = replay(test, history, feed_forward);
+  constexpr const char* kNames[] = {"long", "lat"};
+  for (std::size_t i = 0; i < 2; ++i)
+    if (test.axes[i])
+      result.axes.push_back(figures_of(kNames[i], history.axes[i], raw[i], fed_forward[i]));
+  result.floor_error = floor_error(history.response, numerical);
+  return result;
+}
+
+void measure_steps(const sim::machine::PlatenMachine& machine, SrmdReport& report) {
+  constexpr int kSteps = 20'000;
+  sim::machine::PlatenRun run{machine, kPeriod};
+  sim::machine::PlatenReference reference;
+  reference.axial_load = machine.specimen.axial_load;
+  sim::machine::PlatenFeedback feedback;
+  std::vector<double> times;
+  for (int i = 0; i < kSteps; ++i) {
+    reference.displacement[0] = 0.2 * std::sin(3.0 * i * kPeriod);
+    reference.displacement[1] = 0.1 * std::sin(5.0 * i * kPeriod);
+    const auto begun = std::chrono::steady_clock::now();
+    static_cast<void>(run.step(reference, feedback));
+    times.push_back(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
+  }
+  std::sort(times.begin(), times.end());
+  report.step_p50 = quantile(times, 0.5);
+  report.step_p99 = quantile(times, 0.99);
+  report.step_worst = times.back();
+}
+
+void check(const SrmdOptions& options) {
+  const auto within = [](const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high))
+      throw Error{fmt::format("bench srmd: {} is {}, expected {} to {}", name, value, low, high)};
+  };
+  within("draws", options.draws, 0, sim::machine::kFamilySize);
+  within("records", options.records, 1, std::size(kRecords));
+  within("duration", options.duration, 10, 1000);
+}
+
+}  // namespace
+
+SrmdReport run_srmd_bench(const SrmdOptions& options) {
+  check(options);
+  SrmdReport report;
+  report.host = describe_machine();
+  report.options = options;
+  auto nominal = sim::machine::read_platen_machine(Config::load(options.machine));
+  const auto plant = sim::example_plant();
+  const auto bearing =
+      sim::read_bearing(Config::load(options.bearing), sim::weight_per_bearing(plant));
+  // A further controller is a further column.
+  const std::vector<Controller> controllers{paper_controller()};
+  for (int member = 0; member <= options.draws; ++member) {
+    const auto drawn = sim::machine::family_member(nominal, member);
+    for (int r = 0; r < options.records; ++r) {
+      const Record& record = kRecords[r];
+      if (options.progress) options.progress(fmt::format("machine {}, {}", member, record.name));
+      HybridTest test;
+      test.machine = drawn.machine;
+      test.machine.specimen = sim::machine::with_stiffness(bearing, drawn.specimen_stiffness);
+      test.plant = sim::assemble(plant);
+      test.motion = read_motion(record, options.records_folder);
+      test.duration = options.duration;
+      test.axes[1] = record.is_2d;
+      const auto numerical = numerical_loop(test);
+      SrmdRow row{member, record.name, {}};
+      for (const auto& controller : controllers)
+        row.tests.push_back(run_test(test, controller, numerical));
+      report.rows.push_back(std::move(row));
+    }
+  }
+  nominal.specimen = bearing;
+  measure_steps(nominal, report);
+  return report;
+}
+
+}  // namespace rths::bench

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/sim/machine/platen_run.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include "platen_check.hpp"
+
+namespace rths::sim::machine {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kSettling = 3;  // before the test begins [s]
+
+Vector6 wrench(const Vector3d& arm, const Vector3d& force) {
+  Vector6 w;
+  w << force, arm.cross(force);
+  return w;
+}
+
+double clamped(double value, double limit, bool& exceeded) {
+  if (!(std::abs(value) <= limit)) exceeded = true;
+  return std::clamp(value, -limit, limit);
+}
+
+}  // namespace
+
+PlatenRun::PlatenRun(const PlatenMachine& machine, double period)
+    : machine_{machine},
+      substeps_{substeps_of(period)},
+      substep_{period / substeps_},
+      period_{period},
+      bearing_{machine.has_specimen ? machine.specimen : Bearing{}, substep_},
+      random_{machine.seed} {
+  check(machine_, substep_);
+  const Transducers& t = machine_.transducers;
+  displacement_filter_.fill({t.displacement_filter, substep_});
+  force_filter_.fill({t.force_filter, substep_});
+  acceleration_filter_.fill({t.acceleration_filter, substep_});
+  const auto delay = std::lround(machine_.transport_delay / period);
+  delay_line_.resize(static_cast<std::size_t>(std::max(0L, delay)));
+  const Coordinates at_middle = coordinates(Pose{}, Matrix3d::Identity());
+  for (std::size_t i = 0; i < kActuators; ++i) middle_[i] = at_middle[i].value;
+  deflection_.fill(Vector2d::Zero());  // Eigen does not
+  state_.gas = machine_.supply.gas_volume;
+  if (machine_.has_specimen)
+    rest_height_ = machine_.specimen.axial_load / machine_.vertical_specimen.stiffness;
+  settle();
+}
+
+// The vertical actuators carry platen and specimen. Their servos need some time to find the flow
+// that replaces leakage.
+void PlatenRun::settle() {
+  PlatenReference reference;
+  reference.axial_load = machine_.has_specimen ? machine_.specimen.axial_load : 0;
+  for (auto& waiting : delay_line_) waiting = reference;
+  const double share = (machine_.weight() + reference.axial_load) / kVertical;
+  for (std::size_t i = kHorizontal; i < kActuators; ++i) {
+    auto& s = state_.actuators[i];
+    s.pressure = s.slow_pressure = share / machine_.vertical.piston_area;
+  }
+  filter(true);
+  set_targets(reference);
+  for (int i = 0; i * period_ < kSettling; ++i) {
+    run_force_loop(reference.axial_load);
+    for (int k = 0; k < substeps_; ++k) integrate_substep();
+  }
+  state_.gas = machine_.supply.gas_volume;
+}
+
+void PlatenRun::strike(const Vector6& rates) {
+  state_.velocity = rates.head<3>();
+  state_.angular_velocity = rates.tail<3>();
+}
+
+PlatenRun::Coordinates PlatenRun::coordinates(const Pose& pose, const Matrix3d& R) const noexcept {
+  Coordinates found;
+  for (std::size_t i = 0; i < kHorizontal; ++i)
+    found[i] = actuator_length(machine_.base[i], R * machine_.swivel[i], pose.position);
+  for (std::size_t i = 0; i < kVertical; ++i)
+    found[kHorizontal + i] = pad_height(machine_.foot[i], machine_.depth, R, pose.position);
+  return found;
+}
+
+double PlatenRun::compression(const Pose& pose, const Vector3d& velocity,
+                              const Matrix3d& R) const noexcept {
+  if (!machine_.has_specimen) return 0;
+  const VerticalSpecimen& v = machine_.vertical_specimen;
+  const Vector3d at = pose.position + machine_.top * R.col(2);
+  const double u2 = at.head<2>().squaredNorm();
+  double stiffness = v.stiffness;
+  double shortening = rest_height_ + at[2] - machine_.top;
+  double rate = velocity[2];
+  if (v.radius_of_gyration > 0) {
+    const double slenderness = std::numbers::pi * v.radius_of_gyration;
+    stiffness /= 1 + 3 * u2 / (slenderness * slenderness);
+  }
+  if (v.pendulum_radius > 0) {
+    shortening += u2 / (2 * v.pendulum_radius);
+    rate += at.head<2>().dot(velocity.head<2>()) / v.pendulum_radius;
+  }
+  return std::max(0.0, stiffness * shortening + v.damping * rate);
+}
+
+double PlatenRun::axial_load() const {
+  return compression(state_.pose, state_.velocity, state_.pose.rotation());
+}
+
+// Change of the force of a pad above the floor's slab, by which the platen lifts its arm.
+double PlatenRun::push_of(const State& s, const Vector3d& arm, const Vector3d& r,
+                          const Vector3d& spin) const noexcept {
+  const Outriggers& o = machine_.outriggers;
+  return o.stiffness * (s.pose.position[2] + r[2] - arm[2]) +
+         o.damping * (s.velocity[2] + spin[0] * r[1] - spin[1] * r[0]);
+}
+
+// Weight, outriggers and the specimen's compression: all but actuators, friction and shear.
+Vector6 PlatenRun::support_force(const State& s, const Matrix3d& R) const noexcept {
+  Vector6 total = wrench(machine_.top * R.col(2), {0, 0, -compression(s.pose, s.velocity, R)});
+  total[2] -= machine_.weight();
+  const Vector3d spin = R * s.angular_velocity;
+  for (const auto& arm : machine_.outriggers.arm)
+    total += wrench(R * arm, {0, 0, machine_.outriggers.pair(push_of(s, arm, R * arm, spin))});
+  return total;
+}
+
+PlatenRun::Evaluation PlatenRun::rates(const State& s, const Vector6& resistance) const noexcept {
+  const Matrix3d R = s.pose.rotation();
+  const Coordinates found = coordinates(s.pose, R);
+  Vector6 motion;
+  motion << s.velocity, R * s.angular_velocity;
+  const double pressure = machine_.supply.pressure_at(s.gas);
+  Evaluation e;
+  double drawn = 0;
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    const Actuator& actuator = machine_.actuator(i);
+    const auto [rates, flow] = machine::rates(
+        actuator, machine_.supply, s.actuators[i],
+        {found[i].value - middle_[i], found[i].jacobian.dot(motion), targets_.displacement[i],
+         targets_.velocity[i], i < kHorizontal ? targets_.feed_forward : 0},
+        pressure);
+    e.rates.actuators[i] = rates;
+    drawn += flow;
+    e.actuator_force += actuator.piston_area * s.actuators[i].pressure * found[i].jacobian;
+  }
+  const Vector6 total = e.actuator_force + support_force(s, R) - resistance;
+  const Vector3d moment = R.transpose() * total.tail<3>();
+  const Vector3d& w = s.angular_velocity;
+  e.rates.pose = {s.velocity, angle_rates(s.pose.angles, w)};
+  e.rates.velocity = total.head<3>().cwiseQuotient(machine_.mass);
+  e.rates.angular_velocity =
+      (moment - w.cross(machine_.inertia.cwiseProduct(w))).cwiseQuotient(machine_.inertia);
+  e.rates.gas = machine_.supply.gas_rate(pressure, drawn);
+  return e;
+}
+
+void PlatenRun::add(const State& from, const State& rates, double dt, State& to) noexcept {
+  to.pose.position = from.pose.position + dt * rates.pose.position;
+  to.pose.angles = from.pose.angles + dt * rates.pose.angles;
+  to.velocity = from.velocity + dt * rates.velocity;
+  to.angular_velocity = from.angular_velocity + dt * rates.angular_velocity;
+  to.gas = from.gas + dt * rates.gas;
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    const ActuatorState &a = from.actuators[i], &d = rates.actuators[i];
+    to.actuators[i] = {a.pilot + dt * d.pilot, a.spool + dt * d.spool, a.pressure + dt * d.pressure,
+                       a.slow_pressure + dt * d.slow_pressure};
+  }
+}
+
+void PlatenRun::integrate_substep() noexcept {
+  // Holding the resistance would make it half a substep late, which acts as negative damping.
+  const Vector6 middle = resistance_ + (resistance_ - last_resistance_) / 2;
+  now_ = rates(state_, middle);
+  filter(false);
+  State half;
+  add(state_, now_.rates, substep_ / 2, half);
+  add(state_, rates(half, middle).rates, substep_, state_);
+  const double pressure = supply_pressure();
+  for (std::size_t i = 0; i < kActuators; ++i)
+    apply_limits(machine_.actuator(i), pressure, state_.actuators[i]);
+  update_resistance();
+}
+
+void PlatenRun::update_resistance() noexcept {
+  const Matrix3d R = state_.pose.rotation();
+  const Vector3d spin = R * state_.angular_velocity;
+  const double load = axial_load();
+  last_resistance_ = resistance_;
+  resistance_.setZero();
+  friction_.setZero();
+  for (std::size_t i = 0; i < kSurfaces; ++i) {
+    const Vector3d arm = friction_arm(i, R);
+    const Vector3d velocity = state_.velocity + spin.cross(arm);
+    const Vector2d coulomb = coulomb_of(i, R, spin);
+    Vector3d force = Vector3d::Zero();
+    for (int axis = 0; axis < 2; ++axis)
+      force[axis] = machine_.friction.law.advance(deflection_[i][axis], velocity[axis],
+                                                  coulomb[axis], substep_) +
+                    machine_.friction.viscous[axis] / kSurfaces * velocity[axis];
+    friction_ += force.head<2>();
+    resistance_ += wrench(arm, force);
+  }
+  if (!machine_.has_specimen) return;
+  const Vector3d top = machine_.top * R.col(2);
+  const Vector2d u = (state_.pose.position + top).head<2>();
+  const Vector2d v = (state_.velocity + spin.cross(top)).head<2>();
+  specimen_force_ = bearing_.advance(u, v, load);
+  const Vector2d& F = specimen_force_;
+  resistance_ += wrench(top, {F[0], F[1], 0});
+  // Both ends of the specimen are clamped, and each carries half of the moment.
+  const double h = machine_.vertical_specimen.height;
+  resistance_.tail<3>() -=
+      Vector3d{u[1] * load + h * F[1], -(u[0] * load + h * F[0]), u[0] * F[1] - u[1] * F[0]} / 2;
+}
+
+Vector3d PlatenRun::friction_arm(std::size_t surface, const Matrix3d& R) const noexcept {
+  if (surface < 2 * kArms) return R * machine_.outriggers.arm[surface / 2];
+  return -machine_.depth * R.col(2);
+}
+
+// Normal force times coefficient, and the surface's share of the constant part.
+Vector2d PlatenRun::coulomb_of(std::size_t surface, const Matrix3d& R,
+                               const Vector3d& spin) const noexcept {
+  const PlatenFriction& f = machine_.friction;
+  double normal_part = 0;
+  if (surface < 2 * kArms) {
+    const Vector3d& arm = machine_.outriggers.arm[surface / 2];
+    const double push = push_of(state_, arm, R * arm, spin);
+    normal_part = f.coefficient * machine_.outriggers.pad(surface % 2 == 0 ? push : -push);
+  } else {
+    double load = 0;
+    for (std::size_t i = kHorizontal; i < kActuators; ++i)
+      load += machine_.vertical.piston_area * state_.actuators[i].pressure;
+    normal_part =
+        f.coefficient * load + f.boundary_coefficient * std::max(0.0, load - f.lift_capacity());
+  }
+  return f.coulomb / kSurfaces + Vector2d::Constant(normal_part);
+}
+
+void PlatenRun::run_force_loop(double reference) noexcept {
+  if (!machine_.has_specimen) return;
+  const double stroke = machine_.limits.stroke[2];
+  const double error = reference - (filtered_force_[2] - machine_.weight());
+  force_correction_ += machine_.force_loop.gain * period_ * error / machine_.force_loop.stiffness;
+  force_correction_ = std::clamp(force_correction_, -stroke, stroke);
+  for (std::size_t i = kHorizontal; i < kActuators; ++i)
+    targets_.displacement[i] = vertical_targets_[i - kHorizontal] + force_correction_;
+}
+
+void PlatenRun::set_targets(const PlatenReference& reference) noexcept {
+  const Pose pose{reference.displacement.head<3>(), reference.displacement.tail<3>()};
+  const Coordinates wanted = coordinates(pose, pose.rotation());
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    const double displacement = wanted[i].value - middle_[i];
+    if (i < kHorizontal) {
+      targets_.velocity[i] = (displacement - targets_.displacement[i]) / period_;
+      targets_.displacement[i] = displacement;
+    } else {
+      vertical_targets_[i - kHorizontal] = displacement;
+    }
+  }
+  targets_.feed_forward = reference.feed_forward;
+}
+
+Status PlatenRun::step(const PlatenReference& reference, PlatenFeedback& feedback) noexcept {
+  bool exceeded = false;
+  PlatenReference held = reference;
+  for (int i = 0; i < 6; ++i) {
+    const double limit = i < 3 ? machine_.limits.stroke[i] : machine_.limits.rotation;
+    const double now = i < 3 ? state_.pose.position[i] : state_.pose.angles[i - 3];
+    held.displacement[i] = clamped(reference.displacement[i], limit, exceeded);
+    if (std::isnan(reference.displacement[i])) held.displacement[i] = now;
+  }
+  const double most = machine_.limits.force[2] - machine_.weight();
+  if (!(reference.axial_load >= 0 && reference.axial_load <= most)) exceeded = true;
+  held.axial_load =
+      std::isnan(reference.axial_load) ? axial_load() : std::clamp(reference.axial_load, 0.0, most);
+  held.feed_forward =
+      std::isfinite(reference.feed_forward) ? std::clamp(reference.feed_forward, 0.0, 2.0) : 0;
+  if (!delay_line_.empty()) {
+    std::swap(held, delay_line_[delay_head_]);
+    delay_head_ = (delay_head_ + 1) % delay_line_.size();
+  }
+  set_targets(held);
+  run_force_loop(held.axial_load);
+  for (int k = 0; k < substeps_; ++k) integrate_substep();
+  measure(feedback);
+  return exceeded ? Status::LimitExceeded : limited();
+}
+
+Status PlatenRun::limited() const noexcept {
+  const PlatenLimits& limits = machine_.limits;
+  bool exceeded = false;
+  for (int i = 0; i < 3; ++i) {
+    exceeded = exceeded || std::abs(state_.pose.position[i]) >= limits.stroke[i] ||
+               std::abs(state_.velocity[i]) >= limits.velocity[i] ||
+               std::abs(now_.actuator_force[i]) >= limits.force[i] ||
+               std::abs(state_.pose.angles[i]) >= limits.rotation;
+  }
+  return exceeded ? Status::LimitExceeded : Status::Ok;
+}
+
+double PlatenRun::supply_pressure() const { return machine_.supply.pressure_at(state_.gas); }
+
+PlatenEnergy PlatenRun::energy() const {
+  PlatenEnergy e;
+  const Vector3d& v = state_.velocity;
+  const Vector3d& w = state_.angular_velocity;
+  e.kinetic = (v.dot(machine_.mass.cwiseProduct(v)) + w.dot(machine_.inertia.cwiseProduct(w))) / 2;
+  e.potential = machine_.weight() * state_.pose.position[2];
+  const Matrix3d R = state_.pose.rotation();
+  const Coordinates found = coordinates(state_.pose, R);
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    const Actuator& actuator = machine_.actuator(i);
+    const double force = actuator.piston_area * state_.actuators[i].pressure;
+    e.oil +=
+        force * force / 2 / oil_stiffness(actuator, machine_.supply, found[i].value - middle_[i]);
+  }
+  for (const auto& arm : machine_.outriggers.arm) {
+    const double lift = state_.pose.position[2] + (R * arm)[2] - arm[2];
+    e.outriggers += machine_.outriggers.stiffness * lift * lift;
+  }
+  return e;
+}
+
+}  // namespace rths::sim::machine
