@@ -38,11 +38,11 @@ Overrides as_plugin(const std::string& node, const std::string& role, bool own_p
           {key + "config.node", quoted(node)}};
 }
 
-/// The example without the diagram key of its controller, which a plugin does not have.
+/// The example without the keys of its controller that a plugin does not have.
 std::filesystem::path example_in(const test::TemporaryFolder& folder) {
   std::string text = test::content_of(example());
-  const std::string line = "diagram = \"hybrid_controller\"\n";
-  text.erase(text.find(line), line.size());
+  const auto begin = text.find("diagram = "), end = text.find("\n\n", begin) + 1;
+  text.erase(begin, end - begin);
   const std::string head = "format = 1\n";
   text.insert(text.find(head),
               "folder = " + quoted((test::source_tree() / "examples").string()) + "\n");
