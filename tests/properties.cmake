@@ -58,5 +58,8 @@ rths_tests(rths_command_test "DamagedRingCommands" TIMEOUT 900)
 rths_tests(rths_replicated_clients_test "Handshake" TIMEOUT 700)
 rths_tests(rths_command_test "OnARingOfCards" TIMEOUT 600)
 
+# With RTHS_LONG=1, complete runs of the examples.
+rths_tests(rths_commissioning_command_test "^(BeforeATestPage|Pretest)\\." TIMEOUT 1200)
+
 # With RTHS_LONG=1, a million writes on 256 nodes.
 rths_tests(rths_replicated_test "On256Nodes" TIMEOUT 1200)

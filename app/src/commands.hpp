@@ -2,13 +2,21 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace rths::app {
+
+/// The chosen subcommand; runs after the command line is parsed.
+using Chosen = std::function<int()>;
 
 /// Exit codes of the command.
 enum ExitCode { kOk = 0, kConditionNotMet = 1, kFailure = 2, kUsage = 3 };
@@ -67,6 +75,31 @@ struct ReplayArguments {
 };
 /// Runs a plugin on the inputs of a recording and compares its outputs.
 [[nodiscard]] int replay(const ReplayArguments& arguments);
+
+/// Of the commands before a test: delay, identify, calibrate, pretest.
+struct CommissioningArguments {
+  std::vector<std::string> files;  ///< recordings, or folders of runs
+  bool json = false;
+  std::string out;  ///< TOML file for the constants; empty: none
+  // delay
+  std::string target = "command", measured = "displacement";  ///< roles, or names of signals
+  double window = 2, search = 0.2;                            ///< [s]
+  double least_rms = 5e-4;  ///< of the target's motion, in its unit
+  // identify empty-table
+  double load = std::numeric_limits<double>::quiet_NaN();  ///< [N]; NaN: that of the recordings
+  std::string block = "observer";
+  // calibrate
+  std::vector<double> band{0.1, 3};  ///< [Hz]
+  double feed_forward_share = 1.0 / 3;
+  // pretest
+  std::string machine;            ///< recording of the machine; empty: the virtual one
+  std::vector<std::string> sets;  ///< key=value
+  double most_difference = 50;    ///< of the responses [%]
+};
+/// Splits "key=value". @throws CLI::ValidationError
+[[nodiscard]] Changes split_changes(const std::vector<std::string>& sets);
+/// Adds the commands before a test.
+void add_commissioning(CLI::App& app, CommissioningArguments& arguments, Chosen& chosen);
 
 struct DumpArguments {
   std::string ring_or_recording;      ///< name of a ring, or file of a recording

@@ -19,20 +19,6 @@
 namespace rths::app {
 namespace {
 
-/// The chosen subcommand; runs after the command line is parsed.
-using Chosen = std::function<int()>;
-
-Changes split_changes(const std::vector<std::string>& sets) {
-  Changes changes;
-  for (const auto& set : sets) {
-    const auto equals = set.find('=');
-    if (equals == std::string::npos || equals == 0)
-      throw CLI::ValidationError{"--set " + set + ": expected key=value"};
-    changes.emplace_back(set.substr(0, equals), set.substr(equals + 1));
-  }
-  return changes;
-}
-
 /// Values of all options; must outlive the parser.
 struct Arguments {
   RunArguments run;
@@ -59,6 +45,7 @@ struct Arguments {
   CheckArguments check;
   NewAdapterArguments made;
   ReplayArguments replay;
+  CommissioningArguments before;
   std::string clock = "wall", file, language = "cpp", folder, format = "text",
               kept = "out/failed_tests";
   std::vector<std::string> sets, rings;
@@ -544,6 +531,7 @@ int parse_and_run(int argc, char** argv) {
                          add_fault, add_bridge, add_send, add_ring, add_bench, add_loop, add_terms,
                          add_diagnose, add_map, add_plugins, add_test, add_rest})
     add(app, arguments, chosen);
+  add_commissioning(app, arguments.before, chosen);
   const std::vector<std::string> words{argv + 1, argv + argc};
   if (const auto result = run_hidden(app, words)) return *result;
   try {
@@ -561,6 +549,18 @@ int parse_and_run(int argc, char** argv) {
 }
 
 }  // namespace
+
+Changes split_changes(const std::vector<std::string>& sets) {
+  Changes changes;
+  for (const auto& set : sets) {
+    const auto equals = set.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw CLI::ValidationError{"--set " + set + ": expected key=value"};
+    changes.emplace_back(set.substr(0, equals), set.substr(equals + 1));
+  }
+  return changes;
+}
+
 }  // namespace rths::app
 
 int main(int argc, char** argv) {

@@ -16,7 +16,7 @@
 namespace rths::launch {
 namespace {
 
-constexpr double kReferenceStep = 0.001;          // [s], of the purely numerical result
+using adapters::kReferenceStep;
 constexpr std::uint64_t kSeedOffset = 1'000'003;  // beyond the small seeds of experiments
 
 constexpr const char* kDirections[] = {"long", "lat"};

@@ -21,7 +21,8 @@ namespace {
 
 constexpr const char* kDefaultSpecimen = "lprb";
 constexpr std::size_t kLongestName = 200;
-constexpr double kShortestTest = 1;  // [s]: shorter tests cannot measure delays
+constexpr std::uint64_t kTargetSeed = 2;  // beyond those of machine and computing time
+constexpr double kShortestTest = 1;       // [s]: shorter tests cannot measure delays
 
 using Factories = std::span<const adapters::Factory>;
 
@@ -132,6 +133,18 @@ void read_solver(const Config& table, Experiment& experiment) {
   time.overrun_fraction = table.number_in("overrun_fraction", 0, 1, time.overrun_fraction);
   time.overrun = table.number_in("overrun_s", 0, 10, time.overrun);
   table.reject_unknown_keys();
+}
+
+// A test with commanded displacements needs no ground motion.
+void read_ground_motion(const Config& file, Experiment& experiment) {
+  if (file.has("targets") && !file.has("motion")) {
+    experiment.motion_name = "commanded displacements";
+    experiment.motion = {experiment.integration_step, {0, 0}, {0, 0}};
+    return;
+  }
+  const Config motion = file.table("motion");
+  experiment.motion_name = motion.text("name", motion.text("file", ""));
+  experiment.motion = adapters::read_motion(motion);
 }
 
 void read_stop(const Config& table, Experiment& experiment) {
@@ -304,12 +317,13 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   experiment.map = find_file(file, "map", "maps");
   read_axes(file, experiment);
   read_steps(file, experiment);
-  const Config motion = file.table("motion");
-  experiment.motion_name = motion.text("name", motion.text("file", ""));
-  experiment.motion = adapters::read_motion(motion);
+  read_ground_motion(file, experiment);
   if (file.has("held_out")) experiment.held_out = adapters::read_motion(file.table("held_out"));
   experiment.plant = adapters::read_plant(file.table_or_empty("plant"));
   read_laboratory(file, experiment);
+  if (file.has("targets"))
+    experiment.history =
+        adapters::read_targets(file.table("targets"), experiment, experiment.seed + kTargetSeed);
   read_solver(file.table_or_empty("solver"), experiment);
   read_stop(file.table_or_empty("stop"), experiment);
   experiment.nodes = read_nodes(factories, file.table("node"), experiment);
@@ -324,9 +338,9 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   file.reject_unknown_keys();
   spread_seed(experiment);
   for (const auto& plan : experiment.nodes)
-    if (const auto& diagram = plan.settings.diagram; !diagram.empty())
-      experiment.config.emplace_back(diagram.filename().string(),
-                                     read_file(diagram, kMostTextBytes));
+    for (const auto& used : {plan.settings.diagram, plan.settings.constants})
+      if (!used.empty())
+        experiment.config.emplace_back(used.filename().string(), read_file(used, kMostTextBytes));
   std::string changes;
   for (const auto& [key, value] : overrides) changes += fmt::format("{}={}\n", key, value);
   if (!changes.empty()) experiment.config.emplace_back(recording::kOverridesText, changes);

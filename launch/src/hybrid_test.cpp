@@ -79,7 +79,7 @@ void read_diagram(const NodePlan& plan, budget::HybridTest& test) {
   test.command.substeps =
       static_cast<int>(std::lround(test.rate * test.integration_step / (test.period / substeps)));
   test.corrects = false;
-  for (const auto& block : diagram.tables("block")) {
+  for (const auto& block : adapters::blocks_of(diagram, plan.settings.constants)) {
     const std::string type = block.text("type", "");
     if (type == "predictor_corrector") read_command(block, test);
     if (type != "force_observer") continue;

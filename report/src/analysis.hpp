@@ -10,9 +10,8 @@
 
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
+#include <rths/report/bands.hpp>
 #include <rths/report/judgement.hpp>
-
-#include "bands.hpp"
 
 namespace rths::report {
 

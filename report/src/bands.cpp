@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bands.hpp"
+#include <rths/report/bands.hpp>
 
 #include <algorithm>
 #include <cmath>

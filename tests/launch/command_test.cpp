@@ -84,7 +84,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Check, RefusesAWrongBoundOfAConclusiveTest) {
   const test::TemporaryFolder folder;
   const std::string example = test::content_of(test::source_tree() / "examples/srmd_lprb_2d.toml");
-  std::filesystem::copy(test::source_tree() / "examples/records", folder.path() / "records");
+  for (const char* used : {"records", "srmd_constants.toml"})
+    std::filesystem::copy(test::source_tree() / "examples" / used, folder.path() / used);
   const auto file = folder.write("wrong.toml", example + "\n[conclusive]\nnrmse = 0.1\n");
   for (const char* command : {"check", "run"}) {
     const Finished refused = run_rths({command, file.string()});

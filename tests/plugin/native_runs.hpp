@@ -36,11 +36,11 @@ inline Overrides as_plugin(const std::string& node, const std::string& role, boo
           {key + "config.node", quoted(node)}};
 }
 
-/// The example without the diagram key of its controller, which a plugin does not have.
+/// The example without the keys of its controller that a plugin does not have.
 inline std::filesystem::path example_in(const TemporaryFolder& folder) {
   std::string text = content_of(example());
-  const std::string line = "diagram = \"hybrid_controller\"\n";
-  text.erase(text.find(line), line.size());
+  const auto begin = text.find("diagram = "), end = text.find("\n\n", begin) + 1;
+  text.erase(begin, end - begin);
   const std::string head = "format = 1\n";
   text.insert(text.find(head), "folder = " + quoted((source_tree() / "examples").string()) + "\n");
   return folder.write("plugin.toml", text);

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "report/src/bands.hpp"
+#include <rths/report/bands.hpp>
 
 namespace rths::report {
 namespace {

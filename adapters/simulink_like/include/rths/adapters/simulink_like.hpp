@@ -24,6 +24,8 @@ struct DiagramContext {
   Retreat retreat;  ///< of ring outputs that ramp when the run stops
   /// Unit of each signal of the laboratory's map; empty: no map is known, signals are not checked.
   std::map<std::string, std::string> signal_units = {};  // NOLINT: g++ needs the initializer
+  /// File of values that replace those of the diagram's blocks; empty: none.
+  std::filesystem::path constants = {};  // NOLINT: g++ needs the initializer
 };
 
 /// A real-time target that runs a fixed-step block diagram from a TOML file.

@@ -43,12 +43,13 @@ struct NodeContext {
 /// Settings of a node, from its table of the experiment.
 struct NodeSettings {
   Role role = Role::Machine;
-  Schedule schedule;              ///< unless the table states another
-  int priority = 30;              ///< of its real-time thread, 1…60
-  bool keeps_times = false;       ///< the recording has start and duration of each step
-  double start_deadline = 0;      ///< to become ready, beyond the time that every node has [s]
-  bool integrates_plant = false;  ///< α-OS of the experiment's plant, which a budget repeats
-  std::filesystem::path diagram;  ///< block diagram that it runs, if any
+  Schedule schedule;                ///< unless the table states another
+  int priority = 30;                ///< of its real-time thread, 1…60
+  bool keeps_times = false;         ///< the recording has start and duration of each step
+  double start_deadline = 0;        ///< to become ready, beyond the time that every node has [s]
+  bool integrates_plant = false;    ///< α-OS of the experiment's plant, which a budget repeats
+  std::filesystem::path diagram;    ///< block diagram that it runs, if any
+  std::filesystem::path constants;  ///< values that replace those of the diagram's blocks, if any
   std::string target_count;  ///< monitor that counts its targets; empty: their time counts them
   std::string motion_fault;  ///< why it cannot run under another motion; empty: it can
   /// Monitors of an adapter that is built after the others, when the map of the ring is complete.
@@ -69,6 +70,12 @@ struct Factory {
   /// @throws Error with the place of the first wrong value   @setup
   NodeSettings (*read)(const std::string& node, const Config& table, const TestSetup& setup);
 };
+
+/// The tables of a diagram's blocks. A table of the file of constants replaces keys of the block
+/// that it names.
+/// @param constants  empty: none   @throws Error for a block that the diagram lacks   @setup
+[[nodiscard]] std::vector<Config> blocks_of(const Config& diagram,
+                                            const std::filesystem::path& constants);
 
 /// A schedule from seconds.
 [[nodiscard]] constexpr Schedule schedule_of(double period, double phase) {

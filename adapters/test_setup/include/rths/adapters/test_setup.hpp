@@ -59,6 +59,16 @@ struct TestSetup {
 /// Reads a [motion] table: .AT2 or columns, scaled. @setup
 [[nodiscard]] sim::GroundMotion read_motion(const Config& table);
 
+/// Time step of purely numerical results [s].
+inline constexpr double kReferenceStep = 0.001;
+/// The motion that a test is expected to have: that of the purely numerical result.   @setup
+[[nodiscard]] DisplacementHistory expected_motion(const TestSetup& setup);
+/// Reads a [targets] table: displacements that are imposed in place of an analysis. Axes that are
+/// not tested stay at rest.
+/// @param seed  of noise   @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] DisplacementHistory read_targets(const Config& table, const TestSetup& setup,
+                                               std::uint64_t seed);
+
 /// Reads the [machine] table of an experiment: changed parameters of the SRMD, and terms.
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] sim::TestMachine read_machine(const Config& table);

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/factory.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::adapters {
+
+std::vector<Config> blocks_of(const Config& diagram, const std::filesystem::path& constants) {
+  auto blocks = diagram.tables("block");
+  if (constants.empty()) return blocks;
+  const Config changes = Config::load(constants);
+  std::vector<std::string> names;
+  for (auto& block : blocks) {
+    names.push_back(block.text("name", ""));
+    if (changes.has(names.back())) block = block.overlaid(changes.table(names.back()));
+  }
+  for (const auto& key : changes.keys())
+    if (std::find(names.begin(), names.end(), key) == names.end())
+      changes.fail(key,
+                   fmt::format("the diagram has no block '{}'{}", key, did_you_mean(key, names)));
+  return blocks;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Commands before a test: delay, identify, calibrate, pretest.
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <rths/app/builtin_adapters.hpp>
+#include <rths/commissioning/calibration.hpp>
+#include <rths/commissioning/delay_report.hpp>
+#include <rths/commissioning/empty_table_run.hpp>
+#include <rths/commissioning/pretest.hpp>
+#include <rths/core/error.hpp>
+#include <rths/report/report.hpp>
+
+#include "commands.hpp"
+#include "run_folder.hpp"
+#include "write_file.hpp"
+
+namespace rths::app {
+namespace {
+
+std::filesystem::path recording_of(const std::filesystem::path& file_or_folder) {
+  return std::filesystem::is_directory(file_or_folder) ? file_or_folder / report::kRunFile
+                                                       : file_or_folder;
+}
+
+std::vector<std::filesystem::path> recordings_of(const std::vector<std::string>& files) {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& file : files) paths.push_back(recording_of(file));
+  return paths;
+}
+
+int delay(const CommissioningArguments& a) {
+  commissioning::DelayQuestion question;
+  question.target = a.target;
+  question.measured = a.measured;
+  question.window = a.window;
+  question.search = a.search;
+  question.least_rms = a.least_rms;
+  const auto pairs = commissioning::track(recording::Reader{recording_of(a.files.at(0))}, question);
+  fmt::print("{}", a.json ? commissioning::json_of(pairs) : commissioning::text_of(pairs));
+  return kOk;
+}
+
+int identify_empty_table(const CommissioningArguments& a) {
+  const auto runs = commissioning::identify_empty_table(recordings_of(a.files), a.load);
+  fmt::print("{}", a.json ? commissioning::json_of(runs) : commissioning::text_of(runs));
+  if (!a.out.empty()) write_file(a.out, commissioning::toml_of(runs, a.block));
+  return kOk;
+}
+
+int calibrate(const CommissioningArguments& a) {
+  const auto found = commissioning::calibrate(recordings_of(a.files),
+                                              {a.band.at(0), a.band.at(1), a.feed_forward_share});
+  fmt::print("{}", a.json ? commissioning::json_of(found) : commissioning::text_of(found));
+  if (!a.out.empty()) write_file(a.out, commissioning::toml_of(found));
+  return kOk;
+}
+
+// A folder that is removed with everything in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "rths-pretest-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw Error{name + ": the folder cannot be created"};
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+int pretest(const CommissioningArguments& a) {
+  const auto experiment = load_experiment(a.files.at(0), split_changes(a.sets));
+  std::optional<TemporaryFolder> temporary;
+  commissioning::PretestSettings settings;
+  if (a.out.empty())
+    settings.folder = temporary.emplace().path();
+  else
+    create_folder(settings.folder = a.out);
+  if (!a.machine.empty()) settings.machine = recording_of(a.machine);
+  settings.most_difference = a.most_difference / 100;
+  settings.version = version();
+  const auto result = commissioning::pretest(experiment, settings);
+  fmt::print("{}", a.json ? commissioning::json_of(result) : commissioning::text_of(result));
+  return result.is_go() ? kOk : kConditionNotMet;
+}
+
+void add_delay(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "delay", "Delay, gain and error of a measured signal behind its target, with intervals");
+  command->add_option("recording", a.files, "Recording, or folder of a run")
+      ->required()
+      ->expected(1);
+  command->add_option("--target", a.target, "Role of an axis, or name of a signal")
+      ->capture_default_str();
+  command->add_option("--measured", a.measured, "Role of an axis, or name of a signal")
+      ->capture_default_str();
+  command->add_option("--window-s", a.window, "Length of the windows")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  command->add_option("--search-s", a.search, "Largest delay to either side")
+      ->check(CLI::Range(0.002, 10.0))
+      ->capture_default_str();
+  command
+      ->add_option("--least-rms", a.least_rms,
+                   "Least motion of the target, RMS, in its SI unit; less is refused")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_flag("--json", a.json, "One JSON document instead of tables");
+  command->callback([&] { chosen = [&a] { return delay(a); }; });
+}
+
+void add_identify(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("identify", "Identify a machine from recordings");
+  command->require_subcommand(1);
+  auto* table = command->add_subcommand(
+      "empty-table", "Mass, friction and offsets of a machine that moved without a specimen");
+  table->add_option("recordings", a.files, "Recordings, or folders of runs; fitted together")
+      ->required();
+  table->add_option("--load-N", a.load,
+                    "Vertical load for which Coulomb friction is stated [mean of the recordings]");
+  table->add_option("--block", a.block, "Block of the diagram that gets the constants")
+      ->capture_default_str();
+  table->add_option("--out", a.out, "Write the constants to this TOML file");
+  table->add_flag("--json", a.json, "One JSON document instead of tables");
+  table->callback([&] { chosen = [&a] { return identify_empty_table(a); }; });
+}
+
+void add_calibrate(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "calibrate", "Gains of the compensation, from characterisation tests without it");
+  command->add_option("recordings", a.files, "Recordings, or folders of runs")->required();
+  command->add_option("--band-Hz", a.band, "Lowest and highest frequency of the fit")
+      ->expected(2)
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  command
+      ->add_option("--feed-forward-share", a.feed_forward_share,
+                   "Part of the lag that the feed-forward compensates")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--out", a.out, "Write the gains to this TOML file");
+  command->add_flag("--json", a.json, "One JSON document instead of lines");
+  command->callback([&] { chosen = [&a] { return calibrate(a); }; });
+}
+
+void add_pretest(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand(
+      "pretest", "Try out a test with a numerical specimen: signals, stability, go or no-go");
+  command->add_option("experiment", a.files, "Experiment file")->required()->expected(1);
+  command->add_option("--machine", a.machine,
+                      "Recording of the real machine, which is identified [the virtual machine]");
+  command
+      ->add_option("--most-difference-percent", a.most_difference,
+                   "Go up to this difference of the response from the numerical result")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command->add_option("--out", a.out, "Folder for the recordings of the two runs [none is kept]");
+  command->add_option("--set", a.sets, "Override a key of the experiment: key=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_flag("--json", a.json, "One JSON document instead of lines");
+  command->callback([&] { chosen = [&a] { return pretest(a); }; });
+}
+
+}  // namespace
+
+void add_commissioning(CLI::App& app, CommissioningArguments& arguments, Chosen& chosen) {
+  add_delay(app, arguments, chosen);
+  add_identify(app, arguments, chosen);
+  add_calibrate(app, arguments, chosen);
+  add_pretest(app, arguments, chosen);
+}
+
+}  // namespace rths::app

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <rths/controller/empty_table.hpp>
+
+namespace rths::commissioning {
+
+/// The force of a machine's axes, identified from recordings without a specimen.
+struct EmptyTableRuns {
+  std::vector<std::filesystem::path> files;
+  struct Axis {
+    std::string name;  ///< "long", "lat"
+    controller::EmptyTableFit fit;
+  };
+  std::vector<Axis> axes;
+  double load = 0;  ///< vertical load for which the constants are stated [N]
+};
+
+/// All recordings together, axis by axis.
+/// @param load  vertical load of the constants [N]; NaN: the mean of the recordings
+/// @throws Error if a recording lacks a signal of the machine, or as identify_empty_table does
+/// @setup
+[[nodiscard]] EmptyTableRuns identify_empty_table(const std::vector<std::filesystem::path>& files,
+                                                  double load);
+
+[[nodiscard]] std::string text_of(const EmptyTableRuns& runs);
+[[nodiscard]] std::string json_of(const EmptyTableRuns& runs);
+/// Constants of a block force_observer, as a file of `constants` of an experiment.
+/// @param block  name of the block in the diagram
+[[nodiscard]] std::string toml_of(const EmptyTableRuns& runs, const std::string& block);
+
+}  // namespace rths::commissioning

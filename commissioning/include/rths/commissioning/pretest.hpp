@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <rths/commissioning/loop_stability.hpp>
+#include <rths/commissioning/signal_check.hpp>
+#include <rths/controller/delay.hpp>
+#include <rths/launch/experiment.hpp>
+#include <rths/report/judgement.hpp>
+
+namespace rths::commissioning {
+
+/// How a pretest decides.
+struct PretestSettings {
+  std::filesystem::path folder;      ///< for the recordings of its runs
+  std::filesystem::path machine;     ///< recording of the machine; empty: of the virtual one
+  double most_difference = 0.5;      ///< response against the purely numerical one, RMS [-]
+  double most_ringing = 0.15;        ///< amplitude up to which the loop may ring, of the peak [-]
+  double least_delay_margin = 1e-3;  ///< at the peak [s]
+  std::string version;               ///< of the program, for the recordings
+  std::function<void(const std::string& step)> begins;  ///< called before each step; may be empty
+};
+
+/// Prediction for one axis.
+struct AxisPrediction {
+  std::string name;                      ///< "long", "lat"
+  budget::TransferSystem machine;        ///< identified
+  double machine_delay = 0;              ///< of its displacement behind its reference [s]
+  double peak = 0;                       ///< of the purely numerical response [m]
+  std::vector<AmplitudeMargin> margins;  ///< by rising amplitude, up to the peak
+  double ringing = 0;                    ///< largest amplitude at which the loop is unstable [m]
+  double difference = 0;                 ///< of the responses, RMS over that of the test [-]
+  double delay = 0;                      ///< of the measured displacement behind the command [s]
+  controller::TrackingError tracking;    ///< of it
+};
+
+struct Pretest {
+  std::vector<SignalFinding> signals;
+  std::vector<AxisPrediction> axes;
+  std::vector<report::Broken> broken;  ///< conditions of a conclusive test that the run breaks
+  std::vector<std::string> reasons;    ///< of a no-go; empty: go
+
+  [[nodiscard]] bool is_go() const { return reasons.empty(); }
+};
+
+/// Runs the whole path in virtual time with a numerical specimen, twice.
+///
+/// First the motion of the purely numerical result is imposed without compensation: the signals are
+/// checked, and the machine is identified. If all signals are right, the loop is closed with the
+/// identified machine: stability margins, tracking, and the difference to the numerical result.
+/// @throws Error if the experiment cannot be run this way   @setup
+[[nodiscard]] Pretest pretest(const launch::Experiment& experiment,
+                              const PretestSettings& settings);
+
+/// RMS difference of the response of a run and the purely numerical result with the same model of
+/// the specimen, over the RMS of the response: long, lat [-]; 0 for an axis that is not tested.
+[[nodiscard]] std::array<double, 2> difference_of(const launch::Experiment& experiment,
+                                                  const recording::Reader& run);
+
+[[nodiscard]] std::string text_of(const Pretest& pretest);
+[[nodiscard]] std::string json_of(const Pretest& pretest);
+
+}  // namespace rths::commissioning

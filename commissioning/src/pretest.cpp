@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/commissioning/pretest.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/core/error.hpp>
+#include <rths/launch/hybrid_test.hpp>
+#include <rths/launch/run.hpp>
+#include <rths/recording/roles.hpp>
+
+namespace rths::commissioning {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kNames[] = {"long", "lat"};
+constexpr int kAmplitudes = 8;            // from a thousandth of the peak to the peak
+constexpr double kSmallest = 1e-3;        // of the peak
+constexpr double kLoopFrequency = 1;      // of describing functions [Hz]
+constexpr double kWorstMachine = 0.3;     // error of the identified machine over that of none
+constexpr double kSearchedDelay = 0.2;    // [s]
+constexpr double kLeastReference = 1e-4;  // RMS of a reference that identifies a machine [m]
+constexpr double kHoldPeriods = 0.5;      // of the controller: its reference is held
+
+double root_mean_square(const std::vector<double>& values) {
+  double squares = 0;
+  for (const double value : values) squares += value * value;
+  return values.empty() ? 0 : std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+bool is_tested(const launch::Experiment& experiment, std::size_t axis) {
+  return std::find(experiment.axes.begin(), experiment.axes.end(), kNames[axis]) !=
+         experiment.axes.end();
+}
+
+launch::RunOutcome run_virtually(const launch::Experiment& experiment,
+                                 const PretestSettings& settings,
+                                 const std::filesystem::path& file) {
+  launch::RunOptions options;
+  options.clock = launch::ClockKind::Virtual;
+  options.recording = file;
+  options.version = settings.version;
+  return launch::run(experiment, options);
+}
+
+// The numerical specimen is the bearing that the simulation assumes.
+launch::Experiment with_numerical_specimen(launch::Experiment experiment) {
+  experiment.specimen = experiment.model;
+  experiment.machine.specimen = experiment.model;
+  return experiment;
+}
+
+launch::Experiment with_imposed_motion(launch::Experiment experiment) {
+  experiment.history = adapters::expected_motion(experiment);
+  for (auto& node : experiment.nodes)
+    node.tune.insert(node.tune.begin(), node.uncompensated.begin(), node.uncompensated.end());
+  return experiment;
+}
+
+void identify_machine(const recording::Reader& run, AxisPrediction& axis) {
+  const auto record = launch::transfer_record_of(run, axis.name, {});
+  if (!(root_mean_square(record.reference) >= kLeastReference))
+    throw Error{fmt::format("machine: the reference of {} does not move", axis.name)};
+  axis.machine = budget::identify_transfer(record);
+  axis.machine_delay = controller::identify_delay(record.reference, record.displacement,
+                                                  record.period, kSearchedDelay)
+                           .minimum_rms;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Eigen::Vector3d median_lead(const std::vector<budget::Lead>& lead) {
+  Eigen::Vector3d middle{1, 0, 0};
+  if (lead.empty()) return middle;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    std::vector<double> values;
+    for (const auto& one : lead) values.push_back(one[i]);
+    middle[i] = median(std::move(values));
+  }
+  return middle;
+}
+
+void predict_stability(const launch::Experiment& experiment, const recording::Reader& run,
+                       std::size_t i, AxisPrediction& axis) {
+  const auto test = launch::hybrid_test_of(experiment, run);
+  const HybridLoop loop{test.plant,
+                        static_cast<int>(i),
+                        axis.machine,
+                        experiment.assumed_machine.axes[i].effective_mass,
+                        median_lead(test.lead[i]),
+                        kHoldPeriods * test.period,
+                        experiment.rate};
+  for (int k = 0; k < kAmplitudes; ++k) {
+    AmplitudeMargin margin;
+    margin.amplitude =
+        axis.peak * std::pow(kSmallest, 1 - static_cast<double>(k) / (kAmplitudes - 1));
+    margin.stiffness = describing_function(experiment.model, margin.amplitude, kLoopFrequency);
+    margin.delay_margin = loop.delay_margin(margin.stiffness);
+    margin.stable = margin.delay_margin > 0;
+    margin.gain_margin = loop.gain_margin(margin.stiffness);
+    if (!margin.stable) axis.ringing = margin.amplitude;
+    axis.margins.push_back(margin);
+  }
+}
+
+void predict_tracking(const recording::Reader& run, AxisPrediction& axis) {
+  for (const auto& roles : recording::roles_of(run).axes) {
+    if (roles.axis != axis.name) continue;
+    const auto command = run.signal(roles.command), measured = run.signal(roles.displacement);
+    axis.tracking = controller::tracking_error(command, measured);
+    const double interval =
+        (run.time().back() - run.time().front()) / static_cast<double>(run.time().size() - 1);
+    axis.delay =
+        controller::identify_delay(command, measured, interval, kSearchedDelay).minimum_rms;
+  }
+}
+
+void decide(const PretestSettings& settings, Pretest& result) {
+  for (const auto& axis : result.axes) {
+    if (axis.margins.empty()) continue;
+    const auto& largest = axis.margins.back();
+    if (axis.ringing > settings.most_ringing * axis.peak)
+      result.reasons.push_back(fmt::format(
+          "{}: the loop is unstable up to an amplitude of {:.1f} mm, expected at most {:.1f} mm",
+          axis.name, 1e3 * axis.ringing, 1e3 * settings.most_ringing * axis.peak));
+    else if (largest.delay_margin < settings.least_delay_margin)
+      result.reasons.push_back(fmt::format(
+          "{}: {:.2f} ms more delay make the loop unstable, expected at least {:.2f} ms", axis.name,
+          1e3 * largest.delay_margin, 1e3 * settings.least_delay_margin));
+    if (!(axis.difference <= settings.most_difference))
+      result.reasons.push_back(
+          fmt::format("{}: the response differs by {:.0f} % from the numerical result, expected at "
+                      "most {:.0f} %",
+                      axis.name, 1e2 * axis.difference, 1e2 * settings.most_difference));
+  }
+  for (const auto& condition : result.broken)
+    result.reasons.push_back("the test would not be conclusive: " + condition.text());
+}
+
+/// The steps of a pretest, in order. Each returns false if the next ones make no sense.
+class Steps {
+ public:
+  Steps(const launch::Experiment& experiment, const PretestSettings& settings)
+      : experiment_{with_numerical_specimen(experiment)}, settings_{settings} {}
+
+  Pretest all() {
+    if (check_path() && check_machine()) close_loop();
+    decide(settings_, result_);
+    return std::move(result_);
+  }
+
+ private:
+  void begin(const char* step) const {
+    if (settings_.begins) settings_.begins(step);
+  }
+  [[nodiscard]] std::filesystem::path imposed() const { return settings_.folder / "imposed.h5"; }
+
+  bool check_path() {
+    begin("the path with an imposed motion");
+    const auto outcome = run_virtually(with_imposed_motion(experiment_), settings_, imposed());
+    if (!outcome.completed) {
+      result_.reasons.push_back("the path did not reach its end: " + outcome.trouble);
+      return false;
+    }
+    result_.signals = check_signals(recording::Reader{imposed()}, experiment_);
+    if (!settings_.machine.empty()) {
+      auto real = check_signals(recording::Reader{settings_.machine}, experiment_);
+      result_.signals.insert(result_.signals.end(), real.begin(), real.end());
+    }
+    for (const auto& signal : result_.signals)
+      if (!signal.is_fine())
+        result_.reasons.push_back(
+            fmt::format("{}: {} {}", signal.axis, signal.signal, signal.trouble));
+    return result_.reasons.empty();
+  }
+
+  bool check_machine() {
+    begin("the identification of the machine");
+    const recording::Reader run{settings_.machine.empty() ? imposed() : settings_.machine};
+    const auto expected = adapters::expected_motion(experiment_);
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (!is_tested(experiment_, i)) continue;
+      AxisPrediction axis;
+      axis.name = kNames[i];
+      identify_machine(run, axis);
+      for (const double x : i == 0 ? expected.displacement_long : expected.displacement_lat)
+        axis.peak = std::max(axis.peak, std::abs(x));
+      if (axis.machine.error > kWorstMachine * axis.machine.error_without)
+        result_.reasons.push_back(fmt::format(
+            "{}: the machine is not identified: its model leaves {:.1f} % of the displacement, "
+            "expected at most {:.1f} %",
+            axis.name, 1e2 * axis.machine.error, 1e2 * kWorstMachine * axis.machine.error_without));
+      result_.axes.push_back(std::move(axis));
+    }
+    return result_.reasons.empty();
+  }
+
+  void close_loop() {
+    begin("the closed loop with the identified machine");
+    launch::Experiment closed = experiment_;
+    closed.machine = closed.assumed_machine;
+    closed.machine.specimen = closed.model;
+    closed.machine.seed = experiment_.machine.seed;
+    for (auto& axis : result_.axes) {
+      auto& servo = closed.machine.axes[axis.name == "long" ? 0 : 1];
+      servo = budget::servo_axis(axis.machine, servo);
+    }
+    const auto file = settings_.folder / "closed_loop.h5";
+    const auto outcome = run_virtually(closed, settings_, file);
+    if (!outcome.completed) {
+      result_.reasons.push_back("the closed loop did not reach its end: " + outcome.trouble);
+      return;
+    }
+    const recording::Reader run{file};
+    result_.broken = report::judge(run);
+    const auto difference = difference_of(closed, run);
+    begin("the stability of the loop");
+    for (auto& axis : result_.axes) {
+      const std::size_t i = axis.name == "long" ? 0 : 1;
+      axis.difference = difference[i];
+      predict_tracking(run, axis);
+      predict_stability(closed, run, i, axis);
+    }
+  }
+
+  launch::Experiment experiment_;
+  const PretestSettings& settings_;
+  Pretest result_;
+};
+
+}  // namespace
+
+std::array<double, 2> difference_of(const launch::Experiment& experiment,
+                                    const recording::Reader& run) {
+  const auto response = launch::response_of(experiment, run);
+  const auto numerical = adapters::expected_motion(experiment);
+  std::array<double, 2> difference{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!is_tested(experiment, i)) continue;
+    const auto& expected = i == 0 ? numerical.displacement_long : numerical.displacement_lat;
+    std::vector<double> apart;
+    for (std::size_t k = 0; k < response[i].size() && k + 1 < expected.size(); ++k)
+      apart.push_back(response[i][k] - expected[k + 1]);
+    const double size = root_mean_square(response[i]);
+    difference[i] = size > 0 ? root_mean_square(apart) / size : 0;
+  }
+  return difference;
+}
+
+Pretest pretest(const launch::Experiment& experiment, const PretestSettings& settings) {
+  if (experiment.has_user_program())
+    throw Error{experiment.file.string() +
+                ": a node is a program of your own, which has no virtual time"};
+  if (experiment.history)
+    throw Error{experiment.file.string() + ": has [targets], expected a closed loop"};
+  return Steps{experiment, settings}.all();
+}
+
+std::string text_of(const Pretest& pretest) {
+  std::string text = "signals, by what they should follow:\n";
+  for (const auto& signal : pretest.signals)
+    text += fmt::format("  {:<5}{:<36} {:>9.4g} × {:<44} {:.2f}  {}\n", signal.axis, signal.signal,
+                        signal.gain, signal.against, signal.correlation,
+                        signal.is_fine() ? "ok" : signal.trouble);
+  for (const auto& axis : pretest.axes) {
+    text += fmt::format(
+        "{}: machine {:.1f} ms late, {:.1f} % of its motion unexplained; peak of the numerical "
+        "result {:.0f} mm\n",
+        axis.name, 1e3 * axis.machine_delay, 1e2 * axis.machine.error, 1e3 * axis.peak);
+    if (axis.margins.empty()) continue;
+    text += "  amplitude mm   stiffness MN/m   delay margin ms   gain margin\n";
+    for (const auto& margin : axis.margins)
+      text += margin.stable ? fmt::format("{:14.2f}{:17.2f}{:18.1f}{:14.2f}\n",
+                                          1e3 * margin.amplitude, margin.stiffness.real() / 1e6,
+                                          1e3 * margin.delay_margin, margin.gain_margin)
+                            : fmt::format("{:14.2f}{:17.2f}{:>18}{:>14}\n", 1e3 * margin.amplitude,
+                                          margin.stiffness.real() / 1e6, "unstable", "");
+    text += fmt::format(
+        "  tracking: {:.1f} ms, NRMS {:.2f} %; response {:.1f} % from the numerical result\n",
+        1e3 * axis.delay, 1e2 * axis.tracking.nrms, 1e2 * axis.difference);
+  }
+  if (pretest.is_go()) return text + "go\n";
+  for (const auto& reason : pretest.reasons) text += "no-go: " + reason + "\n";
+  return text;
+}
+
+std::string json_of(const Pretest& pretest) {
+  Json document{{"go", pretest.is_go()}, {"reasons", pretest.reasons}, {"signals", Json::array()}};
+  for (const auto& s : pretest.signals)
+    document["signals"].push_back({{"axis", s.axis},
+                                   {"role", s.role},
+                                   {"signal", s.signal},
+                                   {"against", s.against},
+                                   {"gain", s.gain},
+                                   {"correlation", s.correlation},
+                                   {"trouble", s.trouble}});
+  document["axes"] = Json::object();
+  for (const auto& axis : pretest.axes) {
+    Json json{{"machine_delay_ms", 1e3 * axis.machine_delay},
+              {"machine_error", axis.machine.error},
+              {"peak_m", axis.peak},
+              {"ringing_m", axis.ringing},
+              {"difference_percent", 1e2 * axis.difference},
+              {"tracking_delay_ms", 1e3 * axis.delay},
+              {"tracking_nrms_percent", 1e2 * axis.tracking.nrms},
+              {"margins", Json::array()}};
+    for (const auto& m : axis.margins)
+      json["margins"].push_back({{"amplitude_m", m.amplitude},
+                                 {"stiffness_N_per_m", m.stiffness.real()},
+                                 {"stable", m.stable},
+                                 {"delay_margin_ms", 1e3 * m.delay_margin},
+                                 {"gain_margin", m.gain_margin}});
+    document["axes"][axis.name] = json;
+  }
+  return document.dump(2) + "\n";
+}
+
+}  // namespace rths::commissioning

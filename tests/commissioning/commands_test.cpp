@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The commands before a test, on short runs of the virtual machine.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <rths/core/config.hpp>
+
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace rths::commissioning {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string example(const char* name) { return (test::source_tree() / "examples" / name).string(); }
+
+/// Arguments of a run of an example in virtual time.
+std::vector<std::string> run_of(const char* name, const std::filesystem::path& out,
+                                const std::vector<std::string>& sets) {
+  std::vector<std::string> arguments{"run",     example(name), "--clock",
+                                     "virtual", "--out",       out.string()};
+  for (const auto& set : sets) {
+    arguments.emplace_back("--set");
+    arguments.push_back(set);
+  }
+  return arguments;
+}
+
+Json json_of(const std::vector<std::string>& arguments, int expected_exit = 0) {
+  const auto ran = test::run_rths(arguments, 110);
+  EXPECT_EQ(ran.exit_code, expected_exit) << ran.out << ran.err;
+  return Json::parse(ran.out, nullptr, false);
+}
+
+std::vector<std::string> pretest_of(const std::vector<std::string>& sets) {
+  std::vector<std::string> arguments{"pretest", example("srmd_lprb_2d.toml"), "--json"};
+  for (const auto& set : sets) {
+    arguments.emplace_back("--set");
+    arguments.push_back(set);
+  }
+  return arguments;
+}
+
+// The strong motion of the example begins after 3 s.
+const std::vector<std::string> kShort{"duration_s=10", "rest_s=0.5"};
+
+std::vector<std::string> with(std::vector<std::string> sets, const std::vector<std::string>& more) {
+  sets.insert(sets.end(), more.begin(), more.end());
+  return sets;
+}
+
+// Constants of the machine in examples/empty_table.toml: those of docs/theory/test_machine.md.
+TEST(IdentifyCommand, WritesConstantsThatTheControllerReads) {
+  const test::TemporaryFolder folder;
+  const auto run = folder.path() / "empty", constants = folder.path() / "force.toml";
+  ASSERT_EQ(test::run_rths(run_of("empty_table.toml", run,
+                                  {"targets.frequencies_Hz=[0.5, 1, 2]", "duration_s=22"}))
+                .exit_code,
+            0);
+
+  const auto found =
+      json_of({"identify", "empty-table", run.string(), "--json", "--out", constants.string()});
+
+  const auto& axis = found["axes"]["long"];
+  EXPECT_NEAR(axis["effective_mass_kg"]["value"].get<double>(), 113'371,
+              3 * axis["effective_mass_kg"]["half_width_95"].get<double>());
+  EXPECT_LT(axis["effective_mass_kg"]["half_width_95"].get<double>(), 3'000);
+  EXPECT_NEAR(axis["coulomb_friction_N"]["value"].get<double>(), 5'100, 1'000);
+  EXPECT_NEAR(axis["force_offset_N"]["value"].get<double>(), 2'000, 300);
+  EXPECT_NEAR(axis["acceleration_delay_ms"]["value"].get<double>(), 0, 1);
+  const auto observer = Config::load(constants).table("observer");
+  EXPECT_EQ(observer.numbers("effective_mass_kg").size(), 2U);
+  const auto check = test::run_rths({"check", example("empty_table.toml")});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  const auto used = test::run_rths(run_of(
+      "empty_table.toml", folder.path() / "again",
+      {"targets.frequencies_Hz=[2]", "duration_s=4", "node.xpc.constants=" + constants.string()}));
+  EXPECT_EQ(used.exit_code, 0) << used.err;
+}
+
+TEST(CommandedDisplacements, RefuseWrongKeys) {
+  const test::TemporaryFolder folder;
+  const auto error_with = [&](const std::string& set) {
+    const auto ran = test::run_rths(run_of("empty_table.toml", folder.path() / "run", {set}));
+    EXPECT_EQ(ran.exit_code, 2) << set;
+    return ran.err;
+  };
+  const auto expect = [&](const std::string& set, const std::string& text) {
+    const auto error = error_with(set);
+    EXPECT_NE(error.find(text), std::string::npos) << error;
+  };
+  expect("targets.kind=wave", "expected harmonic, sweep, noise, response or file");
+  expect("targets.frequencies_Hz=[0.1, 99]", "has 99, expected 0.01 to 20");
+  expect("targets.amplitude_m=[0.1]", "has 1 numbers, expected two");
+  expect("targets.cycles=100", "the bursts take");
+  expect("targets.hue=3", "unknown key 'hue'");
+  const auto constants = folder.write("constants.toml", "[observr]\neffective_mass_kg = [1, 1]\n");
+  expect("node.xpc.constants=" + constants.string(),
+         "no block 'observr' (did you mean 'observer'?)");
+}
+
+TEST(DelayCommand, MeasuresTheMachineAndRefusesRest) {
+  const test::TemporaryFolder folder;
+  const auto run = folder.path() / "sweep";
+  ASSERT_EQ(test::run_rths(run_of("characterisation.toml", run, {"duration_s=20"})).exit_code, 0);
+
+  const auto found = json_of({"delay", run.string(), "--target", "reference", "--measured",
+                              "machine_displacement", "--json"});
+  ASSERT_EQ(found["pairs"].size(), 2U);
+  const auto& whole = found["pairs"][0]["whole"];
+  // 1/K + 2ζ/ω + τ = 49 + 21 + 2 ms for slow motion; less at the frequencies of the sweep.
+  EXPECT_GT(whole["delay_ms"].get<double>(), 45);
+  EXPECT_LT(whole["delay_ms"].get<double>(), 75);
+  EXPECT_FALSE(found["pairs"][0]["windows"].empty());
+
+  const auto gains = folder.path() / "gains.toml";
+  const auto calibrated = json_of({"calibrate", run.string(), "--json", "--out", gains.string()});
+  const auto lag = calibrated["axes"]["long"]["a1"]["value"].get<double>();
+  EXPECT_NEAR(1e3 * lag, whole["delay_ms"].get<double>(), 10);
+  EXPECT_EQ(Config::load(gains).table("ats").numbers("initial").size(), 3U);
+
+  const auto still = test::run_rths({"delay", run.string(), "--least-rms", "10"});
+  EXPECT_EQ(still.exit_code, 2);
+  EXPECT_NE(still.err.find("moves too little"), std::string::npos) << still.err;
+  const auto unknown = test::run_rths(
+      {"delay", run.string(), "--target", "no.such.signal", "--measured", "srmd.long.displ.fbk"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("no.such.signal"), std::string::npos) << unknown.err;
+}
+
+TEST(PretestCommand, NamesAForceThatFallsAsTheDisplacementRises) {
+  const auto found = json_of(
+      pretest_of(with(kShort, {"machine.gain.channel=force", "machine.gain.factor=-1"})), 1);
+  EXPECT_FALSE(found["go"].get<bool>());
+  EXPECT_NE(found["reasons"].dump().find("srmd.long.force.fbk has the opposite sign"),
+            std::string::npos)
+      << found["reasons"];
+}
+
+TEST(PretestCommand, NamesAFactorOfAThousand) {
+  const auto found = json_of(
+      pretest_of(with(kShort, {"machine.gain.channel=acceleration", "machine.gain.factor=0.001"})),
+      1);
+  EXPECT_NE(found["reasons"].dump().find("srmd.long.accel.fbk"), std::string::npos)
+      << found["reasons"];
+}
+
+TEST(PretestCommand, NamesSwappedAxes) {
+  const auto found =
+      json_of(pretest_of(with(kShort, {"roles.long.machine_displacement=srmd.lat.displ.fbk",
+                                       "roles.lat.machine_displacement=srmd.long.displ.fbk"})),
+              1);
+  EXPECT_NE(found["reasons"].dump().find("swapped axes"), std::string::npos) << found["reasons"];
+}
+
+TEST(PretestCommand, RefusesExperimentsThatItCannotRun) {
+  const auto imposed = test::run_rths({"pretest", example("empty_table.toml")});
+  EXPECT_EQ(imposed.exit_code, 2);
+  EXPECT_NE(imposed.err.find("[targets]"), std::string::npos) << imposed.err;
+  EXPECT_EQ(test::run_rths({"pretest", "/no/such/file.toml"}).exit_code, 2);
+}
+
+TEST(PretestCommand, SaysNoGoForAMachineThatIsMadeUnstable) {
+  const auto late =
+      json_of(pretest_of(with(kShort, {"machine.transport_delay_s=[0.09, 0.09]"})), 1);
+  EXPECT_FALSE(late["go"].get<bool>());
+  const auto steep = json_of(pretest_of(with(kShort, {"machine.position_gain_per_s=[90, 90]"})), 1);
+  EXPECT_FALSE(steep["go"].get<bool>());
+}
+
+}  // namespace
+}  // namespace rths::commissioning
