@@ -2,6 +2,7 @@
 #include <rths/adapters/srmd_node.hpp>
 
 #include <rths/adapters/ideal_machine.hpp>
+#include <rths/adapters/safety_node.hpp>
 #include <rths/adapters/srmd.hpp>
 
 namespace rths::adapters {
@@ -21,14 +22,13 @@ std::unique_ptr<Adapter> make(const TestSetup& setup, const NodeContext& context
 }  // namespace
 
 // The machine samples before the controller steps.
-NodeSettings read_srmd(const std::string& /*node*/, const Config& /*table*/,
-                       const TestSetup& /*setup*/) {
+NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const TestSetup& setup) {
   NodeSettings settings;
   settings.schedule = schedule_of(kPeriod, 0);
   settings.priority = 60;
   settings.keeps_times = true;
   settings.make = make;
-  return settings;
+  return with_safety(std::move(settings), table.table_or_empty("safety"), setup);
 }
 
 NodeSettings read_ideal_machine(const std::string& /*node*/, const Config& /*table*/,

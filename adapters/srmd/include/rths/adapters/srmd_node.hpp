@@ -7,7 +7,7 @@
 
 namespace rths::adapters {
 
-/// A virtual SRMD; has no keys of its own. @throws Error with the place of the first wrong value
+/// A virtual SRMD behind a safety layer, whose limits the key `safety` changes. @throws Error with the place of the first wrong value
 /// @setup
 [[nodiscard]] NodeSettings read_srmd(const std::string& node, const Config& table,
                                      const TestSetup& setup);
