@@ -85,8 +85,12 @@ AdapterRunner::Value AdapterRunner::value_for(const Port& port, const memmap::Si
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const memmap::Codec codec{*entry.signal};
   const auto as_in_word = [&](double value) { return codec.decode(codec.encode(value)); };
-  Value value{static_cast<std::uint32_t>(index), entry.signal->offset.value() - base.value(), codec,
-              -kInfinity, kInfinity};
+  Value value{static_cast<std::uint32_t>(index),
+              entry.signal->offset.value() - base.value(),
+              codec,
+              -kInfinity,
+              kInfinity,
+              port.direction == Direction::Parameter};
   if (port.range) {
     value.lowest = as_in_word(port.range->first);
     value.highest = as_in_word(port.range->second);
@@ -146,7 +150,7 @@ Status AdapterRunner::read_inputs() noexcept {
         inputs_[value.index] = now;
       else
         status = Status::Stale;  // NaN would spread to every result
-      invalid_ += std::isfinite(now) ? 0 : 1;
+      invalid_ += std::isfinite(now) || value.is_parameter ? 0 : 1;
     }
   }
   return status;

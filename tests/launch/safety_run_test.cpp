@@ -14,16 +14,21 @@
 #include <nlohmann/json.hpp>
 
 #include <rths/adapters/numerical_node.hpp>
+#include <rths/adapters/safe_machine.hpp>
 #include <rths/adapters/safety_node.hpp>
 #include <rths/adapters/simulink_like_node.hpp>
+#include <rths/adapters/srmd.hpp>
 #include <rths/adapters/srmd_node.hpp>
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/controller/safety.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 
+#include "support/bench.hpp"
 #include "support/files.hpp"
+#include "support/lead_rubber.hpp"
 #include "support/process.hpp"
+#include "support/realtime_guard.hpp"
 
 namespace rths::launch {
 namespace {
@@ -162,7 +167,8 @@ Recorded run_with(Where where, Fault wanted, Overrides changes = {},
   recorded.outcome = run(experiment, options);
   const recording::Reader reader{options.recording};
   recorded.time = reader.time();
-  recorded.trip = reader.signal("monitor.srmd.safety.trip");
+  if (reader.has("monitor.srmd.safety.trip"))
+    recorded.trip = reader.signal("monitor.srmd.safety.trip");
   recorded.reference = {reader.signal("srmd.long.displ.ref_echo"),
                         reader.signal("srmd.lat.displ.ref_echo")};
   const auto first = std::find_if(recorded.trip.begin(), recorded.trip.end(),
@@ -253,6 +259,51 @@ TEST(SafetyRun, EndsATestWithFourTimesTheMotion) {
 
   expect_trip(recorded, recorded.cause, kRest);
   EXPECT_NE(recorded.cause, SafetyCause::None);
+}
+
+// The limits are those of this test: without the layer, the same motion exceeds them.
+TEST(SafetyRun, ExceedsTheLimitsWithoutTheLayer) {
+  const Recorded recorded = run_with(
+      Where::Nowhere, {}, {{"motion.scale", "5.6"}, {"node.srmd.safety.enabled", "false"}});
+
+  EXPECT_GT(share_of_limits(recorded), 1.2);
+}
+
+// ±2 inches are 50.8 mm.
+TEST(SafetyRun, TakesTheRangeOfTheMap) {
+  const test::TemporaryFolder folder;
+  std::string map = test::content_of(test::source_tree() / "memmap/maps/srmd.ringmap.toml");
+  const std::string reference = "name = \"displ.ref\"\nindex = [\"long\", \"lat\", \"vert\"]\n";
+  ASSERT_NE(map.find(reference), std::string::npos);
+  map.insert(map.find(reference) + reference.size(), "range = [-2, 2]\n");
+  const auto file = folder.write("narrow.ringmap.toml", map);
+
+  const Recorded recorded = run_with(Where::Nowhere, {}, {{"map", '"' + file.string() + '"'}});
+
+  expect_trip(recorded, SafetyCause::CommandDisplacement, kRest);
+  for (const auto& axis : recorded.reference)
+    for (const double value : axis) ASSERT_LE(std::abs(value), 0.0508 + 1e-8);
+}
+
+TEST(SafetyRun, RefusesWrongKeys) {
+  const auto error = [](const char* key, const char* value) {
+    return test::error_of([&] {
+      static_cast<void>(app::load_experiment(test::source_tree() / "examples/srmd_lprb_2d.toml",
+                                             {{std::string{"node.srmd.safety."} + key, value}}));
+    });
+  };
+
+  EXPECT_EQ(error("velocity_m_per_s", "[1]"),
+            "--set node.srmd.safety.velocity_m_per_s: velocity_m_per_s has 1 numbers, expected "
+            "[long, lat]");
+  EXPECT_EQ(error("velocty_m_per_s", "[1, 1]"),
+            "--set node.srmd.safety.velocty_m_per_s: unknown key 'velocty_m_per_s' (did you mean "
+            "'velocity_m_per_s'?)");
+  EXPECT_EQ(error("braking_m_per_s2", "[100, 100]"),
+            "--set node.srmd.safety.braking_m_per_s2: safety: braking is 100, expected at most the "
+            "limit of acceleration");
+  EXPECT_EQ(error("force_N", "[-1, 1]"),
+            "--set node.srmd.safety.force_N: force_N is -1, expected a positive number");
 }
 
 TEST(SafetyRun, TripsOnNaNFromTheSolver) {
@@ -363,6 +414,44 @@ TEST(SafetyRun, RampsDownWhateverFails) {
     const Recorded recorded = run_with(where, wanted);
     EXPECT_EQ(recorded.reference, good.reference) << wanted.words[0];
   }
+}
+
+// A trip formats its line inside the step.
+TEST(SafeMachine, IsRealTimeWhileItTrips) {
+  adapters::SrmdSettings machine;
+  machine.machine = sim::srmd_machine();
+  machine.machine.specimen = test::plain_lead_rubber();
+  adapters::SafeMachineSettings settings;
+  settings.safety.axes.resize(1);
+  settings.safety.axes[0].jump = 0.01;
+  settings.axes = {{"long", "xpc.long.displ.ref", "srmd.long.displ.fbk", "srmd.long.force.fbk"}};
+  settings.nodes = {"xpc"};
+  const auto first = adapters::make_safe_machine(adapters::make_srmd(machine), settings);
+  const auto second = adapters::make_safe_machine(adapters::make_srmd(machine), settings);
+  test::Bench benches[] = {test::Bench{*first}, test::Bench{*second}};
+  std::size_t turn = 0;
+  const auto trip = [](test::Bench& bench, double* count, double* reference) {
+    for (int i = 0; i < 10; ++i) {
+      *count = i + 1;
+      static_cast<void>(bench.step(1e-3 * i));
+    }
+    *reference = 0.02;
+    static_cast<void>(bench.step(0.01));
+  };
+
+  double* counts[] = {&benches[0].in("monitor.xpc.host.step"),
+                      &benches[1].in("monitor.xpc.host.step")};
+  double* references[] = {&benches[0].in("xpc.long.displ.ref"),
+                          &benches[1].in("xpc.long.displ.ref")};
+
+  EXPECT_REALTIME({
+    trip(benches[turn], counts[turn], references[turn]);
+    ++turn;
+  });
+
+  EXPECT_STREQ(benches[1].message(),
+               "safety trip at 0.010 s: long: jump of the command is 0.02 m, expected at most "
+               "0.01 m");
 }
 
 TEST(SafetyRun, HasOneLineAReportAndAnExitCode) {

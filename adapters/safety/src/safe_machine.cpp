@@ -152,7 +152,7 @@ void SafeMachine::write_monitors(std::span<double> outputs) const noexcept {
   if (!safety_.has_tripped()) return;
   outputs[kTrip] = static_cast<double>(trip.cause);
   outputs[kAxis] = static_cast<double>(trip.axis);
-  outputs[kValue] = trip.value;
+  outputs[kValue] = std::isfinite(trip.value) ? trip.value : 0;  // the ring takes numbers only
   outputs[kLimit] = trip.limit;
 }
 

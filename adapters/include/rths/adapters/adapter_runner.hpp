@@ -48,7 +48,7 @@ struct StepTimes {
 ///
 /// Adds these monitors to the adapter's own: host.step, host.status, host.overruns, host.stale,
 /// host.late (this step), host.late_max (all steps), host.duration,
-/// host.invalid (values that were not numbers, read or written).
+/// host.invalid (inputs read and values written that were not numbers).
 class AdapterRunner {
  public:
   /// @param node  name in the ring's map
@@ -85,6 +85,7 @@ class AdapterRunner {
     std::uint32_t word;   ///< in the group's image
     memmap::Codec codec;
     double lowest, highest;  ///< of a parameter with a range, rounded as in its word; else infinite
+    bool is_parameter;
 
     [[nodiscard]] bool accepts(double value) const noexcept {
       return std::isfinite(value) && value >= lowest && value <= highest;

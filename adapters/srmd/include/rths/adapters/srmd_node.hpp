@@ -7,8 +7,8 @@
 
 namespace rths::adapters {
 
-/// A virtual SRMD behind a safety layer, whose limits the key `safety` changes. @throws Error with the place of the first wrong value
-/// @setup
+/// A virtual SRMD behind a safety layer, whose limits the key `safety` changes.
+/// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] NodeSettings read_srmd(const std::string& node, const Config& table,
                                      const TestSetup& setup);
 /// An ideal machine; has no keys of its own. @throws Error with the place of the first wrong value
