@@ -124,7 +124,7 @@ struct Analysis {
   std::vector<std::string> scope;  ///< sentences: tested, simulated, assumed
   std::vector<OperatorChange> changes;
   std::vector<SafetyChange> safety;  ///< none: the machine has no safety layer
-  double control_rate = 0;  ///< [Hz]
+  double control_rate = 0;           ///< [Hz]
   double integration_step = 0;
   int processes = 1;
   std::vector<AxisAnalysis> axes;
