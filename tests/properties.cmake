@@ -63,3 +63,6 @@ rths_tests(rths_commissioning_command_test "^(BeforeATestPage|Pretest)\\." TIMEO
 
 # With RTHS_LONG=1, a million writes on 256 nodes.
 rths_tests(rths_replicated_test "On256Nodes" TIMEOUT 1200)
+
+# With RTHS_LONG=1, a million sequences of commands.
+rths_tests(rths_safety_test "NoCommandMoves" TIMEOUT 3600)

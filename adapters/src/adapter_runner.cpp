@@ -22,6 +22,7 @@ enum RunnerPort : std::size_t {
   kLate,
   kLateMax,
   kDuration,
+  kInvalid,
   kRunnerPorts
 };
 
@@ -34,7 +35,8 @@ std::vector<Port> runner_ports() {
           {"host.stale", Direction::Monitor, "1", 0, true},
           {"host.late", Direction::Monitor, "s", 0, false},
           {"host.late_max", Direction::Monitor, "s", 0, false},
-          {"host.duration", Direction::Monitor, "s", 0, false}};
+          {"host.duration", Direction::Monitor, "s", 0, false},
+          {"host.invalid", Direction::Monitor, "1", 0, true}};
 }
 
 std::string signal_name(const Port& port, const std::string& node) {
@@ -83,8 +85,12 @@ AdapterRunner::Value AdapterRunner::value_for(const Port& port, const memmap::Si
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const memmap::Codec codec{*entry.signal};
   const auto as_in_word = [&](double value) { return codec.decode(codec.encode(value)); };
-  Value value{static_cast<std::uint32_t>(index), entry.signal->offset.value() - base.value(), codec,
-              -kInfinity, kInfinity};
+  Value value{static_cast<std::uint32_t>(index),
+              entry.signal->offset.value() - base.value(),
+              codec,
+              -kInfinity,
+              kInfinity,
+              port.direction == Direction::Parameter};
   if (port.range) {
     value.lowest = as_in_word(port.range->first);
     value.highest = as_in_word(port.range->second);
@@ -144,6 +150,7 @@ Status AdapterRunner::read_inputs() noexcept {
         inputs_[value.index] = now;
       else
         status = Status::Stale;  // NaN would spread to every result
+      invalid_ += std::isfinite(now) || value.is_parameter ? 0 : 1;
     }
   }
   return status;
@@ -177,6 +184,9 @@ void AdapterRunner::write_own_monitors(Status status, const Timing& timing) noex
   outputs_[kLate] = to_seconds(timing.late);
   outputs_[kLateMax] = std::max(outputs_[kLateMax], outputs_[kLate]);
   outputs_[kDuration] = to_seconds(timing.duration);
+  for (std::size_t i = kRunnerPorts; i < outputs_.size(); ++i)
+    invalid_ += std::isfinite(outputs_[i]) ? 0 : 1;
+  outputs_[kInvalid] = static_cast<double>(invalid_);
 }
 
 Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) noexcept {
@@ -187,6 +197,8 @@ Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) n
   step_.outputs = std::span{outputs_}.subspan(kRunnerPorts);
   step_.stopping = stopping || node_.is_ring_lost();
   const Status result = adapter_.step(step_);
+  if (*step_.message != '\0')
+    std::atomic_ref{stop_request_}.store(step_.message, std::memory_order_release);
   status = worst(status, result);
   write_own_monitors(status, timing);
   status = worst(status, write_outputs());

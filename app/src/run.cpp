@@ -233,6 +233,20 @@ int judge_and_report(const RunArguments& arguments, const launch::Experiment& ex
   return conclude(arguments, experiment, folder, broken);
 }
 
+// A run that the safety layer has ended has a report, too.
+void report_trip(const std::filesystem::path& folder) {
+  try {
+    const auto broken = report::judge(recording::Reader{folder / report::kRunFile});
+    const bool has_tripped = std::any_of(broken.begin(), broken.end(), [](const auto& condition) {
+      return condition.condition == "safety";
+    });
+    if (has_tripped)
+      fmt::print("report    {}\n", report::make_report(folder, broken).page.string());
+  } catch (const Error& error) {
+    fmt::print(stderr, "rths: no report: {}\n", error.what());
+  }
+}
+
 }  // namespace
 
 int run(const RunArguments& arguments) {
@@ -253,6 +267,7 @@ int run(const RunArguments& arguments) {
   if (!outcome.completed) {
     fmt::print(stderr, "rths: the run ended early: {}\n",
                outcome.interrupted ? "interrupted" : outcome.trouble);
+    if (run_folder.has_begun() && where == Recorded::Here) report_trip(run_folder.path());
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
   return where == Recorded::Here ? judge_and_report(arguments, experiment, run_folder.path()) : kOk;

@@ -140,8 +140,15 @@ adapters::NodeContext context_of(const Experiment& experiment, const NodePlan& p
                                 map,
                                 experiment.config,
                                 recording.meta,
+                                {},
                                 {}};
-  for (const auto& other : experiment.nodes) context.periods[other.node] = other.schedule.period;
+  for (const auto& other : experiment.nodes) {
+    context.periods[other.node] = other.schedule.period;
+    const adapters::Role role = other.settings.role;
+    const bool moves_machine = role == adapters::Role::Solver || role == adapters::Role::Controller;
+    if (moves_machine && !other.settings.program && other.node != plan.node)
+      context.watched.push_back(other.node);
+  }
   return context;
 }
 

@@ -70,8 +70,9 @@ std::optional<Reason> reason_to_stop(const std::optional<std::string>& line, Lau
   return std::nullopt;
 }
 
-// Waits until the loop ends; stops it if there is a reason.
-Reason watch(LoopThread& loop, LauncherLink& launcher, PeerWatch& peers, Duration longest_stop) {
+// Waits until the loop ends; stops it if there is a reason, which may be its own.
+Reason watch(LoopThread& loop, const adapters::AdapterRunner& runner, LauncherLink& launcher,
+             PeerWatch& peers, Duration longest_stop) {
   const WallClock clock;
   std::optional<Reason> reason;
   TimePoint give_up{};
@@ -79,6 +80,10 @@ Reason watch(LoopThread& loop, LauncherLink& launcher, PeerWatch& peers, Duratio
     const auto line = launcher.receive_line(kLookPeriod);
     if (!reason) {
       reason = reason_to_stop(line, launcher, peers, clock.now());
+      if (const std::string request = runner.stop_request(); !reason && !request.empty()) {
+        LauncherLink::send_line("fault " + request);
+        reason = Reason{request, false};
+      }
       give_up = clock.now() + longest_stop;
       if (reason) loop.stop();
     } else if (clock.now() > give_up) {
@@ -96,7 +101,8 @@ int conclude(const LoopThread& loop, const adapters::AdapterRunner& runner, cons
              const Reason& reason, const adapters::Retreat& retreat) {
   const double time = to_seconds(loop.end().time);
   if (!loop.missing().empty()) LauncherLink::send_line("note " + loop.missing());
-  if (loop.end().status == Status::Fault) {
+  const bool came_to_rest = reason.text == runner.message();  // it asked for the end itself
+  if (loop.end().status == Status::Fault && !came_to_rest) {
     LauncherLink::send_line(fmt::format("fault {}", runner.message()));
     fmt::print(stderr, "{}: {} at {:.3f} s\n", node, runner.message(), time);
     return 2;
@@ -160,7 +166,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   {
     LoopThread loop{runner, *epoch, station->plan};
     PeerWatch peers{runner.node(), assembly.map, experiment, node};
-    const Reason reason = watch(loop, launcher, peers, longest_stop(experiment));
+    const Reason reason = watch(loop, runner, launcher, peers, longest_stop(experiment));
     code = conclude(loop, runner, node, reason, experiment.retreat);
   }
   if (code == 0) send_times(runner.times());

@@ -129,8 +129,17 @@ class VirtualRun {
     }
     const Status status = runner.runner->tick(runner.due, stopping_since_.has_value(), timing);
     runner.runner->keep(timing);
+    look_for_request(runner, status);
     if (turns_ != nullptr) turns_->pass_on(runner.runner->node(), node, status);
     return status;
+  }
+
+  // An adapter can ask for the end of the run before it has come to rest.
+  void look_for_request(const Runner& runner, Status status) {
+    const std::string request = runner.runner->stop_request();
+    if (stopping_since_ || request.empty() || status == Status::Fault) return;
+    stopping_since_ = runner.due;
+    trouble_ = fmt::format("{}: {}", runner.station->plan.node, request);
   }
 
   // Cards can part a node from its peers; then it stops the run.

@@ -399,6 +399,7 @@ Analysis analyse(const std::filesystem::path& folder) {
     analysis.processes = std::stoi(analysis.meta["processes"]);
   describe(analysis, run);
   analysis.changes = operator_changes(run);
+  analysis.safety = safety_changes(run);
   const auto late = run.meta_series("host_late");
   analysis.host_late = {0, late.interval, late.values};
   const Roles roles = recording::roles_of(run);

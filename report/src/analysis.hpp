@@ -104,6 +104,13 @@ struct LeftOut {
   std::string reason;
 };
 
+/// A state that the safety layer entered, or its trip.
+struct SafetyChange {
+  double time = 0;    ///< since the run began [s]
+  std::string state;  ///< "running", "hold", …, or "trip"
+  std::string text;   ///< of a trip: its cause
+};
+
 struct Analysis {
   std::string name, motion, clock, map;
   std::map<std::string, std::string> meta;
@@ -115,7 +122,8 @@ struct Analysis {
   double spectrum_elevation = 0;   ///< [m]
   std::vector<std::string> scope;  ///< sentences: tested, simulated, assumed
   std::vector<OperatorChange> changes;
-  double control_rate = 0;  ///< [Hz]
+  std::vector<SafetyChange> safety;  ///< none: the machine has no safety layer
+  double control_rate = 0;           ///< [Hz]
   double integration_step = 0;
   int processes = 1;
   std::vector<AxisAnalysis> axes;
@@ -153,6 +161,9 @@ void describe(Analysis& analysis, const recording::Reader& run);
 /// Changes of words that no node of the run writes, in order of time. A word that changes often is
 /// data of another program and not listed.
 [[nodiscard]] std::vector<OperatorChange> operator_changes(const recording::Reader& run);
+
+/// States and trip of the safety layer, in order of time.
+[[nodiscard]] std::vector<SafetyChange> safety_changes(const recording::Reader& run);
 
 /// Floor spectra of the run and its companions, null if not recorded.
 void add_spectra(Analysis& analysis, const recording::Reader& run, const std::string& solver,

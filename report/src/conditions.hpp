@@ -20,6 +20,9 @@ using Break = std::optional<Broken>;
                                              const std::vector<double>& response,
                                              const Evidence& all);
 
+/// A trip of the safety layer, from the run's recording.
+[[nodiscard]] Break safety_of(const recording::Reader& run);
+
 // Of the signals of one axis.
 [[nodiscard]] Break limit_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bounds);
 [[nodiscard]] Break tracking_of(const AxisEvidence& axis, const Evidence& all,

@@ -211,6 +211,7 @@ void judge_run(Judgement& judgement, const Reader& run, const Config& experiment
   const auto late = run.meta_series("host_late");
   const Series host_late{0, late.interval, late.values};
   judgement.add(end_of_run(run, experiment));
+  judgement.add(safety_of(run));
   judgement.add(missing_rows(run, bounds));
   judgement.add(late_host(run, host_late, bounds));
   for (const auto& node : nodes_of(run)) {

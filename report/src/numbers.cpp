@@ -287,6 +287,10 @@ Json numbers_of(const Analysis& analysis) {
   json["operator_changes"] = Json::array();
   for (const auto& change : analysis.changes)
     json["operator_changes"].push_back(change_numbers(change));
+  json["safety"] = Json::array();
+  for (const auto& change : analysis.safety)
+    json["safety"].push_back(
+        {{"time_s", rounded(change.time, 3)}, {"state", change.state}, {"text", change.text}});
   json["spectrum_elevation_m"] = analysis.spectrum_elevation;
   json["scope"] = analysis.scope;
   json["command"] = analysis.command;

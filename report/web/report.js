@@ -48,6 +48,18 @@
     byId("changes").hidden = !n.operator_changes.length;
   };
 
+  // States of the safety layer, and its trip.
+  const safety = () => {
+    byId("safety-section").hidden = !n.safety.length;
+    const trip = n.safety.find(c => c.state === "trip");
+    if (trip) figures.time.marks.push({ time: trip.time_s, text: `safety trip: ${trip.text}` });
+    byId("safety-text").textContent = trip
+      ? `The safety layer tripped at ${trip.time_s.toFixed(3)} s and brought the machine to rest.`
+      : "The safety layer passed every command unchanged until the stop.";
+    byId("safety-list").append(...n.safety.map(c => el("li", {},
+      el("b", { textContent: `${c.time_s.toFixed(3)} s` }), ` ${c.state}${c.text ? `: ${c.text}` : ""}`)));
+  };
+
   const header = () => {
     document.title = `${n.name} · rths report`;
     byId("title").textContent = n.name.replaceAll("_", " ");
@@ -263,6 +275,6 @@
       el("code", { textContent: n.command }), ".");
   };
 
-  for (const draw of [found, changes, header, response, tracking, bands, ats, steps, floors, host, numbers, scope, leftOut]) draw();
+  for (const draw of [found, changes, header, response, safety, tracking, bands, ats, steps, floors, host, numbers, scope, leftOut]) draw();
   plots.done();
 })();

@@ -91,6 +91,7 @@ class Echo final : public Adapter {
   int steps = 0;
   int ends_after = 0;
   bool poisoned = false;
+  const char* request = "";
   double input = 0;   ///< of the last step [m]
   double oldest = 0;  ///< largest age of its inputs [s]
 
@@ -102,6 +103,7 @@ class Echo final : public Adapter {
     oldest = std::max(oldest, step.age);
     step.outputs[0] = poisoned ? std::nan("") : step.inputs[0] * step.inputs[1];
     step.outputs[1] = 2 * step.inputs[0];
+    step.message = request;
     if (step.stopping || (ends_after > 0 && steps >= ends_after)) return Status::Done;
     return result;
   }
@@ -173,6 +175,26 @@ TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAWordIsNaN) {
 
   EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
   EXPECT_EQ(value("monitor.echo.host.stale"), 1);
+  EXPECT_EQ(value("monitor.echo.host.invalid"), 1);
+}
+
+// An operator's wrong value moves nothing.
+TEST_F(AdapterRunnerTest, CountsNoParameterAsInvalid) {
+  tune_gain(std::nan(""));
+
+  EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::Stale);
+
+  EXPECT_EQ(value("monitor.echo.host.invalid"), 0);
+}
+
+TEST_F(AdapterRunnerTest, PassesOnARequestToStop) {
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+  EXPECT_STREQ(runner.stop_request(), "");
+  echo.request = "over";
+
+  EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::Ok);
+
+  EXPECT_STREQ(runner.stop_request(), "over");
 }
 
 TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAnAdapterOutputsNaN) {
@@ -183,6 +205,7 @@ TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAnAdapterOutputsNaN) {
   EXPECT_EQ(runner.tick(Duration{0}, false, {}), Status::LimitExceeded);
 
   EXPECT_NEAR(value("echo.displ"), 0.3, 1e-6);
+  EXPECT_EQ(value("monitor.echo.host.invalid"), 1);
 }
 
 TEST_F(AdapterRunnerTest, HoldsTheLastValueIfAValueOverflowsItsWord) {

@@ -13,6 +13,8 @@ mkdir -p "$folder"
 cd "$folder"
 rm -f -- *.trail pan pan.*
 cp "$source/$model.pml" "$source/memory.pml" .
+# A table that the compiler reads too, without its C++ comments.
+sed '/^\/\//d' "$source/../../controller/src/safety_table.inc" >safety_table.inc
 spin -a "$@" "$model.pml" >spin.log || { cat spin.log; exit 1; }
 # A broken model fails early: compiling it with optimization would take longer than running it.
 optimization=-O1

@@ -83,7 +83,8 @@ class FaultyMachine final : public Adapter {
 }  // namespace
 
 launch::Experiment short_experiment(const std::string& example, const launch::Overrides& changes) {
-  launch::Overrides all{{"duration_s", "12"}, {"rest_s", "0.5"}};
+  launch::Overrides all{
+      {"duration_s", "12"}, {"rest_s", "0.5"}, {"node.srmd.safety.enabled", "false"}};
   all.insert(all.end(), changes.begin(), changes.end());
   return app::load_experiment(test::source_tree() / "examples" / (example + ".toml"), all);
 }

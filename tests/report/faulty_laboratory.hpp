@@ -22,7 +22,8 @@ struct Fault {
   std::string other_word;  ///< whose value `change` receives; empty: none
 };
 
-/// An example of the laboratory, shortened.
+/// An example of the laboratory, shortened, and without the safety layer, which would end a faulty
+/// test.
 [[nodiscard]] launch::Experiment short_experiment(const std::string& example,
                                                   const launch::Overrides& changes = {});
 

@@ -2,6 +2,7 @@
 #include <rths/adapters/srmd_node.hpp>
 
 #include <rths/adapters/ideal_machine.hpp>
+#include <rths/adapters/safety_node.hpp>
 #include <rths/adapters/srmd.hpp>
 #include <rths/adapters/srmd_platen.hpp>
 #include <rths/core/installed_files.hpp>
@@ -46,8 +47,7 @@ std::unique_ptr<Adapter> make_platen(const sim::machine::FamilyMember& member,
 }  // namespace
 
 // The machine samples before the controller steps.
-NodeSettings read_srmd(const std::string& /*node*/, const Config& table,
-                       const TestSetup& /*setup*/) {
+NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const TestSetup& setup) {
   NodeSettings settings;
   settings.schedule = schedule_of(kPeriod, 0);
   settings.priority = 60;
@@ -58,7 +58,7 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table,
                                                   const NodeContext& context) {
       return make_platen(member, setup, context);
     };
-  return settings;
+  return with_safety(std::move(settings), table.table_or_empty("safety"), setup);
 }
 
 NodeSettings read_ideal_machine(const std::string& /*node*/, const Config& /*table*/,

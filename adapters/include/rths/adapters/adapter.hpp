@@ -45,7 +45,9 @@ struct StepData {
   std::span<double> outputs;       ///< Outputs and Monitors, in the order of `ports`; keep their
                                    ///< values from step to step
   bool stopping = false;           ///< the run is over or a peer is lost: come to rest
-  const char* message = "";        ///< out: the reason of a Fault; must outlive the step
+  /// out: the reason of a Fault, which must outlive the step. Without a Fault: why the run has to
+  /// stop, while this adapter comes to rest and then returns Fault.
+  const char* message = "";
 };
 
 /// Events that start an adapter's next step before its scheduled time.

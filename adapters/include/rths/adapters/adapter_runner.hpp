@@ -47,7 +47,8 @@ struct StepTimes {
 /// If the memory of the ring is lost, all inputs are held and the adapter is stopped.
 ///
 /// Adds these monitors to the adapter's own: host.step, host.status, host.overruns, host.stale,
-/// host.late (this step), host.late_max (all steps), host.duration.
+/// host.late (this step), host.late_max (all steps), host.duration,
+/// host.invalid (inputs read and values written that were not numbers).
 class AdapterRunner {
  public:
   /// @param node  name in the ring's map
@@ -70,6 +71,11 @@ class AdapterRunner {
   void wait_until(TimePoint time, Clock& clock) RTHS_REALTIME;
 
   [[nodiscard]] const char* message() const { return step_.message; }
+  /// Why the adapter asks for the end of the run while it comes to rest; empty: it does not.
+  /// Any thread.
+  [[nodiscard]] const char* stop_request() const RTHS_REALTIME {
+    return std::atomic_ref{stop_request_}.load(std::memory_order_acquire);
+  }
   [[nodiscard]] std::uint64_t overruns() const { return overruns_; }
   [[nodiscard]] broker::Node& node() { return node_; }
 
@@ -79,6 +85,7 @@ class AdapterRunner {
     std::uint32_t word;   ///< in the group's image
     memmap::Codec codec;
     double lowest, highest;  ///< of a parameter with a range, rounded as in its word; else infinite
+    bool is_parameter;
 
     [[nodiscard]] bool accepts(double value) const noexcept {
       return std::isfinite(value) && value >= lowest && value <= highest;
@@ -110,7 +117,8 @@ class AdapterRunner {
   std::optional<broker::Waiter> waiter_;  ///< for writes to the inputs; empty without inputs
   std::vector<double> inputs_, outputs_;
   StepData step_;
-  std::uint64_t steps_ = 0, overruns_ = 0, stale_ = 0;
+  std::uint64_t steps_ = 0, overruns_ = 0, stale_ = 0, invalid_ = 0;
+  mutable const char* stop_request_ = "";
   StepTimes times_;
 };
 

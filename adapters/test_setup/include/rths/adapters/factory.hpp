@@ -38,6 +38,7 @@ struct NodeContext {
   /// For the recording: input files and properties of the run by name, periods of all nodes.
   std::vector<std::pair<std::string, std::string>> config, meta;
   std::map<std::string, Duration> periods;
+  std::vector<std::string> watched;  ///< solvers and controllers with monitors of their own
 };
 
 /// Settings of a node, from its table of the experiment.

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <rths/adapters/adapter.hpp>
+#include <rths/controller/safety.hpp>
+
+namespace rths::adapters {
+
+/// Words of one axis of a machine.
+struct SafeAxis {
+  std::string name;                 ///< for messages
+  std::string reference;            ///< Input of the machine [m]
+  std::string displacement, force;  ///< Outputs of the machine [m], [N]
+};
+
+struct SafeMachineSettings {
+  controller::SafetySettings safety;
+  std::vector<SafeAxis> axes;      ///< as many as `safety.axes`
+  std::vector<std::string> nodes;  ///< that must step, and write no invalid value
+  double watchdog = 0.6;           ///< longest silence of a node while running [s]
+};
+
+/// A machine behind a safety layer. No reference reaches the machine except through the layer,
+/// whichever controller writes it. docs/safety.md states the behaviour.
+///
+/// Adds the parameter safety.stop, an input for each watched node, and the monitors safety.state,
+/// safety.trip, safety.axis, safety.value and safety.limit. A trip or the operator's stop gives a
+/// message at once; the step returns Fault when the machine is at rest.
+/// @throws Error if a setting is out of range, or the machine lacks a word   @setup
+[[nodiscard]] std::unique_ptr<Adapter> make_safe_machine(std::unique_ptr<Adapter> machine,
+                                                         const SafeMachineSettings& settings);
+
+}  // namespace rths::adapters

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/adapters/factory.hpp>
+
+namespace rths::adapters {
+
+/// Puts the safety layer in front of a machine with the words of the SRMD, unless the table says
+/// `enabled = false`.
+/// @param machine  settings of the machine alone
+/// @param table    [node.<name>.safety]: the file of the limits, and changes of them
+/// @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] NodeSettings with_safety(NodeSettings machine, const Config& table,
+                                       const TestSetup& setup);
+
+}  // namespace rths::adapters

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/safety_node.hpp>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <rths/adapters/safe_machine.hpp>
+#include <rths/core/installed_files.hpp>
+
+namespace rths::adapters {
+namespace {
+
+using controller::SafetyLimits;
+
+constexpr const char* kAxes[] = {"long", "lat"};  // order of the pairs
+constexpr std::int64_t kLimitsFormat = 1;
+
+struct Key {
+  const char* key;
+  double SafetyLimits::*member;
+};
+constexpr Key kKeys[] = {{"displacement_m", &SafetyLimits::displacement},
+                         {"velocity_m_per_s", &SafetyLimits::velocity},
+                         {"acceleration_m_per_s2", &SafetyLimits::acceleration},
+                         {"jerk_m_per_s3", &SafetyLimits::jerk},
+                         {"jump_m", &SafetyLimits::jump},
+                         {"braking_m_per_s2", &SafetyLimits::braking},
+                         {"force_N", &SafetyLimits::force},
+                         {"tracking_m", &SafetyLimits::tracking},
+                         {"feedback_jump_m", &SafetyLimits::feedback_jump},
+                         {"force_jump_N", &SafetyLimits::force_jump},
+                         {"returned_work_J", &SafetyLimits::returned_work},
+                         {"negative_work_J", &SafetyLimits::negative_work}};
+
+// A limit that the file does not state is off.
+void read_pair(const Config& table, const Key& key, double factor,
+               std::array<SafetyLimits, 2>& axes) {
+  if (!table.has(key.key)) return;
+  const auto values = table.numbers(key.key);
+  if (values.size() != axes.size())
+    table.fail(key.key,
+               fmt::format("{} has {} numbers, expected [long, lat]", key.key, values.size()));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (!(values[i] > 0))
+      table.fail(key.key,
+                 fmt::format("{} is {:g}, expected a positive number", key.key, values[i]));
+    axes[i].*key.member = factor * values[i];
+  }
+}
+
+std::array<SafetyLimits, 2> read_limits(const Config& table) {
+  std::array<SafetyLimits, 2> axes;
+  const double margin = table.number_in("velocity_margin", 1, 10, 1.0);
+  for (const auto& key : kKeys)
+    read_pair(table, key, key.member == &SafetyLimits::velocity ? margin : 1, axes);
+  return axes;
+}
+
+SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup) {
+  const auto file = find_file(changes, "file", "limits", "srmd");
+  const Config table = Config::load(file).overlaid(changes);
+  if (const auto format = table.integer("safety"); format != kLimitsFormat)
+    table.fail("safety", fmt::format("format is {}, this program reads {}", format, kLimitsFormat));
+  static_cast<void>(table.text("title", ""));
+  static_cast<void>(table.text("file", ""));
+  SafeMachineSettings settings;
+  auto& safety = settings.safety;
+  const auto limits = read_limits(table);
+  safety.window = table.number_in("window_s", 1e-3, 1, safety.window);
+  safety.response_delay = table.number_in("response_delay_s", 0, 1, safety.response_delay);
+  safety.start_distance = table.number_in("start_distance_m", 1e-6, 10, safety.start_distance);
+  safety.stuck = table.number_in("stuck_s", 1e-3, 10, safety.stuck);
+  safety.stuck_motion = table.number_in("stuck_motion_m", 1e-6, 10, safety.stuck_motion);
+  settings.watchdog = table.number_in("watchdog_s", 2e-3, 10, settings.watchdog);
+  table.reject_unknown_keys();
+  safety.hold = setup.retreat.hold;
+  safety.ramp = setup.retreat.ramp;
+  for (const auto& axis : setup.axes) {
+    const bool is_lat = axis == kAxes[1];
+    safety.axes.push_back(limits[is_lat ? 1 : 0]);
+    settings.axes.push_back({axis, "xpc." + axis + ".displ.ref", "srmd." + axis + ".displ.fbk",
+                             "srmd." + axis + ".force.fbk"});
+  }
+  // Checks what the keys cannot: relations between limits.
+  static_cast<void>(
+      changes.placed("safety", [&] { return controller::Safety{settings.safety}.state(); }));
+  return settings;
+}
+
+// The map may narrow the range of a reference.
+void narrow(SafeMachineSettings& settings, const memmap::Map& map) {
+  for (std::size_t i = 0; i < settings.axes.size(); ++i) {
+    const auto& signal = *map.entry(map.signal(settings.axes[i].reference)).signal;
+    if (!signal.range) continue;
+    const memmap::Codec codec{signal};
+    const double most =
+        std::min(-codec.to_si(signal.range->first), codec.to_si(signal.range->second));
+    auto& displacement = settings.safety.axes[i].displacement;
+    displacement = std::min(displacement, most);
+  }
+}
+
+}  // namespace
+
+NodeSettings with_safety(NodeSettings machine, const Config& table, const TestSetup& setup) {
+  if (!table.flag("enabled", true)) return machine;
+  auto make = std::exchange(machine.make, nullptr);
+  const SafeMachineSettings read = read_settings(table.without("enabled"), setup);
+  machine.make = [make = std::move(make), read](const TestSetup& test, const NodeContext& context) {
+    SafeMachineSettings settings = read;
+    settings.safety.period = to_seconds(context.period);
+    settings.nodes = context.watched;
+    narrow(settings, context.map);
+    return make_safe_machine(make(test, context), settings);
+  };
+  return machine;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <rths/controller/safety.hpp>
+
+#include "analysis.hpp"
+#include "conditions.hpp"
+
+namespace rths::report {
+namespace {
+
+using controller::SafetyCause;
+using controller::SafetyState;
+using recording::Reader;
+
+std::string prefix_of(const Reader& run) {
+  return "monitor." + recording::roles_of(run).machine + ".safety.";
+}
+
+// NaN rows are missing.
+bool is_code(double value, int count) { return value >= 0 && value < count; }
+
+std::string text_of(const Reader& run, std::size_t row) {
+  const std::string prefix = prefix_of(run);
+  const auto value = [&](const char* name) { return run.signal(prefix + name)[row]; };
+  const auto cause = static_cast<SafetyCause>(value("trip"));
+  const auto axes = recording::roles_of(run).axes;
+  const auto axis = static_cast<std::size_t>(value("axis"));
+  const bool is_node = cause == SafetyCause::NodeSilent || cause == SafetyCause::NodeInvalid;
+  const std::string of = is_node || axis >= axes.size() ? "a node" : axes[axis].axis;
+  const auto [quantity, unit] = to_text(cause);
+  return fmt::format("{} of {} is {:.4g} {}", quantity, of, value("value"), unit);
+}
+
+// Row of the first trip.
+std::optional<std::size_t> find_trip(const Reader& run) {
+  const std::string signal = prefix_of(run) + "trip";
+  if (!run.has(signal)) return std::nullopt;
+  const auto trip = run.signal(signal);
+  const auto at = std::find_if(trip.begin(), trip.end(), [](double value) {
+    return value > 0 && is_code(value, controller::kSafetyCauses);
+  });
+  if (at == trip.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - trip.begin());
+}
+
+}  // namespace
+
+Break safety_of(const Reader& run) {
+  const auto row = find_trip(run);
+  if (!row) return {};
+  const double limit = run.signal(prefix_of(run) + "limit")[*row];
+  const auto cause = static_cast<SafetyCause>(run.signal(prefix_of(run) + "trip")[*row]);
+  return Broken{"safety", run.time()[*row], prefix_of(run) + "trip", text_of(run, *row),
+                limit > 0 ? fmt::format("at most {:.4g} {}", limit, to_text(cause).unit)
+                          : "none, or a number"};
+}
+
+std::vector<SafetyChange> safety_changes(const Reader& run) {
+  const std::string signal = prefix_of(run) + "state";
+  std::vector<SafetyChange> changes;
+  if (!run.has(signal)) return changes;
+  const auto state = run.signal(signal);
+  const auto trip = find_trip(run);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    if (trip == i) changes.push_back({run.time()[i], "trip", text_of(run, i)});
+    const bool is_new = i == 0 || state[i] != state[i - 1];
+    if (is_new && is_code(state[i], controller::kSafetyStates))
+      changes.push_back({run.time()[i], to_text(static_cast<SafetyState>(state[i])), ""});
+  }
+  return changes;
+}
+
+}  // namespace rths::report
