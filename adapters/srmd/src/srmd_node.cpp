@@ -54,9 +54,9 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
   settings.keeps_times = true;
   settings.make = make;
   if (table.has("model"))
-    settings.make = [member = read_member(table)](const TestSetup& setup,
+    settings.make = [member = read_member(table)](const TestSetup& test,
                                                   const NodeContext& context) {
-      return make_platen(member, setup, context);
+      return make_platen(member, test, context);
     };
   return with_safety(std::move(settings), table.table_or_empty("safety"), setup);
 }
