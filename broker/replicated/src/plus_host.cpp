@@ -163,6 +163,10 @@ void Engine::exchange(std::uint32_t at) {
     node.transmit_resets_seen = resets;
     reset_transmitter(node);
   }
+  if (const auto writes = carried.counter_writes.load(); writes != node.counter_writes_seen) {
+    node.counter_writes_seen = writes;
+    node.transit_armed = registers(node).measures_transit();
+  }
   update_path(at);
   schedule_transmit(at, now_);
   carried.live_status.store(live_status(at));
@@ -171,6 +175,7 @@ void Engine::exchange(std::uint32_t at) {
   carried.sent.store(static_cast<std::uint32_t>(node.counts.sent));
   carried.stored.store(static_cast<std::uint32_t>(node.counts.stored));
   carried.rejected.store(static_cast<std::uint32_t>(node.counts.rejected));
+  carried.same_id.store(static_cast<std::uint32_t>(node.counts.same_id));
   carried.scans.fetch_add(1);
 }
 
