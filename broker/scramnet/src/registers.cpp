@@ -84,7 +84,7 @@ std::uint32_t Registers::read_status(const Surroundings& around) {
 
 std::uint32_t Registers::read_id(std::uint32_t nodes) const {
   if (all_set(8, csr8::kIdMux)) return plus_->receive_id.load() << 8 | plus_->transmit_age.load();
-  return (peek(3) & 0xFF00) | (nodes & 0xFF);
+  return peek(3) | (nodes & 0xFF);
 }
 
 std::uint32_t Registers::read_counter() {
@@ -202,12 +202,12 @@ bool Registers::take_host_interrupt() {
 }
 
 void Registers::power_up(std::uint32_t id) {
-  constexpr std::array<std::pair<std::size_t, std::uint32_t>, 7> kValues{
-      {{2, 0xC040}, {8, 0x8800}, {9, 0x0021}, {10, 0x0001}, {11, 0x0080}, {12, 0}, {15, 0x0020}}};
+  constexpr std::pair<std::size_t, std::uint32_t> kValues[] = {
+      {2, 0xC040}, {8, 0x8800}, {9, 0x0021}, {10, 0x0001}, {11, 0x0080}, {15, 0x0020}};
   for (auto& csr : plus_->csr) csr.store(0);
   for (const auto& [csr, value] : kValues) plus_->csr[csr].store(value);
-  plus_->csr[3].store(id << 8 & 0xFF00);
-  plus_->receive_id.store(id & 0xFF);
+  plus_->csr[3].store(id << 8);
+  plus_->receive_id.store(id);
   plus_->transmit_age.store(0);
   plus_->timeout.store(kTimeout);
   plus_->latched.store(0);
