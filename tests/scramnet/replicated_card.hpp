@@ -53,8 +53,9 @@ class ReplicatedCard : public testing::Test {
   }
   /// Waits up to two seconds. @returns whether the claim has become true
   static bool soon(const std::function<bool()>& claim) {
-    for (int i = 0; i < 4000 && !claim(); ++i) usleep(500);
-    return claim();
+    for (int i = 0; i < 4000; ++i, usleep(500))
+      if (claim()) return true;
+    return false;
   }
   /// A store of the machine reaches the controller.
   static bool arrives(std::uint32_t value, std::uint32_t longword = kWord) {

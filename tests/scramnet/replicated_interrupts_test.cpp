@@ -125,8 +125,7 @@ TEST_F(ReplicatedCard, HasTheDataOfAnInterruptBeforeItsEntry) {
   take_all_interrupts();
   for (std::uint32_t i = 1; i <= 50; ++i) {
     write(kOther, i);
-    while (interrupt() < 0) {
-    }
+    ASSERT_TRUE(soon([] { return interrupt() >= 0; }));
     EXPECT_EQ(load(kOther), i);
   }
 }
