@@ -311,7 +311,7 @@ TEST_F(ExperimentTest, SaysWhereItsRingOfCardsIsWrong) {
       error_with("seed = 7",
                  "fidelity = \"replicated\"\n"
                  "fault = [{at_s = 1, kind = \"power_off\", node = \"of\"}]")
-          .find("'of' is no node (did you mean 'opf'?); the nodes are recorder, opf, srmd, xpc"),
+          .find("'of' is no node (did you mean 'opf'?); the nodes are recorder, srmd, xpc, opf"),
       std::string::npos);
 }
 
