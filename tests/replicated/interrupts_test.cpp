@@ -113,6 +113,17 @@ TEST_F(VirtualInterrupts, FillTheFifoAndKeepItsOldestEntries) {
   EXPECT_EQ(interrupt(1), -1);
 }
 
+TEST_F(VirtualInterrupts, ShowAFifoThatWasFullOnce) {
+  use_pair();
+  for (std::uint32_t i = 0; i < 1024; ++i) {
+    store(0, i, 1);
+    settle();
+  }
+  EXPECT_EQ(interrupts(1), 1024U);
+  EXPECT_EQ(csr(1, 1) & 0x10, 0x10U);
+  EXPECT_EQ(csr(1, 1) & 0x10, 0U);
+}
+
 TEST_F(VirtualInterrupts, ReachTheHostOncePerArming) {
   use_pair();
   store(0, 1, 1);

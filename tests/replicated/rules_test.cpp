@@ -137,6 +137,8 @@ TEST_F(Rules, KeepSixteenBitsOfARegister) {
     csr(0, index, 0x1'2345);
     EXPECT_EQ(csr(0, index), 0x2345U) << index;
   }
+  csr(0, 3, 0x2AFF);
+  EXPECT_EQ(csr(0, 3), 0x2A00U);  // no ring has been measured
   csr(0, 15, 7);
   EXPECT_EQ(csr(0, 15), 0x20U);
   csr(0, 9, 0);

@@ -136,6 +136,7 @@ TEST_F(SharedCards, InterruptTheirHost) {
   write_csr(8, 0x0C00);  // every message interrupts
   write_csr(0, 0x806B);
   write_csr(1, 0);
+  EXPECT_EQ(card->plus.armed.load(), 1U);
   advance();
   write(5);
   EXPECT_EQ(card->plus.host_interrupts.load(), 1U);
@@ -146,6 +147,16 @@ TEST_F(SharedCards, InterruptTheirHost) {
   write_csr(9, 0x2000);  // counts triggers
   write(6);
   EXPECT_EQ(card->plus.counter.load(), 1U);
+}
+
+TEST(SizeCodes, AreThoseOfTheManual) {
+  constexpr std::uint64_t kKilo = 1024;
+  constexpr std::uint64_t kSizes[] = {
+      0,           8192 * kKilo, 4096 * kKilo, 2048 * kKilo, 1024 * kKilo,
+      512 * kKilo, 128 * kKilo,  4 * kKilo};
+  for (std::uint32_t code = 0; code < 8; ++code)
+    EXPECT_EQ(scramnet::bytes_of_size_code(code), kSizes[code]);
+  EXPECT_EQ(scramnet::bytes_of_size_code(9), kSizes[1]);  // of three bits
 }
 
 TEST_F(SharedCards, StandStillWithoutPower) {

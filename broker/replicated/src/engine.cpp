@@ -44,7 +44,6 @@ Engine::Engine(const RingSetup& setup)
       bit_error_rate_{setup.bit_error_rate},
       random_{setup.seed} {
   check(setup);
-  nodes_.reserve(setup.nodes.size());
   for (const auto& node : setup.nodes) nodes_.emplace_back(node, type_);
   for (std::uint32_t at = 0; at < nodes_.size(); ++at) power_up(at);
 }

@@ -30,9 +30,9 @@ std::int64_t tick_ps(std::uint32_t csr8_value, std::uint32_t csr9_value) {
 std::uint64_t bytes_of_size_code(std::uint32_t code) noexcept { return kSizes[code & 7]; }
 
 std::uint32_t size_code_of(std::uint64_t bytes) noexcept {
-  for (std::uint32_t code = 1; code < kSizes.size(); ++code)
-    if (kSizes[code] <= bytes) return code;
-  return 7;
+  std::uint32_t code = 1;
+  while (code < 7 && kSizes[code] > bytes) ++code;
+  return code;
 }
 
 std::uint64_t network_offset(std::uint32_t csr12_value) noexcept {
