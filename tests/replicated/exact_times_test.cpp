@@ -64,6 +64,8 @@ TEST_F(ExactTimes, OfBlocksFollowTheirGreatestLengths) {
   for (std::uint32_t i = 0; i < 600; ++i) store(0, i, i);
   settle();
   EXPECT_EQ(lengths_of_blocks(0), (Lengths{256, 256, 88}));
+  const Hop last = hops(Hop::Kind::Inserted, 0).back();
+  EXPECT_EQ(last.end - last.begin, Time{(46 + 88 * 36) * 100});
   use_inserted(2, kBurst256);
   for (std::uint32_t i = 0; i < 100; ++i) store(0, i, i);
   settle();
@@ -115,6 +117,23 @@ TEST_F(ExactTimes, OfATimeOutCountFromTheLastBit) {
   const std::uint64_t before = card(0).report().repeated;
   pass(20us);
   EXPECT_EQ(card(0).report().repeated, before);
+}
+
+// Longwords that follow in the FIFO do not join a block that is sent again.
+TEST_F(ExactTimes, AndLengthOfARepeatedBlockAreItsFirst) {
+  use_inserted(2, 0x5040);
+  csr(0, 5, 0x100);
+  ring().set_bit_error_rate(1);
+  for (std::uint32_t i = 0; i < 10; ++i) store(0, i, i);
+  pass(2900ns);  // 46 and 360 bits have been sent
+  ring().set_bit_error_rate(0);
+  for (std::uint32_t i = 10; i < 20; ++i) store(0, i, i);
+  settle();
+  const auto repeated = hops(Hop::Kind::Repeated, 0);
+  ASSERT_EQ(repeated.size(), 1U);
+  EXPECT_EQ(repeated[0].longwords, 10U);
+  EXPECT_EQ(lengths_of_blocks(0), (Lengths{10, 10}));
+  EXPECT_EQ(load(1, 19), 19U);
 }
 
 TEST_F(ExactTimes, OfARepetitionAfterAnErrorNeedNoTimeOut) {

@@ -84,6 +84,7 @@ TEST_F(VirtualGt, InterruptsItselfOnlyIfEnabled) {
   settle();
   EXPECT_FALSE(card(0).take_interrupt());
   EXPECT_EQ(card(0).report().stored, 0U);
+  card(0).set_gt_state(18, 0);  // laser 0
   card(0).set_gt_state(kSelf, 1);
   card(0).send_interrupt(kBroadcast, 1, 2);
   settle();
@@ -148,6 +149,7 @@ TEST_F(VirtualGt, SendsAndReceivesOnlyIfEnabled) {
 
 TEST_F(VirtualGt, WritesItselfLastIfEnabled) {
   use_gt(3);
+  card(0).set_gt_state(18, 0);  // laser 0
   card(0).set_gt_state(kWriteMeLast, 1);
   store(0, 1, 5);
   EXPECT_EQ(load(0, 1), 0U);

@@ -226,6 +226,17 @@ TEST_F(VirtualInterrupts, OfErrorsNeedTheirMaskAndEnable) {
   }
 }
 
+TEST_F(VirtualInterrupts, ComeFromEachLongwordOfABlock) {
+  use_inserted(2, kBurst256);
+  csr(1, 8, 0xC00);  // every message interrupts
+  csr(1, 0, 0x806B);
+  for (std::uint32_t word = 5; word < 25; ++word) store(0, word, 1);
+  settle();
+  EXPECT_EQ(card(0).report().sent, 1U);
+  for (std::uint32_t word = 5; word < 25; ++word) EXPECT_EQ(interrupt(1), 4 * word);
+  EXPECT_EQ(interrupt(1), -1);
+}
+
 TEST_F(VirtualInterrupts, EndABlock) {
   use_inserted(2, kBurst256);
   csr(0, 0, 0x8103);

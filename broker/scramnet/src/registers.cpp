@@ -15,8 +15,8 @@ constexpr std::uint32_t kTimeout = 0x10;  // [240 ns]
 constexpr std::int64_t kFastTickPs = 26'660, kSlowTickPs = 1'706'000;
 
 // Card sizes by size code [B]; code 0: none.
-constexpr std::array<std::uint64_t, 8> kSizes{0,        8U << 20,   4U << 20,   2U << 20,
-                                              1U << 20, 512U << 10, 128U << 10, 4U << 10};
+constexpr std::uint64_t kSizes[]{0,        8U << 20,   4U << 20,   2U << 20,
+                                 1U << 20, 512U << 10, 128U << 10, 4U << 10};
 
 // Period of the counter [ps]; 0 in the modes that count events.
 std::int64_t tick_ps(std::uint32_t csr8_value, std::uint32_t csr9_value) {
