@@ -8,7 +8,8 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py least_squares FITS          what rths_fit_bench has printed
        keep.py opensees_runs RTHS          runs OpenSees with RTHS, and alone with RTHS_OPENSEES_PYTHON
        keep.py card RTHS                   hops per second of cards in virtual time
-       keep.py srmd RESULTS                   what `rths bench srmd --draws 20 --json RESULTS` has written
+       keep.py srmd RESULTS                what `rths bench srmd --draws 20 --json RESULTS` has written
+       keep.py mutants RESULT              what tests/replicated/mutants.py --json RESULT has written
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
        keep.py deaths TESTS                  --gtest_output=json:TESTS
        keep.py real_recordings TESTS
@@ -188,6 +189,7 @@ def main():
               "demo_seeds": demo_seeds.demo_seeds,
               "srmd": lambda file: json.loads(pathlib.Path(file).read_text()),
               "least_squares": lambda file: json.loads(pathlib.Path(file).read_text()),
+              "mutants": lambda file: json.loads(pathlib.Path(file).read_text()),
               "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),
               "kills": kills, "deaths": deaths, "real_recordings": real_recordings,
               "opensees_comparison": opensees_comparison}

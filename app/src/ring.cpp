@@ -61,6 +61,8 @@ int show_images(const broker::RingReport& ring) {
                  card.carried->rejected);
       if (card.carried->ring_nodes != 0)
         fmt::print("  ring of {} nodes\n", card.carried->ring_nodes);
+      if (card.carried->same_id != 0)
+        fmt::print("  messages of other nodes with this id: {}\n", card.carried->same_id);
     }
   }
   return kOk;

@@ -307,11 +307,12 @@ TEST_F(ExperimentTest, SaysWhereItsRingOfCardsIsWrong) {
             "lab.toml:5:12: fidelity is 'exact', expected shared or replicated");
   EXPECT_EQ(error_with("seed = 7", "cards = {fibre_m = 5}"),
             "lab.toml:5:9: found cards on a shared ring, expected fidelity = \"replicated\"");
-  EXPECT_NE(error_with("seed = 7",
-                       "fidelity = \"replicated\"\n"
-                       "fault = [{at_s = 1, kind = \"power_off\", node = \"of\"}]")
-                .find("'of' is no node"),
-            std::string::npos);
+  EXPECT_NE(
+      error_with("seed = 7",
+                 "fidelity = \"replicated\"\n"
+                 "fault = [{at_s = 1, kind = \"power_off\", node = \"of\"}]")
+          .find("'of' is no node (did you mean 'opf'?); the nodes are recorder, srmd, xpc, opf"),
+      std::string::npos);
 }
 
 TEST_F(ExperimentTest, RefusesToTuneUnknownParameters) {

@@ -17,6 +17,7 @@
 #include <rths/recording/recording.hpp>
 
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 #include "support/process.hpp"
 #include "support/ring_maps.hpp"
 
@@ -142,19 +143,32 @@ TEST(WallRun, CompletesOnARingOfCards) {
   EXPECT_FALSE(run.ring_is_there());
 }
 
-TEST(WallRun, ComesToRestWhenANodeIsPulledOutOfItsRingOfCards) {
+/// A node of a run on cards, pulled out of the ring.
+class PulledNode : public testing::TestWithParam<const char*> {};
+
+TEST_P(PulledNode, BringsTheOthersToRest) {
+  const std::string node = GetParam();
   WallRun run{"pulled", "60", kOnCards};
   run.wait_until_moving();
 
-  const test::Finished fault = test::run_rths({"fault", run.ring, "kind=power_off", "node=xpc"});
+  const test::Finished fault =
+      test::run_rths({"fault", run.ring, "kind=power_off", "node=" + node});
   const test::Finished finished = run.running.wait(20);
 
   EXPECT_EQ(fault.exit_code, 0) << fault.err;
   EXPECT_NE(finished.exit_code, 0);
-  EXPECT_NE(finished.err.find("xpc out of the ring at "), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find(node + " out of the ring at "), std::string::npos) << finished.err;
   for (const auto& report : broker::list_rings())
     EXPECT_NE(report.name.rfind(run.ring, 0), 0U) << report.name;
+  const recording::Reader recorded{run.recording()};  // can be read
+  EXPECT_FALSE(recorded.signal("monitor.srmd.host.step").empty());
 }
+
+// With --full each node; otherwise one that moves the machine, and one that only receives.
+INSTANTIATE_TEST_SUITE_P(WallRun, PulledNode,
+                         testing::ValuesIn(test::is_long()
+                                               ? std::vector{"srmd", "xpc", "opf", "recorder"}
+                                               : std::vector{"xpc", "recorder"}));
 
 TEST(WallRun, TakesAsLongAsTheTest) {
   WallRun run{"time", "3", kShortRest};

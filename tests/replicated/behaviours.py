@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks the table of the card's behaviours in docs/scramnet.md: every row has a state for each fidelity and names tests
-that exist. Standard library only."""
+that exist, at least one of them on a live ring if that is possible. Standard library only."""
 import pathlib
 import re
 import sys
@@ -42,6 +42,8 @@ def main():
         if not names:
             wrong.append(f"row {number}: names no test")
         wrong += [f"row {number}: there is no test {name}" for name in names if name not in known]
+        if live in LIVE_STATES and live != "not possible" and not any(name.startswith("Replicated") for name in names):
+            wrong.append(f"row {number}: '{live}' on a live ring, but no test there")
     for line in wrong:
         print(line)
     print(f"{len(rows)} behaviours, {len(wrong)} mistakes")

@@ -47,6 +47,8 @@ TEST_F(Control, RoundsAccessesDownToTheirSizeAndEndsAtItsMemory) {
   EXPECT_EQ(card(0).read(ByteOffset{4095}, 2), 0x1122U);
   store_bytes(0, 4096, 1, 4);
   EXPECT_EQ(card(0).read(ByteOffset{4096}), 0xFFFF'FFFFU);
+  acr(0, 1023, 1);
+  EXPECT_EQ(card(0).acr(LongwordOffset{1023}), 1U);
   acr(0, 1024, 1);
   EXPECT_EQ(card(0).acr(LongwordOffset{1024}), 0xFFU);
 }

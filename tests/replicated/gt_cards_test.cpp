@@ -54,6 +54,7 @@ TEST_F(VirtualGt, TakesBroadcastsOfItsMaskOnly) {
   settle();
   EXPECT_EQ(card(1).take_interrupt()->id, 5U);
   EXPECT_FALSE(card(1).take_interrupt());
+  EXPECT_EQ(card(1).report().stored, 1U);
   card(1).set_gt_state(kBroadcastMask, 0xFFFF'FFFF);
   card(0).send_interrupt(kBroadcast, 32, 0);  // there are 32
   settle();
@@ -72,6 +73,8 @@ TEST_F(VirtualGt, TakesUnicastsForItsIdIfEnabled) {
   EXPECT_EQ(interrupt->value, 10U);
   EXPECT_FALSE(card(1).take_interrupt());
   EXPECT_FALSE(card(2).take_interrupt());
+  EXPECT_EQ(card(1).report().stored, 1U);
+  EXPECT_EQ(card(2).report().stored, 0U);
 }
 
 TEST_F(VirtualGt, InterruptsItselfOnlyIfEnabled) {
@@ -80,6 +83,8 @@ TEST_F(VirtualGt, InterruptsItselfOnlyIfEnabled) {
   card(0).send_interrupt(kBroadcast, 1, 1);
   settle();
   EXPECT_FALSE(card(0).take_interrupt());
+  EXPECT_EQ(card(0).report().stored, 0U);
+  card(0).set_gt_state(18, 0);  // laser 0
   card(0).set_gt_state(kSelf, 1);
   card(0).send_interrupt(kBroadcast, 1, 2);
   settle();
@@ -92,6 +97,7 @@ TEST_F(VirtualGt, KeepsTheOldest256InterruptsOfItsQueue) {
   for (std::uint32_t i = 0; i < 300; ++i) card(0).send_interrupt(kBroadcast, 0, i);
   settle();
   EXPECT_EQ(card(1).report().lost_interrupts, 44U);
+  EXPECT_EQ(card(1).report().stored, 256U);
   for (std::uint32_t i = 0; i < 256; ++i) ASSERT_EQ(card(1).take_interrupt()->value, i);
   EXPECT_FALSE(card(1).take_interrupt());
 }
@@ -126,9 +132,16 @@ TEST_F(VirtualGt, SendsAndReceivesOnlyIfEnabled) {
   use_gt(3);
   card(0).set_gt_state(kTransmitState, 0);
   card(2).set_gt_state(kReceiveState, 0);
+  card(2).set_gt_state(kBroadcastMask, 1);
+  card(2).set_gt_state(kUnicastMask, 1);
   EXPECT_EQ(store(0, 1, 5), Access::Local);
   store(1, 2, 6);
+  card(1).send_interrupt(kBroadcast, 0, 7);
+  card(1).send_interrupt(kUnicast, 3, 7);
   settle();
+  EXPECT_FALSE(card(2).take_interrupt());
+  EXPECT_EQ(card(1).report().stored, 0U);  // nothing of others
+  EXPECT_EQ(card(2).report().stored, 0U);
   EXPECT_EQ(load(1, 1), 0U);
   EXPECT_EQ(load(2, 2), 0U);
   EXPECT_EQ(load(0, 2), 6U);
@@ -136,6 +149,7 @@ TEST_F(VirtualGt, SendsAndReceivesOnlyIfEnabled) {
 
 TEST_F(VirtualGt, WritesItselfLastIfEnabled) {
   use_gt(3);
+  card(0).set_gt_state(18, 0);  // laser 0
   card(0).set_gt_state(kWriteMeLast, 1);
   store(0, 1, 5);
   EXPECT_EQ(load(0, 1), 0U);
@@ -244,18 +258,63 @@ TEST_F(VirtualGt, KeepsItsOwnStatesApart) {
   EXPECT_TRUE(card(0).set_gt_state(24, 0));
   EXPECT_FALSE(card(0).set_gt_state(24, 1));  // swaps are not supported
   EXPECT_FALSE(card(0).set_gt_state(25, 1));
+  for (const std::uint32_t bit : {0U, 1U, 2U, 3U}) {
+    card(0).write_cr(8, 1U << bit);
+    EXPECT_EQ(card(0).gt_state(24), bit == 1 ? 1U : 0U);
+    EXPECT_EQ(card(0).gt_state(25), bit == 0 ? 1U : 0U);
+  }
   EXPECT_FALSE(card(0).set_gt_state(9, 1));
   EXPECT_FALSE(card(0).set_gt_state(21, 1));
   EXPECT_FALSE(card(0).set_gt_state(22, 1));
 }
 
 TEST_F(VirtualGt, ReturnsItsMessagesInsideTheCardWithEwrap) {
+  for (const bool by_state : {true, false}) {
+    use_gt(2);
+    if (by_state)
+      EXPECT_TRUE(card(0).set_gt_state(3, 1));
+    else
+      card(0).write_cr(0x10, 0x9'0100);  // id 1, transmits, EWRAP; nothing else
+    store(0, 1, 5);
+    settle();
+    EXPECT_EQ(load(1, 1), 0U);
+    EXPECT_EQ(hops(Hop::Kind::Removed, 0).size(), 1U);
+  }
+}
+
+TEST_F(VirtualGt, SendsQueuedStoresWhenTransmitIsEnabled) {
+  for (const bool by_state : {true, false}) {
+    use_gt(2);
+    const std::uint32_t control = card(0).read_cr(0x10);
+    store(0, 1, 5);
+    card(0).set_gt_state(kTransmitState, 0);
+    pass(10us);
+    EXPECT_EQ(load(1, 1), 0U);
+    if (by_state)
+      EXPECT_TRUE(card(0).set_gt_state(kTransmitState, 1));
+    else
+      card(0).write_cr(0x10, control);
+    settle();
+    EXPECT_EQ(load(1, 1), 5U);
+  }
+}
+
+TEST_F(VirtualGt, ForgetsItsStatesWithThePower) {
   use_gt(2);
-  card(0).set_gt_state(3, 1);
-  store(0, 1, 5);
-  settle();
-  EXPECT_EQ(load(1, 1), 0U);
-  EXPECT_EQ(hops(Hop::Kind::Removed, 0).size(), 1U);
+  for (const std::uint32_t state : {5U, 6U, 7U, 11U, 12U, 13U, 26U, 27U})
+    EXPECT_TRUE(card(0).set_gt_state(state, 1));
+  card(0).write_cr(0x24, 9);
+  card(0).write_cr(0x100, 7);  // no register
+  EXPECT_EQ(card(0).gt_state(2), 0U);
+  pass(1ms);
+  card(0).set_power(false);
+  card(0).set_power(true);
+  for (const std::uint32_t state : {2U, 5U, 6U, 7U, kNetTimer, 11U, 12U, 13U, 26U, 27U})
+    EXPECT_EQ(card(0).gt_state(state), 0U) << state;
+  for (std::uint32_t offset = 0; offset < 0x100; offset += 4)
+    if (offset != 0x10 && offset != 0x14 && offset != 0x20) {
+      EXPECT_EQ(card(0).read_cr(offset), 0U) << offset;
+    }
 }
 
 TEST_F(VirtualGt, HasATimerOf8NsInVirtualTime) {

@@ -113,6 +113,17 @@ TEST_F(VirtualInterrupts, FillTheFifoAndKeepItsOldestEntries) {
   EXPECT_EQ(interrupt(1), -1);
 }
 
+TEST_F(VirtualInterrupts, ShowAFifoThatWasFullOnce) {
+  use_pair();
+  for (std::uint32_t i = 0; i < 1024; ++i) {
+    store(0, i, 1);
+    settle();
+  }
+  EXPECT_EQ(interrupts(1), 1024U);
+  EXPECT_EQ(csr(1, 1) & 0x10, 0x10U);
+  EXPECT_EQ(csr(1, 1) & 0x10, 0U);
+}
+
 TEST_F(VirtualInterrupts, ReachTheHostOncePerArming) {
   use_pair();
   store(0, 1, 1);
@@ -213,6 +224,17 @@ TEST_F(VirtualInterrupts, OfErrorsNeedTheirMaskAndEnable) {
     settle();
     EXPECT_EQ(card(1).report().host_interrupts, 0U) << bits;
   }
+}
+
+TEST_F(VirtualInterrupts, ComeFromEachLongwordOfABlock) {
+  use_inserted(2, kBurst256);
+  csr(1, 8, 0xC00);  // every message interrupts
+  csr(1, 0, 0x806B);
+  for (std::uint32_t word = 5; word < 25; ++word) store(0, word, 1);
+  settle();
+  EXPECT_EQ(card(0).report().sent, 1U);
+  for (std::uint32_t word = 5; word < 25; ++word) EXPECT_EQ(interrupt(1), 4 * word);
+  EXPECT_EQ(interrupt(1), -1);
 }
 
 TEST_F(VirtualInterrupts, EndABlock) {

@@ -186,6 +186,24 @@ TEST_F(Control, ClearsItsSlowCounterByTriggerTwo) {
   EXPECT_LT(csr(1, 13), 2U);
 }
 
+TEST_F(Control, GivesNoTriggersForTheOtherBitsOfTheAcr) {
+  use_inserted(2);
+  acr(0, 5, 0x13);
+  acr(1, 5, 0x13);
+  store(0, 5, 1);
+  settle();
+  EXPECT_EQ(card(0).report().triggers, 0U);
+  EXPECT_EQ(card(1).report().triggers, 0U);
+}
+
+TEST_F(Control, RunsNoCounterWithoutAClock) {
+  use(nodes(1));
+  csr(0, 8, 0xA00);
+  csr(0, 9, 0);
+  pass(1ms);
+  EXPECT_EQ(csr(0, 13), 0U);
+}
+
 TEST_F(Control, GivesNoTriggersWhileInterruptsAreForced) {
   use_inserted(2);
   acr(1, 5, 0x8);

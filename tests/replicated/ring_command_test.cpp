@@ -92,7 +92,10 @@ TEST(FaultCommand, SaysWhyItCausesNoFault) {
   EXPECT_NE(of_shared.err.find("is shared, expected a replicated one"), std::string::npos);
   const auto of_nobody = run_rths({"fault", name, "kind=power_off", "node=machin"});
   EXPECT_EQ(of_nobody.exit_code, 2);
-  EXPECT_NE(of_nobody.err.find("'machin' is no node"), std::string::npos) << of_nobody.err;
+  EXPECT_NE(of_nobody.err.find("'machin' is no node (did you mean 'machine'?); the nodes are "
+                               "machine, controller"),
+            std::string::npos)
+      << of_nobody.err;
   EXPECT_EQ(run_rths({"fault", name, "power_off"}).exit_code, 2);
 }
 

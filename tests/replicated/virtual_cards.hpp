@@ -45,6 +45,7 @@ class VirtualCards : public testing::Test {
 
   void use(const RingSetup& setup) {
     ring_.emplace(setup);
+    hops_.clear();
     ring_->observe([this](const Hop& hop) { hops_.push_back(hop); });
   }
   /// Cards that are inserted, receive and transmit.

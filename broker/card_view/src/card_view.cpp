@@ -31,7 +31,8 @@ SharedCard view_of(std::uint32_t index, const scramnet::CardTable::CardView& map
                   .ring_nodes = card.carried.ring_nodes.load(),
                   .sent = card.carried.sent.load(),
                   .stored = card.carried.stored.load(),
-                  .rejected = card.carried.rejected.load()};
+                  .rejected = card.carried.rejected.load(),
+                  .same_id = card.carried.same_id.load()};
   return view;
 }
 

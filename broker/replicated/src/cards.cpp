@@ -20,7 +20,7 @@ Node::Node(const NodeSetup& setup, CardType type)
       bypass_switch{setup.bypass_switch},
       id{setup.id},
       memory{setup.memory_bytes},
-      acr{type == CardType::Plus ? setup.memory_bytes / 4 : 0} {
+      acr{setup.memory_bytes / 4} {
   if (type == CardType::Plus)
     own_plus = std::make_unique<PlusCard>(), plus = own_plus.get();
   else

@@ -44,7 +44,6 @@ Engine::Engine(const RingSetup& setup)
       bit_error_rate_{setup.bit_error_rate},
       random_{setup.seed} {
   check(setup);
-  nodes_.reserve(setup.nodes.size());
   for (const auto& node : setup.nodes) nodes_.emplace_back(node, type_);
   for (std::uint32_t at = 0; at < nodes_.size(); ++at) power_up(at);
 }
@@ -146,7 +145,6 @@ void Engine::forward(std::uint32_t index, std::uint32_t at) {
   const bool waits = node.waiting != 0 || node.output.open != kNone;
   if (!waits && !own_goes_first(node, message.ready))
     return put_on_line(index, at, std::max(message.ready, node.output.free));
-  message.next = kNone;
   (node.waiting == 0 ? node.waiting_first : messages_[node.waiting_last].next) = index;
   node.waiting_last = index;
   ++node.waiting;
@@ -255,7 +253,7 @@ void Engine::expect_reception(std::uint32_t index, std::uint32_t at) {
 }
 
 void Engine::damage(Message& message) {
-  if (bit_error_rate_ <= 0) return;
+  if (bit_error_rate_ == 0) return;
   const Time duration = rates_.message(static_cast<std::uint32_t>(message.longwords.size()));
   const auto bits = static_cast<double>(duration / (type_ == CardType::Plus ? kBit : kByte / 10));
   const double uniform = static_cast<double>(next_random(random_) >> 11U) * 0x1p-53;

@@ -71,7 +71,7 @@ class Engine {
   void end_head(std::uint32_t message);
   void release_if_done(std::uint32_t message);
   [[nodiscard]] std::uint32_t behind(std::uint32_t node) const;
-  void post(Event::Kind kind, std::uint32_t node, Time time, std::uint32_t subject);
+  void post(Event::Kind kind, std::uint32_t node, Time time, std::uint32_t subject = 0);
   void log(Hop::Kind kind, const Message& message, std::uint32_t at, Time begin, Time end);
   void log(Hop::Kind kind, const Message& message, std::uint32_t at) {
     log(kind, message, at, now_, now_);

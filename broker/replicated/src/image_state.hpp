@@ -48,10 +48,10 @@ struct Images::State {
     std::vector<char> heard = {};    // NOLINT: by position, since the last beat
     std::deque<Store> waiting = {};  // NOLINT: for space in the transmit FIFO
     std::unique_ptr<broker::Watch> watch =
-        nullptr;                            ///< finds stores through pointers; of named images
-    bool plain = false;                     ///< its node stores through a pointer
-    int alive_looks = 0, absent_looks = 0;  ///< in a row
-    bool present = false;                   ///< its card was inserted, its node has not left
+        nullptr;           ///< finds stores through pointers; of named images
+    bool plain = false;    ///< its node stores through a pointer
+    int absent_looks = 0;  ///< in a row
+    bool present = false;  ///< its card was inserted, its node has not left
   };
 
   State(const memmap::Map& its_map, const CardOptions& its_options);

@@ -123,17 +123,18 @@ void Images::State::follow_presence() {
 void Images::State::follow_presence(std::uint32_t at) {
   Image& image = images[at];
   const auto state = image.observer.presence_of(map.description().nodes[at].id).state;
-  image.alive_looks = state == Presence::Alive ? image.alive_looks + 1 : 0;
   image.plain = image.watch && image.watch->is_plain(image.node);
-  // At the first look, a program may not have said yet that it stores through a pointer.
-  if (!image.present && image.alive_looks >= (image.watch ? 2 : 1)) {
+  scramnet::Card* const shared = cards.engine_->nodes()[at].shared;
+  if (!image.present && state == Presence::Alive) {
     image.present = true;
-    if (!image.plain) cards.card(at).write_csr(0, kOnRing);
+    if (shared == nullptr || shared->carried.plain_host.load() == 0)
+      cards.card(at).write_csr(0, kOnRing);
   }
   // Its last writes are taken and arrive until the second look.
   image.absent_looks = state == Presence::Absent ? image.absent_looks + 1 : 0;
   if (!image.present || image.absent_looks < 2 || !is_drained(at)) return;
   image.present = false;
+  if (shared != nullptr) shared->carried.plain_host.store(0);
   for (auto& other : images) other.others[at].reset();
 }
 

@@ -37,7 +37,7 @@ std::uint32_t level_flags(const TransmitFifo& fifo) {
 // HIPRO: bytes of a longword are withheld until all four have been written. Returns true if the
 // longword may leave.
 bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset, std::uint32_t bytes) {
-  if ((acr & acr::kHiPro) == 0 || bytes == 4) {
+  if ((acr & acr::kHiPro) == 0) {
     node.hipro_longword = kNone;
     return true;
   }
@@ -108,7 +108,7 @@ std::uint32_t Engine::read_csr(std::uint32_t at, int index) {
   const Node& node = nodes_[at];
   return registers(node).read(index, {.nodes = node.counts.ring_nodes,
                                       .bypass_switch = node.bypass_switch,
-                                      .live_status = index == 1 ? live_status(at) : 0});
+                                      .live_status = live_status(at)});
 }
 
 std::uint32_t Engine::peek_csr(std::uint32_t at, int index) {
@@ -163,6 +163,10 @@ void Engine::exchange(std::uint32_t at) {
     node.transmit_resets_seen = resets;
     reset_transmitter(node);
   }
+  if (const auto writes = carried.counter_writes.load(); writes != node.counter_writes_seen) {
+    node.counter_writes_seen = writes;
+    node.transit_armed = registers(node).measures_transit();
+  }
   update_path(at);
   schedule_transmit(at, now_);
   carried.live_status.store(live_status(at));
@@ -171,6 +175,7 @@ void Engine::exchange(std::uint32_t at) {
   carried.sent.store(static_cast<std::uint32_t>(node.counts.sent));
   carried.stored.store(static_cast<std::uint32_t>(node.counts.stored));
   carried.rejected.store(static_cast<std::uint32_t>(node.counts.rejected));
+  carried.same_id.store(static_cast<std::uint32_t>(node.counts.same_id));
   carried.scans.fetch_add(1);
 }
 

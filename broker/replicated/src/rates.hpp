@@ -41,8 +41,8 @@ inline constexpr Rates kGtRates{.header = 22 * kByte,
 
 inline constexpr Time kTimeoutUnit = 36 * kBit;  ///< of CSR5: 240 ns
 inline constexpr Time kTransitTick = 4 * kBit;   ///< of CSR13 as a timer: 26.67 ns
-inline constexpr std::uint32_t kShortBlock = 256 / 4, kLongBlock = 1024 / 4;  ///< PLUS [longwords]
-inline constexpr std::uint32_t kGtBlock = 128 / 4;                            ///< [longwords]
+inline constexpr std::uint32_t kShortBlock = 64, kLongBlock = 256;  ///< PLUS [longwords]
+inline constexpr std::uint32_t kGtBlock = 32;                       ///< [longwords]
 inline constexpr std::uint32_t kLastAge = 255;
 
 }  // namespace rths::replicated

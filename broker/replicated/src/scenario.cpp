@@ -49,7 +49,8 @@ std::uint32_t node_of(const Config& table, const std::vector<std::string>& names
   const std::string name = table.text("node");
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end())
-    table.fail("node", fmt::format("'{}' is no node{}", name, did_you_mean(name, names)));
+    table.fail("node", fmt::format("'{}' is no node{}; the nodes are {}", name,
+                                   did_you_mean(name, names), fmt::join(names, ", ")));
   return static_cast<std::uint32_t>(found - names.begin());
 }
 

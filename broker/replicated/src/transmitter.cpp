@@ -29,7 +29,7 @@ void Engine::schedule_transmit(std::uint32_t at, Time earliest) {
   node.transmit_scheduled = true;
   node.transmit_at = std::max({earliest, now_, node.output.free});
   ++scheduled_;
-  post(Event::Kind::Transmit, at, node.transmit_at, 0);
+  post(Event::Kind::Transmit, at, node.transmit_at);
 }
 
 void Engine::on_transmit(std::uint32_t at) {

@@ -79,6 +79,7 @@ void Board::write_csr(int index, std::uint32_t value) {
   registers().write(index, value);
   if (index == 0 && ((before | registers().peek(0)) & csr0::kResetTransmitFifo) != 0)
     session_.card().carried.transmit_resets.fetch_add(1);
+  if (index == 13) session_.card().carried.counter_writes.fetch_add(1);
   if (index == 0 || index == 8) control_changed(before);
   if (index == 1) scanner_.scan();
   if (index == 3) warn_of_shared_id();

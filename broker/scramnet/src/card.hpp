@@ -68,12 +68,15 @@ struct GtCard {
 /// Of a card whose stores are carried by messages; broker/replicated writes it at each scan.
 struct Carried {
   Word active;                  ///< 1: no process compares words, and none shares this memory
+  Word plain_host;              ///< 1: its host stores through a pointer; set before it joins
   Word scans;                   ///< so far
   Word live_status;             ///< bits of CSR1 whose cause persists
   Word ring_nodes;              ///< as the last own return showed
   Word transmit_resets;         ///< of the transmit FIFO so far; counted by its host
+  Word counter_writes;          ///< of CSR13 so far; counted by its host
   Word transmit_fifo;           ///< entries
   Word sent, stored, rejected;  ///< messages so far
+  Word same_id;                 ///< messages of other nodes with this card's id so far
 };
 
 struct Card {

@@ -84,6 +84,7 @@ void CardSession::use_image(Settings& settings) {
   settings.ring = image_name(settings.ring, settings.node);
   ring_.emplace(broker::Ring::attach(settings.ring));
   cards_.emplace(*ring_, settings.ring);
+  for_each_card([](const CardView& card) { card.card->carried.plain_host.store(1); });
 }
 
 void CardSession::leave() {

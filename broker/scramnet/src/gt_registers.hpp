@@ -10,9 +10,8 @@ namespace rths::scramnet {
 
 // Control registers of a GT card, by index (byte offset / 4), and the bits that act here.
 namespace gt {
-inline constexpr std::uint32_t kBoardInfo = 0x00 / 4, kUser = 0x08 / 4, kLinkControl = 0x10 / 4,
-                               kLinkStatus = 0x14 / 4, kBroadcastMask = 0x18 / 4,
-                               kUnicastMask = 0x1C / 4, kMisc = 0x20 / 4, kTimer = 0x40 / 4;
+inline constexpr std::uint32_t kBoardInfo = 0, kUser = 2, kLinkControl = 4, kLinkStatus = 5,
+                               kBroadcastMask = 6, kUnicastMask = 7, kMisc = 8, kTimer = 16;
 inline constexpr std::uint32_t kLaser0 = 0x1, kLaser1 = 0x2, kNodeIdShift = 8, kTransmit = 0x1'0000,
                                kReceive = 0x2'0000, kRetransmit = 0x4'0000,
                                kWriteMeLast = 0x10'0000, kInterruptSelf = 0x20'0000;

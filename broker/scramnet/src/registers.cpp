@@ -15,8 +15,8 @@ constexpr std::uint32_t kTimeout = 0x10;  // [240 ns]
 constexpr std::int64_t kFastTickPs = 26'660, kSlowTickPs = 1'706'000;
 
 // Card sizes by size code [B]; code 0: none.
-constexpr std::array<std::uint64_t, 8> kSizes{0,        8U << 20,   4U << 20,   2U << 20,
-                                              1U << 20, 512U << 10, 128U << 10, 4U << 10};
+constexpr std::uint64_t kSizes[]{0,        8U << 20,   4U << 20,   2U << 20,
+                                 1U << 20, 512U << 10, 128U << 10, 4U << 10};
 
 // Period of the counter [ps]; 0 in the modes that count events.
 std::int64_t tick_ps(std::uint32_t csr8_value, std::uint32_t csr9_value) {
@@ -30,9 +30,9 @@ std::int64_t tick_ps(std::uint32_t csr8_value, std::uint32_t csr9_value) {
 std::uint64_t bytes_of_size_code(std::uint32_t code) noexcept { return kSizes[code & 7]; }
 
 std::uint32_t size_code_of(std::uint64_t bytes) noexcept {
-  for (std::uint32_t code = 1; code < kSizes.size(); ++code)
-    if (kSizes[code] <= bytes) return code;
-  return 7;
+  std::uint32_t code = 1;
+  while (code < 7 && kSizes[code] > bytes) ++code;
+  return code;
 }
 
 std::uint64_t network_offset(std::uint32_t csr12_value) noexcept {
@@ -84,7 +84,7 @@ std::uint32_t Registers::read_status(const Surroundings& around) {
 
 std::uint32_t Registers::read_id(std::uint32_t nodes) const {
   if (all_set(8, csr8::kIdMux)) return plus_->receive_id.load() << 8 | plus_->transmit_age.load();
-  return (peek(3) & 0xFF00) | (nodes & 0xFF);
+  return peek(3) | (nodes & 0xFF);
 }
 
 std::uint32_t Registers::read_counter() {
@@ -202,12 +202,12 @@ bool Registers::take_host_interrupt() {
 }
 
 void Registers::power_up(std::uint32_t id) {
-  constexpr std::array<std::pair<std::size_t, std::uint32_t>, 7> kValues{
-      {{2, 0xC040}, {8, 0x8800}, {9, 0x0021}, {10, 0x0001}, {11, 0x0080}, {12, 0}, {15, 0x0020}}};
+  constexpr std::pair<std::size_t, std::uint32_t> kValues[] = {
+      {2, 0xC040}, {8, 0x8800}, {9, 0x0021}, {10, 0x0001}, {11, 0x0080}, {15, 0x0020}};
   for (auto& csr : plus_->csr) csr.store(0);
   for (const auto& [csr, value] : kValues) plus_->csr[csr].store(value);
-  plus_->csr[3].store(id << 8 & 0xFF00);
-  plus_->receive_id.store(id & 0xFF);
+  plus_->csr[3].store(id << 8);
+  plus_->receive_id.store(id);
   plus_->transmit_age.store(0);
   plus_->timeout.store(kTimeout);
   plus_->latched.store(0);

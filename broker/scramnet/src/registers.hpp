@@ -58,7 +58,7 @@ class Registers {
   /// Delivers one host interrupt if the card is armed, has host interrupts enabled and one pending;
   /// then disarms it and counts it.
   [[nodiscard]] bool take_host_interrupt();
-  /// Sets the values after power-up, with this node id.
+  /// Sets the values after power-up. @param id  of the node, 0 to 255
   void power_up(std::uint32_t id);
   void set_size_code(std::uint32_t code);
 

@@ -24,6 +24,7 @@ struct SharedCard {
     std::uint32_t transmit_fifo = 0;  ///< entries
     std::uint32_t ring_nodes = 0;     ///< as its last own message showed; 0: none yet
     std::uint32_t sent = 0, stored = 0, rejected = 0;
+    std::uint32_t same_id = 0;  ///< messages of other nodes with this card's id
   };
   std::optional<Carried> carried;
 };
