@@ -8,6 +8,8 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py least_squares FITS          what rths_fit_bench has printed
        keep.py opensees_runs RTHS          runs OpenSees with RTHS, and alone with RTHS_OPENSEES_PYTHON
        keep.py card RTHS                   hops per second of cards in virtual time
+       keep.py adaptive RTHS               the adaptive inverse and ATS on drawn machines, in virtual time
+       keep.py force RTHS                  identification of empty tables
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
        keep.py deaths TESTS                  --gtest_output=json:TESTS
        keep.py real_recordings TESTS
@@ -24,6 +26,7 @@ import subprocess
 import sys
 import tempfile
 
+import adaptive
 import demo_seeds
 import opensees_runs
 from results_file import RESULTS, TREE, commit, machine, stamp, write
@@ -177,13 +180,15 @@ def opensees_comparison(file):
     return {"largest_axial_percent": largest, "rows": rows}
 
 
-def card(rths):
-    """`rths bench card`; stops if it misses its goal."""
-    return json.loads(subprocess.run([rths, "bench", "card", "--json"], capture_output=True, text=True, check=True).stdout)
+def bench(name):
+    """`rths bench NAME`; stops if it misses its goal."""
+    return lambda rths: json.loads(
+        subprocess.run([rths, "bench", name, "--json"], capture_output=True, text=True, check=True).stdout)
 
 
 def main():
-    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget, "card": card,
+    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget, "card": bench("card"),
+              "force": bench("force"), "adaptive": adaptive.adaptive,
               "demo_seeds": demo_seeds.demo_seeds,
               "least_squares": lambda file: json.loads(pathlib.Path(file).read_text()),
               "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),

@@ -15,7 +15,7 @@
 namespace rths::controller {
 namespace {
 
-constexpr int kFilterOrder = 4;
+constexpr int kRowFilterOrder = 4;
 constexpr double kTwoSided95 = 1.959964;  // two-sided 95 % of a normal distribution
 constexpr double kSettling = 1.0;         // at the start of a run, left out [s]
 constexpr double kShortestRun = 5.0;      // [s]
@@ -90,7 +90,7 @@ class Identification {
     const auto settling = static_cast<std::size_t>(kSettling / observer_.period);
     std::vector<TableSignals::Terms> all;
     for (const auto& run : runs_) {
-      TableSignals signals{shape.delay, shape.presliding, observer_, kFilterOrder};
+      TableSignals signals{shape.delay, shape.presliding, observer_, kRowFilterOrder};
       for (std::size_t i = 0; i < run.force.size(); ++i) {
         const auto terms = signals.step({run.displacement[i], run.acceleration[i], run.force[i],
                                          run.axial_load.empty() ? 0 : run.axial_load[i]});
