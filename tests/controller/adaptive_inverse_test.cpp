@@ -125,7 +125,8 @@ TEST(AdaptiveInverse, StopsLearningWhileClipped) {
   bool learnt_while_clipped = false;
   for (int i = 0; i < 20'000; ++i) {
     const long clipped = loop.inverse.clipped();
-    const double reference = loop.inverse.step(learnt_target(i * kPeriod), loop.machine.x, 0, 1, true);
+    const double reference =
+        loop.inverse.step(learnt_target(i * kPeriod), loop.machine.x, 0, 1, true);
     largest = std::max(largest, std::abs(reference));
     learnt_while_clipped |= loop.inverse.clipped() > clipped && loop.inverse.learning();
     loop.machine(reference);
@@ -203,7 +204,8 @@ TEST(AdaptiveInverse, WorksInRealTime) {
   AdaptiveInverse inverse{AdaptiveInverseSettings{}};
   const auto second = [&] {
     for (int i = 0; i < 2'000; ++i)  // learns and solves
-      (void)inverse.step(learnt_target(i * kPeriod), learnt_target(i * kPeriod - 0.05), 1e5, 1, true);
+      (void)inverse.step(learnt_target(i * kPeriod), learnt_target(i * kPeriod - 0.05), 1e5, 1,
+                         true);
   };
 
   EXPECT_REALTIME(second());
