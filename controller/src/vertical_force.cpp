@@ -49,7 +49,7 @@ VerticalForceSettings srmd_vertical() {
   inverse.informative_speed = 2e-3;
   inverse.largest_error = 2e-3;
   inverse.largest_reference = 0.127;
-  settings.observer_bandwidth = 5;
+  settings.observer_bandwidth = 8;
   return settings;
 }
 
