@@ -10,6 +10,8 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py card RTHS                   hops per second of cards in virtual time
        keep.py srmd RESULTS                what `rths bench srmd --draws 20 --json RESULTS` has written
        keep.py mutants RESULT              what tests/replicated/mutants.py --json RESULT has written
+       keep.py adaptive RTHS               the adaptive inverse and ATS on drawn machines, in virtual time
+       keep.py force RTHS                  identification of empty tables
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
        keep.py deaths TESTS                  --gtest_output=json:TESTS
        keep.py real_recordings TESTS
@@ -26,6 +28,7 @@ import subprocess
 import sys
 import tempfile
 
+import adaptive
 import demo_seeds
 import opensees_runs
 from results_file import RESULTS, TREE, commit, machine, stamp, write
@@ -179,13 +182,15 @@ def opensees_comparison(file):
     return {"largest_axial_percent": largest, "rows": rows}
 
 
-def card(rths):
-    """`rths bench card`; stops if it misses its goal."""
-    return json.loads(subprocess.run([rths, "bench", "card", "--json"], capture_output=True, text=True, check=True).stdout)
+def bench(name):
+    """`rths bench NAME`; stops if it misses its goal."""
+    return lambda rths: json.loads(
+        subprocess.run([rths, "bench", name, "--json"], capture_output=True, text=True, check=True).stdout)
 
 
 def main():
-    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget, "card": card,
+    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget, "card": bench("card"),
+              "force": bench("force"), "adaptive": adaptive.adaptive,
               "demo_seeds": demo_seeds.demo_seeds,
               "srmd": lambda file: json.loads(pathlib.Path(file).read_text()),
               "least_squares": lambda file: json.loads(pathlib.Path(file).read_text()),

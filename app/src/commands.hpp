@@ -266,6 +266,21 @@ struct BridgeBenchArguments {
 /// @returns 0 if all gates pass, 1 if inconclusive on this host, 2 if a gate fails
 [[nodiscard]] int bench_bridge(const BridgeBenchArguments& arguments);
 
+struct ForceBenchArguments {
+  int seeds = 100;
+  bool json = false;
+};
+/// @returns 0 if all goals are met, 2 if one is missed
+[[nodiscard]] int bench_force(const ForceBenchArguments& arguments);
+
+struct VerticalBenchArguments {
+  int draws = 200;
+  double duration = 30;  ///< of the command [s]
+  bool json = false;
+};
+/// @returns 0 if all goals are met, 2 if one is missed
+[[nodiscard]] int bench_vertical(const VerticalBenchArguments& arguments);
+
 struct DiagnoseArguments {
   std::string case_or_recording;     ///< folder of a case or of a run, or a recording
   std::string out;                   ///< folder; empty: out/diagnosis/<name of the case>

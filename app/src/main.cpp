@@ -40,6 +40,8 @@ struct Arguments {
   OpenseesBenchArguments trips;
   BridgeBenchArguments bridge_bench;
   SrmdBenchArguments srmd;
+  ForceBenchArguments force_bench;
+  VerticalBenchArguments vertical_bench;
   DiagnosisBenchArguments trial;
   DiagnoseArguments diagnose;
   CheckArguments check;
@@ -343,6 +345,30 @@ void add_bench_diagnosis(CLI::App& bench, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return bench_diagnosis(a.trial); }; });
 }
 
+void add_bench_force(CLI::App& bench, Arguments& a, Chosen& chosen) {
+  auto* command = bench.add_subcommand(
+      "force", "Identification and correction of a machine's own force, on simulated empty tables");
+  command->add_flag("--json", a.force_bench.json, "One JSON document instead of tables");
+  command->add_option("--seeds", a.force_bench.seeds, "Number of machines")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return bench_force(a.force_bench); }; });
+}
+
+void add_bench_vertical(CLI::App& bench, Arguments& a, Chosen& chosen) {
+  auto* command = bench.add_subcommand(
+      "vertical", "Force control of a stiff vertical axis, compared with the paper's cascade");
+  command->add_flag("--json", a.vertical_bench.json, "One JSON document instead of a table");
+  command
+      ->add_option("--draws", a.vertical_bench.draws, "Number of machines beside the nominal one")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  command->add_option("--duration", a.vertical_bench.duration, "Duration of the command [s]")
+      ->check(CLI::Range(8.0, 1000.0))
+      ->capture_default_str();
+  command->callback([&] { chosen = [&a] { return bench_vertical(a.vertical_bench); }; });
+}
+
 void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("bench", "Run a benchmark on this host");
   command->require_subcommand(1);
@@ -371,6 +397,8 @@ void add_bench(CLI::App& app, Arguments& a, Chosen& chosen) {
   add_bench_opensees(*command, a, chosen);
   add_bench_bridge(*command, a, chosen);
   add_bench_diagnosis(*command, a, chosen);
+  add_bench_force(*command, a, chosen);
+  add_bench_vertical(*command, a, chosen);
 }
 
 void add_loop(CLI::App& app, Arguments& a, Chosen& chosen) {

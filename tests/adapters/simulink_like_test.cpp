@@ -374,6 +374,52 @@ TEST(Diagram, RefusesInvalidParametersOfBlocks) {
   EXPECT_EQ(error_in(""), "d.toml:1:1: the diagram has no blocks");
 }
 
+const std::string kForceOnN = input("n", "lab.{axis}.force", "N");
+
+TEST(AdaptiveInverseBlock, SendsTheBareCommandWhileItIsOff) {
+  const auto target =
+      diagram(kX + kForceOnN +
+              block("f", "adaptive_inverse",
+                    "in.command = \"x\"\nin.measured = \"x\"\nin.force = \"n\"\nenabled = 0"));
+  test::Bench bench{*target};
+  bench.in("lab.long.displ") = 0.25;
+  bench.in("lab.lat.force") = 1e6;
+
+  static_cast<void>(bench.step(0));
+
+  EXPECT_EQ(bench.out("f.reference.long"), 0.25);
+  EXPECT_EQ(bench.out("f.reference.lat"), 0);
+  EXPECT_EQ(bench.out("f.a0.long"), 1);
+  EXPECT_EQ(bench.out("f.learning.long"), 0);
+}
+
+TEST(AdaptiveInverseBlock, RefusesAnUnstableMachine) {
+  const std::string message =
+      error_in(kX + kForceOnN +
+               block("f", "adaptive_inverse",
+                     "in.command = \"x\"\nin.measured = \"x\"\nin.force = \"n\"\n"
+                     "a2_s2 = [1e-5, 1e-5]"));
+
+  EXPECT_NE(message.find("the initial coefficients invert an unstable machine"), std::string::npos)
+      << message;
+}
+
+TEST(TableForceObserverBlock, SubtractsTheMachinesForcePerAxis) {
+  const auto target =
+      diagram(kX + kForceOnN + input("a", "lab.{axis}.accel", "m/s2") +
+              block("f", "table_force_observer",
+                    "in.displacement = \"x\"\nin.acceleration = \"a\"\nin.force = \"n\"\n"
+                    "effective_mass_kg = [1000, 2000]\nforce_offset_N = [2000, -1500]"));
+  test::Bench bench{*target};
+  bench.in("lab.long.force") = 50e3;
+  bench.in("lab.lat.accel") = 3;
+
+  static_cast<void>(bench.step(0));
+
+  EXPECT_DOUBLE_EQ(bench.out("f.force.long"), 50e3 - 2000);
+  EXPECT_DOUBLE_EQ(bench.out("f.machine_force.lat"), 2000 * 3 - 1500);
+}
+
 std::filesystem::path hybrid_controller() {
   return test::source_tree() / "adapters/simulink_like/diagrams/hybrid_controller.toml";
 }

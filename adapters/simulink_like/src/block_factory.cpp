@@ -205,8 +205,10 @@ constexpr BlockType kBlockTypes[] = {{"ring_input", make_ring_input},
                                      {"remove_offset", make_remove_offset},
                                      {"predictor_corrector", make_predictor_corrector},
                                      {"ats", make_ats},
+                                     {"adaptive_inverse", make_adaptive_inverse},
                                      {"feed_forward", make_feed_forward},
                                      {"force_observer", make_force_observer},
+                                     {"table_force_observer", make_table_force_observer},
                                      {"stop", make_stop}};
 
 const BlockType& type_named(const Config& table) {

@@ -11,6 +11,7 @@ namespace rths::adapters {
 
 constexpr bool kPerAxis = true;
 constexpr bool kSingle = false;
+constexpr double kFadeTime = 0.5;  ///< to fade compensation in or out [s]
 
 /// Selects the values of the run's axes from a list in the order long, lat, …
 /// @throws Error with the key's place if the list is too short
@@ -27,7 +28,9 @@ void add_parameter(Block& block, const Config& table, const std::string& name,
 
 [[nodiscard]] Block make_predictor_corrector(const Config& table, const BlockContext& context);
 [[nodiscard]] Block make_ats(const Config& table, const BlockContext& context);
+[[nodiscard]] Block make_adaptive_inverse(const Config& table, const BlockContext& context);
 [[nodiscard]] Block make_feed_forward(const Config& table, const BlockContext& context);
 [[nodiscard]] Block make_force_observer(const Config& table, const BlockContext& context);
+[[nodiscard]] Block make_table_force_observer(const Config& table, const BlockContext& context);
 
 }  // namespace rths::adapters

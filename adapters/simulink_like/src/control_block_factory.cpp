@@ -13,7 +13,6 @@
 namespace rths::adapters {
 namespace {
 
-constexpr double kFadeTime = 0.5;                  // to fade compensation in or out [s]
 constexpr std::pair<double, double> kLead{-1, 1};  // far beyond a machine's delay [s], [s2]
 constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
 

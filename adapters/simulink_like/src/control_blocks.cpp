@@ -77,6 +77,22 @@ void AtsBlock::step(const Wires& w) noexcept {
   }
 }
 
+void AdaptiveInverseBlock::step(const Wires& w) noexcept {
+  const double share = fade(*w.parameter[0] != 0);
+  const bool adapt = *w.parameter[1] != 0;
+  for (std::size_t i = 0; i < compensators.size(); ++i) {
+    auto& inverse = compensators[i];
+    w.out[0][i] = inverse.step(w.in[0][i], w.in[1][i], w.in[2][i], share, adapt);
+    const controller::InverseCoefficients found = inverse.coefficients();
+    w.out[1][i] = found.a0;
+    w.out[2][i] = found.a1;
+    w.out[3][i] = found.a2;
+    w.out[4][i] = inverse.learning() ? 1 : 0;
+    w.out[5][i] = static_cast<double>(inverse.clipped());
+    w.out[6][i] = static_cast<double>(inverse.bad_samples());
+  }
+}
+
 void FeedForwardBlock::step(const Wires& w) noexcept {
   const double share = fade(*w.parameter[0] != 0);
   const controller::FeedForward lead{share * *w.parameter[1], share * *w.parameter[2]};
@@ -90,6 +106,17 @@ void ForceObserverBlock::step(const Wires& w) noexcept {
     w.out[0][i] = enabled ? specimen : w.in[2][i];
     w.out[1][i] = observers[i].velocity();
     w.out[2][i] = observers[i].machine_force();
+  }
+}
+
+void TableForceObserverBlock::step(const Wires& w) noexcept {
+  const bool enabled = *w.parameter[0] != 0;
+  for (std::size_t i = 0; i < observers.size(); ++i) {
+    const double specimen = observers[i].step({w.in[0][i], w.in[1][i], w.in[2][i], *w.in[3]});
+    w.out[0][i] = enabled ? specimen : w.in[2][i];
+    w.out[1][i] = observers[i].velocity();
+    w.out[2][i] = observers[i].machine_force();
+    w.out[3][i] = static_cast<double>(observers[i].bad_samples());
   }
 }
 

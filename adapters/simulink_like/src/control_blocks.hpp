@@ -5,10 +5,12 @@
 
 #include <vector>
 
+#include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/feed_forward.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
+#include <rths/controller/table_force.hpp>
 #include <rths/controller/target_exchange.hpp>
 #include <rths/core/realtime.hpp>
 
@@ -48,6 +50,13 @@ struct AtsBlock {
   void step(const Wires& w) RTHS_REALTIME;
 };
 
+/// An adaptive inverse compensator per axis.
+struct AdaptiveInverseBlock {
+  std::vector<controller::AdaptiveInverse> compensators;
+  Fade fade;
+  void step(const Wires& w) RTHS_REALTIME;
+};
+
 /// Fixed lead from the command's rates.
 struct FeedForwardBlock {
   Fade fade;
@@ -57,6 +66,12 @@ struct FeedForwardBlock {
 /// Subtracts the machine's own force from the measured force, per axis.
 struct ForceObserverBlock {
   std::vector<controller::ForceObserver> observers;
+  void step(const Wires& w) RTHS_REALTIME;
+};
+
+/// The same with load-dependent and presliding friction and a late accelerometer, per axis.
+struct TableForceObserverBlock {
+  std::vector<controller::TableForceObserver> observers;
   void step(const Wires& w) RTHS_REALTIME;
 };
 

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/controller/adaptive_inverse.hpp>
+#include <rths/core/realtime.hpp>
+
+namespace rths::controller {
+
+/// Force control of an axis in displacement control, as in the paper: an outer force loop around
+/// the inner displacement loop.
+///     r = F_t/K + g ∫ (F_t − F) dt/K + g T (F_t − F)/K
+/// T cancels the inner loop's lag, so the outer loop is an integrator behind the inner delay.
+struct ForceCascadeSettings {
+  double period = 1e-3;
+  double stiffness = 5e9;         ///< K: of the specimen [N/m]
+  double gain = 15;               ///< g: crossover of the outer loop [rad/s]
+  double lag = 0.05;              ///< T [s]
+  double reference_limit = 0.02;  ///< of the integral [m]
+};
+
+class ForceCascade {
+ public:
+  /// @throws Error if a setting is not positive   @setup
+  explicit ForceCascade(const ForceCascadeSettings& settings);
+  /// @param target, measured  force, compression positive [N]; not finite: the reference is held
+  /// @returns the displacement reference, towards the specimen [m]   @realtime
+  [[nodiscard]] double step(double target, double measured) RTHS_REALTIME;
+
+ private:
+  ForceCascadeSettings settings_;
+  double integral_ = 0, reference_ = 0;
+};
+
+/// A bearing along its axis, as the vertical controller assumes it.
+///     x = F (1/K + 1/K_s + 1/k_c) + h,    K = K₀/(1 + κ u²),    h = u²/(2 R)
+/// u: horizontal displacement. h: height that the bearing loses at u, which the actuator follows.
+struct AxialBearing {
+  double stiffness = 5e9;           ///< K₀ [N/m]
+  double softening = 0;             ///< κ [1/m²]
+  double lift_radius = 0;           ///< R, positive if the bearing gets shorter [m]; 0: no change
+  double servo_stiffness = 3.8e10;  ///< K_s: force over the error of the loaded servo [N/m]
+  double series_stiffness = 0;      ///< k_c: of a compliance in series [N/m]; 0: none
+
+  /// @returns displacement for a force at a horizontal displacement [m]   @realtime
+  [[nodiscard]] double displacement(double force, double horizontal) const RTHS_REALTIME;
+};
+
+struct VerticalForceSettings {
+  AxialBearing bearing;
+  AdaptiveInverseSettings inverse;  ///< of the axis in displacement control; `load` terms unused
+  double observer_bandwidth = 1;    ///< of the disturbance observer [Hz]; 0: none
+  double observer_limit = 0.01;     ///< of its correction [m]
+};
+
+/// Settings for a vertical axis of four actuators: 53.4 MN, valves of 20 Hz.
+[[nodiscard]] VerticalForceSettings srmd_vertical();
+
+/// Force control of a stiff bearing in real time: the force becomes a displacement by the bearing's
+/// law, including the height that it loses under horizontal motion, and the adaptive inverse leads
+/// that displacement. A disturbance observer removes the slow remainder.
+class VerticalForceControl {
+ public:
+  /// @throws Error if a setting is out of range   @setup
+  explicit VerticalForceControl(const VerticalForceSettings& settings);
+  /// @param target, measured  force, compression positive [N]
+  /// @param horizontal_target, horizontal  of the bearing, commanded and measured: lengths of the
+  ///                          displacement vectors [m]
+  /// @returns the displacement reference [m]   @realtime
+  [[nodiscard]] double step(double target, double measured, double horizontal_target,
+                            double horizontal, bool adapt = true) RTHS_REALTIME;
+  [[nodiscard]] const AdaptiveInverse& inverse() const { return inverse_; }
+  [[nodiscard]] double disturbance() const { return disturbance_; }  ///< [m]
+
+ private:
+  VerticalForceSettings settings_;
+  AdaptiveInverse inverse_;
+  double disturbance_ = 0;
+};
+
+}  // namespace rths::controller

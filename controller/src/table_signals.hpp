@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <rths/controller/filters.hpp>
+#include <rths/controller/table_force.hpp>
+
+namespace rths::controller {
+
+inline constexpr double kLongestAccelerometerDelay = 0.020;  // [s]
+
+/// Delays a signal by a fraction of a sample too: cubic interpolation between samples.
+class FractionalDelay {
+ public:
+  FractionalDelay(double delay, double period);
+  [[nodiscard]] double operator()(double input) noexcept;
+
+ private:
+  std::vector<double> samples_;  // ring buffer, newest at next_ − 1
+  std::size_t next_ = 0, whole_ = 0;
+  std::array<double, 4> weights_{};
+  bool started_ = false;
+};
+
+/// Velocity without lag: integrates the acceleration, and follows the displacement below a
+/// bandwidth. Removes a constant error of the accelerometer.
+class FusedVelocity {
+ public:
+  FusedVelocity(double bandwidth, double period);
+  [[nodiscard]] double operator()(double displacement, double acceleration) noexcept;
+
+ private:
+  double period_, gain_x_, gain_v_, gain_bias_;
+  double x_ = 0, v_ = 0, bias_ = 0, last_acceleration_ = 0;
+  bool started_ = false;
+};
+
+/// From measured samples to the terms of the machine's force, all of one instant and through one
+/// low-pass. Observer and identification share it, so they share its small errors.
+class TableSignals {
+ public:
+  enum Term { kMass, kCoulomb, kLoad, kViscous, kOffset, kTerms };
+  struct Terms {
+    Eigen::Matrix<double, kTerms, 1> factors;  ///< of m_e, F_s, μ, F_d, d
+    double force = 0;                          ///< measured [N]
+    double velocity = 0;                       ///< [m/s]
+  };
+  /// @param filter_order  0: no low-pass
+  TableSignals(double accelerometer_delay, double presliding, const TableObserverSettings& settings,
+               int filter_order);
+  [[nodiscard]] Terms step(const TableSample& sample) noexcept;
+
+ private:
+  FractionalDelay displacement_, force_, load_;
+  FusedVelocity velocity_;
+  double presliding_, period_, friction_state_ = 0, last_velocity_ = 0;
+  std::vector<LowPass> filters_;  // one per term but the constant one, and the force; or none
+  std::optional<Eigen::Matrix<double, kTerms, 1>> first_;
+};
+
+}  // namespace rths::controller

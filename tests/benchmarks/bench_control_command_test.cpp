@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The benches of control as a script uses them; few machines, so the goals are not judged here.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/process.hpp"
+
+namespace rths {
+namespace {
+
+using nlohmann::json;
+using test::run_rths;
+
+TEST(BenchForce, CorrectsAnEmptyTableBetterThanThePaper) {
+  const auto run = run_rths({"bench", "force", "--json", "--seeds", "1"});
+
+  ASSERT_GE(run.exit_code, 0) << run.err;
+  const json document = json::parse(run.out);
+  EXPECT_EQ(document["format"], 1);
+  EXPECT_NEAR(document["largest_acceleration_m_per_s2"], 1.8 * 9.80665, 0.1);
+  EXPECT_LE(document["ours"]["rms_largest_N"], 5e3);
+  EXPECT_GT(document["paper"]["rms_largest_N"],
+            2 * document["ours"]["rms_largest_N"].get<double>());
+  EXPECT_EQ(document["parameters"].size(), 7U);
+}
+
+TEST(BenchVertical, TracksWhatTheCascadeCannot) {
+  const auto run = run_rths({"bench", "vertical", "--json", "--draws", "1", "--duration", "10"});
+
+  ASSERT_GE(run.exit_code, 0) << run.err;
+  const json rows = json::parse(run.out)["rows"];
+  EXPECT_FALSE(rows["cascade"]["meets_goals"]);
+  EXPECT_GT(rows["cascade"]["nominal"]["rms"], 0.1);
+  EXPECT_LE(rows["ours"]["worst"]["delay_s"], 2e-3);
+  EXPECT_LE(rows["ours"]["worst"]["rms"], 0.02);
+  EXPECT_LT(rows["cascade_slow"]["nominal"]["rms"], rows["cascade"]["nominal"]["rms"]);
+}
+
+TEST(BenchControl, ExitsWithThreeOnWrongArguments) {
+  EXPECT_EQ(run_rths({"bench", "force", "--seeds", "0"}).exit_code, 3);
+  EXPECT_EQ(run_rths({"bench", "vertical", "--duration", "1"}).exit_code, 3);
+}
+
+}  // namespace
+}  // namespace rths

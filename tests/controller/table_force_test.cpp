@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <rths/controller/table_force.hpp>
+#include <rths/core/error.hpp>
+
+#include "support/files.hpp"
+#include "support/period.hpp"
+#include "support/realtime_guard.hpp"
+
+namespace rths::controller {
+namespace {
+
+using test::kPeriod;
+
+constexpr double kDuration = 16;  // [s]
+
+TableForce a_machine() {
+  return {.effective_mass = 113e3,
+          .coulomb_friction = 5.1e3,
+          .load_friction = 0.002,
+          .viscous_friction = 716,
+          .offset = 2e3,
+          .presliding = 1.5e-3,
+          .accelerometer_delay = 3.3e-3};
+}
+
+struct Signals {
+  std::vector<double> displacement, acceleration, force, axial_load;
+  [[nodiscard]] TableRecording view() const {
+    return {displacement, acceleration, force, axial_load};
+  }
+};
+
+/// The machine's equations along a motion of three frequencies, up to 1.2 g. @param noise  in units
+/// of the usual sensors' noise: 50 µm, 5 mg, 5 kN
+Signals measured(const TableForce& m, double load_share, double noise, unsigned seed) {
+  std::mt19937_64 random{seed};
+  std::normal_distribution<double> normal{0, noise};
+  const auto motion = [](double t, int derivative) {
+    constexpr double kFrequency[] = {0.3, 1.1, 2.7};
+    constexpr double kAmplitude[] = {0.10, 0.05, 0.03};
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double w = 2 * std::numbers::pi * kFrequency[i];
+      sum += kAmplitude[i] * std::pow(w, derivative) *
+             std::sin(w * t + i + derivative * std::numbers::pi / 2);
+    }
+    return sum;
+  };
+  Signals run;
+  double z = 0;
+  constexpr int kSubsteps = 10;
+  for (double t = 0; t < kDuration; t += kPeriod) {
+    for (int k = 0; k < kSubsteps; ++k) {  // dz/dx = (1 − z sign v)/δ, exact at constant direction
+      const double v = motion(t - kPeriod + (k + 0.5) * kPeriod / kSubsteps, 1);
+      const double level = v < 0 ? -1 : 1;
+      z = level + (z - level) * std::exp(-std::abs(v) * kPeriod / kSubsteps / m.presliding);
+    }
+    const double load = 10e6 * (1 + load_share * std::sin(2.3 * t));
+    run.displacement.push_back(motion(t, 0) + 5e-5 * normal(random));
+    run.acceleration.push_back(motion(t - m.accelerometer_delay, 2) + 0.049 * normal(random));
+    run.force.push_back(m.effective_mass * motion(t, 2) +
+                        (m.coulomb_friction + m.load_friction * load) * z +
+                        m.viscous_friction * motion(t, 1) + m.offset + 5e3 * normal(random));
+    run.axial_load.push_back(load);
+  }
+  return run;
+}
+
+TableIdentification identified(const Signals& run) {
+  const TableRecording runs[] = {run.view()};
+  return identify_table_force(runs, {});
+}
+
+TEST(TableIdentification, FindsEveryParameterWithoutNoise) {
+  const TableForce truth = a_machine();
+
+  const TableForce found = identified(measured(truth, 0.5, 0, 1)).machine;
+
+  // Interpolation and the sums over a sample leave errors of second order in the period.
+  EXPECT_NEAR(found.effective_mass, truth.effective_mass, 1e-4 * truth.effective_mass);
+  EXPECT_NEAR(found.coulomb_friction, truth.coulomb_friction, 0.02 * truth.coulomb_friction);
+  EXPECT_NEAR(found.load_friction, truth.load_friction, 0.01 * truth.load_friction);
+  EXPECT_NEAR(found.viscous_friction, truth.viscous_friction, 0.05 * truth.viscous_friction);
+  EXPECT_NEAR(found.offset, truth.offset, 20);
+  EXPECT_NEAR(found.presliding, truth.presliding, 0.03 * truth.presliding);
+  EXPECT_NEAR(found.accelerometer_delay, truth.accelerometer_delay, 2e-5);
+}
+
+// The bench counts the coverage over many machines; here a gross error of the widths would show.
+TEST(TableIdentification, HasIntervalsOfTheSizeOfItsErrors) {
+  const TableForce truth = a_machine();
+  int covered = 0;
+  double largest = 0;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const auto found = identified(measured(truth, 0.5, 1, seed));
+    for (const auto value : {&TableForce::effective_mass, &TableForce::coulomb_friction,
+                             &TableForce::load_friction, &TableForce::offset}) {
+      const double ratio =
+          std::abs(found.machine.*value - truth.*value) / (found.half_width.*value);
+      covered += ratio <= 1 ? 1 : 0;
+      largest = std::max(largest, ratio);
+    }
+  }
+
+  EXPECT_GE(covered, 12);   // of 16; fewer than 12 has a probability below 1e-3 at 95 % each
+  EXPECT_GT(largest, 0.2);  // the widths are not far too large
+}
+
+TEST(TableIdentification, CannotTellTheLoadsFrictionFromAConstantLoad) {
+  const auto found = identified(measured(a_machine(), 0, 0, 1));
+
+  EXPECT_FALSE(found.has_load_friction);
+  EXPECT_EQ(found.machine.load_friction, 0);
+  // All friction: 5.1 kN + 0.002 × 10 MN.
+  EXPECT_NEAR(found.machine.coulomb_friction, 25.1e3, 0.02 * 25.1e3);
+}
+
+TEST(TableIdentification, WorksWithoutAMeasuredLoad) {
+  Signals run = measured(a_machine(), 0, 0, 1);
+  run.axial_load.clear();
+
+  EXPECT_NEAR(identified(run).machine.effective_mass, 113e3, 20);
+}
+
+TEST(TableIdentification, RefusesSignalsThatItCannotUse) {
+  const Signals good = measured(a_machine(), 0.5, 0, 1);
+  Signals lengths = good;
+  lengths.force.pop_back();
+  Signals infinite = good;
+  infinite.acceleration[700] = std::numeric_limits<double>::quiet_NaN();
+  Signals rest = good;
+  for (auto* signal : {&rest.displacement, &rest.acceleration}) signal->assign(signal->size(), 0.0);
+  Signals reversed = good;
+  for (double& force : reversed.force) force = -force;
+
+  EXPECT_NE(test::error_of([&] { identified(lengths); }).find("run 1: the measured signals differ"),
+            std::string::npos);
+  EXPECT_NE(test::error_of([&] { identified(infinite); }).find("not a finite number"),
+            std::string::npos);
+  EXPECT_NE(test::error_of([&] { identified(rest); }).find("do not excite"), std::string::npos);
+  EXPECT_NE(test::error_of([&] { identified(reversed); }).find("wrong sign"), std::string::npos);
+  EXPECT_NE(test::error_of([&] {
+              (void)identify_table_force(std::span<const TableRecording>{}, {});
+            }).find("no run"),
+            std::string::npos);
+}
+
+TEST(TableForceObserver, LeavesNothingOfAnEmptyTable) {
+  const TableForce machine = a_machine();
+  const Signals run = measured(machine, 0.5, 0, 1);
+  TableForceObserver observer{machine, {}};
+  double largest = 0;
+
+  for (std::size_t i = 0; i < run.force.size(); ++i) {
+    const double left =
+        observer.step({run.displacement[i], run.acceleration[i], run.force[i], run.axial_load[i]});
+    if (i > 2000) largest = std::max(largest, std::abs(left));
+  }
+
+  // The machine's force reaches 1.4 MN. Friction at a reversal passes from −25 to +25 kN within
+  // few samples; half a sample of time there is the largest error.
+  EXPECT_LT(largest, 2e3);
+}
+
+TEST(TableForceObserver, ReportsTheAgeOfItsResult) {
+  TableForce machine;
+  machine.accelerometer_delay = 4e-3;
+  TableForceObserver observer{machine, {.cutoff = 50}};
+
+  // A ramp of the force leaves the observer late by its lag.
+  double out = 0;
+  for (int i = 0; i < 2000; ++i) out = observer.step({0, 0, 1e6 * i * kPeriod, 0});
+
+  EXPECT_NEAR(observer.lag(), 4e-3 + std::numbers::sqrt2 / (2 * std::numbers::pi * 50), 1e-12);
+  EXPECT_NEAR((1e6 * 1.999 - out) / 1e6, observer.lag(), 1e-4);
+}
+
+TEST(TableForceObserver, HoldsTheLastGoodSample) {
+  TableForceObserver observer{a_machine(), {}};
+  for (int i = 0; i < 100; ++i) (void)observer.step({0, 0, 50e3, 0});
+  const double before = observer.step({0, 0, 50e3, 0});
+
+  const double bad = observer.step({0, std::numeric_limits<double>::infinity(), 50e3, 0});
+
+  EXPECT_NEAR(bad, before, 1);
+  EXPECT_EQ(observer.bad_samples(), 1);
+}
+
+TEST(TableForceObserver, RefusesValuesOutOfRange) {
+  TableForce machine;
+  machine.accelerometer_delay = 0.1;
+  EXPECT_THROW((TableForceObserver{machine, {}}), Error);
+  machine = {.presliding = 0};
+  EXPECT_THROW((TableForceObserver{machine, {}}), Error);
+  EXPECT_THROW((TableForceObserver{{}, {.period = 0}}), Error);
+}
+
+TEST(TableForceObserver, WorksInRealTime) {
+  TableForceObserver observer{a_machine(), {.cutoff = 60}};
+
+  EXPECT_REALTIME((void)observer.step({0.01, 0.2, 3e4, 1e7}));
+}
+
+}  // namespace
+}  // namespace rths::controller
