@@ -57,12 +57,12 @@ launch::Experiment with_numerical_specimen(launch::Experiment experiment) {
 launch::Experiment with_imposed_motion(launch::Experiment experiment) {
   experiment.history = adapters::expected_motion(experiment);
   for (auto& node : experiment.nodes)
-    node.tune.insert(node.tune.begin(), node.uncompensated.begin(), node.uncompensated.end());
+    node.tune.insert(node.tune.end(), node.uncompensated.begin(), node.uncompensated.end());
   return experiment;
 }
 
 void identify_machine(const recording::Reader& run, AxisPrediction& axis) {
-  const auto record = launch::transfer_record_of(run, axis.name, {});
+  const auto record = launch::transfer_record_of(recording::roles_of(run), run, axis.name, {});
   if (!(root_mean_square(record.reference) >= kLeastReference))
     throw Error{fmt::format("machine: the reference of {} does not move", axis.name)};
   axis.machine = budget::identify_transfer(record);

@@ -221,9 +221,7 @@ std::array<double, kCount> half_widths(const diagnosis::Fit& fitted, Eigen::Inde
 
 }  // namespace
 
-double TransferSystem::delay() const {
-  return 1 / gain + 2 * valve_damping / (2 * std::numbers::pi * valve_frequency) + transport_delay;
-}
+double TransferSystem::delay() const { return 1 / gain + transport_delay; }
 
 std::vector<double> predicted(const TransferSystem& system, const TransferRecord& record) {
   const Input input{system, record};

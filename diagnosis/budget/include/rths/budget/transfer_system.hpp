@@ -52,7 +52,8 @@ struct TransferSystem {
   double confidence = 0;
   double residual = 0;  ///< RMS of measured less predicted displacement there [m]
 
-  /// Delay of slow motion: 1/K + 2 ζ/ω + τ [s].
+  /// Delay of slow motion, 1/K + τ [s]. The valve is inside the loop: its lag changes the delay of
+  /// fast motion only.
   [[nodiscard]] double delay() const;
 };
 

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::controller {
+
+/// Refuses a wrong setting: "safety: jump is -1, expected …".
+struct Require {
+  const char* subject;
+
+  /// @throws Error unless it holds   @setup
+  void operator()(bool holds, const char* name, double value, const char* expected) const {
+    if (!holds)
+      throw Error{fmt::format("{}: {} is {:g}, expected {}", subject, name, value, expected)};
+  }
+};
+
+}  // namespace rths::controller
