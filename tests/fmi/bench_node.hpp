@@ -102,7 +102,8 @@ unit = "1"
     const adapters::TestSetup setup;
     const auto settings = fmi::read_fmu("mac", table, setup);
     table.reject_unknown_keys();
-    auto adapter = settings.make(setup, {"mac", from_seconds(period), true, {}, map, {}, {}, {}});
+    auto adapter =
+        settings.make(setup, {"mac", from_seconds(period), true, {}, map, {}, {}, {}, {}});
     adapters::check_ports(lab_ports(*adapter), map, "mac");
     return adapter;
   }

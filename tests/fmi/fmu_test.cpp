@@ -232,7 +232,7 @@ TEST(Fmu, ThatIsASolverEndsTheTestWhenItTerminates) {
     const adapters::TestSetup setup;
     const auto adapter =
         read_fmu("mac", table, setup)
-            .make(setup, {"mac", from_seconds(kStep), true, {}, node.map, {}, {}, {}});
+            .make(setup, {"mac", from_seconds(kStep), true, {}, node.map, {}, {}, {}, {}});
     adapter->activate();
     Bench bench{*adapter};
     Status status = Status::Ok;

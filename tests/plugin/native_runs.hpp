@@ -102,7 +102,7 @@ inline double cost_of_controller(const launch::Experiment& experiment) {
   for (const auto& plan : experiment.nodes)
     if (plan.node == "xpc")
       return microseconds_per_step(*plan.settings.make(
-          experiment, {"xpc", plan.schedule.period, true, {}, map, {}, {}, {}}));
+          experiment, {"xpc", plan.schedule.period, true, {}, map, {}, {}, {}, {}}));
   return 0;
 }
 
