@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Locks are counted in a function that replaces that of the C library. System calls are detected
-// by Syscall User Dispatch: while the selector byte is set, the kernel raises SIGSYS for each system
-// call of this thread. The handler records the first call, clears the byte and repeats it.
+// by Syscall User Dispatch: while the selector byte is set, the kernel raises SIGSYS for each
+// system call of this thread. The handler records the first call, clears the byte and repeats it.
 #include "realtime_guard.hpp"
 
 #include <dlfcn.h>

@@ -7,8 +7,8 @@
 
 namespace rths::adapters {
 
-/// A virtual SRMD behind a safety layer, whose limits the key `safety` changes. Without other keys, it
-/// has two axes. `model` names a machine file, with six degrees of freedom; `family_member` (0:
+/// A virtual SRMD behind a safety layer, whose limits the key `safety` changes. Without other keys,
+/// it has two axes. `model` names a machine file, with six degrees of freedom; `family_member` (0:
 /// nominal) and a table `changes` vary it.
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] NodeSettings read_srmd(const std::string& node, const Config& table,
