@@ -166,10 +166,9 @@ class Steps {
   bool check_path() {
     begin("the path with an imposed motion");
     const auto outcome = run_virtually(with_imposed_motion(experiment_), settings_, imposed());
-    if (!outcome.completed) {
+    // A safety layer may end the path because of a signal; its rows up to there name the signal.
+    if (!outcome.completed)
       result_.reasons.push_back("the path did not reach its end: " + outcome.trouble);
-      return false;
-    }
     result_.signals = check_signals(recording::Reader{imposed()}, experiment_);
     if (!settings_.machine.empty()) {
       auto real = check_signals(recording::Reader{settings_.machine}, experiment_);

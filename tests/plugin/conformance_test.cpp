@@ -101,11 +101,14 @@ TEST(Conformance, PassesACorrectAdapterByEveryRule) {
 // The project's own controller, machine and recorder, through the same door.
 TEST(Conformance, PassesTheNativeControllerMachineAndRecorder) {
   const test::TemporaryFolder folder;
+  // The rules write into every word, the operator's stop of the safety layer among them.
+  const auto experiment = folder.write(
+      "bare.toml", "folder = \"" + (test::source_tree() / "examples").string() + "\"\n" +
+                       test::content_of(test::source_tree() / "examples/srmd_lprb_2d.toml") +
+                       "\n[node.srmd.safety]\nenabled = false\n");
   for (const char* node : {"xpc", "srmd", "recorder"}) {
     ConformanceSettings settings;
-    settings.config = "experiment = \"" +
-                      (test::source_tree() / "examples/srmd_lprb_2d.toml").string() +
-                      "\"\nnode = \"" + node + "\"\n";
+    settings.config = "experiment = \"" + experiment.string() + "\"\nnode = \"" + node + "\"\n";
     if (std::string{node} == "recorder")
       settings.config += "recording = \"" + (folder.path() / "run.h5").string() + "\"\n";
     for (const auto& finding :

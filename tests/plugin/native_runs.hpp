@@ -68,6 +68,8 @@ inline recording::Reader run_virtually(const launch::Experiment& experiment,
 inline void expect_same(const recording::Reader& native, const recording::Reader& other,
                         const std::string& title, double until = 1e9) {
   for (const auto& name : native.names()) {
+    // The host of a plugin ramps to rest; its safety layer does not see the end.
+    if (name == "monitor.srmd.safety.state") continue;
     ASSERT_TRUE(other.has(name)) << title << ": " << name;
     const auto expected = native.signal(name), found = other.signal(name);
     double largest = 0, difference = 0;
