@@ -281,6 +281,21 @@ struct VerticalBenchArguments {
 /// @returns 0 if all goals are met, 2 if one is missed
 [[nodiscard]] int bench_vertical(const VerticalBenchArguments& arguments);
 
+/// Of `rths bench`.
+struct BenchmarkArguments {
+  BenchArguments ring;
+  BearingBenchArguments bearings;
+  SrmdBenchArguments srmd;
+  CardBenchArguments card;
+  OpenseesBenchArguments opensees;
+  BridgeBenchArguments bridge;
+  DiagnosisBenchArguments diagnosis;
+  ForceBenchArguments force;
+  VerticalBenchArguments vertical;
+};
+/// Adds `bench` and its commands.
+void add_bench(CLI::App& app, BenchmarkArguments& arguments, Chosen& chosen);
+
 struct DiagnoseArguments {
   std::string case_or_recording;     ///< folder of a case or of a run, or a recording
   std::string out;                   ///< folder; empty: out/diagnosis/<name of the case>
