@@ -99,7 +99,7 @@ TableSignals::TableSignals(double accelerometer_delay, double presliding,
       presliding_{presliding},
       period_{settings.period} {
   if (filter_order > 0)
-    filters_.assign(kTerms, LowPass{filter_order, settings.cutoff, settings.period});
+    filters_.assign(kTableTerms, LowPass{filter_order, settings.cutoff, settings.period});
 }
 
 TableSignals::Terms TableSignals::step(const TableSample& sample) noexcept {
@@ -119,13 +119,13 @@ TableSignals::Terms TableSignals::step(const TableSample& sample) noexcept {
   if (filters_.empty()) return terms;
   // The constant term passes a low-pass unchanged; its filter takes the force. Filters start at
   // rest, so each gets the difference from its first input.
-  terms.factors[kOffset] = terms.force;
+  terms.factors[kTableOffset] = terms.force;
   if (!first_) first_ = terms.factors;
-  for (int i = 0; i < kTerms; ++i)
+  for (int i = 0; i < kTableTerms; ++i)
     terms.factors[i] =
         (*first_)[i] + filters_[static_cast<std::size_t>(i)](terms.factors[i] - (*first_)[i]);
-  terms.force = terms.factors[kOffset];
-  terms.factors[kOffset] = 1;
+  terms.force = terms.factors[kTableOffset];
+  terms.factors[kTableOffset] = 1;
   return terms;
 }
 
@@ -150,7 +150,7 @@ double TableForceObserver::step(const TableSample& sample) noexcept {
     ++bad_samples_;
   const TableSignals::Terms terms = signals_->step(last_);
   velocity_ = terms.velocity;
-  machine_force_ = terms.factors.dot(Eigen::Matrix<double, TableSignals::kTerms, 1>{
+  machine_force_ = terms.factors.dot(Eigen::Matrix<double, TableSignals::kTableTerms, 1>{
       machine_.effective_mass, machine_.coulomb_friction, machine_.load_friction,
       machine_.viscous_friction, machine_.offset});
   return terms.force - machine_force_;

@@ -24,7 +24,7 @@ constexpr int kCorrelatedRows = 8;        // lag from which residuals count as i
 constexpr double kLeastVariation = 0.02;  // of the axial load, to identify its friction [-]
 constexpr double kShortestPresliding = 2e-5, kLongestPresliding = 2e-2;  // [m]
 constexpr int kIterations = 12;
-constexpr int kParameters = TableSignals::kTerms + 2;  // with δ and τ_a, in this order
+constexpr int kParameters = TableSignals::kTableTerms + 2;  // with δ and τ_a, in this order
 
 struct Shape {
   double presliding = 1e-3, delay = 0;
@@ -97,8 +97,9 @@ class Identification {
         if (i >= settling && i % stride_ == 0) all.push_back(terms);
       }
     }
-    Rows rows{Eigen::MatrixXd(static_cast<Eigen::Index>(all.size()), int{TableSignals::kTerms}),
-              Eigen::VectorXd(static_cast<Eigen::Index>(all.size()))};
+    Rows rows{
+        Eigen::MatrixXd(static_cast<Eigen::Index>(all.size()), int{TableSignals::kTableTerms}),
+        Eigen::VectorXd(static_cast<Eigen::Index>(all.size()))};
     for (std::size_t i = 0; i < all.size(); ++i) {
       rows.factors.row(static_cast<Eigen::Index>(i)) = all[i].factors.transpose();
       rows.force[static_cast<Eigen::Index>(i)] = all[i].force;
@@ -127,18 +128,18 @@ class Identification {
 
   // Mass and friction are not negative: the most negative one is left out until none is.
   void fit_linear(const Rows& rows) {
-    columns_ = {TableSignals::kMass, TableSignals::kCoulomb, TableSignals::kViscous,
-                TableSignals::kOffset};
-    if (has_load_) columns_.push_back(TableSignals::kLoad);
+    columns_ = {TableSignals::kTableMass, TableSignals::kTableCoulomb, TableSignals::kTableViscous,
+                TableSignals::kTableOffset};
+    if (has_load_) columns_.push_back(TableSignals::kTableLoad);
     for (;;) {
       linear_ = least_squares(rows.factors, rows.force, columns_);
       int worst = -1;
-      for (int term = 0; term < TableSignals::kOffset; ++term)
+      for (int term = 0; term < TableSignals::kTableOffset; ++term)
         if (linear_[term] < 0 && (worst < 0 || linear_[term] * rows.factors.col(term).norm() <
                                                    linear_[worst] * rows.factors.col(worst).norm()))
           worst = term;
       if (worst < 0) return;
-      if (worst == TableSignals::kMass)
+      if (worst == TableSignals::kTableMass)
         throw Error{
             "force identification: the mass is negative: the force or the acceleration has "
             "the wrong sign"};
@@ -238,11 +239,11 @@ class Identification {
   }
 
   [[nodiscard]] static TableForce table_force(const Eigen::VectorXd& linear, const Shape& shape) {
-    return {linear[TableSignals::kMass],
-            linear[TableSignals::kCoulomb],
-            linear[TableSignals::kLoad],
-            linear[TableSignals::kViscous],
-            linear[TableSignals::kOffset],
+    return {linear[TableSignals::kTableMass],
+            linear[TableSignals::kTableCoulomb],
+            linear[TableSignals::kTableLoad],
+            linear[TableSignals::kTableViscous],
+            linear[TableSignals::kTableOffset],
             shape.presliding,
             shape.delay};
   }

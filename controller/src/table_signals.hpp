@@ -45,11 +45,11 @@ class FusedVelocity {
 /// low-pass. Observer and identification share it, so they share its small errors.
 class TableSignals {
  public:
-  enum Term { kMass, kCoulomb, kLoad, kViscous, kOffset, kTerms };
+  enum Term { kTableMass, kTableCoulomb, kTableLoad, kTableViscous, kTableOffset, kTableTerms };
   struct Terms {
-    Eigen::Matrix<double, kTerms, 1> factors;  ///< of m_e, F_s, μ, F_d, d
-    double force = 0;                          ///< measured [N]
-    double velocity = 0;                       ///< [m/s]
+    Eigen::Matrix<double, kTableTerms, 1> factors;  ///< of m_e, F_s, μ, F_d, d
+    double force = 0;                               ///< measured [N]
+    double velocity = 0;                            ///< [m/s]
   };
   /// @param filter_order  0: no low-pass
   TableSignals(double accelerometer_delay, double presliding, const TableObserverSettings& settings,
@@ -61,7 +61,7 @@ class TableSignals {
   FusedVelocity velocity_;
   double presliding_, period_, friction_state_ = 0, last_velocity_ = 0;
   std::vector<LowPass> filters_;  // one per term but the constant one, and the force; or none
-  std::optional<Eigen::Matrix<double, kTerms, 1>> first_;
+  std::optional<Eigen::Matrix<double, kTableTerms, 1>> first_;
 };
 
 }  // namespace rths::controller

@@ -214,6 +214,7 @@ void judge_run(Judgement& judgement, const Reader& run, const Config& experiment
   judgement.add(safety_of(run));
   judgement.add(missing_rows(run, bounds));
   judgement.add(late_host(run, host_late, bounds));
+  if (run.rows() < 2) return;
   for (const auto& node : nodes_of(run)) {
     judgement.add(unseen_steps(run, node, bounds));
     judgement.add(restart_of(run, node));

@@ -52,7 +52,9 @@ class RunFolder : public ::testing::Test {
   /// Options with which no run can start: the controller writes a signal that is not in the map.
   [[nodiscard]] std::vector<std::string> unknown_signal() const {
     const auto diagram = place.write("unknown.toml", test::zero_diagram("daq.nothing"));
-    return {"--set", "node.xpc.diagram=\"" + diagram.string() + "\"", "--set", "uncompensated={}"};
+    return {"--set", "node.xpc.diagram=\"" + diagram.string() + "\"",
+            "--set", "node.xpc.constants=\"" + place.write("none.toml", "").string() + "\"",
+            "--set", "uncompensated={}"};
   }
   [[nodiscard]] fs::path at(const std::string& path) const { return place.path() / path; }
   /// Names and contents of all files of a folder.

@@ -118,7 +118,9 @@ double difference(const recording::Reader& a, const recording::Reader& b, const 
   return std::sqrt(error / size);
 }
 
-// A message needs 1 to 100 µs on the ring, and the nodes read what has arrived at their steps.
+// A message needs 1 to 100 µs on the ring, and the nodes read what has arrived at their steps. A
+// target that arrives after the controller's step is used 1 ms later. At frequencies of about 1 Hz,
+// this changes the response by 2π · 1 Hz · 1 ms = 0.6 %.
 TEST(VirtualRun, HasTheSameResponseOnARingOfCards) {
   const test::TemporaryFolder shared, first, second;
   const std::string duration = test::is_long() ? "duration_s=40" : "duration_s=1";
@@ -129,7 +131,7 @@ TEST(VirtualRun, HasTheSameResponseOnARingOfCards) {
   const recording::Reader a{shared.path() / "run.h5"};
   const recording::Reader b{first.path() / "run.h5"};
   for (const char* signal : {"srmd.long.displ.fbk", "srmd.lat.displ.fbk", "srmd.long.force.fbk"})
-    EXPECT_LE(difference(a, b, signal), 1e-3) << signal;
+    EXPECT_LE(difference(a, b, signal), 1e-2) << signal;
   const std::string command = "h5diff --exclude-path=/meta " + (first.path() / "run.h5").string() +
                               " " + (second.path() / "run.h5").string();
   EXPECT_EQ(std::system(command.c_str()), 0);
@@ -171,10 +173,12 @@ TEST(VirtualRun, HasOtherNoiseWithAnotherSeed) {
 
 TEST(VirtualRun, SlowsDownWhereTheSolverOverruns) {
   const test::TemporaryFolder folder;
-  const Json numbers = numbers_of(
-      folder.path(), {"duration_s=10", "solver.overrun_fraction=0.1", "solver.overrun_s=0.008"});
+  const Json numbers =
+      numbers_of(folder.path(), {"duration_s=10", "solver.overrun_fraction=0.1",
+                                 "solver.overrun_s=0.008", "node.srmd.safety.enabled=false"});
 
-  // One step in ten takes 11 ms; targets later than 6 ms slow the command down.
+  // One step in ten takes 11 ms; targets later than 6 ms slow the command down. Where it catches
+  // up, its acceleration is just beyond the machine's.
   EXPECT_GT(numbers["slow_downs"], 60);
   EXPECT_LT(numbers["slow_downs"], 150);
   EXPECT_LE(std::abs(numbers["axes"]["long"]["delay_compensated_ms"].get<double>()), 10);
@@ -243,7 +247,8 @@ TEST(VirtualRun, FailsOnALoadCellOfTheWrongSign) {
   const auto run = test::run_rths(
       {"run", example(), "--clock", "virtual", "--no-diagnosis", "--out", folder.path().string(),
        "--set", "duration_s=6", "--set",
-       "machine.load_cell={kind=\"gain\", channel=\"force\", axes=[\"lat\"], factor=-1}"},
+       "machine.load_cell={kind=\"gain\", channel=\"force\", axes=[\"lat\"], factor=-1}", "--set",
+       "node.srmd.safety.enabled=false"},
       120);
 
   EXPECT_EQ(run.exit_code, 1);
@@ -267,6 +272,8 @@ TEST(VirtualRun, IsRefusedWithoutASolver) {
   text.erase(text.find("[node.opf]"), std::string{"[node.opf]\nadapter = \"numerical\"\n"}.size());
   for (auto at = text.find("\"records/"); at != std::string::npos; at = text.find("\"records/"))
     text.replace(at, 9, '"' + (test::source_tree() / "examples/records/").string());
+  text.replace(text.find("\"srmd_constants.toml"), 1,
+               '"' + (test::source_tree() / "examples/").string());
   const auto file = folder.write("no_solver.toml", text);
 
   const auto run = test::run_rths(
@@ -280,9 +287,11 @@ TEST(VirtualRun, EndsInOrderWhenANodeFails) {
   const test::TemporaryFolder folder;
   // A controller that never raises atTarget, so that the first step cannot begin.
   const auto diagram = folder.write("mute.toml", test::zero_diagram("daq.atTarget"));
-  const test::Finished run = test::run_rths(
-      {"run", example(), "--clock", "virtual", "--out", folder.path().string(), "--set",
-       "node.xpc.diagram=\"" + diagram.string() + "\"", "--set", "uncompensated={}"});
+  const test::Finished run =
+      test::run_rths({"run", example(), "--clock", "virtual", "--out", folder.path().string(),
+                      "--set", "node.xpc.diagram=\"" + diagram.string() + "\"", "--set",
+                      "node.xpc.constants=\"" + folder.write("none.toml", "").string() + "\"",
+                      "--set", "uncompensated={}"});
 
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("opf: atTarget did not rise before the deadline at"), std::string::npos)
