@@ -61,6 +61,21 @@ TEST_P(EveryVersion, ConvertsUnitsByTheFmusDefinitions) {
   EXPECT_DOUBLE_EQ(bench.out("temperature"), 293.15);
 }
 
+// 0.02 m are 2 cm, which the lag takes for 2 mm.
+TEST_P(EveryVersion, TakesTheUnitsOfItsNodeForVariablesWithoutOne) {
+  const auto file = test::lag_fmu(folder, GetParam(), "correct",
+                                  {{"start=\"0\" unit=\"mm\"/>", "start=\"0\"/>"}});
+  const auto adapter = node.make(file, test::lag_table(GetParam()) + "[units]\nu = \"cm\"\n");
+  adapter->activate();
+  Bench bench{*adapter};
+  bench.in("ref.u") = 0.02;
+  bench.in("ref.enabled") = 1;
+
+  ASSERT_EQ(bench.step(0), Status::Ok);
+
+  EXPECT_NEAR(bench.out("fbk.y"), 0.002 * kStep / (kStep + 0.01), 1e-17);
+}
+
 TEST_P(EveryVersion, HoldsWhatItsFlagHolds) {
   const auto adapter = lag();
   adapter->activate();
