@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <rths/algebra/decompositions.hpp>
+#include <rths/controller/robust_covariance.hpp>
 #include <rths/controller/table_force.hpp>
 #include <rths/core/error.hpp>
 
@@ -16,7 +17,6 @@ namespace rths::controller {
 namespace {
 
 constexpr int kRowFilterOrder = 4;
-constexpr double kTwoSided95 = 1.959964;  // two-sided 95 % of a normal distribution
 constexpr double kSettling = 1.0;         // at the start of a run, left out [s]
 constexpr double kShortestRun = 5.0;      // [s]
 constexpr double kRowsPerCutoff = 4;      // rows per period of the cut-off
@@ -211,30 +211,16 @@ class Identification {
     return false;
   }
 
-  // J⁺ Σ r r' J⁺ᵀ with weights that fall over the correlated rows. Rows of two runs meet at one
-  // border each, which is negligible.
+  // Rows of two runs meet at one border each, which is negligible.
   [[nodiscard]] Eigen::VectorXd half_widths(const Linearised& at) const {
     const std::vector<int> columns = free_columns(at);
-    const auto count = static_cast<Eigen::Index>(columns.size());
-    Eigen::MatrixXd J(at.J.rows(), count);
-    Eigen::VectorXd scale(count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      scale[i] = at.J.col(columns[static_cast<std::size_t>(i)]).norm();
-      J.col(i) = at.J.col(columns[static_cast<std::size_t>(i)]) / scale[i];
-    }
-    const Eigen::MatrixXd inverse = algebra::SymmetricFactors{J.transpose() * J}.inverse();
-    const Eigen::MatrixXd scores = at.residual.asDiagonal() * J;
-    Eigen::MatrixXd middle = scores.transpose() * scores;
-    for (int lag = 1; lag < kCorrelatedRows; ++lag) {
-      const Eigen::Index rows = scores.rows() - lag;
-      const Eigen::MatrixXd cross = scores.topRows(rows).transpose() * scores.bottomRows(rows);
-      middle += (1 - static_cast<double>(lag) / kCorrelatedRows) * (cross + cross.transpose());
-    }
-    const Eigen::VectorXd variances = (inverse * middle * inverse).diagonal();
+    const Eigen::MatrixXd covariance =
+        robust_covariance(at.J(Eigen::all, columns), at.residual, kCorrelatedRows - 1);
     Eigen::VectorXd widths = Eigen::VectorXd::Zero(kParameters);
-    for (Eigen::Index i = 0; i < count; ++i)
-      widths[columns[static_cast<std::size_t>(i)]] =
-          kTwoSided95 * std::sqrt(std::max(0.0, variances[i])) / scale[i];
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const auto index = static_cast<Eigen::Index>(i);
+      widths[columns[i]] = kHalfWidth95 * std::sqrt(std::max(0.0, covariance(index, index)));
+    }
     return widths;
   }
 
