@@ -56,8 +56,7 @@ launch::Experiment with_numerical_specimen(launch::Experiment experiment) {
 
 launch::Experiment with_imposed_motion(launch::Experiment experiment) {
   experiment.history = adapters::expected_motion(experiment);
-  for (auto& node : experiment.nodes)
-    node.tune.insert(node.tune.end(), node.uncompensated.begin(), node.uncompensated.end());
+  for (auto& node : experiment.nodes) node.switch_compensation_off();
   return experiment;
 }
 

@@ -157,8 +157,7 @@ bool run_uncompensated(const Experiment& experiment, const std::filesystem::path
   bool switched_off = false;
   for (auto& node : bare.nodes) {
     switched_off = switched_off || !node.uncompensated.empty();
-    // The last value of a parameter counts.
-    node.tune.insert(node.tune.end(), node.uncompensated.begin(), node.uncompensated.end());
+    node.switch_compensation_off();
   }
   if (!switched_off || !replace_user_solver(bare)) return false;
   bare.history = recorded_targets(experiment, history);

@@ -42,6 +42,11 @@ struct NodePlan {
   adapters::Schedule schedule;
   Tuning tune;           ///< initial values of its parameters
   Tuning uncompensated;  ///< parameter values that switch compensation off
+
+  /// The last value of a parameter counts.
+  void switch_compensation_off() {
+    tune.insert(tune.end(), uncompensated.begin(), uncompensated.end());
+  }
 };
 
 /// Content of an experiment file, checked.
