@@ -152,11 +152,12 @@ class Builder {
       result.low = std::max(result.low, specification.low * natural);
       result.high = std::min(result.high, specification.high * natural);
     }
-    const double away = std::abs(specification.starts[0] * natural - parameter.absent);
+    const double start = specification.starts[0] * natural;
+    // A limit is absent at a value far beyond all others, which is no measure of a change.
+    const double away = std::min(std::abs(start - parameter.absent), std::abs(start));
     if (specification.role == CandidateParameter::Role::Size) result.absent = parameter.absent;
-    result.scale = specification.role == CandidateParameter::Role::Shape
-                       ? std::abs(specification.starts[0] * natural) / 2
-                       : away;
+    result.scale =
+        specification.role == CandidateParameter::Role::Shape ? std::abs(start) / 2 : away;
     if (!(result.scale > 0)) result.scale = 0.1 * natural;
     return result;
   }
