@@ -48,6 +48,7 @@ EQUIVALENT = [
      r"Time start\{0\}|Time transmit_at\{0\}|Time transit_since\{0\}|std::uint32_t (address|value) = 0;|"
      r"std::uint32_t (nodes = 1|upstream = 0);|bool closed = true;)", "", "initial values that are replaced before their first use"),
     (r"next_ = 0", "", "the number of the first event, which may be any"),
+    (r"kErrorInterrupts = ", "0x80 -> ", "bit 0, without which the card interrupts no host at all"),
     (r"bit_error_rate_ == 0\) return", "if .* -> ;", "saves time only: no bit is damaged at a rate of 0"),
 ]
 

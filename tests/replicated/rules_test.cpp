@@ -28,6 +28,21 @@ TEST_F(Rules, EndTheMemoryOfAGtCardAtItsSize) {
   EXPECT_EQ(card(0).send_interrupt(1, 3, 0), Access::Queued);
 }
 
+TEST_F(Rules, EndTheMemoryOfAPlusCardAtItsSize) {
+  RingSetup setup = nodes(2);
+  setup.nodes[1].memory_bytes = 4096;
+  use_inserted(setup);
+  csr(1, 8, 0xC00);  // every message interrupts
+  csr(1, 0, 0x806B);
+  store(0, 1024, 6);
+  store(0, 1023, 5);
+  settle();
+  EXPECT_EQ(load(1, 1023), 5U);
+  EXPECT_EQ(load(1, 1024), 0xFFFF'FFFFU);
+  EXPECT_EQ(interrupt(1), 4 * 1023);
+  EXPECT_EQ(interrupt(1), -1);
+}
+
 TEST_F(Rules, HoldOffOnlyStoresThatAreSent) {
   use_inserted(2);
   csr(0, 0, 0x8001 | 0xC00);
