@@ -122,9 +122,11 @@ double difference(const recording::Reader& a, const recording::Reader& b, const 
 TEST(VirtualRun, HasTheSameResponseOnARingOfCards) {
   const test::TemporaryFolder shared, first, second;
   const std::string duration = test::is_long() ? "duration_s=40" : "duration_s=1";
-  static_cast<void>(numbers_of(shared.path(), {duration, "rest_s=0.2"}));
-  for (const auto* folder : {&first, &second})
-    static_cast<void>(numbers_of(folder->path(), {duration, "rest_s=0.2", "fidelity=replicated"}));
+  for (const auto* folder : {&shared, &first, &second}) {
+    const std::string fidelity = folder == &shared ? "shared" : "replicated";
+    static_cast<void>(numbers_of(
+        folder->path(), {duration, "rest_s=0.2", "uncompensated={}", "fidelity=" + fidelity}));
+  }
 
   const recording::Reader a{shared.path() / "run.h5"};
   const recording::Reader b{first.path() / "run.h5"};
