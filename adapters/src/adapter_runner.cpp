@@ -74,6 +74,9 @@ AdapterRunner::AdapterRunner(Adapter& adapter, broker::Ring& ring, const std::st
     : adapter_{adapter}, node_{ring.join(node, map_hash)}, period_{period} {
   bind(runner_ports(), ring, node);
   bind(adapter.ports(), ring, node);
+  // On cards, words go out one by one, and the other nodes wait for the outputs only.
+  std::stable_partition(writes_.begin(), writes_.end(),
+                        [](const Transfer& transfer) { return !transfer.is_monitor; });
   std::vector<broker::LongwordRange> words;
   for (const auto& transfer : reads_)
     words.push_back({transfer.base, static_cast<std::uint32_t>(transfer.image.size())});
@@ -111,6 +114,7 @@ void AdapterRunner::bind(const std::vector<Port>& ports, broker::Ring& ring,
     const double now = value.codec.decode(word);
     const bool is_refused = port.direction == Direction::Parameter && !value.accepts(now);
     values.push_back(is_refused ? value.codec.to_si(entry.signal->initial) : now);
+    transfer.is_monitor = transfer.is_monitor && port.direction == Direction::Monitor;
     transfer.values.push_back(value);
     transfer.image[value.word] = word;
   }

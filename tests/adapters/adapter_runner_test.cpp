@@ -3,11 +3,12 @@
 #include <cmath>
 #include <filesystem>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include <rths/adapters/adapter_runner.hpp>
-#include <rths/adapters/retreat.hpp>
+#include <rths/broker/follow.hpp>
 
 #include "support/files.hpp"
 #include "support/realtime_guard.hpp"
@@ -163,6 +164,17 @@ TEST_F(AdapterRunnerTest, WritesItsOwnMonitors) {
   EXPECT_EQ(value("monitor.echo.host.late"), 0);
   EXPECT_NEAR(value("monitor.echo.host.late_max"), 20e-6, 1e-12);
   EXPECT_EQ(runner.overruns(), 1U);
+}
+
+// On cards, words go out one by one: no node waits for a word behind the monitors.
+TEST_F(AdapterRunnerTest, WritesItsMonitorsLast) {
+  auto writes = ring.follow("echo");
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+
+  std::vector<std::uint32_t> offsets;
+  for (broker::Write write; writes.next(write) == broker::Followed::Write;)
+    offsets.push_back(write.offset.value());
+  EXPECT_EQ(offsets, (std::vector<std::uint32_t>{16, 32}));
 }
 
 // NaN and infinite values are dropped in both directions; the last valid value is held and counted.
@@ -407,29 +419,6 @@ TEST_F(AdapterRunnerTest, MeasuresTheAgeOfTheInputsAfterTheyAreRead) {
 
   EXPECT_EQ(value("monitor.echo.host.late"), 0.003F);
   EXPECT_EQ(echo.oldest, 0.006);
-}
-
-TEST(Retreat, HoldsThenRampsToRestWithoutAJump) {
-  const Retreat retreat{0.2, 1.0};
-
-  EXPECT_EQ(retreat.fraction(0), 1);
-  EXPECT_EQ(retreat.fraction(0.2), 1);
-  EXPECT_NEAR(retreat.fraction(0.7), 0.5, 1e-12);
-  EXPECT_EQ(retreat.fraction(1.2), 0);
-  EXPECT_FALSE(retreat.finished(1.19));
-  EXPECT_TRUE(retreat.finished(1.2));
-  for (double t = 0; t < 1.3; t += 0.001)
-    EXPECT_LE(std::abs(retreat.fraction(t + 0.001) - retreat.fraction(t)), 0.002);
-}
-
-TEST(Retreat, WorksInRealTime) {
-  const Retreat retreat;
-  double fraction = 0;
-  bool finished = false;
-  EXPECT_REALTIME(fraction = retreat.fraction(0.5));
-  EXPECT_REALTIME(finished = retreat.finished(0.5));
-  EXPECT_GT(fraction, 0);
-  EXPECT_FALSE(finished);
 }
 
 }  // namespace

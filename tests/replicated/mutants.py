@@ -48,6 +48,10 @@ EQUIVALENT = [
      r"Time start\{0\}|Time transmit_at\{0\}|Time transit_since\{0\}|std::uint32_t (address|value) = 0;|"
      r"std::uint32_t (nodes = 1|upstream = 0);|bool closed = true;)", "", "initial values that are replaced before their first use"),
     (r"next_ = 0", "", "the number of the first event, which may be any"),
+    (r"^kAllReceiveInterrupts = 0x40, kErrorInterrupts = ", "0x80 -> ", "demands bit 0 of CSR0, without which no host is interrupted"),
+    (r"kHostInterrupts = ", "0x8 -> ", "demands bit 0 of CSR0, without which no host is interrupted"),
+    (r"kMemoryInterrupts = ", "0x20 -> ", "demands bit 0 of CSR0, without which nothing is received"),
+    (r"std::tie\(a.time, a.node, a.sequence\) > ", "> -> >=", "no two events have one number"),
     (r"bit_error_rate_ == 0\) return", "if .* -> ;", "saves time only: no bit is damaged at a rate of 0"),
 ]
 

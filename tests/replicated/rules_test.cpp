@@ -28,6 +28,54 @@ TEST_F(Rules, EndTheMemoryOfAGtCardAtItsSize) {
   EXPECT_EQ(card(0).send_interrupt(1, 3, 0), Access::Queued);
 }
 
+TEST_F(Rules, EndTheMemoryOfAPlusCardAtItsSize) {
+  RingSetup setup = nodes(2);
+  setup.nodes[1].memory_bytes = 4096;
+  use_inserted(setup);
+  csr(1, 8, 0xC00);  // every message interrupts
+  csr(1, 0, 0x806B);
+  store(0, 1024, 6);
+  store(0, 1023, 5);
+  settle();
+  EXPECT_EQ(load(1, 1023), 5U);
+  EXPECT_EQ(load(1, 1024), 0xFFFF'FFFFU);
+  EXPECT_EQ(interrupt(1), 4 * 1023);
+  EXPECT_EQ(interrupt(1), -1);
+}
+
+// Sending and filtering do not need the receiver.
+TEST_F(Rules, OfStoresNeedNoReceiver) {
+  use_inserted(2);
+  csr(1, 0, 0x806B);
+  csr(0, 0, 0x8302);
+  store(0, 5, 1);
+  settle();
+  EXPECT_EQ(interrupt(1), 20);
+  constexpr std::uint32_t kLow = 7, kHigh = 2000;
+  csr(0, 0, 0x8402);
+  EXPECT_EQ(store(0, kHigh, 0), Access::Filtered);
+  EXPECT_EQ(store(0, kLow, 0), Access::Queued);
+  csr(0, 0, 0x8C02);
+  EXPECT_EQ(store(0, kLow, 0), Access::Filtered);
+  csr(0, 0, 0x0010);
+  EXPECT_EQ(store(0, kLow, 3), Access::Local);
+  EXPECT_EQ(load(0, kLow), 3U);
+  csr(0, 0, 0);
+  EXPECT_EQ(load(0, kLow), 0U);
+}
+
+TEST_F(Rules, OfReceptionDoNotChangeStores) {
+  use_inserted(2, kBurst | 0x2000);
+  csr(0, 0, 0x8103);
+  csr(0, 9, 0x2000);  // counts triggers
+  csr(1, 0, 0x806B);
+  acr(0, 5, 1);
+  EXPECT_EQ(store_bytes(0, 20, 1, 1), Access::Queued);
+  settle();
+  EXPECT_EQ(interrupt(1), -1);
+  EXPECT_EQ(csr(0, 13), 0U);
+}
+
 TEST_F(Rules, HoldOffOnlyStoresThatAreSent) {
   use_inserted(2);
   csr(0, 0, 0x8001 | 0xC00);

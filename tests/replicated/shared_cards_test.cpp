@@ -167,13 +167,15 @@ TEST_F(SharedCards, StandStillWithoutPower) {
   off.action.at = std::chrono::milliseconds{50};
   options.faults = {off};
   begin(options);
-  table->at(0)->acr[3].store(1);
+  for (const int longword : {0, 3}) table->at(0)->acr[longword].store(1);
+  table->at(0)->known[0].store(1);  // behind the ACR
   now = std::chrono::milliseconds{60};
   advance();
   const std::uint32_t scans = carried().scans.load();
   advance();
   EXPECT_EQ(carried().scans.load(), scans);
-  EXPECT_EQ(table->at(0)->acr[3].load(), 0U);
+  for (const int longword : {0, 3}) EXPECT_EQ(table->at(0)->acr[longword].load(), 0U);
+  EXPECT_EQ(table->at(0)->known[0].load(), 1U);
 }
 
 // A host that stores through a pointer inserts its card itself; one of our library need not.

@@ -98,8 +98,7 @@ void Engine::update_path(std::uint32_t at) {
   if (!node.powered) {
     node.path = Path::Off;
   } else if (type_ == CardType::Gt) {
-    constexpr std::uint32_t kWrap = 0x8'0000;
-    node.path = is_set(*node.gt, gt::kLinkControl, kWrap) ? Path::Looped : Path::Inserted;
+    node.path = is_set(*node.gt, gt::kLinkControl, gt::kWrap) ? Path::Looped : Path::Inserted;
   } else {
     node.path = path_of_plus(registers(node), node.bypass_switch);
   }

@@ -78,7 +78,6 @@ struct Node {
   std::unique_ptr<scramnet::PlusCard> own_plus;
   scramnet::PlusCard* plus = nullptr;  ///< own, or in `shared`
   scramnet::Card* shared = nullptr;    ///< card in the object of an image
-  std::uint32_t transmit_resets_seen = 0, counter_writes_seen = 0;  ///< of `shared`
   std::unique_ptr<scramnet::GtCard> gt;
   std::uint32_t hipro_longword = kNone;  ///< whose bytes are being collected
   std::uint8_t hipro_bytes = 0;

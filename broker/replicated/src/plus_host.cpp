@@ -159,14 +159,9 @@ void Engine::exchange(std::uint32_t at) {
   Node& node = nodes_[at];
   if (node.shared == nullptr || !node.powered) return;
   Carried& carried = node.shared->carried;
-  if (const auto resets = carried.transmit_resets.load(); resets != node.transmit_resets_seen) {
-    node.transmit_resets_seen = resets;
-    reset_transmitter(node);
-  }
-  if (const auto writes = carried.counter_writes.load(); writes != node.counter_writes_seen) {
-    node.counter_writes_seen = writes;
+  if (carried.transmit_resets.exchange(0) != 0) reset_transmitter(node);
+  if (carried.counter_writes.exchange(0) != 0)
     node.transit_armed = registers(node).measures_transit();
-  }
   update_path(at);
   schedule_transmit(at, now_);
   carried.live_status.store(live_status(at));

@@ -65,15 +65,16 @@ struct GtCard {
   std::array<GtEntry, kGtQueueEntries> queue;
 };
 
-/// Of a card whose stores are carried by messages; broker/replicated writes it at each scan.
+/// Of a card whose stores are carried by messages; broker/replicated writes it at each scan, and
+/// clears what its host counts.
 struct Carried {
   Word active;                  ///< 1: no process compares words, and none shares this memory
   Word plain_host;              ///< 1: its host stores through a pointer; set before it joins
   Word scans;                   ///< so far
   Word live_status;             ///< bits of CSR1 whose cause persists
   Word ring_nodes;              ///< as the last own return showed
-  Word transmit_resets;         ///< of the transmit FIFO so far; counted by its host
-  Word counter_writes;          ///< of CSR13 so far; counted by its host
+  Word transmit_resets;         ///< of the transmit FIFO since the last scan; counted by its host
+  Word counter_writes;          ///< of CSR13 since the last scan; counted by its host
   Word transmit_fifo;           ///< entries
   Word sent, stored, rejected;  ///< messages so far
   Word same_id;                 ///< messages of other nodes with this card's id so far

@@ -63,8 +63,7 @@ constexpr auto kStates = [] {
 void power_up_gt(GtCard& card, std::int64_t now) {
   for (auto& cr : card.cr) cr.store(0);
   for (auto& own : card.own) own.store(0);
-  card.cr[gt::kLinkControl].store(gt::kTransmit | gt::kReceive | gt::kRetransmit | gt::kLaser0 |
-                                  gt::kLaser1);
+  card.cr[gt::kLinkControl].store(gt::kLinkAtPowerUp);
   card.timer_since_ns.store(now);
 }
 

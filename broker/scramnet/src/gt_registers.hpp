@@ -12,9 +12,10 @@ namespace rths::scramnet {
 namespace gt {
 inline constexpr std::uint32_t kBoardInfo = 0, kUser = 2, kLinkControl = 4, kLinkStatus = 5,
                                kBroadcastMask = 6, kUnicastMask = 7, kMisc = 8, kTimer = 16;
-inline constexpr std::uint32_t kLaser0 = 0x1, kLaser1 = 0x2, kNodeIdShift = 8, kTransmit = 0x1'0000,
-                               kReceive = 0x2'0000, kRetransmit = 0x4'0000,
-                               kWriteMeLast = 0x10'0000, kInterruptSelf = 0x20'0000;
+inline constexpr std::uint32_t kNodeIdShift = 8, kTransmit = 1U << 16, kReceive = 1U << 17,
+                               kWrap = 1U << 19, kWriteMeLast = 1U << 20, kInterruptSelf = 1U << 21;
+/// Of kLinkControl: transmits, receives, retransmits, both lasers are on.
+inline constexpr std::uint32_t kLinkAtPowerUp = 0x7'0003;
 inline constexpr std::uint32_t kLinkUp = 0x2'0000, kSignal0 = 0x4'0000, kSignal1 = 0x8'0000;
 inline constexpr std::uint32_t kSwaps = 0x3;
 }  // namespace gt

@@ -95,6 +95,7 @@ class AdapterRunner {
   struct Transfer {
     LongwordOffset base;
     bool is_group = false;
+    bool is_monitor = true;  ///< all its values are monitors
     TearGroupId group;
     std::vector<std::uint32_t> image;
     std::vector<Value> values;
