@@ -111,6 +111,14 @@ Json json_of(const WindowTracking& window) {
   return json;
 }
 
+Json json_of(const report::BandTracking& band) {
+  Json json{{"from_Hz", band.from}, {"to_Hz", band.to}, {"nrms_percent", 1e2 * band.nrms}};
+  json["gain"] = band.response ? Json(band.response->gain) : Json();
+  json["delay_ms"] = band.response ? Json(1e3 * band.response->delay) : Json();
+  json["coherence"] = band.response ? Json(band.response->coherence) : Json();
+  return json;
+}
+
 std::string row_of(const std::string& name, const WindowTracking& window) {
   return fmt::format(
       "  {:<8}{:8.2f} ± {:<6.2f}{:8.4f} ± {:<7.4f}{:8.2f} ± {:<6.2f}{:8.2f} ± "
@@ -188,13 +196,7 @@ std::string json_of(const std::vector<PairTracking>& pairs) {
     json["windows"] = Json::array();
     for (const auto& window : pair.windows) json["windows"].push_back(json_of(window));
     json["bands"] = Json::array();
-    for (const auto& band : pair.bands) {
-      Json one{{"from_Hz", band.from}, {"to_Hz", band.to}, {"nrms_percent", 1e2 * band.nrms}};
-      one["gain"] = band.response ? Json(band.response->gain) : Json();
-      one["delay_ms"] = band.response ? Json(1e3 * band.response->delay) : Json();
-      one["coherence"] = band.response ? Json(band.response->coherence) : Json();
-      json["bands"].push_back(one);
-    }
+    for (const auto& band : pair.bands) json["bands"].push_back(json_of(band));
     document.push_back(json);
   }
   return Json{{"pairs", document}}.dump(2) + "\n";

@@ -62,6 +62,18 @@ std::string list_of(const EmptyTableRuns& runs, double (*value)(const EmptyTable
                     : fmt::format("[{:.6g}]", values[0]);
 }
 
+std::vector<EmptyTableRecord> records_of(const std::vector<std::filesystem::path>& files,
+                                         const std::string& axis) {
+  std::vector<EmptyTableRecord> records;
+  for (const auto& file : files) {
+    const recording::Reader run{file};
+    const auto roles = recording::roles_of(run);
+    for (const auto& names : roles.axes)
+      if (names.axis == axis) records.push_back(record_of(run, names, roles.load));
+  }
+  return records;
+}
+
 }  // namespace
 
 EmptyTableRuns identify_empty_table(const std::vector<std::filesystem::path>& files, double load) {
@@ -69,13 +81,7 @@ EmptyTableRuns identify_empty_table(const std::vector<std::filesystem::path>& fi
   runs.files = files;
   runs.load = load;
   for (const char* axis : {"long", "lat"}) {
-    std::vector<EmptyTableRecord> records;
-    for (const auto& file : files) {
-      const recording::Reader run{file};
-      const auto roles = recording::roles_of(run);
-      for (const auto& names : roles.axes)
-        if (names.axis == axis) records.push_back(record_of(run, names, roles.load));
-    }
+    const auto records = records_of(files, axis);
     if (records.empty()) continue;
     try {
       runs.axes.push_back({axis, controller::identify_empty_table(records)});

@@ -167,23 +167,30 @@ class Checks {
                       axis.roles.axis, rms, kLeastTarget)};
   }
 
-  // Force of the assumed specimen under the measured displacements.
-  void compute_forces(const launch::Experiment& experiment) {
-    std::array<const Samples*, 2> motion{};
+  // Displacements long and lat; zero along an axis without a signal.
+  [[nodiscard]] std::array<Samples, 2> measured_motion() const {
+    std::array<Samples, 2> motion;
     std::size_t count = 0;
     for (const auto& axis : axes_)
       if (axis.has("displacement")) {
-        motion[axis.roles.axis == "long" ? 0 : 1] = &axis.by_role.at("displacement");
-        count = axis.by_role.at("displacement").size();
+        const Samples& measured = axis.by_role.at("displacement");
+        motion[axis.roles.axis == "long" ? 0 : 1] = measured;
+        count = measured.size();
       }
+    for (auto& axis : motion)
+      if (axis.empty()) axis.assign(count, 0.0);
+    return motion;
+  }
+
+  // Force of the assumed specimen under the measured displacements.
+  void compute_forces(const launch::Experiment& experiment) {
+    const auto motion = measured_motion();
+    const std::size_t count = motion[0].size();
     sim::BearingRun bearing{experiment.model, kSample};
     std::array<Samples, 2> force;
     Eigen::Vector2d before = Eigen::Vector2d::Zero();
     for (std::size_t k = 0; k < count; ++k) {
-      Eigen::Vector2d x = Eigen::Vector2d::Zero();
-      for (int i = 0; i < 2; ++i)
-        if (const Samples* own = motion[static_cast<std::size_t>(i)]; own != nullptr)
-          x[i] = (*own)[k];
+      const Eigen::Vector2d x{motion[0][k], motion[1][k]};
       const Eigen::Vector2d f =
           bearing.advance(x, (x - before) / kSample, experiment.model.axial_load);
       before = x;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kWindows = 3;  // of the past that the jerk needs
 
-constexpr Require require_safety{"safety"};
+constexpr Require kRequireSafety{"safety"};
 
 void check(const SafetyLimits& limits, const SafetySettings& settings) {
   const double values[] = {limits.displacement,  limits.velocity,      limits.acceleration,
@@ -25,30 +25,30 @@ void check(const SafetyLimits& limits, const SafetySettings& settings) {
                            limits.tracking,      limits.feedback_jump, limits.force_jump,
                            limits.returned_work, limits.negative_work};
   for (const double value : values)
-    require_safety(value > 0, "a limit", value, "a positive number");
-  require_safety(limits.braking > 0 && std::isfinite(limits.braking), "braking", limits.braking,
+    kRequireSafety(value > 0, "a limit", value, "a positive number");
+  kRequireSafety(limits.braking > 0 && std::isfinite(limits.braking), "braking", limits.braking,
                  "a positive number");
-  require_safety(limits.braking <= limits.acceleration, "braking", limits.braking,
+  kRequireSafety(limits.braking <= limits.acceleration, "braking", limits.braking,
                  "at most the limit of acceleration");
   const bool has_windows = std::isfinite(limits.acceleration) || std::isfinite(limits.jerk);
-  require_safety(std::isfinite(limits.velocity) || !has_windows, "velocity", limits.velocity,
+  kRequireSafety(std::isfinite(limits.velocity) || !has_windows, "velocity", limits.velocity,
                  "a limit beside those of acceleration and jerk");
-  require_safety(
+  kRequireSafety(
       limits.velocity * settings.period <= limits.jump || !std::isfinite(limits.velocity), "jump",
       limits.jump, "at least the velocity over one period");
 }
 
 SafetySettings checked(const SafetySettings& settings) {
-  require_safety(settings.period > 0, "period", settings.period, "a positive number");
-  require_safety(settings.window >= settings.period && settings.window <= 1, "window",
+  kRequireSafety(settings.period > 0, "period", settings.period, "a positive number");
+  kRequireSafety(settings.window >= settings.period && settings.window <= 1, "window",
                  settings.window, "a period to 1 s");
-  require_safety(settings.response_delay >= 0 &&
+  kRequireSafety(settings.response_delay >= 0 &&
                      settings.response_delay < kWindows * settings.window - settings.period,
                  "response_delay", settings.response_delay, "less than three windows");
-  require_safety(settings.start_distance > 0, "start_distance", settings.start_distance,
+  kRequireSafety(settings.start_distance > 0, "start_distance", settings.start_distance,
                  "a positive number");
-  require_safety(settings.stuck >= settings.period, "stuck", settings.stuck, "at least a period");
-  require_safety(settings.hold >= 0 && settings.ramp > 0, "ramp", settings.ramp,
+  kRequireSafety(settings.stuck >= settings.period, "stuck", settings.stuck, "at least a period");
+  kRequireSafety(settings.hold >= 0 && settings.ramp > 0, "ramp", settings.ramp,
                  "a positive number");
   if (settings.axes.empty()) throw Error{"safety: no axis, expected at least one"};
   for (const auto& limits : settings.axes) check(limits, settings);

@@ -18,7 +18,7 @@ constexpr std::size_t index_of(SafetyState state, SafetyEvent event) {
 }
 
 constexpr auto next_states() {
-  std::array<SafetyState, kSafetyStates * kSafetyEvents> next{};
+  std::array<SafetyState, std::size_t{kSafetyStates} * kSafetyEvents> next{};
   for (std::size_t i = 0; i < next.size(); ++i)
     next[i] = static_cast<SafetyState>(i / kSafetyEvents);
   for (const auto& row : kTransitions) next[index_of(row.from, row.event)] = row.to;

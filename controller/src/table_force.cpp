@@ -16,13 +16,13 @@ namespace {
 
 constexpr int kObserverFilterOrder = 2;
 
-constexpr Require require_table{"table force"};
+constexpr Require kRequireTable{"table force"};
 
 const TableForce& checked(const TableForce& machine) {
-  require_table(machine.presliding > 0, "presliding length", machine.presliding,
+  kRequireTable(machine.presliding > 0, "presliding length", machine.presliding,
                 "a positive length");
-  require_table(machine.effective_mass >= 0, "effective mass", machine.effective_mass, "0 or more");
-  require_table(std::isfinite(machine.coulomb_friction + machine.load_friction +
+  kRequireTable(machine.effective_mass >= 0, "effective mass", machine.effective_mass, "0 or more");
+  kRequireTable(std::isfinite(machine.coulomb_friction + machine.load_friction +
                               machine.viscous_friction + machine.offset + machine.effective_mass),
                 "sum of the coefficients", std::nan(""), "finite numbers");
   return machine;
@@ -36,9 +36,9 @@ bool is_finite(const TableSample& s) {
 }  // namespace
 
 FractionalDelay::FractionalDelay(double delay, double period) {
-  require_table(delay >= 0 && delay <= kLongestAccelerometerDelay, "accelerometer delay", delay,
+  kRequireTable(delay >= 0 && delay <= kLongestAccelerometerDelay, "accelerometer delay", delay,
                 "0 to 0.02 s");
-  require_table(period > 0, "period", period, "a positive number");
+  kRequireTable(period > 0, "period", period, "a positive number");
   const double samples = delay / period;
   // The four samples around the instant; at the newest end, the four newest.
   whole_ = static_cast<std::size_t>(std::max(0.0, std::floor(samples) - 1));
@@ -64,7 +64,7 @@ double FractionalDelay::operator()(double input) noexcept {
 
 // Observer of displacement, velocity and accelerometer bias with a triple pole at −ω.
 FusedVelocity::FusedVelocity(double bandwidth, double period) : period_{period} {
-  require_table(bandwidth > 0 && bandwidth * period < 0.05, "velocity bandwidth", bandwidth,
+  kRequireTable(bandwidth > 0 && bandwidth * period < 0.05, "velocity bandwidth", bandwidth,
                 "between 0 and a twentieth of the sampling rate");
   const double omega = 2 * std::numbers::pi * bandwidth;
   gain_x_ = 3 * omega * period;

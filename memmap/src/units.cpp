@@ -2,6 +2,7 @@
 #include <rths/memmap/units.hpp>
 
 #include <cmath>
+#include <map>
 #include <memory>
 #include <mutex>
 
@@ -45,14 +46,7 @@ ut_system* unit_system() {
 
 UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), text, UT_UTF8)}; }
 
-}  // namespace
-
-Unit parse_unit(const std::string& text) {
-  if (text == "g")
-    throw Error{"unit 'g' is ambiguous, expected 'gravity' (acceleration) or 'gram' (mass)"};
-  // The parser of UDUNITS has one state for all threads.
-  static std::mutex parser;
-  const std::lock_guard lock{parser};
+Unit convert_to_si(const std::string& text) {
   const UnitHandle unit = parse(text.c_str());
   if (!unit) throw Error{fmt::format("unit '{}' does not parse", text)};
   for (const char* si : kSiUnits) {
@@ -65,6 +59,21 @@ Unit parse_unit(const std::string& text) {
     return {si, cv_convert_double(to_si.get(), 1.0) - offset, offset};
   }
   throw Error{fmt::format("the quantity of unit '{}' is not supported", text)};
+}
+
+}  // namespace
+
+Unit parse_unit(const std::string& text) {
+  if (text == "g")
+    throw Error{"unit 'g' is ambiguous, expected 'gravity' (acceleration) or 'gram' (mass)"};
+  // The parser of UDUNITS has one state for all threads.
+  static std::mutex parser;
+  const std::lock_guard lock{parser};
+  // A map has many signals of few units, and a run reads its map several times.
+  static std::map<std::string, Unit> known;
+  const auto found = known.find(text);
+  if (found != known.end()) return found->second;
+  return known.emplace(text, convert_to_si(text)).first->second;
 }
 
 }  // namespace rths::memmap

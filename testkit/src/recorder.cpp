@@ -18,10 +18,10 @@ constexpr Duration kLastWrites = std::chrono::milliseconds{500};  // may take so
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kMostEntries = 16'000'000;  // 256 MB
 
-bool has_plain_node(const broker::Watch& watch, const memmap::Map& map) {
+Duration look_period(const broker::Watch& watch, const memmap::Map& map) {
   for (const auto& node : map.description().nodes)
-    if (watch.is_plain(node.name)) return true;
-  return false;
+    if (watch.is_plain(node.name)) return kStoreLook;
+  return kRecorderLook;
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ void Recorder::record() {
     if (ends) latest = std::min(latest, now + kLastWrites);
     if (now >= next_look) {
       static_cast<void>(watch.look());
-      next_look = now + (has_plain_node(watch, ring_->map()) ? kStoreLook : kRecorderLook);
+      next_look = now + look_period(watch, ring_->map());
     }
     broker::Write write;
     const Status status = waiter_.wait(ends ? TimePoint{0} : next_look, write);

@@ -74,9 +74,8 @@ double smallest_coherence(const std::vector<double>& command, const std::vector<
 ForceTracking track(const VerticalMachine& machine, const VerticalCommand& command, double rate,
                     const Controller& controller) {
   VerticalRun run{machine, kPreload, 17};
-  const auto ticks = static_cast<long>(std::lround(command.duration() * rate / kTick));
-  const auto every =
-      static_cast<long>(std::lround(rate));  // samples at 1 kHz of the command's time
+  const long ticks = std::lround(command.duration() * rate / kTick);
+  const long every = std::lround(rate);  // samples at 1 kHz of the command's time
   std::vector<double> wanted, found;
   for (long i = 0; i < ticks; ++i) {
     const double time = static_cast<double>(i) * kTick / rate;

@@ -35,7 +35,7 @@ VerticalCommand::VerticalCommand(double duration) : duration_{duration} {
   // ẍ + 2ζω ẋ + ω² k(x) x = −a, by semi-implicit steps; the reaction is the spring's and dashpot's.
   const double omega = 2 * std::numbers::pi * kMode;
   double x = 0, v = 0, peak = 0;
-  const auto steps = static_cast<long>(std::lround(duration / kStep)) + 20;
+  const long steps = std::lround(duration / kStep) + 20;
   for (long i = 0; i < steps; ++i) {
     const double time = static_cast<double>(i) * kStep;
     double ground = 0;

@@ -15,12 +15,14 @@ namespace rths::testkit {
 /// and its node; its environment has them as RTHS_RING and RTHS_NODE, and for programs of the cards
 /// as RTHS_SCRAMNET_… and RTHS_SCGT_….
 struct Program {
-  std::string node;                   ///< that it plays; empty: none
-  std::vector<std::string> command;   ///< program, searched in PATH, and its arguments
-  bool is_linked = false;             ///< its messages can be dropped, delayed and damaged
+  std::string node;                  ///< that it plays; empty: none
+  std::vector<std::string> command;  ///< program, searched in PATH, and its arguments
+  bool is_linked = false;            ///< its messages can be dropped, delayed and damaged
+  // NOLINTBEGIN(readability-redundant-member-init): initializers may leave these out
   std::string name = {};              ///< in messages, and of its log; empty: that of the node
   std::filesystem::path folder = {};  ///< in which it runs; empty: the current one
-  double ready_s = 10;                ///< until its node is on the ring [s]
+  // NOLINTEND(readability-redundant-member-init)
+  double ready_s = 10;  ///< until its node is on the ring [s]
 };
 
 /// A ring that no other test sees, and programs on it. The ring is removed and the programs are

@@ -52,8 +52,9 @@ struct TestFile {
 
 /// Result of a test.
 struct TestResult {
-  std::string failure;                  ///< one line; empty: passed
-  std::vector<std::string> programs{};  ///< names, whose logs are in the folder
+  std::string failure;  ///< one line; empty: passed
+  /// Names, whose logs are in the folder.
+  std::vector<std::string> programs{};  // NOLINT(readability-redundant-member-init)
 };
 
 /// Runs a test. Of a failed one, the folder also gets the recording of all writes, run.h5.
