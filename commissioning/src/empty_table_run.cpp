@@ -2,6 +2,7 @@
 #include <rths/commissioning/empty_table_run.hpp>
 
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,44 +14,68 @@
 namespace rths::commissioning {
 namespace {
 
-using controller::EmptyTableFit;
-using controller::EmptyTableRecord;
-using controller::Estimate;
+constexpr double kSameInterval = 1e-3;  // of recordings that are fitted together [-]
+
+using controller::TableForce;
+using controller::TableIdentification;
 using Json = nlohmann::ordered_json;
 
-EmptyTableRecord record_of(const recording::Reader& run, const recording::AxisRoles& axis,
-                           const std::string& load) {
+/// The signals of one axis in one recording.
+struct Run {
+  Recorded signals;
+  bool has_load = false;
+  [[nodiscard]] controller::TableRecording view() const {
+    const auto& values = signals.values;
+    return {values[0], values[1], values[2],
+            has_load ? std::span<const double>{values[3]} : std::span<const double>{}};
+  }
+};
+
+Run read_run(const recording::Reader& run, const recording::AxisRoles& axis,
+             const std::string& load) {
   std::vector<std::string> names{axis.machine_displacement, axis.machine_acceleration,
                                  axis.machine_force};
-  if (run.has(load)) names.push_back(load);
-  Recorded data = recorded(run, names);
-  EmptyTableRecord record;
-  record.period = data.interval;
-  record.displacement = std::move(data.values[0]);
-  record.acceleration = std::move(data.values[1]);
-  record.force = std::move(data.values[2]);
-  if (data.values.size() > 3) record.load = std::move(data.values[3]);
-  return record;
+  const bool has_load = run.has(load);
+  if (has_load) names.push_back(load);
+  return {recorded(run, names), has_load};
+}
+
+TableIdentification identify(const std::vector<Run>& runs) {
+  controller::TableIdentificationSettings settings;
+  settings.period = runs.front().signals.interval;
+  std::vector<controller::TableRecording> views;
+  for (const auto& run : runs) {
+    if (std::abs(run.signals.interval / settings.period - 1) > kSameInterval)
+      throw Error{fmt::format("recorded every {} s and every {} s, expected one interval",
+                              settings.period, run.signals.interval)};
+    views.push_back(run.view());
+  }
+  return controller::identify_table_force(views, settings);
+}
+
+double friction_under(const TableIdentification& fit, double load) {
+  return fit.machine.coulomb_friction + fit.machine.load_friction * load;
 }
 
 /// A row of the table, and a member of the JSON document.
 struct Quantity {
   const char *name, *key, *unit;
-  const Estimate EmptyTableFit::*estimate;
+  double TableForce::*value;
   double scale;
 };
 constexpr Quantity kQuantities[] = {
-    {"effective mass", "effective_mass_kg", "kg", &EmptyTableFit::effective_mass, 1},
-    {"Coulomb friction", "coulomb_friction_N", "N", &EmptyTableFit::coulomb_friction, 1},
-    {"  per vertical load", "load_coefficient", "", &EmptyTableFit::load_coefficient, 1},
-    {"viscous friction", "viscous_friction_N_s_per_m", "N·s/m", &EmptyTableFit::viscous_friction,
-     1},
-    {"offset", "force_offset_N", "N", &EmptyTableFit::offset, 1},
-    {"accelerometer's delay", "acceleration_delay_ms", "ms", &EmptyTableFit::acceleration_delay,
+    {"effective mass", "effective_mass_kg", "kg", &TableForce::effective_mass, 1},
+    {"Coulomb friction", "coulomb_friction_N", "N", &TableForce::coulomb_friction, 1},
+    {"  per vertical load", "load_coefficient", "", &TableForce::load_friction, 1},
+    {"viscous friction", "viscous_friction_N_s_per_m", "N·s/m", &TableForce::viscous_friction, 1},
+    {"offset", "force_offset_N", "N", &TableForce::offset, 1},
+    {"presliding length", "presliding_mm", "mm", &TableForce::presliding, 1e3},
+    {"accelerometer's delay", "acceleration_delay_ms", "ms", &TableForce::accelerometer_delay,
      1e3}};
 
 // Values by axis in the order long, lat; an axis before the last identified one may be missing.
-std::string list_of(const EmptyTableRuns& runs, double (*value)(const EmptyTableFit&, double)) {
+std::string list_of(const EmptyTableRuns& runs,
+                    double (*value)(const TableIdentification&, double)) {
   double values[2] = {0, 0};
   int count = 0;
   for (const auto& axis : runs.axes) {
@@ -62,16 +87,16 @@ std::string list_of(const EmptyTableRuns& runs, double (*value)(const EmptyTable
                     : fmt::format("[{:.6g}]", values[0]);
 }
 
-std::vector<EmptyTableRecord> records_of(const std::vector<std::filesystem::path>& files,
-                                         const std::string& axis) {
-  std::vector<EmptyTableRecord> records;
+std::vector<Run> recordings_of(const std::vector<std::filesystem::path>& files,
+                               const std::string& axis) {
+  std::vector<Run> recordings;
   for (const auto& file : files) {
     const recording::Reader run{file};
     const auto roles = recording::roles_of(run);
     for (const auto& names : roles.axes)
-      if (names.axis == axis) records.push_back(record_of(run, names, roles.load));
+      if (names.axis == axis) recordings.push_back(read_run(run, names, roles.load));
   }
-  return records;
+  return recordings;
 }
 
 }  // namespace
@@ -81,10 +106,10 @@ EmptyTableRuns identify_empty_table(const std::vector<std::filesystem::path>& fi
   runs.files = files;
   runs.load = load;
   for (const char* axis : {"long", "lat"}) {
-    const auto records = records_of(files, axis);
-    if (records.empty()) continue;
+    const auto recordings = recordings_of(files, axis);
+    if (recordings.empty()) continue;
     try {
-      runs.axes.push_back({axis, controller::identify_empty_table(records)});
+      runs.axes.push_back({axis, identify(recordings)});
       if (std::isnan(runs.load)) runs.load = std::round(runs.axes.back().fit.mean_load);
     } catch (const Error& error) {
       throw Error{fmt::format("{}: {}", axis, error.what())};
@@ -97,21 +122,20 @@ EmptyTableRuns identify_empty_table(const std::vector<std::filesystem::path>& fi
 std::string text_of(const EmptyTableRuns& runs) {
   std::string text;
   for (const auto& [name, fit] : runs.axes) {
-    text += fmt::format("{}: {:.2f} m/s, {:.1f} m/s² at most; 95 % intervals\n", name,
-                        fit.largest_speed, fit.largest_acceleration);
+    text += fmt::format("{}: {:.2f} m/s at most; 95 % intervals\n", name, fit.largest_speed);
     for (const auto& quantity : kQuantities) {
-      if (quantity.estimate == &EmptyTableFit::load_coefficient && !fit.load_varies) continue;
-      const Estimate& e = fit.*quantity.estimate;
+      if (quantity.value == &TableForce::load_friction && !fit.has_load_friction) continue;
       text += fmt::format("  {:<24}{:>12.5g} ± {:<10.3g}{}\n", quantity.name,
-                          quantity.scale * e.value, quantity.scale * e.half_width, quantity.unit);
+                          quantity.scale * fit.machine.*quantity.value,
+                          quantity.scale * fit.half_width.*quantity.value, quantity.unit);
     }
     text += fmt::format(
-        "  residual                {:.2f} kN RMS, {:.1f} kN peak, of every sample; {:.2f} kN and "
-        "{:.1f} kN smoothed\n"
-        "  correlation of it       {:.2f} between neighbours, {:.0f} % of 20 lags beyond the bound "
-        "of white noise (5 % if white)\n",
-        fit.raw_rms / 1e3, fit.raw_peak / 1e3, fit.residual_rms / 1e3, fit.residual_peak / 1e3,
-        fit.neighbour_correlation, 1e2 * fit.correlated_share);
+        "  residual                {:.2f} kN RMS, {:.1f} kN peak, of samples in motion; {:.2f} kN "
+        "and {:.1f} kN below 25 Hz\n"
+        "  correlation of it       {:.2f} between means of 40 ms, {:.0f} % of 20 lags beyond the "
+        "bound of white noise (5 % if white)\n",
+        fit.sample_rms / 1e3, fit.sample_peak / 1e3, fit.residual_rms / 1e3,
+        fit.residual_peak / 1e3, fit.neighbour_correlation, 1e2 * fit.correlated_share);
   }
   return text;
 }
@@ -120,20 +144,17 @@ std::string json_of(const EmptyTableRuns& runs) {
   Json document{{"load_N", runs.load}, {"axes", Json::object()}};
   for (const auto& [name, fit] : runs.axes) {
     Json axis;
-    for (const auto& quantity : kQuantities) {
-      const Estimate& e = fit.*quantity.estimate;
-      axis[quantity.key] = {{"value", quantity.scale * e.value},
-                            {"half_width_95", quantity.scale * e.half_width}};
-    }
-    axis["load_varies"] = fit.load_varies;
-    axis["residual_rms_N"] = fit.raw_rms;
-    axis["residual_peak_N"] = fit.raw_peak;
+    for (const auto& quantity : kQuantities)
+      axis[quantity.key] = {{"value", quantity.scale * fit.machine.*quantity.value},
+                            {"half_width_95", quantity.scale * fit.half_width.*quantity.value}};
+    axis["load_varies"] = fit.has_load_friction;
+    axis["residual_rms_N"] = fit.sample_rms;
+    axis["residual_peak_N"] = fit.sample_peak;
     axis["smoothed_residual_rms_N"] = fit.residual_rms;
     axis["smoothed_residual_peak_N"] = fit.residual_peak;
     axis["neighbour_correlation"] = fit.neighbour_correlation;
     axis["correlated_share"] = fit.correlated_share;
     axis["largest_speed_m_per_s"] = fit.largest_speed;
-    axis["largest_acceleration_m_per_s2"] = fit.largest_acceleration;
     document["axes"][name] = axis;
   }
   return document.dump(2) + "\n";
@@ -146,21 +167,20 @@ std::string toml_of(const EmptyTableRuns& runs, const std::string& block) {
   text += fmt::format("\n# Coulomb friction holds for a vertical load of {:.6g} N.\n", runs.load);
   for (const auto& [name, fit] : runs.axes)
     text += fmt::format("# {}: residual {:.2f} kN RMS; accelerometer {:.2f} ± {:.2f} ms late{}\n",
-                        name, fit.raw_rms / 1e3, 1e3 * fit.acceleration_delay.value,
-                        1e3 * fit.acceleration_delay.half_width,
-                        fit.load_varies ? fmt::format("; friction {:.4g} N per N of load",
-                                                      fit.load_coefficient.value)
-                                        : "");
+                        name, fit.sample_rms / 1e3, 1e3 * fit.machine.accelerometer_delay,
+                        1e3 * fit.half_width.accelerometer_delay,
+                        fit.has_load_friction ? fmt::format("; friction {:.4g} N per N of load",
+                                                            fit.machine.load_friction)
+                                              : "");
   text += fmt::format("[{}]\n", block);
   text += "effective_mass_kg = " +
-          list_of(runs, [](const auto& f, double) { return f.effective_mass.value; }) + "\n";
+          list_of(runs, [](const auto& f, double) { return f.machine.effective_mass; }) + "\n";
   text += "coulomb_friction_N = " +
-          list_of(runs, [](const auto& f, double n) { return f.machine(n).coulomb_friction; }) +
-          "\n";
+          list_of(runs, [](const auto& f, double n) { return friction_under(f, n); }) + "\n";
   text += "viscous_friction_N_s_per_m = " +
-          list_of(runs, [](const auto& f, double) { return f.viscous_friction.value; }) + "\n";
+          list_of(runs, [](const auto& f, double) { return f.machine.viscous_friction; }) + "\n";
   text +=
-      "force_offset_N = " + list_of(runs, [](const auto& f, double) { return f.offset.value; }) +
+      "force_offset_N = " + list_of(runs, [](const auto& f, double) { return f.machine.offset; }) +
       "\n";
   return text;
 }

@@ -17,12 +17,17 @@ namespace rths::controller {
 namespace {
 
 constexpr int kRowFilterOrder = 4;
-constexpr double kSettling = 1.0;         // at the start of a run, left out [s]
-constexpr double kShortestRun = 5.0;      // [s]
-constexpr double kRowsPerCutoff = 4;      // rows per period of the cut-off
-constexpr int kCorrelatedRows = 8;        // lag from which residuals count as independent
+constexpr double kSettling = 1.0;     // at the start of a run, left out [s]
+constexpr double kShortestRun = 5.0;  // [s]
+constexpr double kRowsPerCutoff = 4;  // rows per period of the cut-off
+constexpr int kCorrelatedRows = 32;   // of the low-pass: Bartlett's weights then lose 5 %
+constexpr double kBlock = 0.04;       // of the means whose correlation is stated [s]
+constexpr Eigen::Index kTestedLags = 20;
+constexpr double kMotionWindow = 0.25;    // before and after a row that counts [s]
+constexpr double kRestShare = 0.02;       // of the largest motion in a window; less is rest
+constexpr double kLeastLoadRange = 1e3;   // [N]: friction of less is below any noise
 constexpr double kLeastVariation = 0.02;  // of the axial load, to identify its friction [-]
-constexpr double kShortestPresliding = 2e-5, kLongestPresliding = 2e-2;  // [m]
+constexpr double kShortestPresliding = 2e-6, kLongestPresliding = 2e-2;  // [m]
 constexpr int kIterations = 12;
 constexpr int kParameters = TableSignals::kTableTerms + 2;  // with δ and τ_a, in this order
 
@@ -51,13 +56,44 @@ void check(const TableRecording& run, std::size_t number, double period) {
       if (!std::isfinite(value)) fail("a measured value is not a finite number");
 }
 
+// Standard deviation of each window of n samples, by its first sample.
+std::vector<double> window_deviations(std::span<const double> x, std::size_t n) {
+  std::vector<double> deviations;
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double value = x[i] - x[0];
+    sum += value;
+    squares += value * value;
+    if (i + 1 < n) continue;
+    const double mean = sum / static_cast<double>(n);
+    deviations.push_back(std::sqrt(std::max(0.0, squares / static_cast<double>(n) - mean * mean)));
+    const double first = x[i + 1 - n] - x[0];
+    sum -= first;
+    squares -= first * first;
+  }
+  return deviations;
+}
+
+// Whether the table moves before and after a sample. At rest friction can have any value between
+// its limits, and the velocity is only noise.
+std::vector<bool> moving(std::span<const double> displacement, double period) {
+  const auto window = static_cast<std::size_t>(kMotionWindow / period);
+  const auto deviations = window_deviations(displacement, window);
+  const double rest = kRestShare * *std::max_element(deviations.begin(), deviations.end());
+  std::vector<bool> moves(displacement.size(), false);
+  for (std::size_t i = window; i < deviations.size(); ++i)
+    moves[i] = std::min(deviations[i - window], deviations[i]) > rest;
+  return moves;
+}
+
 class Identification {
  public:
   Identification(std::span<const TableRecording> runs, const TableIdentificationSettings& settings)
       : runs_{runs},
         observer_{settings.period, settings.velocity_bandwidth, settings.cutoff},
         stride_{static_cast<std::size_t>(
-            std::max(1L, std::lround(1 / (kRowsPerCutoff * settings.cutoff * settings.period))))} {
+            std::max(1L, std::lround(1 / (kRowsPerCutoff * settings.cutoff * settings.period))))},
+        settling_{static_cast<std::size_t>(kSettling / settings.period)} {
     if (runs.empty()) throw Error{"force identification: there is no run"};
     for (std::size_t i = 0; i < runs.size(); ++i) check(runs[i], i, settings.period);
     has_load_ = load_varies();
@@ -73,28 +109,35 @@ class Identification {
   }
 
  private:
+  // Of the samples in motion: a machine may load its guides before the run.
   [[nodiscard]] bool load_varies() const {
     double lowest = 1e300, highest = -1e300;
     for (const auto& run : runs_) {
       if (run.axial_load.empty()) return false;
-      for (const double load : run.axial_load) {
-        lowest = std::min(lowest, load);
-        highest = std::max(highest, load);
+      const auto moves = moving(run.displacement, observer_.period);
+      for (std::size_t i = settling_; i < moves.size(); ++i) {
+        if (!moves[i]) continue;
+        lowest = std::min(lowest, run.axial_load[i]);
+        highest = std::max(highest, run.axial_load[i]);
       }
     }
     const double largest = std::max(std::abs(lowest), std::abs(highest));
-    return highest - lowest > kLeastVariation * largest;
+    return highest - lowest > std::max(kLeastVariation * largest, kLeastLoadRange);
+  }
+
+  [[nodiscard]] static TableSample sample_of(const TableRecording& run, std::size_t i) {
+    return {run.displacement[i], run.acceleration[i], run.force[i],
+            run.axial_load.empty() ? 0 : run.axial_load[i]};
   }
 
   [[nodiscard]] Rows rows_of(const Shape& shape) const {
-    const auto settling = static_cast<std::size_t>(kSettling / observer_.period);
     std::vector<TableSignals::Terms> all;
     for (const auto& run : runs_) {
       TableSignals signals{shape.delay, shape.presliding, observer_, kRowFilterOrder};
+      const auto moves = moving(run.displacement, observer_.period);
       for (std::size_t i = 0; i < run.force.size(); ++i) {
-        const auto terms = signals.step({run.displacement[i], run.acceleration[i], run.force[i],
-                                         run.axial_load.empty() ? 0 : run.axial_load[i]});
-        if (i >= settling && i % stride_ == 0) all.push_back(terms);
+        const auto terms = signals.step(sample_of(run, i));
+        if (i >= settling_ && i % stride_ == 0 && moves[i]) all.push_back(terms);
       }
     }
     Rows rows{
@@ -126,11 +169,16 @@ class Identification {
     return all;
   }
 
+  [[nodiscard]] std::vector<int> linear_columns() const {
+    std::vector<int> columns = {TableSignals::kTableMass, TableSignals::kTableCoulomb,
+                                TableSignals::kTableViscous, TableSignals::kTableOffset};
+    if (has_load_) columns.push_back(TableSignals::kTableLoad);
+    return columns;
+  }
+
   // Mass and friction are not negative: the most negative one is left out until none is.
   void fit_linear(const Rows& rows) {
-    columns_ = {TableSignals::kTableMass, TableSignals::kTableCoulomb, TableSignals::kTableViscous,
-                TableSignals::kTableOffset};
-    if (has_load_) columns_.push_back(TableSignals::kTableLoad);
+    columns_ = linear_columns();
     for (;;) {
       linear_ = least_squares(rows.factors, rows.force, columns_);
       int worst = -1;
@@ -184,8 +232,7 @@ class Identification {
     return at;
   }
 
-  [[nodiscard]] std::vector<int> free_columns(const Linearised& at) const {
-    std::vector<int> columns = columns_;
+  [[nodiscard]] static std::vector<int> with_shape(std::vector<int> columns, const Linearised& at) {
     for (const int column : {kParameters - 2, kParameters - 1})
       if (at.J.col(column).norm() > 0) columns.push_back(column);
     return columns;
@@ -193,7 +240,7 @@ class Identification {
 
   bool improve() {
     const Linearised at = linearise();
-    const Eigen::VectorXd step = least_squares(at.J, at.residual, free_columns(at));
+    const Eigen::VectorXd step = least_squares(at.J, at.residual, with_shape(columns_, at));
     const Shape before = shape_;
     const double error = at.residual.norm();
     double share = 1;
@@ -211,15 +258,21 @@ class Identification {
     return false;
   }
 
-  // Rows of two runs meet at one border each, which is negligible.
+  // Rows of two runs meet at one border each, which is negligible. The interval of a friction that
+  // is left out reaches from 0 to the upper end of its interval in the free fit.
   [[nodiscard]] Eigen::VectorXd half_widths(const Linearised& at) const {
-    const std::vector<int> columns = free_columns(at);
+    const std::vector<int> columns = with_shape(linear_columns(), at);
     const Eigen::MatrixXd covariance =
         robust_covariance(at.J(Eigen::all, columns), at.residual, kCorrelatedRows - 1);
+    const Eigen::VectorXd free = least_squares(at.J, at.residual, columns);
     Eigen::VectorXd widths = Eigen::VectorXd::Zero(kParameters);
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const auto index = static_cast<Eigen::Index>(i);
-      widths[columns[i]] = kHalfWidth95 * std::sqrt(std::max(0.0, covariance(index, index)));
+      const int column = columns[i];
+      widths[column] = kHalfWidth95 * std::sqrt(std::max(0.0, covariance(index, index)));
+      if (std::count(columns_.begin(), columns_.end(), column) == 0 &&
+          column < TableSignals::kTableTerms)
+        widths[column] = std::max(0.0, free[column] + widths[column]);
     }
     return widths;
   }
@@ -244,12 +297,54 @@ class Identification {
     found.residual_rms = std::sqrt(at.residual.squaredNorm() /
                                    static_cast<double>(at.residual.size() - kParameters));
     found.residual_peak = at.residual.cwiseAbs().maxCoeff();
+    describe_samples(found);
     return found;
+  }
+
+  // Every sample in motion, without the low-pass.
+  void describe_samples(TableIdentification& found) const {
+    double squares = 0, samples = 0, block = 0;
+    int in_block = 0;
+    std::vector<double> blocks;
+    for (const auto& run : runs_) {
+      const auto moves = moving(run.displacement, observer_.period);
+      TableSignals signals{shape_.delay, shape_.presliding, observer_, 0};
+      for (std::size_t i = 0; i < run.force.size(); ++i) {
+        const TableSample sample = sample_of(run, i);
+        const auto terms = signals.step(sample);
+        if (!moves[i] || i < settling_) continue;
+        const double left = terms.force - terms.factors.dot(linear_);
+        squares += left * left;
+        ++samples;
+        found.sample_peak = std::max(found.sample_peak, std::abs(left));
+        found.largest_speed = std::max(found.largest_speed, std::abs(terms.velocity));
+        found.mean_load += sample.axial_load;
+        block += left;
+        if (++in_block * observer_.period < kBlock) continue;
+        blocks.push_back(block / in_block);
+        block = in_block = 0;
+      }
+    }
+    found.sample_rms = std::sqrt(squares / samples);
+    found.mean_load /= samples;
+    describe_correlation(blocks, found);
+  }
+
+  static void describe_correlation(const std::vector<double>& blocks, TableIdentification& found) {
+    const Eigen::Map<const Eigen::VectorXd> means{blocks.data(),
+                                                  static_cast<Eigen::Index>(blocks.size())};
+    if (means.size() <= 2 * kTestedLags) return;
+    const double bound = kHalfWidth95 / std::sqrt(static_cast<double>(means.size()));
+    int beyond = 0;
+    for (Eigen::Index lag = 1; lag <= kTestedLags; ++lag)
+      if (std::abs(autocorrelation(means, lag)) > bound) ++beyond;
+    found.neighbour_correlation = autocorrelation(means, 1);
+    found.correlated_share = static_cast<double>(beyond) / kTestedLags;
   }
 
   std::span<const TableRecording> runs_;
   TableObserverSettings observer_;
-  std::size_t stride_;
+  std::size_t stride_, settling_;
   bool has_load_ = false;
   Shape shape_;
   Eigen::VectorXd linear_;

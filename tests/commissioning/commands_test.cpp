@@ -69,7 +69,10 @@ TEST(IdentifyCommand, WritesConstantsThatTheControllerReads) {
   EXPECT_NEAR(axis["effective_mass_kg"]["value"].get<double>(), 113'371,
               3 * axis["effective_mass_kg"]["half_width_95"].get<double>());
   EXPECT_LT(axis["effective_mass_kg"]["half_width_95"].get<double>(), 3'000);
-  EXPECT_NEAR(axis["coulomb_friction_N"]["value"].get<double>(), 5'100, 1'000);
+  EXPECT_NEAR(axis["coulomb_friction_N"]["value"].get<double>(), 5'100, 300);
+  const auto& viscous = found["axes"]["lat"]["viscous_friction_N_s_per_m"];
+  EXPECT_NEAR(viscous["value"].get<double>(), 870, 1.5 * viscous["half_width_95"].get<double>());
+  EXPECT_GT(viscous["value"].get<double>(), 0);
   EXPECT_NEAR(axis["force_offset_N"]["value"].get<double>(), 2'000, 300);
   EXPECT_NEAR(axis["acceleration_delay_ms"]["value"].get<double>(), 0, 1);
   const auto observer = Config::load(constants).table("observer");

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <rths/controller/empty_table.hpp>
+#include <rths/controller/robust_covariance.hpp>
 #include <rths/controller/tracking.hpp>
 
 namespace rths::commissioning {

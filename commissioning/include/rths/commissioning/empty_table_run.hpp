@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <rths/controller/empty_table.hpp>
+#include <rths/controller/table_force.hpp>
 
 namespace rths::commissioning {
 
@@ -14,7 +14,7 @@ struct EmptyTableRuns {
   std::vector<std::filesystem::path> files;
   struct Axis {
     std::string name;  ///< "long", "lat"
-    controller::EmptyTableFit fit;
+    controller::TableIdentification fit;
   };
   std::vector<Axis> axes;
   double load = 0;  ///< vertical load for which the constants are stated [N]
@@ -22,8 +22,8 @@ struct EmptyTableRuns {
 
 /// All recordings together, axis by axis.
 /// @param load  vertical load of the constants [N]; NaN: the mean of the recordings
-/// @throws Error if a recording lacks a signal of the machine, or as identify_empty_table does
-/// @setup
+/// @throws Error if a recording lacks a signal of the machine, if their intervals differ, or as
+///         identify_table_force does   @setup
 [[nodiscard]] EmptyTableRuns identify_empty_table(const std::vector<std::filesystem::path>& files,
                                                   double load);
 

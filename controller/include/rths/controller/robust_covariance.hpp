@@ -8,6 +8,11 @@ namespace rths::controller {
 /// Half width of a two-sided 95 % interval over the standard deviation, normal distribution [-].
 inline constexpr double kHalfWidth95 = 1.959964;
 
+/// A value and the half width of its 95 % interval, in the same unit.
+struct Estimate {
+  double value = 0, half_width = 0;
+};
+
 /// Covariance of least-squares parameters whose residual is correlated in time: H⁻¹ S H⁻¹, with
 /// H = JᵀJ and S = Σ_k (1 − |k|/(L+1)) Σ_t s_t s_{t+k}ᵀ, s_t = J_t e_t, |k| ≤ L. It is scaled by
 /// n/(n − p). Source: Newey & West (1987), Econometrica 55(3):703–708.

@@ -89,13 +89,20 @@ struct TableIdentification {
   bool has_load_friction = false;  ///< the axial load varied enough to tell μ from F_s
   double residual_rms = 0;         ///< below the cut-off [N]
   double residual_peak = 0;        ///< [N]
+  double sample_rms = 0, sample_peak = 0;  ///< residual of every sample in motion [N]
+  /// Correlation of neighbouring means of 40 ms of the residual [-]; 0 if it is white.
+  double neighbour_correlation = 0;
+  /// Share of the first 20 correlations beyond the 95 % bound of white noise [-]; 0.05 if white.
+  double correlated_share = 0;
+  double largest_speed = 0;  ///< [m/s]
+  double mean_load = 0;      ///< of the samples in motion [N]
   int iterations = 0;
 };
 
 /// Least squares over runs with an empty table, harmonic or earthquake, of one set-up of the
-/// machine. Linear in m_e, F_s, μ, F_d, d; Gauss-Newton in τ_a and δ. A negative friction
-/// coefficient is left out. The intervals allow for the correlation of the residual
-/// (Newey & West 1987).
+/// machine. Linear in m_e, F_s, μ, F_d, d; Gauss-Newton in τ_a and δ. Rows at rest are left out. A
+/// negative friction coefficient becomes 0; its interval reaches to the upper end of the free fit.
+/// The intervals allow for the correlation of the residual (Newey & West 1987).
 /// @throws Error if a run's signals differ in length, are too short or not finite, or do not excite
 ///         inertia and friction   @setup
 [[nodiscard]] TableIdentification identify_table_force(std::span<const TableRecording> runs,
