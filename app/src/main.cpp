@@ -328,10 +328,16 @@ void add_plugins(CLI::App& app, Arguments& a, Chosen& chosen) {
       ->capture_default_str();
   adapter->callback([&] { chosen = [&a] { return new_adapter(a.made); }; });
   auto* command = app.add_subcommand(
-      "replay", "Run a plugin on the inputs of a recording and compare its outputs");
-  command->add_option("library", a.replay.library, "Plugin")->required()->check(CLI::ExistingFile);
+      "replay", "Run a plugin or FMU on the inputs of a recording and compare its outputs");
+  command->add_option("library", a.replay.library, "Plugin or FMU")
+      ->required()
+      ->check(CLI::ExistingPath);
   command->add_option("recording", a.replay.recording, "Recording, or folder of a run")->required();
-  command->add_option("--config", a.replay.config, "TOML file with the config of the plugin")
+  command
+      ->add_option("--config", a.replay.config,
+                   "TOML file with the config of the plugin, or the table of the FMU's node; "
+                   "without, those of "
+                   "the recorded node")
       ->check(CLI::ExistingFile);
   command->add_option("--node", a.replay.node, "Node of its monitors and parameters")
       ->capture_default_str();

@@ -10,9 +10,12 @@
 #include <rths/adapters/adapter_runner.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/fmi/fmu_check.hpp>
+#include <rths/fmi/fmu_node.hpp>
 #include <rths/plugin/plugin_adapter.hpp>
 #include <rths/plugin/python_file.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/recording/roles.hpp>
 #include <rths/report/report.hpp>
 
 #include "commands.hpp"
@@ -34,7 +37,7 @@ std::vector<double> recorded_or(const recording::Reader& run, const std::string&
                                 std::optional<double> otherwise) {
   if (run.has(signal)) return run.signal(signal);
   if (!otherwise)
-    throw Error{fmt::format("the recording has no signal '{}', which the plugin reads", signal)};
+    throw Error{fmt::format("the recording has no signal '{}', which the adapter reads", signal)};
   return std::vector<double>(run.rows(), *otherwise);
 }
 
@@ -48,7 +51,7 @@ void compare(std::vector<Compared>& outputs, const std::vector<double>& values, 
   }
 }
 
-/// Values of a plugin's signals in a recording, row by row.
+/// Values of an adapter's signals in a recording, row by row.
 struct Signals {
   std::vector<std::vector<double>> inputs;
   std::vector<Compared> outputs;
@@ -70,9 +73,14 @@ Signals signals_of(const adapters::Adapter& adapter, const recording::Reader& ru
   return signals;
 }
 
+/// The adapter, and the rows from one of its steps to the next.
+struct Loaded {
+  std::unique_ptr<adapters::Adapter> adapter;
+  std::size_t rows_per_step = 1;
+};
+
 // Returns the time of each step [s]. The adapter can be done before the last row.
-std::vector<double> run_rows(adapters::Adapter& adapter, const recording::Reader& run,
-                             Signals& signals) {
+std::vector<double> run_rows(Loaded& loaded, const recording::Reader& run, Signals& signals) {
   std::vector<double> in(signals.inputs.size()), out(signals.outputs.size());
   adapters::StepData step;
   step.inputs = in;
@@ -80,12 +88,13 @@ std::vector<double> run_rows(adapters::Adapter& adapter, const recording::Reader
   const WallClock clock;
   std::vector<double> times;
   Status status = Status::Ok;
-  for (std::size_t row = 0; row < run.rows() && status != Status::Done; ++row) {
+  for (std::size_t row = 0; row < run.rows() && status != Status::Done;
+       row += loaded.rows_per_step) {
     for (std::size_t i = 0; i < in.size(); ++i)
       if (std::isfinite(signals.inputs[i][row])) in[i] = signals.inputs[i][row];
     step.time = run.time()[row];
     const TimePoint begun = clock.now();
-    status = adapter.step(step);
+    status = loaded.adapter->step(step);
     times.push_back(to_seconds(clock.now() - begun));
     if (status == Status::Fault)
       throw Error{fmt::format("{} at {:.3f} s", step.message, step.time)};
@@ -107,25 +116,69 @@ void print(const std::vector<Compared>& outputs, std::vector<double> times) {
              times.empty() ? 0 : 1e6 * times.back());
 }
 
+// The table of a node in the recorded experiment; empty if the node had another kind of adapter.
+Config recorded_table(const recording::Reader& run, const std::string& node,
+                      const std::string& kind) {
+  const auto experiment = recording::experiment_in(run);
+  if (!experiment) return {};
+  const Config table = experiment->table_or_empty("node").table_or_empty(node);
+  return table.text("adapter", "") == kind ? table : Config{};
+}
+
+Loaded load_plugin(const ReplayArguments& arguments, const recording::Reader& run) {
+  const Config config = arguments.config.empty()
+                            ? recorded_table(run, arguments.node, "plugin").table_or_empty("config")
+                            : Config::load(arguments.config);
+  const auto loaded =
+      plugin::plugin_file(std::filesystem::absolute(arguments.library), config.to_toml());
+  plugin::PluginSettings settings;
+  settings.library = loaded.library;
+  settings.config = loaded.config;
+  settings.title = loaded.title;
+  settings.may_allocate = loaded.is_python;
+  return {plugin::make_plugin(settings), 1};
+}
+
+// The steps of an FMU have one length, so it steps once per period.
+Loaded load_fmu(const ReplayArguments& arguments, const recording::Reader& run) {
+  Config table = arguments.config.empty() ? recorded_table(run, arguments.node, "fmu")
+                                          : Config::load(arguments.config);
+  if (table.keys().empty())
+    throw Error{
+        fmt::format("node '{}' of the recording is not an FMU, expected --node of another "
+                    "node, or --config with the table of a node",
+                    arguments.node)};
+  table.put("file", std::filesystem::absolute(arguments.library).string());
+  if (!table.has("role")) table.put("role", std::string{"machine"});
+  const adapters::TestSetup setup;
+  const auto settings = fmi::read_fmu(arguments.node, table, setup);
+  const double period = table.number("period_s", to_seconds(settings.schedule.period));
+  const auto& time = run.time();
+  const double row = time.size() > 1 ? time[1] - time[0] : period;
+  const double rows = std::round(period / row);
+  constexpr double kSmallest = 1e-6;  // of a row
+  if (rows < 1 || std::abs(period / row - rows) > kSmallest)
+    throw Error{
+        fmt::format("the FMU has steps of {:g} s, expected a multiple of the recording's "
+                    "rows, {:g} s",
+                    period, row)};
+  const adapters::NodeContext context{
+      arguments.node, from_seconds(period), true, {}, run.map(), {}, {}, {}, {}};
+  return {settings.make(setup, context), static_cast<std::size_t>(rows)};
+}
+
 }  // namespace
 
 int replay(const ReplayArguments& arguments) {
   std::filesystem::path source = arguments.recording;
   if (std::filesystem::is_directory(source)) source /= report::kRunFile;
   const recording::Reader run{source};
-  plugin::PluginSettings settings;
-  const std::string config =
-      arguments.config.empty() ? "" : Config::load(arguments.config).to_toml();
-  const auto loaded = plugin::plugin_file(std::filesystem::absolute(arguments.library), config);
-  settings.library = loaded.library;
-  settings.config = loaded.config;
-  settings.title = loaded.title;
-  settings.may_allocate = loaded.is_python;
-  const auto adapter = plugin::make_plugin(settings);
-  Signals signals = signals_of(*adapter, run, arguments.node);
-  adapter->activate();
-  auto times = run_rows(*adapter, run, signals);
-  adapter->deactivate();
+  const bool is_fmu = fmi::is_fmu(arguments.library);
+  Loaded loaded = is_fmu ? load_fmu(arguments, run) : load_plugin(arguments, run);
+  Signals signals = signals_of(*loaded.adapter, run, arguments.node);
+  loaded.adapter->activate();
+  auto times = run_rows(loaded, run, signals);
+  loaded.adapter->deactivate();
   print(signals.outputs, std::move(times));
   return kOk;
 }

@@ -337,10 +337,13 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);
-  for (const auto& plan : experiment.nodes)
+  for (const auto& plan : experiment.nodes) {
     for (const auto& used : {plan.settings.diagram, plan.settings.constants})
       if (!used.empty())
         experiment.config.emplace_back(used.filename().string(), read_file(used, kMostTextBytes));
+    const auto& code = plan.settings.code;
+    experiment.config.insert(experiment.config.end(), code.begin(), code.end());
+  }
   std::string changes;
   for (const auto& [key, value] : overrides) changes += fmt::format("{}={}\n", key, value);
   if (!changes.empty()) experiment.config.emplace_back(recording::kOverridesText, changes);

@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/config.hpp>
+#include <rths/core/sha256.hpp>
 #include <rths/plugin/library.hpp>
 
 #include "plugin/native_runs.hpp"
@@ -162,6 +164,53 @@ TEST(FmuRun, OfTheExampleReachesItsReport) {
     EXPECT_NEAR(force[i], 5e6 * displacement[i], 1e-6 * 5e6);
   }
   EXPECT_GT(largest, 0.001);
+}
+
+// A row has the command of its own millisecond, which the machine received one step later. The FMU
+// is linear, so the replay leads the recording by one step.
+TEST(FmuRun, CanBeReplayedAndIsNamedInItsRecording) {
+  const test::TemporaryFolder folder;
+  const auto run =
+      run_example(folder, {"--clock", "virtual", "--set", "duration_s=3", "--set", "rest_s=0"});
+  const recording::Reader recording{folder.path() / "out/run.h5"};
+  const auto file = folder.path() / "packed.fmu";
+
+  const auto out = (folder.path() / "out").string();
+  const auto replay = test::run_rths({"replay", file.string(), out, "--node", "srmd"});
+  EXPECT_NE(test::run_rths({"replay", file.string(), out})
+                .err.find("node 'xpc' of the recording is not an FMU, expected --node"),
+            std::string::npos);
+  ASSERT_EQ(replay.exit_code, 0) << replay.err << run.err;
+  const auto displacement = recording.signal("srmd.long.displ.fbk");
+  double largest_step = 0;
+  for (std::size_t i = 1; i < displacement.size(); ++i)
+    largest_step = std::max(largest_step, std::abs(displacement[i] - displacement[i - 1]));
+  double largest = 0, difference = 1;
+  const auto line = replay.out.find("srmd.long.displ.fbk");
+  ASSERT_NE(line, std::string::npos) << replay.out;
+  ASSERT_EQ(std::sscanf(replay.out.c_str() + line, "%*s %lf %lf", &largest, &difference), 2);
+  EXPECT_GT(largest, 10 * largest_step) << replay.out;
+  EXPECT_LE(difference, 1.01 * largest_step) << replay.out;
+
+  const auto identity = Config::parse(recording.config("srmd.fmu"), "srmd.fmu");
+  EXPECT_EQ(identity.text("sha256"), sha256_of(file));
+  EXPECT_EQ(identity.text("instantiation_token"), "{5a5e0d2e-4a0f-4cf4-9f0e-0a6f1d0c2b77}");
+  EXPECT_EQ(identity.text("fmi"), "3.0");
+}
+
+TEST(FmuRun, OfAnotherStepThanTheRowsIsNotReplayed) {
+  const test::TemporaryFolder folder;
+  const auto run =
+      run_example(folder, {"--clock", "virtual", "--set", "duration_s=1", "--set", "rest_s=0"});
+  const auto config = folder.write("node.toml", "period_s = 0.0005\n");
+
+  const auto replay = test::run_rths({"replay", (folder.path() / "packed.fmu").string(),
+                                      (folder.path() / "out").string(), "--config", config});
+  EXPECT_EQ(replay.exit_code, 2) << run.err;
+  EXPECT_NE(replay.err.find("the FMU has steps of 0.0005 s, expected a multiple of the recording's "
+                            "rows, 0.001 s"),
+            std::string::npos)
+      << replay.err;
 }
 
 TEST(FmuRun, InRealTimeEndsInOrder) {

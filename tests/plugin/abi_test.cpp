@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <regex>
 
 #include <rths/plugin/conformance.hpp>
 #include <rths/plugin/library.hpp>
@@ -62,31 +63,56 @@ TEST(AdapterAbi, KeepsAllRulesForAnAdapterBuiltAgainstThePreviousHeader) {
   EXPECT_NE(abi->text.find("adapter ABI 1.0"), std::string::npos) << abi->text;
 }
 
-TEST(AdapterAbi, HeadersCompileInBothLanguagesWithBothCompilers) {
+/// Result of a compiler on one file, with all warnings as errors.
+void expect_compiles(const std::string& compiler, const std::string& standard,
+                     const std::filesystem::path& file) {
+  const auto include = [](const std::string& adapter) {
+    return "-I" + (test::source_tree() / "adapters" / adapter / "include").string();
+  };
+  test::Running running{{"/usr/bin/env", compiler, "-std=" + standard, "-fsyntax-only", "-Wall",
+                         "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", include("plugin"),
+                         include("fmi"), file.string()}};
+  const auto result = running.wait();
+  constexpr int kNoCommand = 127;
+  if (result.exit_code == kNoCommand) {
+    std::printf("SKIPPED: %s is not installed\n", compiler.c_str());
+    return;
+  }
+  EXPECT_EQ(result.exit_code, 0) << compiler << " " << file << ": " << result.err;
+}
+
+TEST(AdapterAbi, HeadersAndTemplatesCompileInBothLanguagesWithBothCompilers) {
   const test::TemporaryFolder folder;
   const std::string text =
       "#include <rths_adapter.h>\n#include <rths/fmi/fmi2.h>\n#include "
       "<rths/fmi/fmi3.h>\nint main(void) { return 0; }\n";
-  const auto c = folder.write("header.c", text), cpp = folder.write("header.cpp", text);
-  const auto include = [](const std::string& adapter) {
-    return "-I" + (test::source_tree() / "adapters" / adapter / "include").string();
-  };
-  const auto compiles = [&](const std::string& compiler, const std::string& standard,
-                            const std::filesystem::path& file) {
-    test::Running running{{"/usr/bin/env", compiler, "-std=" + standard, "-fsyntax-only", "-Wall",
-                           "-Wextra", "-Wpedantic", "-Werror", include("plugin"), include("fmi"),
-                           file.string()}};
-    const auto result = running.wait();
-    constexpr int kNoCommand = 127;
-    if (result.exit_code == kNoCommand) {
-      std::printf("SKIPPED: %s is not installed\n", compiler.c_str());
-      return;
-    }
-    EXPECT_EQ(result.exit_code, 0) << compiler << ": " << result.err;
-  };
+  const auto templates = test::source_tree() / "adapters/plugin/templates/adapter";
+  const std::vector<std::filesystem::path> in_c{
+      folder.write("header.c", text), templates / "machine.c", templates / "controller.c"};
+  const std::vector<std::filesystem::path> in_cpp{
+      folder.write("header.cpp", text), templates / "machine.cpp", templates / "controller.cpp"};
 
-  for (const char* compiler : {"gcc", "clang-14"}) compiles(compiler, "c11", c);
-  for (const char* compiler : {"g++", "clang++-14"}) compiles(compiler, "c++20", cpp);
+  for (const char* compiler : {"gcc", "clang-14"})
+    for (const auto& file : in_c) expect_compiles(compiler, "c11", file);
+  for (const char* compiler : {"g++", "clang++-14"})
+    for (const auto& file : in_cpp) expect_compiles(compiler, "c++20", file);
+}
+
+// A controller has as many signals as a machine, and the flags of the exchange with the solver.
+TEST(AdapterTemplates, AreShort) {
+  const std::regex comments{R"(//[^\n]*|#[^i\n][^\n]*|/\*[\s\S]*?\*/|"""[\s\S]*?""")"};
+  const std::regex lines_of_code{"[^\n]*[^ \n][^\n]*"};
+  for (const char* ending : {"c", "cpp", "py"})
+    for (const auto& [role, most] : {std::pair{"machine", 40}, std::pair{"controller", 48}}) {
+      const auto name = std::string{role} + "." + ending;
+      const auto code = std::regex_replace(
+          test::content_of(test::source_tree() / "adapters/plugin/templates/adapter" / name),
+          comments, "");
+      const auto count = std::distance(
+          std::sregex_iterator{code.begin(), code.end(), lines_of_code}, std::sregex_iterator{});
+      EXPECT_GT(count, 20) << name;
+      EXPECT_LE(count, most) << name;
+    }
 }
 
 TEST(AdapterAbi, LoadsALaterMinor) { EXPECT_NE(Library{broken("later_minor")}.stop(), nullptr); }

@@ -4,6 +4,9 @@
 // the same test, and a broken plugin ends it safely.
 #include <gtest/gtest.h>
 
+#include <rths/core/config.hpp>
+#include <rths/core/sha256.hpp>
+
 #include "plugin/native_runs.hpp"
 #include "support/process.hpp"
 
@@ -59,6 +62,16 @@ adapter = "recorder"
       {"run", file.string(), "--clock", clock, "--no-diagnosis", "--out",
        (folder.path() / "out").string(), "--force", "--ring", "broken_plugin_" + name},
       60);
+}
+
+TEST(PluginRun, NamesThePluginAndItsHashInTheRecording) {
+  const test::TemporaryFolder folder;
+  const auto run = run_with(folder, "correct", "virtual");
+
+  const recording::Reader recording{folder.path() / "out" / "run.h5"};
+  const auto identity = Config::parse(recording.config("srmd.plugin"), "srmd.plugin");
+  EXPECT_EQ(identity.text("file"), "correct.so") << run.err;
+  EXPECT_EQ(identity.text("sha256"), sha256_of(test::build_tree() / "broken/correct.so"));
 }
 
 void expect_safe_end(const test::TemporaryFolder& folder, const test::Finished& run,

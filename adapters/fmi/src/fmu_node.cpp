@@ -64,6 +64,16 @@ std::unique_ptr<Adapter> make(const std::filesystem::path& file, const Config& t
   }
 }
 
+// Of an unpacked FMU, the file is its library.
+Config identity(const std::filesystem::path& file, const ModelDescription& description) {
+  Config identity = plugin::identity_of(
+      std::filesystem::is_directory(file) ? library_in(file, description) : file);
+  identity.put("model", description.name);
+  identity.put("fmi", description.version_text);
+  identity.put(description.version == 2 ? "guid" : "instantiation_token", description.token);
+  return identity;
+}
+
 }  // namespace
 
 std::string config_of(const ModelDescription& description, Config table, const InstancePlan& plan) {
@@ -82,8 +92,7 @@ std::string config_of(const ModelDescription& description, Config table, const I
   return table.to_toml();
 }
 
-NodeSettings read_fmu(const std::string& /*node*/, const Config& table,
-                      const TestSetup& /*setup*/) {
+NodeSettings read_fmu(const std::string& node, const Config& table, const TestSetup& /*setup*/) {
   const std::filesystem::path file = table.resolve(table.text("file"));
   if (!std::filesystem::exists(file))
     table.fail("file", fmt::format("file is '{}', expected an FMU", file.string()));
@@ -92,6 +101,7 @@ NodeSettings read_fmu(const std::string& /*node*/, const Config& table,
   static_cast<void>(table.flag("log", false));
   const auto description = read_description(file);
   static_cast<void>(read_bindings(description, table, false));
+  settings.code.emplace_back(node + ".fmu", identity(file, description).to_toml());
   const auto step =
       description.preferred_step ? description.preferred_step : description.fixed_step;
   if (step && *step >= kShortestPeriod && *step <= kLongestPeriod)

@@ -59,6 +59,11 @@ typedef struct rths_signal {
   double highest; /* none if both are 0 */
 } rths_signal;
 
+/* Two entries of a table of signals, of the axes long and lat; then as in rths_signal from `unit`.
+ *     RTHS_LONG_LAT("xpc.", ".displ.ref", "m", RTHS_INPUT, 0, 0, 0, 0) */
+#define RTHS_LONG_LAT(NODE, QUANTITY, ...) \
+  {NODE "long" QUANTITY, __VA_ARGS__}, { NODE "lat" QUANTITY, __VA_ARGS__ }
+
 typedef struct rths_adapter {
   uint32_t abi;         /* RTHS_ADAPTER_ABI */
   uint32_t struct_size; /* sizeof(rths_adapter) */

@@ -6,12 +6,19 @@
 //     RTHS_EXPORT_ADAPTER(Machine, "machine", "1.0")
 //
 // The class needs a constructor from the TOML text of its `config`. Exceptions of [setup] functions
-// become messages.
+// become messages. The common case, an adapter without settings, is a struct of the state and its
+// step; the signals are an array:
+//
+//     struct Machine {
+//       rths_status step(double time_s, const double* in, double* out) noexcept { … }
+//     };
+//     RTHS_SIMPLE_ADAPTER(Machine, "machine", "1.0", kSignals)
 #pragma once
 
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -30,6 +37,23 @@ class PluginBase {
   /// Called by the host with RTHS_EXPORT_ADAPTER_WITH_STOP only.
   virtual void stop() noexcept {}
   [[nodiscard]] virtual const char* message() const noexcept { return ""; }
+};
+
+/// An adapter without settings. `activate` takes the initial values of its state.
+template <class State, const auto& kSignals>
+class SimplePlugin final : public PluginBase {
+ public:
+  explicit SimplePlugin(const char* /*config_toml*/) {}
+  [[nodiscard]] std::vector<rths_signal> signals() const override {
+    return {std::begin(kSignals), std::end(kSignals)};
+  }
+  void activate() override { state_ = State{}; }
+  [[nodiscard]] rths_status step(double time_s, const double* in, double* out) noexcept override {
+    return state_.step(time_s, in, out);
+  }
+
+ private:
+  State state_{};
 };
 
 /// The functions of rths_adapter for one class.
@@ -104,3 +128,7 @@ struct PluginExport {
 /// The adapter overrides `stop` and comes to rest by itself.
 #define RTHS_EXPORT_ADAPTER_WITH_STOP(PLUGIN, NAME, VERSION) \
   RTHS_EXPORT_ADAPTER_(PLUGIN, NAME, VERSION, rths::PluginExport<PLUGIN>::stop)
+/// An adapter without settings: a struct with `step`, and its array of signals.
+#define RTHS_SIMPLE_ADAPTER(STATE, NAME, VERSION, SIGNALS)        \
+  using RthsSimplePlugin_ = rths::SimplePlugin<STATE, (SIGNALS)>; \
+  RTHS_EXPORT_ADAPTER(RthsSimplePlugin_, NAME, VERSION)

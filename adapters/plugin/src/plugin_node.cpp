@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/file.hpp>
+#include <rths/core/sha256.hpp>
 #include <rths/plugin/child_adapter.hpp>
 #include <rths/plugin/python_file.hpp>
 
@@ -78,8 +80,15 @@ std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Host
   return make_child([plugin] { return make_plugin(plugin); }, child);
 }
 
-NodeSettings read_plugin(const std::string& /*node*/, const Config& table,
-                         const TestSetup& /*setup*/) {
+Config identity_of(const std::filesystem::path& file) {
+  Config identity;
+  identity.put("file", file.filename().string());
+  identity.put("size_bytes", static_cast<double>(std::filesystem::file_size(file)));
+  identity.put("sha256", sha256_of(file));
+  return identity;
+}
+
+NodeSettings read_plugin(const std::string& node, const Config& table, const TestSetup& /*setup*/) {
   NodeSettings settings = read_role(table);
   const auto file = table.resolve(table.text("library"));
   if (!std::filesystem::exists(file))
@@ -89,6 +98,9 @@ NodeSettings read_plugin(const std::string& /*node*/, const Config& table,
   Hosting hosting = read_hosting(table);
   // An interpreter uses the heap, and a jump out of it would leave it in a bad state.
   if (found.is_python) hosting.may_allocate = hosting.own_process = true;
+  settings.code.emplace_back(node + ".plugin", identity_of(file).to_toml());
+  if (found.is_python)
+    settings.code.emplace_back(file.filename().string(), read_file(file, kMostTextBytes));
   PluginSettings plugin;
   plugin.library = found.library;
   plugin.config = found.config;

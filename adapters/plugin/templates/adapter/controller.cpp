@@ -1,88 +1,53 @@
-// A controller: on a new target, it moves the reference along a straight line, ahead of the target
-// by the delay of the machine. Flags precede the inputs that they guard and follow the outputs.
-#include <algorithm>
-#include <array>
-
+// A controller: the reference moves along a straight line to each new target, ahead of it by the
+// delay of the machine. Flags precede the inputs that they guard and follow the outputs.
 #include <rths_adapter.hpp>
 
-constexpr std::size_t kAxes = 2;
-enum In { kNewTarget, kTarget, kDisplacement = 3, kAcceleration = 5, kForce = 7, kLoad = 9 };
-enum Parameter { kInterval = 10, kMove, kDelay, kPlaten, kWeight };
-enum Out {
-  kReference,
-  kCompression = 2,
-  kFeedback,
-  kFed = 5,
-  kSpecimen = 7,
-  kAtTarget = 9,
-  kSwitch
+enum In { kNew, kTarget, kLoad = 3, kDisplacement, kAcceleration = 6, kForce = 8, kDelay = 10 };
+enum Out { kRef, kCompression = 2, kFeedback, kFed = 5, kSpecimen = 7, kAtTarget = 9, kSwitch };
+constexpr int kAxes = 2, kMove = 8;                                     // steps of 1 ms
+constexpr double kInterval = 0.01, kPlaten = 115e3, kWeight = 9685600;  // [s], [kg], [N]
+
+constexpr rths_signal kSignals[] = {
+    {"opf.newTarget", "1", RTHS_INPUT, 0, 0, 0, 0},
+    RTHS_LONG_LAT("opf.", ".displ.target", "m", RTHS_INPUT, 0, 0, 0, 0),
+    {"opf.vert.force.target", "N", RTHS_INPUT, 0, 0, 0, 0},
+    RTHS_LONG_LAT("srmd.", ".displ.fbk", "m", RTHS_INPUT, 0, 0, 0, 0),
+    RTHS_LONG_LAT("srmd.", ".accel.fbk", "m/s2", RTHS_INPUT, 0, 0, 0, 0),
+    RTHS_LONG_LAT("srmd.", ".force.fbk", "N", RTHS_INPUT, 0, 0, 0, 0),
+    {"delay", "s", RTHS_PARAMETER, 0, 0.06, 0, 1},
+    RTHS_LONG_LAT("xpc.", ".displ.ref", "m", RTHS_OUTPUT, RTHS_RAMP, 0, 0, 0),
+    {"xpc.compression.force.ref", "N", RTHS_OUTPUT, 0, 0, 0, 0},
+    RTHS_LONG_LAT("daq.", ".displ.fbk", "m", RTHS_OUTPUT, 0, 0, 0, 0),
+    RTHS_LONG_LAT("daq.", ".force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0),
+    RTHS_LONG_LAT("observer.force.", "", "N", RTHS_MONITOR, 0, 0, 0, 0),  // of the report
+    {"daq.atTarget", "1", RTHS_OUTPUT, 0, 0, 0, 1},
+    {"daq.switchPC", "1", RTHS_OUTPUT, 0, 0, 0, 1},
 };
 
-class Controller final : public rths::PluginBase {
- public:
-  explicit Controller(const char* /*config_toml*/) {}  // no settings of its own
+struct Controller {
+  double target[kAxes] = {}, end[kAxes] = {};  // [m]
+  int left = 0;                                // steps of this move
 
-  std::vector<rths_signal> signals() const override {
-    return {{"opf.newTarget", "1", RTHS_INPUT, 0, 0, 0, 0},
-            {"opf.long.displ.target", "m", RTHS_INPUT, 0, 0, 0, 0},
-            {"opf.lat.displ.target", "m", RTHS_INPUT, 0, 0, 0, 0},
-            {"srmd.long.displ.fbk", "m", RTHS_INPUT, 0, 0, 0, 0},
-            {"srmd.lat.displ.fbk", "m", RTHS_INPUT, 0, 0, 0, 0},
-            {"srmd.long.accel.fbk", "m/s2", RTHS_INPUT, 0, 0, 0, 0},
-            {"srmd.lat.accel.fbk", "m/s2", RTHS_INPUT, 0, 0, 0, 0},
-            {"srmd.long.force.fbk", "N", RTHS_INPUT, 0, 0, 0, 0},
-            {"srmd.lat.force.fbk", "N", RTHS_INPUT, 0, 0, 0, 0},
-            {"opf.vert.force.target", "N", RTHS_INPUT, 0, 0, 0, 0},
-            {"interval", "s", RTHS_PARAMETER, 0, 0.01, 0.001, 10},  // between targets
-            {"move", "s", RTHS_PARAMETER, 0, 0.007, 0.001, 10},
-            {"delay", "s", RTHS_PARAMETER, 0, 0.06, 0, 1},
-            {"platen", "kg", RTHS_PARAMETER, 0, 115e3, 0, 1e6},  // its inertia is in the force
-            {"weight", "N", RTHS_PARAMETER, 0, 9685600, 0, 53.4e6},
-            {"xpc.long.displ.ref", "m", RTHS_OUTPUT, RTHS_RAMP, 0, 0, 0},
-            {"xpc.lat.displ.ref", "m", RTHS_OUTPUT, RTHS_RAMP, 0, 0, 0},
-            {"xpc.compression.force.ref", "N", RTHS_OUTPUT, 0, 0, 0, 0},
-            {"daq.long.displ.fbk", "m", RTHS_OUTPUT, 0, 0, 0, 0},
-            {"daq.lat.displ.fbk", "m", RTHS_OUTPUT, 0, 0, 0, 0},
-            {"daq.long.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
-            {"daq.lat.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
-            {"observer.force.long", "N", RTHS_MONITOR, 0, 0, 0, 0},  // role `force` of the report
-            {"observer.force.lat", "N", RTHS_MONITOR, 0, 0, 0, 0},
-            {"daq.atTarget", "1", RTHS_OUTPUT, 0, 0, 0, 1},
-            {"daq.switchPC", "1", RTHS_OUTPUT, 0, 0, 0, 1}};
-  }
-  void activate() override { *this = Controller{""}; }  // the initial state, also at a restart
-
-  rths_status step(double time_s, const double* in, double* out) noexcept override {
-    const bool has_target = in[kNewTarget] > 0;
-    for (std::size_t i = 0; has_target && !has_target_ && i < kAxes; ++i) {
-      const double target = in[kTarget + i];
-      from_[i] = out[kReference + i];
-      to_[i] = target + in[kDelay] / in[kInterval] * (target - target_[i]);
-      target_[i] = target;
-      begun_ = time_s;
-      moves_ = true;
+  rths_status step(double /*time_s*/, const double* in, double* out) noexcept {
+    const bool has_target = in[kNew] > 0, is_new = has_target && left == 0;
+    if (is_new) left = kMove;
+    const bool moves = left > (has_target ? 1 : 0);  // the last step waits for the flag to fall
+    for (int i = 0; i < kAxes; ++i) {
+      out[kSpecimen + i] = in[kForce + i] - kPlaten * in[kAcceleration + i];
+      if (is_new) {
+        end[i] = in[kTarget + i] + in[kDelay] / kInterval * (in[kTarget + i] - target[i]);
+        target[i] = in[kTarget + i];
+      }
+      if (!moves) continue;
+      out[kRef + i] += (end[i] - out[kRef + i]) / left;
+      out[kFeedback + i] = in[kDisplacement + i];  // stays while the solver reads it
+      out[kFed + i] = out[kSpecimen + i];
     }
-    has_target_ = has_target;
-    const double x = std::min((time_s - begun_) / in[kMove], 1.0);
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      out[kReference + i] = from_[i] + x * (to_[i] - from_[i]);
-      out[kSpecimen + i] = in[kForce + i] - in[kPlaten] * in[kAcceleration + i];
-    }
-    out[kCompression] = in[kWeight] + in[kLoad];
-    if (x >= 1 && !has_target && moves_) {  // at the target: the solver gets its feedback
-      moves_ = false;
-      std::copy_n(in + kDisplacement, kAxes, out + kFeedback);
-      std::copy_n(out + kSpecimen, kAxes, out + kFed);
-    }
-    out[kAtTarget] = !moves_;
+    if (moves) --left;
+    out[kCompression] = kWeight + in[kLoad];
+    out[kAtTarget] = left == 0;
     out[kSwitch] = has_target;
     return RTHS_OK;
   }
-
- private:
-  std::array<double, kAxes> target_{}, from_{}, to_{};  // [m]
-  double begun_ = 0;                                    // [s]
-  bool has_target_ = false, moves_ = false;
 };
-
-RTHS_EXPORT_ADAPTER(Controller, "@NAME@", "0.1")
+RTHS_SIMPLE_ADAPTER(Controller, "@NAME@", "0.1", kSignals)

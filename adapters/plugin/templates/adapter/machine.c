@@ -1,5 +1,4 @@
-/* A test machine: a valve and a platen that follow the reference, and a specimen that is a spring.
- */
+/* A test machine: a valve and a platen follow the reference, and the specimen is a spring. */
 #include <rths_adapter_simple.h>
 
 enum { AXES = 2, LOAD = AXES, BANDWIDTH, STIFFNESS, PLATEN };                  /* of the inputs */
@@ -7,25 +6,20 @@ enum { DISPLACEMENT, ACCELERATION = 2, FORCE = 4, ECHO = 6, COMPRESSION = 8 }; /
 static const double kStroke = 1.5, kDamping = 0.7, kValve = 0.01;              /* [m], [-], [s] */
 
 static const rths_signal kSignals[] = {
-    {"xpc.long.displ.ref", "m", RTHS_INPUT, 0, 0, 0, 0},
-    {"xpc.lat.displ.ref", "m", RTHS_INPUT, 0, 0, 0, 0},
+    RTHS_LONG_LAT("xpc.", ".displ.ref", "m", RTHS_INPUT, 0, 0, 0, 0),
     {"xpc.compression.force.ref", "N", RTHS_INPUT, 0, 0, 0, 0},
     {"bandwidth", "rad/s", RTHS_PARAMETER, 0, 40, 1, 500},
     {"stiffness", "N/m", RTHS_PARAMETER, 0, 5e6, 0, 1e9},
     {"platen", "kg", RTHS_PARAMETER, 0, 115e3, 0, 1e6},
-    {"srmd.long.displ.fbk", "m", RTHS_OUTPUT, 0, 0, -1.5, 1.5},
-    {"srmd.lat.displ.fbk", "m", RTHS_OUTPUT, 0, 0, -1.5, 1.5},
-    {"srmd.long.accel.fbk", "m/s2", RTHS_OUTPUT, 0, 0, 0, 0},
-    {"srmd.lat.accel.fbk", "m/s2", RTHS_OUTPUT, 0, 0, 0, 0},
-    {"srmd.long.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
-    {"srmd.lat.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
-    {"srmd.long.displ.ref_echo", "m", RTHS_OUTPUT, 0, 0, 0, 0},
-    {"srmd.lat.displ.ref_echo", "m", RTHS_OUTPUT, 0, 0, 0, 0},
+    RTHS_LONG_LAT("srmd.", ".displ.fbk", "m", RTHS_OUTPUT, 0, 0, -1.5, 1.5),
+    RTHS_LONG_LAT("srmd.", ".accel.fbk", "m/s2", RTHS_OUTPUT, 0, 0, 0, 0),
+    RTHS_LONG_LAT("srmd.", ".force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0),
+    RTHS_LONG_LAT("srmd.", ".displ.ref_echo", "m", RTHS_OUTPUT, 0, 0, 0, 0),
     {"srmd.compression.force.fbk", "N", RTHS_OUTPUT, 0, 0, 0, 0},
 };
 
 typedef struct {
-  double valve[AXES], displacement[AXES], velocity[AXES], last_time; /* [m], [m/s], [s] */
+  double valve[AXES], displacement[AXES], velocity[AXES], last_time; /* [m], [m], [m/s], [s] */
 } Machine;
 
 static rths_status step(Machine* machine, double time_s, const double* in, double* out) {
@@ -48,5 +42,4 @@ static rths_status step(Machine* machine, double time_s, const double* in, doubl
   machine->last_time = time_s;
   return status;
 }
-
 RTHS_SIMPLE_ADAPTER(Machine, "@NAME@", "0.1", kSignals, step)

@@ -14,6 +14,9 @@ namespace rths::plugin {
 [[nodiscard]] adapters::NodeSettings read_plugin(const std::string& node, const Config& table,
                                                  const adapters::TestSetup& setup);
 
+/// Name, size and SHA-256 of a file, for the recording. @throws Error if it cannot be read   @setup
+[[nodiscard]] Config identity_of(const std::filesystem::path& file);
+
 /// How a node calls an adapter that may be broken.
 struct Hosting {
   bool own_process = false;

@@ -51,6 +51,8 @@ struct NodeSettings {
   bool integrates_plant = false;    ///< α-OS of the experiment's plant, which a budget repeats
   std::filesystem::path diagram;    ///< block diagram that it runs, if any
   std::filesystem::path constants;  ///< values that replace those of the diagram's blocks, if any
+  /// Its code, for the recording: name, and content or SHA-256.
+  std::vector<std::pair<std::string, std::string>> code;
   std::string target_count;  ///< monitor that counts its targets; empty: their time counts them
   std::string motion_fault;  ///< why it cannot run under another motion; empty: it can
   /// Monitors of an adapter that is built after the others, when the map of the ring is complete.
