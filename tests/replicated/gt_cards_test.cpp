@@ -126,6 +126,7 @@ TEST_F(VirtualGt, ShowsAnOpenRingIfANodeWithoutASwitchIsOff) {
   EXPECT_EQ(card(2).gt_state(kRingSize), 3U);
   card(1).set_power(false);
   EXPECT_EQ(card(2).gt_state(kRingSize), 256U);
+  EXPECT_EQ(card(2).read_cr(0x14), 0xFF00'0000U);  // neither link nor signals
 }
 
 TEST_F(VirtualGt, SendsAndReceivesOnlyIfEnabled) {

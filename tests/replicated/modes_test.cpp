@@ -197,11 +197,26 @@ TEST_F(Control, GivesNoTriggersForTheOtherBitsOfTheAcr) {
 }
 
 TEST_F(Control, RunsNoCounterWithoutAClock) {
-  use(nodes(1));
+  use_inserted(2);
   csr(0, 8, 0xA00);
   csr(0, 9, 0);
   pass(1ms);
   EXPECT_EQ(csr(0, 13), 0U);
+  ring().set_bit_error_rate(1);
+  store(1, 5, 1);  // errors do not count then
+  settle();
+  EXPECT_EQ(csr(0, 13), 0U);
+}
+
+TEST_F(Control, KeepsACounterWithAClockWhenAMessageReturns) {
+  use_inserted(2);
+  csr(0, 8, 0xA00);
+  csr(0, 9, 0x4000);
+  csr(0, 13, 0);
+  pass(20us);
+  store(0, 5, 1);
+  settle();
+  EXPECT_GE(csr(0, 13), 750U);  // of 26.66 ns
 }
 
 TEST_F(Control, GivesNoTriggersWhileInterruptsAreForced) {

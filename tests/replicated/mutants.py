@@ -30,7 +30,7 @@ import time
 TREE = pathlib.Path(__file__).resolve().parents[2]
 ENGINE = TREE / "broker/replicated/src"
 CARD = TREE / "broker/scramnet/src"
-SOURCES = [ENGINE / name for name in ("engine.cpp", "transmitter.cpp", "receiver.cpp", "plus_host.cpp", "gt_host.cpp", "cards.cpp")] + \
+SOURCES = [ENGINE / name for name in ("engine.cpp", "events.cpp", "transmitter.cpp", "receiver.cpp", "plus_host.cpp", "gt_host.cpp", "cards.cpp")] + \
           [CARD / name for name in ("registers.cpp", "fifo.cpp", "gt_registers.cpp")]
 HEADERS = [ENGINE / name for name in ("transmit_fifo.hpp", "events.hpp", "node.hpp", "acr_cells.hpp", "sparse_bytes.hpp", "rates.hpp")] + \
           [CARD / name for name in ("bits.hpp", "gt_registers.hpp")]
@@ -45,9 +45,11 @@ EQUIVALENT = [
     (r"log_hash|message\.number << 20U", "", "constants of the hash, of which others do as well"),
     (r"RTHS_ASSERT", "", "assertions are off in this build"),
     (r"^(Time time\{0\}|std::uint64_t sequence|std::uint32_t subject|std::uint16_t node = 0|bool own = false, damaged|"
-     r"Time start\{0\}|Time transmit_at\{0\}|Time transit_since\{0\}|std::uint32_t (address|value) = 0;|"
+     r"std::uint8_t hipro_bytes = 0|Time start\{0\}|Time transmit_at\{0\}|Time transit_since\{0\}|std::uint32_t (address|value) = 0;|"
      r"std::uint32_t (nodes = 1|upstream = 0);|bool closed = true;)", "", "initial values that are replaced before their first use"),
-    (r"next_ = 0", "", "the number of the first event, which may be any"),
+    (r"next_ = 0|std::uint32_t attempt = 0", "", "the number of the first event or attempt, which may be any"),
+    (r"value_or\(0\) & 0xFFFC", "^0 -> 1", "a bit that the mask takes away"),
+    (r"pages_\(\(bytes \+ kPage - 1\)", "- -> \\+", "one more page, which is never used"),
     (r"^kAllReceiveInterrupts = 0x40, kErrorInterrupts = ", "0x80 -> ", "demands bit 0 of CSR0, without which no host is interrupted"),
     (r"kHostInterrupts = ", "0x8 -> ", "demands bit 0 of CSR0, without which no host is interrupted"),
     (r"kMemoryInterrupts = ", "0x20 -> ", "demands bit 0 of CSR0, without which nothing is received"),

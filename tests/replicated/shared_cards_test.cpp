@@ -2,6 +2,7 @@
 //
 // Cards whose registers are in the objects of images, where a host in another process uses them.
 // The test is that host.
+#include <csignal>
 #include <memory>
 #include <optional>
 
@@ -11,6 +12,7 @@
 
 #include "bits.hpp"
 #include "card_table.hpp"
+#include "process.hpp"
 #include "registers.hpp"
 #include "support/ring_maps.hpp"
 
@@ -147,6 +149,35 @@ TEST_F(SharedCards, InterruptTheirHost) {
   write_csr(9, 0x2000);  // counts triggers
   write(6);
   EXPECT_EQ(card->plus.counter.load(), 1U);
+}
+
+volatile std::sig_atomic_t signals = 0;
+
+TEST_F(SharedCards, SendASignalToARegisteredHost) {
+  begin();
+  struct sigaction action {};
+  struct sigaction before {};
+  action.sa_handler = [](int) { signals = signals + 1; };
+  ASSERT_EQ(sigaction(SIGUSR1, &action, &before), 0);
+  card->plus.registered[0].store(broker::own_claim());
+  write_csr(8, 0x0C00);  // every message interrupts
+  write_csr(0, 0x806B);
+  write_csr(1, 0);
+  advance();
+  write(5);
+  EXPECT_EQ(signals, 1);
+  card->plus.registered[0].store(0);
+  sigaction(SIGUSR1, &before, nullptr);
+}
+
+// A host of our library writes as a program does: also through the window to the ACR.
+TEST_F(SharedCards, HaveTheAcrOfTheirHost) {
+  begin();
+  auto controllers_ring = broker::Ring::attach(image_name(name, "controller"));
+  const scramnet::CardTable controllers{controllers_ring, image_name(name, "controller")};
+  scramnet::Registers{*controllers.at(0)->card}.write(0, 0x8013);
+  write(0x1F);
+  EXPECT_EQ(controllers.at(0)->acr[test::kControllerWord.value()].load(), 0x1FU);
 }
 
 TEST(SizeCodes, AreThoseOfTheManual) {
