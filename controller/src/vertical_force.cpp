@@ -3,11 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::controller {
+namespace {
+
+constexpr double kLeastPressure = 0.05;  // share of the supply's that moves the oil
+
+}  // namespace
 
 ForceCascade::ForceCascade(const ForceCascadeSettings& settings) : settings_{settings} {
   if (!(settings.period > 0 && settings.stiffness > 0 && settings.gain > 0 && settings.lag >= 0 &&
@@ -53,8 +60,84 @@ VerticalForceSettings srmd_vertical() {
   return settings;
 }
 
+namespace {
+
+// D(s) = Σ dₖ sᵏ of a servo, up to the third order.
+struct Lead {
+  double d1, d2, d3;
+};
+Lead lead_of(const SingleActingServo& servo) {
+  const double omega = 2 * std::numbers::pi * servo.valve_frequency;
+  const double a = 2 * servo.valve_damping / omega, b = 1 / (omega * omega), t = servo.delay;
+  return {a + t, b + a * t + t * t / 2, b * t + a * t * t / 2 + t * t * t / 6};
+}
+
+double velocity_gain(const SingleActingServo& servo, double stiffness) {
+  return (1 + stiffness / servo.oil_stiffness) / servo.position_gain;
+}
+
+}  // namespace
+
+VerticalForceSettings single_acting_vertical(const AxialBearing& bearing,
+                                             const SingleActingServo& servo,
+                                             double servo_stiffness) {
+  if (!(servo.position_gain > 0 && servo.valve_frequency > 0 && servo.valve_damping > 0 &&
+        servo.delay >= 0 && servo.oil_stiffness > 0 && servo.supply_force > 0 &&
+        servo.platen_mass >= 0 && servo_stiffness > 0))
+    throw Error{"vertical force: expected positive gain, valve, stiffnesses and supply force"};
+  VerticalForceSettings settings = srmd_vertical();
+  settings.bearing = bearing;
+  // The loaded servo lags by force over stiffness, which no derivative of the motion contains.
+  settings.bearing.servo_stiffness = std::numeric_limits<double>::infinity();
+  settings.single_acting = servo;
+  const Lead d = lead_of(servo);
+  const double gain = velocity_gain(servo, bearing.stiffness), t = servo.delay;
+  AdaptiveInverseSettings& inverse = settings.inverse;
+  inverse.initial = {
+      1,    t + gain, t * t / 2 + gain * d.d1, t * t * t / 6 + gain * d.d2, 1 / servo_stiffness, 0,
+      3e-5, 0};
+  inverse.uncertainty = {0.03, 0.005, 1e-4, 5e-7, 0.2 / servo_stiffness, 0, 3e-5, 0};
+  inverse.a4 = gain * d.d3;
+  inverse.force_capacity = servo.supply_force;
+  inverse.error = 5e-4;
+  settings.observer_bandwidth = 3;
+  return settings;
+}
+
+FlowLead::FlowLead(const SingleActingServo& servo, double stiffness, double smoothing,
+                   double period)
+    : gain_{velocity_gain(servo, stiffness)},
+      weight_{servo.platen_mass * kStandardGravity},
+      supply_force_{servo.supply_force},
+      smoothing_{smoothing},
+      share_{period / (period + smoothing)} {
+  // The poles delay by (1 + sT)ⁿ, which the lead includes.
+  const Lead d = lead_of(servo);
+  const double n = kPoles;
+  first_ = d.d1 + n * smoothing;
+  second_ = d.d2 + n * smoothing * d.d1 + n * (n - 1) / 2 * smoothing * smoothing;
+}
+
+double FlowLead::step(double wanted, double load) noexcept {
+  if (!has_started_) poles_.fill(wanted);
+  has_started_ = true;
+  poles_[0] = wanted;
+  for (std::size_t i = 1; i <= kPoles; ++i) poles_[i] += share_ * (poles_[i - 1] - poles_[i]);
+  const double velocity = (poles_[3] - poles_[4]) / smoothing_;
+  const double acceleration = (poles_[2] - 2 * poles_[3] + poles_[4]) / (smoothing_ * smoothing_);
+  const double jerk = (poles_[1] - 3 * poles_[2] + 3 * poles_[3] - poles_[4]) /
+                      (smoothing_ * smoothing_ * smoothing_);
+  const double ahead = velocity + first_ * acceleration + second_ * jerk;
+  const double used =
+      std::clamp((load + weight_) / supply_force_, kLeastPressure, 1 - kLeastPressure);
+  return gain_ * ahead * (1 / std::sqrt(ahead > 0 ? 1 - used : used) - 1);
+}
+
 VerticalForceControl::VerticalForceControl(const VerticalForceSettings& settings)
     : settings_{settings}, inverse_{settings.inverse} {
+  if (settings.single_acting)
+    flow_.emplace(*settings.single_acting, settings.bearing.stiffness, settings.inverse.smoothing,
+                  settings.inverse.period);
   if (!(settings.bearing.stiffness > 0 && settings.bearing.servo_stiffness > 0 &&
         settings.bearing.softening >= 0 && settings.bearing.series_stiffness >= 0))
     throw Error{"vertical force: expected positive stiffnesses of bearing and servo"};
@@ -73,7 +156,10 @@ double VerticalForceControl::step(double target, double measured, double horizon
     disturbance_ = std::clamp(disturbance_ + rate * error, -settings_.observer_limit,
                               settings_.observer_limit);
   }
-  return inverse_.step(wanted - disturbance_, found, target, 1, adapt);
+  if (std::isfinite(wanted)) last_wanted_ = wanted;
+  if (std::isfinite(target)) last_target_ = target;
+  return inverse_.step(wanted - disturbance_, found, target, 1, adapt) +
+         (flow_ ? flow_->step(last_wanted_, last_target_) : 0);
 }
 
 }  // namespace rths::controller

@@ -79,7 +79,9 @@ void read_diagram(const NodePlan& plan, budget::HybridTest& test) {
   test.command.substeps =
       static_cast<int>(std::lround(test.rate * test.integration_step / (test.period / substeps)));
   test.corrects = false;
-  for (const auto& block : adapters::blocks_of(diagram, plan.settings.constants)) {
+  for (const auto& block :
+       adapters::blocks_of(diagram, plan.settings.constants, plan.settings.blocks)) {
+    if (block.flag("single", false)) continue;  // of the vertical force
     const std::string type = block.text("type", "");
     if (type == "predictor_corrector") read_command(block, test);
     if (type != "force_observer") continue;

@@ -31,7 +31,8 @@ constexpr double kReferenceAlpha = 0;  // no numerical damping in the purely num
 }  // namespace
 
 PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
-                             double bearing_initial_stiffness, double time_step, double alpha)
+                             double bearing_initial_stiffness, double time_step, double alpha,
+                             VerticalFeedback vertical)
     : plant_{std::move(plant)},
       motion_{std::move(motion)},
       time_step_{time_step},
@@ -40,20 +41,47 @@ PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
       restoring_force_{Eigen::VectorXd::Zero(plant_.dofs())},
       integrator_{plant_.M, plant_.C, implicit_stiffness(plant_, bearing_initial_stiffness),
                   time_step, alpha},
-      vertical_step_{vertical_step(plant_, time_step)} {}
+      vertical_step_{vertical_step(plant_, time_step)} {
+  if (vertical == VerticalFeedback::Model || plant_.bearings == 0) return;
+  const double omega = 2 * std::numbers::pi * plant_.vertical_frequency;
+  vertical_stiffness_ = plant_.mass_per_bearing * omega * omega;
+  vertical_damping_ = 2 * plant_.vertical_damping * omega * plant_.mass_per_bearing;
+  const auto one = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
+  vertical_integrator_.emplace(one(plant_.mass_per_bearing), one(vertical_damping_),
+                               one(vertical_stiffness_), time_step, alpha);
+  vertical_restoring_ = vertical_load_ = Eigen::VectorXd::Zero(1);
+}
+
+// A bearing cannot pull.
+void PlantAnalysis::predict_vertical() noexcept {
+  double force = 0;
+  if (vertical_integrator_) {
+    const double compression = vertical_integrator_->predict()[0];
+    force = vertical_stiffness_ * compression +
+            vertical_damping_ * vertical_integrator_->predicted_velocity()[0];
+  } else {
+    const double before = motion_.vertical_at(static_cast<double>(steps_ - 1) * time_step_);
+    force = plant_.mass_per_bearing *
+            vertical_.advance(vertical_step_, before, motion_.vertical_at(time_));
+  }
+  vertical_force_ = std::max(force, -plant_.mass_per_bearing * kStandardGravity);
+}
 
 Eigen::Vector2d PlantAnalysis::predict() noexcept {
-  const double before = motion_.vertical_at(time_);
   time_ = static_cast<double>(++steps_) * time_step_;
-  if (plant_.bearings > 0) {
-    const double upwards = vertical_.advance(vertical_step_, before, motion_.vertical_at(time_));
-    vertical_force_ = plant_.mass_per_bearing * std::max(upwards, -kStandardGravity);
-  }
+  if (plant_.bearings > 0) predict_vertical();
   restoring_force_.noalias() = plant_.K * integrator_.predict();
   return {integrator_.predicted_displacement()[0], integrator_.predicted_displacement()[1]};
 }
 
-void PlantAnalysis::correct(const Eigen::Vector2d& bearing_force) noexcept {
+void PlantAnalysis::correct(const Eigen::Vector2d& bearing_force, double vertical_force) noexcept {
+  if (vertical_integrator_) {
+    // The measured force contains the dashpot's at the predicted velocity, which α-OS adds itself.
+    vertical_restoring_[0] =
+        vertical_force - vertical_damping_ * vertical_integrator_->predicted_velocity()[0];
+    vertical_load_[0] = plant_.mass_per_bearing * motion_.vertical_at(time_);
+    vertical_integrator_->correct(vertical_restoring_, vertical_load_);
+  }
   ground_ = motion_.at(time_);
   load_.noalias() = inertia_ * ground_;
   if (plant_.bearings > 0) restoring_force_.head<2>() += plant_.bearings * bearing_force;

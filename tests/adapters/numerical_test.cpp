@@ -264,6 +264,32 @@ TEST(Numerical, SendsTheVerticalForceToTheSpecimen) {
   }
 }
 
+TEST(Numerical, IntegratesTheMeasuredVerticalForce) {
+  NumericalSettings s = numerical_settings();
+  s.motion.vert_acceleration = s.motion.long_acceleration;
+  s.vertical_feedback = sim::VerticalFeedback::Measured;
+  const auto solver = make_numerical(s);
+  Partner partner{*solver, {"long", "lat"}};
+  partner.bench.in("daq.vert.force.fbk") = 1e6;
+  sim::PlantAnalysis analysis{sim::assemble(s.plant), s.motion, s.bearing_initial_stiffness,
+                              s.integration_step,     s.alpha,  sim::VerticalFeedback::Measured};
+
+  for (int target = 1; target <= 2; ++target) {
+    while (partner.targets < target) ASSERT_EQ(partner.tick(), Status::Ok);
+    analysis.predict();
+    EXPECT_EQ(partner.bench.out("opf.vert.force.target"), analysis.vertical_force()) << target;
+    analysis.correct(Eigen::Vector2d::Zero(), 1e6);
+  }
+  EXPECT_NE(analysis.vertical_force(), 0);
+}
+
+TEST(Numerical, RefusesVerticalFeedbackWithoutVerticalMotion) {
+  NumericalSettings s = numerical_settings();
+  s.vertical_feedback = sim::VerticalFeedback::Measured;
+
+  EXPECT_THROW(make_numerical(s), Error);
+}
+
 TEST(Numerical, TestsOneAxisAlone) {
   NumericalSettings s = numerical_settings();
   s.axes = {"lat"};

@@ -424,6 +424,94 @@ std::filesystem::path hybrid_controller() {
   return test::source_tree() / "adapters/simulink_like/diagrams/hybrid_controller.toml";
 }
 
+std::string vertical_block(const std::string& keys) {
+  return input("f", "opf.vert.force", "N") + input("m", "srmd.vert.force", "N") + kX +
+         block("v", "vertical_force",
+               "in.target = \"f\"\nin.measured = \"m\"\nin.horizontal_target = \"x\"\n"
+               "in.horizontal = \"x\"\nstiffness_N_per_m = 5e9\n" +
+                   keys);
+}
+
+// Relative to the first target: a load of 10 MN is the rest position.
+TEST(VerticalForceBlock, StartsAtRestAndFollowsTheHeightOfThePendulum) {
+  const auto target = diagram(vertical_block(
+      "lift_radius_m = -8\nobserver_bandwidth_Hz = 0\nservo_stiffness_N_per_m = 1e15"));
+  test::Bench bench{*target};
+  bench.in("opf.vert.force") = bench.in("srmd.vert.force") = 10e6;
+  static_cast<void>(bench.step(0));
+  EXPECT_EQ(bench.out("v.reference"), 0);
+
+  bench.in("lab.long.displ") = 0.24;
+  bench.in("lab.lat.displ") = 0.32;
+  for (int i = 1; i < 500; ++i) static_cast<void>(bench.step(i * 1e-3));
+
+  // u = 0.4 m: the platen gives way by u²/(2 R) = 10 mm.
+  EXPECT_NEAR(bench.out("v.reference"), -0.01, 1e-6);
+}
+
+TEST(VerticalForceBlock, RunsThePapersCascade) {
+  const auto target =
+      diagram(vertical_block("law = \"cascade\"\ncascade_gain_per_s = 10\ncascade_lag_s = 0.04"));
+  test::Bench bench{*target};
+  bench.in("opf.vert.force") = bench.in("srmd.vert.force") = 10e6;
+  static_cast<void>(bench.step(0));
+  bench.in("opf.vert.force") = 11e6;
+  static_cast<void>(bench.step(1e-3));
+
+  // F/K + g Δt F/K + g T F/K
+  EXPECT_NEAR(bench.out("v.reference"), 1e6 / 5e9 * (1 + 10 * 1e-3 + 10 * 0.04), 1e-12);
+}
+
+TEST(VerticalForceBlock, LimitsItsReference) {
+  const auto target = diagram(vertical_block("law = \"cascade\"\nlimit_m = 0.001"));
+  test::Bench bench{*target};
+  bench.in("opf.vert.force") = bench.in("srmd.vert.force") = 10e6;
+  static_cast<void>(bench.step(0));
+  bench.in("opf.vert.force") = 50e6;
+  static_cast<void>(bench.step(1e-3));
+
+  EXPECT_EQ(bench.out("v.reference"), 0.001);
+}
+
+TEST(VerticalForceBlock, SaysWhatIsWrongAndWhere) {
+  EXPECT_NE(
+      error_in(vertical_block("law = \"pid\"")).find("law is 'pid', expected lead or cascade"),
+      std::string::npos);
+  EXPECT_NE(error_in(vertical_block("position_gain_per_s = 0")).find("position_gain_per_s"),
+            std::string::npos);
+  EXPECT_NE(error_in(vertical_block("stifness = 1")).find("unknown key 'stifness'"),
+            std::string::npos);
+}
+
+TEST(PredictorCorrectorBlock, CommandsASingleForce) {
+  const std::string text = input("new", "opf.newTarget", "1") + input("f", "opf.vert.force", "N") +
+                           block("p", "predictor_corrector",
+                                 "single = true\nunit = \"N\"\nrate = 10\nin.new_target = \"new\"\n"
+                                 "in.target = \"f\"\nin.displacement = \"f\"\nin.force = \"f\"");
+  const auto target = diagram(text);
+
+  EXPECT_EQ(port_named(*target, "p.command").unit, "N");
+  EXPECT_EQ(port_named(*target, "p.velocity").unit, "N/s");
+  EXPECT_NE(error_in(text + "unit = \"K\"").size(), 0U);
+}
+
+TEST(Diagram, TakesKeysOfItsBlocksFromTheExperiment) {
+  const std::string text = kX + block("k", "saturation", "in.in = \"x\"\nlimits = [1, 1]");
+  DiagramContext context;
+  context.blocks = Config::parse("k.limits = [2, 2]", "e.toml");
+  const auto target = diagram(text, context);
+  test::Bench bench{*target};
+  bench.in("lab.long.displ") = 3;
+  static_cast<void>(bench.step(0));
+
+  EXPECT_EQ(bench.out("k.out.long"), 2);
+  context.blocks = Config::parse("kk.limits = [2, 2]", "e.toml");
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(diagram(text, context));
+            }).find("e.toml:1:1: the diagram has no block 'kk' (did you mean 'k'?)"),
+            std::string::npos);
+}
+
 TEST(HybridController, SamplesAtTheTargetAndAnswersTheHandshake) {
   const auto target = make_simulink_like(hybrid_controller(), {});
   test::Bench bench{*target};

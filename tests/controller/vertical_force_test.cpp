@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include <rths/controller/vertical_force.hpp>
+#include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
 #include "support/period.hpp"
@@ -88,7 +90,60 @@ TEST(VerticalForceControl, KeepsItsReferenceFiniteOnBadFeedback) {
   EXPECT_EQ(control.disturbance(), 0);
 }
 
+/// A stiff spring on a single-acting servo: the equations of SingleActingServo.
+struct SingleActingAxis {
+  SingleActingServo servo;
+  double stiffness = 5e9, load = 10e6, x = 0, spool = 0, spool_rate = 0;
+  double operator()(double reference) {
+    constexpr int kSubsteps = 50;
+    const double h = kPeriod / kSubsteps, omega = 2 * std::numbers::pi * servo.valve_frequency;
+    for (int i = 0; i < kSubsteps; ++i) {
+      const double p =
+          (load + stiffness * x + servo.platen_mass * kStandardGravity) / servo.supply_force;
+      const double flow = spool * std::sqrt(spool > 0 ? 1 - p : p);
+      const double acceleration = omega * omega * (servo.position_gain * (reference - x) - spool) -
+                                  2 * servo.valve_damping * omega * spool_rate;
+      spool_rate += h * acceleration;
+      spool += h * spool_rate;
+      x += h * flow / (1 + stiffness / servo.oil_stiffness);
+    }
+    return load + stiffness * x;
+  }
+};
+
+// RMS of the error over peak to peak of a sine of ±3 MN at 5 Hz around 10 MN.
+double error_of_single_acting(VerticalForceSettings settings) {
+  SingleActingAxis axis;
+  VerticalForceControl control{settings};
+  const double first = control.step(axis.load, axis.load, 0, 0, false);
+  double force = axis.load, sum = 0;
+  constexpr int kSteps = 3000, kBegin = 1000;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double target = 10e6 + 3e6 * std::sin(2 * std::numbers::pi * 5 * i * kPeriod);
+    if (i > kBegin) sum += (force - target) * (force - target);
+    force = axis(control.step(target, force, 0, 0, false) - first);
+  }
+  return std::sqrt(sum / (kSteps - kBegin)) / 6e6;
+}
+
+TEST(VerticalForceControl, CompensatesForTheFlowOfSingleActingActuators) {
+  SingleActingServo servo;
+  servo.delay = 1.5e-3;  // half a period of hold, and a period until the force is measured
+  auto settings = single_acting_vertical({.stiffness = 5e9}, servo, 1e15);
+  settings.inverse.initial.dead_band = 0;
+  settings.observer_bandwidth = 0;
+  const double with = error_of_single_acting(settings);
+  settings.single_acting.reset();
+  const double without = error_of_single_acting(settings);
+
+  // The lead is κ (1/g − 1) ẋ: 0.08 s × 31 rad/s of the downward motion, more than the motion
+  // itself. Its kink at the reversal is rounded by four poles of 1 ms. 2 % is the goal.
+  EXPECT_LT(with, 0.02);
+  EXPECT_GT(without, 5 * with);
+}
+
 TEST(VerticalForceControl, RefusesSettingsOutOfRange) {
+  EXPECT_THROW(static_cast<void>(single_acting_vertical({}, {.position_gain = 0}, 1e10)), Error);
   VerticalForceSettings settings = srmd_vertical();
   settings.bearing.stiffness = 0;
   EXPECT_THROW(VerticalForceControl{settings}, Error);
@@ -99,7 +154,10 @@ TEST(VerticalForceControl, WorksInRealTime) {
   VerticalForceControl control{srmd_vertical()};
   ForceCascade cascade{{}};
 
+  VerticalForceControl single{single_acting_vertical({}, {}, 4e10)};
+
   EXPECT_REALTIME((void)control.step(1e6, 1e6, 0.1, 0.1));
+  EXPECT_REALTIME((void)single.step(1e6, 1e6, 0.1, 0.1));
   EXPECT_REALTIME((void)cascade.step(1e6, 1e6));
 }
 

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Hybrid tests on the machine with six degrees of freedom: the example, and the benchmark.
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include <rths/recording/recording.hpp>
 
 #include "support/files.hpp"
 #include "support/json.hpp"
@@ -30,6 +35,61 @@ TEST(PlatenExample, HasThePapersDelays) {
     EXPECT_LT(axis["delay_compensated_ms"], 6.5) << name;
     EXPECT_LT(axis["nrms_percent"], 1.5) << name;
   }
+}
+
+test::Finished run_3d(const std::filesystem::path& out, std::vector<std::string> sets) {
+  std::vector<std::string> arguments{
+      "run",     (test::source_tree() / "examples/srmd_lprb_3d.toml").string(),
+      "--clock", "virtual",
+      "--set",   "duration_s=8",
+      "--set",   "uncompensated={}",
+      "--out",   out.string()};
+  for (auto& set : sets) arguments.insert(arguments.end(), {"--set", std::move(set)});
+  return test::run_rths(arguments, 120);
+}
+
+// The goals of the vertical force: 2 % of peak to peak.
+TEST(ThreeDimensionsExample, TracksTheVerticalForceThatItFeedsBack) {
+  const test::TemporaryFolder folder;
+  const auto run = run_3d(folder.path(), {});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const recording::Reader recorded{folder.path() / "run.h5"};
+  const auto command = recorded.signal("monitor.xpc.vertical_load.out");
+  const auto measured = recorded.signal("monitor.xpc.vertical_measured.out");
+
+  double sum = 0, low = 1e9, high = -1e9;
+  std::size_t count = 0;
+  for (std::size_t i = 3000; i < 10'000; ++i, ++count) {
+    sum += (measured[i] - command[i]) * (measured[i] - command[i]);
+    low = std::min(low, command[i]);
+    high = std::max(high, command[i]);
+  }
+  EXPECT_GT(high - low, 5e6);
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(count)), 0.02 * (high - low));
+  EXPECT_NE(recorded.signal("daq.vert.force.fbk").back(), 0);
+}
+
+// Its delay of 40 ms is a negative damping far above the plant's. The safety layer ends the test.
+TEST(ThreeDimensionsExample, EndsSafelyWhereTheCascadeIsUnstable) {
+  const test::TemporaryFolder folder;
+  const auto run = run_3d(folder.path(), {"node.xpc.blocks.vertical.law=cascade"});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("srmd: safety trip at "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find(" s: vert: "), std::string::npos) << run.err;
+  const recording::Reader recorded{folder.path() / "run.h5"};
+  for (const double reference : recorded.signal("srmd.vert.displ.ref_echo"))
+    ASSERT_LT(std::abs(reference), 0.127);
+  for (const double force : recorded.signal("monitor.srmd.true.force.vert"))
+    ASSERT_LT(force, 53.4e6);
+}
+
+TEST(ThreeDimensionsExample, RefusesAnUnknownLaw) {
+  const test::TemporaryFolder folder;
+  const auto run = run_3d(folder.path(), {"node.xpc.blocks.vertical.law=pid"});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("law is 'pid', expected lead or cascade"), std::string::npos) << run.err;
 }
 
 TEST(SrmdBench, WritesItsFigures) {

@@ -295,7 +295,7 @@ TEST(SafetyRun, RefusesWrongKeys) {
 
   EXPECT_EQ(error("velocity_m_per_s", "[1]"),
             "--set node.srmd.safety.velocity_m_per_s: velocity_m_per_s has 1 numbers, expected "
-            "[long, lat]");
+            "[long, lat] or [long, lat, vert]");
   EXPECT_EQ(error("velocty_m_per_s", "[1, 1]"),
             "--set node.srmd.safety.velocty_m_per_s: unknown key 'velocty_m_per_s' (did you mean "
             "'velocity_m_per_s'?)");

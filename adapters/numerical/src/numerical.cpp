@@ -43,6 +43,7 @@ class Numerical final : public Adapter {
   NumericalSettings settings_;
   std::size_t axes_;
   bool is_vertical_;                      ///< the motion has a vertical component
+  bool reads_vertical_;                   ///< the measured vertical force is fed back
   std::vector<Eigen::Index> directions_;  ///< of each tested axis: 0 long, 1 lat
   Solution solution_;
   Exchange exchange_;
@@ -58,9 +59,13 @@ Numerical::Numerical(const NumericalSettings& settings)
     : settings_{settings},
       axes_{settings.axes.size()},
       is_vertical_{!settings.history && !settings.motion.vert_acceleration.empty()},
+      reads_vertical_{settings.vertical_feedback == sim::VerticalFeedback::Measured},
       solution_{make_solution(settings)},
       random_{settings.computing_time ? settings.computing_time->seed : 0},
       handshake_{settings.wait_deadline, settings.handshake} {
+  if (reads_vertical_ && !is_vertical_ && !settings.history)
+    throw Error{
+        "numerical: vertical_feedback is measured, but the motion has no vertical component"};
   for (const auto& axis : settings.axes) {
     if (axis != "long" && axis != "lat")
       throw Error{"numerical: axis '" + axis + "' is not in the model, expected long or lat"};
@@ -76,6 +81,7 @@ std::vector<Port> Numerical::ports() const {
   add("daq.atTarget", Direction::Input, "1");
   add("daq.switchPC", Direction::Input, "1");
   for (const auto& axis : settings_.axes) add("daq." + axis + ".force.fbk", Direction::Input, "N");
+  if (reads_vertical_) add("daq.vert.force.fbk", Direction::Input, "N");
   for (const auto& axis : settings_.axes) {
     add("opf." + axis + ".displ.target", Direction::Output, "m");
     add("opf." + axis + ".veloc.target", Direction::Output, "m/s");
@@ -106,6 +112,7 @@ double Numerical::draw_computing_time() noexcept {
 void Numerical::acquire(const StepData& step) noexcept {
   for (std::size_t i = 0; i < axes_; ++i)
     exchange_.force[directions_[i]] = step.inputs[kFeedback + i];
+  if (reads_vertical_) exchange_.measured_vertical_force = step.inputs[kFeedback + axes_];
   std::visit(
       [&](auto& solution) {
         if (steps_ > 0) solution.finish(exchange_);

@@ -8,10 +8,19 @@ namespace {
 
 constexpr double kPeriod = 0.25e-3, kPhase = 0.1e-3;  // [s]
 
+sim::VerticalFeedback read_vertical_feedback(const Config& table) {
+  const std::string source = table.text("vertical_feedback", "model");
+  if (source == "model") return sim::VerticalFeedback::Model;
+  if (source != "measured")
+    table.fail("vertical_feedback",
+               "vertical_feedback is '" + source + "', expected model or measured");
+  return sim::VerticalFeedback::Measured;
+}
+
 }  // namespace
 
 std::unique_ptr<Adapter> make_numerical_node(const TestSetup& setup, const NodeContext& context,
-                                             Handshake handshake) {
+                                             Handshake handshake, sim::VerticalFeedback vertical) {
   NumericalSettings settings;
   settings.handshake = handshake;
   settings.axes = setup.axes;
@@ -26,6 +35,7 @@ std::unique_ptr<Adapter> make_numerical_node(const TestSetup& setup, const NodeC
   if (context.is_virtual || setup.model_computing_time)
     settings.computing_time = setup.computing_time;
   settings.history = setup.history;
+  settings.vertical_feedback = vertical;
   return make_numerical(settings);
 }
 
@@ -37,9 +47,9 @@ NodeSettings read_numerical(const std::string& /*node*/, const Config& table,
   settings.schedule = schedule_of(kPeriod, kPhase);
   settings.priority = 40;
   settings.integrates_plant = true;
-  settings.make = [handshake = read_handshake(table)](const TestSetup& setup,
-                                                      const NodeContext& context) {
-    return make_numerical_node(setup, context, handshake);
+  settings.make = [handshake = read_handshake(table), vertical = read_vertical_feedback(table)](
+                      const TestSetup& setup, const NodeContext& context) {
+    return make_numerical_node(setup, context, handshake, vertical);
   };
   return settings;
 }

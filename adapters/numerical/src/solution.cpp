@@ -25,8 +25,12 @@ constexpr const char* kDirections[] = {"long", "lat"};
 }  // namespace
 
 AnalysedTargets::AnalysedTargets(const NumericalSettings& settings)
-    : analysis_{sim::assemble(settings.plant), along_tested_axes(settings.motion, settings.axes),
-                settings.bearing_initial_stiffness, settings.integration_step, settings.alpha} {}
+    : analysis_{sim::assemble(settings.plant),
+                along_tested_axes(settings.motion, settings.axes),
+                settings.bearing_initial_stiffness,
+                settings.integration_step,
+                settings.alpha,
+                settings.vertical_feedback} {}
 
 void AnalysedTargets::begin(Exchange& exchange) noexcept {
   exchange.displacement = analysis_.predict();

@@ -15,12 +15,13 @@
 namespace rths::adapters {
 
 /// Values exchanged with the specimen: long, lat. Untested axes stay at zero. The vertical axis
-/// gets a force command and has no feedback.
+/// gets a force command.
 struct Exchange {
   Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< target [m]
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();      ///< of the target [m/s]
   double vertical_force = 0;                               ///< on top of the weight [N]
   Eigen::Vector2d force = Eigen::Vector2d::Zero();         ///< measured [N]
+  double measured_vertical_force = 0;  ///< on top of the weight, if it is fed back [N]
 };
 
 /// Name and SI unit of each recorded value.
@@ -31,7 +32,9 @@ class AnalysedTargets {
  public:
   explicit AnalysedTargets(const NumericalSettings& settings);
   void begin(Exchange& exchange) RTHS_REALTIME;
-  void finish(const Exchange& exchange) RTHS_REALTIME { analysis_.correct(exchange.force); }
+  void finish(const Exchange& exchange) RTHS_REALTIME {
+    analysis_.correct(exchange.force, exchange.measured_vertical_force);
+  }
   [[nodiscard]] double time() const RTHS_REALTIME { return analysis_.time(); }
   [[nodiscard]] MonitorNames monitors() const;
   void monitor(std::span<double> values) const RTHS_REALTIME;

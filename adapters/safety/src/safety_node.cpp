@@ -15,7 +15,7 @@ namespace {
 
 using controller::SafetyLimits;
 
-constexpr const char* kAxes[] = {"long", "lat"};  // order of the pairs
+constexpr std::array kAxes = {"long", "lat", "vert"};  // order of the values
 constexpr std::int64_t kLimitsFormat = 1;
 
 struct Key {
@@ -36,14 +36,14 @@ constexpr Key kKeys[] = {{"displacement_m", &SafetyLimits::displacement},
                          {"negative_work_J", &SafetyLimits::negative_work}};
 
 // A limit that the file does not state is off.
-void read_pair(const Config& table, const Key& key, double factor,
-               std::array<SafetyLimits, 2>& axes) {
+void read_values(const Config& table, const Key& key, double factor,
+                 std::array<SafetyLimits, kAxes.size()>& axes) {
   if (!table.has(key.key)) return;
   const auto values = table.numbers(key.key);
-  if (values.size() != axes.size())
-    table.fail(key.key,
-               fmt::format("{} has {} numbers, expected [long, lat]", key.key, values.size()));
-  for (std::size_t i = 0; i < axes.size(); ++i) {
+  if (values.size() < 2 || values.size() > axes.size())
+    table.fail(key.key, fmt::format("{} has {} numbers, expected [long, lat] or [long, lat, vert]",
+                                    key.key, values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) {
     if (!(values[i] > 0))
       table.fail(key.key,
                  fmt::format("{} is {:g}, expected a positive number", key.key, values[i]));
@@ -51,24 +51,28 @@ void read_pair(const Config& table, const Key& key, double factor,
   }
 }
 
-std::array<SafetyLimits, 2> read_limits(const Config& table) {
-  std::array<SafetyLimits, 2> axes;
+// A change that states two numbers keeps the vertical limit of the file.
+std::array<SafetyLimits, kAxes.size()> read_limits(const Config& file, const Config& table) {
+  std::array<SafetyLimits, kAxes.size()> axes;
   const double margin = table.number_in("velocity_margin", 1, 10, 1.0);
   for (const auto& key : kKeys)
-    read_pair(table, key, key.member == &SafetyLimits::velocity ? margin : 1, axes);
+    for (const Config* source : {&file, &table})
+      read_values(*source, key, key.member == &SafetyLimits::velocity ? margin : 1, axes);
   return axes;
 }
 
-SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup) {
+SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup,
+                                  bool drives_vertical) {
   const auto file = find_file(changes, "file", "limits", "srmd");
-  const Config table = Config::load(file).overlaid(changes);
+  const Config limits_of_file = Config::load(file);
+  const Config table = limits_of_file.overlaid(changes);
   if (const auto format = table.integer("safety"); format != kLimitsFormat)
     table.fail("safety", fmt::format("format is {}, this program reads {}", format, kLimitsFormat));
   static_cast<void>(table.text("title", ""));
   static_cast<void>(table.text("file", ""));
   SafeMachineSettings settings;
   auto& safety = settings.safety;
-  const auto limits = read_limits(table);
+  const auto limits = read_limits(limits_of_file, table);
   safety.window = table.number_in("window_s", 1e-3, 1, safety.window);
   safety.response_delay = table.number_in("response_delay_s", 0, 1, safety.response_delay);
   safety.start_distance = table.number_in("start_distance_m", 1e-6, 10, safety.start_distance);
@@ -78,9 +82,11 @@ SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup)
   table.reject_unknown_keys();
   safety.hold = setup.retreat.hold;
   safety.ramp = setup.retreat.ramp;
-  for (const auto& axis : setup.axes) {
-    const bool is_lat = axis == kAxes[1];
-    safety.axes.push_back(limits[is_lat ? 1 : 0]);
+  auto axes = setup.axes;
+  if (drives_vertical) axes.emplace_back(kAxes[2]);
+  for (const auto& axis : axes) {
+    const auto place = std::find(kAxes.begin(), kAxes.end(), axis) - kAxes.begin();
+    safety.axes.push_back(limits[static_cast<std::size_t>(place)]);
     settings.axes.push_back({axis, "xpc." + axis + ".displ.ref", "srmd." + axis + ".displ.fbk",
                              "srmd." + axis + ".force.fbk"});
   }
@@ -105,10 +111,11 @@ void narrow(SafeMachineSettings& settings, const memmap::Map& map) {
 
 }  // namespace
 
-NodeSettings with_safety(NodeSettings machine, const Config& table, const TestSetup& setup) {
+NodeSettings with_safety(NodeSettings machine, const Config& table, const TestSetup& setup,
+                         bool drives_vertical) {
   if (!table.flag("enabled", true)) return machine;
   auto make = std::exchange(machine.make, nullptr);
-  const SafeMachineSettings read = read_settings(table.without("enabled"), setup);
+  const SafeMachineSettings read = read_settings(table.without("enabled"), setup, drives_vertical);
   machine.make = [make = std::move(make), read](const TestSetup& test, const NodeContext& context) {
     SafeMachineSettings settings = read;
     settings.safety.period = to_seconds(context.period);

@@ -99,7 +99,9 @@ Block through(BlockKind kind) {
 }
 
 Block make_gain(const Config& table, const BlockContext&) {
-  Block block = through(Gain{});
+  const bool is_single = table.flag("single", false);
+  Block block = through(Gain{is_single});
+  block.inputs[0].per_axis = block.outputs[0].per_axis = !is_single;
   block.outputs[0].unit = stated_unit(table);
   add_parameter(block, table, "gain", "1", 1);
   return block;
@@ -209,6 +211,7 @@ constexpr BlockType kBlockTypes[] = {{"ring_input", make_ring_input},
                                      {"feed_forward", make_feed_forward},
                                      {"force_observer", make_force_observer},
                                      {"table_force_observer", make_table_force_observer},
+                                     {"vertical_force", make_vertical_force},
                                      {"stop", make_stop}};
 
 const BlockType& type_named(const Config& table) {

@@ -81,7 +81,12 @@ void add_parameter(Block& block, const Config& table, const std::string& name,
 
 Block make_predictor_corrector(const Config& table, const BlockContext& context) {
   controller::PredictorCorrectorSettings settings;
-  settings.axes = static_cast<int>(context.axes());
+  const bool is_single = table.flag("single", false);
+  const std::string unit = table.text("unit", "m");
+  if (unit != "m" && unit != "N")
+    table.fail("unit", fmt::format("unit is '{}', expected m or N", unit));
+  const std::string second_rate = unit == "m" ? "m/s2" : "";  // no unit of the map
+  settings.axes = is_single ? 1 : static_cast<int>(context.axes());
   settings.integration_step = context.run.integration_step;
   settings.simulation_step = context.run.simulation_step;
   settings.substeps = static_cast<int>(std::lround(settings.simulation_step / context.period));
@@ -91,21 +96,30 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
   settings.targets_carry_rates = table.flag("targets_carry_rates", false);
   settings.largest_xi = table.number_in("largest_xi", 0.1, 0.99, settings.largest_xi);
   Block block;
+  const bool each = !is_single;
   block.inputs = {{"new_target", kSingle, "1"},
-                  {"target", kPerAxis, "m"},
-                  {"displacement", kPerAxis, "m"},
-                  {"force", kPerAxis, "N"},
-                  {"target_velocity", kPerAxis, "m/s", true},
-                  {"target_acceleration", kPerAxis, "m/s2", true}};
-  block.outputs = {{"command", kPerAxis, "m"},         {"velocity", kPerAxis, "m/s"},
-                   {"acceleration", kPerAxis, "m/s2"}, {"held_displacement", kPerAxis, "m"},
-                   {"held_force", kPerAxis, "N"},      {"at_target", kSingle, "1"},
-                   {"switch_pc", kSingle, "1"},        {"state", kSingle, "1"},
-                   {"counter", kSingle, "1"},          {"stopped", kSingle, "1"},
-                   {"correct_time", kSingle, "s"},     {"predict_time", kSingle, "s"},
-                   {"slow_down_time", kSingle, "s"},   {"targets", kSingle, "1"},
+                  {"target", each, unit},
+                  {"displacement", each, unit},
+                  {"force", each, "N"},
+                  {"target_velocity", each, unit + "/s", true},
+                  {"target_acceleration", each, second_rate, true}};
+  block.outputs = {{"command", each, unit},
+                   {"velocity", each, unit + "/s"},
+                   {"acceleration", each, second_rate},
+                   {"held_displacement", each, unit},
+                   {"held_force", each, "N"},
+                   {"at_target", kSingle, "1"},
+                   {"switch_pc", kSingle, "1"},
+                   {"state", kSingle, "1"},
+                   {"counter", kSingle, "1"},
+                   {"stopped", kSingle, "1"},
+                   {"correct_time", kSingle, "s"},
+                   {"predict_time", kSingle, "s"},
+                   {"slow_down_time", kSingle, "s"},
+                   {"targets", kSingle, "1"},
                    {"target_time", kSingle, "s"}};
-  const auto delays = read_sampling_delay(table, context, settings);
+  const auto delays =
+      is_single ? std::vector<int>(1) : read_sampling_delay(table, context, settings);
   block.kind = table.placed("name", [&] {
     return PredictorCorrectorBlock{settings, delays, context.period};
   });

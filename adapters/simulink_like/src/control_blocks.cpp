@@ -2,6 +2,8 @@
 #include "control_blocks.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 namespace rths::adapters {
 namespace {
@@ -9,6 +11,12 @@ namespace {
 void copy_in(const double* from, Eigen::VectorXd& to) { std::copy_n(from, to.size(), to.data()); }
 void copy_out(const Eigen::VectorXd& from, double* to) {
   std::copy_n(from.data(), from.size(), to);
+}
+
+double length_of(const double* values, std::size_t axes) {
+  double sum = 0;
+  for (const double value : std::span{values, axes}) sum += value * value;
+  return std::sqrt(sum);
 }
 
 }  // namespace
@@ -118,6 +126,23 @@ void TableForceObserverBlock::step(const Wires& w) noexcept {
     w.out[2][i] = observers[i].machine_force();
     w.out[3][i] = static_cast<double>(observers[i].bad_samples());
   }
+}
+
+void VerticalForceBlock::step(const Wires& w) noexcept {
+  const double target = *w.in[0];
+  const double measured = *w.in[1];
+  const double wanted = is_cascade ? cascade.step(target, measured)
+                                   : lead.step(target, measured, length_of(w.in[2], w.axes),
+                                               length_of(w.in[3], w.axes), *w.parameter[0] != 0);
+  if (!has_started) first = wanted;
+  has_started = true;
+  *w.out[0] = std::clamp(wanted - first, -limit, limit);
+  *w.out[1] = lead.disturbance();
+  *w.out[2] = lead.inverse().coefficients().a0;
+  *w.out[3] = lead.inverse().coefficients().a1;
+  *w.out[4] = lead.inverse().learning() ? 1 : 0;
+  *w.out[5] = static_cast<double>(lead.inverse().clipped());
+  *w.out[6] = static_cast<double>(lead.inverse().bad_samples());
 }
 
 }  // namespace rths::adapters

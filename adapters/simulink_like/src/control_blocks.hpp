@@ -12,6 +12,7 @@
 #include <rths/controller/predictor_corrector.hpp>
 #include <rths/controller/table_force.hpp>
 #include <rths/controller/target_exchange.hpp>
+#include <rths/controller/vertical_force.hpp>
 #include <rths/core/realtime.hpp>
 
 #include "wires.hpp"
@@ -72,6 +73,18 @@ struct ForceObserverBlock {
 /// The same with load-dependent and presliding friction and a late accelerometer, per axis.
 struct TableForceObserverBlock {
   std::vector<controller::TableForceObserver> observers;
+  void step(const Wires& w) RTHS_REALTIME;
+};
+
+/// Vertical force by lead or cascade. The reference is relative to that of the first target, under
+/// which the specimen stands at the start.
+struct VerticalForceBlock {
+  controller::VerticalForceControl lead;
+  controller::ForceCascade cascade;
+  bool is_cascade;
+  double limit;  ///< of the reference ± [m]
+  double first = 0;
+  bool has_started = false;
   void step(const Wires& w) RTHS_REALTIME;
 };
 

@@ -53,8 +53,10 @@ struct ClockBlock {
 
 /// out = gain · in
 struct Gain {
+  bool is_single = false;  ///< single values, else one per axis
   void step(const Wires& w) RTHS_REALTIME {
-    for (std::size_t i = 0; i < w.axes; ++i) w.out[0][i] = *w.parameter[0] * w.in[0][i];
+    for (std::size_t i = 0; i < (is_single ? 1 : w.axes); ++i)
+      w.out[0][i] = *w.parameter[0] * w.in[0][i];
   }
 };
 

@@ -23,13 +23,14 @@ NodeSettings read_simulink_like(const std::string& /*node*/, const Config& table
   settings.role = Role::Controller;
   settings.diagram = find_file(table, "diagram", "diagrams");
   if (table.has("constants")) settings.constants = table.resolve(table.text("constants"));
+  settings.blocks = table.table_or_empty("blocks");
   settings.schedule = schedule_of(diagram_period(settings.diagram), kPhase);
   settings.priority = 50;
   settings.keeps_times = true;
-  settings.make = [diagram = settings.diagram, constants = settings.constants](
-                      const TestSetup& setup, const NodeContext& context) {
+  settings.make = [diagram = settings.diagram, constants = settings.constants,
+                   blocks = settings.blocks](const TestSetup& setup, const NodeContext& context) {
     return make_simulink_like(diagram, {setup.axes, setup.integration_step, setup.simulation_step(),
-                                        setup.retreat, units_of(context.map), constants});
+                                        setup.retreat, units_of(context.map), constants, blocks});
   };
   return settings;
 }

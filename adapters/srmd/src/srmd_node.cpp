@@ -58,7 +58,8 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
                                                   const NodeContext& context) {
       return make_platen(member, test, context);
     };
-  return with_safety(std::move(settings), table.table_or_empty("safety"), setup);
+  return with_safety(std::move(settings), table.table_or_empty("safety"), setup,
+                     table.has("model"));
 }
 
 NodeSettings read_ideal_machine(const std::string& /*node*/, const Config& /*table*/,

@@ -9,10 +9,9 @@
 
 namespace rths::adapters {
 
-std::vector<Config> blocks_of(const Config& diagram, const std::filesystem::path& constants) {
-  auto blocks = diagram.tables("block");
-  if (constants.empty()) return blocks;
-  const Config changes = Config::load(constants);
+namespace {
+
+void replace_keys(std::vector<Config>& blocks, const Config& changes) {
   std::vector<std::string> names;
   for (auto& block : blocks) {
     names.push_back(block.text("name", ""));
@@ -22,6 +21,15 @@ std::vector<Config> blocks_of(const Config& diagram, const std::filesystem::path
     if (std::find(names.begin(), names.end(), key) == names.end())
       changes.fail(key,
                    fmt::format("the diagram has no block '{}'{}", key, did_you_mean(key, names)));
+}
+
+}  // namespace
+
+std::vector<Config> blocks_of(const Config& diagram, const std::filesystem::path& constants,
+                              const Config& experiment) {
+  auto blocks = diagram.tables("block");
+  if (!constants.empty()) replace_keys(blocks, Config::load(constants));
+  replace_keys(blocks, experiment);
   return blocks;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,23 +17,33 @@
 
 namespace rths::sim {
 
+/// Source of the vertical restoring force of the plant.
+enum class VerticalFeedback {
+  Model,    ///< a spring and a dashpot, solved exactly: the specimen's force has no influence
+  Measured  ///< the specimen's force, integrated by α-OS: a hybrid test of the vertical axis too
+};
+
 /// The numerical substructure: a plant under a ground motion, integrated one time step at a time.
 /// The caller supplies the bearing's restoring force.
 ///
-/// Vertically the plant is one mass on springs, independent of the horizontal motion. The vertical
-/// force is an output for the specimen; no vertical feedback enters the analysis.
+/// Vertically the plant is one mass on bearings, independent of the horizontal motion. The vertical
+/// force is a target for the specimen.
 class PlantAnalysis {
  public:
   /// @param bearing_initial_stiffness  of one bearing [N/m]; unused when the plant has no bearings
   /// @param time_step  of the integration [s]
   /// @throws Error as AlphaOs does   @setup
   PlantAnalysis(PlantMatrices plant, GroundMotion motion, double bearing_initial_stiffness,
-                double time_step, double alpha);
+                double time_step, double alpha,
+                VerticalFeedback vertical = VerticalFeedback::Model);
 
   /// Begins a step. @returns the bearing's target displacement at its end: long, lat [m]  @realtime
   Eigen::Vector2d predict() RTHS_REALTIME;
-  /// Ends the step. @param bearing_force  of one bearing at the target [N]   @realtime
-  void correct(const Eigen::Vector2d& bearing_force) RTHS_REALTIME;
+  /// Ends the step.
+  /// @param bearing_force  of one bearing at the target [N]
+  /// @param vertical_force  measured, on top of the weight, compression [N]; unused with Model
+  /// @realtime
+  void correct(const Eigen::Vector2d& bearing_force, double vertical_force = 0) RTHS_REALTIME;
 
   [[nodiscard]] double time() const { return time_; }  ///< end of the step [s]
   /// Compression added to one bearing by the vertical motion, at the end of the step begun [N];
@@ -46,6 +57,8 @@ class PlantAnalysis {
   [[nodiscard]] const PlantMatrices& plant() const { return plant_; }
 
  private:
+  void predict_vertical() noexcept;
+
   PlantMatrices plant_;
   GroundMotion motion_;
   double time_step_;
@@ -57,7 +70,10 @@ class PlantAnalysis {
   AlphaOs integrator_;
   OscillatorStep vertical_step_;
   Oscillator vertical_;
-  double vertical_force_ = 0;  ///< [N]
+  std::optional<AlphaOs> vertical_integrator_;  ///< of the compression of a bearing; Measured only
+  double vertical_stiffness_ = 0, vertical_damping_ = 0;  ///< of one bearing [N/m], [N·s/m]
+  double vertical_force_ = 0;                             ///< target [N]
+  Eigen::VectorXd vertical_restoring_, vertical_load_;    ///< 1 × 1 [N]
 };
 
 /// Response of a plant, one sample per step.

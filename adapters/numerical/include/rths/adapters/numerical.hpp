@@ -9,6 +9,7 @@
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/adapters/test_setup.hpp>
+#include <rths/sim/plant_analysis.hpp>
 
 namespace rths::adapters {
 
@@ -23,6 +24,7 @@ struct NumericalSettings {
   double rest = 0;                       ///< before the first step [s]
   double wait_deadline = 1;              ///< for each flag of the handshake [s]
   Handshake handshake = Handshake::AtTargetFirst;
+  sim::VerticalFeedback vertical_feedback = sim::VerticalFeedback::Model;
   std::optional<ComputingTime> computing_time;  ///< empty: the actual time
   std::optional<DisplacementHistory> history;   ///< instead of the analysis
 };

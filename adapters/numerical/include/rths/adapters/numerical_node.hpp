@@ -6,15 +6,16 @@
 
 #include <rths/adapters/factory.hpp>
 #include <rths/adapters/opf_handshake.hpp>
+#include <rths/sim/plant_analysis.hpp>
 
 namespace rths::adapters {
 
-/// Key: handshake. @throws Error with the place of the first wrong value   @setup
+/// Keys: handshake, vertical_feedback. @throws Error with the place of the first wrong value @setup
 [[nodiscard]] NodeSettings read_numerical(const std::string& node, const Config& table,
                                           const TestSetup& setup);
 /// Builds the solver for a handshake.   @setup
-[[nodiscard]] std::unique_ptr<Adapter> make_numerical_node(const TestSetup& setup,
-                                                           const NodeContext& context,
-                                                           Handshake handshake);
+[[nodiscard]] std::unique_ptr<Adapter> make_numerical_node(
+    const TestSetup& setup, const NodeContext& context, Handshake handshake,
+    sim::VerticalFeedback vertical = sim::VerticalFeedback::Model);
 
 }  // namespace rths::adapters

@@ -9,6 +9,7 @@
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/retreat.hpp>
+#include <rths/core/config.hpp>
 
 namespace rths::adapters {
 
@@ -26,6 +27,8 @@ struct DiagramContext {
   std::map<std::string, std::string> signal_units = {};  // NOLINT: g++ needs the initializer
   /// File of values that replace those of the diagram's blocks; empty: none.
   std::filesystem::path constants = {};  // NOLINT: g++ needs the initializer
+  /// Tables of the experiment that do the same, with priority.
+  Config blocks = {};  // NOLINT: g++ needs the initializer
 };
 
 /// A real-time target that runs a fixed-step block diagram from a TOML file.

@@ -51,6 +51,7 @@ struct NodeSettings {
   bool integrates_plant = false;    ///< α-OS of the experiment's plant, which a budget repeats
   std::filesystem::path diagram;    ///< block diagram that it runs, if any
   std::filesystem::path constants;  ///< values that replace those of the diagram's blocks, if any
+  Config blocks;                    ///< the same in the experiment, with priority
   /// Its code, for the recording: name, and content or SHA-256.
   std::vector<std::pair<std::string, std::string>> code;
   std::string target_count;  ///< monitor that counts its targets; empty: their time counts them
@@ -74,11 +75,12 @@ struct Factory {
   NodeSettings (*read)(const std::string& node, const Config& table, const TestSetup& setup);
 };
 
-/// The tables of a diagram's blocks. A table of the file of constants replaces keys of the block
-/// that it names.
+/// The tables of a diagram's blocks. A table of the file of constants, and then one of the
+/// experiment, replaces keys of the block that it names.
 /// @param constants  empty: none   @throws Error for a block that the diagram lacks   @setup
 [[nodiscard]] std::vector<Config> blocks_of(const Config& diagram,
-                                            const std::filesystem::path& constants);
+                                            const std::filesystem::path& constants,
+                                            const Config& experiment);
 
 /// A schedule from seconds.
 [[nodiscard]] constexpr Schedule schedule_of(double period, double phase) {

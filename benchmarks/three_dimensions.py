@@ -1,0 +1,78 @@
+"""Runs the example in three dimensions with both vertical controllers, in virtual time, and rates the vertical force."""
+import csv
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy
+
+import results_file
+
+DURATION, DRAWS = 20, 5  # [s]; members of the machine's family beside the nominal one
+SEGMENT, LOWEST, HIGHEST = 2.0, 1.0, 15.0  # of the coherence [s], [Hz], [Hz]
+FIRST = 3.0  # [s]: rest and first second of the test are left out
+COMMAND, MEASURED = "monitor.xpc.vertical_load.out", "monitor.xpc.vertical_measured.out"
+CASES = {"lead": {}, "lead_model": {"node.opf.vertical_feedback": "model"},
+         "cascade": {"node.xpc.blocks.vertical.law": "cascade"},
+         "cascade_model": {"node.opf.vertical_feedback": "model", "node.xpc.blocks.vertical.law": "cascade"},
+         "cascade_slow": {"node.opf.vertical_feedback": "model", "node.xpc.blocks.vertical.law": "cascade", "rate": 10}}
+
+
+def spectra(command, measured, step):
+    """Least coherence of 1 to 15 Hz and of 1 to 12 Hz, by Welch's method."""
+    length = round(SEGMENT / step)
+    window, cross, power, response = numpy.hanning(length), 0, 0, 0
+    for begin in range(0, len(command) - length, length // 2):
+        c, f = (numpy.fft.rfft(window * (x[begin:begin + length] - command.mean())) for x in (command, measured))
+        cross, power, response = cross + c.conj() * f, power + abs(c) ** 2, response + abs(f) ** 2
+    frequency, coherence = numpy.fft.rfftfreq(length, step), abs(cross) ** 2 / (power * response)
+    return [float(coherence[(frequency >= LOWEST) & (frequency <= high)].min()) for high in (HIGHEST, 12)]
+
+
+def figures(table, rate):
+    """Delay, RMS error over peak to peak and coherence of the measured force, in model time."""
+    with open(table) as file:
+        names = [name.split(" ")[0] for name in next(csv.reader(file))]
+    values = numpy.loadtxt(table, delimiter=",", skiprows=1)[::rate]
+    time = values[:, 0] / rate
+    used = (time > FIRST) & (time < DURATION + 2)
+    command, measured = (values[used, names.index(name)] for name in (COMMAND, MEASURED))
+    late = numpy.arange(-20, 81)
+    rms = [numpy.sqrt(numpy.mean((measured[80:-20] - command[80 - k:len(command) - 20 - k]) ** 2)) for k in late]
+    best = int(numpy.argmin(rms))
+    shift = 0.0
+    if 0 < best < len(rms) - 1:
+        a, b, c = (rms[best + i] ** 2 for i in (-1, 0, 1))
+        shift = (a - c) / (2 * (a - 2 * b + c))
+    wide, to_12 = spectra(command, measured, 1e-3)
+    span = float(numpy.ptp(command))
+    return {"delay_ms": float(late[best] + shift), "rms_percent": float(100 * rms[20] / span), "span_MN": span / 1e6,
+            "coherence_to_15_Hz": wide, "coherence_to_12_Hz": to_12}
+
+
+def run(rths, changes):
+    with tempfile.TemporaryDirectory() as folder:
+        sets = {"duration_s": DURATION, "uncompensated": "{}"} | changes
+        finished = subprocess.run(
+            [rths, "run", str(results_file.TREE / "examples" / "srmd_lprb_3d.toml"), "--clock", "virtual", "--no-diagnosis",
+             "--out", folder, *(part for key, value in sets.items() for part in ("--set", f"{key}={value}"))],
+            capture_output=True, text=True)
+        if finished.returncode > 1:
+            return {"ended": finished.stderr.strip().splitlines()[-1]}
+        table = pathlib.Path(folder) / "vertical.csv"
+        subprocess.run([rths, "export", folder, "--signals", COMMAND, MEASURED, "--out", str(table)], check=True,
+                       stdout=subprocess.DEVNULL)
+        return figures(table, int(changes.get("rate", 1)))
+
+
+if __name__ == "__main__":
+    commit = results_file.commit()
+    cases = {name: run(sys.argv[1], changes) for name, changes in CASES.items()}
+    drawn = [run(sys.argv[1], {"node.srmd.family_member": draw}) for draw in range(1, DRAWS + 1)]
+    ran = [one for one in drawn if "ended" not in one]
+    cases["drawn"] = {"tests": DRAWS, "completed": len(ran)} | {
+        key: of(abs(one[key]) for one in ran) for key, of in
+        (("delay_ms", max), ("rms_percent", max), ("coherence_to_15_Hz", min), ("coherence_to_12_Hz", min))}
+    results_file.write(results_file.RESULTS / "three_dimensions.json",
+                       results_file.stamp(commit) | {"machine": results_file.machine(), "duration_s": DURATION} | cases)
