@@ -49,11 +49,12 @@ double of_axis(const Config& table, const std::string& key, std::size_t axis) {
   return axis < values.size() ? values[axis] : 0;
 }
 
-void read_observer(const Config& table, budget::HybridTest& test) {
+void read_observer(const Config& table, double axial_load, budget::HybridTest& test) {
   for (std::size_t i = 0; i < 2; ++i) {
     auto& machine = test.corrected[i];
     machine.effective_mass = of_axis(table, "effective_mass_kg", i);
-    machine.coulomb_friction = of_axis(table, "coulomb_friction_N", i);
+    machine.coulomb_friction =
+        of_axis(table, "coulomb_friction_N", i) + of_axis(table, "load_friction", i) * axial_load;
     machine.viscous_friction = of_axis(table, "viscous_friction_N_s_per_m", i);
     machine.offset = of_axis(table, "force_offset_N", i);
     machine.exponent = table.number("exponent", 1.0);
@@ -72,7 +73,7 @@ void read_command(const Config& table, budget::HybridTest& test) {
   test.command.largest_xi = table.number("largest_xi", test.command.largest_xi);
 }
 
-void read_diagram(const NodePlan& plan, budget::HybridTest& test) {
+void read_diagram(const NodePlan& plan, double axial_load, budget::HybridTest& test) {
   const Config diagram = Config::load(plan.settings.diagram);
   const double substeps = static_cast<double>(diagram.integer("substeps", 1));
   test.period = to_seconds(plan.schedule.period);
@@ -84,8 +85,8 @@ void read_diagram(const NodePlan& plan, budget::HybridTest& test) {
     if (block.flag("single", false)) continue;  // of the vertical force
     const std::string type = block.text("type", "");
     if (type == "predictor_corrector") read_command(block, test);
-    if (type != "force_observer") continue;
-    read_observer(block, test);
+    if (type != "force_observer" && type != "table_force_observer") continue;
+    read_observer(block, axial_load, test);
     test.corrects = true;
   }
 }
@@ -94,9 +95,12 @@ void read_diagram(const NodePlan& plan, budget::HybridTest& test) {
 std::vector<budget::Lead> lead_of(const Reader& run, const NodeTicks& ticks, const Roles& roles,
                                   const char* axis) {
   const std::string tune = "tune." + roles.controller + ".";
-  const std::string monitor = roles.monitor_of_controller() + "ats.";
+  // Of an adaptive inverse, the budget replays the lead of displacement, velocity and acceleration.
+  const std::string all = roles.monitor_of_controller();
+  const std::string block = run.has(all + "ats.a0." + axis) ? "ats" : "inverse";
+  const std::string monitor = all + block + ".";
   const bool adapts =
-      run.has(monitor + "a0." + axis) && first_value(run, tune + "ats.enabled", 1) != 0;
+      run.has(monitor + "a0." + axis) && first_value(run, tune + block + ".enabled", 1) != 0;
   const bool leads = first_value(run, tune + "feed_forward.enabled", 0) != 0;
   const double velocity = leads ? first_value(run, tune + "feed_forward.velocity_gain_s", 0) : 0;
   const double acceleration =
@@ -142,7 +146,7 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
     std::fill(test.motion.long_acceleration.begin(), test.motion.long_acceleration.end(), 0);
   if (!test.tested[1])
     std::fill(test.motion.lat_acceleration.begin(), test.motion.lat_acceleration.end(), 0);
-  read_diagram(controller_of(experiment), test);
+  read_diagram(controller_of(experiment), experiment.model.axial_load, test);
   const NodeTicks machine{run, roles.machine};
   read_host(experiment, run, ticks, test);
   test.axial_load = ticks_or(run, machine, roles.vertical_force, experiment.model.axial_load);

@@ -127,12 +127,14 @@ void add_steps(AxisAnalysis& axis, const Reader& run, const Roles& roles, const 
 
 void add_compensator(AxisAnalysis& axis, const Reader& run, const Ticks& ticks,
                      const std::string& monitor) {
-  const std::string block = monitor + "ats.";
+  const bool is_inverse = !run.has(monitor + "ats.a0." + axis.name);
+  const std::string block = monitor + (is_inverse ? "inverse." : "ats.");
+  const std::string limited = block + (is_inverse ? "clipped." : "limited.") + axis.name;
   if (!run.has(block + "a0." + axis.name)) return;
   axis.a0 = ticks.series(block + "a0." + axis.name);
   axis.a1 = ticks.series(block + "a1." + axis.name);
   axis.a2 = ticks.series(block + "a2." + axis.name);
-  axis.ats_limited = std::lround(ticks.series(block + "limited." + axis.name).values.back());
+  axis.ats_limited = std::lround(ticks.series(limited).values.back());
 }
 
 AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const Roles& roles,
@@ -320,7 +322,8 @@ void note_left_out(Analysis& analysis, const Roles& roles, bool has_uncompensate
   const bool has_axes = !analysis.axes.empty();
   if (!has_axes || analysis.axes[0].a0.values.empty())
     leave_out("compensation",
-              fmt::format("no block 'ats' of a controller '{}' is recorded", roles.controller));
+              fmt::format("no block 'ats' or 'inverse' of a controller '{}' is recorded",
+                          roles.controller));
   if (analysis.steps.predict.empty())
     leave_out("predictor-corrector",
               fmt::format("no block 'pc' of a controller '{}' is recorded", roles.controller));

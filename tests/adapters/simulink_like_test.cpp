@@ -376,6 +376,27 @@ TEST(Diagram, RefusesInvalidParametersOfBlocks) {
 
 const std::string kForceOnN = input("n", "lab.{axis}.force", "N");
 
+TEST(AtsBlock, StartsEachAxisFromItsOwnCoefficients) {
+  const auto ats = [](const std::string& initial) {
+    return kX + block("v", "derivative", "in.in = \"x\"\nunit = \"m/s\"") +
+           block("a", "derivative", "in.in = \"v\"\nunit = \"m/s2\"") +
+           block("f", "ats",
+                 "in.command = \"x\"\nin.velocity = \"v\"\nin.acceleration = \"a\"\n"
+                 "in.measured = \"x\"\ninitial = " +
+                     initial);
+  };
+  const auto target = diagram(ats("[1.0, 0.040, 0.0008, 0.9, 0.050, 0.0010]"));
+  test::Bench bench{*target};
+
+  static_cast<void>(bench.step(0));
+
+  EXPECT_DOUBLE_EQ(bench.out("f.a1.long"), 0.040);
+  EXPECT_DOUBLE_EQ(bench.out("f.a0.lat"), 0.9);
+  EXPECT_DOUBLE_EQ(bench.out("f.a1.lat"), 0.050);
+  EXPECT_NE(error_in(ats("[1.0, 0.040, 0.0008, 0.9]")).find("expected three, or three for each"),
+            std::string::npos);
+}
+
 TEST(AdaptiveInverseBlock, SendsTheBareCommandWhileItIsOff) {
   const auto target =
       diagram(kX + kForceOnN +

@@ -269,7 +269,7 @@ TEST(ForeignNode, OnAnotherLaboratorysRingHasAReport) {
       report::test_support::rendered(run.file("report.html"), run.file("profile"));
   // A loop; displacement, delay, error; lateness of the host. A page reports errors here, too.
   EXPECT_EQ(report::test_support::body_of(page), "<body data-figures=\"5\">");
-  EXPECT_NE(page.find("Left out: no block 'ats' of a controller 'xpc' is recorded."),
+  EXPECT_NE(page.find("Left out: no block 'ats' or 'inverse' of a controller 'xpc' is recorded."),
             std::string::npos);
 }
 

@@ -54,6 +54,25 @@ Eigen::Vector3d three(const Config& table, const std::string& key,
   return {values[0], values[1], values[2]};
 }
 
+// One start for all axes, or one per axis: a0, a1, a2 of long, then of lat.
+std::vector<Eigen::Vector3d> ats_starts(const Config& table, const BlockContext& context,
+                                        const Eigen::Vector3d& otherwise) {
+  const auto values = table.numbers("initial", {});
+  if (values.size() <= 3) return std::vector(context.axes(), three(table, "initial", otherwise));
+  std::vector<Eigen::Vector3d> starts;
+  for (const auto& axis : context.run.axes) {
+    const auto at = static_cast<std::size_t>(
+        3 *
+        (std::find(std::begin(kAxisOrder), std::end(kAxisOrder), axis) - std::begin(kAxisOrder)));
+    if (values.size() % 3 != 0 || at >= values.size())
+      table.fail("initial", fmt::format("initial has {} numbers, expected three, or three for each "
+                                        "axis to '{}'",
+                                        values.size(), axis));
+    starts.emplace_back(values[at], values[at + 1], values[at + 2]);
+  }
+  return starts;
+}
+
 }  // namespace
 
 std::vector<double> per_axis(const Config& table, const std::string& key,
@@ -129,7 +148,7 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
 Block make_ats(const Config& table, const BlockContext& context) {
   controller::AtsSettings settings;
   settings.period = context.period;
-  settings.initial = three(table, "initial", settings.initial);
+  const auto starts = ats_starts(table, context, settings.initial);
   settings.lowest = three(table, "lowest", settings.lowest);
   settings.highest = three(table, "highest", settings.highest);
   settings.largest_change = three(table, "largest_change", settings.largest_change);
@@ -154,8 +173,13 @@ Block make_ats(const Config& table, const BlockContext& context) {
                    {"limited", kPerAxis, "1"}};
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
-  const auto ats = table.placed("name", [&] { return controller::Ats{settings}; });
-  block.kind = AtsBlock{std::vector(context.axes(), ats), Fade{context.period / kFadeTime}};
+  AtsBlock block_kind{{}, Fade{context.period / kFadeTime}};
+  for (const auto& start : starts) {
+    settings.initial = start;
+    block_kind.compensators.push_back(
+        table.placed("name", [&] { return controller::Ats{settings}; }));
+  }
+  block.kind = std::move(block_kind);
   return block;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
@@ -27,12 +28,14 @@ constexpr double kPaperFeedForward = 0.4;  // set: see docs/theory/platen_machin
 
 class Bare final : public Compensator {
  public:
-  double step(const Command& command, double /*measured*/) override { return command[0]; }
+  double step(const Command& command, double /*measured*/, double /*force*/) override {
+    return command[0];
+  }
 };
 
 class PaperAts final : public Compensator {
  public:
-  double step(const Command& command, double measured) override {
+  double step(const Command& command, double measured, double /*force*/) override {
     return ats_.step(command, measured, 1, true);
   }
   [[nodiscard]] Eigen::Vector3d coefficients() const override { return ats_.coefficients(); }
@@ -41,20 +44,37 @@ class PaperAts final : public Compensator {
   controller::Ats ats_{controller::AtsSettings{}};
 };
 
+class Inverse final : public Compensator {
+ public:
+  explicit Inverse(const controller::AdaptiveInverseSettings& settings) : inverse_{settings} {}
+  double step(const Command& command, double measured, double force) override {
+    return inverse_.step(command[0], measured, force, 1, true);
+  }
+  [[nodiscard]] Eigen::Vector3d coefficients() const override {
+    const auto c = inverse_.coefficients();
+    return {c.a0, c.a1, c.a2};
+  }
+
+ private:
+  controller::AdaptiveInverse inverse_;
+};
+
 /// The compensators of both axes and the references that they form.
 class Compensation {
  public:
   explicit Compensation(const Controller& controller) : feed_forward_{controller.feed_forward} {
-    for (auto& axis : axes_) axis = controller.compensator();
+    for (std::size_t i = 0; i < 2; ++i) axes_[i] = controller.compensator(i);
   }
   PlatenReference step(const std::array<Command, 2>& commands, const PlatenFeedback& feedback,
-                       double axial_load, std::array<AxisHistory, 2>& history) {
+                       const Vector2d& force, double axial_load,
+                       std::array<AxisHistory, 2>& history) {
     PlatenReference reference;
     reference.axial_load = axial_load;
     reference.feed_forward = feed_forward_;
     for (std::size_t i = 0; i < 2; ++i) {
       const double measured = feedback.displacement[static_cast<Eigen::Index>(i)];
-      reference.displacement[static_cast<Eigen::Index>(i)] = axes_[i]->step(commands[i], measured);
+      reference.displacement[static_cast<Eigen::Index>(i)] =
+          axes_[i]->step(commands[i], measured, force[static_cast<Eigen::Index>(i)]);
       history[i].command.push_back(commands[i][0]);
       history[i].measured.push_back(measured);
       history[i].coefficients.push_back(axes_[i]->coefficients());
@@ -90,16 +110,16 @@ class RealTimeTarget {
     word_ = 1;
   }
   void step(const PlatenFeedback& feedback, const Vector2d& offset) {
-    Eigen::VectorXd force(2), displacement(2);
+    Eigen::VectorXd displacement(2);
     for (Eigen::Index i = 0; i < 2; ++i) {
       displacement[i] = feedback.displacement[i];
-      force[i] = observers_[static_cast<std::size_t>(i)].step(
+      force_[i] = observers_[static_cast<std::size_t>(i)].step(
           displacement[i], feedback.acceleration[i], feedback.force[i] - offset[i]);
     }
     for (int k = 0; k < kSubsteps; ++k) {
       const bool is_new = exchange_.begin(word_);
       pc_.substep(is_new, target_);
-      exchange_.end(pc_, displacement, force);
+      exchange_.end(pc_, displacement, force_);
     }
     if (exchange_.switch_pc()) word_ = 0;
   }
@@ -108,6 +128,7 @@ class RealTimeTarget {
   }
   [[nodiscard]] bool is_waiting() const { return word_ == 0 && exchange_.at_target(); }
   [[nodiscard]] Vector2d held_force() const { return exchange_.held_force(); }
+  [[nodiscard]] Vector2d force() const { return force_; }  ///< of the specimen, now [N]
 
  private:
   controller::PredictorCorrector pc_;
@@ -115,6 +136,7 @@ class RealTimeTarget {
   controller::Target target_;
   double word_ = 0;
   std::vector<controller::ForceObserver> observers_;
+  Eigen::VectorXd force_ = Eigen::VectorXd::Zero(2);
 };
 
 void note(const sim::PlantAnalysis& analysis, sim::ResponseHistory& response) {
@@ -151,11 +173,32 @@ long steps_of(const HybridTest& test) { return std::lround(test.duration / kInte
 }  // namespace
 
 Controller bare_controller() {
-  return {"none", 0, [] { return std::make_unique<Bare>(); }};
+  return {"none", 0, [](std::size_t) { return std::make_unique<Bare>(); }};
 }
 
 Controller paper_controller() {
-  return {"paper", kPaperFeedForward, [] { return std::make_unique<PaperAts>(); }};
+  return {"paper", kPaperFeedForward, [](std::size_t) { return std::make_unique<PaperAts>(); }};
+}
+
+Controller inverse_controller(const sim::machine::PlatenMachine& nominal) {
+  const auto settings_of = [nominal](std::size_t axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    const auto& actuator = axis == 0 ? nominal.along_long : nominal.along_lat;
+    controller::AdaptiveInverseSettings settings;
+    settings.force_capacity = nominal.limits.force[i];
+    settings.effective_mass = nominal.mass[i];
+    settings.largest_reference = nominal.limits.stroke[i];
+    // From the nominal parameters: a velocity error of 1/K_v, the reference held for a period and
+    // one period late, the dead band and the pressure feedback as position errors.
+    const double flow = actuator.rated_velocity / actuator.position_gain;
+    auto& start = settings.initial;
+    start.a1 = 1 / actuator.position_gain + nominal.transport_delay + 1.5 * kPeriod;
+    start.dead_band = settings.uncertainty.dead_band = actuator.dead_band * flow;
+    start.load = actuator.pressure_gain * flow / nominal.limits.force[i];
+    return settings;
+  };
+  return {"inverse", 0,
+          [settings_of](std::size_t axis) { return std::make_unique<Inverse>(settings_of(axis)); }};
 }
 
 HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
@@ -191,8 +234,8 @@ HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
     }
     const std::array<Command, 2> commands{target.command(0), target.command(1)};
     for (std::size_t i = 0; i < 2; ++i) history.commands[i].push_back(commands[i]);
-    reference =
-        compensation.step(commands, feedback, weight + analysis.vertical_force(), history.axes);
+    reference = compensation.step(commands, feedback, target.force(),
+                                  weight + analysis.vertical_force(), history.axes);
     if (!(next.norm() < test.machine.limits.stroke.norm())) history.stable = false;
     if (!history.stable) break;
   }
@@ -210,7 +253,7 @@ std::array<AxisHistory, 2> replay(const HybridTest& test, const HybridHistory& f
   for (std::size_t tick = 0; tick < from.commands[0].size(); ++tick) {
     static_cast<void>(machine.step(reference, feedback));
     reference = compensation.step({from.commands[0][tick], from.commands[1][tick]}, feedback,
-                                  test.machine.specimen.axial_load, history);
+                                  Vector2d::Zero(), test.machine.specimen.axial_load, history);
   }
   return history;
 }

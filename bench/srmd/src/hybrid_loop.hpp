@@ -27,8 +27,9 @@ class Compensator {
   Compensator(const Compensator&) = delete;
   Compensator& operator=(const Compensator&) = delete;
   virtual ~Compensator() = default;
-  /// @param measured  displacement of this sample [m]  @returns the reference [m]
-  [[nodiscard]] virtual double step(const Command& command, double measured) = 0;
+  /// @param measured  displacement of this sample [m]   @param force  of the specimen [N]
+  /// @returns the reference [m]
+  [[nodiscard]] virtual double step(const Command& command, double measured, double force) = 0;
   /// Coefficients, for the report.
   [[nodiscard]] virtual Eigen::Vector3d coefficients() const { return {1, 0, 0}; }
 };
@@ -36,14 +37,17 @@ class Compensator {
 /// A way to control the machine: a column of the benchmark.
 struct Controller {
   const char* name;
-  double feed_forward;                                        ///< at the valves [-]
-  std::function<std::unique_ptr<Compensator>()> compensator;  ///< of one axis
+  double feed_forward;  ///< at the valves [-]
+  /// Of one axis: 0 long, 1 lat.
+  std::function<std::unique_ptr<Compensator>(std::size_t axis)> compensator;
 };
 
 /// No compensation: it measures the raw delay.
 [[nodiscard]] Controller bare_controller();
 /// The paper's: velocity feed-forward at the valves, and ATS.
 [[nodiscard]] Controller paper_controller();
+/// Ours: the adaptive inverse, which starts from the nominal parameters of the machine.
+[[nodiscard]] Controller inverse_controller(const sim::machine::PlatenMachine& nominal);
 
 struct HybridTest {
   sim::machine::PlatenMachine machine;  ///< with its specimen

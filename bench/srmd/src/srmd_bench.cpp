@@ -143,7 +143,8 @@ SrmdTest run_test(const HybridTest& test, const Controller& controller,
   const auto raw = replay(test, history, bare_controller());
   Controller feed_forward = bare_controller();
   feed_forward.feed_forward = controller.feed_forward;
-  const auto fed_forward = replay(test, history, feed_forward);
+  const auto fed_forward =
+      feed_forward.feed_forward > 0 ? replay(test, history, feed_forward) : raw;
   constexpr const char* kNames[] = {"long", "lat"};
   for (std::size_t i = 0; i < 2; ++i)
     if (test.axes[i])
@@ -195,7 +196,7 @@ SrmdReport run_srmd_bench(const SrmdOptions& options) {
   const auto bearing =
       sim::read_bearing(Config::load(options.bearing), sim::weight_per_bearing(plant));
   // A further controller is a further column.
-  const std::vector<Controller> controllers{paper_controller()};
+  const std::vector<Controller> controllers{paper_controller(), inverse_controller(nominal)};
   for (int member = 0; member <= options.draws; ++member) {
     const auto drawn = sim::machine::family_member(nominal, member);
     for (int r = 0; r < options.records; ++r) {
