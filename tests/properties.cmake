@@ -39,7 +39,7 @@ rths_tests(rths_rule_test "." COST 10)
 rths_tests(rths_diagnosis_test "^Diagnosis\\." COST 6)
 rths_tests(rths_dynamic_diagnosis_test "." COST 5)
 rths_tests(rths_opensees_test "." COST 3)
-rths_tests(rths_replicated_test "On256Nodes" COST 12)
+rths_tests(rths_replicated_test "On256Nodes" COST 4)
 
 # Long with RTHS_LONG=1, and longer on a loaded host.
 rths_tests(rths_real_data_test "^RealData\\." TIMEOUT 900)

@@ -111,7 +111,14 @@ herr_t collect_object(hid_t, const char* path, const H5O_info_t* info, void* obj
   return 0;
 }
 
-void copy_compressed(const std::filesystem::path& from, const std::filesystem::path& to) {
+std::size_t rows_of(const Handle& file) {
+  const Handle time{H5Dopen2(file.id(), "time", H5P_DEFAULT), H5Dclose, "opening time"};
+  const Handle space{H5Dget_space(time.id()), H5Sclose, "HDF5 space"};
+  return static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.id()));
+}
+
+// @returns the number of rows of the closed recording
+std::size_t copy_compressed(const std::filesystem::path& from, const std::filesystem::path& to) {
   const Handle source{H5Fopen(from.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
                       "opening it (was it closed?)"};
   const Handle copy{H5Fcreate(to.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
@@ -123,6 +130,7 @@ void copy_compressed(const std::filesystem::path& from, const std::filesystem::p
     object.type == H5O_TYPE_DATASET ? copy_dataset(source.id(), copy.id(), object.path)
                                     : copy_group(source.id(), copy.id(), object.path);
   check(H5Fflush(copy.id(), H5F_SCOPE_GLOBAL), "writing (is the disk full?)");
+  return rows_of(source);
 }
 
 // A power failure after the renaming must not lose both files.
@@ -141,8 +149,8 @@ void compress(const std::filesystem::path& file) {
   silence_hdf5();
   try {
     replace_file(file, kCompressing, [&](const std::filesystem::path& copy) {
-      copy_compressed(file, copy);
-      if (Reader{copy}.rows() != Reader{file}.rows()) throw Error{"the copy lacks rows"};
+      const std::size_t rows = copy_compressed(file, copy);
+      if (Reader{copy}.rows() != rows) throw Error{"the copy lacks rows"};
       write_through(copy);
     });
   } catch (const Error& error) {

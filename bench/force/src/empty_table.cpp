@@ -113,7 +113,7 @@ TableRun drive(const EmptyTable& machine, TableMotion kind, double load, double 
   constexpr double kStep = kPeriod / kSubsteps;
   double z = 0;
   TableRun run;
-  const auto samples = static_cast<long>(std::lround(duration / kPeriod));
+  const long samples = std::lround(duration / kPeriod);
   for (long i = 0; i < samples; ++i) {
     for (int k = 0; k < kSubsteps; ++k) {
       const double v = sines.at(static_cast<double>(i) * kPeriod + (k + 0.5) * kStep).v;

@@ -216,7 +216,7 @@ HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
   long sent = 0, send_at = kRestTicks;
   bool computing = true;
   // A target each integration step; the solver waits at most as long again for each of them.
-  const long most = kRestTicks + 2 * 10 * steps_of(test);
+  const long most = kRestTicks + 2L * 10 * steps_of(test);
   for (long tick = 0; tick < most && sent <= steps_of(test); ++tick) {
     if (machine.step(reference, feedback) != Status::Ok) ++history.limits;
     if (computing && tick == send_at) {
@@ -236,7 +236,7 @@ HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
     for (std::size_t i = 0; i < 2; ++i) history.commands[i].push_back(commands[i]);
     reference = compensation.step(commands, feedback, target.force(),
                                   weight + analysis.vertical_force(), history.axes);
-    if (!(next.norm() < test.machine.limits.stroke.norm())) history.stable = false;
+    history.stable = history.stable && next.norm() < test.machine.limits.stroke.norm();
     if (!history.stable) break;
   }
   return history;

@@ -111,7 +111,7 @@ SrmdAxis figures_of(const char* name, const AxisHistory& history, const AxisHist
 }
 
 double floor_error(const sim::ResponseHistory& test, const sim::ResponseHistory& numerical) {
-  static const auto kFrequencies = sim::spectrum_frequencies(6, 11, 21);
+  static const auto frequencies = sim::spectrum_frequencies(6, 11, 21);
   double worst = 0;
   for (std::size_t i = 0; i < numerical.floors.size(); ++i) {
     const auto& ours = test.floors[i];
@@ -121,7 +121,7 @@ double floor_error(const sim::ResponseHistory& test, const sim::ResponseHistory&
     const auto spectrum = [&](const sim::ResponseHistory::Floor& floor) {
       return sim::floor_spectrum(std::span{floor.acceleration_long}.first(common),
                                  std::span{floor.acceleration_lat}.first(common), test.time_step,
-                                 kFrequencies, 0.05);
+                                 frequencies, 0.05);
     };
     const auto s = spectrum(ours);
     const auto reference = spectrum(theirs);

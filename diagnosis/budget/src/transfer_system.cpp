@@ -214,7 +214,7 @@ std::array<double, kCount> half_widths(const diagnosis::Fit& fitted, Eigen::Inde
       widths[static_cast<std::size_t>(inside[k])] =
           kNormal95 * kFitted[inside[k]].scale * std::sqrt(covariance(row, row));
     }
-  } catch (const Error&) {  // not identifiable
+  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): not identifiable
   }
   return widths;
 }
