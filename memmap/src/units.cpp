@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/memmap/units.hpp>
 
+#include <pthread.h>
+
 #include <cmath>
 #include <memory>
 #include <mutex>
@@ -43,6 +45,16 @@ ut_system* unit_system() {
   return system.get();
 }
 
+// The parser of UDUNITS has one state for all threads. A fork waits for it, because its child would
+// inherit the lock, but not the thread that holds it.
+std::mutex& parser() {
+  static std::mutex mutex;
+  static const int handled =
+      pthread_atfork([] { mutex.lock(); }, [] { mutex.unlock(); }, [] { mutex.unlock(); });
+  static_cast<void>(handled);
+  return mutex;
+}
+
 UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), text, UT_UTF8)}; }
 
 }  // namespace
@@ -50,9 +62,7 @@ UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), t
 Unit parse_unit(const std::string& text) {
   if (text == "g")
     throw Error{"unit 'g' is ambiguous, expected 'gravity' (acceleration) or 'gram' (mass)"};
-  // The parser of UDUNITS has one state for all threads.
-  static std::mutex parser;
-  const std::lock_guard lock{parser};
+  const std::lock_guard lock{parser()};
   const UnitHandle unit = parse(text.c_str());
   if (!unit) throw Error{fmt::format("unit '{}' does not parse", text)};
   for (const char* si : kSiUnits) {
