@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -40,6 +41,20 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
   dup2(null, STDIN_FILENO);
   execvpe(argv[0], argv, environment);
   _exit(kNotFound);
+}
+
+// Runs in a copy of this process: only async-signal-safe calls. Ends the program's process group
+// when `parent_lives`, a pipe of which the parent has the other end, is closed. The kernel does so
+// too when it kills the parent.
+[[noreturn]] void guard(pid_t group, int parent_lives) {
+  setsid();  // signals of a terminal, and those of the parent's group, are not for it
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, SIG_IGN);
+  dup2(parent_lives, STDIN_FILENO);
+  close_range(STDIN_FILENO + 1, ~0U, 0);
+  char byte = 0;
+  while (read(STDIN_FILENO, &byte, 1) < 0 && errno == EINTR) continue;
+  kill(-group, SIGKILL);
+  _exit(0);
 }
 
 // Skips the line "…Terminating" that OpenSees prints at each exit.
@@ -94,7 +109,29 @@ ChildProgram::ChildProgram(const ProgramStart& start) : name_{start.name}, log_{
     become(argv.data(), environment.data(), folder.c_str(), file, parent, start.is_favoured);
   const int error = errno;
   close(file);
+  if (pid_ > 0) start_guard();
   if (pid_ < 0) throw Error{fmt::format("{} cannot be started: {}", name_, std::strerror(error))};
+}
+
+// The program ends with its parent by PR_SET_PDEATHSIG; processes that it has started do not.
+void ChildProgram::start_guard() {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) return;
+  guard_ = fork();
+  if (guard_ == 0) {
+    close(ends[1]);
+    guard(pid_, ends[0]);
+  }
+  close(ends[0]);
+  lifeline_ = ends[1];
+}
+
+void ChildProgram::end_guard() noexcept {
+  if (guard_ > 0) {
+    kill(guard_, SIGKILL);
+    waitpid(guard_, nullptr, 0);
+  }
+  if (lifeline_ >= 0) close(lifeline_);
 }
 
 void ChildProgram::ask_to_end() const noexcept {
@@ -102,6 +139,7 @@ void ChildProgram::ask_to_end() const noexcept {
 }
 
 ChildProgram::~ChildProgram() {
+  end_guard();
   if (has_ended()) return;
   kill(-pid_, SIGKILL);  // its process group: also processes that a wrapper has started
   kill(pid_, SIGKILL);

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <rths/adapters/safety_node.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
+#include <rths/core/installed_files.hpp>
 #include <rths/fmi/fmu_check.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/plugin/conformance.hpp>
@@ -21,6 +25,7 @@
 #include <rths/sim/composition.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/machine/platen_machine.hpp>
 
 #include "commands.hpp"
 
@@ -96,6 +101,52 @@ int check_improvement(const std::string& file, const Config& config) {
   return kOk;
 }
 
+int check_machine(const std::string& file, const Config& config) {
+  const auto machine = sim::machine::read_platen_machine(config);
+  const auto frequencies = sim::machine::natural_frequencies(machine);
+  fmt::print("{}: machine '{}', lowest natural frequency {:.3g} Hz on an empty table\n", file,
+             machine.title, frequencies[0]);
+  return kOk;
+}
+
+int check_limits(const std::string& file) {
+  Config table;
+  table.put("file", std::filesystem::absolute(file).string());
+  adapters::TestSetup setup;
+  setup.axes = {"long", "lat"};
+  static_cast<void>(adapters::with_safety({}, table, setup));
+  fmt::print("{}: limits of a safety layer; [node.srmd.safety] file = names it\n", file);
+  return kOk;
+}
+
+// The built-in diagram with the most blocks of which the file has a table; empty if none has one.
+std::filesystem::path diagram_with(const Config& constants) {
+  std::filesystem::path found;
+  std::ptrdiff_t most = 0;
+  for (const auto& name : built_in_names("diagrams")) {
+    const auto file = shared_files() / "diagrams" / (name + ".toml");
+    const auto blocks = Config::load(file).tables("block");
+    const auto shared = std::count_if(blocks.begin(), blocks.end(), [&](const auto& block) {
+      return constants.is_table(block.text("name", ""));
+    });
+    if (shared <= most) continue;
+    most = shared;
+    found = file;
+  }
+  return found;
+}
+
+// The table of each block replaces values of a diagram's block.
+int check_constants(const std::string& file, const Config& constants,
+                    const std::filesystem::path& diagram) {
+  adapters::DiagramContext context;
+  context.constants = std::filesystem::absolute(file);
+  static_cast<void>(adapters::make_simulink_like(diagram, context));
+  fmt::print("{}: constants of {} for the diagram '{}'\n", file, fmt::join(constants.keys(), ", "),
+             diagram.stem().string());
+  return kOk;
+}
+
 int check_toml(const std::string& file) {
   const auto config = Config::load(file);
   if (config.has("ringmap")) return map_check(file);
@@ -103,12 +154,16 @@ int check_toml(const std::string& file) {
   if (config.has("bearing")) return check_bearing(file, config);
   if (config.has("record") || config.has("channels") || config.has("run")) return check_case(file);
   if (config.has("format") || config.has("node")) return check_experiment(file);
+  if (config.has("safety") && !config.is_table("safety")) return check_limits(file);
+  if (config.has("machine") && !config.is_table("machine")) return check_machine(file, config);
   if (config.has("specimen") || config.has("machine")) return check_improvement(file, config);
+  if (const auto diagram = diagram_with(config); !diagram.empty())
+    return check_constants(file, config, diagram);
   throw Error{
       file +
       ": unknown kind of TOML file, expected one of the keys ringmap (map), diagram (block "
-      "diagram), bearing, record or run (case of a diagnosis), format (experiment), specimen and "
-      "machine (improved model)"};
+      "diagram), bearing, machine, safety (limits), record or run (case of a diagnosis), format "
+      "(experiment), specimen and machine (improved model), or tables of blocks (constants)"};
 }
 
 int check_motion(const std::string& file, const sim::RecordComponent& record, const char* kind) {
@@ -119,13 +174,17 @@ int check_motion(const std::string& file, const sim::RecordComponent& record, co
   return kOk;
 }
 
-// The first line that is not blank; it distinguishes the text formats.
+// The first line that is not blank, and if there is one, not a comment; it distinguishes the text
+// formats.
 std::string first_line(const std::string& content) {
   std::istringstream stream{content};
-  std::string line;
-  while (std::getline(stream, line))
-    if (line.find_first_not_of(" \t\r") != std::string::npos) return line;
-  return "";
+  std::string line, comment;
+  while (std::getline(stream, line)) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    if (line[0] != '#') return line;
+    comment = line;
+  }
+  return comment;
 }
 
 bool looks_like_toml(const std::string& line) {
@@ -147,7 +206,7 @@ int check(const CheckArguments& arguments) {
   if (line.empty()) throw Error{file + ": is empty"};
   if (head.find("NPTS") != std::string::npos && head.find("DT") != std::string::npos)
     return check_motion(file, sim::read_at2(file), "ground motion (.AT2)");
-  if (line[0] != '#' ? looks_like_toml(line) : head.find("\n[") != std::string::npos)
+  if (looks_like_toml(line) || (line[0] == '#' && head.find("\n[") != std::string::npos))
     return check_toml(file);
   return check_motion(file, sim::read_column(file, 1), "columns, first data column");
 }

@@ -233,7 +233,7 @@ int judge_and_report(const RunArguments& arguments, const launch::Experiment& ex
   return conclude(arguments, experiment, folder, broken);
 }
 
-// A run that the safety layer has ended has a report, too.
+// A run that the safety layer has ended, also for the operator, has a report, too.
 void report_trip(const std::filesystem::path& folder) {
   try {
     const auto broken = report::judge(recording::Reader{folder / report::kRunFile});
@@ -247,6 +247,14 @@ void report_trip(const std::filesystem::path& folder) {
   }
 }
 
+// The safety layer is part of a machine's node.
+void say_if_unguarded(const launch::Experiment& experiment) {
+  for (const auto& plan : experiment.nodes)
+    if (plan.node == experiment.roles.machine && plan.settings.program)
+      fmt::print(stderr, "rths: node {} is external: rths does not guard its commands\n",
+                 plan.node);
+}
+
 }  // namespace
 
 int run(const RunArguments& arguments) {
@@ -254,6 +262,7 @@ int run(const RunArguments& arguments) {
       load_experiment(arguments.experiment, changes_of(arguments, arguments.improvements));
   static_cast<void>(report::read_bounds(experiment.conclusive));
   check_host(arguments, experiment);
+  say_if_unguarded(experiment);
   RunFolder run_folder = folder_for(arguments, experiment.name);
   launch::RunOptions options = options_for(arguments, experiment.name, run_folder.path());
   options.started = [&] { run_folder.begin(); };

@@ -22,14 +22,19 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
   uname(&host);
   const std::time_t now = std::time(nullptr);
   const std::size_t processes = clock == ClockKind::Wall ? experiment.nodes.size() + 1 : 1;
-  return {{"experiment", experiment.file.filename().string()},
-          {"experiment_path", experiment.file.string()},
-          {"version", version},
-          {"clock", clock == ClockKind::Wall ? "wall" : "virtual"},
-          {"processes", std::to_string(processes)},
-          {"started", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now))},
-          {"host", host.nodename},
-          {"kernel", fmt::format("{} {} {}", host.sysname, host.release, host.machine)}};
+  recording::NamedTexts meta{
+      {"experiment", experiment.file.filename().string()},
+      {"experiment_path", experiment.file.string()},
+      {"version", version},
+      {"clock", clock == ClockKind::Wall ? "wall" : "virtual"},
+      {"processes", std::to_string(processes)},
+      {"started", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now))},
+      {"host", host.nodename},
+      {"kernel", fmt::format("{} {} {}", host.sysname, host.release, host.machine)}};
+  for (const auto& plan : experiment.nodes)
+    if (plan.node == experiment.roles.machine && plan.settings.program)
+      meta.emplace_back("without_safety_layer", plan.node);
+  return meta;
 }
 
 std::size_t steps_of(const Experiment& experiment, const NodePlan& plan) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/memmap/units.hpp>
 
+#include <pthread.h>
+
 #include <cmath>
 #include <map>
 #include <memory>
@@ -44,6 +46,16 @@ ut_system* unit_system() {
   return system.get();
 }
 
+// The parser of UDUNITS has one state for all threads. A fork waits for it, because its child would
+// inherit the lock, but not the thread that holds it.
+std::mutex& parser() {
+  static std::mutex mutex;
+  static const int handled =
+      pthread_atfork([] { mutex.lock(); }, [] { mutex.unlock(); }, [] { mutex.unlock(); });
+  static_cast<void>(handled);
+  return mutex;
+}
+
 UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), text, UT_UTF8)}; }
 
 Unit convert_to_si(const std::string& text) {
@@ -66,9 +78,7 @@ Unit convert_to_si(const std::string& text) {
 Unit parse_unit(const std::string& text) {
   if (text == "g")
     throw Error{"unit 'g' is ambiguous, expected 'gravity' (acceleration) or 'gram' (mass)"};
-  // The parser of UDUNITS has one state for all threads.
-  static std::mutex parser;
-  const std::lock_guard lock{parser};
+  const std::lock_guard lock{parser()};
   // A map has many signals of few units, and a run reads its map several times.
   static std::map<std::string, Unit> known;
   const auto found = known.find(text);

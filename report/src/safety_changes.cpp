@@ -47,11 +47,23 @@ std::optional<std::size_t> find_trip(const Reader& run) {
   return static_cast<std::size_t>(at - trip.begin());
 }
 
+// A stop by the word of the operator, without a trip.
+Break operator_stop(const Reader& run) {
+  const std::string word = "tune." + recording::roles_of(run).machine + ".safety.stop";
+  if (!run.has(word)) return {};
+  const auto values = run.signal(word);
+  const auto at =
+      std::find_if(values.begin(), values.end(), [](double value) { return value > 0; });
+  if (at == values.end()) return {};
+  return Broken{"safety", run.time()[static_cast<std::size_t>(at - values.begin())], word,
+                "a stop by the operator", "none"};
+}
+
 }  // namespace
 
 Break safety_of(const Reader& run) {
   const auto row = find_trip(run);
-  if (!row) return {};
+  if (!row) return operator_stop(run);
   const double limit = run.signal(prefix_of(run) + "limit")[*row];
   const auto cause = static_cast<SafetyCause>(run.signal(prefix_of(run) + "trip")[*row]);
   return Broken{"safety", run.time()[*row], prefix_of(run) + "trip", text_of(run, *row),

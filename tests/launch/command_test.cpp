@@ -75,6 +75,12 @@ INSTANTIATE_TEST_SUITE_P(
         Checked{"diagram", in_tree("adapters/simulink_like/diagrams/hybrid_controller.toml"),
                 ": block diagram, "},
         Checked{"bearing", in_tree("sim/bearings/tpfb.toml"), ": bearing 'TPFB', 2 terms, "},
+        Checked{"machine", in_tree("sim/machines/srmd.toml"),
+                ": machine 'SRMD with six degrees of freedom', lowest natural frequency "},
+        Checked{"limits", in_tree("adapters/safety/limits/srmd.toml"),
+                ": limits of a safety layer"},
+        Checked{"constants", in_tree("examples/srmd_constants.toml"),
+                ": constants of observer for the diagram '"},
         Checked{"experiment", in_tree("examples/srmd_lprb_2d.toml"), ": experiment 'srmd_lprb_2d'"},
         Checked{"columns", in_tree("examples/records/petrolia_1992_riodell_freefield.csv"),
                 "3000 samples, interval 0.02 s, peak 0.385"},
@@ -93,6 +99,27 @@ TEST(Check, RefusesAWrongBoundOfAConclusiveTest) {
     EXPECT_NE(refused.err.find("unknown key 'nrmse' (did you mean 'nrms'?)"), std::string::npos)
         << refused.err;
   }
+}
+
+TEST(Check, SaysWhatIsWrongWithAMachineLimitsOrConstants) {
+  const test::TemporaryFolder folder;
+  const auto expect = [&](const char* file, const std::string& from, const std::string& to,
+                          const std::string& line) {
+    std::string text = test::content_of(test::source_tree() / file);
+    text.replace(text.find(from), from.size(), to);
+    const Finished refused = run_rths({"check", folder.write("wrong.toml", text).string()});
+    EXPECT_EQ(refused.exit_code, 2) << refused.out;
+    EXPECT_NE(refused.err.find(line), std::string::npos) << refused.err;
+    EXPECT_EQ(lines(refused.err), 1) << refused.err;
+  };
+  expect("sim/machines/srmd.toml", "machine = 1", "machine = 1\nfamily_member = 3",
+         "unknown key 'family_member'");
+  expect("sim/machines/srmd.toml", "stroke_m = [1.22, 0.61, 0.127]", "stroke_m = [1.22, 0.61]",
+         "stroke_m has 2 numbers, expected 3");
+  expect("adapters/safety/limits/srmd.toml", "jump_m = [0.08, 0.035]", "jump_m = [0.08]",
+         "jump_m has 1 numbers, expected [long, lat]");
+  expect("examples/srmd_constants.toml", "force_offset_N", "force_ofset_N",
+         "unknown key 'force_ofset_N'");
 }
 
 TEST(Check, RefusesUnknownFiles) {

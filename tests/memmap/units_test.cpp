@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <atomic>
 #include <cmath>
 #include <ostream>
@@ -70,6 +73,28 @@ TEST(Unit, IsReadByManyThreadsAtOnce) {
   for (auto& thread : threads) thread.join();
 
   EXPECT_EQ(wrong.load(), 0);
+}
+
+// A child of a fork would wait for ever for a lock that a thread of its parent held.
+TEST(Units, CanBeReadInTheChildOfAProcessWhoseThreadsReadUnits) {
+  std::atomic<bool> ends{false};
+  std::thread other{[&] {
+    while (!ends.load()) static_cast<void>(parse_unit("kN/mm"));
+  }};
+  int failed = 0;
+  for (int i = 0; i < 200; ++i) {
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(5);
+      _exit(parse_unit("mm").scale == 1e-3 ? 0 : 1);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    failed += status == 0 ? 0 : 1;
+  }
+  ends.store(true);
+  other.join();
+  EXPECT_EQ(failed, 0);
 }
 
 }  // namespace

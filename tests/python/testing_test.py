@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import os
+import pathlib
 import sys
 import threading
 import time
@@ -24,6 +25,18 @@ def test_a_program_plays_a_node(rths_lab):
     lab.join("solver").write("solver.displacement", 0.1)
 
     assert lab.expect_within(5, "machine.force", 2e5) == pytest.approx(2e5, rel=1e-6)
+
+
+def test_a_program_of_the_vendors_api_plays_a_node(rths_lab):
+    spring = pathlib.Path(os.environ["RTHS_BUILD"]) / "bin/rths_test_vendor_spring"
+    if not spring.exists():
+        pytest.skip(f"{spring} is not built")
+    lab = rths_lab(TWO_SIGNALS)
+    lab.start([spring], node="machine")
+
+    lab.join("solver").write("solver.displacement", 0.1)
+
+    lab.expect_within(5, "machine.force", 1e5, tolerance=10)
 
 
 def test_laboratories_do_not_see_each_other(rths_lab):

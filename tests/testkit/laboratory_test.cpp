@@ -88,6 +88,31 @@ TEST_F(LaboratoryOfATest, FreezesAndThawsAProgram) {
   expect_within(5, "machine.force", 2e4);
 }
 
+TEST_F(LaboratoryOfATest, HasAProgramOfTheVendorsApi) {
+  auto& lab = laboratory(two_signals(), 20);
+  lab.start({"machine", {(test::build_tree() / "bin/rths_test_vendor_spring").string()}});
+  const auto solver = lab.join("solver");
+  solver->write("solver.displacement", 0.1);
+  expect_within(5, "machine.force", {1e5, 10});
+  lab.freeze("machine");
+  solver->write("solver.displacement", 0.2);
+  never(0.03, "machine.force", 2e5);
+  lab.thaw("machine");
+  expect_within(5, "machine.force", {2e5, 10});
+}
+
+TEST_F(LaboratoryOfATest, DamagesTheMessagesOfAProgramOfTheVendorsApi) {
+  auto& lab = laboratory(two_signals(), 20);
+  lab.start({"machine", {(test::build_tree() / "bin/rths_test_vendor_spring").string()}, true});
+  const auto solver = lab.join("solver");
+  lab.flip("machine.force", 31);
+  solver->write("solver.displacement", 0.1);
+  expect_within(5, "machine.force", {-1e5, 10});
+  lab.drop("machine");
+  solver->write("solver.displacement", 0.2);
+  never(0.05, "machine.force", below(-1.5e5));
+}
+
 TEST_F(LaboratoryOfATest, SaysWhichExpectationIsNotMet) {
   auto& lab = with_spring();
   EXPECT_EQ(test::error_of([&] {
@@ -134,6 +159,29 @@ TEST(Laboratory, LeavesNothingBehind) {
   EXPECT_TRUE(test::comes_true([&] { return !test::is_running(pid); }));
   for (const auto& report : broker::list_rings())
     EXPECT_FALSE(report.name.starts_with(name)) << report.name;
+}
+
+// `rths test` is killed; its program is a shell with a child of its own.
+TEST(Laboratory, EndsAllProcessesOfATestThatWasKilled) {
+  const test::TemporaryFolder folder;
+  const auto pids = folder.path() / "pids";
+  const auto file = folder.write(
+      "killed.toml", "format = 1\nname = \"killed\"\ndeadline_s = 60\nmap = \"" + two_signals() +
+                         "\"\n[[program]]\nnode = \"machine\"\ncommand = [\"sh\", \"-c\", "
+                         "\"sleep 60 & echo $! $$ > " +
+                         pids.string() + ".part; mv " + pids.string() + ".part " + pids.string() +
+                         "; wait\"]\n" +
+                         "[[expect]]\nsignal = \"machine.force\"\nabove = 1\nwithin_s = 60\n");
+  test::Running running{
+      {test::rths_command(), "test", file.string(), "--keep", (folder.path() / "kept").string()}};
+  ASSERT_TRUE(test::comes_true([&] { return std::filesystem::exists(pids); }));
+  int child = 0, program = 0;
+  ASSERT_EQ(std::sscanf(test::content_of(pids).c_str(), "%d %d", &child, &program), 2);
+  ASSERT_TRUE(test::is_running(child));
+
+  kill(running.pid(), SIGKILL);
+  EXPECT_TRUE(test::comes_true([&] { return !test::is_running(child); }));
+  EXPECT_TRUE(test::comes_true([&] { return !test::is_running(program); }));
 }
 
 TEST(Laboratory, RemovesTheRingsOfATestThatWasKilled) {

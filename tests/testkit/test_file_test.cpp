@@ -91,5 +91,50 @@ TEST_F(TestFile, EndsAtOnceWhenAProgramFails) {
   EXPECT_LT(ran.seconds, 10);
 }
 
+/// Configures and runs a project that has this build as its package.
+test::Finished run_project(const test::TemporaryFolder& folder, const std::string& tests) {
+  folder.write("CMakeLists.txt",
+               "cmake_minimum_required(VERSION 3.25)\nproject(user LANGUAGES NONE)\n"
+               "find_package(rths REQUIRED COMPONENTS test)\nenable_testing()\n" +
+                   tests);
+  const std::string build = test::build_tree().string(), here = folder.path().string();
+  return test::Running{{"/bin/bash", "-c",
+                        "cmake -G Ninja -DCMAKE_PREFIX_PATH=" + build + " -S " + here + " -B " +
+                            here + "/build && ctest --test-dir " + here +
+                            "/build --output-on-failure"}}
+      .wait(100);
+}
+
+TEST(AddTest, RunsAnExperimentInVirtualTime) {
+  const test::TemporaryFolder folder;
+  const std::string experiment = "EXPERIMENT " +
+                                 (test::source_tree() / "examples/srmd_lprb_2d.toml").string() +
+                                 " SET duration_s=3 rest_s=0 motion.scale=0.5\n";
+  const auto ran = run_project(
+      folder, "rths_add_test(NAME moves " + experiment +
+                  "EXPECT \"signal=srmd.long.displ.fbk above=1e-4 within_s=3\")\n"
+                  "rths_add_test(NAME stays " +
+                  experiment + "EXPECT \"signal=srmd.long.displ.fbk above=10 within_s=3\")\n");
+
+  EXPECT_NE(ran.exit_code, 0);
+  EXPECT_NE(ran.out.find("50% tests passed, 1 tests failed out of 2"), std::string::npos)
+      << ran.out << ran.err;
+  EXPECT_NE(ran.out.find("srmd.long.displ.fbk: expected above 10"), std::string::npos) << ran.out;
+}
+
+TEST(AddTest, HasProgramsOfTheVendorsApi) {
+  const test::TemporaryFolder folder;
+  const std::string bin = (test::build_tree() / "bin/rths_test_").string();
+  const auto ran = run_project(
+      folder, "rths_add_test(NAME vendor MAP " +
+                  (test::source_tree() / "examples/python/two_signals.ringmap.toml").string() +
+                  "\nNODES \"machine: " + bin + "vendor_spring\" \"solver: " + bin +
+                  "pusher {ring}\"\n"
+                  "EXPECT \"signal=machine.force value=1e5 tolerance=10 within_s=10\")\n");
+
+  EXPECT_EQ(ran.exit_code, 0) << ran.out << ran.err;
+  EXPECT_NE(ran.out.find("100% tests passed"), std::string::npos) << ran.out;
+}
+
 }  // namespace
 }  // namespace rths::testkit

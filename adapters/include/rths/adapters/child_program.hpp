@@ -22,8 +22,9 @@ struct ProgramStart {
   bool is_favoured = true;  ///< by the scheduler, if permitted: every step waits for it
 };
 
-/// A user's program in a child process that ends with this process. Otherwise it would poll its
-/// closed sockets, or the words of a finished run, after this process is killed.
+/// A user's program in a child process that ends with this process, and so do the processes that it
+/// starts. Otherwise they would poll closed sockets, or the words of a finished run, after this
+/// process is killed.
 class ChildProgram {
  public:
   /// Starts it. The calling thread must live as long as the program.
@@ -44,11 +45,16 @@ class ChildProgram {
   [[nodiscard]] std::optional<std::string> failure() const;
 
  private:
+  void start_guard();
+  void end_guard() noexcept;
+
   std::string name_;
   std::filesystem::path log_;
   int pid_ = -1;
   bool has_ended_ = false;
   int status_ = 0;
+  int guard_ = -1;     ///< process that ends the program's group if this process is killed
+  int lifeline_ = -1;  ///< pipe to it; closed when this process ends
 };
 
 }  // namespace rths::adapters
