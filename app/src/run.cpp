@@ -233,14 +233,14 @@ int judge_and_report(const RunArguments& arguments, const launch::Experiment& ex
   return conclude(arguments, experiment, folder, broken);
 }
 
-// A run that the safety layer has ended, also for the operator, has a report, too.
-void report_trip(const std::filesystem::path& folder) {
+// A run that a node, the ring or the safety layer has ended has a report, too, which says so.
+void report_end(const std::filesystem::path& folder, bool was_interrupted) {
   try {
     const auto broken = report::judge(recording::Reader{folder / report::kRunFile});
     const bool has_tripped = std::any_of(broken.begin(), broken.end(), [](const auto& condition) {
       return condition.condition == "safety";
     });
-    if (has_tripped)
+    if (has_tripped || !was_interrupted)
       fmt::print("report    {}\n", report::make_report(folder, broken).page.string());
   } catch (const Error& error) {
     fmt::print(stderr, "rths: no report: {}\n", error.what());
@@ -276,7 +276,8 @@ int run(const RunArguments& arguments) {
   if (!outcome.completed) {
     fmt::print(stderr, "rths: the run ended early: {}\n",
                outcome.interrupted ? "interrupted" : outcome.trouble);
-    if (run_folder.has_begun() && where == Recorded::Here) report_trip(run_folder.path());
+    if (run_folder.has_begun() && where == Recorded::Here && !experiment.history)
+      report_end(run_folder.path(), outcome.interrupted);
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
   return where == Recorded::Here ? judge_and_report(arguments, experiment, run_folder.path()) : kOk;

@@ -162,6 +162,8 @@ TEST_P(PulledNode, BringsTheOthersToRest) {
     EXPECT_NE(report.name.rfind(run.ring, 0), 0U) << report.name;
   const recording::Reader recorded{run.recording()};  // can be read
   EXPECT_FALSE(recorded.signal("monitor.srmd.host.step").empty());
+  const std::string report = test::content_of(run.recording().parent_path() / "report.json");
+  EXPECT_NE(report.find(node + " out of the ring at "), std::string::npos) << finished.out;
 }
 
 // With --full each node; otherwise one that moves the machine, and one that only receives.
