@@ -25,21 +25,32 @@ def machine(draw):
 
 
 def run(rths, example, draw):
+    """Figures by axis, or None if the safety layer ended the test."""
     with tempfile.TemporaryDirectory() as folder:
         finished = subprocess.run([rths, "run", str(TREE / "examples" / example), "--clock", "virtual", "--no-diagnosis",
                                    "--out", folder, *machine(draw)], stdout=subprocess.DEVNULL)
-        if finished.returncode > 1:  # 1: not conclusive
+        page = pathlib.Path(folder) / "report.json"
+        if finished.returncode > 1 and not page.exists():  # 1: not conclusive
             finished.check_returncode()
-        report = json.loads((pathlib.Path(folder) / "report.json").read_text())
+        report = json.loads(page.read_text())
+        if report["ending"]:
+            if "safety trip" not in report["ending"]:
+                raise RuntimeError(f"{example}, machine {draw}: {report['ending']}")
+            return None
         return {axis: {key: report["axes"][axis][key] for key in FIGURES} for axis in ("long", "lat")}
 
 
 def adaptive(rths):
-    """Per controller and axis: figures of the nominal machine, and median and largest magnitude over all machines."""
+    """Per controller: number of tests that the safety layer ended; per axis, figures of the nominal machine, and median and
+    largest magnitude over the machines whose test was completed."""
     found = {}
     for name, example in EXAMPLES.items():
         runs = [run(rths, example, draw) for draw in range(DRAWS + 1)]
-        found[name] = {axis: {"nominal": runs[0][axis]} | {
+        if runs[0] is None:
+            raise RuntimeError(f"{example}: the safety layer ended the test of the nominal machine")
+        tripped = runs.count(None)
+        runs = [one for one in runs if one is not None]
+        found[name] = {"tripped": tripped} | {axis: {"nominal": runs[0][axis]} | {
             label: {key: of([abs(one[axis][key]) for one in runs]) for key in FIGURES}
             for label, of in (("median", statistics.median), ("largest", max))} for axis in ("long", "lat")}
     return {"draws": DRAWS} | found

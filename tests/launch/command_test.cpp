@@ -116,7 +116,7 @@ TEST(Check, SaysWhatIsWrongWithAMachineLimitsOrConstants) {
          "unknown key 'family_member'");
   expect("sim/machines/srmd.toml", "stroke_m = [1.22, 0.61, 0.127]", "stroke_m = [1.22, 0.61]",
          "stroke_m has 2 numbers, expected 3");
-  expect("adapters/safety/limits/srmd.toml", "jump_m = [0.08, 0.035]", "jump_m = [0.08]",
+  expect("adapters/safety/limits/srmd.toml", "jump_m = [0.08, 0.035, 0.0127]", "jump_m = [0.08]",
          "jump_m has 1 numbers, expected [long, lat]");
   expect("examples/srmd_constants.toml", "force_offset_N", "force_ofset_N",
          "unknown key 'force_ofset_N'");
