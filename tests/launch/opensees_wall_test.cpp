@@ -50,7 +50,7 @@ class Laboratory {
         for (const auto& occupant : report.occupants)
           if (report.name == ring_ && occupant.beats > 1000) pids[occupant.node] = occupant.pid;
       if (pids.count("opf") == 0) continue;
-      for (const int child : test::children_of(pids["opf"])) pids["OpenSees"] = child;
+      for (const int child : test::programs_of(pids["opf"])) pids["OpenSees"] = child;
     }
     return pids;
   }

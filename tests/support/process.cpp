@@ -152,6 +152,16 @@ std::vector<int> children_of(int pid) {
   return {std::istream_iterator<int>{file}, {}};
 }
 
+std::vector<int> programs_of(int pid) {
+  const auto program_of = [](int process) {
+    std::error_code error;
+    return std::filesystem::read_symlink("/proc/" + std::to_string(process) + "/exe", error);
+  };
+  auto children = children_of(pid);
+  std::erase_if(children, [&](int child) { return program_of(child) == program_of(pid); });
+  return children;
+}
+
 std::string command_line_of(int pid) {
   std::string words = process_file(pid, "cmdline");
   for (char& c : words)

@@ -46,6 +46,8 @@ class Running {
 [[nodiscard]] double processor_time_of(int pid);
 /// Process ids of the direct children of a process.
 [[nodiscard]] std::vector<int> children_of(int pid);
+/// The children that run another program than their parent: not copies of it, such as guards.
+[[nodiscard]] std::vector<int> programs_of(int pid);
 /// Command line of a process, with its words separated by spaces.
 [[nodiscard]] std::string command_line_of(int pid);
 
