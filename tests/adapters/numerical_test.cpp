@@ -287,7 +287,7 @@ TEST(Numerical, RefusesVerticalFeedbackWithoutVerticalMotion) {
   NumericalSettings s = numerical_settings();
   s.vertical_feedback = sim::VerticalFeedback::Measured;
 
-  EXPECT_THROW(make_numerical(s), Error);
+  EXPECT_THROW(static_cast<void>(make_numerical(s)), Error);
 }
 
 TEST(Numerical, TestsOneAxisAlone) {
