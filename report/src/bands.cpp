@@ -31,7 +31,7 @@ class Energy {
  public:
   Energy(const Eigen::VectorXd& values, double interval) {
     // Lengths with large prime factors are slow to transform; zeros change no sum.
-    Eigen::Index length = 1;
+    Eigen::Index length = 4;  // the least that Eigen transforms to half a spectrum
     while (length < values.size()) length *= 2;
     Eigen::VectorXd padded = Eigen::VectorXd::Zero(length);
     padded.head(values.size()) = values;

@@ -75,7 +75,7 @@ TEST_F(OpenSeesSpecimen, EndsTheRunWhenItDies) {
   }));
   kill(column, SIGKILL);
   const auto finished = laboratory.wait(20);
-  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_EQ(finished.exit_code, 2) << finished.out << finished.err;
   EXPECT_NE(finished.err.find("xpc: element 'column': OpenSees closed the connection"),
             std::string::npos)
       << finished.err;

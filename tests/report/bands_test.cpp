@@ -136,5 +136,16 @@ TEST(Bands, HaveNoResponseInARecordTooShortToAverage) {
     EXPECT_FALSE(band.response);
 }
 
+// A test may end after its first step.
+TEST(Bands, TakeTheShortestRecordings) {
+  for (const std::size_t rows : {1U, 2U, 3U}) {
+    const std::vector<double> command(rows, 2), measured(rows, 1);
+    const auto bands = track_bands(command, measured, kInterval, 0);
+    ASSERT_FALSE(bands.empty());
+    EXPECT_GT(bands[0].nrms, 0) << rows;
+    for (const auto& band : bands) EXPECT_LE(band.nrms, 0.5) << rows;
+  }
+}
+
 }  // namespace
 }  // namespace rths::report
