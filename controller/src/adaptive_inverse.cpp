@@ -73,17 +73,6 @@ const AdaptiveInverseSettings& checked(const AdaptiveInverseSettings& s) {
   return s;
 }
 
-// Binomial coefficients of (u − y)^k, the k-th backward difference along the chain of poles.
-double difference(const Eigen::Matrix<double, AdaptiveInverse::kPoles + 1, 1>& poles, int order) {
-  double sum = 0;
-  double binomial = 1;
-  for (int j = 0; j <= order; ++j) {
-    sum += (j % 2 != 0 ? -1 : 1) * binomial * poles[AdaptiveInverse::kPoles - order + j];
-    binomial = binomial * (order - j) / (j + 1);
-  }
-  return sum;
-}
-
 }  // namespace
 
 AdaptiveInverse::AdaptiveInverse(const AdaptiveInverseSettings& settings)
@@ -92,6 +81,7 @@ AdaptiveInverse::AdaptiveInverse(const AdaptiveInverseSettings& settings)
       uncertainty_{vector_of(settings.uncertainty)},
       normal_{Eigen::Matrix<double, kTerms, kTerms>::Zero()},
       sharpening_{Eigen::Matrix<double, 5, kPoles + 1>::Zero()},
+      poles_{settings.smoothing, settings.period},
       force_rate_{settings.force_slope, settings.period},
       filters_(kTerms + 1, LowPass{kLearningFilterOrder, settings.cutoff, settings.period}),
       error_filter_{kLearningFilterOrder, settings.cutoff, settings.period} {
@@ -112,16 +102,12 @@ InverseCoefficients AdaptiveInverse::coefficients() const {
           w[kLoad],     w[kLoadRate], w[kDeadBand],     w[kFlowLoss]};
 }
 
-// Each pole is y += h/(h + T)(u − y), so (u − y)/T is exactly the backward difference of y.
 AdaptiveInverse::Derivatives AdaptiveInverse::smoothed_derivatives(double target) noexcept {
-  if (tick_ == 0) poles_.setConstant(target);
-  const double gain = settings_.period / (settings_.period + settings_.smoothing);
-  poles_[0] = target;
-  for (int i = 1; i <= kPoles; ++i) poles_[i] += gain * (poles_[i - 1] - poles_[i]);
+  poles_.advance(target);
   Derivatives derivatives;
   double scale = 1;
   for (int k = 0; k <= kPoles; ++k, scale /= settings_.smoothing)
-    derivatives[k] = scale * difference(poles_, k);
+    derivatives[k] = scale * poles_.difference(k);
   return derivatives;
 }
 

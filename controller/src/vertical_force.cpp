@@ -10,12 +10,6 @@
 #include <rths/core/error.hpp>
 
 namespace rths::controller {
-namespace {
-
-constexpr double kLeastPressure = 0.05;  // share of the supply's that moves the oil
-
-}  // namespace
-
 ForceCascade::ForceCascade(const ForceCascadeSettings& settings) : settings_{settings} {
   if (!(settings.period > 0 && settings.stiffness > 0 && settings.gain > 0 && settings.lag >= 0 &&
         settings.reference_limit > 0))
@@ -61,6 +55,8 @@ VerticalForceSettings srmd_vertical() {
 }
 
 namespace {
+
+constexpr double kLeastPressure = 0.05;  // share of the supply's that moves the oil
 
 // D(s) = Σ dₖ sᵏ of a servo, up to the third order.
 struct Lead {
@@ -110,7 +106,7 @@ FlowLead::FlowLead(const SingleActingServo& servo, double stiffness, double smoo
       weight_{servo.platen_mass * kStandardGravity},
       supply_force_{servo.supply_force},
       smoothing_{smoothing},
-      share_{period / (period + smoothing)} {
+      poles_{smoothing, period} {
   // The poles delay by (1 + sT)ⁿ, which the lead includes.
   const Lead d = lead_of(servo);
   const double n = kPoles;
@@ -119,14 +115,10 @@ FlowLead::FlowLead(const SingleActingServo& servo, double stiffness, double smoo
 }
 
 double FlowLead::step(double wanted, double load) noexcept {
-  if (!has_started_) poles_.fill(wanted);
-  has_started_ = true;
-  poles_[0] = wanted;
-  for (std::size_t i = 1; i <= kPoles; ++i) poles_[i] += share_ * (poles_[i - 1] - poles_[i]);
-  const double velocity = (poles_[3] - poles_[4]) / smoothing_;
-  const double acceleration = (poles_[2] - 2 * poles_[3] + poles_[4]) / (smoothing_ * smoothing_);
-  const double jerk = (poles_[1] - 3 * poles_[2] + 3 * poles_[3] - poles_[4]) /
-                      (smoothing_ * smoothing_ * smoothing_);
+  poles_.advance(wanted);
+  const double velocity = poles_.difference(1) / smoothing_;
+  const double acceleration = poles_.difference(2) / (smoothing_ * smoothing_);
+  const double jerk = poles_.difference(3) / (smoothing_ * smoothing_ * smoothing_);
   const double ahead = velocity + first_ * acceleration + second_ * jerk;
   const double used =
       std::clamp((load + weight_) / supply_force_, kLeastPressure, 1 - kLeastPressure);

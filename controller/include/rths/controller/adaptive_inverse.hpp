@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include <rths/controller/filters.hpp>
+#include <rths/controller/pole_chain.hpp>
 #include <rths/core/realtime.hpp>
 
 namespace rths::controller {
@@ -102,7 +103,7 @@ class AdaptiveInverse {
   Terms right_side_ = Terms::Zero();
   /// Row k: the k-th derivative of the target from those of the smoothed one.
   Eigen::Matrix<double, 5, kPoles + 1> sharpening_;
-  Derivatives poles_ = Derivatives::Zero();
+  PoleChain<kPoles> poles_;  ///< of the target
   EndSlope force_rate_;
   std::array<Channels, 3> machine_;  ///< G: value, rate and second rate of each channel
   std::vector<LowPass> filters_;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include <rths/controller/adaptive_inverse.hpp>
+#include <rths/controller/pole_chain.hpp>
 #include <rths/core/realtime.hpp>
 
 namespace rths::controller {
@@ -92,9 +92,8 @@ class FlowLead {
  private:
   static constexpr int kPoles = 4;
   double gain_, first_, second_;  ///< κ [s]; D of the smoothed velocity: 1, first [s], second [s²]
-  double weight_, supply_force_, smoothing_, share_;
-  std::array<double, kPoles + 1> poles_{};  ///< of the displacement [m]
-  bool has_started_ = false;
+  double weight_, supply_force_, smoothing_;
+  PoleChain<kPoles> poles_;  ///< of the displacement [m]
 };
 
 /// Force control of a stiff bearing in real time: the force becomes a displacement by the bearing's
