@@ -54,6 +54,12 @@ Eigen::Vector3d three(const Config& table, const std::string& key,
   return {values[0], values[1], values[2]};
 }
 
+// Place of an axis in a list of values by axis.
+std::size_t place_of(const std::string& axis) {
+  return static_cast<std::size_t>(std::find(std::begin(kAxisOrder), std::end(kAxisOrder), axis) -
+                                  std::begin(kAxisOrder));
+}
+
 // One start for all axes, or one per axis: a0, a1, a2 of long, then of lat.
 std::vector<Eigen::Vector3d> ats_starts(const Config& table, const BlockContext& context,
                                         const Eigen::Vector3d& otherwise) {
@@ -61,9 +67,7 @@ std::vector<Eigen::Vector3d> ats_starts(const Config& table, const BlockContext&
   if (values.size() <= 3) return std::vector(context.axes(), three(table, "initial", otherwise));
   std::vector<Eigen::Vector3d> starts;
   for (const auto& axis : context.run.axes) {
-    const auto at = static_cast<std::size_t>(
-        3 *
-        (std::find(std::begin(kAxisOrder), std::end(kAxisOrder), axis) - std::begin(kAxisOrder)));
+    const std::size_t at = 3 * place_of(axis);
     if (values.size() % 3 != 0 || at >= values.size())
       table.fail("initial", fmt::format("initial has {} numbers, expected three, or three for each "
                                         "axis to '{}'",
@@ -80,8 +84,7 @@ std::vector<double> per_axis(const Config& table, const std::string& key,
   std::vector<double> values;
   const auto given = table.numbers(key, {});
   for (const auto& axis : context.run.axes) {
-    const auto order = static_cast<std::size_t>(
-        std::find(std::begin(kAxisOrder), std::end(kAxisOrder), axis) - std::begin(kAxisOrder));
+    const std::size_t order = place_of(axis);
     if (given.empty())
       values.push_back(otherwise);
     else if (order < given.size())

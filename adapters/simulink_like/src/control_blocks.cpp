@@ -2,8 +2,6 @@
 #include "control_blocks.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <span>
 
 namespace rths::adapters {
 namespace {
@@ -14,9 +12,7 @@ void copy_out(const Eigen::VectorXd& from, double* to) {
 }
 
 double length_of(const double* values, std::size_t axes) {
-  double sum = 0;
-  for (const double value : std::span{values, axes}) sum += value * value;
-  return std::sqrt(sum);
+  return Eigen::Map<const Eigen::VectorXd>{values, static_cast<Eigen::Index>(axes)}.norm();
 }
 
 }  // namespace
@@ -134,9 +130,8 @@ void VerticalForceBlock::step(const Wires& w) noexcept {
   const double wanted = is_cascade ? cascade.step(target, measured)
                                    : lead.step(target, measured, length_of(w.in[2], w.axes),
                                                length_of(w.in[3], w.axes), *w.parameter[0] != 0);
-  if (!has_started) first = wanted;
-  has_started = true;
-  *w.out[0] = std::clamp(wanted - first, -limit, limit);
+  if (!first) first = wanted;
+  *w.out[0] = std::clamp(wanted - *first, -limit, limit);
   *w.out[1] = lead.disturbance();
   *w.out[2] = lead.inverse().coefficients().a0;
   *w.out[3] = lead.inverse().coefficients().a1;

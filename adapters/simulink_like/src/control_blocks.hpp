@@ -3,6 +3,7 @@
 // The blocks of a hybrid controller, which wrap the classes of the controller folder.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <rths/controller/adaptive_inverse.hpp>
@@ -82,9 +83,8 @@ struct VerticalForceBlock {
   controller::VerticalForceControl lead;
   controller::ForceCascade cascade;
   bool is_cascade;
-  double limit;  ///< of the reference ± [m]
-  double first = 0;
-  bool has_started = false;
+  double limit;                                ///< of the reference ± [m]
+  std::optional<double> first = std::nullopt;  ///< reference [m]
   void step(const Wires& w) RTHS_REALTIME;
 };
 
