@@ -247,14 +247,6 @@ void report_end(const std::filesystem::path& folder, bool was_interrupted) {
   }
 }
 
-// The safety layer is part of a machine's node.
-void say_if_unguarded(const launch::Experiment& experiment) {
-  for (const auto& plan : experiment.nodes)
-    if (plan.node == experiment.roles.machine && plan.settings.program)
-      fmt::print(stderr, "rths: node {} is external: rths does not guard its commands\n",
-                 plan.node);
-}
-
 }  // namespace
 
 int run(const RunArguments& arguments) {
@@ -262,7 +254,8 @@ int run(const RunArguments& arguments) {
       load_experiment(arguments.experiment, changes_of(arguments, arguments.improvements));
   static_cast<void>(report::read_bounds(experiment.conclusive));
   check_host(arguments, experiment);
-  say_if_unguarded(experiment);
+  if (const auto machine = experiment.unguarded_machine())
+    fmt::print(stderr, "rths: node {} is external: rths does not guard its commands\n", *machine);
   RunFolder run_folder = folder_for(arguments, experiment.name);
   launch::RunOptions options = options_for(arguments, experiment.name, run_folder.path());
   options.started = [&] { run_folder.begin(); };

@@ -297,6 +297,12 @@ std::string Experiment::leading_host() const {
   return hosts.empty() ? "" : hosts.front().name;
 }
 
+std::optional<std::string> Experiment::unguarded_machine() const {
+  for (const auto& plan : nodes)
+    if (plan.node == roles.machine && plan.settings.program) return plan.node;
+  return std::nullopt;
+}
+
 std::string Experiment::ring_of(const std::string& ring, const std::string& node) const {
   return cards ? replicated::image_name(ring, node) : ring;
 }

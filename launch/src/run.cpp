@@ -31,9 +31,8 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
       {"started", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now))},
       {"host", host.nodename},
       {"kernel", fmt::format("{} {} {}", host.sysname, host.release, host.machine)}};
-  for (const auto& plan : experiment.nodes)
-    if (plan.node == experiment.roles.machine && plan.settings.program)
-      meta.emplace_back("without_safety_layer", plan.node);
+  if (const auto machine = experiment.unguarded_machine())
+    meta.emplace_back("without_safety_layer", *machine);
   return meta;
 }
 

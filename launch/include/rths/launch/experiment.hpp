@@ -78,6 +78,8 @@ struct Experiment : adapters::TestSetup {
   [[nodiscard]] bool has_structure() const { return has_own_solver() || has_plant; }
   /// The host that starts the test and has the recording; empty if there is one host.
   [[nodiscard]] std::string leading_host() const;
+  /// The machine's node, if its commands pass no safety layer because it is a user's program.
+  [[nodiscard]] std::optional<std::string> unguarded_machine() const;
   /// The ring that a node joins: on a replicated ring, its own image.
   [[nodiscard]] std::string ring_of(const std::string& ring, const std::string& node) const;
 };
