@@ -233,14 +233,14 @@ int judge_and_report(const RunArguments& arguments, const launch::Experiment& ex
   return conclude(arguments, experiment, folder, broken);
 }
 
-// A run that a node, the ring or the safety layer has ended has a report, too, which says so.
-void report_end(const std::filesystem::path& folder, bool was_interrupted) {
+// A run that the safety layer or a fault of the ring has ended has a report, too, which says so.
+void report_end(const std::filesystem::path& folder, bool has_ring_faults) {
   try {
     const auto broken = report::judge(recording::Reader{folder / report::kRunFile});
     const bool has_tripped = std::any_of(broken.begin(), broken.end(), [](const auto& condition) {
       return condition.condition == "safety";
     });
-    if (has_tripped || !was_interrupted)
+    if (has_tripped || has_ring_faults)
       fmt::print("report    {}\n", report::make_report(folder, broken).page.string());
   } catch (const Error& error) {
     fmt::print(stderr, "rths: no report: {}\n", error.what());
@@ -270,7 +270,7 @@ int run(const RunArguments& arguments) {
     fmt::print(stderr, "rths: the run ended early: {}\n",
                outcome.interrupted ? "interrupted" : outcome.trouble);
     if (run_folder.has_begun() && where == Recorded::Here && !experiment.history)
-      report_end(run_folder.path(), outcome.interrupted);
+      report_end(run_folder.path(), outcome.has_ring_faults);
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
   return where == Recorded::Here ? judge_and_report(arguments, experiment, run_folder.path()) : kOk;

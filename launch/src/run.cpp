@@ -115,6 +115,7 @@ RunOutcome run(const Experiment& experiment, const RunOptions& options) {
                                : run_in_wall_time(experiment, assembly, options);
   outcome.trouble = result.trouble;
   outcome.interrupted = result.interrupted;
+  outcome.has_ring_faults = !result.faults.empty();
   outcome.completed = outcome.trouble.empty() && !outcome.interrupted;
   outcome.wall_time = to_seconds(clock.now() - begun);
   if (!std::filesystem::exists(options.recording)) return outcome;

@@ -38,6 +38,7 @@ struct RunOutcome {
   bool completed = false;         ///< reached its end; all nodes came to rest and left
   bool interrupted = false;       ///< by a person
   std::string trouble;            ///< one line; empty if completed
+  bool has_ring_faults = false;   ///< of the cards of a replicated ring
   double wall_time = 0;           ///< [s]
   std::int64_t rows_missing = 0;  ///< of the recording of a completed run
 };
