@@ -24,6 +24,7 @@ rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED shared_r
 
 # They remove the rings of dead processes, which other tests make on purpose.
 rths_tests(rths_left_ring_test "." RUN_SERIAL ON)
+rths_tests(rths_command_test "^(DoctorAndClean|CleanCommand)\\." RUN_SERIAL ON)
 
 # With RTHS_LONG=1, forty runs each.
 rths_tests(rths_death_trial_test "." TIMEOUT 1200)
