@@ -311,7 +311,7 @@ struct DiagnoseArguments {
 [[nodiscard]] int map_list();
 [[nodiscard]] int map_check(const std::string& file);
 [[nodiscard]] int map_gen(const std::string& file, const std::string& language);
-[[nodiscard]] int report(const std::string& folder);
+[[nodiscard]] int report(const std::string& folder, const std::string& beside);
 /// Ends the run on a ring in order.
 [[nodiscard]] int stop(const std::string& ring);
 struct DoctorArguments {

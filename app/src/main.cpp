@@ -40,7 +40,7 @@ struct Arguments {
   NewAdapterArguments made;
   ReplayArguments replay;
   CommissioningArguments before;
-  std::string clock = "wall", file, language = "cpp", folder, format = "text",
+  std::string clock = "wall", file, language = "cpp", folder, beside, format = "text",
               kept = "out/failed_tests";
   std::vector<std::string> sets, rings;
 };
@@ -356,7 +356,9 @@ void add_test(CLI::App& app, Arguments& a, Chosen& chosen) {
 void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* report_command = app.add_subcommand("report", "Rewrite the report of a run");
   report_command->add_option("folder", a.folder, "Folder of the run")->required();
-  report_command->callback([&] { chosen = [&a] { return report(a.folder); }; });
+  report_command->add_option("--beside", a.beside,
+                             "Folder of another run, to show its response and spectra, too");
+  report_command->callback([&] { chosen = [&a] { return report(a.folder, a.beside); }; });
   auto* stop_command = app.add_subcommand("stop", "End a run in order, with its report");
   stop_command->add_option("ring", a.folder, "Name of the run's ring")->required();
   stop_command->callback([&] { chosen = [&a] { return stop(a.folder); }; });

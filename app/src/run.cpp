@@ -282,10 +282,10 @@ int node(const NodeArguments& arguments) {
                           version());
 }
 
-int report(const std::string& folder) {
+int report(const std::string& folder, const std::string& beside) {
   const FolderLock lock{folder};
   const std::filesystem::path recording = std::filesystem::path{folder} / report::kRunFile;
-  return print(report::make_report(folder, report::judge(recording::Reader{recording})));
+  return print(report::make_report(folder, report::judge(recording::Reader{recording}), beside));
 }
 
 std::string version() { return RTHS_VERSION; }

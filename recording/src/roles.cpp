@@ -33,6 +33,7 @@ constexpr AxisRole kAxisRoles[] = {
     {"returned_displacement", &AxisRoles::returned_displacement, "daq.{a}.displ.fbk"},
     {"returned_force", &AxisRoles::returned_force, "daq.{a}.force.fbk"}};
 
+/// A role of the run, with {c} as above.
 struct RunRole {
   const char* key;
   std::string Roles::*name;
@@ -43,7 +44,9 @@ constexpr RunRole kSignalRoles[] = {
     {"time", &Roles::time, "opf.1.time.target"},
     {"load", &Roles::load, "srmd.compression.force.fbk"},
     {"load_reference", &Roles::load_reference, "xpc.compression.force.ref"},
-    {"vertical_force", &Roles::vertical_force, "srmd.vert.force.fbk"}};
+    {"vertical_force", &Roles::vertical_force, "srmd.vert.force.fbk"},
+    {"vertical_command", &Roles::vertical_command, "monitor.{c}.vertical_load.out"},
+    {"vertical_measured", &Roles::vertical_measured, "monitor.{c}.vertical_measured.out"}};
 
 /// A role of a node, with the adapters that play it.
 struct NodeRole {
@@ -95,7 +98,8 @@ Roles read_roles(const Config& experiment) {
   Roles roles;
   for (const auto& role : node_roles())
     roles.*role.name = table.text(role.key, node_with(nodes, role.adapters).value_or(role.usual));
-  for (const auto& role : kSignalRoles) roles.*role.name = table.text(role.key, role.usual);
+  for (const auto& role : kSignalRoles)
+    roles.*role.name = table.text(role.key, filled_in(role.usual, roles, ""));
   const auto tested = experiment.texts("axes", {"long", "lat"});
   for (const std::string axis : kHorizontal) {
     const Config own = table.table_or_empty(axis);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis.hpp"
+#include "companions.hpp"
 #include "evidence.hpp"
+#include "ticks.hpp"
+#include "vertical.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,70 +25,11 @@ using recording::AxisRoles;
 using recording::Reader;
 using recording::Roles;
 
-constexpr double kDelaySearch = 0.2;       // [s]
 constexpr double kWindow = 2.0;            // of windowed tracking [s]
 constexpr double kWindowStep = 0.25;       // [s]
 constexpr double kWindowSearch = 0.1;      // [s]
 constexpr double kQuietShare = 0.02;       // of the largest command: a smaller motion has no delay
 constexpr double kExcusedLateness = 1e-3;  // of the host: one controller tick [s]
-
-// Tick interval between the first counted row and the first row of the final count, when the node
-// left.
-double period_of(const std::vector<double>& time, const std::vector<double>& counter) {
-  const auto first = std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
-  const auto last = std::find(first, counter.end(), counter.back());
-  const double counts = last == counter.end() ? 0 : *last - *first;
-  if (!(counts > 0)) throw Error{"the recording contains no steps of the controller"};
-  const auto row = [&](auto at) { return static_cast<std::size_t>(at - counter.begin()); };
-  return (time[row(last)] - time[row(first)]) / counts;
-}
-
-/// Series of signals: one value per tick of the controller. Without a controller of this project,
-/// one value per row, up to the end of the test.
-class Ticks {
- public:
-  Ticks(const Reader& run, const Roles& roles) : run_{run} {
-    if (run.has("monitor." + roles.controller + ".host.step")) {
-      ticks_.emplace(run, roles.controller);
-      interval_ = period_of(run.time(), ticks_->counter());
-      return;
-    }
-    rows_ = run.rows();
-    if (run.has(roles.new_target)) {
-      const auto flag = run.signal(roles.new_target);
-      const auto end = std::find_if(flag.begin(), flag.end(), [](double word) { return word < 0; });
-      rows_ = std::max<std::size_t>(2, static_cast<std::size_t>(end - flag.begin()));
-    }
-    interval_ = (run.time()[rows_ - 1] - run.time()[0]) / static_cast<double>(rows_ - 1);
-  }
-  [[nodiscard]] Series series(const std::string& signal) const {
-    return {0, interval_, ticks_ ? ticks_->values(signal) : first_rows(run_.signal(signal))};
-  }
-  [[nodiscard]] double interval() const { return interval_; }
-
- private:
-  [[nodiscard]] std::vector<double> first_rows(std::vector<double> values) const {
-    values.resize(std::min(values.size(), rows_));
-    return values;
-  }
-
-  const Reader& run_;
-  std::optional<recording::NodeTicks> ticks_;
-  std::size_t rows_ = 0;
-  double interval_ = 0;
-};
-
-// Without motion there is no delay.
-controller::DelayIdentification delay_or_none(std::span<const double> command,
-                                              std::span<const double> measured, double interval,
-                                              double search) {
-  try {
-    return controller::identify_delay(command, measured, interval, search);
-  } catch (const Error&) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {kNone, kNone};
-  }
-}
 
 WindowedTracking windowed_tracking(const Series& command, const Series& measured) {
   WindowedTracking tracking;
@@ -250,62 +194,6 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
   return nodes;
 }
 
-// Model time of each target of the solver.
-std::vector<double> times_of_targets(const Reader& run, const Roles& roles,
-                                     const std::vector<double>& targets, double step) {
-  auto time = run.has(roles.time) ? at_each_count(targets, run.signal(roles.time))
-                                  : std::vector<double>(targets.size());
-  if (!time.empty() && time.back() == 0)  // a solver that does not write it
-    for (std::size_t i = 0; i < time.size(); ++i) time[i] = static_cast<double>(i + 1) * step;
-  return time;
-}
-
-// Difference between the test's target and the displacement of a model instead of the specimen.
-double difference(const std::vector<double>& time, const std::vector<double>& target,
-                  const NumericalAxis& model, double interval) {
-  double apart = 0, all = 0;
-  for (std::size_t i = 0; i < std::min(time.size(), target.size()); ++i) {
-    const auto row = std::lround(time[i] / interval) - 1;
-    if (row < 0 || row >= static_cast<long>(model.displacement.size())) continue;
-    const double error = model.displacement[static_cast<std::size_t>(row)] - target[i];
-    apart += error * error;
-    all += target[i] * target[i];
-  }
-  return all > 0 ? std::sqrt(apart / all) : 0;
-}
-
-std::vector<NumericalAxis> numerical_axes(const Analysis& analysis, const Reader& run,
-                                          const Roles& roles, const Reader& numerical) {
-  // The solver's own count is exact where its target and the controller's are not of one row.
-  const std::string counter = "monitor." + roles.solver + ".step";
-  const auto steps = run.has(counter) ? run.signal(counter) : targets_of(run, roles);
-  const auto time = times_of_targets(run, roles, steps, analysis.integration_step);
-  std::vector<NumericalAxis> axes;
-  for (const auto& names : roles.axes) {
-    const bool is_tested = std::any_of(analysis.axes.begin(), analysis.axes.end(),
-                                       [&](const auto& axis) { return axis.name == names.axis; });
-    if (!is_tested || !run.has(names.target)) continue;
-    NumericalAxis result;
-    result.name = names.axis;
-    result.displacement = numerical.signal("result.displ." + names.axis);
-    result.force = numerical.signal("result.force." + names.axis);
-    result.peak_displacement = largest_magnitude(result.displacement);
-    result.peak_shear = largest_magnitude(result.force);
-    result.difference = difference(time, at_each_count(steps, run.signal(names.target)), result,
-                                   analysis.numerical_interval);
-    axes.push_back(std::move(result));
-  }
-  return axes;
-}
-
-void add_companions(Analysis& analysis, const Reader& run, const Roles& roles,
-                    const Reader* numerical, const Reader* improved) {
-  if (numerical == nullptr) return;
-  analysis.numerical_interval = numerical->time()[1] - numerical->time()[0];
-  analysis.numerical = numerical_axes(analysis, run, roles, *numerical);
-  if (improved != nullptr) analysis.improved = numerical_axes(analysis, run, roles, *improved);
-}
-
 // Model time that the test reached.
 double duration_of(const Reader& run, const Roles& roles, const StepAnalysis& steps, double step) {
   if (run.has(roles.time))
@@ -343,6 +231,17 @@ std::optional<Reader> open_if_there(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+controller::DelayIdentification delay_or_none(std::span<const double> command,
+                                              std::span<const double> measured, double interval,
+                                              double search) {
+  try {
+    return controller::identify_delay(command, measured, interval, search);
+  } catch (const Error&) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {kNone, kNone};
+  }
+}
 
 bool host_was_late(const Series& host_late, double from, double to) {
   if (host_late.values.empty()) return false;
@@ -412,6 +311,9 @@ Analysis analyse(const std::filesystem::path& folder) {
   if (uncompensated) add_raw_delays(analysis, *uncompensated);
   analysis.steps = analyse_steps(run, roles, analysis.host_late);
   analysis.duration = duration_of(run, roles, analysis.steps, analysis.integration_step);
+  analysis.vertical =
+      analyse_vertical(run, ticks, roles, analysis.rate,
+                       analysis.steps.start.empty() ? 0 : analysis.steps.start[0] / analysis.rate);
   analysis.nodes = analyse_nodes(run);
   analysis.hops = analyse_hops(run);
   analysis.drops = run.drops();

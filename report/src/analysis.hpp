@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <rths/controller/delay.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/report/bands.hpp>
@@ -75,7 +76,7 @@ struct HopAnalysis {
 
 /// A floor spectrum and its source.
 struct Spectrum {
-  std::string of;              ///< hybrid, numerical, improved, fixed base, input
+  std::string of;              ///< hybrid, numerical, improved, fixed base, input, beside
   std::vector<double> values;  ///< [m/s²]
 };
 struct FloorSpectra {
@@ -89,6 +90,26 @@ struct NumericalAxis {
   std::vector<double> displacement, force;  ///< [m], [N]
   double peak_displacement = 0, peak_shear = 0;
   double difference = 0;  ///< of its displacement from the test's, rms over rms of the test [-]
+};
+
+/// Another test in the figures of this one.
+inline constexpr const char* kBeside = "beside";
+struct Beside {
+  std::string name, folder;
+  double rate = 1;     ///< its wall time over model time
+  std::string ending;  ///< why it ended early; empty: it was completed
+  double integration_step = 0;
+  std::vector<NumericalAxis> axes;  ///< at each of its targets
+};
+
+/// Vertical force of a test whose controller controls it, in model time.
+struct VerticalAnalysis {
+  Series command, measured;  ///< on the specimen, every tick of the controller [N]
+  double span = 0;           ///< of the command, peak to peak [N]
+  double delay = 0;          ///< command to measured [s]
+  double error = 0;          ///< RMS error over span [-]
+  Coherence coherence;
+  std::vector<BandTracking> bands;
 };
 
 /// A change of a word that no node of the run writes, such as a parameter.
@@ -124,7 +145,8 @@ struct Analysis {
   std::vector<OperatorChange> changes;
   std::vector<SafetyChange> safety;  ///< none: the machine has no safety layer
   double control_rate = 0;           ///< [Hz]
-  double integration_step = 0;
+  double integration_step = 0;       ///< in model time [s]
+  double rate = 1;                   ///< wall time over model time
   int processes = 1;
   std::vector<AxisAnalysis> axes;
   StepAnalysis steps;
@@ -136,7 +158,9 @@ struct Analysis {
   std::vector<NumericalAxis> numerical;
   std::vector<NumericalAxis> improved;  ///< with the improved model of a diagnosis
   double numerical_interval = 0;        ///< [s]
-  std::vector<double> frequencies;      ///< of the spectra [Hz]
+  std::optional<Beside> beside;
+  std::optional<VerticalAnalysis> vertical;
+  std::vector<double> frequencies;  ///< of the spectra [Hz]
   std::vector<FloorSpectra> floors;
   std::vector<LeftOut> left_out;  ///< sections
   std::vector<Broken> broken;     ///< conditions of a conclusive test; none: the test is conclusive
@@ -168,6 +192,14 @@ void describe(Analysis& analysis, const recording::Reader& run);
 /// Floor spectra of the run and its companions, null if not recorded.
 void add_spectra(Analysis& analysis, const recording::Reader& run, const std::string& solver,
                  const recording::Reader* numerical, const recording::Reader* improved);
+
+/// Largest delay that is looked for in a whole test [s].
+inline constexpr double kDelaySearch = 0.2;
+/// NaN if the signals have no motion, or are too short.
+/// @param search  largest shift to either side [s]
+[[nodiscard]] controller::DelayIdentification delay_or_none(std::span<const double> command,
+                                                            std::span<const double> measured,
+                                                            double interval, double search);
 
 /// Returns true if the lateness of the host reached a controller tick in [from, to].
 [[nodiscard]] bool host_was_late(const Series& host_late, double from, double to);

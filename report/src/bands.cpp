@@ -78,6 +78,7 @@ class AveragedSpectra {
     return std::sqrt(2 * sum / (kWindowPower * length * length * static_cast<double>(segments_)));
   }
   [[nodiscard]] BandTracking::Response response(double from, double to, double near) const;
+  [[nodiscard]] Coherence coherence() const;
 
  private:
   void add(const Eigen::VectorXcd& command, const Eigen::VectorXcd& measured) {
@@ -132,7 +133,33 @@ BandTracking::Response AveragedSpectra::response(double from, double to, double 
           power.dot(coherence) / power.sum()};
 }
 
+Coherence AveragedSpectra::coherence() const {
+  Coherence all;
+  for (Eigen::Index i = 1; i < command_.size(); ++i) {
+    const double power = command_[i] * measured_[i];
+    all.frequency.push_back(static_cast<double>(i) * spacing_);
+    all.value.push_back(power > 0 ? std::norm(cross_[i]) / power : 0);
+  }
+  return all;
+}
+
 }  // namespace
+
+std::optional<double> Coherence::least(double from, double to) const {
+  std::optional<double> least;
+  for (std::size_t i = 0; i < frequency.size(); ++i)
+    if (frequency[i] >= from && frequency[i] <= to)
+      least = std::min(value[i], least.value_or(value[i]));
+  return least;
+}
+
+Coherence coherence_of(const std::vector<double>& command, const std::vector<double>& measured,
+                       double interval) {
+  const auto size = static_cast<Eigen::Index>(command.size());
+  const AveragedSpectra spectra{Eigen::Map<const Eigen::VectorXd>{command.data(), size},
+                                Eigen::Map<const Eigen::VectorXd>{measured.data(), size}, interval};
+  return spectra.is_averaged() ? spectra.coherence() : Coherence{};
+}
 
 std::vector<BandTracking> track_bands(const std::vector<double>& command,
                                       const std::vector<double>& measured, double interval,

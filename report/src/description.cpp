@@ -131,11 +131,14 @@ std::vector<std::string> scope_of(const Config& file, const std::string& machine
   const auto axes = file.texts("axes", {"long", "lat"});
   const Config motion = file.table_or_empty("motion");
   const bool is_vertical = motion.has("column_vert") || motion.has("file_vert");
+  const bool is_fed_back =
+      node_with(file, {"numerical"}).text("vertical_feedback", "model") == "measured";
   scope.push_back(fmt::format(
-      "Tested {}: {}. Rotations stay at zero. {}", axes.size() == 1 ? "axis" : "axes",
+      "Tested {}: {}. The rotations' commands are zero. {}", axes.size() == 1 ? "axis" : "axes",
       list_of(axes),
-      is_vertical ? "The vertical motion of the ground varies the vertical load of the bearing."
-                  : "The vertical load of the bearing is constant."));
+      is_fed_back   ? "The vertical force is tested, too: its measurement restores the structure."
+      : is_vertical ? "The vertical motion of the ground varies the vertical load of the bearing."
+                    : "The vertical load of the bearing is constant."));
   return scope;
 }
 
@@ -150,6 +153,7 @@ void describe(Analysis& analysis, const recording::Reader& run) {
   analysis.command = command_of(analysis, lines(run.config(recording::kOverridesText)));
   analysis.name = file.text("name");
   analysis.integration_step = file.number("integration_step_s", 0.01);
+  analysis.rate = file.number("rate", 1);
   analysis.planned_duration = file.number("duration_s", 0);
   analysis.spectrum_elevation = file.table_or_empty("plant").number(
       "spectrum_elevation_m", sim::IsolatedPlant{}.spectrum_elevation);

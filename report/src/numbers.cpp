@@ -15,6 +15,7 @@ struct Band {
   const char* name;
   double from, to;
 };
+constexpr double kLeastCoherent = 1, kMostCoherent = 15;  // of the vertical force [Hz]
 constexpr Band kBands[] = {{"below_6_Hz", 0, 6}, {"6_to_11_Hz", 6, 11}, {"above_11_Hz", 11, 1e3}};
 
 double largest(const std::vector<double>& values) {
@@ -110,6 +111,32 @@ Json axis_numbers(const AxisAnalysis& axis, const Analysis& analysis) {
   for (const auto& band : axis.bands) json["tracking_bands"].push_back(band_numbers(band));
   add_numerical(json, axis.name, "numerical", analysis.numerical);
   add_numerical(json, axis.name, "improved", analysis.improved);
+  return json;
+}
+
+Json vertical_numbers(const std::optional<VerticalAnalysis>& vertical) {
+  if (!vertical) return nullptr;
+  const auto least = vertical->coherence.least(kLeastCoherent, kMostCoherent);
+  Json json{{"delay_ms", rounded(vertical->delay * kMilli, 2)},
+            {"rms_percent", rounded(vertical->error * kPercent, 3)},
+            {"peak_to_peak_kN", rounded(vertical->span * kPerKilo, 1)},
+            {"coherence_1_to_15_Hz", least ? Json(rounded(*least, 4)) : Json(nullptr)},
+            {"tracking_bands", Json::array()}};
+  for (const auto& band : vertical->bands) json["tracking_bands"].push_back(band_numbers(band));
+  return json;
+}
+
+Json beside_numbers(const std::optional<Beside>& beside) {
+  if (!beside) return nullptr;
+  Json json{{"name", beside->name},
+            {"folder", beside->folder},
+            {"rate", beside->rate},
+            {"ending", beside->ending.empty() ? Json(nullptr) : Json(beside->ending)},
+            {"axes", Json::object()}};
+  for (const auto& axis : beside->axes) {
+    Json& numbers = json["axes"][axis.name] = Json::object();
+    add_numerical(numbers, axis.name, kBeside, beside->axes);
+  }
   return json;
 }
 
@@ -227,6 +254,29 @@ std::string response_summary(const std::string& axis, const Analysis& analysis) 
   return text.empty() ? "" : "        response differs by " + text + " (rms)\n";
 }
 
+std::string vertical_summary(const std::optional<VerticalAnalysis>& vertical) {
+  if (!vertical) return "";
+  const auto least = vertical->coherence.least(kLeastCoherent, kMostCoherent);
+  return fmt::format(
+      "vert    force: delay {:.2f} ms  RMS error {:.2f} % of {:.0f} kN peak to peak{}\n",
+      vertical->delay * kMilli, vertical->error * kPercent, vertical->span * kPerKilo,
+      least ? fmt::format("  coherence {:.2f} or more from {:g} to {:g} Hz", *least, kLeastCoherent,
+                          kMostCoherent)
+            : "");
+}
+
+std::string beside_summary(const std::optional<Beside>& beside) {
+  if (!beside) return "";
+  std::string text = fmt::format(
+      "beside  {} ({}), {}", beside->name, beside->folder,
+      beside->rate == 1 ? "at true speed" : fmt::format("{:g} times slower", beside->rate));
+  for (const auto& axis : beside->axes)
+    text += fmt::format(", {} {:.1f} %", axis.name, axis.difference * kPercent);
+  text += " apart (rms)\n";
+  if (!beside->ending.empty()) text += fmt::format("        it ended early: {}\n", beside->ending);
+  return text;
+}
+
 std::string changes_summary(const std::vector<OperatorChange>& changes) {
   constexpr std::size_t kMostShown = 10;
   std::string text;
@@ -260,6 +310,7 @@ Json numbers_of(const Analysis& analysis) {
   json["ending"] = analysis.ending.empty() ? Json(nullptr) : Json(analysis.ending);
   json["control_rate_hz"] = rounded(analysis.control_rate, 3);
   json["integration_step_s"] = analysis.integration_step;
+  json["rate"] = analysis.rate;
   json["integration_steps"] = count_of(steps);
   json["overruns"] = total_overruns(analysis);
   json["slow_downs"] = steps.slow_downs;
@@ -274,6 +325,8 @@ Json numbers_of(const Analysis& analysis) {
   json["slow_down_ms_mean"] = mean_ms(steps.slow);
   json["axes"] = Json::object();
   for (const auto& axis : analysis.axes) json["axes"][axis.name] = axis_numbers(axis, analysis);
+  json["vertical"] = vertical_numbers(analysis.vertical);
+  json["beside"] = beside_numbers(analysis.beside);
   json["floors"] = Json::object();
   for (const auto& floor : analysis.floors)
     json["floors"][floor.floor] = floor_numbers(floor, analysis.frequencies);
@@ -320,6 +373,7 @@ std::string summary_of(const Analysis& analysis) {
                         : "");
   for (const auto& axis : analysis.axes)
     text += axis_summary(axis) + response_summary(axis.name, analysis);
+  text += vertical_summary(analysis.vertical) + beside_summary(analysis.beside);
   text += changes_summary(analysis.changes);
   text += fmt::format("host    at most {:.2f} ms late, {} of {} steps excused, {} overruns\n",
                       largest(analysis.host_late.values) * kMilli, steps.excused_count,

@@ -71,6 +71,14 @@ Json steps_data(const StepAnalysis& steps) {
           {"slow_ms", packed(steps.slow, kMilli)}};
 }
 
+Json vertical_data(const std::optional<VerticalAnalysis>& vertical) {
+  if (!vertical) return nullptr;
+  return {{"command_kN", series(vertical->command, kPerKilo)},
+          {"measured_kN", series(vertical->measured, kPerKilo)},
+          {"frequencies_Hz", packed(vertical->coherence.frequency)},
+          {"coherence", packed(vertical->coherence.value)}};
+}
+
 Json page_data(const Analysis& analysis, const Json& numbers) {
   Json data;
   data["numbers"] = numbers;
@@ -82,6 +90,11 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
     for (const auto& axis : *axes)
       data[name].push_back(numerical_data(axis, analysis.numerical_interval));
   }
+  data["beside"] = Json::array();
+  if (analysis.beside)
+    for (const auto& axis : analysis.beside->axes)
+      data["beside"].push_back(numerical_data(axis, analysis.beside->integration_step));
+  data["vertical"] = vertical_data(analysis.vertical);
   data["steps"] = steps_data(analysis.steps);
   data["host_late_ms"] = series(analysis.host_late, kMilli, true);
   data["frequencies_Hz"] = packed(analysis.frequencies);

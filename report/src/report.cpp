@@ -8,6 +8,7 @@
 
 #include <rths/report/diagnosis.hpp>
 
+#include "companions.hpp"
 #include "page.hpp"
 #include "write_file.hpp"
 
@@ -28,8 +29,10 @@ Json verdict_in(const std::filesystem::path& folder) {
 
 }  // namespace
 
-ReportOutcome make_report(const std::filesystem::path& folder, std::vector<Broken> broken) {
+ReportOutcome make_report(const std::filesystem::path& folder, std::vector<Broken> broken,
+                          const std::filesystem::path& beside) {
   Analysis analysis = analyse(folder);
+  if (!beside.empty()) add_beside(analysis, beside);
   analysis.broken = std::move(broken);
   Json numbers = numbers_of(analysis);
   numbers["diagnosis"] = verdict_in(folder);

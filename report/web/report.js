@@ -8,7 +8,9 @@
   const AXIS_NAME = { long: "longitudinal", lat: "lateral" };
 
   const axisNamed = name => data.axes.find(a => a.name === name);
-  const MODELS = ["numerical", "improved"];
+  const MODELS = ["numerical", "improved", "beside"];
+  const speed = () => (n.beside.rate === 1 ? "at true speed" : `${n.beside.rate} times slower`);
+  const labelOf = name => (name === "beside" ? `${n.beside.name.replaceAll("_", " ")}, ${speed()}` : name);
   const styled = (name, label = name) => ({ label, color: name, dash: theme.DASH[name] });
 
   // --- header ------------------------------------------------------------------------------------
@@ -98,6 +100,7 @@
         (data.improved.length ? `; against improved: ${each("improved_difference_percent", 1)} %` : ""));
     if (!axes.length) return;
     const worst = a => a.tracking_bands.reduce((most, b) => (b.nrms_percent > most.nrms_percent ? b : most), a.tracking_bands[0]);
+    if (n.vertical) card("vertical force", fixed(n.vertical.rms_percent, 2), "%", `RMS error / peak to peak; delay ${fixed(n.vertical.delay_ms, 1)} ms`);
     card("NRMS", each("nrms_percent", 2), "%", "RMS error / largest command; most of it at " +
       axes.map(([, a]) => bandName(worst(a))).filter((name, i, all) => all.indexOf(name) === i).join(" and "));
     card("peak displacement", each("peak_displacement_mm", 0), "mm",
@@ -135,9 +138,12 @@
     if (data.numerical.length)
       byId("response-text").append(" The numerical result has a model instead of the specimen, and no machine.");
     if (data.improved.length) byId("response-text").append(" The improved result has the improved model of the diagnosis.");
+    if (n.beside)
+      byId("response-text").append(` ${labelOf("beside")}, is another test, in ${n.beside.folder}` +
+        `${n.beside.ending ? `, which ended early: ${n.beside.ending}` : ""}.`);
     // The test in front of the results with a model instead of the specimen.
     const beside = (pick, of) => [
-      ...models.map(m => ({ ...styled(m.label), x: of(m.axes)[0], y: of(m.axes)[1], time: Object.values(m.axes)[0].time, width: 1.3 })),
+      ...models.map(m => ({ ...styled(m.label, labelOf(m.label)), x: of(m.axes)[0], y: of(m.axes)[1], time: Object.values(m.axes)[0].time, width: 1.3 })),
       { ...styled("hybrid"), x: pick[0], y: pick[1], width: 1.3, time: start },
     ];
     for (const a of data.axes) {
@@ -173,6 +179,28 @@
     lines("tracking", "Normalised RMS error", times(first.nrms_percent), "time [s]", "NRMS [%]",
       data.axes.map(a => ({ ...styled(a.name, AXIS_NAME[a.name]), y: unpack(a.nrms_percent.values), width: 1.8 })),
       { height: 200 });
+  };
+
+  // The force of a controlled vertical axis.
+  const vertical = () => {
+    const v = n.vertical;
+    if (!v) return;
+    byId("vertical-section").hidden = false;
+    byId("vertical-text").textContent = "Force on the specimen that the controller commands, and the measured one without the " +
+      `inertia of the platen. Delay ${fixed(v.delay_ms, 2)}\u2009ms; RMS error ${fixed(v.rms_percent, 2)}\u2009% of the command's ` +
+      `${Math.round(v.peak_to_peak_kN)}\u2009kN peak to peak` +
+      (v.coherence_1_to_15_Hz == null ? "." : `; coherence from 1 to 15\u2009Hz at least ${fixed(v.coherence_1_to_15_Hz, 2)}.`);
+    lines("vertical", "Vertical force", times(data.vertical.command_kN), n.rate === 1 ? "time [s]" : "model time [s]", "force [kN]", [
+      { ...styled("command"), y: unpack(data.vertical.command_kN.values), width: 1.8 },
+      { ...styled("hybrid", "measured"), y: unpack(data.vertical.measured_kN.values), width: 1.2 },
+    ], { height: 220, ...(n.rate === 1 ? {} : { group: figures.group("") }) });
+    const f = unpack(data.vertical.frequencies_Hz), shown = f.findIndex(frequency => frequency > 25);
+    if (!f.length) return;
+    lines("vertical", "Coherence", f.slice(0, shown), "frequency [Hz]", "coherence [–]", [
+      { ...styled("hybrid", "measured force with the commanded one"), y: unpack(data.vertical.coherence).slice(0, shown), width: 1.5 },
+    ], { height: 220, group: figures.group("") });
+    table("vertical-table", ["band", "gain", "delay [ms]", "coherence", "error / largest change of the command [%]"],
+      v.tracking_bands.map(b => [bandName(b), fixed(b.gain, 3), fixed(b.delay_ms, 1), fixed(b.coherence, 2), fixed(b.nrms_percent, 2)]));
   };
 
   // Gain, delay and error of each band in which the command has energy.
@@ -218,7 +246,7 @@
     for (const floor of data.floors)
       lines("floors", floor.floor[0].toUpperCase() + floor.floor.slice(1), f, "frequency [Hz]", "acceleration [m/s²]",
         floor.spectra.slice().reverse().map(s => ({
-          ...styled(s.of), y: unpack(s.values), width: s.of === "hybrid" ? 2 : 1.5,
+          ...styled(s.of, labelOf(s.of)), y: unpack(s.values), width: s.of === "hybrid" ? 2 : 1.5,
         })), { logX: true, logY: true, height: 320 });
   };
 
@@ -275,6 +303,6 @@
       el("code", { textContent: n.command }), ".");
   };
 
-  for (const draw of [found, changes, header, response, safety, tracking, bands, ats, steps, floors, host, numbers, scope, leftOut]) draw();
+  for (const draw of [found, changes, header, response, safety, tracking, bands, vertical, ats, steps, floors, host, numbers, scope, leftOut]) draw();
   plots.done();
 })();

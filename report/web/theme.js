@@ -16,7 +16,7 @@ const theme = (() => {
   addEventListener("afterprint", () => print(false));
 
   // Curves of one role have one colour and one dash on all pictures.
-  const DASH = { numerical: [7, 3], improved: [9, 3, 2, 3], "fixed base": [2, 3], input: [4, 2], raw: [5, 4], limit: [5, 4], before: [6, 2] };
+  const DASH = { numerical: [7, 3], improved: [9, 3, 2, 3], beside: [3, 2], "fixed base": [2, 3], input: [4, 2], raw: [5, 4], limit: [5, 4], before: [6, 2] };
   const css = name => `var(--${name.replace(" ", "-")})`;
   const ink = name => color(name.replace(" ", "-"));
 

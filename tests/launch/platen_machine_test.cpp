@@ -51,7 +51,7 @@ test::Finished run_3d(const std::filesystem::path& out, std::vector<std::string>
 // The goals of the vertical force: 2 % of peak to peak.
 TEST(ThreeDimensionsExample, TracksTheVerticalForceThatItFeedsBack) {
   const test::TemporaryFolder folder;
-  const auto run = run_3d(folder.path(), {});
+  const auto run = run_3d(folder.path(), {"duration_s=9"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const recording::Reader recorded{folder.path() / "run.h5"};
   const auto command = recorded.signal("monitor.xpc.vertical_load.out");
@@ -67,6 +67,33 @@ TEST(ThreeDimensionsExample, TracksTheVerticalForceThatItFeedsBack) {
   EXPECT_GT(high - low, 5e6);
   EXPECT_LT(std::sqrt(sum / static_cast<double>(count)), 0.02 * (high - low));
   EXPECT_NE(recorded.signal("daq.vert.force.fbk").back(), 0);
+
+  const Json vertical = test::json_of(folder.path() / "report.json")["vertical"];
+  const double error = 100 * std::sqrt(sum / static_cast<double>(count)) / (high - low);
+  EXPECT_NEAR(vertical["rms_percent"], error, 0.1 * error);  // from the first target on
+  EXPECT_LT(std::abs(double{vertical["delay_ms"]}), 2);
+  EXPECT_GT(vertical["tracking_bands"][3]["coherence"], 0.95);  // 6 to 11 Hz: the vertical mode
+  EXPECT_NE(run.out.find("vert    force: delay "), std::string::npos) << run.out;
+}
+
+// A test beside itself differs by nothing.
+TEST(Report, PutsAnotherTestBesideThis) {
+  const test::TemporaryFolder folder;
+  ASSERT_EQ(run_3d(folder.path(), {"duration_s=1", "rate=2"}).exit_code, 0);
+
+  const auto both =
+      test::run_rths({"report", folder.path().string(), "--beside", folder.path().string()});
+
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_NE(both.out.find("2 times slower, long 0.0 %, lat 0.0 % apart"), std::string::npos)
+      << both.out;
+  const Json numbers = test::json_of(folder.path() / "report.json");
+  EXPECT_EQ(numbers["beside"]["axes"]["long"]["beside_difference_percent"], 0);
+  EXPECT_EQ(numbers["beside"]["axes"]["lat"]["beside_peak_shear_kN"],
+            numbers["axes"]["lat"]["peak_shear_kN"]);
+  const auto none = test::run_rths({"report", folder.path().string(), "--beside", "/no/run"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("/no/run/run.h5"), std::string::npos) << none.err;
 }
 
 // Its delay of 40 ms is a negative damping far above the plant's. The safety layer ends the test.

@@ -32,6 +32,7 @@ TEST(Roles, FollowTheAdaptersOfTheNodes) {
 
   EXPECT_EQ(roles.controller, "target");
   EXPECT_EQ(roles.axes[0].command, "monitor.target.pc.command.long");
+  EXPECT_EQ(roles.vertical_command, "monitor.target.vertical_load.out");
 }
 
 TEST(Roles, AreBoundToWordsOfAnyMap) {

@@ -147,5 +147,40 @@ TEST(Bands, TakeTheShortestRecordings) {
   }
 }
 
+// White signals: S/(S + N) at each frequency.
+TEST(Coherence, IsTheShareOfTheCommandInTheMeasurement) {
+  std::mt19937_64 random{8};
+  std::normal_distribution<double> normal;
+  constexpr double kNoise = 0.5;
+  std::vector<double> command(120'000), measured;
+  for (double& value : command) value = normal(random);
+  for (const double value : command) measured.push_back(value + kNoise * normal(random));
+
+  const Coherence coherence = coherence_of(command, measured, kInterval);
+
+  double mean = 0;
+  for (const double value : coherence.value)
+    mean += value / static_cast<double>(coherence.value.size());
+  // 59 overlapping segments count as about 31: a bias of (1 − 0.8)²/31.
+  EXPECT_NEAR(mean, 1 / (1 + kNoise * kNoise), 0.005);
+  EXPECT_EQ(coherence.frequency.front(), 0.25);
+  EXPECT_EQ(coherence.frequency.back(), 500);
+}
+
+TEST(Coherence, HasItsLeastValueInARange) {
+  const Coherence coherence{{1, 2, 3, 4}, {0.2, 0.9, 0.8, 0.1}};
+
+  EXPECT_EQ(coherence.least(2, 3), 0.8);
+  EXPECT_EQ(coherence.least(1, 4), 0.1);
+  EXPECT_FALSE(coherence.least(4.5, 9));
+}
+
+TEST(Coherence, IsEmptyInARecordTooShortToAverage) {
+  const Filtered signals{{{0.5, 1}}, 6};
+
+  EXPECT_TRUE(coherence_of(signals.command, signals.measured, kInterval).value.empty());
+  EXPECT_TRUE(coherence_of({}, {}, kInterval).value.empty());
+}
+
 }  // namespace
 }  // namespace rths::report

@@ -28,6 +28,7 @@ struct Roles {
   std::string solver, controller, machine;                   ///< nodes
   std::string new_target, time;                              ///< flag; model time of the target [s]
   std::string load, load_reference, vertical_force;          ///< of the specimen, vertical [N]
+  std::string vertical_command, vertical_measured;           ///< force of a vertical controller [N]
   std::vector<AxisRoles> axes;                               ///< the tested ones: long, lat
   [[nodiscard]] std::string monitor_of_controller() const {  ///< begin of its monitors' names
     return "monitor." + controller + ".";

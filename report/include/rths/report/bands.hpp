@@ -30,4 +30,17 @@ struct BandTracking {
                                                     const std::vector<double>& measured,
                                                     double interval, double delay);
 
+/// Linear dependence of a measurement on its command, by frequency.
+struct Coherence {
+  std::vector<double> frequency;  ///< [Hz], without 0
+  std::vector<double> value;      ///< 0 to 1 [-]
+  /// @returns the smallest value in [from, to]; none without a frequency there
+  [[nodiscard]] std::optional<double> least(double from, double to) const;
+};
+
+/// From the same averaged spectra as the bands; empty if the record is too short for them.
+/// @param command, measured  equally long   @param interval  [s]
+[[nodiscard]] Coherence coherence_of(const std::vector<double>& command,
+                                     const std::vector<double>& measured, double interval);
+
 }  // namespace rths::report

@@ -28,9 +28,11 @@ struct ReportOutcome {
 /// network, and report.json with every number on it. The recording of the run is required;
 /// recordings of its companion runs and the verdict of a diagnosis are used if present.
 /// @param broken  the judgement of the run, see judgement.hpp
-/// @throws Error if the run cannot be read or contains no motion, or verdict.json is not a verdict
-///   @setup
+/// @param beside  the folder of another run, whose response and spectra are shown, too; or empty
+/// @throws Error if a run cannot be read or contains no motion, if they have no axis in common, or
+///   verdict.json is not a verdict   @setup
 [[nodiscard]] ReportOutcome make_report(const std::filesystem::path& folder,
-                                        std::vector<Broken> broken);
+                                        std::vector<Broken> broken,
+                                        const std::filesystem::path& beside = {});
 
 }  // namespace rths::report

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "companions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+#include "evidence.hpp"
+
+namespace rths::report {
+namespace {
+
+using recording::at_each_count;
+using recording::Reader;
+using recording::Roles;
+
+// Model time of each target of the solver.
+std::vector<double> times_of_targets(const Reader& run, const Roles& roles,
+                                     const std::vector<double>& targets, double step) {
+  auto time = run.has(roles.time) ? at_each_count(targets, run.signal(roles.time))
+                                  : std::vector<double>(targets.size());
+  if (!time.empty() && time.back() == 0)  // a solver that does not write it
+    for (std::size_t i = 0; i < time.size(); ++i) time[i] = static_cast<double>(i + 1) * step;
+  return time;
+}
+
+// Difference between a displacement of the test and that of another result, of equal intervals.
+double difference(const std::vector<double>& time, const std::vector<double>& displacement,
+                  const NumericalAxis& other, double interval) {
+  double apart = 0, all = 0;
+  for (std::size_t i = 0; i < std::min(time.size(), displacement.size()); ++i) {
+    const auto row = std::lround(time[i] / interval) - 1;
+    if (row < 0 || row >= static_cast<long>(other.displacement.size())) continue;
+    const double error = other.displacement[static_cast<std::size_t>(row)] - displacement[i];
+    apart += error * error;
+    all += displacement[i] * displacement[i];
+  }
+  return all > 0 ? std::sqrt(apart / all) : 0;
+}
+
+std::vector<NumericalAxis> numerical_axes(const Analysis& analysis, const Reader& run,
+                                          const Roles& roles, const Reader& numerical) {
+  // The solver's own count is exact where its target and the controller's are not of one row.
+  const std::string counter = "monitor." + roles.solver + ".step";
+  const auto steps = run.has(counter) ? run.signal(counter) : targets_of(run, roles);
+  const auto time = times_of_targets(run, roles, steps, analysis.integration_step);
+  std::vector<NumericalAxis> axes;
+  for (const auto& names : roles.axes) {
+    const bool is_tested = std::any_of(analysis.axes.begin(), analysis.axes.end(),
+                                       [&](const auto& axis) { return axis.name == names.axis; });
+    if (!is_tested || !run.has(names.target)) continue;
+    NumericalAxis result;
+    result.name = names.axis;
+    result.displacement = numerical.signal("result.displ." + names.axis);
+    result.force = numerical.signal("result.force." + names.axis);
+    result.peak_displacement = largest_magnitude(result.displacement);
+    result.peak_shear = largest_magnitude(result.force);
+    result.difference = difference(time, at_each_count(steps, run.signal(names.target)), result,
+                                   analysis.numerical_interval);
+    axes.push_back(std::move(result));
+  }
+  return axes;
+}
+
+// The other test's response along an axis of this one.
+NumericalAxis response_of(const AxisAnalysis& other, double other_step, const AxisAnalysis& axis,
+                          double step) {
+  NumericalAxis result;
+  result.name = axis.name;
+  result.displacement = other.step_displacement;
+  result.force = other.step_force;
+  result.peak_displacement = other.peak_displacement;
+  result.peak_shear = other.peak_shear;
+  std::vector<double> time;
+  for (std::size_t i = 0; i < axis.step_displacement.size(); ++i)
+    time.push_back(static_cast<double>(i + 1) * step);
+  result.difference = difference(time, axis.step_displacement, result, other_step);
+  return result;
+}
+
+// The other test's spectra of the floors that both have.
+void add_spectra_of(Analysis& analysis, const Analysis& other) {
+  for (auto& floor : analysis.floors)
+    for (const auto& same : other.floors)
+      if (same.floor == floor.floor) floor.spectra.push_back({kBeside, same.spectra[0].values});
+}
+
+}  // namespace
+
+void add_companions(Analysis& analysis, const Reader& run, const Roles& roles,
+                    const Reader* numerical, const Reader* improved) {
+  if (numerical == nullptr) return;
+  analysis.numerical_interval = numerical->time()[1] - numerical->time()[0];
+  analysis.numerical = numerical_axes(analysis, run, roles, *numerical);
+  if (improved != nullptr) analysis.improved = numerical_axes(analysis, run, roles, *improved);
+}
+
+void add_beside(Analysis& analysis, const std::filesystem::path& folder) {
+  const Analysis other = analyse(folder);
+  Beside beside{other.name, folder.string(), other.rate, other.ending, other.integration_step, {}};
+  for (const auto& axis : analysis.axes)
+    for (const auto& same : other.axes)
+      if (same.name == axis.name)
+        beside.axes.push_back(
+            response_of(same, other.integration_step, axis, analysis.integration_step));
+  if (beside.axes.empty())
+    throw Error{fmt::format("{}: has no axis in common with this test", folder.string())};
+  add_spectra_of(analysis, other);
+  analysis.beside = std::move(beside);
+}
+
+}  // namespace rths::report

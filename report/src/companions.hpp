@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include <rths/recording/recording.hpp>
+#include <rths/recording/roles.hpp>
+
+#include "analysis.hpp"
+
+namespace rths::report {
+
+/// Results with a model instead of the specimen; null if not recorded.
+void add_companions(Analysis& analysis, const recording::Reader& run, const recording::Roles& roles,
+                    const recording::Reader* numerical, const recording::Reader* improved);
+
+/// Response and floor spectra of another test, such as the same test at another speed.
+/// @throws Error if it tested none of the axes
+void add_beside(Analysis& analysis, const std::filesystem::path& folder);
+
+}  // namespace rths::report

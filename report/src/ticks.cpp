@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ticks.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <rths/core/error.hpp>
+
+namespace rths::report {
+namespace {
+
+// Tick interval between the first counted row and the first row of the final count, when the node
+// left.
+double period_of(const std::vector<double>& time, const std::vector<double>& counter) {
+  const auto first = std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
+  const auto last = std::find(first, counter.end(), counter.back());
+  const double counts = last == counter.end() ? 0 : *last - *first;
+  if (!(counts > 0)) throw Error{"the recording contains no steps of the controller"};
+  const auto row = [&](auto at) { return static_cast<std::size_t>(at - counter.begin()); };
+  return (time[row(last)] - time[row(first)]) / counts;
+}
+
+}  // namespace
+
+Ticks::Ticks(const recording::Reader& run, const recording::Roles& roles) : run_{run} {
+  if (run.has("monitor." + roles.controller + ".host.step")) {
+    ticks_.emplace(run, roles.controller);
+    interval_ = period_of(run.time(), ticks_->counter());
+    return;
+  }
+  rows_ = run.rows();
+  if (run.has(roles.new_target)) {
+    const auto flag = run.signal(roles.new_target);
+    const auto end = std::find_if(flag.begin(), flag.end(), [](double word) { return word < 0; });
+    rows_ = std::max<std::size_t>(2, static_cast<std::size_t>(end - flag.begin()));
+  }
+  interval_ = (run.time()[rows_ - 1] - run.time()[0]) / static_cast<double>(rows_ - 1);
+}
+
+Series Ticks::series(const std::string& signal) const {
+  return {0, interval_, ticks_ ? ticks_->values(signal) : first_rows(run_.signal(signal))};
+}
+
+std::vector<double> Ticks::first_rows(std::vector<double> values) const {
+  values.resize(std::min(values.size(), rows_));
+  return values;
+}
+
+}  // namespace rths::report
