@@ -214,6 +214,7 @@ TEST(Diagram, ComputesTheDocumentedOutputsOfItsBlocks) {
       block("v", "derivative", "in.in = \"x\"\nunit = \"m/s\"") +
       block("mean", "moving_average", "in.in = \"x\"\nsamples = 2") +
       block("c", "constant", "value = 4") + block("now", "clock", "") +
+      block("then", "unit_delay", "single = true\nin.in = \"now\"") +
       block("free", "remove_offset", "in.in = \"x\"\nduration_s = 0.002");
   const auto target = diagram(kX + rest);
   test::Bench bench{*target};
@@ -233,6 +234,7 @@ TEST(Diagram, ComputesTheDocumentedOutputsOfItsBlocks) {
   EXPECT_EQ(bench.out("mean.out.long"), 7);
   EXPECT_EQ(bench.out("c.out"), 4);
   EXPECT_EQ(bench.out("now.out"), 0.004);
+  EXPECT_EQ(bench.out("then.out"), 0.003);
   EXPECT_EQ(bench.out("free.out.long"), 9 - 4);  // the mean of the first two samples is 4
 }
 
@@ -348,6 +350,29 @@ TEST(Diagram, RefusesPortsThatDoNotFit) {
                      block("lead", "feed_forward",
                            "in.reference = \"f\"\nin.velocity = \"x\"\nin.acceleration = \"x\"")),
             "d.toml:14:1: 'lead.reference' takes [m], 'f' gives [N]");
+}
+
+TEST(Diagram, CorrectsAForceForItsLag) {
+  const auto target =
+      diagram(block("c", "constant", "value = 0\nunit = \"N\"") +
+              block("m", "gain", "in.in = \"c\"\nsingle = true\ngain = 0.9\nunit = \"N\"") +
+              block("lag", "lag_correction", "in.command = \"c\"\nin.measured = \"m\""));
+  test::Bench bench{*target};
+  const auto run = [&](int from, int to) {
+    for (int i = from; i < to; ++i) {
+      bench.in("c.value") = 1e6 * std::sin(0.0126 * i);
+      static_cast<void>(bench.step(0.001 * i));
+    }
+  };
+
+  run(0, 3000);
+
+  EXPECT_NEAR(bench.out("lag.gain"), 0.9, 1e-3);
+  EXPECT_NEAR(bench.out("lag.lag"), 0, 1e-5);
+  EXPECT_NEAR(bench.out("lag.force"), bench.out("c.out"), 1e3);
+  bench.in("lag.enabled") = 0;
+  run(3000, 4000);
+  EXPECT_EQ(bench.out("lag.force"), bench.out("m.out"));
 }
 
 TEST(Diagram, RefusesAnAlgebraicLoopAndNamesIt) {

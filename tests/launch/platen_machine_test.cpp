@@ -96,10 +96,25 @@ TEST(Report, PutsAnotherTestBesideThis) {
   EXPECT_NE(none.err.find("/no/run/run.h5"), std::string::npos) << none.err;
 }
 
+// Its force is later than the nominal machine's: without the correction of the lag, the vertical
+// mode grows until the safety layer trips at 2.8 s.
+TEST(ThreeDimensionsExample, IsStableOnALaterMachine) {
+  const test::TemporaryFolder folder;
+
+  EXPECT_EQ(run_3d(folder.path() / "with", {"duration_s=3", "node.srmd.family_member=5"}).exit_code,
+            0);
+  const auto without = run_3d(
+      folder.path() / "without",
+      {"duration_s=3", "node.srmd.family_member=5", "node.xpc.blocks.vertical_lag.enabled=0"});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_NE(without.err.find("srmd: safety trip at 2."), std::string::npos) << without.err;
+}
+
 // Its delay of 40 ms is a negative damping far above the plant's. The safety layer ends the test.
 TEST(ThreeDimensionsExample, EndsSafelyWhereTheCascadeIsUnstable) {
   const test::TemporaryFolder folder;
-  const auto run = run_3d(folder.path(), {"node.xpc.blocks.vertical.law=cascade"});
+  const auto run = run_3d(folder.path(), {"node.xpc.blocks.vertical.law=cascade",
+                                          "node.xpc.blocks.vertical_lag.enabled=0"});
 
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("srmd: safety trip at "), std::string::npos) << run.err;

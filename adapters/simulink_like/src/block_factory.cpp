@@ -141,8 +141,11 @@ Block make_switch(const Config& table, const BlockContext&) {
   return block;
 }
 
-Block make_unit_delay(const Config&, const BlockContext& context) {
-  return through(UnitDelay{std::vector<double>(context.axes())});
+Block make_unit_delay(const Config& table, const BlockContext& context) {
+  const bool is_single = table.flag("single", false);
+  Block block = through(UnitDelay{std::vector<double>(is_single ? 1 : context.axes())});
+  block.inputs[0].per_axis = block.outputs[0].per_axis = !is_single;
+  return block;
 }
 
 Block make_transport_delay(const Config& table, const BlockContext& context) {
@@ -212,6 +215,7 @@ constexpr BlockType kBlockTypes[] = {{"ring_input", make_ring_input},
                                      {"force_observer", make_force_observer},
                                      {"table_force_observer", make_table_force_observer},
                                      {"vertical_force", make_vertical_force},
+                                     {"lag_correction", make_lag_correction},
                                      {"stop", make_stop}};
 
 const BlockType& type_named(const Config& table) {

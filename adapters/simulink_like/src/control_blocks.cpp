@@ -140,4 +140,12 @@ void VerticalForceBlock::step(const Wires& w) noexcept {
   *w.out[6] = static_cast<double>(lead.inverse().bad_samples());
 }
 
+void LagCorrectionBlock::step(const Wires& w) noexcept {
+  const double measured = *w.in[1];
+  const double corrected = correction.step(*w.in[0], measured, *w.parameter[1] != 0);
+  *w.out[0] = measured + fade(*w.parameter[0] != 0) * (corrected - measured);
+  *w.out[1] = correction.gain();
+  *w.out[2] = correction.lag();
+}
+
 }  // namespace rths::adapters

@@ -10,6 +10,7 @@
 #include <rths/controller/ats.hpp>
 #include <rths/controller/feed_forward.hpp>
 #include <rths/controller/force_observer.hpp>
+#include <rths/controller/lag_correction.hpp>
 #include <rths/controller/predictor_corrector.hpp>
 #include <rths/controller/table_force.hpp>
 #include <rths/controller/target_exchange.hpp>
@@ -85,6 +86,13 @@ struct VerticalForceBlock {
   bool is_cascade;
   double limit;                                ///< of the reference ± [m]
   std::optional<double> first = std::nullopt;  ///< reference [m]
+  void step(const Wires& w) RTHS_REALTIME;
+};
+
+/// Measured force without gain and lag behind its command.
+struct LagCorrectionBlock {
+  controller::LagCorrection correction;
+  Fade fade;
   void step(const Wires& w) RTHS_REALTIME;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Builds the block of the vertical force from its [[block]] table.
+// Builds the blocks of the vertical force from their [[block]] tables.
 #include <fmt/format.h>
 
 #include "block_tables.hpp"
@@ -79,6 +79,27 @@ Block make_vertical_force(const Config& table, const BlockContext& context) {
   block.kind = table.placed("name", [&] {
     return VerticalForceBlock{controller::VerticalForceControl{lead},
                               controller::ForceCascade{cascade}, is_cascade, limit};
+  });
+  return block;
+}
+
+Block make_lag_correction(const Config& table, const BlockContext& context) {
+  controller::LagCorrectionSettings settings;
+  settings.period = context.period;
+  settings.lag = table.number_in("lag_s", -0.1, 0.1, settings.lag);
+  settings.gain_uncertainty = positive(table, "uncertainty_gain", settings.gain_uncertainty);
+  settings.lag_uncertainty = positive(table, "uncertainty_lag_s", settings.lag_uncertainty);
+  settings.noise = positive(table, "noise_N", settings.noise);
+  settings.forgetting = table.number_in("forgetting_s", 0.01, 1000, settings.forgetting);
+  settings.cutoff = table.number_in("cutoff_Hz", 0.1, 0.4 / context.period, settings.cutoff);
+  Block block;
+  block.inputs = {{"command", kSingle, "N"}, {"measured", kSingle, "N"}};
+  block.outputs = {{"force", kSingle, "N"}, {"gain", kSingle, "1"}, {"lag", kSingle, "s"}};
+  add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
+  add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
+  block.kind = table.placed("name", [&] {
+    return LagCorrectionBlock{controller::LagCorrection{settings},
+                              Fade{context.period / kFadeTime}};
   });
   return block;
 }
