@@ -75,7 +75,7 @@ if __name__ == "__main__":
         drawn = [run(sys.argv[1], changes | {"node.srmd.family_member": draw}) for draw in range(1, DRAWS + 1)]
         ran = [one for one in drawn if "ended" not in one]
         cases[name] = {"tests": DRAWS, "completed": len(ran)} | {
-            key: of(abs(one[key]) for one in ran) for key, of in
+            key: of((abs(one[key]) for one in ran), default=None) for key, of in
             (("delay_ms", max), ("rms_percent", max), ("coherence_to_15_Hz", min), ("coherence_to_12_Hz", min))}
     results_file.write(results_file.RESULTS / "three_dimensions.json",
                        results_file.stamp(commit) | {"machine": results_file.machine(), "duration_s": DURATION} | cases)

@@ -139,23 +139,27 @@ AdapterRunner::Transfer& AdapterRunner::transfer_for(std::vector<Transfer>& tran
 Status AdapterRunner::read_inputs() noexcept {
   Status status = Status::Ok;
   for (auto& transfer : reads_) {
-    if (transfer.is_group) {
-      if (node_.read_group(transfer.group, transfer.image) != Status::Ok) {
-        status = Status::Stale;  // keep the values of the last consistent read
-        continue;
-      }
-    } else {
+    if (!transfer.is_group)
       transfer.image[0] = node_.read(transfer.base);
+    else if (node_.read_group(transfer.group, transfer.image) != Status::Ok) {
+      status = Status::Stale;  // keep the values of the last consistent read
+      continue;
     }
     if (node_.is_ring_lost()) return Status::Stale;  // the words may be zeros
-    for (const auto& value : transfer.values) {
-      const double now = value.codec.decode(transfer.image[value.word]);
-      if (value.accepts(now))
-        inputs_[value.index] = now;
-      else
-        status = Status::Stale;  // NaN would spread to every result
-      invalid_ += std::isfinite(now) || value.is_parameter ? 0 : 1;
-    }
+    status = worst(status, take(transfer));
+  }
+  return status;
+}
+
+Status AdapterRunner::take(const Transfer& transfer) noexcept {
+  Status status = Status::Ok;
+  for (const auto& value : transfer.values) {
+    const double now = value.codec.decode(transfer.image[value.word]);
+    if (value.accepts(now))
+      inputs_[value.index] = now;
+    else
+      status = Status::Stale;  // NaN would spread to every result
+    invalid_ += std::isfinite(now) || value.is_parameter ? 0 : 1;
   }
   return status;
 }

@@ -42,7 +42,7 @@ Terms vector_of(const InverseCoefficients& c) {
   return terms;
 }
 
-const AdaptiveInverseSettings& checked(const AdaptiveInverseSettings& s) {
+AdaptiveInverseSettings checked(AdaptiveInverseSettings s) {
   const auto positive = [](const char* name, double value) {
     if (!(value > 0))
       throw Error{

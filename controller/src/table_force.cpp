@@ -18,7 +18,7 @@ constexpr int kObserverFilterOrder = 2;
 
 constexpr Require kRequireTable{"table force"};
 
-const TableForce& checked(const TableForce& machine) {
+TableForce checked(const TableForce& machine) {
   kRequireTable(machine.presliding > 0, "presliding length", machine.presliding,
                 "a positive length");
   kRequireTable(machine.effective_mass >= 0, "effective mass", machine.effective_mass, "0 or more");

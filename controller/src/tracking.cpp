@@ -55,16 +55,22 @@ struct FitRows {
   Eigen::VectorXd residual;
 };
 
+/// A reference as it is measured: delay [samples], gain and offset.
+struct Answer {
+  double delay = 0, gain = 1, offset = 0;
+};
+
 FitRows fit_rows(std::span<const double> reference, std::span<const double> measured, long reach,
-                 double delay, double gain, double offset, Gain rule) {
+                 const Answer& answer, Gain rule) {
   const auto size = static_cast<long>(reference.size());
   const long count = size - 2 * reach;
   FitRows rows{Eigen::MatrixXd(count, rule == Gain::Free ? 3 : 2), Eigen::VectorXd(count)};
   for (long k = 0; k < count; ++k) {
     const long i = k + reach;
-    const auto r = between(reference, static_cast<double>(i) - delay);
-    rows.residual[k] = measured[static_cast<std::size_t>(i)] - gain * r.value - offset;
-    rows.jacobian(k, 0) = -gain * r.rate;
+    const auto r = between(reference, static_cast<double>(i) - answer.delay);
+    rows.residual[k] =
+        measured[static_cast<std::size_t>(i)] - answer.gain * r.value - answer.offset;
+    rows.jacobian(k, 0) = -answer.gain * r.rate;
     rows.jacobian(k, 1) = 1;
     if (rule == Gain::Free) rows.jacobian(k, 2) = r.value;
   }
@@ -91,7 +97,7 @@ Eigen::VectorXcd spectrum_of(std::span<const double> values) {
 // Two-sided 95 % quantile of Student's distribution: first terms of the expansion by 1/ν.
 // Source: Abramowitz & Stegun (1964), 26.7.5.
 double student95(double degrees) {
-  constexpr double z = kHalfWidth95;
+  const double z = kHalfWidth95;
   const double first = (z * z * z + z) / 4;
   const double second = (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / 96;
   return z + first / degrees + second / (degrees * degrees);
@@ -110,7 +116,7 @@ DelayFit fit_delay(std::span<const double> reference, std::span<const double> me
   const double limit = search / time_step;
   FitRows rows;
   for (int i = 0; i < kMostFitIterations; ++i) {
-    rows = fit_rows(reference, measured, reach, delay, fit.gain, fit.offset, rule);
+    rows = fit_rows(reference, measured, reach, {delay, fit.gain, fit.offset}, rule);
     const Eigen::VectorXd change = algebra::solve_least_squares(rows.jacobian, rows.residual);
     const double step = std::clamp(change[0], -1.0, 1.0);
     delay = std::clamp(delay + step, -limit, limit);
@@ -118,7 +124,7 @@ DelayFit fit_delay(std::span<const double> reference, std::span<const double> me
     if (rule == Gain::Free) fit.gain += change[2];
     if (std::abs(step) < kFitConverged) break;
   }
-  rows = fit_rows(reference, measured, reach, delay, fit.gain, fit.offset, rule);
+  rows = fit_rows(reference, measured, reach, {delay, fit.gain, fit.offset}, rule);
   const auto most = std::lround(kLagFraction * static_cast<double>(rows.residual.size()));
   const Eigen::MatrixXd covariance =
       robust_covariance(rows.jacobian, rows.residual, correlated_lags(rows.residual, most));

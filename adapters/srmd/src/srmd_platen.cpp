@@ -73,36 +73,40 @@ std::vector<Port> SrmdPlaten::ports() const {
   const auto add = [&](Direction direction, const std::string& name, const char* unit) {
     ports.push_back({name, direction, unit, 0, false});
   };
-  const auto add_coordinates = [&](Direction direction, const std::string& node,
-                                   const std::string& word) {
-    for (std::size_t i = 0; i < kAll; ++i)
-      add(direction, node + kCoordinates[i] + word, i < kTranslations ? "m" : "rad");
+  const auto add_each = [&](Direction direction, std::size_t first, std::size_t last,
+                            const char* before, const char* after, const char* unit) {
+    for (std::size_t i = first; i < last; ++i) {
+      std::string name = before;
+      name += kCoordinates[i];
+      name += after;
+      add(direction, name, unit);
+    }
   };
-  add_coordinates(Direction::Input, "xpc.", ".displ.ref");
+  const auto add_displacements = [&](Direction direction, const char* node, const char* word) {
+    add_each(direction, 0, kTranslations, node, word, "m");
+    add_each(direction, kTranslations, kAll, node, word, "rad");
+  };
+  const auto add_user_words = [&](Direction direction, const char* node, const char* word) {
+    for (int i = 1; i <= kUserWords; ++i) add(direction, node + std::to_string(i) + word, "V");
+  };
+  add_displacements(Direction::Input, "xpc.", ".displ.ref");
   add(Direction::Input, "xpc.compression.force.ref", "N");
-  for (int i = 1; i <= kUserWords; ++i)
-    add(Direction::Input, "xpc." + std::to_string(i) + ".user_input", "V");
+  add_user_words(Direction::Input, "xpc.", ".user_input");
 
-  add_coordinates(Direction::Output, "srmd.", ".displ.ref_echo");
+  add_displacements(Direction::Output, "srmd.", ".displ.ref_echo");
   add(Direction::Output, "srmd.compression.force.ref_echo", "N");
-  add_coordinates(Direction::Output, "srmd.", ".displ.fbk");
+  add_displacements(Direction::Output, "srmd.", ".displ.fbk");
   add(Direction::Output, "srmd.compression.force.fbk", "N");
-  for (std::size_t i = 0; i < kTranslations; ++i)
-    add(Direction::Output, std::string{"srmd."} + kCoordinates[i] + ".accel.fbk", "m/s2");
-  for (std::size_t i = 0; i < kAll; ++i)
-    add(Direction::Output,
-        std::string{"srmd."} + kCoordinates[i] + (i < kTranslations ? ".force.fbk" : ".moment.fbk"),
-        i < kTranslations ? "N" : "N.m");
+  add_each(Direction::Output, 0, kTranslations, "srmd.", ".accel.fbk", "m/s2");
+  add_each(Direction::Output, 0, kTranslations, "srmd.", ".force.fbk", "N");
+  add_each(Direction::Output, kTranslations, kAll, "srmd.", ".moment.fbk", "N.m");
   for (const char* corner : kCorners)
     add(Direction::Output, std::string{"srmd."} + corner + ".outrigger.force.fbk", "N");
   add(Direction::Output, "srmd.lift.pressure.fbk", "Pa");
-  for (int i = 1; i <= kUserWords; ++i)
-    add(Direction::Output, "srmd." + std::to_string(i) + ".user_input_echo", "V");
+  add_user_words(Direction::Output, "srmd.", ".user_input_echo");
 
-  for (std::size_t i = 0; i < kTranslations; ++i)
-    add(Direction::Monitor, std::string{"true.displ."} + kCoordinates[i], "m");
-  for (std::size_t i = 0; i < kTranslations; ++i)
-    add(Direction::Monitor, std::string{"true.force."} + kCoordinates[i], "N");
+  add_each(Direction::Monitor, 0, kTranslations, "true.displ.", "", "m");
+  add_each(Direction::Monitor, 0, kTranslations, "true.force.", "", "N");
   add(Direction::Monitor, "supply.pressure", "Pa");
   return ports;
 }

@@ -107,6 +107,7 @@ class AdapterRunner {
                                               const memmap::SignalEntry& entry,
                                               const broker::Ring& ring);
   [[nodiscard]] Status read_inputs() noexcept;
+  [[nodiscard]] Status take(const Transfer& transfer) noexcept;
   [[nodiscard]] Status write_outputs() noexcept;
   void write_own_monitors(Status status, const Timing& timing) noexcept;
 

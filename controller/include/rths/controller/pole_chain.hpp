@@ -28,8 +28,8 @@ class PoleChain {
     double sum = 0;
     double binomial = 1;
     for (int j = 0; j <= order; ++j) {
-      sum +=
-          (j % 2 != 0 ? -1 : 1) * binomial * poles_[static_cast<std::size_t>(kPoles - order + j)];
+      sum += (j % 2 != 0 ? -1 : 1) * binomial *
+             poles_[static_cast<std::size_t>(kPoles) - static_cast<std::size_t>(order - j)];
       binomial = binomial * (order - j) / (j + 1);
     }
     return sum;
