@@ -103,8 +103,9 @@ int conclude(const LoopThread& loop, const adapters::AdapterRunner& runner, cons
   if (!loop.missing().empty()) LauncherLink::send_line("note " + loop.missing());
   const bool came_to_rest = reason.text == runner.message();  // it asked for the end itself
   if (loop.end().status == Status::Fault && !came_to_rest) {
-    LauncherLink::send_line(fmt::format("fault {}", runner.message()));
-    fmt::print(stderr, "{}: {} at {:.3f} s\n", node, runner.message(), time);
+    const auto fault = fmt::format("{} at {:.3f} s", runner.message(), time);
+    LauncherLink::send_line("fault " + fault);
+    fmt::print(stderr, "{}: {}\n", node, fault);
     return 2;
   }
   LauncherLink::send_line(reason.is_known ? "done" : "fault " + reason.text);
