@@ -133,13 +133,12 @@ void extend_for_hosts(memmap::MapDescription& description, const Experiment& exp
 adapters::NodeContext context_of(const Experiment& experiment, const NodePlan& plan,
                                  ClockKind clock, const RecordingPlan& recording,
                                  const memmap::Map& map) {
-  const bool is_recorder = plan.settings.role == adapters::Role::Recorder;
   adapters::NodeContext context{plan.node,
                                 plan.schedule.period,
                                 clock == ClockKind::Virtual,
                                 recording.file,
                                 map,
-                                is_recorder ? experiment.texts() : recording::NamedTexts{},
+                                recording.texts,
                                 recording.meta,
                                 {},
                                 {}};
