@@ -51,14 +51,21 @@ std::string signal_name(const Port& port, const std::string& node) {
 }
 
 void check_ports(const std::vector<Port>& ports, const memmap::Map& map, const std::string& node) {
-  std::map<std::string, std::string> si_units;  // parsing a unit is slow
+  std::map<std::string, memmap::Unit> units;  // parsing a unit is slow
   const auto si = [&](const std::string& unit) -> const std::string& {
-    auto& known = si_units[unit];
-    if (known.empty()) known = memmap::parse_unit(unit).si;
-    return known;
+    auto& known = units[unit];
+    if (known.si.empty()) known = memmap::parse_unit(unit);
+    return known.si;
+  };
+  const auto entry_of = [&](const Port& port) {
+    try {
+      return map.entry(map.signal(signal_name(port, node)));
+    } catch (const Error& error) {
+      throw Error{fmt::format("node '{}': {}", node, error.what())};
+    }
   };
   for (const auto& port : ports) {
-    const auto& entry = map.entry(map.signal(signal_name(port, node)));
+    const auto entry = entry_of(port);
     if (!is_read(port) && entry.partition->node != node)
       throw Error{"node '" + node + "' cannot write '" + entry.name + "', which belongs to '" +
                   entry.partition->node + "'"};
@@ -66,6 +73,10 @@ void check_ports(const std::vector<Port>& ports, const memmap::Map& map, const s
       throw Error{fmt::format("node '{}' {} '{}' in [{}], the map gives [{}]", node,
                               is_read(port) ? "reads" : "writes", entry.name, si(port.unit),
                               si(entry.signal->unit))};
+    if (units[port.unit].scale != 1 || units[port.unit].offset != 0)
+      throw Error{fmt::format("node '{}' {} '{}' in [{}], expected the SI unit [{}]", node,
+                              is_read(port) ? "reads" : "writes", entry.name, port.unit,
+                              si(port.unit))};
   }
 }
 

@@ -2,6 +2,7 @@
 #include <sys/utsname.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -441,6 +442,9 @@ int main(int argc, char** argv) {
   try {
     rths::broker::on_lost_memory(rths::broker::OnLostMemory::Exit);
     return rths::app::parse_and_run(argc, argv);
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::fprintf(stderr, "rths: %s: %s\n", error.path1().c_str(), error.code().message().c_str());
+    return rths::app::kFailure;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rths: %s\n", error.what());
     return rths::app::kFailure;

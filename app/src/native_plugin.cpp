@@ -94,7 +94,7 @@ std::unique_ptr<adapters::Adapter> NativePlugin::make() const {
   const memmap::Map map = memmap::load_map(experiment_.map);
   const bool is_virtual = recording_.empty();  // a recorder has a thread, as in real time
   adapters::NodeContext context{plan_->node, plan_->schedule.period, is_virtual, recording_,
-                                map,         experiment_.config,     {},         {},
+                                map,         experiment_.texts(),    {},         {},
                                 {}};
   for (const auto& plan : experiment_.nodes) context.periods[plan.node] = plan.schedule.period;
   return plan_->settings.make(experiment_, context);

@@ -20,8 +20,6 @@ namespace {
 
 using Words = std::vector<std::pair<std::string, std::string>>;
 
-constexpr const char* kRecord = "petrolia_1992_riodell_freefield.csv";
-
 void check_name(const std::string& name) {
   const bool is_identifier =
       !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
@@ -70,8 +68,7 @@ Words words_of(const NewAdapterArguments& arguments, const Language& language) {
           {"@OTHER@", is_machine ? "xpc" : "srmd"},
           {"@OTHER_ADAPTER@", is_machine
                                   ? "adapter = \"simulink_like\"\ndiagram = \"hybrid_controller\""
-                                  : "adapter = \"srmd\""},
-          {"@RECORD@", (shared_files() / "examples" / "records" / kRecord).string()}};
+                                  : "adapter = \"srmd\""}};
 }
 
 std::string filled_in(std::string text, const Words& words) {

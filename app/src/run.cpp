@@ -255,7 +255,8 @@ int run(const RunArguments& arguments) {
   static_cast<void>(report::read_bounds(experiment.conclusive));
   check_host(arguments, experiment);
   if (const auto machine = experiment.unguarded_machine())
-    fmt::print(stderr, "rths: node {} is external: rths does not guard its commands\n", *machine);
+    fmt::print(stderr, "rths: node {} has no safety layer: rths does not guard its commands\n",
+               *machine);
   RunFolder run_folder = folder_for(arguments, experiment.name);
   launch::RunOptions options = options_for(arguments, experiment.name, run_folder.path());
   options.started = [&] { run_folder.begin(); };

@@ -10,9 +10,15 @@
 namespace rths {
 namespace {
 
+constexpr const char* kRecordsFolder = "examples/records";
+
+std::string ending_in(const std::string& folder) {
+  if (folder == "maps") return ".ringmap.toml";
+  return folder == kRecordsFolder ? ".csv" : ".toml";
+}
+
 std::filesystem::path installed(const std::string& name, const std::string& folder) {
-  const std::string ending = folder == "maps" ? ".ringmap.toml" : ".toml";
-  return shared_files() / folder / (name + ending);
+  return shared_files() / folder / (name + ending_in(folder));
 }
 
 bool is_bare_name(const std::string& name) {
@@ -41,7 +47,7 @@ std::vector<std::string> built_in_names(const std::string& folder) {
   std::error_code missing;
   for (const auto& file : std::filesystem::directory_iterator{shared_files() / folder, missing}) {
     const std::string name = file.path().filename().string();
-    names.insert(name.substr(0, name.find('.')));
+    if (name.ends_with(ending_in(folder))) names.insert(name.substr(0, name.find('.')));
   }
   return {names.begin(), names.end()};
 }
@@ -58,6 +64,7 @@ std::filesystem::path find_file(const Config& table, const std::string& key,
                                 const std::string& folder, const std::string& otherwise) {
   const std::string name = otherwise.empty() ? table.text(key) : table.text(key, otherwise);
   auto file = is_bare_name(name) ? installed(name, folder) : table.resolve(name);
+  if (!std::filesystem::exists(file)) file = table.resolve(name);
   if (!std::filesystem::exists(file))
     table.fail(key, fmt::format("{} is '{}', expected a file or one of: {}", key, name,
                                 fmt::join(built_in_names(folder), ", ")));

@@ -17,8 +17,8 @@ constexpr std::uint32_t kPartitionAlignment = 16;  // longwords: one writer per 
 constexpr NodeId kOperatorId{200};
 constexpr std::uint16_t kFirstExtraNodeId = 201;  // for nodes that are not in the laboratory's map
 
-void check_tuning(const NodePlan& plan, const std::vector<adapters::Port>& ports,
-                  const Tuning& tuning) {
+void check_tuning(const std::string& place, const NodePlan& plan,
+                  const std::vector<adapters::Port>& ports, const Tuning& tuning) {
   std::vector<std::string> known;
   for (const auto& port : ports)
     if (port.direction == adapters::Direction::Parameter) known.push_back(port.name);
@@ -27,11 +27,11 @@ void check_tuning(const NodePlan& plan, const std::vector<adapters::Port>& ports
       return p.direction == adapters::Direction::Parameter && p.name == wanted;
     });
     if (port == ports.end())
-      throw Error{fmt::format("node '{}' has no parameter '{}'{}", plan.node, name,
+      throw Error{fmt::format("{}node '{}' has no parameter '{}'{}", place, plan.node, name,
                               did_you_mean_one_of(name, known))};
     if (port->range && !(value >= port->range->first && value <= port->range->second))
-      throw Error{fmt::format("node '{}': {} is {}, expected {} to {}", plan.node, name, value,
-                              port->range->first, port->range->second)};
+      throw Error{fmt::format("{}node '{}': {} is {}, expected {} to {}", place, plan.node, name,
+                              value, port->range->first, port->range->second)};
   }
 }
 
@@ -85,8 +85,8 @@ void extend(memmap::MapDescription& description, const NodePlan& plan,
             const std::vector<adapters::Port>& adapter_ports) {
   auto ports = adapters::runner_ports();
   ports.insert(ports.end(), adapter_ports.begin(), adapter_ports.end());
-  check_tuning(plan, ports, plan.tune);
-  check_tuning(plan, ports, plan.uncompensated);
+  check_tuning("", plan, ports, plan.tune);
+  check_tuning("[uncompensated]: ", plan, ports, plan.uncompensated);
   add_node(description, plan.node);
   append_partition(description, "monitor." + plan.node, plan.node, adapters::Direction::Monitor,
                    ports, plan);
@@ -138,7 +138,7 @@ adapters::NodeContext context_of(const Experiment& experiment, const NodePlan& p
                                 clock == ClockKind::Virtual,
                                 recording.file,
                                 map,
-                                experiment.config,
+                                recording.texts,
                                 recording.meta,
                                 {},
                                 {}};

@@ -23,10 +23,11 @@ struct Assembly {
   std::vector<Station> stations;
 };
 
-/// File of the recording and the content of its /meta.
+/// File of the recording, and the content of its /meta and /config.
 struct RecordingPlan {
   std::filesystem::path file;
   recording::NamedTexts meta;
+  recording::NamedTexts texts;  ///< needed in the process that writes the recording only
 };
 
 /// Builds all adapters of an experiment. Every process of a run does so and gets the same map.

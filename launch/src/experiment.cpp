@@ -264,6 +264,9 @@ void read_roles(const Config& file, Experiment& experiment) {
   const Config merged = recording::with_map_roles(file, map_roles);
   experiment.role_table = merged.table_or_empty("roles");
   experiment.roles = recording::read_roles(merged);
+  for (const auto& words : experiment.roles.axes)
+    experiment.machine_axes.push_back(
+        {words.axis, words.reference, words.machine_displacement, words.machine_force});
 }
 
 void require_motion(const Config& file, const Experiment& experiment) {
@@ -299,8 +302,20 @@ std::string Experiment::leading_host() const {
 
 std::optional<std::string> Experiment::unguarded_machine() const {
   for (const auto& plan : nodes)
-    if (plan.node == roles.machine && plan.settings.program) return plan.node;
+    if (plan.settings.lacks_safety &&
+        (plan.settings.role == adapters::Role::Machine || plan.node == roles.machine))
+      return plan.node;
   return std::nullopt;
+}
+
+recording::NamedTexts Experiment::texts() const {
+  recording::NamedTexts all = config;
+  for (const auto& plan : nodes) {
+    if (!plan.settings.texts) continue;
+    const auto own = plan.settings.texts();
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
 }
 
 std::string Experiment::ring_of(const std::string& ring, const std::string& node) const {
@@ -343,13 +358,6 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);
-  for (const auto& plan : experiment.nodes) {
-    for (const auto& used : {plan.settings.diagram, plan.settings.constants})
-      if (!used.empty())
-        experiment.config.emplace_back(used.filename().string(), read_file(used, kMostTextBytes));
-    const auto& code = plan.settings.code;
-    experiment.config.insert(experiment.config.end(), code.begin(), code.end());
-  }
   std::string changes;
   for (const auto& [key, value] : overrides) changes += fmt::format("{}={}\n", key, value);
   if (!changes.empty()) experiment.config.emplace_back(recording::kOverridesText, changes);

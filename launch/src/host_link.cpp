@@ -41,7 +41,7 @@ std::uint64_t fingerprint_of(const Experiment& experiment) {
   const auto add = [&](const void* bytes, std::size_t size) {
     hash = XXH3_64bits_withSeed(bytes, size, hash);
   };
-  for (const auto& [name, text] : experiment.config) add(text.data(), text.size());
+  for (const auto& [name, text] : experiment.texts()) add(text.data(), text.size());
   const auto& motion = experiment.motion;
   for (const auto* values : {&motion.long_acceleration, &motion.lat_acceleration})
     add(values->data(), values->size() * sizeof(double));

@@ -104,9 +104,11 @@ void check_assembly(const Experiment& experiment) {
 
 RunOutcome run(const Experiment& experiment, const RunOptions& options) {
   std::filesystem::create_directories(options.recording.parent_path());
+  const bool records = options.clock == ClockKind::Virtual;  // else a process of its own does
   Assembly assembly =
       assemble(experiment, options.clock,
-               {options.recording, describe_run(experiment, options.clock, options.version)});
+               {options.recording, describe_run(experiment, options.clock, options.version),
+                records ? experiment.texts() : recording::NamedTexts{}});
   const WallClock clock;
   const TimePoint begun = clock.now();
   RunOutcome outcome;

@@ -103,8 +103,9 @@ int conclude(const LoopThread& loop, const adapters::AdapterRunner& runner, cons
   if (!loop.missing().empty()) LauncherLink::send_line("note " + loop.missing());
   const bool came_to_rest = reason.text == runner.message();  // it asked for the end itself
   if (loop.end().status == Status::Fault && !came_to_rest) {
-    LauncherLink::send_line(fmt::format("fault {}", runner.message()));
-    fmt::print(stderr, "{}: {} at {:.3f} s\n", node, runner.message(), time);
+    const auto fault = fmt::format("{} at {:.3f} s", runner.message(), time);
+    LauncherLink::send_line("fault " + fault);
+    fmt::print(stderr, "{}: {}\n", node, fault);
     return 2;
   }
   LauncherLink::send_line(reason.is_known ? "done" : "fault " + reason.text);
@@ -139,8 +140,13 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
              const std::filesystem::path& recording, const std::string& version) {
   leave_signals_to_the_launcher();
   broker::on_lost_memory(broker::OnLostMemory::Continue);
+  const bool records =
+      std::any_of(experiment.nodes.begin(), experiment.nodes.end(), [&](const NodePlan& plan) {
+        return plan.node == node && plan.settings.role == adapters::Role::Recorder;
+      });
   Assembly assembly = assemble(experiment, ClockKind::Wall,
-                               {recording, describe_run(experiment, ClockKind::Wall, version)});
+                               {recording, describe_run(experiment, ClockKind::Wall, version),
+                                records ? experiment.texts() : recording::NamedTexts{}});
   const auto station = std::find_if(assembly.stations.begin(), assembly.stations.end(),
                                     [&](const Station& s) { return s.plan.node == node; });
   if (station == assembly.stations.end())

@@ -33,6 +33,7 @@ int request_stop(const std::string& ring) {
   const auto report = broker::inspect_ring(ring);
   if (!report)
     throw Error{fmt::format("there is no ring '{}': expected the ring of a running test", ring)};
+  if (!report->usable) throw Error{report->trouble};
   const auto launcher = std::find_if(
       report->occupants.begin(), report->occupants.end(), [](const broker::Occupant& occupant) {
         return occupant.node == "creator" && occupant.alive && handles_stop(occupant.pid);

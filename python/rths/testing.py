@@ -198,6 +198,15 @@ class _Kept:
                 stack.callback(laboratory.close, keep=keep)
 
 
+def _make_folder(folder: pathlib.Path) -> None:
+    """Makes a folder, although tests beside this one remove empty folders above it."""
+    for _ in range(_MOST_RIVALS):
+        with contextlib.suppress(FileNotFoundError):
+            return folder.mkdir(parents=True)
+    return folder.mkdir(parents=True)
+
+
+_MOST_RIVALS = 100
 _KEPT = pytest.StashKey[_Kept]()
 _FAILED = pytest.StashKey[bool]()
 
@@ -228,7 +237,7 @@ def rths_lab(request: pytest.FixtureRequest) -> Iterator[Callable[[str | pathlib
     def make(map: str | pathlib.Path, deadline_s: float = 60.0) -> Laboratory:
         count = len(kept.laboratories)
         folder = kept.folder if count == 0 else kept.folder / f"laboratory_{count + 1}"
-        folder.mkdir(parents=True)
+        _make_folder(folder)
         kept.laboratories.append(Laboratory(folder, map, deadline_s))
         return kept.laboratories[-1]
 
@@ -241,3 +250,5 @@ def rths_lab(request: pytest.FixtureRequest) -> Iterator[Callable[[str | pathlib
             shutil.rmtree(kept.folder, ignore_errors=True)
             with contextlib.suppress(OSError):
                 parent.rmdir()  # if it is empty
+                if parent.parts[-2:] == ("out", "failed_tests"):
+                    parent.parent.rmdir()

@@ -221,8 +221,9 @@ void note_left_out(Analysis& analysis, const Roles& roles, bool has_uncompensate
               "node has no virtual time");
   if (!has_numerical)
     leave_out("numerical result",
-              "there is none: the run ended early, or the solver is a program "
-              "whose structure [plant] does not state");
+              analysis.ending.empty()
+                  ? "the solver is a program whose structure [plant] does not state"
+                  : "the run ended early");
 }
 
 std::optional<Reader> open_if_there(const std::filesystem::path& file) {

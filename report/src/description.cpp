@@ -166,8 +166,8 @@ void describe(Analysis& analysis, const recording::Reader& run) {
   analysis.synthetic = !machine.empty();
   analysis.scope = scope_of(file, machine);
   if (const auto node = text_at(analysis.meta, "without_safety_layer", ""); !node.empty())
-    analysis.scope.push_back(fmt::format(
-        "Node {} is a program of the user's own. rths does not guard its commands.", node));
+    analysis.scope.push_back(
+        fmt::format("Node {} has no safety layer: rths does not guard its commands.", node));
 }
 
 }  // namespace rths::report

@@ -147,6 +147,33 @@ test::Finished run_example(const test::TemporaryFolder& folder,
   return test::run_rths(words, 100);
 }
 
+// The line and the recording say whether commands of the machine pass the safety layer.
+TEST(FmuRun, OfAMachineHasASafetyLayerIfItsTableAsksForOne) {
+  const test::TemporaryFolder folder;
+  const std::vector<std::string> quick{"--clock", "virtual", "--force", "--set", "duration_s=4"};
+  const auto with = [&](std::vector<std::string> changes) {
+    changes.insert(changes.end(), quick.begin(), quick.end());
+    return run_example(folder, changes);
+  };
+  const auto meta = [&] { return recording::Reader{folder.path() / "out/run.h5"}.meta(); };
+
+  const auto bare = with({});
+  EXPECT_EQ(bare.err, "rths: node srmd has no safety layer: rths does not guard its commands\n");
+  EXPECT_EQ(meta().at("without_safety_layer"), "srmd");
+
+  const auto guarded = with({"--set", "node.srmd.safety={}"});
+  EXPECT_EQ(guarded.err, "");
+  EXPECT_EQ(meta().count("without_safety_layer"), 0U);
+
+  const auto tripped = with({"--set", "node.srmd.safety.displacement_m=[0.005, 0.005]"});
+  EXPECT_EQ(tripped.exit_code, 2);
+  EXPECT_EQ(tripped.err.rfind("rths: the run ended early: srmd: safety trip at ", 0), 0U)
+      << tripped.err;
+  const recording::Reader recording{folder.path() / "out/run.h5"};
+  for (const double reference : recording.signal("srmd.long.displ.fbk"))
+    ASSERT_LE(std::abs(reference), 0.005);
+}
+
 TEST(FmuRun, OfTheExampleReachesItsReport) {
   const test::TemporaryFolder folder;
   const auto run = run_example(folder, {"--clock", "virtual"});

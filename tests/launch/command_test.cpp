@@ -327,6 +327,13 @@ TEST(DoctorAndClean, NameAndSkipRingsOfOtherUsers) {
   EXPECT_NE(run_rths({"doctor"}).out.find(" bytes: " + trouble), std::string::npos);
   EXPECT_NE(run_rths({"clean"}).out.find("skipped " + name + ": " + trouble), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists("/dev/shm/rths." + name));
+  EXPECT_EQ(run_rths({"stop", name}).err, "rths: " + trouble);
+}
+
+TEST(Command, NamesAPathThatTheSystemRefuses) {
+  const std::string path(300, 'a');
+
+  EXPECT_EQ(run_rths({"check", path}).err, "rths: " + path + ": File name too long\n");
 }
 
 TEST(CleanCommand, RemovesOnlyUnusedRings) {

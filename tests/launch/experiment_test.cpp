@@ -94,7 +94,7 @@ TEST_F(ExperimentTest, IsReadWithItsDefaults) {
   EXPECT_EQ(e.machine.seed, 7U);
   EXPECT_NEAR(e.motion.long_acceleration[1], 0.3 * 2 * 9.80665, 1e-12);
   EXPECT_NEAR(e.motion.lat_acceleration[1], -0.1 * 2 * 9.80665, 1e-12);
-  EXPECT_EQ(e.config.size(), 5U);  // with the bearing, the model, its specimen and the diagram
+  EXPECT_EQ(e.texts().size(), 5U);  // with the bearing, the model, its specimen and the diagram
   EXPECT_NEAR(e.specimen.axial_load, 480e6 * 9.80665 / 486, 1);
 }
 
@@ -276,7 +276,8 @@ TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
   EXPECT_EQ(error_with("adapter = \"srmd\"", "adapter = \"external\"\nperiod_s = 0.001"),
             "lab.toml:15:12: found period_s of a program of its own, expected none");
   EXPECT_EQ(error_with("record.csv", "records.csv"),
-            "records.csv: cannot be read: No such file or directory");
+            "lab.toml:7:8: file is 'records.csv', expected a file or one of: "
+            "imperial_valley_1979_meloland_freefield, petrolia_1992_riodell_freefield");
   EXPECT_NE(error_with("\"controller.toml\"", "\"none.toml\"")
                 .find("lab.toml:17:11: diagram is 'none.toml', expected a file or one of:"),
             std::string::npos);
@@ -333,7 +334,8 @@ TEST_F(ExperimentTest, RefusesATuningOutsideItsRange) {
 // The run without compensation starts after the test; its parameters are checked before it.
 TEST_F(ExperimentTest, RefusesUncompensatedParametersThatDoNotExist) {
   EXPECT_EQ(error_with("[uncompensated.xpc]\nats.enabled", "[uncompensated.xpc]\natz.enabled"),
-            "node 'xpc' has no parameter 'atz.enabled' (did you mean 'ats.enabled'?)");
+            "[uncompensated]: node 'xpc' has no parameter 'atz.enabled' (did you mean "
+            "'ats.enabled'?)");
 }
 
 TEST_F(ExperimentTest, FindsMistakesOfADiagramThatConcernTheMap) {

@@ -273,6 +273,40 @@ TEST(ForeignNode, OnAnotherLaboratorysRingHasAReport) {
             std::string::npos);
 }
 
+// The node that plays the machine is the program's: no layer guards it.
+TEST(ForeignNode, ThatIsTheMachineIsRecordedAsUnguarded) {
+  ForeignRun run{"foreign_machine",
+                 "flextest_block.toml",
+                 {"duration_s=1", "roles.machine=\"opf\"", solver("block_gt")}};
+
+  const test::Finished finished = run.running.wait();
+
+  EXPECT_EQ(finished.err, "rths: node opf has no safety layer: rths does not guard its commands\n");
+  EXPECT_EQ(recording::Reader{run.file("run.h5")}.meta().at("without_safety_layer"), "opf");
+  const Json scope = run.report()["scope"];
+  EXPECT_TRUE(std::any_of(scope.begin(), scope.end(), [](const Json& sentence) {
+    return sentence.get<std::string>().rfind("Node opf has no safety layer", 0) == 0;
+  })) << scope;
+}
+
+// A relative path of the experiment, and a motion by its name.
+TEST(ForeignNode, RunsFromACopyOfItsExample) {
+  const test::TemporaryFolder folder;
+  std::filesystem::copy_file(example("flextest_block.toml"), folder.path() / "copy.toml");
+  const auto ring = test::unique_ring("foreign_copy");
+  const test::RingRemoval removal{ring};
+
+  const test::Finished run = test::Running{
+      {"/bin/bash", "-c",
+       "cd " + folder.path().string() + " && " + test::rths_command() +
+           " run copy.toml --out out --set duration_s=1 --ring " + ring + " --set '" +
+           solver("block_gt") +
+           "'"}}.wait();
+
+  EXPECT_LE(run.exit_code, 1) << run.err;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/report.json")) << run.err;
+}
+
 TEST(ForeignNode, EndsInOrderWhenTheRunIsStopped) {
   ForeignRun run{"foreign_stop", "flextest_block.toml", {solver("block_gt")}};
   const int process = run.process_of("opf");

@@ -457,6 +457,31 @@ TEST(WallRun, IsReportedWithItsEndingAndTheOperatorsChange) {
   EXPECT_GT(numbers["host_late_max_ms"], 0);
 }
 
+TEST(WallRun, SaysInRecordingAndReportThatTheOperatorStoppedTheMachine) {
+  WallRun run{"stop_word", "30", kShortRest};
+  ASSERT_EQ(run.wait_until_moving().size(), 5U);
+  ASSERT_EQ(test::run_rths({"send", run.ring, "tune.srmd.safety.stop=1"}).exit_code, 0);
+
+  const test::Finished finished = run.running.wait(10);
+
+  const std::string line = "srmd: stopped by the operator at ";
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("rths: the run ended early: " + line), std::string::npos)
+      << finished.err;
+  EXPECT_NE(finished.out.find("report    "), std::string::npos) << finished.out;
+  EXPECT_EQ(recording::Reader{run.recording()}.meta().at("ending").rfind(line, 0), 0U);
+  const Json numbers = Json::parse(test::content_of(run.folder.path() / "report.json"));
+  EXPECT_EQ(numbers["ending"].get<std::string>().rfind(line, 0), 0U) << numbers["ending"];
+  EXPECT_EQ(numbers["conclusive"], false);
+  ASSERT_FALSE(numbers["safety"].empty());
+  EXPECT_EQ(numbers["safety"].back()["state"], "off");
+  const auto& broken = numbers["broken"];
+  EXPECT_TRUE(std::any_of(broken.begin(), broken.end(), [](const auto& condition) {
+    return condition["found"] == "a stop by the operator";
+  })) << broken;
+  EXPECT_NE(test::content_of(run.folder.path() / "report.html").find(line), std::string::npos);
+}
+
 TEST(WallRun, IsNotDisturbedByASecondRunThatIsRefused) {
   WallRun run{"shared", "30"};
   const auto pids = run.wait_until_moving();

@@ -121,11 +121,33 @@ TEST(PluginRun, SaysWhichKeyOfItsTableIsWrong) {
   EXPECT_TRUE(has(error_with("own_proces", "true"), "did you mean 'own_process'?"));
 }
 
-TEST(PluginRun, IsRefusedIfThePluginStatesAnotherUnitThanTheMap) {
+// The table of the layer belongs to machines, and a machine must have the words that it guards.
+TEST(PluginRun, HasASafetyLayerOnlyInFrontOfAMachineWithItsWords) {
+  const test::TemporaryFolder folder;
+  const auto file = test::example_in(folder);
+  Overrides controller = test::as_plugin("xpc", "controller", false);
+  controller.emplace_back("node.xpc.safety.watchdog_s", "0.5");
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(test::experiment_with(file, controller));
+            }).find("unknown key 'safety'"),
+            std::string::npos);
+
+  const auto run = run_with(folder, "correct", "virtual", "[node.srmd.safety]\n");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("safety: the machine has no word 'srmd.long.force.fbk'"),
+            std::string::npos)
+      << run.err;
+}
+
+TEST(PluginRun, IsRefusedIfThePluginStatesAnotherUnitThanSi) {
   const test::TemporaryFolder folder;
   const auto run = run_with(folder, "unit_unknown", "virtual");
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("furlongish"), std::string::npos) << run.err;
+  const std::string line =
+      "rths: node 'srmd' writes 'srmd.long.displ.fbk' in [mm], expected the SI unit [m]\n";
+  const auto scaled = run_with(folder, "unit_not_si", "virtual");
+  EXPECT_NE(scaled.err.find(line), std::string::npos) << scaled.err;
 }
 
 }  // namespace

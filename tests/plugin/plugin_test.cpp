@@ -4,6 +4,8 @@
 // process, and name plugin and reason.
 #include <rths/plugin/plugin_adapter.hpp>
 
+#include <cstdlib>
+
 #include <gtest/gtest.h>
 
 #include <rths/plugin/child_adapter.hpp>
@@ -91,6 +93,15 @@ TEST_P(EveryProcess, SaysWhyAPluginCannotBeUsed) {
             "same ones");
   EXPECT_EQ(error("activate_aborts"),
             "plugin 'lag' (activate_aborts.so): activate crashed: Aborted");
+}
+
+TEST(Child, ThatExitsIsNotCalledLate) {
+  ChildSettings settings;
+  settings.title = "child";
+  const auto exits = []() -> std::unique_ptr<adapters::Adapter> { std::_Exit(0); };
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(make_child(exits, settings)); }),
+            "child: create ended its process with exit code 0");
 }
 
 TEST_P(EveryProcess, GivesTheSameValues) {

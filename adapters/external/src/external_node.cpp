@@ -19,7 +19,7 @@ NodeSettings read_external(const std::string& node, const Config& table,
                       kNodePlaceholder});
   if (!program.command.empty() && program.command[0].find('/') != std::string::npos)
     program.command[0] = table.resolve(program.command[0]).string();
-  program.folder = table.resolve("");
+  program.folder = table.resolve(".");  // not empty
   program.connect_deadline =
       table.number_in("connect_deadline_s", 0.1, 1e5, program.connect_deadline);
   program.longest_silence = table.number_in("silence_s", 0.05, 1e6, program.longest_silence);
@@ -34,6 +34,7 @@ NodeSettings read_external(const std::string& node, const Config& table,
                       node, command[0])};
   };
   settings.program = std::move(program);
+  settings.lacks_safety = true;
   return settings;
 }
 

@@ -92,7 +92,7 @@ std::string config_of(const ModelDescription& description, Config table, const I
   return table.to_toml();
 }
 
-NodeSettings read_fmu(const std::string& node, const Config& table, const TestSetup& /*setup*/) {
+NodeSettings read_fmu(const std::string& node, const Config& table, const TestSetup& setup) {
   const std::filesystem::path file = table.resolve(table.text("file"));
   if (!std::filesystem::exists(file))
     table.fail("file", fmt::format("file is '{}', expected an FMU", file.string()));
@@ -101,15 +101,17 @@ NodeSettings read_fmu(const std::string& node, const Config& table, const TestSe
   static_cast<void>(table.flag("log", false));
   const auto description = read_description(file);
   static_cast<void>(read_bindings(description, table, false));
-  settings.code.emplace_back(node + ".fmu", identity(file, description).to_toml());
+  settings.texts = [=] {
+    return std::vector{std::pair{node + ".fmu", identity(file, description).to_toml()}};
+  };
   const auto step =
       description.preferred_step ? description.preferred_step : description.fixed_step;
   if (step && *step >= kShortestPeriod && *step <= kLongestPeriod)
     settings.schedule.period = from_seconds(*step);
-  settings.make = [=](const TestSetup& setup, const NodeContext& context) {
-    return make(file, table, hosting, setup, context);
+  settings.make = [=](const TestSetup& test, const NodeContext& context) {
+    return make(file, table, hosting, test, context);
   };
-  return settings;
+  return plugin::guarded(std::move(settings), table, setup);
 }
 
 }  // namespace rths::fmi

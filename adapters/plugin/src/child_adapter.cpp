@@ -196,7 +196,7 @@ class ChildAdapter final : public adapters::Adapter {
   ChildSettings settings_;
   Shared* shared_;
   pid_t pid_ = -1;
-  int ending_ = 0;  ///< as waitpid returns it
+  std::optional<int> ending_;  ///< as waitpid returns it; none: it did not answer
   bool is_over_ = false;
   std::array<char, 400> message_{};
   std::vector<Port> ports_;
@@ -239,7 +239,8 @@ bool ChildAdapter::answers(double deadline) noexcept {
   const WallClock clock;
   const TimePoint latest = clock.now() + from_seconds(deadline);
   while (!has_turn(*shared_, kParent)) {
-    if (waitpid(pid_, &ending_, WNOHANG) == pid_) {
+    if (int ending = 0; waitpid(pid_, &ending, WNOHANG) == pid_) {
+      ending_ = ending;
       is_over_ = true;
       return false;
     }
@@ -247,7 +248,6 @@ bool ChildAdapter::answers(double deadline) noexcept {
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
     is_over_ = true;
-    ending_ = 0;
     return false;
   }
   return true;
@@ -256,17 +256,17 @@ bool ChildAdapter::answers(double deadline) noexcept {
 void ChildAdapter::note_end(const char* call, double deadline) noexcept {
   const std::size_t room = message_.size() - 1;
   char* end = nullptr;
-  if (WIFSIGNALED(ending_))
-    end = fmt::format_to_n(message_.data(), room, "{}: {} ended its process: {}", settings_.title,
-                           call, strsignal(WTERMSIG(ending_)))
-              .out;
-  else if (ending_ == 0)
+  if (!ending_)
     end = fmt::format_to_n(message_.data(), room, "{}: {} did not return within {:g} s",
                            settings_.title, call, deadline)
               .out;
+  else if (WIFSIGNALED(*ending_))
+    end = fmt::format_to_n(message_.data(), room, "{}: {} ended its process: {}", settings_.title,
+                           call, strsignal(WTERMSIG(*ending_)))
+              .out;
   else
     end = fmt::format_to_n(message_.data(), room, "{}: {} ended its process with exit code {}",
-                           settings_.title, call, WEXITSTATUS(ending_))
+                           settings_.title, call, WEXITSTATUS(*ending_))
               .out;
   *end = '\0';
 }

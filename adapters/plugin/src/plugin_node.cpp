@@ -2,9 +2,11 @@
 #include <rths/plugin/plugin_node.hpp>
 
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include <rths/adapters/safety_node.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/sha256.hpp>
 #include <rths/plugin/child_adapter.hpp>
@@ -80,6 +82,13 @@ std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Host
   return make_child([plugin] { return make_plugin(plugin); }, child);
 }
 
+NodeSettings guarded(NodeSettings node, const Config& table, const TestSetup& setup) {
+  if (node.role != Role::Machine) return node;
+  if (table.has("safety")) return with_safety(std::move(node), table.table("safety"), setup);
+  node.lacks_safety = true;
+  return node;
+}
+
 Config identity_of(const std::filesystem::path& file) {
   Config identity;
   identity.put("file", file.filename().string());
@@ -88,7 +97,7 @@ Config identity_of(const std::filesystem::path& file) {
   return identity;
 }
 
-NodeSettings read_plugin(const std::string& node, const Config& table, const TestSetup& /*setup*/) {
+NodeSettings read_plugin(const std::string& node, const Config& table, const TestSetup& setup) {
   NodeSettings settings = read_role(table);
   const auto file = table.resolve(table.text("library"));
   if (!std::filesystem::exists(file))
@@ -98,17 +107,20 @@ NodeSettings read_plugin(const std::string& node, const Config& table, const Tes
   Hosting hosting = read_hosting(table);
   // An interpreter uses the heap, and a jump out of it would leave it in a bad state.
   if (found.is_python) hosting.may_allocate = hosting.own_process = true;
-  settings.code.emplace_back(node + ".plugin", identity_of(file).to_toml());
-  if (found.is_python)
-    settings.code.emplace_back(file.filename().string(), read_file(file, kMostTextBytes));
+  settings.texts = [file, node, is_python = found.is_python] {
+    std::vector<std::pair<std::string, std::string>> texts{
+        {node + ".plugin", identity_of(file).to_toml()}};
+    if (is_python) texts.emplace_back(file.filename().string(), read_file(file, kMostTextBytes));
+    return texts;
+  };
   PluginSettings plugin;
   plugin.library = found.library;
   plugin.config = found.config;
   plugin.title = found.title;
-  settings.make = [=](const TestSetup& setup, const NodeContext& context) {
-    return make_hosted(plugin, hosting, setup, context);
+  settings.make = [=](const TestSetup& test, const NodeContext& context) {
+    return make_hosted(plugin, hosting, test, context);
   };
-  return settings;
+  return guarded(std::move(settings), table, setup);
 }
 
 }  // namespace rths::plugin

@@ -17,6 +17,8 @@ using controller::SafetyLimits;
 
 constexpr std::array kAxes = {"long", "lat", "vert"};  // order of the values
 constexpr std::int64_t kLimitsFormat = 1;
+const MachineAxis kVertical{kAxes[2], "xpc.vert.displ.ref", "srmd.vert.displ.fbk",
+                            "srmd.vert.force.fbk"};
 
 struct Key {
   const char* key;
@@ -82,13 +84,11 @@ SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup,
   table.reject_unknown_keys();
   safety.hold = setup.retreat.hold;
   safety.ramp = setup.retreat.ramp;
-  auto axes = setup.axes;
-  if (drives_vertical) axes.emplace_back(kAxes[2]);
-  for (const auto& axis : axes) {
-    const auto place = std::find(kAxes.begin(), kAxes.end(), axis) - kAxes.begin();
-    safety.axes.push_back(limits[static_cast<std::size_t>(place)]);
-    settings.axes.push_back({axis, "xpc." + axis + ".displ.ref", "srmd." + axis + ".displ.fbk",
-                             "srmd." + axis + ".force.fbk"});
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    const bool is_tested =
+        std::find(setup.axes.begin(), setup.axes.end(), kAxes[i]) != setup.axes.end();
+    if (is_tested || (drives_vertical && kAxes[i] == kVertical.name))
+      safety.axes.push_back(limits[i]);
   }
   // Checks what the keys cannot: relations between limits.
   static_cast<void>(
@@ -113,11 +113,15 @@ void narrow(SafeMachineSettings& settings, const memmap::Map& map) {
 
 NodeSettings with_safety(NodeSettings machine, const Config& table, const TestSetup& setup,
                          bool drives_vertical) {
-  if (!table.flag("enabled", true)) return machine;
+  machine.lacks_safety = !table.flag("enabled", true);
+  if (machine.lacks_safety) return machine;
   auto make = std::exchange(machine.make, nullptr);
   const SafeMachineSettings read = read_settings(table.without("enabled"), setup, drives_vertical);
-  machine.make = [make = std::move(make), read](const TestSetup& test, const NodeContext& context) {
+  machine.make = [make = std::move(make), read, drives_vertical](const TestSetup& test,
+                                                                 const NodeContext& context) {
     SafeMachineSettings settings = read;
+    settings.axes = test.machine_axes;
+    if (drives_vertical) settings.axes.push_back(kVertical);
     settings.safety.period = to_seconds(context.period);
     settings.nodes = context.watched;
     narrow(settings, context.map);

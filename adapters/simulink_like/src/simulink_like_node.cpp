@@ -2,6 +2,7 @@
 #include <rths/adapters/simulink_like_node.hpp>
 
 #include <rths/adapters/simulink_like.hpp>
+#include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
 
 namespace rths::adapters {
@@ -27,6 +28,13 @@ NodeSettings read_simulink_like(const std::string& /*node*/, const Config& table
   settings.schedule = schedule_of(diagram_period(settings.diagram), kPhase);
   settings.priority = 50;
   settings.keeps_times = true;
+  settings.texts = [diagram = settings.diagram, constants = settings.constants] {
+    std::vector<std::pair<std::string, std::string>> texts;
+    for (const auto& used : {diagram, constants})
+      if (!used.empty())
+        texts.emplace_back(used.filename().string(), read_file(used, kMostTextBytes));
+    return texts;
+  };
   settings.make = [diagram = settings.diagram, constants = settings.constants,
                    blocks = settings.blocks](const TestSetup& setup, const NodeContext& context) {
     return make_simulink_like(diagram, {setup.axes, setup.integration_step, setup.simulation_step(),

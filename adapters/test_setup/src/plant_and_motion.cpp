@@ -5,6 +5,7 @@
 
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/installed_files.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -21,9 +22,11 @@ sim::Stick read_stick(const Config& table) {
 }
 
 sim::RecordComponent read_component(const Config& table, const std::string& key, int column) {
-  const auto file = table.resolve(table.text("file_" + key, table.text("file", "")));
   if (!table.has("file") && !table.has("file_" + key))
     table.fail("file", "[motion] needs 'file', or 'file_long' and 'file_lat'");
+  static_cast<void>(table.text("file", ""));  // each component may have its own
+  const auto file =
+      find_file(table, table.has("file_" + key) ? "file_" + key : "file", "examples/records");
   const std::string extension = file.extension().string();
   if (extension == ".AT2" || extension == ".at2") return sim::read_at2(file);
   return sim::read_column(file,

@@ -2,14 +2,15 @@
 // delay of the machine. Flags precede the inputs that they guard and follow the outputs.
 #include <rths_adapter.hpp>
 
-enum In { kNew, kTarget, kLoad = 3, kDisplacement, kAcceleration = 6, kForce = 8, kDelay = 10 };
+enum In { kNew, kTarget, kVeloc = 3, kLoad = 5, kDispl, kAccel = 8, kForce = 10, kDelay = 12 };
 enum Out { kRef, kCompression = 2, kFeedback, kFed = 5, kSpecimen = 7, kAtTarget = 9, kSwitch };
-constexpr int kAxes = 2, kMove = 8;                                     // steps of 1 ms
-constexpr double kInterval = 0.01, kPlaten = 115e3, kWeight = 9685600;  // [s], [kg], [N]
+constexpr int kAxes = 2, kMove = 8, kPlaten = 115000,
+              kWeight = 9685600;  // steps of 1 ms, [kg], [N]
 
 constexpr rths_signal kSignals[] = {
     {"opf.newTarget", "1", RTHS_INPUT, 0, 0, 0, 0},
     RTHS_LONG_LAT("opf.", ".displ.target", "m", RTHS_INPUT, 0, 0, 0, 0),
+    RTHS_LONG_LAT("opf.", ".veloc.target", "m/s", RTHS_INPUT, 0, 0, 0, 0),
     {"opf.vert.force.target", "N", RTHS_INPUT, 0, 0, 0, 0},
     RTHS_LONG_LAT("srmd.", ".displ.fbk", "m", RTHS_INPUT, 0, 0, 0, 0),
     RTHS_LONG_LAT("srmd.", ".accel.fbk", "m/s2", RTHS_INPUT, 0, 0, 0, 0),
@@ -25,25 +26,19 @@ constexpr rths_signal kSignals[] = {
 };
 
 struct Controller {
-  double target[kAxes] = {}, end[kAxes] = {};  // [m]
-  int left = 0;                                // steps of this move
+  int left = 0;  // steps of this move
 
   rths_status step(double /*time_s*/, const double* in, double* out) noexcept {
-    const bool has_target = in[kNew] > 0, is_new = has_target && left == 0;
-    if (is_new) left = kMove;
-    const bool moves = left > (has_target ? 1 : 0);  // the last step waits for the flag to fall
+    const bool has_target = in[kNew] > 0;
+    if (has_target && left == 0) left = kMove;
+    const int moves = left > has_target;  // the last step waits for the flag to fall
     for (int i = 0; i < kAxes; ++i) {
-      out[kSpecimen + i] = in[kForce + i] - kPlaten * in[kAcceleration + i];
-      if (is_new) {
-        end[i] = in[kTarget + i] + in[kDelay] / kInterval * (in[kTarget + i] - target[i]);
-        target[i] = in[kTarget + i];
-      }
-      if (!moves) continue;
-      out[kRef + i] += (end[i] - out[kRef + i]) / left;
-      out[kFeedback + i] = in[kDisplacement + i];  // stays while the solver reads it
-      out[kFed + i] = out[kSpecimen + i];
+      const double end = in[kTarget + i] + in[kDelay] * in[kVeloc + i];
+      if (moves) out[kRef + i] += (end - out[kRef + i]) / left;
+      out[kFeedback + i] = in[kDispl + i];
+      out[kFed + i] = out[kSpecimen + i] = in[kForce + i] - kPlaten * in[kAccel + i];
     }
-    if (moves) --left;
+    left -= moves;
     out[kCompression] = kWeight + in[kLoad];
     out[kAtTarget] = left == 0;
     out[kSwitch] = has_target;

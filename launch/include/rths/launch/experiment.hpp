@@ -68,7 +68,7 @@ struct Experiment : adapters::TestSetup {
   Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
   recording::Roles roles;        ///< nodes and signals by role
   Config role_table;             ///< their table; assemble() checks it against the map
-  recording::NamedTexts config;  ///< input files, for the recording
+  recording::NamedTexts config;  ///< input files, without those of its nodes
 
   /// True if a solver of this project ends the run.
   [[nodiscard]] bool has_own_solver() const;
@@ -78,8 +78,10 @@ struct Experiment : adapters::TestSetup {
   [[nodiscard]] bool has_structure() const { return has_own_solver() || has_plant; }
   /// The host that starts the test and has the recording; empty if there is one host.
   [[nodiscard]] std::string leading_host() const;
-  /// The machine's node, if its commands pass no safety layer because it is a user's program.
+  /// The machine's node, if its commands pass no safety layer.
   [[nodiscard]] std::optional<std::string> unguarded_machine() const;
+  /// All input files, for the recording. @throws Error if one cannot be read   @setup
+  [[nodiscard]] recording::NamedTexts texts() const;
   /// The ring that a node joins: on a replicated ring, its own image.
   [[nodiscard]] std::string ring_of(const std::string& ring, const std::string& node) const;
 };

@@ -6,20 +6,14 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
+#include <rths/adapters/test_setup.hpp>
 #include <rths/controller/safety.hpp>
 
 namespace rths::adapters {
 
-/// Words of one axis of a machine.
-struct SafeAxis {
-  std::string name;                 ///< for messages
-  std::string reference;            ///< Input of the machine [m]
-  std::string displacement, force;  ///< Outputs of the machine [m], [N]
-};
-
 struct SafeMachineSettings {
   controller::SafetySettings safety;
-  std::vector<SafeAxis> axes;      ///< as many as `safety.axes`
+  std::vector<MachineAxis> axes;   ///< as many as `safety.axes`
   std::vector<std::string> nodes;  ///< that must step, and write no invalid value
   double watchdog = 0.6;           ///< longest silence of a node while running [s]
 };

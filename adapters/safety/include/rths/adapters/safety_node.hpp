@@ -5,8 +5,8 @@
 
 namespace rths::adapters {
 
-/// Puts the safety layer in front of a machine with the words of the SRMD, unless the table says
-/// `enabled = false`.
+/// Puts the safety layer in front of a machine, unless the table says `enabled = false`. The layer
+/// works on the words of TestSetup::machine_axes.
 /// @param machine  settings of the machine alone
 /// @param drives_vertical  it moves by xpc.vert.displ.ref, too
 /// @param table    [node.<name>.safety]: the file of the limits, and changes of them

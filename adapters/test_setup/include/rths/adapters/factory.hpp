@@ -52,8 +52,9 @@ struct NodeSettings {
   std::filesystem::path diagram;    ///< block diagram that it runs, if any
   std::filesystem::path constants;  ///< values that replace those of the diagram's blocks, if any
   Config blocks;                    ///< the same in the experiment, with priority
-  /// Its code, for the recording: name, and content or SHA-256.
-  std::vector<std::pair<std::string, std::string>> code;
+  bool lacks_safety = false;        ///< a machine whose commands pass no safety layer
+  /// Its files, for the recording: name, and content or SHA-256. May be empty. @throws Error
+  std::function<std::vector<std::pair<std::string, std::string>>()> texts;
   std::string target_count;  ///< monitor that counts its targets; empty: their time counts them
   std::string motion_fault;  ///< why it cannot run under another motion; empty: it can
   /// Monitors of an adapter that is built after the others, when the map of the ring is complete.

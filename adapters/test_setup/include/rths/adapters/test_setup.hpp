@@ -32,13 +32,21 @@ struct DisplacementHistory {
   std::vector<double> displacement_lat;   ///< [m], as long as the other
 };
 
+/// Words of an axis of the machine, by their role.
+struct MachineAxis {
+  std::string name;                 ///< "long", "lat"
+  std::string reference;            ///< to the machine [m]
+  std::string displacement, force;  ///< its measurements [m], [N]
+};
+
 /// Properties of a hybrid test that its adapters share.
 struct TestSetup {
   std::vector<std::string> axes;
-  double integration_step = 0.01;  ///< Δt_int: model time per target [s]
-  double rate = 1;                 ///< Δt_sim/Δt_int: 1 is real time
-  double duration = 0;             ///< model time [s]
-  double rest = 0;                 ///< time at rest before the loop closes [s]
+  std::vector<MachineAxis> machine_axes;  ///< of the tested ones: long, lat
+  double integration_step = 0.01;         ///< Δt_int: model time per target [s]
+  double rate = 1;                        ///< Δt_sim/Δt_int: 1 is real time
+  double duration = 0;                    ///< model time [s]
+  double rest = 0;                        ///< time at rest before the loop closes [s]
   sim::GroundMotion motion;
   sim::IsolatedPlant plant;
   sim::Bearing specimen;  ///< the bearing on the platen
