@@ -74,7 +74,8 @@ Images::State::State(const memmap::Map& its_map, const CardOptions& its_options)
   find_words();
   for (std::uint32_t at = 0; at < cards.nodes(); ++at) cards.card(at).write_csr(2, options.csr2);
   cards.observe([this](const Hop& hop) {
-    if (hop.kind == Hop::Kind::Stored && hop.node != hop.origin) arrive(hop);
+    if (hop.kind != Hop::Kind::Stored) return;
+    if (hop.node != hop.origin || writes_last(hop.node)) arrive(hop);
   });
 }
 
