@@ -45,7 +45,7 @@ struct Images::State {
   struct Trapped {
     std::vector<Store> found = {};    // NOLINT: in this look
     std::vector<Store> earlier = {};  // NOLINT: in the last one
-    std::uint32_t unpublished = 0;    ///< entry that its host has not published
+    std::optional<std::uint32_t> unpublished = {};  ///< entry that its host has not published
     Time since{0};                    ///< when it was found first
   };
 
@@ -85,6 +85,7 @@ struct Images::State {
   void take_stores(std::uint32_t at);
   void take_trapped(std::uint32_t at);
   [[nodiscard]] bool gives_up(Trapped& trapped, std::uint32_t entry);
+  void look(std::uint32_t at);
   [[nodiscard]] broker::Judgement judge(std::uint32_t at, std::uint32_t longword);
   void send_trapped(std::uint32_t at);
   void ignore_journal(Image& image);

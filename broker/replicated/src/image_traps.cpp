@@ -17,7 +17,8 @@ constexpr Time kLongestTrapTime = std::chrono::milliseconds{100};
 }  // namespace
 
 bool Images::State::gives_up(Trapped& trapped, std::uint32_t entry) {
-  if (std::exchange(trapped.unpublished, entry) != entry) trapped.since = cards.now();
+  if (trapped.unpublished != entry) trapped.since = cards.now();
+  trapped.unpublished = entry;
   return cards.now() - trapped.since > kLongestTrapTime;
 }
 
@@ -47,6 +48,11 @@ void Images::State::take_trapped(std::uint32_t at) {
       image.trapped.found.push_back(store);
   }
   queue.taken.store(n);
+}
+
+void Images::State::look(std::uint32_t at) {
+  static_cast<void>(
+      images[at].watch->look([&](LongwordOffset offset) { return judge(at, offset.value()); }));
 }
 
 // A word that differs from the journals. One that a trap has stored has the trap's value: two

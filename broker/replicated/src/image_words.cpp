@@ -24,9 +24,7 @@ void Images::State::take_stores(std::uint32_t at) {
   Image& image = images[at];
   if (!image.host || !image.present) return;
   take_trapped(at);
-  if (image.plain)
-    static_cast<void>(
-        image.watch->look([&](LongwordOffset offset) { return judge(at, offset.value()); }));
+  if (image.plain) look(at);
   flush(at);
   broker::Write write;
   for (;;) {

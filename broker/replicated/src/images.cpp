@@ -116,8 +116,8 @@ std::uint32_t Images::State::position(const std::string& node) const {
 // A card is inserted when its node first joins; it stays so without a process, as on hardware. A
 // program that stores through a pointer inserts its card itself.
 void Images::State::follow_presence() {
-  for (auto& image : images)
-    if (image.watch) static_cast<void>(image.watch->look());
+  for (std::uint32_t at = 0; at < images.size(); ++at)
+    if (images[at].watch) look(at);
   for (std::uint32_t at = 0; at < map.description().nodes.size(); ++at) follow_presence(at);
 }
 
