@@ -54,6 +54,8 @@ EQUIVALENT = [
     (r"kHostInterrupts = ", "0x8 -> ", "demands bit 0 of CSR0, without which no host is interrupted"),
     (r"kMemoryInterrupts = ", "0x20 -> ", "demands bit 0 of CSR0, without which nothing is received"),
     (r"std::tie\(a.time, a.node, a.sequence\) > ", "> -> >=", "no two events have one number"),
+    (r"byte << [123] & 8", "8 -> 9", "a bit that the shift has cleared"),
+    (r"bytes_\[at_\] : 0; }", "0 -> 1", "behind the end: no prefix either"),
     (r"bit_error_rate_ == 0\) return", "if .* -> ;", "saves time only: no bit is damaged at a rate of 0"),
 ]
 

@@ -72,7 +72,7 @@ class Decoder {
   }
 
  private:
-  // @returns false if there is one that is not supported: FS or GS, or EVEX
+  // FS, GS and EVEX are not supported: no opcode begins with them.
   bool read_prefixes() {
     for (;;) {
       switch (code_.peek()) {
@@ -96,10 +96,6 @@ class Decoder {
         case 0x36:
         case 0x3E:
           break;
-        case 0x62:
-        case 0x64:
-        case 0x65:
-          return false;
         default:
           return read_last_prefix();
       }
