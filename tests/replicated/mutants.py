@@ -31,7 +31,7 @@ TREE = pathlib.Path(__file__).resolve().parents[2]
 ENGINE = TREE / "broker/replicated/src"
 CARD = TREE / "broker/scramnet/src"
 SOURCES = [ENGINE / name for name in ("engine.cpp", "events.cpp", "transmitter.cpp", "receiver.cpp", "plus_host.cpp", "gt_host.cpp", "cards.cpp")] + \
-          [CARD / name for name in ("registers.cpp", "fifo.cpp", "gt_registers.cpp", "store_instruction.cpp")]
+          [CARD / name for name in ("registers.cpp", "fifo.cpp", "gt_registers.cpp", "store_effect.cpp", "store_instruction.cpp")]
 HEADERS = [ENGINE / name for name in ("transmit_fifo.hpp", "events.hpp", "node.hpp", "acr_cells.hpp", "sparse_bytes.hpp", "rates.hpp")] + \
           [CARD / name for name in ("bits.hpp", "gt_registers.hpp")]
 PRECOMPILED = ("cmath", "ctime", "array", "algorithm", "fmt/format.h", "rths/core/error.hpp", "engine.hpp", "fifo.hpp", "bits.hpp")

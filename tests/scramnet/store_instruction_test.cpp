@@ -136,7 +136,7 @@ namespace {
 constexpr const char* kNames[] = {RTHS_SAMPLES(RTHS_NAME)};
 constexpr const char* kOtherNames[] = {RTHS_OTHERS(RTHS_NAME)};
 
-constexpr std::uint32_t kRax = 0, kRcx = 1, kRsp = 4, kRsi = 6, kRdi = 7;
+constexpr std::uint32_t kRsp = 4;
 constexpr std::uint64_t kArithmeticFlags = 0x8D5, kAdjust = 0x10, kDirection = 0x400;
 
 std::span<const std::uint8_t> code_at(const std::uint8_t* at) { return {at, kLongestInstruction}; }

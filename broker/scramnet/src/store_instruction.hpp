@@ -20,6 +20,13 @@ struct CpuState {
   std::uint64_t next = 0;  ///< address of the instruction
 };
 
+inline constexpr std::uint32_t kRax = 0, kRcx = 1, kRsi = 6, kRdi = 7;  ///< numbers
+
+/// The low bytes of a register.
+[[nodiscard]] constexpr std::uint64_t mask_of(std::uint32_t width) noexcept {
+  return width >= 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << 8 * width) - 1;
+}
+
 enum class StoreKind : std::uint8_t {
   Move,    ///< from a register or an immediate value
   Vector,  ///< from an XMM or YMM register
