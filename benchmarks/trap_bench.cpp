@@ -1,74 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The cost of trapping a store through a pointer, for docs/cards.md: a store into a page that may
-// only be read raises SIGSEGV. Its handler opens the page and lets the processor execute one
-// instruction, after which SIGTRAP's handler reads the word and closes the page again; or it makes
-// the store itself, through another mapping. x86-64 only.
-#include <sys/mman.h>
-#include <ucontext.h>
+// The cost of a trapped store through a pointer, for docs/cards.md: a program of the vendor's API
+// on a replicated ring, whose messages a thread carries. x86-64 only.
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <csignal>
-#include <cstdint>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <ctime>
+#include <string>
+#include <thread>
+
+#include <rths/core/clock.hpp>
+#include <rths/replicated/images.hpp>
+
+#include <scrplus.h>
 
 namespace {
 
-constexpr std::size_t kPage = 4096;
-constexpr int kBatches = 200, kStores = 50;
-constexpr greg_t kTrapFlag = 0x100;
-constexpr greg_t kStoreLength = 2;  // of `mov %ecx, (%rax)` [B]
+using rths::replicated::Images;
 
-using Handler = void (*)(int, siginfo_t*, void*);
+constexpr int kBatches = 100, kStores = 50;
+constexpr std::uint32_t kWord = 8;
+constexpr std::size_t kBlock = 400;  // of memset [B]
 
-std::byte* window = nullptr;  ///< for the program
-std::byte* second = nullptr;  ///< the same page for the handlers
-std::uintptr_t stored_at = 0;
-sigset_t before;
-volatile std::uint32_t taken = 0, stores = 0;
-
-std::uint32_t& word_at(std::uintptr_t address) {
-  return *reinterpret_cast<std::uint32_t*>(second +
-                                           (address - reinterpret_cast<std::uintptr_t>(window)));
+rths::memmap::Map two_nodes() {
+  rths::memmap::MapDescription description;
+  description.name = "trap_bench";
+  description.size_longwords = 1024;
+  description.nodes = {{"sender", rths::NodeId{1}, ""}, {"receiver", rths::NodeId{2}, ""}};
+  rths::memmap::Partition words;
+  words.name = "words";
+  words.node = "sender";
+  words.base = rths::LongwordOffset{0};
+  words.longwords = 1024;
+  description.partitions = {words};
+  return rths::memmap::Map{description};
 }
 
-void open_for_one_instruction(int, siginfo_t* info, void* context) {
-  auto& state = *static_cast<ucontext_t*>(context);
-  stored_at = reinterpret_cast<std::uintptr_t>(info->si_addr);
-  mprotect(window, kPage, PROT_READ | PROT_WRITE);
-  before = state.uc_sigmask;
-  sigfillset(&state.uc_sigmask);
-  sigdelset(&state.uc_sigmask, SIGTRAP);
-  state.uc_mcontext.gregs[REG_EFL] |= kTrapFlag;
-}
-
-void take_and_close(int, siginfo_t*, void* context) {
-  auto& state = *static_cast<ucontext_t*>(context);
-  state.uc_mcontext.gregs[REG_EFL] &= ~kTrapFlag;
-  state.uc_sigmask = before;
-  mprotect(window, kPage, PROT_READ);
-  taken = std::atomic_ref{word_at(stored_at)}.load();
-  stores = stores + 1;
-}
-
-void make_the_store(int, siginfo_t* info, void* context) {
-  auto& registers = static_cast<ucontext_t*>(context)->uc_mcontext.gregs;
-  taken = static_cast<std::uint32_t>(registers[REG_RCX]);
-  std::atomic_ref{word_at(reinterpret_cast<std::uintptr_t>(info->si_addr))}.store(taken);
-  registers[REG_RIP] += kStoreLength;
-  stores = stores + 1;
-}
-
-void handle(int signal, Handler handler) {
-  struct sigaction action {};
-  action.sa_flags = SA_SIGINFO;
-  action.sa_sigaction = handler;
-  sigfillset(&action.sa_mask);
-  sigaction(signal, &action, nullptr);
+void carry(Images& images, const std::atomic<bool>& ends) {
+  rths::WallClock clock;
+  const auto begin = clock.now();
+  while (!ends) {
+    images.advance(rths::replicated::Time{clock.now() - begin});
+    clock.sleep_until(clock.now() + std::chrono::microseconds{50});
+  }
 }
 
 double seconds_of_thread() {
@@ -77,37 +57,54 @@ double seconds_of_thread() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Computing time of a store [µs], median of the batches.
-double time_of_a_store() {
+/// Computing time of one call [µs], median of the batches. Between batches the ring sends.
+template <class Store>
+double time_of(Store store) {
   std::array<double, kBatches> batches{};
   for (auto& batch : batches) {
     const double begin = seconds_of_thread();
-    for (int i = 0; i < kStores; ++i)
-      asm volatile("movl %%ecx, (%%rax)" : : "c"(i), "a"(window + 64) : "memory");
+    for (int i = 0; i < kStores; ++i) store(i);
     batch = (seconds_of_thread() - begin) / kStores * 1e6;
+    usleep(5000);
   }
   std::sort(batches.begin(), batches.end());
   return batches[kBatches / 2];
 }
 
+bool measure() {
+  if (sp_scram_init(0) != 0) return false;
+  scr_csr_write(SCR_CSR2, 0xC040);
+  scr_csr_write(SCR_CSR0, 0x8103);
+  auto* const words = const_cast<unsigned*>(get_base_mem());
+  const double plain = time_of([&](int i) {
+    asm volatile("mov %0, (%1)" ::"r"(i), "r"(words) : "memory");
+  });
+  scr_acr_write(kWord, ACR_TIE);
+  const double made = time_of([&](int i) {
+    asm volatile("mov %0, (%1)" ::"r"(i), "r"(words + kWord) : "memory");
+  });
+  const double filled = time_of([&](int i) { std::memset(words + kWord, i, kBlock); });
+  const double stepped = time_of([&](int i) {
+    asm volatile("test %0, %0; setz (%1)" ::"r"(i), "r"(words + kWord) : "memory", "cc");
+  });
+  std::printf(
+      "{\"untrapped_us\": %.4f, \"made_by_handler_us\": %.3f, \"memset_bytes\": %zu, "
+      "\"memset_us\": %.3f, \"single_step_us\": %.3f}\n",
+      plain, made, kBlock, filled, stepped);
+  return true;
+}
+
 }  // namespace
 
 int main() {
-  const int file = memfd_create("trap_bench", 0);
-  if (file < 0 || ftruncate(file, kPage) != 0) return 2;
-  const auto map = [&](int access) {
-    return static_cast<std::byte*>(mmap(nullptr, kPage, access, MAP_SHARED, file, 0));
-  };
-  window = map(PROT_READ);
-  second = map(PROT_READ | PROT_WRITE);
-  if (window == MAP_FAILED || second == MAP_FAILED) return 2;
-
-  handle(SIGSEGV, open_for_one_instruction);
-  handle(SIGTRAP, take_and_close);
-  const double stepped = time_of_a_store();
-  handle(SIGSEGV, make_the_store);
-  const double made = time_of_a_store();
-  if (stores != 2 * kBatches * kStores || taken != kStores - 1) return 1;  // each store was taken
-  std::printf("{\"single_step_us\": %.3f, \"made_by_handler_us\": %.3f}\n", stepped, made);
-  return 0;
+  const std::string ring = "trap_bench_" + std::to_string(getpid());
+  setenv("RTHS_SCRAMNET_RING", ring.c_str(), 1);
+  setenv("RTHS_SCRAMNET_NODE", "sender", 1);
+  Images images = Images::create(ring, two_nodes(), {});
+  std::atomic<bool> ends{false};
+  std::thread carrier{[&] { carry(images, ends); }};
+  const bool done = measure();
+  ends = true;
+  carrier.join();
+  return done ? 0 : 1;
 }

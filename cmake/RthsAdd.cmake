@@ -28,13 +28,13 @@ function(rths_add folder)
   endif()
 endfunction()
 
-# rths_test(<folder> [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>])
+# rths_test(<folder> [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>] [TIMEOUT <seconds>])
 #
 # The tests of a folder as one executable; each TEST is a ctest case. PURE tests are independent maths.
 # Under sanitizers, where processes start slowly, they run as four cases. If RTHS_TESTED names folders,
 # the others are neither built nor registered. The target rths_tested builds all that are registered.
 function(rths_test folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "PURE;SEPARATE" "LABEL" "SOURCES;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "PURE;SEPARATE" "LABEL;TIMEOUT" "SOURCES;DEPENDS")
   set(target rths_${folder}_test)
   add_executable(${target} ${arg_SOURCES})
   if(NOT arg_SEPARATE)
@@ -63,12 +63,15 @@ function(rths_test folder)
     endforeach()
     return()
   endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
   set(alone OFF)
   if(arg_LABEL STREQUAL realtime)
     set(alone ON)
   endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS ${arg_LABEL} TIMEOUT 120 RUN_SERIAL ${alone})
+                       PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${alone})
 endfunction()
 
 # Adds "<folder of tests/> <target>" to tests.txt, from which `./lab test FOLDER` takes its targets.

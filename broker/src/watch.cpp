@@ -54,6 +54,7 @@ struct Watch::State {
   std::map<std::uint32_t, Suspect> suspects;           ///< by word
   std::array<std::uint64_t, kMaxSlots> plain_joins{};  ///< of each slot, at the last look
   std::uint64_t looks = 0;
+  const std::function<Judgement(LongwordOffset)>* judge = nullptr;  ///< of this look
 
   void note_plain_joins();
   void update_members(std::vector<PlainStore>& found);
@@ -65,6 +66,8 @@ struct Watch::State {
   [[nodiscard]] bool is_confirmed(const PlainStore& store, const Member* owner);
   void compare(std::vector<PlainStore>& found);
   void compare_data(std::vector<PlainStore>& found);
+  [[nodiscard]] bool is_taken(std::uint32_t offset, std::uint32_t value);
+  [[nodiscard]] Member* plain_member(const std::string& node);
   void check_word(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
   /// The process that is this node as a plain client; 0: none.
   [[nodiscard]] Claim plain_holder(NodeId id);
@@ -193,6 +196,20 @@ bool Watch::State::is_confirmed(const PlainStore& store, const Member* owner) {
   return observer.presence_of(owner->id).state != Presence::State::Alive;
 }
 
+bool Watch::State::is_taken(std::uint32_t offset, std::uint32_t value) {
+  const Judgement judgement = *judge ? (*judge)(LongwordOffset{offset}) : Judgement::Take;
+  if (judgement == Judgement::Restore)
+    std::atomic_ref{segment.words()[offset]}.compare_exchange_strong(value, expected[offset]);
+  return judgement == Judgement::Take;
+}
+
+Watch::State::Member* Watch::State::plain_member(const std::string& node) {
+  const auto member = std::find_if(members.begin(), members.end(), [&](const Member& candidate) {
+    return candidate.name == node && candidate.on_behalf;
+  });
+  return member == members.end() ? nullptr : &*member;
+}
+
 void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
                               std::vector<PlainStore>& found) {
   const auto* partition = ring.map().partition_at(LongwordOffset{offset});
@@ -202,6 +219,7 @@ void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
   const auto owner = std::find_if(members.begin(), members.end(),
                                   [&](const Member& m) { return m.name == store.owner; });
   if (owner != members.end() && owner->on_behalf) {
+    if (!is_taken(offset, value)) return;
     store.allowed = true;
     return journal(*owner, std::move(store), found);
   }
@@ -265,8 +283,9 @@ bool Watch::is_plain(const std::string& node) const {
                      [&](const auto& member) { return member.name == node && member.plain != 0; });
 }
 
-std::vector<PlainStore> Watch::look() {
+std::vector<PlainStore> Watch::look(const std::function<Judgement(LongwordOffset)>& judge) {
   std::vector<PlainStore> found;
+  state_->judge = &judge;
   ++state_->looks;
   state_->read_journals();
   state_->update_members(found);
@@ -279,6 +298,22 @@ std::vector<PlainStore> Watch::look() {
   state_->compare(found);
   std::atomic_ref{state_->segment.header().looks}.fetch_add(1);
   return found;
+}
+
+void Watch::take(const std::string& node, LongwordOffset offset, PartOfWord part) {
+  State::Member* const member = state_->plain_member(node);
+  if (member == nullptr || offset.value() >= state_->expected.size()) return;
+  const std::uint32_t mask = part.bytes == 4 ? ~0U : ((1U << 8 * part.bytes) - 1) << 8 * part.at;
+  std::uint32_t& expected = state_->expected[offset.value()];
+  expected = (expected & ~mask) | (part.value << 8 * part.at & mask);
+  member->on_behalf->word_of(member->id.value(), offset.value(), expected);
+  wake_sleepers(state_->segment.wake());
+}
+
+void Watch::store(const std::string& node, LongwordOffset offset, std::uint32_t value) {
+  if (state_->plain_member(node) == nullptr || offset.value() >= state_->expected.size()) return;
+  std::atomic_ref{state_->segment.words()[offset.value()]}.store(value, std::memory_order_release);
+  take(node, offset, {value});
 }
 
 }  // namespace rths::broker

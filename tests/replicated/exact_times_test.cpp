@@ -36,6 +36,21 @@ TEST_F(ExactTimes, OfArrivalFollowFromBitsAndFibre) {
   EXPECT_EQ(stored()[1].begin, kFirstArrival + Time{92 * 100});
 }
 
+// The second message of node 0 is ready when the first own one of node 1 may start.
+TEST_F(ExactTimes, OfAFirstOwnMessageLetOneOtherPass) {
+  use_inserted(3);
+  store(0, 5, 1);
+  store(0, 6, 2);
+  ring().run_until(kFirstArrival);
+  store(1, 7, 3);
+  settle();
+  const auto stored = hops(Hop::Kind::Stored, 2);
+  ASSERT_EQ(stored.size(), 3U);
+  EXPECT_EQ(stored[0].origin, 0U);
+  EXPECT_EQ(stored[1].origin, 0U);
+  EXPECT_EQ(stored[2].origin, 1U);
+}
+
 TEST_F(ExactTimes, OfAnIdleRingIncludeTheLimit) {
   use_inserted(1);
   store(0, 5, 1);

@@ -29,6 +29,20 @@ TEST_F(VirtualGt, LetsBytesOfOneLongwordSurvive) {
   EXPECT_EQ(load(3, 2), 0xAABB'0201U);
 }
 
+TEST_F(VirtualGt, IgnoresDataBeyondItsMemory) {
+  auto setup = nodes(3, CardType::Gt);
+  setup.nodes[1].memory_bytes = 3 * 4096;
+  use(setup);
+  const std::uint32_t longwords = 3 * 1024;
+  store(0, longwords - 1, 7);
+  store(0, longwords, 8);
+  store(0, longwords + 1, 9);
+  settle();
+  EXPECT_EQ(load(1, longwords - 1), 7U);
+  EXPECT_EQ(load(1, longwords), 0xFFFF'FFFFU);
+  EXPECT_EQ(load(2, longwords), 8U);
+}
+
 TEST_F(VirtualGt, DeliversAnInterruptAfterItsData) {
   use_gt(3);
   card(2).set_gt_state(kBroadcastMask, 0xFFFF'FFFF);

@@ -31,7 +31,7 @@ TREE = pathlib.Path(__file__).resolve().parents[2]
 ENGINE = TREE / "broker/replicated/src"
 CARD = TREE / "broker/scramnet/src"
 SOURCES = [ENGINE / name for name in ("engine.cpp", "events.cpp", "transmitter.cpp", "receiver.cpp", "plus_host.cpp", "gt_host.cpp", "cards.cpp")] + \
-          [CARD / name for name in ("registers.cpp", "fifo.cpp", "gt_registers.cpp")]
+          [CARD / name for name in ("registers.cpp", "fifo.cpp", "gt_registers.cpp", "store_effect.cpp", "store_instruction.cpp")]
 HEADERS = [ENGINE / name for name in ("transmit_fifo.hpp", "events.hpp", "node.hpp", "acr_cells.hpp", "sparse_bytes.hpp", "rates.hpp")] + \
           [CARD / name for name in ("bits.hpp", "gt_registers.hpp")]
 PRECOMPILED = ("cmath", "ctime", "array", "algorithm", "fmt/format.h", "rths/core/error.hpp", "engine.hpp", "fifo.hpp", "bits.hpp")
@@ -54,6 +54,8 @@ EQUIVALENT = [
     (r"kHostInterrupts = ", "0x8 -> ", "demands bit 0 of CSR0, without which no host is interrupted"),
     (r"kMemoryInterrupts = ", "0x20 -> ", "demands bit 0 of CSR0, without which nothing is received"),
     (r"std::tie\(a.time, a.node, a.sequence\) > ", "> -> >=", "no two events have one number"),
+    (r"byte << [123] & 8", "8 -> 9", "a bit that the shift has cleared"),
+    (r"bytes_\[at_\] : 0; }", "0 -> 1", "behind the end: no prefix either"),
     (r"bit_error_rate_ == 0\) return", "if .* -> ;", "saves time only: no bit is damaged at a rate of 0"),
 ]
 

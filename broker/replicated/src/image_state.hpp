@@ -34,7 +34,19 @@ struct Images::State {
   };
 
   struct Store {
-    std::uint32_t longword = 0, value = 0;
+    std::uint32_t offset = 0;  ///< on the ring [B]
+    std::uint32_t value = 0;
+    std::uint32_t bytes = 4;  ///< 1, 2 or 4
+    bool in_memory = true;    ///< of a trap: the image has the value
+    [[nodiscard]] std::uint32_t longword() const { return offset / 4; }
+  };
+
+  /// Stores that the traps of a host have taken.
+  struct Trapped {
+    std::vector<Store> found = {};    // NOLINT: in this look
+    std::vector<Store> earlier = {};  // NOLINT: in the last one
+    std::optional<std::uint32_t> unpublished = {};  ///< entry that its host has not published
+    Time since{0};                    ///< when it was found first
   };
 
   /// The memory of one node.
@@ -47,6 +59,7 @@ struct Images::State {
     std::vector<std::optional<broker::Node>> others = {};  // NOLINT: on this image, by position
     std::vector<char> heard = {};    // NOLINT: by position, since the last beat
     std::deque<Store> waiting = {};  // NOLINT: for space in the transmit FIFO
+    Trapped trapped = {};            // NOLINT
     std::unique_ptr<broker::Watch> watch =
         nullptr;           ///< finds stores through pointers; of named images
     bool plain = false;    ///< its node stores through a pointer
@@ -70,6 +83,13 @@ struct Images::State {
   void follow_presence(std::uint32_t at);
   [[nodiscard]] bool is_drained(std::uint32_t at);
   void take_stores(std::uint32_t at);
+  void take_trapped(std::uint32_t at);
+  [[nodiscard]] bool gives_up(Trapped& trapped, std::uint32_t entry);
+  void look(std::uint32_t at);
+  [[nodiscard]] broker::Judgement judge(std::uint32_t at, std::uint32_t longword);
+  void send_trapped(std::uint32_t at);
+  void ignore_journal(Image& image);
+  [[nodiscard]] bool writes_last(std::uint32_t at);
   void store(std::uint32_t at, Store store);
   [[nodiscard]] Access write(std::uint32_t at, Store store);
   [[nodiscard]] std::uint64_t window(std::uint32_t at);  ///< [B]

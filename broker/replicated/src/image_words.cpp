@@ -23,33 +23,35 @@ void Images::State::find_words() {
 void Images::State::take_stores(std::uint32_t at) {
   Image& image = images[at];
   if (!image.host || !image.present) return;
-  if (image.plain) static_cast<void>(image.watch->look());
+  take_trapped(at);
+  if (image.plain) look(at);
   flush(at);
   broker::Write write;
   for (;;) {
     const auto followed = image.host->next(write);
-    if (followed == broker::Followed::Nothing) return;
+    if (followed == broker::Followed::Nothing) break;
     if (followed == broker::Followed::Lost) {
       events.push_back(fmt::format("{}: writes were lost before the cards took them", image.node));
       continue;
     }
     const std::uint32_t longword = write.offset.value();
     if (write.group.empty()) {
-      store(at, {longword, write.value});
+      store(at, {longword * 4, write.value});
       continue;
     }
     for (std::uint32_t i = 0; i < write.group.size(); ++i)
-      store(at, {longword + i, write.group[i]});
+      store(at, {(longword + i) * 4, write.group[i]});
   }
+  send_trapped(at);
 }
 
 // The image has the addresses of the ring; the card's window may be a page of it.
 Access Images::State::write(std::uint32_t at, Store store) {
   const std::uint64_t begin_of_window = window(at);
-  const std::uint64_t offset = std::uint64_t{store.longword} * 4;
-  if (offset < begin_of_window) return Access::Local;
-  return cards.card(at).write(ByteOffset{static_cast<std::uint32_t>(offset - begin_of_window)},
-                              store.value);
+  if (store.offset < begin_of_window) return Access::Local;
+  return cards.card(at).write(
+      ByteOffset{static_cast<std::uint32_t>(store.offset - begin_of_window)}, store.value,
+      store.bytes);
 }
 
 std::uint64_t Images::State::window(std::uint32_t at) {
@@ -91,6 +93,10 @@ void Images::State::arrive(std::uint32_t at, std::uint32_t origin, std::uint32_t
                            std::uint32_t value) {
   Image& image = images[at];
   if (longword >= words.size() || words[longword].owner != origin) return;
+  if (at == origin) {
+    image.watch->store(image.node, LongwordOffset{longword}, value);
+    return ignore_journal(image);
+  }
   broker::Node* const node = stand_in(at, origin);
   if (node == nullptr) return;
   image.heard[origin] = 1;

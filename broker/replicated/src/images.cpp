@@ -74,7 +74,8 @@ Images::State::State(const memmap::Map& its_map, const CardOptions& its_options)
   find_words();
   for (std::uint32_t at = 0; at < cards.nodes(); ++at) cards.card(at).write_csr(2, options.csr2);
   cards.observe([this](const Hop& hop) {
-    if (hop.kind == Hop::Kind::Stored && hop.node != hop.origin) arrive(hop);
+    if (hop.kind != Hop::Kind::Stored) return;
+    if (hop.node != hop.origin || writes_last(hop.node)) arrive(hop);
   });
 }
 
@@ -115,8 +116,8 @@ std::uint32_t Images::State::position(const std::string& node) const {
 // A card is inserted when its node first joins; it stays so without a process, as on hardware. A
 // program that stores through a pointer inserts its card itself.
 void Images::State::follow_presence() {
-  for (auto& image : images)
-    if (image.watch) static_cast<void>(image.watch->look());
+  for (std::uint32_t at = 0; at < images.size(); ++at)
+    if (images[at].watch) look(at);
   for (std::uint32_t at = 0; at < map.description().nodes.size(); ++at) follow_presence(at);
 }
 

@@ -41,13 +41,15 @@ Board::Board(const Settings& settings)
       memory_{whole_memory(session_)},
       interrupts_seen_{session_.card().plus.host_interrupts.load()},
       scanner_{session_, reinterpret_cast<Word*>(memory_),
-               static_cast<std::uint32_t>(window_bytes_ / 4)} {
+               static_cast<std::uint32_t>(window_bytes_ / 4)},
+      traps_{session_, settings.traps} {
   registers().set_size_code(size_code_);
   update_window();
 }
 
 std::uint32_t Board::read_csr(int index) {
   if (index == 1 || index == 5) scanner_.scan();
+  update_traps();
   const Carried& carried = session_.card().carried;
   if (carried.active.load() != 0)
     return registers().read(index, {.nodes = carried.ring_nodes.load(),
@@ -84,6 +86,7 @@ void Board::write_csr(int index, std::uint32_t value) {
   if (index == 1) scanner_.scan();
   if (index == 3) warn_of_shared_id();
   if (index == 12) update_window();
+  update_traps();
   wait_for_scan();
 }
 
@@ -143,6 +146,7 @@ bool Board::map_window() {
 void Board::unmap_window() {
   if (window_ != nullptr) munmap(window_, window_bytes_);
   window_ = nullptr;
+  traps_.set_window({});
 }
 
 // Maps other pages at the same address; a concurrent load or store uses the old or the new page.
@@ -157,15 +161,32 @@ void Board::update_window() {
                         static_cast<std::uint32_t>(offset / 4));
   }
   if (window_ == nullptr) return;
-  if (registers().all_set(0, csr0::kAcrWindow))
+  const bool shows_acr = registers().all_set(0, csr0::kAcrWindow);
+  if (shows_acr)
     static_cast<void>(session_.map_acr(window_, window_bytes_));
   else
     static_cast<void>(session_.map_memory(window_, page_offset_, window_bytes_));
+  traps_.set_window({window_, memory(), page_offset_, window_bytes_, shows_acr});
+  traps_.follow();
+}
+
+// A page opens when the stores that its traps took have been carried, and their scan is over.
+void Board::update_traps() {
+  if (!traps_.is_due()) return;
+  if (traps_.opens_a_page()) {
+    wait_for_scan();
+    wait_for_scan();
+  }
+  traps_.follow();
 }
 
 void Board::write_acr(std::uint32_t longword, std::uint32_t value) {
   const std::uint32_t before = acr()[longword].exchange(value & acr::kBits);
   plus().acr_changes.fetch_add(1);
+  if ((before & ~value) != 0)
+    update_traps();
+  else
+    traps_.follow_word(std::uint64_t{longword} * 4);
   if ((value & ~before & acr::kReceiveInterrupt) != 0 && scanner_.is_enabled())
     scanner_.reset(longword);
 }
@@ -174,6 +195,25 @@ void Board::clear_acr() {
   for (std::uint64_t i = 0; i < window_bytes_ / 4; ++i)
     if (acr()[i].load(std::memory_order_relaxed) != 0) acr()[i].store(0);
   plus().acr_changes.fetch_add(1);
+  update_traps();
+}
+
+void Board::fill_acr(std::uint32_t value) {
+  for (std::uint64_t i = 0; i < window_bytes_ / 4; ++i) acr()[i].store(value & acr::kBits);
+  plus().acr_changes.fetch_add(1);
+  if (scanner_.is_enabled()) scanner_.reset();
+  update_traps();
+}
+
+void Board::store(std::uint64_t offset, const std::byte* from, std::uint64_t bytes) {
+  while (bytes != 0) {
+    const std::uint64_t length = std::min(bytes, kTrapPage - offset % kTrapPage);
+    if (traps_.is_closed(offset))
+      traps_.store(offset, from, length);
+    else
+      write_ring(memory() + offset, from, length);
+    offset += length, from += length, bytes -= length;
+  }
 }
 
 std::uint32_t Board::take_interrupts() {

@@ -6,8 +6,10 @@
 
 #include "card_session.hpp"
 #include "registers.hpp"
+#include "ring_copy.hpp"
 #include "scanner.hpp"
 #include "settings.hpp"
+#include "traps.hpp"
 #include "warning.hpp"
 
 namespace rths::scramnet {
@@ -43,6 +45,17 @@ class Board {
   [[nodiscard]] Word* acr() const { return session_.own().acr; }
   void write_acr(std::uint32_t longword, std::uint32_t value);
   void clear_acr();
+  /// Sets all words of the ACR.
+  void fill_acr(std::uint32_t value);
+  /// A block call's stores. A unit has 1, 2 or 4 bytes.
+  void store(std::uint64_t offset, const std::byte* from, std::uint64_t bytes);
+  template <class Unit>
+  void store_unit(std::uint64_t offset, Unit value) {
+    if (traps_.is_closed(offset))
+      traps_.store(offset, reinterpret_cast<const std::byte*>(&value), sizeof value);
+    else
+      write_ring_unit(memory() + offset, value);
+  }
   /// True if the ring has this page, as CSR12 selects it.
   [[nodiscard]] bool has_page(std::uint32_t page) const;
   /// True if another card on the ring is receiving or transmitting.
@@ -58,6 +71,7 @@ class Board {
   void control_changed(std::uint32_t before);
   void warn_of_shared_id();
   void update_window();
+  void update_traps();
 
   CardSession session_;
   bool bypass_switch_;
@@ -68,6 +82,7 @@ class Board {
   std::uint64_t page_offset_ = 0;
   std::atomic<std::uint32_t> interrupts_seen_;
   Scanner scanner_;
+  Traps traps_;
 };
 
 /// Reason why no card could be taken, numbered as in the vendor's calls.

@@ -65,6 +65,25 @@ struct GtCard {
   std::array<GtEntry, kGtQueueEntries> queue;
 };
 
+inline constexpr std::uint32_t kTrapEntries = 2048;
+inline constexpr std::uint32_t kLongestTrap = 17;  ///< entries of a store of 64 bytes
+
+/// A store to one longword, of 1, 2 or 4 bytes. `stamp` says how far the entry is: see
+/// trap_queue.hpp.
+struct TrapEntry {
+  Word stamp;
+  Word place;  ///< address on the ring [B]
+  Word form;   ///< width [B], and kTrapInMemory if the memory has the value; 0: no store
+  Word value;
+};
+inline constexpr std::uint32_t kTrapInMemory = 0x100;
+
+/// Stores that traps have taken, oldest first. Hosts add; the thread that carries messages takes.
+struct TrapQueue {
+  Word reserved, taken;  ///< numbers of entries so far
+  std::array<TrapEntry, kTrapEntries> entries;
+};
+
 /// Of a card whose stores are carried by messages; broker/replicated writes it at each scan, and
 /// clears what its host counts.
 struct Carried {
@@ -78,6 +97,8 @@ struct Carried {
   Word transmit_fifo;           ///< entries
   Word sent, stored, rejected;  ///< messages so far
   Word same_id;                 ///< messages of other nodes with this card's id so far
+  Word has_traps;               ///< 1: its host traps stores
+  TrapQueue traps;
 };
 
 struct Card {

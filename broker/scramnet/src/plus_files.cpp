@@ -69,7 +69,7 @@ int load_memory_line(Board& card, const char* line) {
   unsigned char value[8] = {};
   if (!parse_value(text, format[std::strlen(format) - 1], bytes, value)) return kNotRead;
   if (offset > card.window_bytes() || bytes > card.window_bytes() - offset) return kPastEnd;
-  write_ring(card.memory() + offset, reinterpret_cast<const std::byte*>(value), bytes);
+  card.store(offset, reinterpret_cast<const std::byte*>(value), bytes);
   return 0;
 }
 

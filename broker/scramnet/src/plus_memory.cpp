@@ -13,32 +13,30 @@ using namespace rths::scramnet;
 
 namespace {
 
-Word* words_of(Board& card) { return reinterpret_cast<Word*>(card.memory()); }
-
 void fill_memory(Board& card, std::uint32_t value) {
-  for (std::uint64_t i = 0; i < card.window_bytes() / 4; ++i) words_of(card)[i].store(value);
+  for (std::uint64_t at = 0; at < card.window_bytes(); at += 4) card.store_unit(at, value);
 }
 
-std::byte* range(Board* card, unsigned long offset, unsigned long length) {
-  if (card == nullptr || offset > card->window_bytes() || length > card->window_bytes() - offset)
-    return nullptr;
-  return card->memory() + offset;
+bool has_range(const Board* card, unsigned long offset, unsigned long length) {
+  return card != nullptr && offset <= card->window_bytes() &&
+         length <= card->window_bytes() - offset;
 }
 
 template <class Value>
 Value read_unit(unsigned long offset, void* to) {
   Value value = 0;
-  if (const std::byte* from = range(card_with_memory(), offset * sizeof value, sizeof value))
-    value = read_ring_unit<Value>(from);
+  const Board* const card = card_with_memory();
+  if (has_range(card, offset * sizeof value, sizeof value))
+    value = read_ring_unit<Value>(card->memory() + offset * sizeof value);
   if (to != nullptr) std::memcpy(to, &value, sizeof value);
   return value;
 }
 
 template <class Value>
 int write_unit(unsigned long offset, Value value) {
-  std::byte* to = range(card_with_memory(), offset * sizeof value, sizeof value);
-  if (to == nullptr) return 0;
-  write_ring_unit(to, value);
+  Board* const card = card_with_memory();
+  if (!has_range(card, offset * sizeof value, sizeof value)) return 0;
+  card->store_unit(offset * sizeof value, value);
   return 1;
 }
 
@@ -70,23 +68,20 @@ void scr_smem_mm(int which, unsigned long value) {
   }
   if (card == nullptr) return;
   if (which == MEM) return fill_memory(*card, static_cast<std::uint32_t>(value));
-  for (std::uint64_t i = 0; i < card->window_bytes() / 4; ++i)
-    card->acr()[i].store(static_cast<std::uint32_t>(value) & ACR_MASK);
-  card->plus().acr_changes.fetch_add(1);
-  if (card->scanner().is_enabled()) card->scanner().reset();
+  card->fill_acr(static_cast<std::uint32_t>(value));
 }
 
 int scr_dma_read(void* user, unsigned long offset, unsigned long length) {
-  const std::byte* from = range(card_with_memory(), offset, length);
-  if (from == nullptr || user == nullptr) return -1;
-  read_ring(static_cast<std::byte*>(user), from, length);
+  const Board* const card = card_with_memory();
+  if (!has_range(card, offset, length) || user == nullptr) return -1;
+  read_ring(static_cast<std::byte*>(user), card->memory() + offset, length);
   return 0;
 }
 
 int scr_dma_write(void* user, unsigned long offset, unsigned long length) {
-  std::byte* to = range(card_with_memory(), offset, length);
-  if (to == nullptr || user == nullptr) return -1;
-  write_ring(to, static_cast<const std::byte*>(user), length);
+  Board* const card = card_with_memory();
+  if (!has_range(card, offset, length) || user == nullptr) return -1;
+  card->store(offset, static_cast<const std::byte*>(user), length);
   return 0;
 }
 

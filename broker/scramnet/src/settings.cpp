@@ -60,6 +60,7 @@ void read_environment(Settings& settings) {
   read_size(prefix + "BYTES", settings.ring_bytes);
   read_size(prefix + "CARD_BYTES", settings.card_bytes);
   read_flag(prefix + "SHARE", settings.share);
+  read_flag(prefix + "TRAPS", settings.traps);
 }
 
 void read_size(const Config& table, const std::string& key, std::uint64_t& bytes) {
@@ -76,6 +77,7 @@ void read_table(const Config& table, Settings& settings) {
   read_size(table, "card_bytes", settings.card_bytes);
   settings.bypass_switch = table.flag("bypass_switch", settings.bypass_switch);
   settings.share = table.flag("share", settings.share);
+  settings.traps = table.flag("traps", settings.traps);
   table.reject_unknown_keys();
 }
 

@@ -18,6 +18,7 @@ struct Settings {
   std::uint64_t card_bytes = 0;          ///< size of the card's window of the ring [B]; 0: all
   bool bypass_switch = true;             ///< whether CSR1 reports a fibre bypass switch
   bool share = false;           ///< whether to store into the words of a node that is running
+  bool traps = true;            ///< whether to trap stores through a pointer, on a replicated ring
   bool ring_is_chosen = false;  ///< the ring's name is not the default
   std::string variables = "RTHS_SCRAMNET_";  ///< begin of the names of the environment variables
 };

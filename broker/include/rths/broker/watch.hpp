@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,20 @@ struct PlainStore {
   TimePoint seen{0};                ///< CLOCK_MONOTONIC
 };
 
+/// What a look does with a plain client's store that it has found.
+enum class Judgement {
+  Take,     ///< journals it
+  Leave,    ///< nothing: the program that judges takes it by `Watch::take`
+  Restore,  ///< gives the word its value in the journals
+};
+
+/// A store of 1, 2 or 4 bytes to a longword.
+struct PartOfWord {
+  std::uint32_t value = 0;
+  std::uint32_t at = 0;  ///< first byte
+  std::uint32_t bytes = 4;
+};
+
 /// Finds stores through plain pointers, which no journal records: compares every mapped word with
 /// its value in the journals.
 ///
@@ -37,7 +52,13 @@ class Watch {
 
   /// Compares all words once. Reports a store that is not allowed after 0.1 s, since a journal may
   /// be briefly behind; a store that the owner overwrites earlier is not reported.
-  [[nodiscard]] std::vector<PlainStore> look();
+  /// @param judge  of stores that plain clients make to their own words; empty: takes all
+  [[nodiscard]] std::vector<PlainStore> look(
+      const std::function<Judgement(LongwordOffset)>& judge = {});
+  /// Journals a store of the plain client that is this node, which something else has found.
+  void take(const std::string& node, LongwordOffset offset, PartOfWord part);
+  /// Stores a word of the plain client that is this node, and journals it.
+  void store(const std::string& node, LongwordOffset offset, std::uint32_t value);
   /// True if a plain client was this node at the last look.
   [[nodiscard]] bool is_plain(const std::string& node) const;
 
