@@ -40,7 +40,7 @@ using BlockKind =
                  RateLimiter, Switch, UnitDelay, TransportDelay, Derivative, LowPassBlock,
                  MovingAverageBlock, RemoveOffset, PredictorCorrectorBlock, AtsBlock,
                  AdaptiveInverseBlock, FeedForwardBlock, ForceObserverBlock,
-                 TableForceObserverBlock, VerticalForceBlock, Stop>;
+                 TableForceObserverBlock, TargetForceBlock, VerticalForceBlock, Stop>;
 
 struct Block {
   std::string name;
