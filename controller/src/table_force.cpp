@@ -63,7 +63,7 @@ double FractionalDelay::operator()(double input) noexcept {
 }
 
 // Observer of displacement, velocity and accelerometer bias with a triple pole at −ω.
-FusedVelocity::FusedVelocity(double bandwidth, double period) : period_{period} {
+FusedMotion::FusedMotion(double bandwidth, double period) : period_{period} {
   kRequireTable(bandwidth > 0 && bandwidth * period < 0.05, "velocity bandwidth", bandwidth,
                 "between 0 and a twentieth of the sampling rate");
   const double omega = 2 * std::numbers::pi * bandwidth;
@@ -72,7 +72,7 @@ FusedVelocity::FusedVelocity(double bandwidth, double period) : period_{period} 
   gain_bias_ = omega * omega * omega * period;
 }
 
-double FusedVelocity::operator()(double displacement, double acceleration) noexcept {
+double FusedMotion::operator()(double displacement, double acceleration) noexcept {
   if (!started_) {
     x_ = displacement;
     last_acceleration_ = acceleration;

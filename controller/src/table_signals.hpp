@@ -28,12 +28,14 @@ class FractionalDelay {
   bool started_ = false;
 };
 
-/// Velocity without lag: integrates the acceleration, and follows the displacement below a
-/// bandwidth. Removes a constant error of the accelerometer.
-class FusedVelocity {
+/// Displacement and velocity without lag: integrates the acceleration, and follows the displacement
+/// below a bandwidth. Removes a constant error of the accelerometer.
+class FusedMotion {
  public:
-  FusedVelocity(double bandwidth, double period);
+  FusedMotion(double bandwidth, double period);
+  /// @returns the velocity [m/s]
   [[nodiscard]] double operator()(double displacement, double acceleration) noexcept;
+  [[nodiscard]] double displacement() const { return x_; }  ///< [m]
 
  private:
   double period_, gain_x_, gain_v_, gain_bias_;
@@ -58,7 +60,7 @@ class TableSignals {
 
  private:
   FractionalDelay displacement_, force_, load_;
-  FusedVelocity velocity_;
+  FusedMotion velocity_;
   double presliding_, period_, friction_state_ = 0, last_velocity_ = 0;
   std::vector<LowPass> filters_;  // one per term but the constant one, and the force; or none
   std::optional<Eigen::Matrix<double, kTableTerms, 1>> first_;

@@ -63,6 +63,18 @@ void read_observer(const Config& table, double axial_load, budget::HybridTest& t
   test.slope_samples = static_cast<int>(table.integer("slope_samples", test.slope_samples));
 }
 
+void read_target_force(const Config& table, budget::HybridTest& test) {
+  controller::TargetForceSettings settings;
+  settings.axes = 2;
+  settings.period = test.period;
+  settings.reach = table.numbers("reach_m", settings.reach);
+  settings.forgetting = table.number("forgetting_s", settings.forgetting);
+  settings.informative_speed =
+      table.number("informative_speed_m_per_s", settings.informative_speed);
+  settings.motion_bandwidth = table.number("motion_bandwidth_Hz", settings.motion_bandwidth);
+  test.target_force = settings;
+}
+
 void read_command(const Config& table, budget::HybridTest& test) {
   const auto read = [&](const char* key, controller::Polynomial otherwise) {
     return controller::polynomial_from_text(table.text(key, "")).value_or(otherwise);
@@ -85,6 +97,7 @@ void read_diagram(const NodePlan& plan, double axial_load, budget::HybridTest& t
     if (block.flag("single", false)) continue;  // of the vertical force
     const std::string type = block.text("type", "");
     if (type == "predictor_corrector") read_command(block, test);
+    if (type == "target_force") read_target_force(block, test);
     if (type != "force_observer" && type != "table_force_observer") continue;
     read_observer(block, axial_load, test);
     test.corrects = true;
@@ -147,6 +160,8 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
   if (!test.tested[1])
     std::fill(test.motion.lat_acceleration.begin(), test.motion.lat_acceleration.end(), 0);
   read_diagram(controller_of(experiment), experiment.model.axial_load, test);
+  if (first_value(run, "tune." + roles.controller + ".target_force.enabled", 1) == 0)
+    test.target_force.reset();
   const NodeTicks machine{run, roles.machine};
   read_host(experiment, run, ticks, test);
   test.axial_load = ticks_or(run, machine, roles.vertical_force, experiment.model.axial_load);

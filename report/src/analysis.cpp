@@ -55,12 +55,16 @@ WindowedTracking windowed_tracking(const Series& command, const Series& measured
 }
 
 // Displacement and force of the specimen at each target: as the controller holds them, or else as
-// the solver receives them with its next target.
+// the solver receives them with its next target. A force that is corrected for the tracking error
+// does not belong to the measured displacement, so both are then as measured.
 void add_steps(AxisAnalysis& axis, const Reader& run, const Roles& roles, const AxisRoles& names) {
   const auto targets = targets_of(run, roles);
   const auto at_targets = [&](const char* held, const std::string& returned,
                               const std::string& measured) {
-    const std::string block = roles.monitor_of_controller() + "pc." + held + "." + names.axis;
+    const std::string monitor = roles.monitor_of_controller();
+    const std::string block = monitor + "pc." + held + "." + names.axis;
+    if (run.has(monitor + "target_force.force." + names.axis))
+      return at_each_count(targets, run.signal(measured));
     const std::string name = run.has(block) ? block : run.has(returned) ? returned : measured;
     return at_each_count(targets, run.signal(name));
   };

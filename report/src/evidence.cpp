@@ -58,6 +58,8 @@ AxisEvidence axis_of(const Reader& run, const NodeTicks& ticks, const Roles& rol
   result.force = named(names.machine_force);
   result.specimen_force = named(names.force);
   if (!result.specimen_force.is_recorded()) result.specimen_force = result.force;
+  result.sent_force = named(monitor + "target_force.force." + names.axis);
+  if (!result.sent_force.is_recorded()) result.sent_force = result.specimen_force;
   result.largest_command = std::min(largest_magnitude(result.command.values), result.limits.stroke);
   return result;
 }

@@ -37,7 +37,8 @@ struct AxisEvidence {
   Word unlimited, limited;                 ///< the reference before and after its limits
   Word displacement, acceleration, force;  ///< feedback of the machine
   Word target, answer;                     ///< of the integrator; the force that it receives
-  Word specimen_force;                     ///< the force that enters the integrator
+  Word specimen_force;                     ///< as measured, without the machine's own force
+  Word sent_force;                         ///< the force that the controller returns
   std::vector<double> model_force;         ///< of the model under the measured motion; or empty
   double largest_command = 0, largest_force = 0;  ///< within the limits of the machine
 };

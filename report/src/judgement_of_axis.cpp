@@ -103,7 +103,7 @@ std::vector<Wire> wires_of(const AxisEvidence& axis, const Evidence& all, const 
   for (const Wire& wire :
        {Wire{&axis.reference, &axis.echo, kTransfer, bounds.motion, bounds.resolution},
         Wire{&axis.target, &axis.command, step, kHold, 2 * bounds.resolution},
-        Wire{&axis.specimen_force, &axis.answer, step, kHold, force}})
+        Wire{&axis.sent_force, &axis.answer, step, kHold, force}})
     if (wire.from->is_recorded() && wire.to->is_recorded()) wires.push_back(wire);
   return wires;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Builds the blocks of adaptive inverse and table force observer from [[block]] tables.
+// Builds the blocks of adaptive inverse, table force observer and target force from [[block]]
+// tables.
 #include "block_tables.hpp"
 
 namespace rths::adapters {
@@ -98,6 +99,34 @@ Block make_table_force_observer(const Config& table, const BlockContext& context
                    {"bad_samples", kPerAxis, "1"}};
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   block.kind = std::move(observer);
+  return block;
+}
+
+Block make_target_force(const Config& table, const BlockContext& context) {
+  controller::TargetForceSettings settings;
+  settings.axes = static_cast<int>(context.axes());
+  settings.period = context.period;
+  settings.reach = table.numbers("reach_m", settings.reach);
+  settings.forgetting = table.number_in("forgetting_s", 0.1, 1000, settings.forgetting);
+  settings.informative_speed =
+      table.number_in("informative_speed_m_per_s", 0, 10, settings.informative_speed);
+  settings.motion_bandwidth =
+      table.number_in("motion_bandwidth_Hz", 0.01, 40, settings.motion_bandwidth);
+  Block block;
+  block.inputs = {{"target", kPerAxis, "m"},
+                  {"displacement", kPerAxis, "m"},
+                  {"acceleration", kPerAxis, "m/s2"},
+                  {"force", kPerAxis, "N"}};
+  block.outputs = {{"force", kPerAxis, "N"},
+                   {"correction", kPerAxis, "N"},
+                   {"strength", kSingle, "N"},
+                   {"learning", kSingle, "1"},
+                   {"bad_samples", kSingle, "1"}};
+  add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
+  add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
+  block.kind = table.placed("name", [&] {
+    return TargetForceBlock{controller::TargetForce{settings}, Fade{context.period / kFadeTime}};
+  });
   return block;
 }
 

@@ -35,12 +35,11 @@ struct ParameterSpec {
 };
 
 /// All block types. Ring inputs and outputs do nothing in `step`: the diagram copies their values.
-using BlockKind =
-    std::variant<RingInput, RingOutput, Constant, ClockBlock, Sine, Gain, Sum, Saturation,
-                 RateLimiter, Switch, UnitDelay, TransportDelay, Derivative, LowPassBlock,
-                 MovingAverageBlock, RemoveOffset, PredictorCorrectorBlock, AtsBlock,
-                 AdaptiveInverseBlock, FeedForwardBlock, ForceObserverBlock,
-                 TableForceObserverBlock, VerticalForceBlock, LagCorrectionBlock, Stop>;
+using BlockKind = std::variant<
+    RingInput, RingOutput, Constant, ClockBlock, Sine, Gain, Sum, Saturation, RateLimiter, Switch,
+    UnitDelay, TransportDelay, Derivative, LowPassBlock, MovingAverageBlock, RemoveOffset,
+    PredictorCorrectorBlock, AtsBlock, AdaptiveInverseBlock, FeedForwardBlock, ForceObserverBlock,
+    TableForceObserverBlock, TargetForceBlock, VerticalForceBlock, LagCorrectionBlock, Stop>;
 
 struct Block {
   std::string name;

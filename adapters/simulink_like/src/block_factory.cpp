@@ -214,6 +214,7 @@ constexpr BlockType kBlockTypes[] = {{"ring_input", make_ring_input},
                                      {"feed_forward", make_feed_forward},
                                      {"force_observer", make_force_observer},
                                      {"table_force_observer", make_table_force_observer},
+                                     {"target_force", make_target_force},
                                      {"vertical_force", make_vertical_force},
                                      {"lag_correction", make_lag_correction},
                                      {"stop", make_stop}};

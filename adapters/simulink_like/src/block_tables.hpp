@@ -32,6 +32,7 @@ void add_parameter(Block& block, const Config& table, const std::string& name,
 [[nodiscard]] Block make_feed_forward(const Config& table, const BlockContext& context);
 [[nodiscard]] Block make_force_observer(const Config& table, const BlockContext& context);
 [[nodiscard]] Block make_table_force_observer(const Config& table, const BlockContext& context);
+[[nodiscard]] Block make_target_force(const Config& table, const BlockContext& context);
 [[nodiscard]] Block make_vertical_force(const Config& table, const BlockContext& context);
 [[nodiscard]] Block make_lag_correction(const Config& table, const BlockContext& context);
 

@@ -14,6 +14,7 @@
 #include <rths/controller/predictor_corrector.hpp>
 #include <rths/controller/table_force.hpp>
 #include <rths/controller/target_exchange.hpp>
+#include <rths/controller/target_force.hpp>
 #include <rths/controller/vertical_force.hpp>
 #include <rths/core/realtime.hpp>
 
@@ -75,6 +76,13 @@ struct ForceObserverBlock {
 /// The same with load-dependent and presliding friction and a late accelerometer, per axis.
 struct TableForceObserverBlock {
   std::vector<controller::TableForceObserver> observers;
+  void step(const Wires& w) RTHS_REALTIME;
+};
+
+/// Corrects the specimen's force for the tracking error.
+struct TargetForceBlock {
+  controller::TargetForce force;
+  Fade fade;
   void step(const Wires& w) RTHS_REALTIME;
 };
 

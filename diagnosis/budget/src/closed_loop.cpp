@@ -64,7 +64,7 @@ class DrivenLaboratory {
     while (laboratory_.ticks() < order_.machine_ticks(controller_tick))
       laboratory_.move(reference_of(laboratory_.ticks()), compression);
   }
-  const Vector2d& feed_back() { return laboratory_.feed_back(); }
+  const Vector2d& feed_back(const Vector2d& target) { return laboratory_.feed_back(target); }
   [[nodiscard]] const Vector2d& displacement() const { return laboratory_.displacement(); }
 
  private:
@@ -101,7 +101,7 @@ Response run_with_fine_steps(const HybridTest& test, Parts identified) {
         led(test, tracks, tick, target, velocity, (velocity - last_velocity) / test.period));
     last_velocity = velocity;
     laboratory.move_until(tick + 1, compression(test, analysis));
-    analysis.correct(along_tested(test, laboratory.feed_back()));
+    analysis.correct(along_tested(test, laboratory.feed_back(target)));
     if (n % per_sample == 0) append(target, response);
   }
   return response;
@@ -149,8 +149,9 @@ class SteppedRun {
   // One tick of the controller, after those of the machine: the integrator answers it.
   void step() {
     laboratory_.move_until(tick_, load_);
-    const Vector2d& force = laboratory_.feed_back();
     const bool arrives = tick_ == arrival_;
+    if (arrives) arrived_ = target_.displacement;
+    const Vector2d& force = laboratory_.feed_back(arrived_);
     if (arrives) append(target_.displacement, response_);
     const auto substeps =
         std::max(1L, std::lround(settings_.substeps * test_.period / settings_.simulation_step));
@@ -191,6 +192,7 @@ class SteppedRun {
   std::size_t tick_ = 0, arrival_;
   bool is_under_way_ = false;
   double load_ = 0;
+  Vector2d arrived_ = Vector2d::Zero();  ///< the target that the controller knows [m]
   Response response_;
 };
 

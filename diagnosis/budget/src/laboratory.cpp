@@ -177,6 +177,7 @@ struct Laboratory::Model {
         knows_load{has(identified, Part::Machine) && !t.axial_load.empty()},
         ticks{first_tick} {
     if (has(identified, Part::Tracking)) servo.emplace(t, machine, specimen);
+    if (servo && t.target_force) target_force.emplace(*t.target_force);
     for (const auto& corrected : t.corrected)
       observers.emplace_back(corrected, t.period, t.slope_samples);
   }
@@ -195,19 +196,29 @@ struct Laboratory::Model {
     exact = motion.specimen_force + own - simulated_force(motion, time, load);
   }
 
-  const Vector2d& feed_back() {
-    if (!measures) return exact;
+  const Vector2d& feed_back(const Vector2d& target) {
+    Vector2d displacement = motion.displacement, acceleration = motion.acceleration;
+    fed_back = exact;
+    if (measures) measure(displacement, acceleration);
+    if (!target_force) return fed_back;
+    target_force->step({target.data(), displacement.data(), acceleration.data(), fed_back.data()},
+                       true);
+    fed_back += target_force->correction();
+    return fed_back;
+  }
+
+  // Motion and force with the noise of their sensors.
+  void measure(Vector2d& displacement, Vector2d& acceleration) {
     const std::size_t tick = std::max<std::size_t>(ticks, 1) - 1;
     for (Eigen::Index i = 0; i < 2; ++i) {
       const auto axis = static_cast<std::size_t>(i);
       const auto& noise = test.noise[axis];
+      displacement[i] += platen::at(noise.displacement, tick);
+      acceleration[i] += platen::at(noise.acceleration, tick);
       const double measured = table[i] + platen::at(noise.force, tick);
-      const double corrected = observers[axis].step(
-          motion.displacement[i] + platen::at(noise.displacement, tick),
-          motion.acceleration[i] + platen::at(noise.acceleration, tick), measured);
+      const double corrected = observers[axis].step(displacement[i], acceleration[i], measured);
       fed_back[i] = test.corrects ? corrected : measured;
     }
-    return fed_back;
   }
 
   const HybridTest& test;
@@ -217,6 +228,7 @@ struct Laboratory::Model {
   platen::IdealTransfer ideal;
   platen::MachineOwnForce force, simulated_force;
   std::vector<controller::ForceObserver> observers;
+  std::optional<controller::TargetForce> target_force;
   bool measures, knows_load;
   std::size_t ticks;
   platen::Platen motion;
@@ -234,7 +246,7 @@ void Laboratory::move(const Vector2d& reference, double compression) {
 
 std::size_t Laboratory::ticks() const { return model_->ticks; }
 
-const Vector2d& Laboratory::feed_back() { return model_->feed_back(); }
+const Vector2d& Laboratory::feed_back(const Vector2d& target) { return model_->feed_back(target); }
 
 const Vector2d& Laboratory::displacement() const { return model_->motion.displacement; }
 

@@ -21,8 +21,9 @@ class Laboratory {
   void move(const Eigen::Vector2d& reference, double compression);
   /// Ticks of the machine, those before the first included.
   [[nodiscard]] std::size_t ticks() const;
-  /// One tick of the controller. @returns the force that it feeds back [N]
-  const Eigen::Vector2d& feed_back();
+  /// One tick of the controller. @param target  of the integrator, now [m]
+  /// @returns the force that it feeds back [N]
+  const Eigen::Vector2d& feed_back(const Eigen::Vector2d& target);
   [[nodiscard]] const Eigen::Vector2d& displacement() const;
 
  private:

@@ -11,6 +11,7 @@
 #include <rths/budget/transfer_system.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
+#include <rths/controller/target_force.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/test_machine.hpp>
@@ -104,6 +105,8 @@ struct HybridTest {
   std::array<controller::MachineForce, 2> corrected;  ///< force that the correction subtracts
   bool corrects = true;                               ///< false: the table force is fed back
   int slope_samples = 32;
+  /// Correction for the tracking error; acts if that is as identified.
+  std::optional<controller::TargetForceSettings> target_force;
   std::array<MeasuredNoise, 2> noise;
   /// Lead by controller tick, as sent; the last holds for later ticks. Empty: none.
   std::array<std::vector<Lead>, 2> lead;

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <rths/core/realtime.hpp>
+
+namespace rths::controller {
+
+/// Parallel sliders of unit strength, which follow a motion in the plane of the axes:
+///     dz_j = du/r_j within |z_j| ≤ 1, radial return to |z_j| = 1
+class Sliders {
+ public:
+  /// @param reach  r_j: displacement at which each slider slips [m], > 0   @setup
+  Sliders(const std::vector<double>& reach, Eigen::Index axes);
+  /// @param step  axes × 1, displacement since the last call [m]   @realtime
+  void move(const Eigen::VectorXd& step) RTHS_REALTIME;
+  /// axes × sliders [-]
+  [[nodiscard]] const Eigen::MatrixXd& states() const { return states_; }
+
+ private:
+  Eigen::VectorXd flexibility_;  ///< 1/r_j [1/m]
+  Eigen::MatrixXd states_;
+};
+
+struct TargetForceSettings {
+  int axes = 2;
+  double period = 1e-3;  ///< of the samples [s]
+  /// Displacements at which the sliders slip [m]. The last one stands for a spring.
+  std::vector<double> reach{0.5e-3, 1e-3, 2e-3, 3e-3, 4.5e-3, 7e-3, 12e-3, 1.0};
+  double forgetting = 3;            ///< time constant of the memory, in informative motion [s]
+  double informative_speed = 0.01;  ///< learning pauses while the RMS speed is below [m/s]
+  double motion_bandwidth = 10;     ///< below it the motion follows the displacement, above it the
+                                    ///< integrated acceleration [Hz]
+};
+
+/// Corrects the specimen's force for the tracking error. The force was measured at the measured
+/// displacement x_m, but the integrator needs it at its target x:
+///     F(x) = F_m + Σ Q_j (z_j(x) − z_j(x_m)),    Q_j ≥ 0
+/// Sliders z_j follow both motions. Their strengths Q_j, one set for all axes, are learnt from the
+/// measured force and motion by least squares with forgetting. A specimen whose force the sliders
+/// describe returns exactly the force at its target.
+class TargetForce {
+ public:
+  /// @throws Error if a setting is out of range   @setup
+  explicit TargetForce(const TargetForceSettings& settings);
+  ~TargetForce();
+  TargetForce(TargetForce&&) noexcept;
+  TargetForce& operator=(TargetForce&&) noexcept;
+
+  struct Sample {
+    const double* target;        ///< [m], one value per axis, as the others
+    const double* displacement;  ///< measured [m]
+    const double* acceleration;  ///< measured [m/s²]
+    const double* force;         ///< of the specimen [N]
+  };
+  /// A sample with a value that is not finite repeats the last good one and is not learnt from.
+  /// @param adapt  false: the strengths are frozen   @realtime
+  void step(const Sample& sample, bool adapt) RTHS_REALTIME;
+
+  /// To be added to the measured force, axes × 1 [N].
+  [[nodiscard]] const Eigen::VectorXd& correction() const;
+  /// Q_j [N]
+  [[nodiscard]] const Eigen::VectorXd& strengths() const;
+  [[nodiscard]] bool learning() const;  ///< True if the last sample entered the fit.
+  [[nodiscard]] long bad_samples() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rths::controller
