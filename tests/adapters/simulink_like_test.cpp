@@ -352,6 +352,30 @@ TEST(Diagram, RefusesPortsThatDoNotFit) {
             "d.toml:14:1: 'lead.reference' takes [m], 'f' gives [N]");
 }
 
+// A spring behind a machine that reaches 90 % of each target: its force is 10 % too small.
+TEST(Diagram, CorrectsAForceForTheTrackingError) {
+  const auto target =
+      diagram(kX + block("u", "gain", "in.in = \"x\"\ngain = 0.9\nunit = \"m\"") +
+              block("a", "gain", "in.in = \"x\"\ngain = 0\nunit = \"m/s2\"") +
+              block("f", "gain", "in.in = \"u\"\ngain = 5e6\nunit = \"N\"") +
+              block("at", "target_force",
+                    "in.target = \"x\"\nin.displacement = \"u\"\nin.acceleration = \"a\"\n"
+                    "in.force = \"f\"\nreach_m = [1.0]\nforgetting_s = 2"));
+  test::Bench bench{*target};
+  double corrected = 0, uncorrected = 0;
+  for (int i = 0; i < 8000; ++i) {
+    const double x = 0.02 * std::sin(2 * M_PI * 0.5 * 0.001 * i);
+    bench.in("lab.long.displ") = x;
+    static_cast<void>(bench.step(0.001 * i));
+    if (i < 4000) continue;
+    corrected = std::max(corrected, std::abs(bench.out("at.force.long") - 5e6 * x));
+    uncorrected = std::max(uncorrected, std::abs(bench.out("f.out.long") - 5e6 * x));
+  }
+  EXPECT_NEAR(uncorrected, 0.1 * 5e6 * 0.02, 1);
+  EXPECT_LT(corrected, 0.2 * uncorrected);
+  EXPECT_EQ(bench.out("at.correction.lat"), 0);
+}
+
 TEST(Diagram, CorrectsAForceForItsLag) {
   const auto target =
       diagram(block("c", "constant", "value = 0\nunit = \"N\"") +

@@ -93,7 +93,8 @@ void run_with(const launch::Experiment& experiment, const std::vector<Fault>& fa
               const std::filesystem::path& recording) {
   auto assembly = launch::assemble(
       experiment, launch::ClockKind::Virtual,
-      {recording, launch::describe_run(experiment, launch::ClockKind::Virtual, "test")});
+      {recording, launch::describe_run(experiment, launch::ClockKind::Virtual, "test"),
+       experiment.texts()});
   for (auto& station : assembly.stations)
     if (station.plan.adapter == "srmd")
       station.adapter = std::make_unique<FaultyMachine>(std::move(station.adapter), faults, from);
