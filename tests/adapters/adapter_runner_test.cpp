@@ -317,7 +317,7 @@ TEST(AdapterRunner, RefusesASignalThatTheRingLacks) {
   echo.list[0].name = "sender.dspl";
 
   EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
-            "map 'bench' has no signal 'sender.dspl' (did you mean 'sender.displ'?)");
+            "node 'echo': map 'bench' has no signal 'sender.dspl' (did you mean 'sender.displ'?)");
 }
 
 TEST_F(AdapterRunnerTest, LoopsUntilTheAdapterIsDone) {

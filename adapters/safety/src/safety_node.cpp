@@ -17,8 +17,6 @@ using controller::SafetyLimits;
 
 constexpr std::array kAxes = {"long", "lat", "vert"};  // order of the values
 constexpr std::int64_t kLimitsFormat = 1;
-const MachineAxis kVertical{kAxes[2], "xpc.vert.displ.ref", "srmd.vert.displ.fbk",
-                            "srmd.vert.force.fbk"};
 
 struct Key {
   const char* key;
@@ -64,7 +62,7 @@ std::array<SafetyLimits, kAxes.size()> read_limits(const Config& file, const Con
 }
 
 SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup,
-                                  bool drives_vertical) {
+                                  const std::vector<MachineAxis>& words) {
   const auto file = find_file(changes, "file", "limits", "srmd");
   const Config limits_of_file = Config::load(file);
   const Config table = limits_of_file.overlaid(changes);
@@ -84,12 +82,15 @@ SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup,
   table.reject_unknown_keys();
   safety.hold = setup.retreat.hold;
   safety.ramp = setup.retreat.ramp;
-  for (std::size_t i = 0; i < kAxes.size(); ++i) {
-    const bool is_tested =
-        std::find(setup.axes.begin(), setup.axes.end(), kAxes[i]) != setup.axes.end();
-    if (is_tested || (drives_vertical && kAxes[i] == kVertical.name))
-      safety.axes.push_back(limits[i]);
-  }
+  settings.axes = words;
+  const auto has_axis = [&](const std::string& name) {
+    if (words.empty())
+      return std::find(setup.axes.begin(), setup.axes.end(), name) != setup.axes.end();
+    return std::any_of(words.begin(), words.end(),
+                       [&](const auto& axis) { return axis.name == name; });
+  };
+  for (std::size_t i = 0; i < kAxes.size(); ++i)
+    if (has_axis(kAxes[i])) safety.axes.push_back(limits[i]);
   // Checks what the keys cannot: relations between limits.
   static_cast<void>(
       changes.placed("safety", [&] { return controller::Safety{settings.safety}.state(); }));
@@ -112,16 +113,14 @@ void narrow(SafeMachineSettings& settings, const memmap::Map& map) {
 }  // namespace
 
 NodeSettings with_safety(NodeSettings machine, const Config& table, const TestSetup& setup,
-                         bool drives_vertical) {
+                         const std::vector<MachineAxis>& words) {
   machine.lacks_safety = !table.flag("enabled", true);
   if (machine.lacks_safety) return machine;
   auto make = std::exchange(machine.make, nullptr);
-  const SafeMachineSettings read = read_settings(table.without("enabled"), setup, drives_vertical);
-  machine.make = [make = std::move(make), read, drives_vertical](const TestSetup& test,
-                                                                 const NodeContext& context) {
+  const SafeMachineSettings read = read_settings(table.without("enabled"), setup, words);
+  machine.make = [make = std::move(make), read](const TestSetup& test, const NodeContext& context) {
     SafeMachineSettings settings = read;
-    settings.axes = test.machine_axes;
-    if (drives_vertical) settings.axes.push_back(kVertical);
+    if (settings.axes.empty()) settings.axes = test.machine_axes;
     settings.safety.period = to_seconds(context.period);
     settings.nodes = context.watched;
     narrow(settings, context.map);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/adapters/srmd_node.hpp>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <rths/adapters/ideal_machine.hpp>
 #include <rths/adapters/safety_node.hpp>
 #include <rths/adapters/srmd.hpp>
@@ -44,6 +48,20 @@ std::unique_ptr<Adapter> make_platen(const sim::machine::FamilyMember& member,
   return make_srmd_platen(settings);
 }
 
+// The words of the axes that the safety layer guards: the tested ones, and the vertical one of a
+// machine that moves it.
+std::vector<MachineAxis> words_of(const TestSetup& setup, bool drives_vertical) {
+  std::vector<MachineAxis> words;
+  for (const std::string axis : {"long", "lat", "vert"}) {
+    const bool is_tested =
+        std::find(setup.axes.begin(), setup.axes.end(), axis) != setup.axes.end();
+    if (is_tested || (drives_vertical && axis == "vert"))
+      words.push_back({axis, "xpc." + axis + ".displ.ref", "srmd." + axis + ".displ.fbk",
+                       "srmd." + axis + ".force.fbk"});
+  }
+  return words;
+}
+
 }  // namespace
 
 // The machine samples before the controller steps.
@@ -59,7 +77,7 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
       return make_platen(member, test, context);
     };
   return with_safety(std::move(settings), table.table_or_empty("safety"), setup,
-                     table.has("model"));
+                     words_of(setup, table.has("model")));
 }
 
 NodeSettings read_ideal_machine(const std::string& /*node*/, const Config& /*table*/,

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include <rths/adapters/factory.hpp>
 
 namespace rths::adapters {
 
-/// Puts the safety layer in front of a machine, unless the table says `enabled = false`. The layer
-/// works on the words of TestSetup::machine_axes.
+/// Puts the safety layer in front of a machine, unless the table says `enabled = false`.
 /// @param machine  settings of the machine alone
-/// @param drives_vertical  it moves by xpc.vert.displ.ref, too
+/// @param words    of its axes, in the order long, lat, vert; none: those of the tested axes by
+/// role,
+///                 TestSetup::machine_axes
 /// @param table    [node.<name>.safety]: the file of the limits, and changes of them
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] NodeSettings with_safety(NodeSettings machine, const Config& table,
-                                       const TestSetup& setup, bool drives_vertical = false);
+                                       const TestSetup& setup,
+                                       const std::vector<MachineAxis>& words = {});
 
 }  // namespace rths::adapters
