@@ -43,10 +43,10 @@ struct Images::State {
 
   /// Stores that the traps of a host have taken.
   struct Trapped {
-    std::vector<Store> found = {};    // NOLINT: in this look
-    std::vector<Store> earlier = {};  // NOLINT: in the last one
+    std::vector<Store> found = {};                  // NOLINT: in this look
+    std::vector<Store> earlier = {};                // NOLINT: in the last one
     std::optional<std::uint32_t> unpublished = {};  ///< entry that its host has not published
-    Time since{0};                    ///< when it was found first
+    Time since{0};                                  ///< when it was found first
   };
 
   /// The memory of one node.
