@@ -71,4 +71,14 @@ void ReplicatedCard::SetUp() {
   ASSERT_TRUE(arrives(0));
 }
 
+std::string ReplicatedCard::as_node(const std::string& node, std::vector<std::string> arguments) {
+  std::vector<std::string> command{"/usr/bin/env", "RTHS_SCRAMNET_NODE=" + node,
+                                   "RTHS_SCRAMNET_SHARE=1",
+                                   (build_tree() / "bin/scramnet_registers").string()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  const Finished finished = Running{command}.wait(20);
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  return finished.out;
+}
+
 }  // namespace rths::test

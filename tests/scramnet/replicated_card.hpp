@@ -40,6 +40,8 @@ class ReplicatedCard : public testing::Test {
   static void SetUpTestSuite();
   static void TearDownTestSuite();
   void SetUp() override;
+  /// Runs `registers` as a node of this ring, which shares its card. @returns its output
+  static std::string as_node(const std::string& node, std::vector<std::string> arguments);
 
   static void store(std::uint32_t value, std::uint32_t longword = kWord) {
     get_base_mem()[longword] = value;

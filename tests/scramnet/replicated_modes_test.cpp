@@ -11,17 +11,6 @@ namespace {
 
 using std::chrono::steady_clock;
 
-/// What `registers` prints as a node of this ring, which may be that of another process.
-std::string as_node(const std::string& node, std::vector<std::string> arguments) {
-  std::vector<std::string> command{"/usr/bin/env", "RTHS_SCRAMNET_NODE=" + node,
-                                   "RTHS_SCRAMNET_SHARE=1",
-                                   (build_tree() / "bin/scramnet_registers").string()};
-  command.insert(command.end(), arguments.begin(), arguments.end());
-  const Finished finished = Running{command}.wait(20);
-  EXPECT_EQ(finished.exit_code, 0) << finished.err;
-  return finished.out;
-}
-
 TEST_F(ReplicatedCard, OutlivesItsProcesses) {
   EXPECT_EQ(as_node("machine", {"csr9=0055", "acr5=3", "word5=abcd"}), "");
   EXPECT_EQ(as_node("machine", {"csr9", "csr0", "acr5", "word5"}), "5d\n8003\n3\nabcd\n");

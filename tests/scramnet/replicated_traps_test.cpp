@@ -26,7 +26,7 @@ class ReplicatedTraps : public ReplicatedCard {
     ReplicatedCard::SetUp();
     scr_acr_write(kWord, ACR_TIE);
     set_csr(SCR_CSR0, 0x8103);
-    ask_watcher({"csr8=c00", "csr0=f000", "csr0=806b"});
+    as_node("watcher", {"csr8=c00", "csr0=f000", "csr0=806b"});
   }
   void TearDown() override {
     if (!trapped()) return;
@@ -42,16 +42,6 @@ class ReplicatedTraps : public ReplicatedCard {
   static volatile std::uint32_t* words() { return get_base_mem(); }
   static char* bytes(std::uint32_t longword) {
     return reinterpret_cast<char*>(const_cast<std::uint32_t*>(get_base_mem() + longword));
-  }
-  /// Sets registers of the watcher's card.
-  static std::string ask_watcher(std::vector<std::string> arguments) {
-    std::vector<std::string> command{"/usr/bin/env", "RTHS_SCRAMNET_NODE=watcher",
-                                     "RTHS_SCRAMNET_SHARE=1",
-                                     (build_tree() / "bin/scramnet_registers").string()};
-    command.insert(command.end(), arguments.begin(), arguments.end());
-    const Finished finished = Running{command}.wait(20);
-    EXPECT_EQ(finished.exit_code, 0) << finished.err;
-    return finished.out;
   }
   /// Messages that the watcher's card has queued as interrupts.
   static std::uint32_t arrived() { return card_of("watcher").interrupt_fifo; }
