@@ -14,12 +14,6 @@ std::vector<double> from(double time, const Series& series) {
   return {series.values.begin() + std::clamp<std::ptrdiff_t>(first, 0, count), series.values.end()};
 }
 
-double rms_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(sum / static_cast<double>(a.size()));
-}
-
 std::vector<double> without_mean(std::vector<double> values) {
   const double middle = mean(values);
   for (double& value : values) value -= middle;
@@ -45,7 +39,7 @@ std::optional<VerticalAnalysis> analyse_vertical(const recording::Reader& run, c
   const auto [low, high] = std::minmax_element(command.begin(), command.end());
   vertical.span = *high - *low;
   if (!(vertical.span > 0)) return std::nullopt;
-  vertical.error = rms_difference(command, measured) / vertical.span;
+  vertical.error = controller::tracking_error(command, measured).rms / vertical.span;
   // The weight, which all samples share, has neither a delay nor a frequency.
   const auto varying = without_mean(command), answer = without_mean(measured);
   vertical.delay =
