@@ -102,13 +102,15 @@ void add_companions(Analysis& analysis, const Reader& run, const Roles& roles,
 void add_beside(Analysis& analysis, const std::filesystem::path& folder) {
   const Analysis other = analyse(folder);
   Beside beside{other.name, folder.string(), other.rate, other.ending, other.integration_step, {}};
-  for (const auto& axis : analysis.axes)
-    for (const auto& same : other.axes)
-      if (same.name == axis.name)
-        beside.axes.push_back(
-            response_of(same, other.integration_step, axis, analysis.integration_step));
-  if (beside.axes.empty())
-    throw Error{fmt::format("{}: has no axis in common with this test", folder.string())};
+  for (const auto& axis : analysis.axes) {
+    const auto same = std::find_if(other.axes.begin(), other.axes.end(),
+                                   [&](const AxisAnalysis& one) { return one.name == axis.name; });
+    if (same == other.axes.end())
+      throw Error{
+          fmt::format("{}: has no axis {}, which this test has", folder.string(), axis.name)};
+    beside.axes.push_back(
+        response_of(*same, other.integration_step, axis, analysis.integration_step));
+  }
   add_spectra_of(analysis, other);
   analysis.beside = std::move(beside);
 }

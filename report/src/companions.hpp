@@ -15,7 +15,7 @@ void add_companions(Analysis& analysis, const recording::Reader& run, const reco
                     const recording::Reader* numerical, const recording::Reader* improved);
 
 /// Response and floor spectra of another test, such as the same test at another speed.
-/// @throws Error if it tested none of the axes
+/// @throws Error if it lacks an axis of this one
 void add_beside(Analysis& analysis, const std::filesystem::path& folder);
 
 }  // namespace rths::report

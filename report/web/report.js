@@ -194,7 +194,7 @@
       { ...styled("command"), y: unpack(data.vertical.command_kN.values), width: 1.8 },
       { ...styled("hybrid", "measured"), y: unpack(data.vertical.measured_kN.values), width: 1.2 },
     ], { height: 220, ...(n.rate === 1 ? {} : { group: figures.group("") }) });
-    const f = unpack(data.vertical.frequencies_Hz), shown = f.findIndex(frequency => frequency > 25);
+    const f = unpack(data.vertical.frequencies_Hz), shown = f.filter(frequency => frequency <= 25).length;
     if (!f.length) return;
     lines("vertical", "Coherence", f.slice(0, shown), "frequency [Hz]", "coherence [–]", [
       { ...styled("hybrid", "measured force with the commanded one"), y: unpack(data.vertical.coherence).slice(0, shown), width: 1.5 },

@@ -91,6 +91,12 @@ TEST(Report, PutsAnotherTestBesideThis) {
   EXPECT_EQ(numbers["beside"]["axes"]["long"]["beside_difference_percent"], 0);
   EXPECT_EQ(numbers["beside"]["axes"]["lat"]["beside_peak_shear_kN"],
             numbers["axes"]["lat"]["peak_shear_kN"]);
+  const test::TemporaryFolder single;
+  ASSERT_EQ(run_3d(single.path(), {"duration_s=1", "axes=[\"long\"]"}).exit_code, 0);
+  const auto lacks =
+      test::run_rths({"report", folder.path().string(), "--beside", single.path().string()});
+  EXPECT_EQ(lacks.exit_code, 2);
+  EXPECT_NE(lacks.err.find("has no axis lat, which this test has"), std::string::npos) << lacks.err;
   const auto none = test::run_rths({"report", folder.path().string(), "--beside", "/no/run"});
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_NE(none.err.find("/no/run/run.h5"), std::string::npos) << none.err;

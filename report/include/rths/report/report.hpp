@@ -29,8 +29,8 @@ struct ReportOutcome {
 /// recordings of its companion runs and the verdict of a diagnosis are used if present.
 /// @param broken  the judgement of the run, see judgement.hpp
 /// @param beside  the folder of another run, whose response and spectra are shown, too; or empty
-/// @throws Error if a run cannot be read or contains no motion, if they have no axis in common, or
-///   verdict.json is not a verdict   @setup
+/// @throws Error if a run cannot be read or contains no motion, if the other
+///   lacks an axis, or verdict.json is not a verdict   @setup
 [[nodiscard]] ReportOutcome make_report(const std::filesystem::path& folder,
                                         std::vector<Broken> broken,
                                         const std::filesystem::path& beside = {});
