@@ -47,14 +47,11 @@ ut_system* unit_system() {
 }
 
 // The parser of UDUNITS has one state for all threads. A fork waits for it, because its child would
-// inherit the lock, but not the thread that holds it.
-std::mutex& parser() {
-  static std::mutex mutex;
-  static const int handled =
-      pthread_atfork([] { mutex.lock(); }, [] { mutex.unlock(); }, [] { mutex.unlock(); });
-  static_cast<void>(handled);
-  return mutex;
-}
+// inherit the lock, but not the thread that holds it. Registered before any thread can start: a child
+// of a fork during the registration would wait for ever.
+constinit std::mutex parser;
+[[maybe_unused]] const int waits_at_fork =
+    pthread_atfork([] { parser.lock(); }, [] { parser.unlock(); }, [] { parser.unlock(); });
 
 UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), text, UT_UTF8)}; }
 
@@ -78,7 +75,7 @@ Unit convert_to_si(const std::string& text) {
 Unit parse_unit(const std::string& text) {
   if (text == "g")
     throw Error{"unit 'g' is ambiguous, expected 'gravity' (acceleration) or 'gram' (mass)"};
-  const std::lock_guard lock{parser()};
+  const std::lock_guard lock{parser};
   // A map has many signals of few units, and a run reads its map several times.
   static std::map<std::string, Unit> known;
   const auto found = known.find(text);
