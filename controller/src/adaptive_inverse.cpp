@@ -9,8 +9,12 @@
 
 #include <rths/core/error.hpp>
 
+#include "require.hpp"
+
 namespace rths::controller {
 namespace {
+
+constexpr Require kRequireInverse{"adaptive inverse"};
 
 constexpr int kLearningFilterOrder = 2;
 constexpr int kMachineSteps = 4;       // of the model G in a period
@@ -20,41 +24,15 @@ constexpr double kStart = 1.0;         // without learning: filters settle [s]
 constexpr double kSpeedMemory = 1.0;   // of the RMS speed [s]
 constexpr double kPause =
     0.3;  // without learning after a clipped or bad sample: G must forget it [s]
-constexpr double kLargestChange = 4;       // of a coefficient, in standard deviations
-constexpr double kLargestLoadShare = 0.8;  // of the force capacity
-
-enum Coefficient {
-  kPosition,
-  kVelocity,
-  kAcceleration,
-  kJerk,
-  kLoad,
-  kLoadRate,
-  kDeadBand,
-  kFlowLoss
-};
-
-using Terms = Eigen::Matrix<double, AdaptiveInverse::kTerms, 1>;
-
-Terms vector_of(const InverseCoefficients& c) {
-  Terms terms;
-  terms << c.a0, c.a1, c.a2, c.a3, c.load, c.load_rate, c.dead_band, c.flow_loss;
-  return terms;
-}
+constexpr double kLargestChange = 4;  // of a coefficient, in standard deviations
+constexpr int kVelocityTerm = 1;
 
 AdaptiveInverseSettings checked(AdaptiveInverseSettings s) {
   const auto positive = [](const char* name, double value) {
-    if (!(value > 0))
-      throw Error{
-          fmt::format("adaptive inverse: {} is {}, expected a positive number", name, value)};
+    kRequireInverse(value > 0, name, value, "a positive number");
   };
-  positive("period", s.period);
-  positive("smoothing", s.smoothing);
   positive("forgetting", s.forgetting);
   positive("error", s.error);
-  positive("sign_velocity", s.sign_velocity);
-  positive("force_capacity", s.force_capacity);
-  positive("largest_reference", s.largest_reference);
   positive("largest_error", s.largest_error);
   positive("a0", s.initial.a0);
   positive("a1", s.initial.a1);
@@ -67,7 +45,8 @@ AdaptiveInverseSettings checked(AdaptiveInverseSettings s) {
   if (s.initial.a3 / s.initial.a2 < s.period)
     throw Error{fmt::format("adaptive inverse: a3/a2 is {} s, expected at least the period of {} s",
                             s.initial.a3 / s.initial.a2, s.period)};
-  if (!(vector_of(s.uncertainty).minCoeff() >= 0) || !vector_of(s.initial).allFinite())
+  if (!(InverseLead::vector_of(s.uncertainty).minCoeff() >= 0) ||
+      !InverseLead::vector_of(s.initial).allFinite())
     throw Error{
         "adaptive inverse: expected finite initial coefficients and uncertainties of 0 or more"};
   return s;
@@ -77,75 +56,26 @@ AdaptiveInverseSettings checked(AdaptiveInverseSettings s) {
 
 AdaptiveInverse::AdaptiveInverse(const AdaptiveInverseSettings& settings)
     : settings_{checked(settings)},
-      initial_{vector_of(settings.initial)},
-      uncertainty_{vector_of(settings.uncertainty)},
+      initial_{InverseLead::vector_of(settings.initial)},
+      uncertainty_{InverseLead::vector_of(settings.uncertainty)},
       normal_{Eigen::Matrix<double, kTerms, kTerms>::Zero()},
-      sharpening_{Eigen::Matrix<double, 5, kPoles + 1>::Zero()},
-      poles_{settings.smoothing, settings.period},
-      force_rate_{settings.force_slope, settings.period},
+      lead_{settings},
       filters_(kTerms + 1, LowPass{kLearningFilterOrder, settings.cutoff, settings.period}),
       error_filter_{kLearningFilterOrder, settings.cutoff, settings.period} {
   machine_.fill(Channels::Zero());
-  // (1 + s T)^n undoes the smoothing; derivatives above the fourth are left out.
-  for (int k = 0; k < 5; ++k) {
-    double binomial = 1;
-    for (int i = 0; k + i < 5; ++i) {
-      sharpening_(k, k + i) = binomial * std::pow(settings.smoothing, i);
-      binomial = binomial * (kPoles - i) / (i + 1);
-    }
-  }
 }
 
 InverseCoefficients AdaptiveInverse::coefficients() const {
-  const Terms w = initial_ + change_;
-  return {w[kPosition], w[kVelocity], w[kAcceleration], w[kJerk],
-          w[kLoad],     w[kLoadRate], w[kDeadBand],     w[kFlowLoss]};
+  return InverseLead::coefficients_of(initial_ + change_);
 }
 
-AdaptiveInverse::Derivatives AdaptiveInverse::smoothed_derivatives(double target) noexcept {
-  poles_.advance(target);
-  Derivatives derivatives;
-  double scale = 1;
-  for (int k = 0; k <= kPoles; ++k, scale /= settings_.smoothing)
-    derivatives[k] = scale * poles_.difference(k);
-  return derivatives;
-}
-
-AdaptiveInverse::Terms AdaptiveInverse::terms_of(const Derivatives& smoothed,
-                                                 double force) noexcept {
-  const Eigen::Matrix<double, 5, 1> target = sharpening_ * smoothed;
-  fourth_derivative_ = smoothed[4];
-  // The target's motion one lead time after now, from the smoothed one.
-  const double delay = kPoles * settings_.smoothing;
-  const double acceleration = smoothed[2] + delay * smoothed[3];
-  const double velocity = smoothed[1] + delay * (smoothed[2] + delay / 2 * smoothed[3]) +
-                          settings_.lead_time * acceleration;
-  const double force_rate = force_rate_(force);
-  const double total =
-      force + settings_.lead_time * force_rate +
-      settings_.effective_mass * (acceleration + settings_.lead_time * smoothed[3]);
-  const double used = std::clamp(std::copysign(total, velocity * total) / settings_.force_capacity,
-                                 -kLargestLoadShare, kLargestLoadShare);
-  Terms terms;
-  terms << target.head<4>(), force, force_rate, std::tanh(velocity / settings_.sign_velocity),
-      velocity * (1 / std::sqrt(1 - used) - 1);
-  return terms;
-}
-
-double AdaptiveInverse::sent(double target, const Terms& terms, double share) noexcept {
-  const Terms w = initial_ + change_;
-  const double load = w[kLoad] * terms[kLoad] + w[kLoadRate] * terms[kLoadRate];
-  const double lead = w.head<kLoad>().dot(terms.head<kLoad>()) + settings_.a4 * fourth_derivative_ +
-                      w[kDeadBand] * terms[kDeadBand] + w[kFlowLoss] * terms[kFlowLoss] +
-                      std::clamp(load, -settings_.largest_load_lead, settings_.largest_load_lead);
-  const double reference = (1 - share) * target + share * lead;
-  const double clipped =
-      std::clamp(reference, -settings_.largest_reference, settings_.largest_reference);
-  if (clipped != reference || std::abs(load) > settings_.largest_load_lead) {
+double AdaptiveInverse::sent(double share) noexcept {
+  const double reference = lead_.reference(initial_ + change_, share);
+  if (lead_.is_clipped()) {
     ++clipped_;
     pause_ = std::lround(kPause / settings_.period);
   }
-  return clipped;
+  return reference;
 }
 
 bool AdaptiveInverse::is_informative(double speed, double error, bool is_good) noexcept {
@@ -176,7 +106,7 @@ void AdaptiveInverse::learn(const Channels& sent_now, double error, bool is_good
     answer[i] = filters_[static_cast<std::size_t>(i)](machine_[0][i]);
   const Terms regressors = answer.head<kTerms>();
   const double explained = answer[kTerms] - error_filter_(is_good ? error : 0);
-  learning_ = is_informative(regressors[kVelocity], error, is_good) && adapt;
+  learning_ = is_informative(regressors[kVelocityTerm], error, is_good) && adapt;
   if (!learning_) return;
   const double keep = 1 - settings_.period / settings_.forgetting;
   normal_ = keep * normal_ + regressors * regressors.transpose();
@@ -201,13 +131,13 @@ double AdaptiveInverse::step(double target, double measured, double force, doubl
   if (!is_good) ++bad_samples_;
   if (std::isfinite(target)) last_target_ = target;
   if (std::isfinite(measured)) last_measured_ = measured;
-  if (std::isfinite(force))
-    last_force_ = std::clamp(force, -settings_.force_capacity, settings_.force_capacity);
+  if (std::isfinite(force)) last_force_ = force;
 
-  const Terms terms = terms_of(smoothed_derivatives(last_target_), last_force_);
-  const double reference = sent(last_target_, terms, share);
+  lead_.advance(last_target_, last_force_);
+  const double reference = sent(share);
   Channels sent_now;
-  sent_now << terms, reference - initial_.dot(terms) - settings_.a4 * fourth_derivative_;
+  sent_now << lead_.terms(),
+      reference - initial_.dot(lead_.terms()) - settings_.a4 * lead_.fourth_derivative();
   learn(sent_now, last_measured_ - last_target_, is_good, adapt);
   if (learning_ && tick_ % std::lround(kSolvePeriod / settings_.period) == 0) solve();
   if (adapt) change_ += settings_.period / kBlend * (wanted_ - change_);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/adapters/block_settings.hpp>
 #include <rths/core/error.hpp>
 
 #include "block_tables.hpp"
@@ -14,7 +15,6 @@ namespace rths::adapters {
 namespace {
 
 constexpr std::pair<double, double> kLead{-1, 1};  // far beyond a machine's delay [s], [s2]
-constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
 
 controller::Polynomial read_polynomial(const Config& table, const std::string& key) {
   const std::string name = table.text(key, "D2");
@@ -54,12 +54,6 @@ Eigen::Vector3d three(const Config& table, const std::string& key,
   return {values[0], values[1], values[2]};
 }
 
-// Place of an axis in a list of values by axis.
-std::size_t place_of(const std::string& axis) {
-  return static_cast<std::size_t>(std::find(std::begin(kAxisOrder), std::end(kAxisOrder), axis) -
-                                  std::begin(kAxisOrder));
-}
-
 // One start for all axes, or one per axis: a0, a1, a2 of long, then of lat.
 std::vector<Eigen::Vector3d> ats_starts(const Config& table, const BlockContext& context,
                                         const Eigen::Vector3d& otherwise) {
@@ -81,19 +75,7 @@ std::vector<Eigen::Vector3d> ats_starts(const Config& table, const BlockContext&
 
 std::vector<double> per_axis(const Config& table, const std::string& key,
                              const BlockContext& context, double otherwise) {
-  std::vector<double> values;
-  const auto given = table.numbers(key, {});
-  for (const auto& axis : context.run.axes) {
-    const std::size_t order = place_of(axis);
-    if (given.empty())
-      values.push_back(otherwise);
-    else if (order < given.size())
-      values.push_back(given[order]);
-    else
-      table.fail(key,
-                 fmt::format("{} has {} numbers, none for axis '{}'", key, given.size(), axis));
-  }
-  return values;
+  return per_axis(table, key, context.run.axes, otherwise);
 }
 
 void add_parameter(Block& block, const Config& table, const std::string& name,
@@ -200,18 +182,10 @@ Block make_feed_forward(const Config& table, const BlockContext& context) {
 }
 
 Block make_force_observer(const Config& table, const BlockContext& context) {
-  const auto mass = per_axis(table, "effective_mass_kg", context, 0);
-  const auto coulomb = per_axis(table, "coulomb_friction_N", context, 0);
-  const auto viscous = per_axis(table, "viscous_friction_N_s_per_m", context, 0);
-  const auto offset = per_axis(table, "force_offset_N", context, 0);
-  const double exponent = table.number_in("exponent", 0.1, 2, 1.0);
-  const double rest = table.number_in("rest_velocity_m_per_s", 0, 1, 1.27e-3);
-  const int length = static_cast<int>(table.integer_in("slope_samples", 3, 1000, 32));
+  const auto settings = force_observer_settings(table, context.run.axes);
   ForceObserverBlock observer;
-  for (std::size_t i = 0; i < context.axes(); ++i)
-    observer.observers.emplace_back(
-        controller::MachineForce{mass[i], coulomb[i], viscous[i], exponent, offset[i], rest},
-        context.period, length);
+  for (const auto& machine : settings.machine)
+    observer.observers.emplace_back(machine, context.period, settings.slope_samples);
   Block block;
   block.inputs = {{"displacement", kPerAxis, "m"},
                   {"acceleration", kPerAxis, "m/s2"},

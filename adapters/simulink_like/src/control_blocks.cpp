@@ -91,9 +91,14 @@ void AdaptiveInverseBlock::step(const Wires& w) noexcept {
     w.out[1][i] = found.a0;
     w.out[2][i] = found.a1;
     w.out[3][i] = found.a2;
-    w.out[4][i] = inverse.learning() ? 1 : 0;
-    w.out[5][i] = static_cast<double>(inverse.clipped());
-    w.out[6][i] = static_cast<double>(inverse.bad_samples());
+    w.out[4][i] = found.a3;
+    w.out[5][i] = found.load;
+    w.out[6][i] = found.load_rate;
+    w.out[7][i] = found.dead_band;
+    w.out[8][i] = found.flow_loss;
+    w.out[9][i] = inverse.learning() ? 1 : 0;
+    w.out[10][i] = static_cast<double>(inverse.clipped());
+    w.out[11][i] = static_cast<double>(inverse.bad_samples());
   }
 }
 

@@ -32,7 +32,7 @@ struct TargetForceSettings {
   double period = 1e-3;  ///< of the samples [s]
   /// Displacements at which the sliders slip [m]. The last one stands for a spring.
   std::vector<double> reach{0.5e-3, 1e-3, 2e-3, 3e-3, 4.5e-3, 7e-3, 12e-3, 1.0};
-  double forgetting = 3;            ///< time constant of the memory, in informative motion [s]
+  double forgetting = 8;            ///< time constant of the memory, in informative motion [s]
   double informative_speed = 0.01;  ///< learning pauses while the RMS speed is below [m/s]
   double motion_bandwidth = 10;     ///< below it the motion follows the displacement, above it the
                                     ///< integrated acceleration [Hz]

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <rths/controller/adaptive_inverse.hpp>
+#include <rths/controller/force_observer.hpp>
+#include <rths/controller/table_force.hpp>
+#include <rths/controller/target_force.hpp>
+#include <rths/core/config.hpp>
+
+// Settings of a diagram's blocks, for the target that runs them and for the budget that replays
+// them.
+namespace rths::adapters {
+
+/// Place of an axis in a list of values in the order long, lat, vert, roll, pitch, yaw.
+[[nodiscard]] std::size_t place_of(const std::string& axis);
+
+/// The values of the given axes in such a list; `otherwise` for all if the table lacks the key.
+/// @throws Error with the key's place if the list is too short   @setup
+[[nodiscard]] std::vector<double> per_axis(const Config& table, const std::string& key,
+                                           const std::vector<std::string>& axes, double otherwise);
+
+/// Of a block `adaptive_inverse`, one per axis.
+/// @param period  of the block [s]   @throws Error with the place of a wrong value   @setup
+[[nodiscard]] std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(
+    const Config& table, const std::vector<std::string>& axes, double period);
+
+/// Of a block `target_force`.
+/// @param period  of the block [s]   @throws Error with the place of a wrong value   @setup
+[[nodiscard]] controller::TargetForceSettings target_force_settings(
+    const Config& table, const std::vector<std::string>& axes, double period);
+
+/// Of a block `force_observer`.
+struct ForceObserverSettings {
+  std::vector<controller::MachineForce> machine;  ///< one per axis
+  int slope_samples = 32;
+};
+/// @throws Error with the place of a wrong value   @setup
+[[nodiscard]] ForceObserverSettings force_observer_settings(const Config& table,
+                                                            const std::vector<std::string>& axes);
+
+/// Of a block `table_force_observer`.
+struct TableForceObserverSettings {
+  std::vector<controller::TableForce> machine;  ///< one per axis
+  controller::TableObserverSettings observer;
+};
+/// @param period  of the block [s]   @throws Error with the place of a wrong value   @setup
+[[nodiscard]] TableForceObserverSettings table_force_observer_settings(
+    const Config& table, const std::vector<std::string>& axes, double period);
+
+}  // namespace rths::adapters

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/adapters/block_settings.hpp>
+
+#include <algorithm>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace rths::adapters {
+namespace {
+
+constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
+
+// One value per axis and coefficient.
+std::vector<controller::InverseCoefficients> read_coefficients(
+    const Config& table, const std::string& prefix, const std::vector<std::string>& axes,
+    const controller::InverseCoefficients& otherwise) {
+  std::vector<controller::InverseCoefficients> found(axes.size(), otherwise);
+  const auto read = [&](const char* key, double controller::InverseCoefficients::*value) {
+    const auto values = per_axis(table, prefix + key, axes, otherwise.*value);
+    for (std::size_t i = 0; i < axes.size(); ++i) found[i].*value = values[i];
+  };
+  read("a0", &controller::InverseCoefficients::a0);
+  read("a1_s", &controller::InverseCoefficients::a1);
+  read("a2_s2", &controller::InverseCoefficients::a2);
+  read("a3_s3", &controller::InverseCoefficients::a3);
+  read("load_m_per_N", &controller::InverseCoefficients::load);
+  read("load_rate_m_s_per_N", &controller::InverseCoefficients::load_rate);
+  read("dead_band_m", &controller::InverseCoefficients::dead_band);
+  read("flow_loss_s", &controller::InverseCoefficients::flow_loss);
+  return found;
+}
+
+}  // namespace
+
+std::size_t place_of(const std::string& axis) {
+  return static_cast<std::size_t>(std::find(std::begin(kAxisOrder), std::end(kAxisOrder), axis) -
+                                  std::begin(kAxisOrder));
+}
+
+std::vector<double> per_axis(const Config& table, const std::string& key,
+                             const std::vector<std::string>& axes, double otherwise) {
+  std::vector<double> values;
+  const auto given = table.numbers(key, {});
+  for (const auto& axis : axes) {
+    const std::size_t order = place_of(axis);
+    if (given.empty())
+      values.push_back(otherwise);
+    else if (order < given.size())
+      values.push_back(given[order]);
+    else
+      table.fail(key,
+                 fmt::format("{} has {} numbers, none for axis '{}'", key, given.size(), axis));
+  }
+  return values;
+}
+
+std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(
+    const Config& table, const std::vector<std::string>& axes, double period) {
+  controller::AdaptiveInverseSettings settings;
+  settings.period = period;
+  const auto initial = read_coefficients(table, "", axes, settings.initial);
+  const auto uncertainty = read_coefficients(table, "uncertainty_", axes, settings.uncertainty);
+  const auto capacity = per_axis(table, "force_capacity_N", axes, settings.force_capacity);
+  const auto mass = per_axis(table, "effective_mass_kg", axes, settings.effective_mass);
+  const auto limits = per_axis(table, "limits", axes, settings.largest_reference);
+  const auto velocity =
+      per_axis(table, "largest_velocity_m_per_s", axes, settings.largest_velocity);
+  settings.a4 = table.number_in("a4_s4", 0, 1e-3, settings.a4);
+  settings.lead_time = table.number_in("lead_time_s", 0, 1, settings.lead_time);
+  settings.smoothing = table.number_in("smoothing_s", 1e-5, 0.1, settings.smoothing);
+  settings.forgetting = table.number_in("forgetting_s", 0.1, 1000, settings.forgetting);
+  settings.error = table.number_in("error_m", 1e-6, 1, settings.error);
+  settings.cutoff = table.number_in("cutoff_Hz", 0.1, 1000, settings.cutoff);
+  settings.informative_speed =
+      table.number_in("informative_speed_m_per_s", 0, 10, settings.informative_speed);
+  settings.largest_error = table.number_in("largest_error_m", 1e-6, 10, settings.largest_error);
+  std::vector<controller::AdaptiveInverseSettings> found(axes.size(), settings);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    found[i].initial = initial[i];
+    found[i].uncertainty = uncertainty[i];
+    found[i].force_capacity = capacity[i];
+    found[i].effective_mass = mass[i];
+    found[i].largest_reference = limits[i];
+    found[i].largest_velocity = velocity[i];
+  }
+  return found;
+}
+
+controller::TargetForceSettings target_force_settings(const Config& table,
+                                                      const std::vector<std::string>& axes,
+                                                      double period) {
+  controller::TargetForceSettings settings;
+  settings.axes = static_cast<int>(axes.size());
+  settings.period = period;
+  settings.reach = table.numbers("reach_m", settings.reach);
+  settings.forgetting = table.number_in("forgetting_s", 0.1, 1000, settings.forgetting);
+  settings.informative_speed =
+      table.number_in("informative_speed_m_per_s", 0, 10, settings.informative_speed);
+  settings.motion_bandwidth =
+      table.number_in("motion_bandwidth_Hz", 0.01, 40, settings.motion_bandwidth);
+  return settings;
+}
+
+ForceObserverSettings force_observer_settings(const Config& table,
+                                              const std::vector<std::string>& axes) {
+  const auto mass = per_axis(table, "effective_mass_kg", axes, 0);
+  const auto coulomb = per_axis(table, "coulomb_friction_N", axes, 0);
+  const auto viscous = per_axis(table, "viscous_friction_N_s_per_m", axes, 0);
+  const auto offset = per_axis(table, "force_offset_N", axes, 0);
+  const double exponent = table.number_in("exponent", 0.1, 2, 1.0);
+  const double rest = table.number_in("rest_velocity_m_per_s", 0, 1, 1.27e-3);
+  ForceObserverSettings settings;
+  settings.slope_samples =
+      static_cast<int>(table.integer_in("slope_samples", 3, 1000, settings.slope_samples));
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    settings.machine.push_back({mass[i], coulomb[i], viscous[i], exponent, offset[i], rest});
+  return settings;
+}
+
+TableForceObserverSettings table_force_observer_settings(const Config& table,
+                                                         const std::vector<std::string>& axes,
+                                                         double period) {
+  const auto mass = per_axis(table, "effective_mass_kg", axes, 0);
+  const auto coulomb = per_axis(table, "coulomb_friction_N", axes, 0);
+  const auto load = per_axis(table, "load_friction", axes, 0);
+  const auto viscous = per_axis(table, "viscous_friction_N_s_per_m", axes, 0);
+  const auto offset = per_axis(table, "force_offset_N", axes, 0);
+  const auto presliding = per_axis(table, "presliding_m", axes, 1e-3);
+  const auto delay = per_axis(table, "accelerometer_delay_s", axes, 0);
+  TableForceObserverSettings settings;
+  settings.observer.period = period;
+  settings.observer.velocity_bandwidth =
+      table.number_in("velocity_bandwidth_Hz", 0.01, 100, settings.observer.velocity_bandwidth);
+  settings.observer.cutoff = table.number_in("cutoff_Hz", 0, 1000, settings.observer.cutoff);
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    settings.machine.push_back(
+        {mass[i], coulomb[i], load[i], viscous[i], offset[i], presliding[i], delay[i]});
+  return settings;
+}
+
+}  // namespace rths::adapters

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include <Eigen/Core>
+
+#include <rths/controller/filters.hpp>
+#include <rths/controller/pole_chain.hpp>
+#include <rths/core/realtime.hpp>
+
+namespace rths::controller {
+
+/// Coefficients of a machine's inverse dynamics along one axis.
+///     r = a₀x + a₁ẋ + a₂ẍ + a₃x⃛ + a₄x⁗ + c F + c' Ḟ + b tanh(v/v₀) + k_q v (1/√(1 − ρ) − 1)
+/// F: the specimen's force, v: the velocity of the target one lead time ahead, ρ: the share of the
+/// machine's force capacity used in the direction of v, including inertia.
+struct InverseCoefficients {
+  double a0 = 1;              ///< [-]
+  double a1 = 0.0508;         ///< [s]
+  double a2 = 1.27e-3;        ///< [s²]
+  double a3 = 1.7e-5;         ///< [s³]
+  double load = 1.25e-9;      ///< c: a loaded servo lags by it [m/N]
+  double load_rate = 8e-11;   ///< c': oil that a changing force compresses [m·s/N]
+  double dead_band = 0.5e-3;  ///< b: of the valve, as position error [m]
+  double flow_loss = 0.0488;  ///< k_q: a loaded valve passes less oil [s]
+};
+
+struct InverseLeadSettings {
+  double period = 1e-3;           ///< of the controller [s]
+  double a4 = 1e-7;               ///< [s⁴]
+  double lead_time = 0.020;       ///< from reference to oil flow [s]
+  double sign_velocity = 0.030;   ///< v₀ [m/s]
+  double force_capacity = 8.9e6;  ///< [N]
+  double effective_mass = 113e3;  ///< [kg]
+  double smoothing = 2e-3;        ///< time constant of each of five poles on the target [s]
+  int force_slope = 12;           ///< samples of the force in its rate
+  double largest_reference = std::numeric_limits<double>::infinity();  ///< clipped there [m]
+  double largest_velocity = std::numeric_limits<double>::infinity();   ///< of the reference [m/s]
+  double largest_load_lead = 0.01;  ///< clip of the terms with the measured force [m]
+};
+
+/// The lead of a target that a machine of known inverse dynamics needs to follow it. The
+/// derivatives are those of a smoothed target, whose delay the lead includes.
+class InverseLead {
+ public:
+  static constexpr int kTerms = 8;  ///< with a coefficient of their own
+  static constexpr int kPoles = 5;  ///< of the smoothing
+  using Terms = Eigen::Matrix<double, kTerms, 1>;
+
+  /// The coefficients in the order of the terms.
+  [[nodiscard]] static Terms vector_of(const InverseCoefficients& coefficients);
+  [[nodiscard]] static InverseCoefficients coefficients_of(const Terms& terms);
+
+  /// @throws Error if a setting is out of range   @setup
+  explicit InverseLead(const InverseLeadSettings& settings);
+
+  /// Takes a sample.
+  /// @param target  displacement that the machine should have now [m]   @param force  of the
+  /// specimen [N]; its magnitude counts up to the capacity   @realtime
+  void advance(double target, double force) RTHS_REALTIME;
+  /// @param share  of the lead: 1 the full lead, 0 the bare target
+  /// @returns the reference of the last sample, within ±largest_reference and the largest velocity
+  /// [m]   @realtime
+  [[nodiscard]] double reference(const Terms& coefficients, double share) RTHS_REALTIME;
+
+  /// Of the last sample: what each coefficient is multiplied by.
+  [[nodiscard]] const Terms& terms() const { return terms_; }
+  [[nodiscard]] double fourth_derivative() const { return fourth_derivative_; }  ///< [m/s⁴]
+  /// True if the last reference, or its terms with the force, stood at a limit.
+  [[nodiscard]] bool is_clipped() const { return is_clipped_; }
+
+ private:
+  using Derivatives = Eigen::Matrix<double, kPoles + 1, 1>;
+  [[nodiscard]] Derivatives smoothed_derivatives(double target) noexcept;
+
+  InverseLeadSettings settings_;
+  /// Row k: the k-th derivative of the target from those of the smoothed one.
+  Eigen::Matrix<double, 5, kPoles + 1> sharpening_;
+  PoleChain<kPoles> poles_;  ///< of the target
+  EndSlope force_rate_;
+  Terms terms_ = Terms::Zero();
+  double target_ = 0, last_reference_ = 0, fourth_derivative_ = 0;
+  bool is_first_ = true, is_clipped_ = false;
+};
+
+}  // namespace rths::controller

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/controller/inverse_lead.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "require.hpp"
+
+namespace rths::controller {
+namespace {
+
+constexpr Require kRequireLead{"adaptive inverse"};
+constexpr double kLargestLoadShare = 0.8;  // of the force capacity
+
+enum Coefficient {
+  kPosition,
+  kVelocity,
+  kAcceleration,
+  kJerk,
+  kLoad,
+  kLoadRate,
+  kDeadBand,
+  kFlowLoss
+};
+
+InverseLeadSettings checked(InverseLeadSettings s) {
+  const auto positive = [](const char* name, double value) {
+    kRequireLead(value > 0, name, value, "a positive number");
+  };
+  positive("period", s.period);
+  positive("smoothing", s.smoothing);
+  positive("sign_velocity", s.sign_velocity);
+  positive("force_capacity", s.force_capacity);
+  positive("largest_reference", s.largest_reference);
+  positive("largest_velocity", s.largest_velocity);
+  return s;
+}
+
+}  // namespace
+
+InverseLead::Terms InverseLead::vector_of(const InverseCoefficients& c) {
+  Terms terms;
+  terms << c.a0, c.a1, c.a2, c.a3, c.load, c.load_rate, c.dead_band, c.flow_loss;
+  return terms;
+}
+
+InverseCoefficients InverseLead::coefficients_of(const Terms& w) {
+  return {w[kPosition], w[kVelocity], w[kAcceleration], w[kJerk],
+          w[kLoad],     w[kLoadRate], w[kDeadBand],     w[kFlowLoss]};
+}
+
+InverseLead::InverseLead(const InverseLeadSettings& settings)
+    : settings_{checked(settings)},
+      sharpening_{Eigen::Matrix<double, 5, kPoles + 1>::Zero()},
+      poles_{settings.smoothing, settings.period},
+      force_rate_{settings.force_slope, settings.period} {
+  // (1 + s T)^n undoes the smoothing; derivatives above the fourth are left out.
+  for (int k = 0; k < 5; ++k) {
+    double binomial = 1;
+    for (int i = 0; k + i < 5; ++i) {
+      sharpening_(k, k + i) = binomial * std::pow(settings.smoothing, i);
+      binomial = binomial * (kPoles - i) / (i + 1);
+    }
+  }
+}
+
+InverseLead::Derivatives InverseLead::smoothed_derivatives(double target) noexcept {
+  poles_.advance(target);
+  Derivatives derivatives;
+  double scale = 1;
+  for (int k = 0; k <= kPoles; ++k, scale /= settings_.smoothing)
+    derivatives[k] = scale * poles_.difference(k);
+  return derivatives;
+}
+
+void InverseLead::advance(double target, double force) noexcept {
+  const double bounded = std::clamp(force, -settings_.force_capacity, settings_.force_capacity);
+  const Derivatives smoothed = smoothed_derivatives(target);
+  const Eigen::Matrix<double, 5, 1> sharp = sharpening_ * smoothed;
+  target_ = target;
+  fourth_derivative_ = smoothed[4];
+  // The target's motion one lead time after now, from the smoothed one.
+  const double delay = kPoles * settings_.smoothing;
+  const double acceleration = smoothed[2] + delay * smoothed[3];
+  const double velocity = smoothed[1] + delay * (smoothed[2] + delay / 2 * smoothed[3]) +
+                          settings_.lead_time * acceleration;
+  const double force_rate = force_rate_(bounded);
+  const double total =
+      bounded + settings_.lead_time * force_rate +
+      settings_.effective_mass * (acceleration + settings_.lead_time * smoothed[3]);
+  const double used = std::clamp(std::copysign(total, velocity * total) / settings_.force_capacity,
+                                 -kLargestLoadShare, kLargestLoadShare);
+  terms_ << sharp.head<4>(), bounded, force_rate, std::tanh(velocity / settings_.sign_velocity),
+      velocity * (1 / std::sqrt(1 - used) - 1);
+}
+
+double InverseLead::reference(const Terms& w, double share) noexcept {
+  const double load = w[kLoad] * terms_[kLoad] + w[kLoadRate] * terms_[kLoadRate];
+  const double lead = w.head<kLoad>().dot(terms_.head<kLoad>()) +
+                      settings_.a4 * fourth_derivative_ + w[kDeadBand] * terms_[kDeadBand] +
+                      w[kFlowLoss] * terms_[kFlowLoss] +
+                      std::clamp(load, -settings_.largest_load_lead, settings_.largest_load_lead);
+  const double wanted = (1 - share) * target_ + share * lead;
+  double clipped = std::clamp(wanted, -settings_.largest_reference, settings_.largest_reference);
+  const double most = settings_.largest_velocity * settings_.period;
+  if (!is_first_) clipped = std::clamp(clipped, last_reference_ - most, last_reference_ + most);
+  is_first_ = false;
+  last_reference_ = clipped;
+  is_clipped_ = clipped != wanted || std::abs(load) > settings_.largest_load_lead;
+  return clipped;
+}
+
+}  // namespace rths::controller
