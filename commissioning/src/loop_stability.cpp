@@ -93,8 +93,8 @@ std::complex<double> describing_function(const sim::Bearing& bearing, double amp
 }
 
 HybridLoop::HybridLoop(const sim::PlantMatrices& plant, int axis,
-                       const budget::TransferSystem& machine, double mass,
-                       const Eigen::Vector3d& lead, double extra_delay, double rate)
+                       const budget::TransferSystem& machine, double mass, const LinearLead& lead,
+                       double extra_delay, double rate)
     : omega_{frequencies()},
       flexibility_{flexibility_of(plant, axis, omega_)},
       machine_{machine},
@@ -118,8 +118,12 @@ std::vector<std::complex<double>> HybridLoop::transfer(std::complex<double> stif
   for (const double model_omega : omega_) {
     const double w = model_omega / rate_;
     const Complex s = kI * w;
-    transfer.push_back((lead_[0] + lead_[1] * s + lead_[2] * s * s) * std::exp(-s * extra_delay_) *
-                       transfer_at(machine_, stiffness, mass_, w));
+    const Complex machine =
+        std::exp(-s * extra_delay_) * transfer_at(machine_, stiffness, mass_, w);
+    Complex command = 0;
+    for (std::size_t k = lead_.command.size(); k-- > 0;) command = command * s + lead_.command[k];
+    const Complex by_force = (lead_.force[0] + lead_.force[1] * s) * stiffness;
+    transfer.push_back(command * machine / (1.0 - by_force * machine));
   }
   return transfer;
 }

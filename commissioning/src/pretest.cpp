@@ -76,15 +76,28 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-Eigen::Vector3d median_lead(const std::vector<budget::Lead>& lead) {
-  Eigen::Vector3d middle{1, 0, 0};
-  if (lead.empty()) return middle;
-  for (Eigen::Index i = 0; i < 3; ++i) {
+// The median of each number over the ticks.
+template <class Numbers>
+Numbers median_of(const std::vector<Numbers>& by_tick) {
+  Numbers middle = by_tick.front();
+  for (Eigen::Index i = 0; i < middle.size(); ++i) {
     std::vector<double> values;
-    for (const auto& one : lead) values.push_back(one[i]);
+    for (const auto& one : by_tick) values.push_back(one[i]);
     middle[i] = median(std::move(values));
   }
   return middle;
+}
+
+// The compensation of most ticks; dead band and flow of an inverse are not linear, and left out.
+LinearLead lead_of(const budget::Compensation& compensation) {
+  if (const auto* sent = std::get_if<budget::SentInverse>(&compensation)) {
+    const auto w = controller::InverseLead::coefficients_of(median_of(sent->coefficients));
+    return {{w.a0, w.a1, w.a2, w.a3, sent->settings.a4}, {w.load, w.load_rate}};
+  }
+  const auto& leads = std::get<std::vector<budget::Lead>>(compensation);
+  if (leads.empty()) return {};
+  const budget::Lead lead = median_of(leads);
+  return {{lead[0], lead[1], lead[2], 0, 0}, {}};
 }
 
 void predict_stability(const launch::Experiment& experiment, const recording::Reader& run,
@@ -94,7 +107,7 @@ void predict_stability(const launch::Experiment& experiment, const recording::Re
                         static_cast<int>(i),
                         axis.machine,
                         experiment.assumed_machine.axes[i].effective_mass,
-                        median_lead(test.lead[i]),
+                        lead_of(test.compensation[i]),
                         kHoldPeriods * test.period,
                         experiment.rate};
   for (int k = 0; k < kAmplitudes; ++k) {
@@ -204,7 +217,9 @@ class Steps {
   void close_loop() {
     begin("the closed loop with the identified machine");
     launch::Experiment closed = experiment_;
-    closed.machine = closed.assumed_machine;
+    // Friction that the controller subtracts was identified, so the machine has it.
+    closed.machine =
+        budget::with_known_friction(closed.assumed_machine, launch::correction_of(closed));
     closed.machine.specimen = closed.model;
     closed.machine.seed = experiment_.machine.seed;
     for (auto& axis : result_.axes) {

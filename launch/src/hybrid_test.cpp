@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include <rths/adapters/block_settings.hpp>
 #include <rths/core/error.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -44,35 +46,9 @@ std::vector<double> ticks_or(const Reader& run, const NodeTicks& ticks, const st
   return run.has(signal) ? ticks.values(signal) : std::vector<double>(ticks.count(), otherwise);
 }
 
-double of_axis(const Config& table, const std::string& key, std::size_t axis) {
-  const auto values = table.numbers(key, {});
-  return axis < values.size() ? values[axis] : 0;
-}
-
-void read_observer(const Config& table, double axial_load, budget::HybridTest& test) {
-  for (std::size_t i = 0; i < 2; ++i) {
-    auto& machine = test.corrected[i];
-    machine.effective_mass = of_axis(table, "effective_mass_kg", i);
-    machine.coulomb_friction =
-        of_axis(table, "coulomb_friction_N", i) + of_axis(table, "load_friction", i) * axial_load;
-    machine.viscous_friction = of_axis(table, "viscous_friction_N_s_per_m", i);
-    machine.offset = of_axis(table, "force_offset_N", i);
-    machine.exponent = table.number("exponent", 1.0);
-    machine.rest_velocity = table.number("rest_velocity_m_per_s", machine.rest_velocity);
-  }
-  test.slope_samples = static_cast<int>(table.integer("slope_samples", test.slope_samples));
-}
-
-void read_target_force(const Config& table, budget::HybridTest& test) {
-  controller::TargetForceSettings settings;
-  settings.axes = 2;
-  settings.period = test.period;
-  settings.reach = table.numbers("reach_m", settings.reach);
-  settings.forgetting = table.number("forgetting_s", settings.forgetting);
-  settings.informative_speed =
-      table.number("informative_speed_m_per_s", settings.informative_speed);
-  settings.motion_bandwidth = table.number("motion_bandwidth_Hz", settings.motion_bandwidth);
-  test.target_force = settings;
+template <class Value>
+std::array<Value, 2> both(const std::vector<Value>& values) {
+  return {values.at(0), values.at(1)};
 }
 
 void read_command(const Config& table, budget::HybridTest& test) {
@@ -85,47 +61,94 @@ void read_command(const Config& table, budget::HybridTest& test) {
   test.command.largest_xi = table.number("largest_xi", test.command.largest_xi);
 }
 
-void read_diagram(const NodePlan& plan, double axial_load, budget::HybridTest& test) {
+// The test's correction and settings of its blocks, along both axes whether tested or not.
+void read_block(const Config& block, budget::HybridTest& test) {
+  const std::vector<std::string> axes{std::begin(kHorizontal), std::end(kHorizontal)};
+  const std::string type = block.text("type", "");
+  if (type == "predictor_corrector") read_command(block, test);
+  if (type == "target_force")
+    test.target_force = adapters::target_force_settings(block, axes, test.period);
+  if (type == "force_observer") {
+    const auto found = adapters::force_observer_settings(block, axes);
+    test.correction = budget::MachineForceCorrection{both(found.machine), found.slope_samples};
+  }
+  if (type == "table_force_observer") {
+    const auto found = adapters::table_force_observer_settings(block, axes, test.period);
+    test.correction = budget::TableForceCorrection{both(found.machine), found.observer};
+  }
+}
+
+std::vector<Config> read_diagram(const NodePlan& plan, budget::HybridTest& test) {
   const Config diagram = Config::load(plan.settings.diagram);
   const double substeps = static_cast<double>(diagram.integer("substeps", 1));
   test.period = to_seconds(plan.schedule.period);
   test.command.substeps =
       static_cast<int>(std::lround(test.rate * test.integration_step / (test.period / substeps)));
-  test.corrects = false;
-  for (const auto& block :
-       adapters::blocks_of(diagram, plan.settings.constants, plan.settings.blocks)) {
-    if (block.flag("single", false)) continue;  // of the vertical force
-    const std::string type = block.text("type", "");
-    if (type == "predictor_corrector") read_command(block, test);
-    if (type == "target_force") read_target_force(block, test);
-    if (type != "force_observer" && type != "table_force_observer") continue;
-    read_observer(block, axial_load, test);
-    test.corrects = true;
-  }
+  auto blocks = adapters::blocks_of(diagram, plan.settings.constants, plan.settings.blocks);
+  std::erase_if(blocks, [](const Config& block) {
+    return block.flag("single", false);  // of the vertical force
+  });
+  for (const auto& block : blocks) read_block(block, test);
+  return blocks;
 }
 
-// The lead as sent: coefficients of the adaptive compensator and the gains of the feed-forward.
-std::vector<budget::Lead> lead_of(const Reader& run, const NodeTicks& ticks, const Roles& roles,
-                                  const char* axis) {
-  const std::string tune = "tune." + roles.controller + ".";
-  // Of an adaptive inverse, the budget replays the lead of displacement, velocity and acceleration.
-  const std::string all = roles.monitor_of_controller();
-  const std::string block = run.has(all + "ats.a0." + axis) ? "ats" : "inverse";
-  const std::string monitor = all + block + ".";
-  const bool adapts =
-      run.has(monitor + "a0." + axis) && first_value(run, tune + block + ".enabled", 1) != 0;
-  const bool leads = first_value(run, tune + "feed_forward.enabled", 0) != 0;
-  const double velocity = leads ? first_value(run, tune + "feed_forward.velocity_gain_s", 0) : 0;
-  const double acceleration =
-      leads ? first_value(run, tune + "feed_forward.acceleration_gain_s2", 0) : 0;
-  std::vector<budget::Lead> lead(ticks.count(), budget::Lead{1, velocity, acceleration});
-  if (!adapts) return lead;
-  const auto a0 = ticks.values(monitor + "a0." + axis);
-  const auto a1 = ticks.values(monitor + "a1." + axis);
-  const auto a2 = ticks.values(monitor + "a2." + axis);
+/// What the controller recorded of its own in a run.
+struct Recorded {
+  const Reader& run;
+  const NodeTicks& ticks;
+  const Roles& roles;
+
+  [[nodiscard]] std::string monitor(const std::string& block, const std::string& output) const {
+    return roles.monitor_of_controller() + block + "." + output;
+  }
+  [[nodiscard]] double tuned(const std::string& parameter, double otherwise) const {
+    return first_value(run, "tune." + roles.controller + "." + parameter, otherwise);
+  }
+};
+
+// The lead as sent: coefficients of ATS and the gains of the feed-forward.
+std::vector<budget::Lead> lead_of(const Recorded& by, const std::string& axis) {
+  const bool leads = by.tuned("feed_forward.enabled", 0) != 0;
+  const double velocity = leads ? by.tuned("feed_forward.velocity_gain_s", 0) : 0;
+  const double acceleration = leads ? by.tuned("feed_forward.acceleration_gain_s2", 0) : 0;
+  std::vector<budget::Lead> lead(by.ticks.count(), budget::Lead{1, velocity, acceleration});
+  const auto monitor = [&](const char* name) { return by.monitor("ats", name + ("." + axis)); };
+  if (!by.run.has(monitor("a0")) || by.tuned("ats.enabled", 1) == 0) return lead;
+  const auto a0 = by.ticks.values(monitor("a0"));
+  const auto a1 = by.ticks.values(monitor("a1"));
+  const auto a2 = by.ticks.values(monitor("a2"));
   for (std::size_t i = 0; i < lead.size(); ++i)
     lead[i] = {a0[i], a1[i] + velocity, a2[i] + acceleration};
   return lead;
+}
+
+// The coefficients of an adaptive inverse as sent, in the order of its terms.
+budget::SentInverse inverse_of(const Recorded& by, const Config& block, std::size_t axis,
+                               double period) {
+  constexpr const char* kOutputs[] = {"a0",   "a1",        "a2",        "a3",
+                                      "load", "load_rate", "dead_band", "flow_loss"};
+  const auto settings =
+      adapters::adaptive_inverse_settings(block, {kHorizontal[axis]}, period).front();
+  const auto initial = controller::InverseLead::vector_of(settings.initial);
+  budget::SentInverse sent{settings, {}};
+  sent.coefficients.assign(by.ticks.count(), initial);
+  for (Eigen::Index i = 0; i < initial.size(); ++i) {
+    const std::string output = std::string{kOutputs[i]} + "." + kHorizontal[axis];
+    const auto values =
+        ticks_or(by.run, by.ticks, by.monitor(block.text("name"), output), initial[i]);
+    for (std::size_t tick = 0; tick < values.size(); ++tick)
+      sent.coefficients[tick][i] = values[tick];
+  }
+  return sent;
+}
+
+budget::Compensation compensation_of(const Recorded& by, const std::vector<Config>& blocks,
+                                     std::size_t axis, double period) {
+  for (const auto& block : blocks)
+    if (block.text("type", "") == "adaptive_inverse" &&
+        by.tuned(block.text("name") + ".enabled", 1) != 0)
+      return inverse_of(by, block, axis, period);
+  return lead_of(by, kHorizontal[axis]);
 }
 
 double relative_difference(const std::vector<double>& wanted, const std::vector<double>& found) {
@@ -138,6 +161,12 @@ double relative_difference(const std::vector<double>& wanted, const std::vector<
 }
 
 }  // namespace
+
+budget::ForceCorrection correction_of(const Experiment& experiment) {
+  budget::HybridTest test;
+  static_cast<void>(read_diagram(controller_of(experiment), test));
+  return test.correction;
+}
 
 budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& run) {
   budget::HybridTest test;
@@ -153,15 +182,16 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
   for (std::size_t i = 0; i < 2; ++i) {
     test.tested[i] = std::find(experiment.axes.begin(), experiment.axes.end(), kHorizontal[i]) !=
                      experiment.axes.end();
-    if (test.tested[i]) test.lead[i] = lead_of(run, ticks, roles, kHorizontal[i]);
   }
   if (!test.tested[0])
     std::fill(test.motion.long_acceleration.begin(), test.motion.long_acceleration.end(), 0);
   if (!test.tested[1])
     std::fill(test.motion.lat_acceleration.begin(), test.motion.lat_acceleration.end(), 0);
-  read_diagram(controller_of(experiment), experiment.model.axial_load, test);
-  if (first_value(run, "tune." + roles.controller + ".target_force.enabled", 1) == 0)
-    test.target_force.reset();
+  const auto blocks = read_diagram(controller_of(experiment), test);
+  const Recorded by{run, ticks, roles};
+  if (by.tuned("target_force.enabled", 1) == 0) test.target_force.reset();
+  for (std::size_t i = 0; i < 2; ++i)
+    if (test.tested[i]) test.compensation[i] = compensation_of(by, blocks, i, test.period);
   const NodeTicks machine{run, roles.machine};
   read_host(experiment, run, ticks, test);
   test.axial_load = ticks_or(run, machine, roles.vertical_force, experiment.model.axial_load);

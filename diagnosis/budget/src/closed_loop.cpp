@@ -7,6 +7,7 @@
 #include <rths/controller/target_exchange.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
+#include "compensator.hpp"
 #include "laboratory.hpp"
 
 namespace rths::budget {
@@ -15,19 +16,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kRounding = 1e-9;  // of a count of steps times their length [s]
-
-/// The lead that compensates for the transfer system; none if that is ideal.
-Vector2d led(const HybridTest& test, bool tracks, std::size_t tick, const Vector2d& x,
-             const Vector2d& v, const Vector2d& a) {
-  Vector2d reference = x;
-  for (std::size_t i = 0; tracks && i < 2; ++i) {
-    if (test.lead[i].empty()) continue;
-    const Lead& lead = test.lead[i][std::min(tick, test.lead[i].size() - 1)];
-    const auto axis = static_cast<Eigen::Index>(i);
-    reference[axis] = lead[0] * x[axis] + lead[1] * v[axis] + lead[2] * a[axis];
-  }
-  return reference;
-}
 
 Vector2d along_tested(const HybridTest& test, Vector2d value) {
   for (std::size_t i = 0; i < 2; ++i)
@@ -66,6 +54,7 @@ class DrivenLaboratory {
   }
   const Vector2d& feed_back(const Vector2d& target) { return laboratory_.feed_back(target); }
   [[nodiscard]] const Vector2d& displacement() const { return laboratory_.displacement(); }
+  [[nodiscard]] const Vector2d& specimen_force() const { return laboratory_.specimen_force(); }
 
  private:
   // The latest reference that the machine finds in a tick.
@@ -87,7 +76,7 @@ Response run_with_fine_steps(const HybridTest& test, Parts identified) {
   sim::PlantAnalysis analysis = analysis_of(test, step);
   const std::size_t first = test.first_target + 1;  // tick of the controller
   DrivenLaboratory laboratory{test, identified, first};
-  const bool tracks = has(identified, Part::Tracking);
+  Compensator compensator{test, has(identified, Part::Tracking)};
   Response response;
   Vector2d last_velocity = Vector2d::Zero();
   const auto steps = static_cast<std::size_t>(std::llround(test.duration / step));
@@ -97,8 +86,8 @@ Response run_with_fine_steps(const HybridTest& test, Parts identified) {
     const std::size_t tick = first + n - 1;
     const Vector2d target = along_tested(test, analysis.predict());
     const Vector2d velocity = along_tested(test, analysis.predicted_velocity()) / test.rate;
-    laboratory.send(
-        led(test, tracks, tick, target, velocity, (velocity - last_velocity) / test.period));
+    const Command command{target, velocity, (velocity - last_velocity) / test.period};
+    laboratory.send(compensator(tick, command, laboratory.specimen_force()));
     last_velocity = velocity;
     laboratory.move_until(tick + 1, compression(test, analysis));
     analysis.correct(along_tested(test, laboratory.feed_back(target)));
@@ -112,7 +101,7 @@ class SteppedRun {
  public:
   SteppedRun(const HybridTest& test, Parts identified)
       : test_{test},
-        tracks_{has(identified, Part::Tracking)},
+        compensator_{test, has(identified, Part::Tracking)},
         is_late_{has(identified, Part::Host)},
         analysis_{analysis_of(test, test.integration_step)},
         laboratory_{test, identified, 0},
@@ -160,8 +149,9 @@ class SteppedRun {
       command_.substep(is_new, target_);
       exchange_.end(command_, laboratory_.displacement(), force);
     }
-    laboratory_.send(led(test_, tracks_, tick_, command_.command(), command_.command_velocity(),
-                         command_.command_acceleration()));
+    const Command command{command_.command(), command_.command_velocity(),
+                          command_.command_acceleration()};
+    laboratory_.send(compensator_(tick_, command, laboratory_.specimen_force()));
     if (arrives) is_under_way_ = true;
     if (is_under_way_ && exchange_.at_target()) answer();
     ++tick_;
@@ -182,7 +172,8 @@ class SteppedRun {
   }
 
   const HybridTest& test_;
-  bool tracks_, is_late_;
+  Compensator compensator_;
+  bool is_late_;
   sim::PlantAnalysis analysis_;
   DrivenLaboratory laboratory_;
   controller::PredictorCorrectorSettings settings_;

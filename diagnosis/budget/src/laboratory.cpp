@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include <rths/sim/term.hpp>
 
 namespace rths::budget {
@@ -136,6 +138,27 @@ class ServoTransfer {
   sim::TestMachineRun run_;
 };
 
+/// The correction of the measured force, of one kind or the other; none: the force itself.
+class CorrectedForce {
+ public:
+  CorrectedForce(const ForceCorrection& correction, double period) {
+    for (std::size_t i = 0; i < 2; ++i)
+      if (const auto* paper = std::get_if<MachineForceCorrection>(&correction))
+        by_slope_.emplace_back(paper->machine[i], period, paper->slope_samples);
+      else if (const auto* table = std::get_if<TableForceCorrection>(&correction))
+        by_table_.emplace_back(table->machine[i], table->settings);
+  }
+  double operator()(std::size_t axis, const controller::TableSample& measured) noexcept {
+    if (!by_slope_.empty())
+      return by_slope_[axis].step(measured.displacement, measured.acceleration, measured.force);
+    return by_table_.empty() ? measured.force : by_table_[axis].step(measured);
+  }
+
+ private:
+  std::vector<controller::ForceObserver> by_slope_;
+  std::vector<controller::TableForceObserver> by_table_;
+};
+
 constexpr std::size_t kReach = 400;  // of the parabola that is no noise, samples
 
 // The largest noise: a multiple of its standard deviation at rest. Unlimited without rest.
@@ -172,19 +195,20 @@ struct Laboratory::Model {
         machine{has(identified, Part::Machine) ? t.machine_identified : t.machine_simulated},
         ideal{t, specimen},
         force{machine, t.period},
-        simulated_force{t.machine_simulated, t.period},
+        known_force{has(identified, Part::Machine)
+                        ? with_known_friction(t.machine_simulated, t.correction)
+                        : t.machine_simulated,
+                    t.period},
+        corrected_force{t.correction, t.period},
         measures{has(identified, Part::Force)},
         knows_load{has(identified, Part::Machine) && !t.axial_load.empty()},
         ticks{first_tick} {
     if (has(identified, Part::Tracking)) servo.emplace(t, machine, specimen);
     if (servo && t.target_force) target_force.emplace(*t.target_force);
-    for (const auto& corrected : t.corrected)
-      observers.emplace_back(corrected, t.period, t.slope_samples);
   }
 
   void move(const Vector2d& reference, double compression) {
-    const double load =
-        knows_load ? test.axial_load[std::min(ticks, test.axial_load.size() - 1)] : compression;
+    load = knows_load ? test.axial_load[std::min(ticks, test.axial_load.size() - 1)] : compression;
     if (servo)
       servo->step(reference, load, motion);
     else
@@ -193,13 +217,14 @@ struct Laboratory::Model {
     const double time = static_cast<double>(ticks) * test.period;
     const Vector2d own = force(motion, time, load);
     table = servo ? servo->table_force : Vector2d{motion.specimen_force + own};
-    exact = motion.specimen_force + own - simulated_force(motion, time, load);
+    exact = motion.specimen_force + own - known_force(motion, time, load);
   }
 
   const Vector2d& feed_back(const Vector2d& target) {
     Vector2d displacement = motion.displacement, acceleration = motion.acceleration;
     fed_back = exact;
     if (measures) measure(displacement, acceleration);
+    specimen_force = fed_back;
     if (!target_force) return fed_back;
     target_force->step({target.data(), displacement.data(), acceleration.data(), fed_back.data()},
                        true);
@@ -216,8 +241,7 @@ struct Laboratory::Model {
       displacement[i] += platen::at(noise.displacement, tick);
       acceleration[i] += platen::at(noise.acceleration, tick);
       const double measured = table[i] + platen::at(noise.force, tick);
-      const double corrected = observers[axis].step(displacement[i], acceleration[i], measured);
-      fed_back[i] = test.corrects ? corrected : measured;
+      fed_back[i] = corrected_force(axis, {displacement[i], acceleration[i], measured, load});
     }
   }
 
@@ -226,14 +250,36 @@ struct Laboratory::Model {
   const sim::TestMachine& machine;
   std::optional<platen::ServoTransfer> servo;
   platen::IdealTransfer ideal;
-  platen::MachineOwnForce force, simulated_force;
-  std::vector<controller::ForceObserver> observers;
+  platen::MachineOwnForce force, known_force;
+  platen::CorrectedForce corrected_force;
   std::optional<controller::TargetForce> target_force;
   bool measures, knows_load;
   std::size_t ticks;
+  double load = 0;  // on the machine [N]
   platen::Platen motion;
-  Vector2d table = Vector2d::Zero(), exact = Vector2d::Zero(), fed_back = Vector2d::Zero();
+  Vector2d table = Vector2d::Zero(), exact = Vector2d::Zero(), fed_back = Vector2d::Zero(),
+           specimen_force = Vector2d::Zero();
 };
+
+sim::TestMachine with_known_friction(sim::TestMachine machine, const ForceCorrection& correction) {
+  constexpr const char* kFriction = "load_dependent_friction";
+  const auto* table = std::get_if<TableForceCorrection>(&correction);
+  const bool has_it = std::any_of(machine.terms.begin(), machine.terms.end(),
+                                  [&](const auto& term) { return term.kind == kFriction; });
+  if (table == nullptr || has_it) return machine;
+  for (unsigned i = 0; i < 2; ++i) {
+    const controller::TableForce& known = table->machine[i];
+    if (!(known.load_friction > 0)) continue;
+    sim::TermSettings friction;
+    friction.kind = kFriction;
+    friction.name = fmt::format("{}_{}", kFriction, i);
+    friction.axes = 1U << i;
+    friction.parameters = {{"friction_coefficient", known.load_friction},
+                           {"presliding", known.presliding}};
+    machine.terms.push_back(friction);
+  }
+  return machine;
+}
 
 Laboratory::Laboratory(const HybridTest& test, Parts identified, std::size_t first_tick)
     : model_{std::make_unique<Model>(test, identified, first_tick)} {}
@@ -249,6 +295,8 @@ std::size_t Laboratory::ticks() const { return model_->ticks; }
 const Vector2d& Laboratory::feed_back(const Vector2d& target) { return model_->feed_back(target); }
 
 const Vector2d& Laboratory::displacement() const { return model_->motion.displacement; }
+
+const Vector2d& Laboratory::specimen_force() const { return model_->specimen_force; }
 
 std::array<MeasuredNoise, 2> sensor_noise(const HybridTest& test,
                                           const std::array<TransferRecord, 2>& records) {

@@ -25,6 +25,9 @@ class Laboratory {
   /// @returns the force that it feeds back [N]
   const Eigen::Vector2d& feed_back(const Eigen::Vector2d& target);
   [[nodiscard]] const Eigen::Vector2d& displacement() const;
+  /// The force of the specimen as the controller knew it in its last tick, not corrected to the
+  /// target [N].
+  [[nodiscard]] const Eigen::Vector2d& specimen_force() const;
 
  private:
   struct Model;

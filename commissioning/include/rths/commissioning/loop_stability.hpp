@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <complex>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include <rths/budget/transfer_system.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/isolated_plant.hpp>
 
 namespace rths::commissioning {
+
+/// The compensation as a linear lead: reference = Σ a_k x^(k) + c F + c' Ḟ, with the command x and
+/// the specimen's force F.
+struct LinearLead {
+  std::array<double, 5> command{1, 0, 0, 0, 0};  ///< a_k [s^k]
+  std::array<double, 2> force{};                 ///< c [m/N], c' [m·s/N]
+};
 
 /// The loop of a hybrid test along one axis, linear about an amplitude of its specimen:
 ///     1 + N(A) H(iω) T(iω) = 0
@@ -21,11 +27,10 @@ class HybridLoop {
  public:
   /// @param plant  of the test   @param axis  0: long, 1: lat
   /// @param machine  identified   @param mass  of the platen [kg]
-  /// @param lead  a0 [-], a1 [s], a2 [s²]: reference over command
   /// @param extra_delay  of the controller [s]
   /// @param rate  wall time over model time   @setup
   HybridLoop(const sim::PlantMatrices& plant, int axis, const budget::TransferSystem& machine,
-             double mass, const Eigen::Vector3d& lead, double extra_delay, double rate);
+             double mass, const LinearLead& lead, double extra_delay, double rate);
 
   /// A loop with a stated flexibility H [m/N] at frequencies of the model time [rad/s] that rise,
   /// and a transfer function T [-]: for other structures and machines.
@@ -57,7 +62,7 @@ class HybridLoop {
   std::vector<std::complex<double>> flexibility_, given_transfer_;
   budget::TransferSystem machine_;
   double mass_ = 0, extra_delay_ = 0, rate_ = 1;
-  Eigen::Vector3d lead_{1, 0, 0};
+  LinearLead lead_;
 };
 
 /// Describing function of a bearing along one axis [N/m].

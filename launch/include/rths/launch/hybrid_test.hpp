@@ -8,6 +8,10 @@
 
 namespace rths::launch {
 
+/// The correction of the measured force by the controller's block diagram.
+/// @throws Error if the controller runs no block diagram   @setup
+[[nodiscard]] budget::ForceCorrection correction_of(const Experiment& experiment);
+
 /// A run as the closed loop of a budget. Simulated parts come from [model] of the experiment. What
 /// the run did itself comes from its recording: times of computing, lateness of the host,
 /// compensation, vertical load, and the settings of its controller. The identified parts equal the

@@ -4,13 +4,16 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include <rths/budget/transfer_system.hpp>
 #include <rths/controller/force_observer.hpp>
+#include <rths/controller/inverse_lead.hpp>
 #include <rths/controller/predictor_corrector.hpp>
+#include <rths/controller/table_force.hpp>
 #include <rths/controller/target_force.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
@@ -39,6 +42,29 @@ inline constexpr Parts kNone = 0, kAll = (1U << kParts) - 1;
 
 /// Lead of the reference over the command of one axis: a0 x + a1 ẋ + a2 ẍ.
 using Lead = Eigen::Vector3d;
+
+/// An adaptive inverse as it ran along one axis.
+struct SentInverse {
+  controller::InverseLeadSettings settings;
+  std::vector<controller::InverseLead::Terms> coefficients;  ///< as sent, by controller tick
+};
+
+/// Compensation of one axis, as sent, by controller tick; the last tick's holds for later ones. No
+/// leads: none.
+using Compensation = std::variant<std::vector<Lead>, SentInverse>;
+
+/// The correction of the measured force by equation 1 of the paper.
+struct MachineForceCorrection {
+  std::array<controller::MachineForce, 2> machine;  ///< force that it subtracts, by axis
+  int slope_samples = 32;
+};
+/// The correction that knows load-dependent and presliding friction.
+struct TableForceCorrection {
+  std::array<controller::TableForce, 2> machine;  ///< force that it subtracts, by axis
+  controller::TableObserverSettings settings;
+};
+/// Empty: the table force is fed back.
+using ForceCorrection = std::variant<std::monostate, MachineForceCorrection, TableForceCorrection>;
 
 /// Times of the ticks of a node, since a common start [s].
 struct TickTimes {
@@ -77,6 +103,11 @@ struct MeasuredNoise {
   std::vector<double> force;         ///< of the load cells [N]
 };
 
+/// The machine with the load-dependent friction that the correction subtracts, if it has none of
+/// its own.   @setup
+[[nodiscard]] sim::TestMachine with_known_friction(sim::TestMachine machine,
+                                                   const ForceCorrection& correction);
+
 /// A hybrid test with two horizontal axes, each part as simulated and as identified.
 struct HybridTest {
   // The analysis
@@ -101,15 +132,12 @@ struct HybridTest {
   std::vector<Arrival> arrivals;  ///< by target; later targets arrive after `computing`
 
   // Controller
-  double period = 0.001;                              ///< wall time [s]
-  std::array<controller::MachineForce, 2> corrected;  ///< force that the correction subtracts
-  bool corrects = true;                               ///< false: the table force is fed back
-  int slope_samples = 32;
+  double period = 0.001;  ///< wall time [s]
+  ForceCorrection correction;
   /// Correction for the tracking error; acts if that is as identified.
   std::optional<controller::TargetForceSettings> target_force;
   std::array<MeasuredNoise, 2> noise;
-  /// Lead by controller tick, as sent; the last holds for later ticks. Empty: none.
-  std::array<std::vector<Lead>, 2> lead;
+  std::array<Compensation, 2> compensation;
 
   // Specimen and machine. Of the machines, the loop uses terms, masses and offsets; of the
   // identified one its hydraulics too.
