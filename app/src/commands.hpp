@@ -87,7 +87,7 @@ struct CommissioningArguments {
   double least_rms = 5e-4;  ///< of the target's motion, in its unit
   // identify empty-table
   double load = std::numeric_limits<double>::quiet_NaN();  ///< [N]; NaN: that of the recordings
-  std::string block = "observer";
+  std::string block = "observer", observer = "force_observer";
   // calibrate
   std::vector<double> band{0.1, 3};  ///< [Hz]
   double feed_forward_share = 1.0 / 3;

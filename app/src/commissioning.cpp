@@ -49,7 +49,7 @@ int delay(const CommissioningArguments& a) {
 int identify_empty_table(const CommissioningArguments& a) {
   const auto runs = commissioning::identify_empty_table(recordings_of(a.files), a.load);
   fmt::print("{}", a.json ? commissioning::json_of(runs) : commissioning::text_of(runs));
-  if (!a.out.empty()) write_file(a.out, commissioning::toml_of(runs, a.block));
+  if (!a.out.empty()) write_file(a.out, commissioning::toml_of(runs, a.block, a.observer));
   return kOk;
 }
 
@@ -132,6 +132,11 @@ void add_identify(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
   table->add_option("--load-N", a.load,
                     "Vertical load for which Coulomb friction is stated [mean of the recordings]");
   table->add_option("--block", a.block, "Block of the diagram that gets the constants")
+      ->capture_default_str();
+  table
+      ->add_option("--observer", a.observer,
+                   "Type of that block; a table_force_observer knows friction by vertical load")
+      ->check(CLI::IsMember({"force_observer", "table_force_observer"}))
       ->capture_default_str();
   table->add_option("--out", a.out, "Write the constants to this TOML file");
   table->add_flag("--json", a.json, "One JSON document instead of tables");

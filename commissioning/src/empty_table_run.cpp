@@ -53,9 +53,7 @@ TableIdentification identify(const std::vector<Run>& runs) {
   return controller::identify_table_force(views, settings);
 }
 
-double friction_under(const TableIdentification& fit, double load) {
-  return fit.machine.coulomb_friction + fit.machine.load_friction * load;
-}
+bool is_of_table(const std::string& type) { return type == "table_force_observer"; }
 
 /// A row of the table, and a member of the JSON document.
 struct Quantity {
@@ -73,18 +71,19 @@ constexpr Quantity kQuantities[] = {
     {"accelerometer's delay", "acceleration_delay_ms", "ms", &TableForce::accelerometer_delay,
      1e3}};
 
-// Values by axis in the order long, lat; an axis before the last identified one may be missing.
-std::string list_of(const EmptyTableRuns& runs,
-                    double (*value)(const TableIdentification&, double)) {
+// A key of a block: values by axis in the order long, lat; an axis before the last identified one
+// may be missing.
+template <class Value>
+std::string key_of(const EmptyTableRuns& runs, const char* key, Value value) {
   double values[2] = {0, 0};
   int count = 0;
   for (const auto& axis : runs.axes) {
     const int i = axis.name == "long" ? 0 : 1;
-    values[i] = value(axis.fit, runs.load);
+    values[i] = value(axis.fit.machine);
     count = std::max(count, i + 1);
   }
-  return count == 2 ? fmt::format("[{:.6g}, {:.6g}]", values[0], values[1])
-                    : fmt::format("[{:.6g}]", values[0]);
+  return count == 2 ? fmt::format("{} = [{:.6g}, {:.6g}]\n", key, values[0], values[1])
+                    : fmt::format("{} = [{:.6g}]\n", key, values[0]);
 }
 
 std::vector<Run> recordings_of(const std::vector<std::filesystem::path>& files,
@@ -160,28 +159,40 @@ std::string json_of(const EmptyTableRuns& runs) {
   return document.dump(2) + "\n";
 }
 
-std::string toml_of(const EmptyTableRuns& runs, const std::string& block) {
+std::string toml_of(const EmptyTableRuns& runs, const std::string& block, const std::string& type) {
+  const bool of_table = is_of_table(type);
   std::string text = "# Force of the machine, identified without a specimen:";
   text += "\n#   rths identify empty-table";
   for (const auto& file : runs.files) text += " " + file.string();
-  text += fmt::format("\n# Coulomb friction holds for a vertical load of {:.6g} N.\n", runs.load);
-  for (const auto& [name, fit] : runs.axes)
+  text += "\n";
+  if (!of_table)
+    text += fmt::format("# Coulomb friction holds for a vertical load of {:.6g} N.\n", runs.load);
+  for (const auto& [name, fit] : runs.axes) {
+    if (of_table && !fit.has_load_friction)
+      throw Error{
+          fmt::format("{}: a {} needs recordings under different vertical loads, expected "
+                      "loads that vary by 2 % or more",
+                      name, type)};
     text += fmt::format("# {}: residual {:.2f} kN RMS; accelerometer {:.2f} ± {:.2f} ms late{}\n",
                         name, fit.sample_rms / 1e3, 1e3 * fit.machine.accelerometer_delay,
                         1e3 * fit.half_width.accelerometer_delay,
                         fit.has_load_friction ? fmt::format("; friction {:.4g} N per N of load",
                                                             fit.machine.load_friction)
                                               : "");
+  }
+  const double load = of_table ? 0 : runs.load;
   text += fmt::format("[{}]\n", block);
-  text += "effective_mass_kg = " +
-          list_of(runs, [](const auto& f, double) { return f.machine.effective_mass; }) + "\n";
-  text += "coulomb_friction_N = " +
-          list_of(runs, [](const auto& f, double n) { return friction_under(f, n); }) + "\n";
-  text += "viscous_friction_N_s_per_m = " +
-          list_of(runs, [](const auto& f, double) { return f.machine.viscous_friction; }) + "\n";
+  text += key_of(runs, "effective_mass_kg", [](const auto& m) { return m.effective_mass; });
+  text += key_of(runs, "coulomb_friction_N",
+                 [&](const auto& m) { return m.coulomb_friction + m.load_friction * load; });
   text +=
-      "force_offset_N = " + list_of(runs, [](const auto& f, double) { return f.machine.offset; }) +
-      "\n";
+      key_of(runs, "viscous_friction_N_s_per_m", [](const auto& m) { return m.viscous_friction; });
+  text += key_of(runs, "force_offset_N", [](const auto& m) { return m.offset; });
+  if (!of_table) return text;
+  text += key_of(runs, "load_friction", [](const auto& m) { return m.load_friction; });
+  text += key_of(runs, "presliding_m", [](const auto& m) { return m.presliding; });
+  text +=
+      key_of(runs, "accelerometer_delay_s", [](const auto& m) { return m.accelerometer_delay; });
   return text;
 }
 

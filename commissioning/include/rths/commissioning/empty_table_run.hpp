@@ -29,8 +29,13 @@ struct EmptyTableRuns {
 
 [[nodiscard]] std::string text_of(const EmptyTableRuns& runs);
 [[nodiscard]] std::string json_of(const EmptyTableRuns& runs);
-/// Constants of a block force_observer, as a file of `constants` of an experiment.
+/// Constants of a block of the given type, as a file of `constants` of an experiment. Those of a
+/// force_observer hold for `load`; a table_force_observer gets the friction per load, the
+/// presliding length and the delay of the accelerometer.
 /// @param block  name of the block in the diagram
-[[nodiscard]] std::string toml_of(const EmptyTableRuns& runs, const std::string& block);
+/// @param type   "force_observer" or "table_force_observer"
+/// @throws Error for a table_force_observer if the load of the recordings does not vary   @setup
+[[nodiscard]] std::string toml_of(const EmptyTableRuns& runs, const std::string& block,
+                                  const std::string& type);
 
 }  // namespace rths::commissioning
