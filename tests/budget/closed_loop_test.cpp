@@ -82,7 +82,7 @@ TEST_F(ClosedLoop, ReproducesARunWithoutNoiseFromTheTrueLaboratory) {
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
   for (const auto part :
        {Part::Tracking, Part::Force, Part::Specimen, Part::Machine, Part::Numerical})
-    EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(part))), 2e-3) << name_of(part);
+    EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(part))), 1.5e-3) << name_of(part);
 }
 
 TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {
@@ -118,7 +118,7 @@ TEST_F(ClosedLoop, ReproducesALateHost) {
   ASSERT_FALSE(hybrid.order.machine_before.empty());
 
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
-  EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(Part::Host))), 5e-3);
+  EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(Part::Host))), 3e-3);
 }
 
 TEST_F(ClosedLoop, NamesTheLatenessOfTheHostAsAShare) {
@@ -194,8 +194,37 @@ TEST_F(ClosedLoop, IsExplainedByTheBudgetOfTheRun) {
     EXPECT_NEAR(axis.remainder, std::pow(axis.after / axis.before, 2), 1e-9);
     EXPECT_LT(axis.after, 0.03) << axis.name;
     EXPECT_GT(axis.before, 3 * axis.after) << axis.name;
+    // The controller corrects its force for the tracking error, but knows no heating of the lead.
+    EXPECT_GT(axis.share[static_cast<std::size_t>(Part::Specimen)], 0.5) << axis.name;
+  }
+}
+
+// Without that correction, the tracking error is the largest part.
+TEST_F(ClosedLoop, FindsTheLargestShareInTheTrackingOfAts) {
+  source = test::source_tree() / "examples/srmd_lprb_2d_ats.toml";
+  make(true);
+  auto improved = experiment;
+  improved.model = experiment.specimen;
+  improved.assumed_machine = experiment.machine;
+  const recording::Reader run{folder / "run.h5"};
+  const auto found = launch::budget_of_run(experiment, improved, run, nullptr);
+  ASSERT_EQ(found.axes.size(), 2U);
+  for (const auto& axis : found.axes) {
+    EXPECT_LT(axis.after, 0.03) << axis.name;
     EXPECT_GT(axis.share[static_cast<std::size_t>(Part::Tracking)], 0.5) << axis.name;
   }
+}
+
+// The coefficients of the recording, not those of the start, invert the machine.
+TEST_F(ClosedLoop, ReplaysTheAdaptiveInverseAsSent) {
+  make(false);
+  for (std::size_t i = 0; i < 2; ++i) {
+    ASSERT_TRUE(std::holds_alternative<SentInverse>(hybrid.compensation[i]));
+    auto& sent = std::get<SentInverse>(hybrid.compensation[i]).coefficients;
+    EXPECT_NE(sent.front(), sent.back());
+    sent.assign(1, sent.front());
+  }
+  EXPECT_GT(difference(closed_loop(hybrid, kAll)), 2e-3);
 }
 
 // The example with other names of its nodes.
