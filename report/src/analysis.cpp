@@ -82,7 +82,7 @@ void add_compensator(AxisAnalysis& axis, const Reader& run, const Ticks& ticks,
   axis.a0 = ticks.series(block + "a0." + axis.name);
   axis.a1 = ticks.series(block + "a1." + axis.name);
   axis.a2 = ticks.series(block + "a2." + axis.name);
-  axis.ats_limited = std::lround(ticks.series(limited).values.back());
+  axis.compensator_limited = std::lround(ticks.series(limited).values.back());
 }
 
 AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const Roles& roles,

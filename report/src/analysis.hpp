@@ -47,7 +47,7 @@ struct AxisAnalysis {
   std::optional<double> raw_delay, raw_delay_min_rms;  ///< without compensation [s]
   std::optional<double> raw_nrms;
   double peak_displacement = 0, peak_shear = 0;  ///< [m], [N]
-  long ats_limited = 0;                          ///< ticks at a limit
+  long compensator_limited = 0;                  ///< its ticks at a limit
   WindowedTracking tracking;
   std::vector<BandTracking> bands;
 };

@@ -106,7 +106,7 @@ Json axis_numbers(const AxisAnalysis& axis, const Analysis& analysis) {
   json["peak_error_percent"] = rounded(axis.peak_error * kPercent, 3);
   json["peak_displacement_mm"] = rounded(axis.peak_displacement * kMilli, 2);
   json["peak_shear_kN"] = rounded(axis.peak_shear * kPerKilo, 1);
-  json["ats_ticks_at_a_limit"] = axis.ats_limited;
+  json["compensator_ticks_at_a_limit"] = axis.compensator_limited;
   json["tracking_bands"] = Json::array();
   for (const auto& band : axis.bands) json["tracking_bands"].push_back(band_numbers(band));
   add_numerical(json, axis.name, "numerical", analysis.numerical);

@@ -287,7 +287,7 @@
       ["peak displacement, numerical [mm]", "numerical_peak_displacement_mm", 1],
       ["displacement, numerical against hybrid, rms [%]", "numerical_difference_percent", 1],
       ["displacement, improved against hybrid, rms [%]", "improved_difference_percent", 1], ["peak shear [kN]", "peak_shear_kN", 0],
-      ["peak shear, numerical [kN]", "numerical_peak_shear_kN", 0], ["ATS ticks at a limit", "ats_ticks_at_a_limit", 0],
+      ["peak shear, numerical [kN]", "numerical_peak_shear_kN", 0], ["compensator ticks at a limit", "compensator_ticks_at_a_limit", 0],
     ];
     table("numbers", ["", ...axes.map(([name]) => AXIS_NAME[name])],
       rows.map(([label, key, digits]) => [label, ...axes.map(([, a]) => fixed(a[key], digits))]));
