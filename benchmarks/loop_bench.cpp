@@ -10,9 +10,11 @@
 #include <rths/adapters/adapter_runner.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
+#include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
+#include <rths/controller/target_force.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -45,6 +47,34 @@ void ats_step(benchmark::State& state) {
   }
 }
 BENCHMARK(ats_step);
+
+// Learns in every step, and solves in every fiftieth.
+void adaptive_inverse_step(benchmark::State& state) {
+  controller::AdaptiveInverse inverse{controller::AdaptiveInverseSettings{}};
+  double t = 0;
+  for (auto _ : state) {
+    t += 0.001;
+    benchmark::DoNotOptimize(
+        inverse.step(0.1 * std::sin(t), 0.1 * std::sin(t - 0.01), 1e6 * std::sin(t), 1, true));
+  }
+}
+BENCHMARK(adaptive_inverse_step);
+
+// Two axes, eight sliders; learns in every step.
+void target_force_step(benchmark::State& state) {
+  controller::TargetForce force{controller::TargetForceSettings{}};
+  double t = 0;
+  for (auto _ : state) {
+    t += 0.001;
+    const double target[] = {0.1 * std::sin(t), 0.1 * std::cos(t)};
+    const double measured[] = {0.1 * std::sin(t - 0.01), 0.1 * std::cos(t - 0.01)};
+    const double acceleration[] = {-measured[0], -measured[1]};
+    const double measured_force[] = {1e7 * measured[0], 1e7 * measured[1]};
+    force.step({target, measured, acceleration, measured_force}, true);
+    benchmark::DoNotOptimize(force.correction().data());
+  }
+}
+BENCHMARK(target_force_step);
 
 void force_observer_step(benchmark::State& state) {
   controller::ForceObserver observer{controller::unison_eqs_setup().long_axis, 0.001};
@@ -110,10 +140,9 @@ void ring_group_read_48_words(benchmark::State& state) {
 }
 BENCHMARK(ring_group_read_48_words);
 
-// The whole hybrid controller: ten predictor-corrector substeps, two compensators, two observers.
-void hybrid_controller_tick(benchmark::State& state) {
-  const auto target = adapters::make_simulink_like(
-      rths::shared_files() / "diagrams" / "hybrid_controller.toml", {});
+// A whole controller: ten predictor-corrector substeps, two compensators, two observers.
+void controller_tick(benchmark::State& state, const char* diagram) {
+  const auto target = adapters::make_simulink_like(rths::shared_files() / "diagrams" / diagram, {});
   std::vector<double> inputs;
   std::vector<double> outputs;
   for (const auto& port : target->ports()) {
@@ -131,7 +160,10 @@ void hybrid_controller_tick(benchmark::State& state) {
     benchmark::DoNotOptimize(target->step(step));
   }
 }
-BENCHMARK(hybrid_controller_tick);
+BENCHMARK_CAPTURE(controller_tick, hybrid, "hybrid_controller.toml")
+    ->Name("hybrid_controller_tick");
+BENCHMARK_CAPTURE(controller_tick, adaptive, "adaptive_controller.toml")
+    ->Name("adaptive_controller_tick");
 
 }  // namespace
 }  // namespace rths

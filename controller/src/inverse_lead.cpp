@@ -32,7 +32,6 @@ InverseLeadSettings checked(InverseLeadSettings s) {
   positive("sign_velocity", s.sign_velocity);
   positive("force_capacity", s.force_capacity);
   positive("largest_reference", s.largest_reference);
-  positive("largest_velocity", s.largest_velocity);
   return s;
 }
 
@@ -101,12 +100,9 @@ double InverseLead::reference(const Terms& w, double share) noexcept {
                       w[kFlowLoss] * terms_[kFlowLoss] +
                       std::clamp(load, -settings_.largest_load_lead, settings_.largest_load_lead);
   const double wanted = (1 - share) * target_ + share * lead;
-  double clipped = std::clamp(wanted, -settings_.largest_reference, settings_.largest_reference);
-  const double most = settings_.largest_velocity * settings_.period;
-  if (!is_first_) clipped = std::clamp(clipped, last_reference_ - most, last_reference_ + most);
-  is_first_ = false;
-  last_reference_ = clipped;
-  is_clipped_ = clipped != wanted || std::abs(load) > settings_.largest_load_lead;
+  const double clipped =
+      std::clamp(wanted, -settings_.largest_reference, settings_.largest_reference);
+  is_clipped_ = is_scaled_ || clipped != wanted || std::abs(load) > settings_.largest_load_lead;
   return clipped;
 }
 

@@ -64,8 +64,8 @@ std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(
   const auto capacity = per_axis(table, "force_capacity_N", axes, settings.force_capacity);
   const auto mass = per_axis(table, "effective_mass_kg", axes, settings.effective_mass);
   const auto limits = per_axis(table, "limits", axes, settings.largest_reference);
-  const auto velocity =
-      per_axis(table, "largest_velocity_m_per_s", axes, settings.largest_velocity);
+  settings.largest_acceleration =
+      table.number_in("largest_acceleration_m_per_s2", 1e-3, 1e6, settings.largest_acceleration);
   settings.a4 = table.number_in("a4_s4", 0, 1e-3, settings.a4);
   settings.lead_time = table.number_in("lead_time_s", 0, 1, settings.lead_time);
   settings.smoothing = table.number_in("smoothing_s", 1e-5, 0.1, settings.smoothing);
@@ -82,7 +82,6 @@ std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(
     found[i].force_capacity = capacity[i];
     found[i].effective_mass = mass[i];
     found[i].largest_reference = limits[i];
-    found[i].largest_velocity = velocity[i];
   }
   return found;
 }

@@ -37,7 +37,6 @@ struct InverseLeadSettings {
   double smoothing = 2e-3;        ///< time constant of each of five poles on the target [s]
   int force_slope = 12;           ///< samples of the force in its rate
   double largest_reference = std::numeric_limits<double>::infinity();  ///< clipped there [m]
-  double largest_velocity = std::numeric_limits<double>::infinity();   ///< of the reference [m/s]
   double largest_load_lead = 0.01;  ///< clip of the terms with the measured force [m]
 };
 
@@ -61,8 +60,7 @@ class InverseLead {
   /// specimen [N]; its magnitude counts up to the capacity   @realtime
   void advance(double target, double force) RTHS_REALTIME;
   /// @param share  of the lead: 1 the full lead, 0 the bare target
-  /// @returns the reference of the last sample, within ±largest_reference and the largest velocity
-  /// [m]   @realtime
+  /// @returns the reference of the last sample, within ±largest_reference [m]   @realtime
   [[nodiscard]] double reference(const Terms& coefficients, double share) RTHS_REALTIME;
 
   /// Of the last sample: what each coefficient is multiplied by.
@@ -81,8 +79,8 @@ class InverseLead {
   PoleChain<kPoles> poles_;  ///< of the target
   EndSlope force_rate_;
   Terms terms_ = Terms::Zero();
-  double target_ = 0, last_reference_ = 0, fourth_derivative_ = 0;
-  bool is_first_ = true, is_clipped_ = false;
+  double target_ = 0, fourth_derivative_ = 0;
+  bool is_clipped_ = false;
 };
 
 }  // namespace rths::controller
