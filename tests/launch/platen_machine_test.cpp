@@ -123,6 +123,32 @@ TEST(ThreeDimensionsExample, IsStableOnALaterMachine) {
   EXPECT_NE(without.err.find("srmd: safety trip at 2."), std::string::npos) << without.err;
 }
 
+// Its vertical reference reaches 0.49 m/s. Braking from there at 10 m/s² would exceed 0.555 m/s in
+// a window that contains the motion before.
+TEST(ThreeDimensionsExample, CompletesWithTheFastestReference) {
+  const test::TemporaryFolder folder;
+
+  const auto run = run_3d(folder.path(), {"duration_s=6.5", "node.srmd.family_member=10"});
+
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+// The reference leads the platen by five times its motion. Standing where a trip finds it, it would
+// unload the specimen within 80 ms.
+TEST(ThreeDimensionsExample, KeepsTheSpecimenLoadedAfterATrip) {
+  const test::TemporaryFolder folder;
+
+  const auto run = run_3d(folder.path(), {"node.srmd.safety.jump_m=[0.08,0.035,0.01]"});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find(" s: vert: jump of the command is "), std::string::npos) << run.err;
+  const auto force =
+      recording::Reader{folder.path() / "run.h5"}.signal("monitor.srmd.true.force.vert");
+  // Weight 9.7 MN; the structure commands 3.2 to 14.6 MN in the whole test.
+  EXPECT_GT(*std::min_element(force.begin() + 100, force.end()), 3e6);
+  EXPECT_LT(*std::max_element(force.begin(), force.end()), 16e6);
+}
+
 // Its delay of 40 ms is a negative damping far above the plant's. The safety layer ends the test.
 TEST(ThreeDimensionsExample, EndsSafelyWhereTheCascadeIsUnstable) {
   const test::TemporaryFolder folder;
