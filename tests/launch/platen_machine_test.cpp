@@ -84,6 +84,18 @@ TEST(ThreeDimensionsExample, TracksTheVerticalForceThatItFeedsBack) {
   EXPECT_NE(run.out.find("vert    force: delay "), std::string::npos) << run.out;
 }
 
+// The flags are read once per tick, but atTarget is raised when the target's tick begins. So the
+// prediction lasts no longer than the computing time, as with a poll at every substep.
+TEST(ThreeDimensionsExample, PredictsNoLongerThanTheSolverComputes) {
+  const test::TemporaryFolder folder;
+
+  const auto run = run_3d(folder.path(), {"duration_s=2", "solver.computing_time_s=0.0015",
+                                          "solver.computing_time_spread=0"});
+
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NEAR(test::json_of(folder.path() / "report.json")["predict_ms_mean"], 1, 0.01);
+}
+
 class ThreeDimensionsSlider : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Bearings, ThreeDimensionsSlider, testing::Values("eqsb", "tpfb"));
 
