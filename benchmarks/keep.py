@@ -8,7 +8,7 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py least_squares FITS          what rths_fit_bench has printed
        keep.py opensees_runs RTHS          runs OpenSees with RTHS, and alone with RTHS_OPENSEES_PYTHON
        keep.py card RTHS                   hops per second of cards in virtual time
-       keep.py srmd RESULTS                what `rths bench srmd --draws 20 --json RESULTS` has written
+       keep.py srmd RESULTS                what `rths bench srmd --json RESULTS` has written
        keep.py mutants RESULT              what tests/replicated/mutants.py --json RESULT has written
        keep.py traps RESULT                what rths_trap_bench has printed
        keep.py adaptive RTHS               the adaptive inverse and ATS on drawn machines, in virtual time

@@ -14,6 +14,7 @@ SEGMENT, LOWEST, HIGHEST = 2.0, 1.0, 15.0  # of the coherence [s], [Hz], [Hz]
 FIRST = 3.0  # [s]: rest and first second of the test are left out
 COMMAND, MEASURED = "monitor.xpc.vertical_load.out", "monitor.xpc.vertical_measured.out"
 UNCORRECTED = {"node.xpc.blocks.vertical_lag.enabled": 0}
+SLIDERS = ("eqsb", "tpfb")
 CASES = {"lead": {}, "lead_model": {"node.opf.vertical_feedback": "model"},
          "lead_uncorrected": UNCORRECTED,
          "cascade": {"node.xpc.blocks.vertical.law": "cascade"} | UNCORRECTED,
@@ -53,11 +54,11 @@ def figures(table, rate):
             "coherence_to_15_Hz": wide, "coherence_to_12_Hz": to_12}
 
 
-def run(rths, changes):
+def run(rths, changes, bearing="lprb"):
     with tempfile.TemporaryDirectory() as folder:
         sets = {"duration_s": DURATION, "uncompensated": "{}"} | changes
         finished = subprocess.run(
-            [rths, "run", str(results_file.TREE / "examples" / "srmd_lprb_3d.toml"), "--clock", "virtual", "--no-diagnosis",
+            [rths, "run", str(results_file.TREE / "examples" / f"srmd_{bearing}_3d.toml"), "--clock", "virtual", "--no-diagnosis",
              "--out", folder, *(part for key, value in sets.items() for part in ("--set", f"{key}={value}"))],
             capture_output=True, text=True)
         if finished.returncode > 1:
@@ -71,8 +72,10 @@ def run(rths, changes):
 if __name__ == "__main__":
     commit = results_file.commit()
     cases = {name: run(sys.argv[1], changes) for name, changes in CASES.items()}
-    for name, changes in (("drawn", {}), ("drawn_uncorrected", UNCORRECTED)):
-        drawn = [run(sys.argv[1], changes | {"node.srmd.family_member": draw}) for draw in range(1, DRAWS + 1)]
+    cases |= {bearing: run(sys.argv[1], {}, bearing) for bearing in SLIDERS}
+    for name, changes, bearing in (("drawn", {}, "lprb"), ("drawn_uncorrected", UNCORRECTED, "lprb"),
+                                   *((f"drawn_{bearing}", {}, bearing) for bearing in SLIDERS)):
+        drawn = [run(sys.argv[1], changes | {"node.srmd.family_member": draw}, bearing) for draw in range(1, DRAWS + 1)]
         ran = [one for one in drawn if "ended" not in one]
         cases[name] = {"tests": DRAWS, "completed": len(ran)} | {
             key: of((abs(one[key]) for one in ran), default=None) for key, of in

@@ -39,7 +39,9 @@ void add_bench_bearings(CLI::App& bench, BenchmarkArguments& a, Chosen& chosen) 
 void add_bench_srmd(CLI::App& bench, BenchmarkArguments& a, Chosen& chosen) {
   auto* command = bench.add_subcommand(
       "srmd", "Hybrid tests on the virtual SRMD, compared with the figures of its paper");
-  command->add_option("--json", a.srmd.json, "File for the results");
+  command->add_option("--json", a.srmd.json,
+                      "File for the results; finished tests of an interrupted run are in "
+                      "FILE.partial, and the next run continues there");
   command->add_option("--draws", a.srmd.draws, "Machines of the family besides the nominal one")
       ->check(CLI::Range(0, 200))
       ->capture_default_str();
@@ -48,6 +50,9 @@ void add_bench_srmd(CLI::App& bench, BenchmarkArguments& a, Chosen& chosen) {
       ->capture_default_str();
   command->add_option("--seconds", a.srmd.duration, "Duration of a test [s]")
       ->check(CLI::Range(10.0, 1000.0))
+      ->capture_default_str();
+  command->add_option("--jobs", a.srmd.jobs, "Tests at one time")
+      ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->callback([&] { chosen = [&a] { return bench_srmd(a.srmd); }; });
 }

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -26,13 +27,17 @@ int bench_srmd(const SrmdBenchArguments& arguments) {
   options.machine = shared_files() / "machines/srmd.toml";
   options.bearing = shared_files() / "bearings/lprb.toml";
   options.records_folder = shared_files() / "examples/records";
+  options.jobs = arguments.jobs;
+  if (!arguments.json.empty()) options.partial = arguments.json + ".partial";
   const bool on_terminal = isatty(STDERR_FILENO) == 1;
   if (on_terminal)
     options.progress = [](const std::string& stage) { fmt::print(stderr, "\r{:<60}", stage); };
   const bench::SrmdReport report = bench::run_srmd_bench(options);
   if (on_terminal) fmt::print(stderr, "\r{: <60}\r", "");
   fmt::print("{}", bench::to_text(report));
-  if (!arguments.json.empty()) write_file(arguments.json, bench::to_json(report));
+  if (arguments.json.empty()) return 0;
+  write_file(arguments.json, bench::to_json(report));
+  std::filesystem::remove(options.partial);
   return 0;
 }
 

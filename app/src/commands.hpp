@@ -228,7 +228,10 @@ struct SrmdBenchArguments {
   int draws = 2;         ///< members of the machine's family besides the nominal one
   int records = 3;       ///< ground motions
   double duration = 30;  ///< of a test [s]
-  std::string json;      ///< file for the results; empty: none
+  int jobs = 1;          ///< tests at one time
+  /// File for the results; empty: none. Finished tests of an interrupted run are in
+  /// `<json>.partial`
+  std::string json;
 };
 /// Runs hybrid tests on the machine with six degrees of freedom, in virtual time. @returns 0
 [[nodiscard]] int bench_srmd(const SrmdBenchArguments& arguments);

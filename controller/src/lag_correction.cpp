@@ -33,6 +33,7 @@ LagCorrection::LagCorrection(const LagCorrectionSettings& settings)
   positive("lag uncertainty", settings.lag_uncertainty);
   positive("noise", settings.noise);
   positive("forgetting", settings.forgetting);
+  require(settings.ahead >= 0, "time ahead", settings.ahead, "0 or more");
 }
 
 double LagCorrection::step(double command, double measured, bool adapt) noexcept {
@@ -46,7 +47,7 @@ double LagCorrection::step(double command, double measured, bool adapt) noexcept
   const double change = command - first_->x();
   if (adapt) learn({1, change, -rate}, measured - first_->y());
   const double remainder = measured - first_->y() - gain() * change + lag() * rate;
-  corrected_ = first_->y() + change + remainder_(remainder);
+  corrected_ = first_->y() + change + settings_.ahead * rate + remainder_(remainder);
   return corrected_;
 }
 

@@ -23,13 +23,19 @@ void check(const SafetyLimits& limits, const SafetySettings& settings) {
   const double values[] = {limits.displacement,  limits.velocity,      limits.acceleration,
                            limits.jerk,          limits.jump,          limits.force,
                            limits.tracking,      limits.feedback_jump, limits.force_jump,
-                           limits.returned_work, limits.negative_work};
+                           limits.returned_work, limits.negative_work, limits.return_speed};
   for (const double value : values)
     kRequireSafety(value > 0, "a limit", value, "a positive number");
   kRequireSafety(limits.braking > 0 && std::isfinite(limits.braking), "braking", limits.braking,
                  "a positive number");
   kRequireSafety(limits.braking <= limits.acceleration, "braking", limits.braking,
                  "at most the limit of acceleration");
+  if (std::isfinite(limits.return_speed)) {
+    kRequireSafety(limits.return_speed <= limits.velocity, "return_speed", limits.return_speed,
+                   "at most the limit of velocity");
+    kRequireSafety(std::isfinite(limits.displacement), "displacement", limits.displacement,
+                   "a limit beside return_speed");
+  }
   const bool has_windows = std::isfinite(limits.acceleration) || std::isfinite(limits.jerk);
   kRequireSafety(std::isfinite(limits.velocity) || !has_windows, "velocity", limits.velocity,
                  "a limit beside those of acceleration and jerk");
@@ -97,8 +103,9 @@ Safety::Safety(const SafetySettings& settings)
       sensors_(settings.axes.size()),
       references_(settings.axes.size()) {
   for (std::size_t axis = 0; axis < paths_.size(); ++axis) {
-    const double velocity = settings.axes[axis].velocity;
-    const std::size_t longest = std::isfinite(velocity) ? stop_ticks(axis, velocity) : 0;
+    const SafetyLimits& limits = settings.axes[axis];
+    const Stop worst{2 * limits.displacement, limits.velocity};
+    const std::size_t longest = std::isfinite(limits.velocity) ? stop_ticks(axis, worst) : 0;
     paths_[axis].line.resize((2 * kWindows) * window_ + longest + 1);
     sensors_[axis].past.resize(window_ + 1);
   }
@@ -135,15 +142,23 @@ void Safety::act(SafetyEvent event) noexcept {
   if (state_ != before) ticks_ = 0;
 }
 
-std::size_t Safety::stop_ticks(std::size_t axis, double velocity) const noexcept {
-  const double ticks = std::abs(velocity) / (settings_.axes[axis].braking * settings_.period);
-  return static_cast<std::size_t>(std::ceil(std::min(ticks, 1e9)));
+std::size_t Safety::stop_ticks(std::size_t axis, const Stop& stop) const noexcept {
+  const SafetyLimits& limits = settings_.axes[axis];
+  const double time = std::isfinite(limits.return_speed)
+                          ? std::abs(stop.from - paths_[axis].rest) / limits.return_speed
+                          : std::abs(stop.velocity) / limits.braking;
+  return static_cast<std::size_t>(std::ceil(std::min(time / settings_.period, 1e9)));
 }
 
 double Safety::stop_at(std::size_t axis, const Stop& stop, std::size_t ticks) const noexcept {
-  const double braking = std::copysign(settings_.axes[axis].braking, stop.velocity);
-  const double time =
-      std::min(static_cast<double>(ticks) * settings_.period, stop.velocity / braking);
+  const SafetyLimits& limits = settings_.axes[axis];
+  const double elapsed = static_cast<double>(ticks) * settings_.period;
+  if (std::isfinite(limits.return_speed)) {
+    const double way = paths_[axis].rest - stop.from, most = limits.return_speed * elapsed;
+    return stop.from + std::clamp(way, -most, most);
+  }
+  const double braking = std::copysign(limits.braking, stop.velocity);
+  const double time = std::min(elapsed, stop.velocity / braking);
   return stop.from + time * (stop.velocity - braking * time / 2);
 }
 
@@ -161,7 +176,7 @@ SafetyTrip Safety::find_in_command(std::size_t axis, double command) noexcept {
     return {SafetyCause::CommandVelocity, axis, velocity, limits.velocity};
 
   path.wanted = {command, velocity};
-  const double end = stop_at(axis, path.wanted, stop_ticks(axis, velocity));
+  const double end = stop_at(axis, path.wanted, stop_ticks(axis, path.wanted));
   if (beyond(end, limits.displacement))
     return {SafetyCause::CommandDisplacement, axis, end, limits.displacement};
   return std::isfinite(limits.velocity) ? find_in_windows(axis) : SafetyTrip{};
@@ -172,7 +187,7 @@ SafetyTrip Safety::find_in_windows(std::size_t axis) noexcept {
   const SafetyLimits& limits = settings_.axes[axis];
   Path& path = paths_[axis];
   const std::size_t now = kWindows * window_;
-  const std::size_t end = now + stop_ticks(axis, path.wanted.velocity) + kWindows * window_;
+  const std::size_t end = now + stop_ticks(axis, path.wanted) + kWindows * window_;
   const double w = settings_.window;
   for (std::size_t i = now; i <= end; ++i) {
     double* r = path.line.data() + i;
@@ -307,7 +322,7 @@ void Safety::brake() noexcept {
   std::size_t longest = periods(settings_.hold, settings_.period) + 1;
   for (std::size_t axis = 0; axis < paths_.size(); ++axis) {
     write(axis, stop_at(axis, paths_[axis].stop, ticks_));
-    longest = std::max(longest, stop_ticks(axis, paths_[axis].stop.velocity) + kWindows * window_);
+    longest = std::max(longest, stop_ticks(axis, paths_[axis].stop) + kWindows * window_);
   }
   if (ticks_ < longest) return;
   act(SafetyEvent::Standstill);

@@ -94,6 +94,8 @@ VerticalForceSettings single_acting_vertical(const AxialBearing& bearing,
       3e-5, 0};
   inverse.uncertainty = {0.03, 0.005, 1e-4, 5e-7, 0.2 / servo_stiffness, 0, 3e-5, 0};
   inverse.a4 = gain * d.d3;
+  // With 1 ms, a corner of the target moves the reference by up to 13 mm in a period.
+  inverse.smoothing = 2e-3;
   inverse.force_capacity = servo.supply_force;
   inverse.error = 5e-4;
   settings.observer_bandwidth = 3;

@@ -108,11 +108,12 @@ struct Fuzzed {
   std::array<long, 32> causes{};
 };
 
-void fuzz(std::uint64_t seed, Fuzzed& found) {
+void fuzz(std::uint64_t seed, double return_speed, Fuzzed& found) {
   constexpr long kTicks = 500;
   SafetySettings settings = settings_of();
   settings.axes[0].tracking = SafetyLimits::kNone;  // the guards of feedback have their own tests
   settings.axes[0].feedback_jump = SafetyLimits::kNone;
+  settings.axes[0].return_speed = return_speed;
   settings.hold = settings.ramp = 0.01;  // the limits determine the ramp-down
   Safety safety{settings};
   Fuzzer fuzzer{seed};
@@ -136,13 +137,17 @@ void fuzz(std::uint64_t seed, Fuzzed& found) {
   }
 }
 
+/// Parameter: speed of a stop that returns to rest [m/s], or none.
+class SafetyFuzz : public testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Stops, SafetyFuzz, testing::Values(SafetyLimits::kNone, 0.9));
+
 // Each sequence reaches the end of the ramp-down if it trips early.
 // Rounding of the third difference: 8 · 2⁻⁵² · 0.6 m / T³ = 2e-11 m/s³, far below the margin.
-TEST(SafetyFuzz, NoCommandMovesTheReferenceBeyondALimit) {
+TEST_P(SafetyFuzz, NoCommandMovesTheReferenceBeyondALimit) {
   const std::uint64_t sequences = test::is_long() ? 1'000'000 : 10'000;
   Fuzzed found;
   for (std::uint64_t seed = 1; seed <= sequences && found.worst <= 1 + 1e-9; ++seed) {
-    fuzz(seed, found);
+    fuzz(seed, GetParam(), found);
     ASSERT_LE(found.worst, 1 + 1e-9) << "seed " << seed;
   }
   std::string causes;

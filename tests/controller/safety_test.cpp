@@ -106,6 +106,23 @@ TEST(Safety, HoldsAndRampsToRestAtAStop) {
   EXPECT_FALSE(platen.safety().has_tripped());
 }
 
+// A vertical reference leads its platen: standing where the command ended would move the platen on.
+TEST(Safety, ReturnsToRestAtAStopWithAReturnSpeed) {
+  auto settings = settings_of();
+  settings.axes[0].return_speed = 0.8;
+  Platen platen{settings};
+  long tick = 0;
+  for (; tick < 3100; ++tick) platen.step(motion(tick));
+
+  const double at_stop = motion(tick - 1);
+  ASSERT_GT(at_stop, 0.03);
+  platen.safety().stop();
+
+  for (int k = 1; platen.state() != SafetyState::Off && k < 5000; ++k)
+    ASSERT_NEAR(platen.step(5.0), std::max(0.0, at_stop - 0.8 * kPeriod * k), 1e-12) << k;
+  EXPECT_FALSE(platen.safety().has_tripped());
+}
+
 struct BadCommand {
   const char* name;
   SafetyCause cause;
@@ -307,6 +324,10 @@ TEST(Safety, RefusesWrongSettings) {
   wrong.axes[0].velocity = SafetyLimits::kNone;
   EXPECT_EQ(test::error_of([&] { Safety{wrong}; }),
             "safety: velocity is inf, expected a limit beside those of acceleration and jerk");
+  wrong = settings_of();
+  wrong.axes[0].return_speed = 1;
+  EXPECT_EQ(test::error_of([&] { Safety{wrong}; }),
+            "safety: return_speed is 1, expected at most the limit of velocity");
   wrong = settings_of();
   wrong.axes.clear();
   EXPECT_EQ(test::error_of([&] { Safety{wrong}; }), "safety: no axis, expected at least one");

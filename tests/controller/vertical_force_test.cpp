@@ -137,7 +137,7 @@ TEST(VerticalForceControl, CompensatesForTheFlowOfSingleActingActuators) {
   const double without = error_of_single_acting(settings);
 
   // The lead is κ (1/g − 1) ẋ: 0.08 s × 31 rad/s of the downward motion, more than the motion
-  // itself. Its kink at the reversal is rounded by four poles of 1 ms. 2 % is the goal.
+  // itself. Its kink at the reversal is rounded by four poles of 2 ms. 2 % is the goal.
   EXPECT_LT(with, 0.02);
   EXPECT_GT(without, 5 * with);
 }

@@ -58,6 +58,8 @@ std::array<SafetyLimits, kAxes.size()> read_limits(const Config& file, const Con
   for (const auto& key : kKeys)
     for (const Config* source : {&file, &table})
       read_values(*source, key, key.member == &SafetyLimits::velocity ? margin : 1, axes);
+  if (table.has("vert_return_m_per_s"))
+    axes[2].return_speed = table.number_in("vert_return_m_per_s", 1e-6, 100);
   return axes;
 }
 

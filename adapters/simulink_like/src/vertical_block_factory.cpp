@@ -87,6 +87,7 @@ Block make_lag_correction(const Config& table, const BlockContext& context) {
   controller::LagCorrectionSettings settings;
   settings.period = context.period;
   settings.lag = table.number_in("lag_s", -0.1, 0.1, settings.lag);
+  settings.ahead = table.number_in("ahead_s", 0, 0.1, settings.ahead);
   settings.gain_uncertainty = positive(table, "uncertainty_gain", settings.gain_uncertainty);
   settings.lag_uncertainty = positive(table, "uncertainty_lag_s", settings.lag_uncertainty);
   settings.noise = positive(table, "noise_N", settings.noise);

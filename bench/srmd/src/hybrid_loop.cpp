@@ -8,7 +8,6 @@
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
 #include <rths/controller/target_exchange.hpp>
-#include <rths/sim/machine/platen_run.hpp>
 
 namespace rths::bench {
 namespace {
@@ -204,7 +203,7 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal) {
 HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
   HybridHistory history;
   history.response = empty_response(test.plant);
-  PlatenRun machine{test.machine, kPeriod};
+  PlatenRun machine = test.at_rest;
   sim::PlantAnalysis analysis = analysis_of(test);
   RealTimeTarget target;
   Compensation compensation{controller};
@@ -245,7 +244,7 @@ HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
 std::array<AxisHistory, 2> replay(const HybridTest& test, const HybridHistory& from,
                                   const Controller& controller) {
   std::array<AxisHistory, 2> history;
-  PlatenRun machine{test.machine, kPeriod};
+  PlatenRun machine = test.at_rest;
   Compensation compensation{controller};
   PlatenReference reference;
   reference.axial_load = test.machine.specimen.axial_load;

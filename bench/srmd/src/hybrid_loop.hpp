@@ -10,7 +10,7 @@
 
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
-#include <rths/sim/machine/platen_machine.hpp>
+#include <rths/sim/machine/platen_run.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 namespace rths::bench {
@@ -51,6 +51,7 @@ struct Controller {
 
 struct HybridTest {
   sim::machine::PlatenMachine machine;  ///< with its specimen
+  sim::machine::PlatenRun at_rest;      ///< this machine at `kPeriod`; each run begins with a copy
   sim::PlantMatrices plant;
   sim::GroundMotion motion;
   double duration = 40;                  ///< model time [s]

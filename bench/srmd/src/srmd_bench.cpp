@@ -2,27 +2,35 @@
 #include <rths/bench/srmd_bench.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <future>
+#include <mutex>
+#include <optional>
 #include <span>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <rths/bench/statistics.hpp>
 #include <rths/controller/delay.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/sha256.hpp>
 #include <rths/sim/floor_spectrum.hpp>
 #include <rths/sim/machine/platen_run.hpp>
 
+#include "finished_tests.hpp"
 #include "hybrid_loop.hpp"
 
 namespace rths::bench {
 namespace {
 
-constexpr std::size_t kRest = 1000;           // samples before the first target
-constexpr std::size_t kWindow = 2000;         // samples
-constexpr double kSearch = 0.15;              // largest delay [s]
-constexpr double kStrong = 0.2;               // of the strongest window's rms [-]
+constexpr std::size_t kRest = 1000;    // samples before the first target
+constexpr std::size_t kWindow = 2000;  // samples
+constexpr double kSearch = 0.15;       // largest delay [s]
+constexpr double kStrong = 0.2;        // of the strongest window's rms [-]
+constexpr int kMostJobs = 256;
 constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
 
 struct Record {
@@ -179,45 +187,116 @@ void check(const SrmdOptions& options) {
     if (!(value >= low && value <= high))
       throw Error{fmt::format("bench srmd: {} is {}, expected {} to {}", name, value, low, high)};
   };
+  within("jobs", options.jobs, 1, kMostJobs);
   within("draws", options.draws, 0, sim::machine::kFamilySize);
   within("records", options.records, 1, std::size(kRecords));
   within("duration", options.duration, 10, 1000);
+}
+
+/// All that the tests share.
+struct Bench {
+  const SrmdOptions& options;
+  sim::machine::PlatenMachine nominal;
+  sim::IsolatedPlant plant;
+  sim::Bearing bearing;
+  std::vector<Controller> controllers;
+};
+
+Bench read_bench(const SrmdOptions& options) {
+  auto nominal = sim::machine::read_platen_machine(Config::load(options.machine));
+  const auto plant = sim::example_plant();
+  auto bearing = sim::read_bearing(Config::load(options.bearing), sim::weight_per_bearing(plant));
+  // A further controller is a further column.
+  std::vector<Controller> controllers{paper_controller(), inverse_controller(nominal)};
+  return {options, nominal, plant, std::move(bearing), std::move(controllers)};
+}
+
+// What the result of a test depends on, beside its name.
+std::string origin_of(const SrmdOptions& options) {
+  std::string files;
+  for (const auto& file : {options.machine, options.bearing}) files += sha256_of(file);
+  for (const auto& record : kRecords) files += sha256_of(options.records_folder / record.file);
+  return nlohmann::ordered_json{{"format", 1},
+                                {"program", sha256_of("/proc/self/exe")},
+                                {"files", sha256(files)},
+                                {"duration_s", options.duration}}
+      .dump();
+}
+
+void run_row(const Bench& bench, int member, const Record& record, FinishedTests& finished,
+             const std::function<void()>& progress) {
+  const auto drawn = sim::machine::family_member(bench.nominal, member);
+  auto machine = drawn.machine;
+  machine.specimen = sim::machine::with_stiffness(bench.bearing, drawn.specimen_stiffness);
+  const HybridTest test{.machine = machine,
+                        .at_rest = {machine, kPeriod},
+                        .plant = sim::assemble(bench.plant),
+                        .motion = read_motion(record, bench.options.records_folder),
+                        .duration = bench.options.duration,
+                        .axes = {true, record.is_2d}};
+  std::optional<sim::ResponseHistory> numerical;
+  for (const auto& controller : bench.controllers) {
+    const TestName name{member, record.name, controller.name};
+    if (finished.contains(name)) continue;
+    if (!numerical) numerical = numerical_loop(test);
+    finished.add(name, run_test(test, controller, *numerical));
+    progress();
+  }
+}
+
+/// Calls `run` with 0 … count − 1 on `jobs` threads. An exception ends them and is thrown here.
+void share(int count, int jobs, const std::function<void(int)>& run) {
+  std::atomic<int> next{0};
+  const auto work = [&] {
+    try {
+      for (int i = next++; i < count; i = next++) run(i);
+    } catch (...) {
+      next = count;
+      throw;
+    }
+  };
+  std::vector<std::future<void>> workers;
+  for (int i = 1; i < jobs; ++i) workers.push_back(std::async(std::launch::async, work));
+  work();
+  for (auto& worker : workers) worker.get();
+}
+
+void run_rows(const Bench& bench, FinishedTests& finished) {
+  const SrmdOptions& options = bench.options;
+  const int rows = (options.draws + 1) * options.records;
+  const std::size_t tests = static_cast<std::size_t>(rows) * bench.controllers.size();
+  std::mutex reporting;
+  const auto progress = [&] {
+    if (!options.progress) return;
+    const std::lock_guard lock{reporting};
+    options.progress(fmt::format("{} of {} tests", finished.size(), tests));
+  };
+  progress();
+  share(rows, options.jobs, [&](int row) {
+    run_row(bench, row / options.records, kRecords[row % options.records], finished, progress);
+  });
 }
 
 }  // namespace
 
 SrmdReport run_srmd_bench(const SrmdOptions& options) {
   check(options);
+  const Bench bench = read_bench(options);
+  FinishedTests finished{options.partial, origin_of(options)};
+  run_rows(bench, finished);
   SrmdReport report;
   report.host = describe_machine();
   report.options = options;
-  auto nominal = sim::machine::read_platen_machine(Config::load(options.machine));
-  const auto plant = sim::example_plant();
-  const auto bearing =
-      sim::read_bearing(Config::load(options.bearing), sim::weight_per_bearing(plant));
-  // A further controller is a further column.
-  const std::vector<Controller> controllers{paper_controller(), inverse_controller(nominal)};
-  for (int member = 0; member <= options.draws; ++member) {
-    const auto drawn = sim::machine::family_member(nominal, member);
+  for (int member = 0; member <= options.draws; ++member)
     for (int r = 0; r < options.records; ++r) {
-      const Record& record = kRecords[r];
-      if (options.progress) options.progress(fmt::format("machine {}, {}", member, record.name));
-      HybridTest test;
-      test.machine = drawn.machine;
-      test.machine.specimen = sim::machine::with_stiffness(bearing, drawn.specimen_stiffness);
-      test.plant = sim::assemble(plant);
-      test.motion = read_motion(record, options.records_folder);
-      test.duration = options.duration;
-      test.axes[1] = record.is_2d;
-      const auto numerical = numerical_loop(test);
-      SrmdRow row{member, record.name, {}};
-      for (const auto& controller : controllers)
-        row.tests.push_back(run_test(test, controller, numerical));
+      SrmdRow row{member, kRecords[r].name, {}};
+      for (const auto& controller : bench.controllers)
+        row.tests.push_back(finished.at({member, row.record, controller.name}));
       report.rows.push_back(std::move(row));
     }
-  }
-  nominal.specimen = bearing;
-  measure_steps(nominal, report);
+  auto machine = bench.nominal;
+  machine.specimen = bench.bearing;
+  measure_steps(machine, report);
   return report;
 }
 

@@ -32,7 +32,8 @@ Coordinate actuator_length(const Vector3d& base, const Vector3d& arm,
   Coordinate c;
   c.value = along.norm();
   const Vector3d direction = along / c.value;
-  c.jacobian << direction, arm.cross(direction);
+  c.jacobian.head<3>() = direction;
+  c.jacobian.tail<3>() = arm.cross(direction);
   return c;
 }
 
@@ -45,7 +46,8 @@ Coordinate pad_height(const Eigen::Vector2d& foot, double depth, const Eigen::Ma
   c.value = bottom[2] - slope.dot(foot - bottom.head<2>());
   const Vector3d contact = Vector3d{foot[0], foot[1], c.value} - position;
   const Vector3d force = normal / normal[2];  // on the platen, per unit of the actuator's force
-  c.jacobian << force, contact.cross(force);
+  c.jacobian.head<3>() = force;
+  c.jacobian.tail<3>() = contact.cross(force);
   return c;
 }
 

@@ -19,11 +19,15 @@ namespace {
 
 constexpr double kSettling = 3;  // before the test begins [s]
 
-Vector6 wrench(const Vector3d& arm, const Vector3d& force) {
-  Vector6 w;
-  w << force, arm.cross(force);
-  return w;
+// Of fixed size: Eigen's comma initializer copies blocks of a size known at run time only.
+Vector6 join(const Vector3d& head, const Vector3d& tail) {
+  Vector6 joined;
+  joined.head<3>() = head;
+  joined.tail<3>() = tail;
+  return joined;
 }
+
+Vector6 wrench(const Vector3d& arm, const Vector3d& force) { return join(force, arm.cross(force)); }
 
 double clamped(double value, double limit, bool& exceeded) {
   if (!(std::abs(value) <= limit)) exceeded = true;
@@ -134,8 +138,7 @@ Vector6 PlatenRun::support_force(const State& s, const Matrix3d& R) const noexce
 PlatenRun::Evaluation PlatenRun::rates(const State& s, const Vector6& resistance) const noexcept {
   const Matrix3d R = s.pose.rotation();
   const Coordinates found = coordinates(s.pose, R);
-  Vector6 motion;
-  motion << s.velocity, R * s.angular_velocity;
+  const Vector6 motion = join(s.velocity, R * s.angular_velocity);
   const double pressure = machine_.supply.pressure_at(s.gas);
   Evaluation e;
   double drawn = 0;

@@ -11,13 +11,15 @@
 namespace rths::controller {
 
 /// Learns how a measured force follows its command, and replaces that by the command itself:
-///     m ≈ m₀ + g (c − c₀) − h ċ,    m' = m₀ + c − c₀ + L(m − m₀ − g (c − c₀) + h ċ)
-/// c₀ is the first command and m₀ the first measurement. A force that is late takes damping from
+///     m ≈ m₀ + g (c − c₀) − h ċ,    m' = m₀ + c + a ċ − c₀ + L(m − m₀ − g (c − c₀) + h ċ)
+/// c₀ is the first command and m₀ the first measurement. a is the time by which the command that m'
+/// answers is ahead of c. A force that is late takes damping from
 /// the structure that integrates it; m' does not. The remainder, which gain and lag do not explain,
 /// stays in m' up to the cutoff of a low-pass L: above it are noise and modes of the machine.
 struct LagCorrectionSettings {
   double period = 1e-3;           ///< of the samples [s]
   double lag = 0;                 ///< h before anything is learnt [s]
+  double ahead = 0;               ///< a, ≥ 0 [s]
   double gain_uncertainty = 0.1;  ///< standard deviation of g around 1 [-]
   double lag_uncertainty = 2e-3;  ///< of h [s]
   double noise = 5e4;             ///< standard deviation of m around the model [N]

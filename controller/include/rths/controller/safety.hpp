@@ -14,12 +14,15 @@ namespace rths::controller {
 /// Limits of one axis. An infinite limit is off.
 struct SafetyLimits {
   static constexpr double kNone = std::numeric_limits<double>::infinity();
-  double displacement = kNone;   ///< of command and platen, and of the stopping distance ± [m]
-  double velocity = kNone;       ///< of command and platen, mean over the window ± [m/s]
-  double acceleration = kNone;   ///< of the command, over the window ± [m/s²]
-  double jerk = kNone;           ///< of the command, over the window ± [m/s³]
-  double jump = kNone;           ///< of the command in one period ± [m]
-  double braking = 10;           ///< deceleration of a stop [m/s²], > 0
+  double displacement = kNone;  ///< of command and platen, and of the stopping distance ± [m]
+  double velocity = kNone;      ///< of command and platen, mean over the window ± [m/s]
+  double acceleration = kNone;  ///< of the command, over the window ± [m/s²]
+  double jerk = kNone;          ///< of the command, over the window ± [m/s³]
+  double jump = kNone;          ///< of the command in one period ± [m]
+  double braking = 10;          ///< deceleration of a stop [m/s²], > 0
+  /// Of a stop that returns the reference to rest instead [m/s], for a reference that leads the
+  /// platen by a multiple of its motion: standing there, it would move the platen on.
+  double return_speed = kNone;
   double force = kNone;          ///< measured ± [N]
   double tracking = kNone;       ///< platen from the command `response_delay` ago ± [m]
   double feedback_jump = kNone;  ///< of the measured displacement in one period ± [m]
@@ -87,13 +90,15 @@ struct SafetyFeedback {
 /// The safety layer between any controller and a machine, for one set of axes.
 ///
 /// A command is passed unchanged while it and a stop from it are inside the limits. The stop brakes
-/// from the mean velocity of the window at `braking` and then stands. The layer therefore always
-/// has a stop that it has checked, so its output stays inside the limits for every input:
+/// from the mean velocity of the window at `braking` and then stands, or returns to rest at
+/// `return_speed`. The layer therefore always has a stop that it has checked, so its output stays
+/// inside the limits for every input:
 ///
 ///     |r(t)| ≤ X,  |r(t) − r(t−h)| ≤ J,  |Δr| ≤ V T,  |Δ²r| ≤ A T²,  |Δ³r| ≤ B T³
 ///
-/// with Δr = r(t) − r(t−T) over the window T. The stop also bounds |x| + v²/2a by X. A trip or a
-/// stop acts on all axes: they brake, stand, and return to the rest position along a cosine bell.
+/// with Δr = r(t) − r(t−T) over the window T. A braking stop also bounds |x| + v²/2a by X. A trip
+/// or a stop acts on all axes: they brake, stand, and return to the rest position along a cosine
+/// bell.
 /// One thread.
 class Safety {
  public:
@@ -147,8 +152,8 @@ class Safety {
   };
 
   void act(SafetyEvent event) noexcept;
-  /// Periods of a stop from a velocity, and the position in it.
-  [[nodiscard]] std::size_t stop_ticks(std::size_t axis, double velocity) const noexcept;
+  /// Periods of a stop, and the position in it.
+  [[nodiscard]] std::size_t stop_ticks(std::size_t axis, const Stop& stop) const noexcept;
   [[nodiscard]] double stop_at(std::size_t axis, const Stop& stop,
                                std::size_t ticks) const noexcept;
   [[nodiscard]] SafetyTrip find_in_command(std::size_t axis, double command) noexcept;

@@ -18,7 +18,9 @@ struct SrmdOptions {
   std::filesystem::path machine;  ///< file of the nominal machine
   std::filesystem::path bearing;  ///< file of the specimen
   std::filesystem::path records_folder;
-  std::function<void(const std::string& stage)> progress;  ///< called before each test
+  int jobs = 1;                   ///< tests at one time, ≥ 1
+  std::filesystem::path partial;  ///< file of finished tests, for an interrupted run; empty: none
+  std::function<void(const std::string& stage)> progress;  ///< called after each test
 };
 
 /// Figures of one axis under one controller.
@@ -59,8 +61,10 @@ struct SrmdReport {
   double step_p50 = 0, step_p99 = 0, step_worst = 0;  ///< of the machine's step of 1 ms [s]
 };
 
-/// Runs hybrid tests on the machine with six degrees of freedom in virtual time.
-/// @throws Error if a file cannot be read or an option is out of range   @setup
+/// Runs hybrid tests on the machine with six degrees of freedom in virtual time. Tests that an
+/// interrupted run of this program has finished are taken from `options.partial`.
+/// @throws Error if a file cannot be read, an option is out of range, or `options.partial` belongs
+///         to another program or other options   @setup
 [[nodiscard]] SrmdReport run_srmd_bench(const SrmdOptions& options);
 
 /// The report as one JSON document, or as tables of text.
