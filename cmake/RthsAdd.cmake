@@ -21,6 +21,8 @@ function(rths_add folder)
   endif()
   if(arg_MATHS AND RTHS_SANITIZER)
     target_compile_options(${target} PRIVATE -O1)
+  else()
+    rths_use_precompiled(${target} rths_library_headers)
   endif()
   if(NOT arg_INTERNAL)
     install(TARGETS ${target} EXPORT rths FILE_SET HEADERS)
@@ -42,10 +44,8 @@ function(rths_test folder)
   endif()
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
                                           GTest::gtest_main)
-  # Tests are built more often than they are run: the libraries have the preset's optimization.
-  if(NOT RTHS_SANITIZER)
-    target_compile_options(${target} PRIVATE -O1)
-  endif()
+  rths_optimize_test(${target})
+  rths_use_precompiled(${target} rths_test_headers)
   if(RTHS_TESTED AND NOT folder IN_LIST RTHS_TESTED)
     set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
@@ -72,6 +72,13 @@ function(rths_test folder)
   endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60
                        PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${alone})
+endfunction()
+
+# Tests are built more often than they are run: the libraries have the preset's optimization.
+function(rths_optimize_test target)
+  if(NOT RTHS_SANITIZER)
+    target_compile_options(${target} PRIVATE -O1)
+  endif()
 endfunction()
 
 # Adds "<folder of tests/> <target>" to tests.txt, from which `./lab test FOLDER` takes its targets.

@@ -37,7 +37,7 @@ std::string file_name_of(const std::string& record) {
   std::string name = record;
   for (const char* ending : {".csv", ".txt", ".mat", ".h5"})
     if (name.ends_with(ending) && name != ending) {
-      name.resize(name.size() - std::string_view{ending}.size());
+      name.erase(name.size() - std::string_view{ending}.size());
       break;
     }
   std::replace_if(

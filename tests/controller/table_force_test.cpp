@@ -95,15 +95,18 @@ TEST(TableIdentification, FindsEveryParameterWithoutNoise) {
   EXPECT_NEAR(found.accelerometer_delay, truth.accelerometer_delay, 2e-5);
 }
 
-// 40 seeds at 95 %: fewer than 33 covered have a probability of 0.4 % (binomial).
+// 40 seeds at 95 %: fewer than 33 covered have a probability of 0.07 % (binomial). Sanitizers,
+// which make a seed take seconds, have 10: fewer than 7 have 0.1 %.
 TEST(TableIdentification, FindsEveryParameterInItsInterval) {
   const TableForce truth = a_machine();
+  const unsigned seeds = test::RealTimeGuard::supported() ? 40 : 10;
+  const int fewest = seeds == 40 ? 33 : 7;
   constexpr double TableForce::*kValues[] = {
       &TableForce::effective_mass,     &TableForce::coulomb_friction, &TableForce::load_friction,
       &TableForce::viscous_friction,   &TableForce::offset,           &TableForce::presliding,
       &TableForce::accelerometer_delay};
   std::array<int, std::size(kValues)> covered{};
-  for (unsigned seed = 1; seed <= 40; ++seed) {
+  for (unsigned seed = 1; seed <= seeds; ++seed) {
     const auto found = identified(measured(truth, 0.5, 1, seed));
     for (std::size_t i = 0; i < covered.size(); ++i)
       if (std::abs(found.machine.*kValues[i] - truth.*kValues[i]) <= found.half_width.*kValues[i])
@@ -115,7 +118,8 @@ TEST(TableIdentification, FindsEveryParameterInItsInterval) {
     EXPECT_LT(found.half_width.effective_mass, 200);
     EXPECT_LT(found.half_width.viscous_friction, 1'000);
   }
-  for (std::size_t i = 0; i < covered.size(); ++i) EXPECT_GE(covered[i], 33) << "parameter " << i;
+  for (std::size_t i = 0; i < covered.size(); ++i)
+    EXPECT_GE(covered[i], fewest) << "parameter " << i;
 }
 
 // At rest friction has any value between its limits, which would bias the others.

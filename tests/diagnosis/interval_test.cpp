@@ -9,25 +9,31 @@
 
 #include <gtest/gtest.h>
 
+#include "support/long_run.hpp"
+
 namespace rths::diagnosis {
 namespace {
 
-constexpr double kSampleStep = 0.004, kRecordLength = 20, kRest = 2;  // [s]
-constexpr double kTrueStiffness = 2e5, kTrueDamping = 3e3;            // [N/m], [N·s/m]
-constexpr double kTrueDrag = 4e3;                        // the missing term [N·s²/m²]
-constexpr double kForceNoise = 20, kMotionNoise = 2e-6;  // [N], [m]
+constexpr double kRecordLength = 20, kRest = 2;             // [s]
+constexpr double kTrueStiffness = 2e5, kTrueDamping = 3e3;  // [N/m], [N·s/m]
+constexpr double kTrueDrag = 4e3;                           // the missing term [N·s²/m²]
+constexpr double kForceNoise = 20, kMotionNoise = 2e-6;     // [N], [m]
 constexpr int kRepetitions = 20;
+
+// The fastest motion has 1.1 Hz.
+double sample_step() { return test::is_long() ? 0.004 : 0.008; }  // [s]
 
 // A spring, a damper and c |v| v, with an analytic velocity.
 Record record_of(const std::string& name, Use use, double phase, std::mt19937& random) {
   std::normal_distribution<double> normal;
+  const double step = sample_step();
   Record record;
   record.name = name;
   record.use = use;
-  record.time_step = kSampleStep;
+  record.time_step = step;
   Channel u{"displacement.long", "m", {}}, f{"force.long", "N", {}};
-  for (int k = 0; k < static_cast<int>(kRecordLength / kSampleStep); ++k) {
-    const double t = std::max(0.0, k * kSampleStep - kRest);
+  for (int k = 0; k < static_cast<int>(kRecordLength / step); ++k) {
+    const double t = std::max(0.0, k * step - kRest);
     const double rise = 1 - std::exp(-t * t / 4), slope = t / 2 * std::exp(-t * t / 4);
     double x = 0, v = 0;
     for (const double frequency : {0.3, 0.7, 1.1}) {
@@ -40,7 +46,7 @@ Record record_of(const std::string& name, Use use, double phase, std::mt19937& r
                        kForceNoise * normal(random));
   }
   record.channels = {u, f};
-  record.quiet = {0, static_cast<std::size_t>(kRest / kSampleStep)};
+  record.quiet = {0, static_cast<std::size_t>(kRest / step)};
   return record;
 }
 

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <ostream>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <rths/sim/composition.hpp>
+
+namespace rths::sim {
+/// The parameter of a test, in its name.
+inline void PrintTo(const TermKind& kind, std::ostream* out) { *out << kind.name; }
+}  // namespace rths::sim
 
 namespace rths::sim::test_support {
 

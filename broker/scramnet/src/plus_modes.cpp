@@ -79,8 +79,8 @@ int sp_protocol(unsigned mode) {
   if (card == nullptr || mode < GOLD || mode > PLATINUM_PLUS) return -1;
   const unsigned before = card->registers().peek(SCR_CSR2) & kProtocolBits;
   card->change_csr(SCR_CSR2, kProtocols[mode - GOLD].bits, kProtocolBits);
-  for (const auto& known : kProtocols)
-    if (known.bits == before) return known.protocol;
+  for (const auto& row : kProtocols)
+    if (row.bits == before) return row.protocol;
   return 0;
 }
 

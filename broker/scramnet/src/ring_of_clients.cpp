@@ -38,7 +38,7 @@ void announce_plain_ring(const Settings& settings) {
 }  // namespace
 
 broker::Ring attach_or_make(const Settings& settings) {
-  constexpr int kAttempts = 3;  // another process may create or remove the ring meanwhile
+  constexpr int kMostOpens = 3;  // another process may create or remove the ring meanwhile
   for (int attempt = 1;; ++attempt) {
     try {
       if (!exists(settings.ring)) {
@@ -49,7 +49,7 @@ broker::Ring attach_or_make(const Settings& settings) {
       }
       return broker::Ring::attach(settings.ring);
     } catch (const Error&) {
-      if (attempt == kAttempts) throw;
+      if (attempt == kMostOpens) throw;
     }
   }
 }
