@@ -2,6 +2,7 @@
 #include <rths/identification/intervals.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -75,6 +76,21 @@ VectorXd scatter(const Problem& problem, const Fold& fold, const Minimum& minimu
   return squares;
 }
 
+// Of a covariance; a parameter without variance has no correlations.
+MatrixXd correlation_of(const MatrixXd& covariance) {
+  const VectorXd deviation = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  MatrixXd correlation =
+      deviation.cwiseInverse().asDiagonal() * covariance * deviation.cwiseInverse().asDiagonal();
+  correlation.diagonal().setOnes();
+  return correlation;
+}
+
+// 95 % quantile of chi-square; beyond the table, that of the last entry.
+double chi_square_95(std::size_t degrees) {
+  constexpr std::array kQuantiles{3.841, 5.991, 7.815, 9.488, 11.070, 12.592, 14.067, 15.507};
+  return kQuantiles[std::min(degrees, kQuantiles.size()) - 1];
+}
+
 }  // namespace
 
 double fold_disagreement(const Problem& problem, const Folds& folds, const Hypothesis& fitted) {
@@ -87,33 +103,62 @@ double fold_disagreement(const Problem& problem, const Folds& folds, const Hypot
   return free > 0 && std::isfinite(square) ? std::sqrt(std::max(1.0, square / free)) : 1;
 }
 
-std::vector<Estimate> estimates_of(const Problem& problem, const Fold& fold,
-                                   const Hypothesis& fitted, double inflation) {
+MatrixXd covariance_of(const Problem& problem, const Fold& fold, const Hypothesis& fitted,
+                       double inflation) {
+  const Index count = fitted.values.size();
   const Minimum minimum{problem, fold, fitted};
-  VectorXd variance = VectorXd::Zero(fitted.values.size());
-  if (minimum.exists()) {
-    constexpr double kBlock = 1.5;  // [s]
-    const auto block = static_cast<Index>(kBlock / problem.drive(0).time_step) + 1;
-    const double mean_square =
-        std::max(1.0, minimum.residual.squaredNorm() / std::max(1.0, observations(problem, fold)));
-    variance = sandwich(minimum.jacobian, minimum.residual, minimum.inverse, block)
-                   .diagonal()
-                   .cwiseMax(mean_square * minimum.inverse.diagonal())
-                   .cwiseMax(inflation * inflation * minimum.inverse.diagonal())
-                   .cwiseMax(scatter(problem, fold, minimum));
-    variance = (minimum.alone.array() > 0).select(mean_square * minimum.alone, variance);
-  }
+  if (!minimum.exists()) return MatrixXd::Zero(count, count);
+  constexpr double kBlock = 1.5;  // [s]
+  const auto block = static_cast<Index>(kBlock / problem.drive(0).time_step) + 1;
+  const double mean_square =
+      std::max(1.0, minimum.residual.squaredNorm() / std::max(1.0, observations(problem, fold)));
+  VectorXd variance = sandwich(minimum.jacobian, minimum.residual, minimum.inverse, block)
+                          .diagonal()
+                          .cwiseMax(mean_square * minimum.inverse.diagonal())
+                          .cwiseMax(inflation * inflation * minimum.inverse.diagonal())
+                          .cwiseMax(scatter(problem, fold, minimum));
+  variance = (minimum.alone.array() > 0).select(mean_square * minimum.alone, variance);
+  VectorXd scale(count);
+  for (Index i = 0; i < count; ++i) scale[i] = fitted.free[static_cast<std::size_t>(i)].scale;
+  const VectorXd deviation = scale.cwiseProduct(variance.cwiseMax(0).cwiseSqrt());
+  return deviation.asDiagonal() * correlation_of(minimum.inverse) * deviation.asDiagonal();
+}
+
+std::vector<Estimate> estimates_of(const Hypothesis& fitted, const MatrixXd& covariance) {
+  constexpr double kNormal95 = 1.96;
   std::vector<Estimate> estimates;
   for (std::size_t i = 0; i < fitted.free.size(); ++i) {
-    constexpr double kNormal95 = 1.96;
     const auto at = static_cast<Index>(i);
     const FreeParameter& free = fitted.free[i];
-    const double value = fitted.values[at];
-    const double half = free.scale * kNormal95 * std::sqrt(std::max(0.0, variance[at]));
+    const double value = fitted.values[at], half = kNormal95 * std::sqrt(covariance(at, at));
     estimates.push_back({free.name, free.unit, value, std::max(value - half, free.low),
                          std::min(value + half, free.high)});
   }
   return estimates;
+}
+
+bool may_be_absent(const Candidate& candidate, const Hypothesis& fitted,
+                   const MatrixXd& covariance) {
+  std::vector<Index> own, sizes;  // sizes: places in `own`
+  std::vector<double> distances;  // from no effect, in standard deviations
+  for (const auto& free : candidate.frees) {
+    const auto found = std::find_if(fitted.free.begin(), fitted.free.end(),
+                                    [&](const auto& other) { return other.name == free.name; });
+    if (found == fitted.free.end()) continue;
+    const Index at = found - fitted.free.begin();
+    if (free.absent) {
+      sizes.push_back(std::ssize(own));
+      distances.push_back((fitted.values[at] - *free.absent) /
+                          std::max(std::sqrt(covariance(at, at)), 1e-300));
+    }
+    own.push_back(at);
+  }
+  if (sizes.empty()) return false;
+  MatrixXd correlation = correlation_of(covariance(own, own));
+  correlation.diagonal().array() += 1e-9;  // keeps it regular
+  const MatrixXd precision = algebra::inverse(correlation);
+  const Eigen::Map<const VectorXd> distance(distances.data(), std::ssize(distances));
+  return distance.dot(precision(sizes, sizes) * distance) < chi_square_95(own.size());
 }
 
 }  // namespace rths::diagnosis
