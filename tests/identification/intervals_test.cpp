@@ -45,8 +45,13 @@ std::vector<Estimate> intervals(const Problem& problem, const Hypothesis& fitted
   return estimates_of(fitted, covariance_of(problem, whole({0}), fitted, inflation));
 }
 
-// ‖x‖² = 400.
-const double kHalf = 1.96 * kIntervalNoise / std::sqrt(double(kIntervalRows));
+// ‖x‖² = 400, and the prediction 2 x has an error of up to kMaterial of its deviation.
+const double kWhite = kIntervalNoise / std::sqrt(double(kIntervalRows));
+const double kSystematic = 2 * kMaterial / std::sqrt(3.0);
+double half_of(double ratio, double systematic = kSystematic) {
+  return 1.96 * std::hypot(ratio * kWhite, systematic);
+}
+const double kHalf = half_of(1);
 
 TEST(EstimatesOf, HaveTheIntervalOfLinearRegression) {
   const Slopes slopes{{2}};
@@ -58,8 +63,8 @@ TEST(EstimatesOf, HaveTheIntervalOfLinearRegression) {
   EXPECT_EQ(estimates[0].name, "x");
   EXPECT_EQ(estimates[0].unit, "N");
   EXPECT_EQ(estimates[0].value, 2);
-  EXPECT_NEAR(estimates[0].high - 2, kHalf, 1e-7 * kHalf);
-  EXPECT_NEAR(2 - estimates[0].low, kHalf, 1e-7 * kHalf);
+  EXPECT_NEAR(estimates[0].high - 2, kHalf, 1e-6 * kHalf);
+  EXPECT_NEAR(2 - estimates[0].low, kHalf, 1e-6 * kHalf);
 }
 
 TEST(EstimatesOf, DoNotDependOnTheScaleOfAParameter) {
@@ -68,17 +73,19 @@ TEST(EstimatesOf, DoNotDependOnTheScaleOfAParameter) {
   Hypothesis model = linear_model({"x"}, {2});
   model.free[0].scale = 1e4;
 
-  EXPECT_NEAR(intervals(problem, model)[0].high - 2, kHalf, 1e-7 * kHalf);
+  EXPECT_NEAR(intervals(problem, model)[0].high - 2, kHalf, 1e-6 * kHalf);
 }
 
 TEST(EstimatesOf, AreAsWideAsTheInflationSays) {
   const Slopes slopes{{2}};
   const Problem problem = linear_problem(slopes.relation, slopes.records);
 
-  EXPECT_NEAR(intervals(problem, linear_model({"x"}, {2}), 3)[0].high - 2, 3 * kHalf, 1e-7 * kHalf);
+  EXPECT_NEAR(intervals(problem, linear_model({"x"}, {2}), 3)[0].high - 2, half_of(3),
+              1e-6 * kHalf);
 }
 
 // A residual of three times the noise, orthogonal to x and alternating: it has no sum over blocks.
+// The measurement has the deviation √(2² + 1.5²) = 2.5.
 TEST(EstimatesOf, GrowWithTheMeanSquareOfTheResidual) {
   Slopes slopes{{2}};
   auto& measured = slopes.records[0].channels[0].values;
@@ -86,7 +93,8 @@ TEST(EstimatesOf, GrowWithTheMeanSquareOfTheResidual) {
     measured[i] += (i % 2 == 0 ? 3 : -3) * kIntervalNoise;
   const Problem problem = linear_problem(slopes.relation, slopes.records);
 
-  EXPECT_NEAR(intervals(problem, linear_model({"x"}, {2}))[0].high - 2, 3 * kHalf, 1e-7 * kHalf);
+  EXPECT_NEAR(intervals(problem, linear_model({"x"}, {2}))[0].high - 2,
+              half_of(3, kSystematic * 2.5 / 2), 1e-6 * kHalf);
 }
 
 TEST(EstimatesOf, EndAtTheBounds) {
@@ -97,12 +105,12 @@ TEST(EstimatesOf, EndAtTheBounds) {
 
   const Estimate inside = intervals(problem, model)[0];
   EXPECT_EQ(inside.low, 1.99);
-  EXPECT_NEAR(inside.high - 2, kHalf, 1e-7 * kHalf);
+  EXPECT_NEAR(inside.high - 2, kHalf, 1e-6 * kHalf);
 
   model.free[0].low = 2;
   const Estimate on_bound = intervals(problem, model)[0];
   EXPECT_EQ(on_bound.low, 2);
-  EXPECT_NEAR(on_bound.high - 2, kHalf, 1e-7 * kHalf);
+  EXPECT_NEAR(on_bound.high - 2, kHalf, 1e-6 * kHalf);
 }
 
 // Of 200 intervals with 95 % coverage, 181 to 199 contain the truth: three deviations of
@@ -189,20 +197,72 @@ TEST(MayBeAbsent, IsFalseWithoutASize) {
                              Eigen::MatrixXd::Constant(1, 1, 1)));
 }
 
-// Two nearly equal signals in white noise of deviation σ: the covariance is σ² (XᵀX)⁻¹.
-TEST(CovarianceOf, HasTheCorrelationOfLinearRegression) {
-  const LinearRelation relation = relation_of_intervals();
-  const VectorXd x = sine_of(3, kIntervalRows), y = 0.8 * x + 0.6 * sine_of(5, kIntervalRows);
-  const std::vector<Record> records{
+/// y = x + (0.8 x + 0.6 z) of two correlated signals, ‖x‖² = 400.
+struct Correlated {
+  LinearRelation relation = relation_of_intervals();
+  VectorXd x = sine_of(3, kIntervalRows), y = 0.8 * x + 0.6 * sine_of(5, kIntervalRows);
+  std::vector<Record> records{
       linear_record("record", Use::Fit, kIntervalStep, x + y, {{"x", x}, {"y", y}})};
-  const Problem problem = linear_problem(relation, records);
+  Problem problem = linear_problem(relation, records);
+  Hypothesis model = linear_model({"x", "y"}, {1, 1});
+  // σ² (XᵀX)⁻¹ in white noise. The own effect of each parameter is 0.6 times its signal, and the
+  // deviation of x + y is √3.6.
+  double variance = kIntervalNoise * kIntervalNoise / (kIntervalRows * (1 - 0.64)) +
+                    3.6 * std::pow(kMaterial / 0.6, 2) / 3;
+};
 
-  const Eigen::MatrixXd covariance =
-      covariance_of(problem, whole({0}), linear_model({"x", "y"}, {1, 1}));
+TEST(CovarianceOf, HasTheCorrelationOfLinearRegression) {
+  const Correlated signals;
 
-  const double variance = kIntervalNoise * kIntervalNoise / (kIntervalRows * (1 - 0.64));
-  EXPECT_NEAR(covariance(0, 0), variance, 1e-6 * variance);
-  EXPECT_NEAR(covariance(0, 1), -0.8 * variance, 1e-6 * variance);
+  const Eigen::MatrixXd covariance = covariance_of(signals.problem, whole({0}), signals.model);
+
+  EXPECT_NEAR(covariance(0, 0), signals.variance, 1e-6 * signals.variance);
+  EXPECT_NEAR(covariance(0, 1), -0.8 * signals.variance, 1e-6 * signals.variance);
+}
+
+// The other signal could take the place of the one that its bound holds.
+TEST(CovarianceOf, OfAParameterOnItsBoundIsThatWithoutTheBound) {
+  Correlated signals;
+  signals.model.free[0].low = 1;
+  const double white = kIntervalNoise * kIntervalNoise / (kIntervalRows * (1 - 0.64));
+
+  const Eigen::MatrixXd covariance = covariance_of(signals.problem, whole({0}), signals.model);
+
+  EXPECT_NEAR(covariance(0, 0), white, 1e-4 * white);
+  EXPECT_NEAR(covariance(1, 1), (1 - 0.64) * white, 1e-4 * white);
+  EXPECT_NEAR(covariance(0, 1), 0, 1e-4 * white);
+}
+
+// A bound of 10¹² does not make 2 small.
+TEST(CovarianceOf, DoesNotDependOnAFarBound) {
+  const Slopes slopes{{2}};
+  const Problem problem = linear_problem(slopes.relation, slopes.records);
+  Hypothesis model = linear_model({"x"}, {2});
+  model.free[0].low = 0;
+  model.free[0].high = 1e12;
+
+  const Estimate x = intervals(problem, model)[0];
+
+  EXPECT_NEAR(2 - x.low, kHalf, 1e-6 * kHalf);
+}
+
+// Noise of deviation δ in x, whose mean square is 1, weakens the slope by δ²/(1 + δ²) of itself
+// (attenuation). It also adds the noise 2 δ to the residual.
+TEST(CovarianceOf, IncludesTheBiasByNoiseInTheMotion) {
+  constexpr double kMotionNoise = 0.1;
+  Slopes slopes{{2}};
+  slopes.relation.motion_noise = kMotionNoise;
+  Problem problem = linear_problem(slopes.relation, slopes.records);
+  const Hypothesis model = linear_model({"x"}, {2});
+  problem.renew_noise(model);
+
+  const double variance = covariance_of(problem, whole({0}), model)(0, 0);
+
+  const double square = kMotionNoise * kMotionNoise;
+  const double white = (kIntervalNoise * kIntervalNoise + 4 * square) / kIntervalRows;
+  const double bias = 2 * square / (1 + square);
+  const double expected = white + bias * bias + kSystematic * kSystematic;
+  EXPECT_NEAR(variance, expected, 1e-6 * expected);
 }
 
 // The difference of two slopes over its deviation in white noise.

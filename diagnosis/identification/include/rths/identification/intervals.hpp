@@ -18,7 +18,8 @@ struct Estimate {
 };
 
 /// Covariance of the free parameters of a hypothesis that was fitted to a fold, in their units. It
-/// includes the effect of noise in the measured motion.
+/// includes scatter and bias by noise in the measured motion, and systematic errors of the
+/// prediction of up to kMaterial.
 /// @param inflation  smallest ratio of standard deviations to those of white noise alone
 /// @returns zero if there is no prediction
 [[nodiscard]] Eigen::MatrixXd covariance_of(const Problem& problem, const Fold& fold,
