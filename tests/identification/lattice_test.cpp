@@ -34,6 +34,20 @@ TEST(CoarseLattices, HaveTheStepOfTheSamples) {
   EXPECT_EQ(lattices[0].on_steps, 1);
 }
 
+// Steps of 0.0512 printed with three digits: each change has an error of up to 0.001. The smallest
+// change would be 0.051.
+TEST(CoarseLattices, HaveTheStepOfPrintedSamples) {
+  Record record = rounded("displacement.long", 0.0512);
+  for (double& value : record.channels[0].values) value = std::round(1e3 * value) / 1e3;
+
+  const auto lattices = coarse_lattices({&record});
+
+  ASSERT_EQ(lattices.size(), 1U);
+  EXPECT_GT(lattices[0].deviation, 0);
+  EXPECT_LT(lattices[0].deviation, 1e-4);
+  EXPECT_NEAR(lattices[0].step, 0.0512, 3 * lattices[0].deviation);
+}
+
 TEST(CoarseLattices, AreNotInSmoothOrFineSamples) {
   const Record smooth = rounded("displacement.long", 0);
   const Record fine = rounded("displacement.long", 0.004);  // less than 0.005 of the deviation

@@ -92,6 +92,9 @@ std::vector<std::unique_ptr<Drive>> LinearRelation::disturbed(const Drive& drive
       for (Index output = 0; output < one->measured.cols(); ++output)
         one->measured(row, output) +=
             sign * (row % 2 == 0 ? 1 : -1) * deviation[static_cast<std::size_t>(output)];
+    for (auto& [parameter, signal] : one->inputs)
+      for (Index row = 0; row < one->rows(); ++row)
+        signal.row(row).array() += sign * (row % 4 < 2 ? 1 : -1) * motion_noise;
     all.push_back(std::move(one));
   }
   return all;

@@ -2,6 +2,7 @@
 #include <rths/identification/noise.hpp>
 
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -42,6 +43,39 @@ TEST(SensorNoise, IsThatOfQuietIntervals) {
   EXPECT_TRUE(noise.was_seen_at_rest());
   EXPECT_EQ(noise.source(), "intervals at rest");
   EXPECT_NEAR(noise.deviation("force") / 3, 1, 3 / std::sqrt(2.0 * kQuiet));
+}
+
+// Noise of deviation 1 and a sine of deviation 2 and 3.1 Hz, with other phases in each record.
+Record record_with_line(double phase, unsigned seed, double frequency = 3.1) {
+  VectorXd force = gauss(400, 1, seed);
+  for (Index i = 0; i < force.size(); ++i)
+    force[i] +=
+        2 * std::numbers::sqrt2 *
+        std::sin(2 * std::numbers::pi * frequency * kNoiseStep * static_cast<double>(i) + phase);
+  Record record = record_of_channels({channel_of("force.long", force)});
+  record.quiet = {0, 400};
+  return record;
+}
+
+// The relative error of a deviation of n samples is 1/√(2n).
+TEST(SensorNoise, HasNoLineThatAllRestsShare) {
+  const Record one = record_with_line(0.4, 1), other = record_with_line(2, 2);
+
+  const SensorNoise noise{{&one, &other}, {}};
+
+  EXPECT_NEAR(noise.deviation("force"), 1, 3 / std::sqrt(2.0 * 800));
+  ASSERT_EQ(noise.lines().size(), 1U);
+  EXPECT_EQ(noise.lines()[0].substr(0, 35), "force.long has a sine of 3.10 Hz at");
+}
+
+// √(1 + 2²)
+TEST(SensorNoise, KeepsALineOfOneRestOrOfDifferentFrequencies) {
+  const Record one = record_with_line(0.4, 1), other = record_with_line(2, 2, 5.3);
+
+  for (const SensorNoise& noise : {SensorNoise{{&one}, {}}, SensorNoise{{&one, &other}, {}}}) {
+    EXPECT_NEAR(noise.deviation("force") / std::sqrt(5.0), 1, 3 / std::sqrt(2.0 * 400));
+    EXPECT_TRUE(noise.lines().empty());
+  }
 }
 
 TEST(SensorNoise, IsTheLargestOfAFamily) {

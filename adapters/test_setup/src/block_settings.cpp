@@ -64,8 +64,6 @@ std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(
   const auto capacity = per_axis(table, "force_capacity_N", axes, settings.force_capacity);
   const auto mass = per_axis(table, "effective_mass_kg", axes, settings.effective_mass);
   const auto limits = per_axis(table, "limits", axes, settings.largest_reference);
-  settings.largest_acceleration =
-      table.number_in("largest_acceleration_m_per_s2", 1e-3, 1e6, settings.largest_acceleration);
   settings.a4 = table.number_in("a4_s4", 0, 1e-3, settings.a4);
   settings.lead_time = table.number_in("lead_time_s", 0, 1, settings.lead_time);
   settings.smoothing = table.number_in("smoothing_s", 1e-5, 0.1, settings.smoothing);

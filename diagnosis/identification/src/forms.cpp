@@ -382,7 +382,7 @@ Description described_by(const FreeForm& form, const Problem& problem, const Fol
                          const Hypothesis& fitted, double share) {
   constexpr double kNormal95 = 1.96;
   Description description{form.term.name, share, form.label, form.knots, {}, {}};
-  for (const auto& estimate : estimates_of(problem, fold, fitted))
+  for (const auto& estimate : estimates_of(fitted, covariance_of(problem, fold, fitted)))
     for (const auto& free : form.term.frees)
       if (free.name == estimate.name) {
         description.y.push_back(estimate.value);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace rths::diagnosis {
 namespace {
@@ -11,8 +12,22 @@ constexpr double kCoarse = 5e-3;   // of the standard deviation: smallest step t
 constexpr double kRepeats = 0.25;  // of the samples
 constexpr double kOnSteps = 0.97;  // of the changes
 
+// The step of changes that are whole numbers of about `step`, by least squares.
+void fit_step(const std::vector<double>& changes, double step, Lattice& lattice) {
+  double squares = 0, product = 0, rest = 0;
+  for (const double change : changes) {
+    const double count = std::round(change / step);
+    squares += count * count;
+    product += count * change;
+  }
+  lattice.step = product / squares;
+  for (const double change : changes)
+    rest += std::pow(change - std::round(change / step) * lattice.step, 2);
+  lattice.deviation = std::sqrt(rest / static_cast<double>(changes.size()) / squares);
+}
+
 Lattice lattice_of(const Channel& channel) {
-  Lattice lattice{channel.role, channel.unit, 0, 0};
+  Lattice lattice{channel.role, channel.unit};
   const auto& x = channel.values;
   double mean = 0, square = 0;
   for (const double value : x) mean += value / static_cast<double>(x.size());
@@ -25,12 +40,13 @@ Lattice lattice_of(const Channel& channel) {
   const double step = *std::min_element(changes.begin(), changes.end());
   const double repeats = 1 - static_cast<double>(changes.size()) / static_cast<double>(x.size());
   if (step < kCoarse * deviation || repeats < kRepeats) return lattice;
-  const auto whole = std::count_if(changes.begin(), changes.end(), [&](double change) {
+  std::vector<double> whole;
+  std::copy_if(changes.begin(), changes.end(), std::back_inserter(whole), [&](double change) {
     constexpr double kPrinted = 0.02;
     return std::abs(change / step - std::round(change / step)) < kPrinted;
   });
-  lattice.on_steps = static_cast<double>(whole) / static_cast<double>(changes.size());
-  if (lattice.on_steps >= kOnSteps) lattice.step = step;
+  lattice.on_steps = static_cast<double>(whole.size()) / static_cast<double>(changes.size());
+  if (lattice.on_steps >= kOnSteps) fit_step(whole, step, lattice);
   return lattice;
 }
 

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "line_at_rest.hpp"
+
 namespace rths::diagnosis {
 namespace {
 
@@ -70,6 +74,13 @@ struct Rest {
     stretches.push_back(stretch.array() - stretch.mean());
     square += stretches.back().squaredNorm();
     samples += static_cast<double>(stretch.size());
+  }
+  // The frequency of a sine that is no noise; 0: there was none.
+  double take_out_line(double time_step) {
+    const double frequency = remove_line(stretches, time_step);
+    square = 0;
+    for (const auto& stretch : stretches) square += stretch.squaredNorm();
+    return frequency;
   }
   [[nodiscard]] double deviation() const { return samples > 0 ? std::sqrt(square / samples) : 0; }
   [[nodiscard]] bool is_enough() const {
@@ -161,7 +172,10 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
                          const std::vector<std::pair<std::string, double>>& stated,
                          const std::vector<std::pair<std::string, double>>& added)
     : added_{added} {
-  const auto at_rest = rest_of(records);
+  auto at_rest = rest_of(records);
+  for (auto& [role, rest] : at_rest)
+    if (const double frequency = rest.take_out_line(records[0]->time_step); frequency > 0)
+      lines_.push_back(fmt::format("{} has a sine of {:.2f} Hz at rest", role, frequency));
   const auto families = families_of(at_rest);
   for (const Record* record : records)
     for (const auto& channel : record->channels) {

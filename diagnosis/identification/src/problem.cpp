@@ -63,6 +63,17 @@ Problem::Problem(const Problem& like, const std::vector<const Record*>& tests)
   }
 }
 
+Problem Problem::disturbed(std::size_t draw) const {
+  Problem result;
+  result.relation_ = relation_;
+  result.has_colour_ = has_colour_;
+  result.progress_ = progress_;
+  for (const auto& data : records_)
+    result.records_.push_back(
+        {data.record, data.disturbed[draw % data.disturbed.size()], {}, {}, data.noise});
+  return result;
+}
+
 std::vector<MatrixXd> Problem::draws_of(const RecordData& data, const Hypothesis& hypothesis,
                                         std::size_t most) const {
   std::vector<MatrixXd> none;

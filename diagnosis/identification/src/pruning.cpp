@@ -60,8 +60,10 @@ class Pruning {
 
   // The last candidate that may as well not be there.
   Weak absent() const {
-    const auto estimates = estimates_of(problem_, folds_.both, selection_.named,
-                                        fold_disagreement(problem_, folds_, selection_.named));
+    const Eigen::MatrixXd covariance =
+        covariance_of(problem_, folds_.both, selection_.named,
+                      fold_disagreement(problem_, folds_, selection_.named));
+    const auto estimates = estimates_of(selection_.named, covariance);
     for (std::size_t i = selection_.rounds.size(); i-- > 0;) {
       const Candidate& candidate = selection_.rounds[i].chosen.candidate;
       if (is_needed(selection_, i)) continue;
@@ -70,7 +72,8 @@ class Pruning {
         return {{i, "its size lies within the noise of the displacement"}};
       if (is_within_sample(candidate, estimates))
         return {{i, "it shifts signals by less than a tenth of the time between samples"}};
-      if (may_be_absent(candidate, estimates)) return {{i, "its size may be zero"}};
+      if (may_be_absent(candidate, selection_.named, covariance))
+        return {{i, "its size may be zero"}};
     }
     return std::nullopt;
   }
@@ -80,17 +83,6 @@ class Pruning {
     const auto found = std::find_if(estimates.begin(), estimates.end(),
                                     [&](const Estimate& one) { return one.name == name; });
     return found == estimates.end() ? nullptr : &*found;
-  }
-
-  static bool may_be_absent(const Candidate& candidate, const std::vector<Estimate>& estimates) {
-    bool has_size = false;
-    for (const auto& free : candidate.frees) {
-      const Estimate* size = estimate_of(free.name, estimates);
-      if (!free.absent || size == nullptr) continue;
-      has_size = true;
-      if (size->low > *free.absent || size->high < *free.absent) return false;
-    }
-    return has_size;
   }
 
   bool is_within_noise(const Candidate& candidate, const std::vector<Estimate>& estimates) const {

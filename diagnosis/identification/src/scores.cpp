@@ -2,6 +2,7 @@
 #include <rths/identification/scores.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include <rths/core/error.hpp>
@@ -47,6 +48,24 @@ std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis,
   // A free run is driven by exact inputs.
   if (problem.relation().runs_freely() || sums.empty()) return sums;
   return minus(sums, supposition.noise_blocks(fold));
+}
+
+double change_of(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
+                 const Fold& fold) {
+  const Supposition a{problem, before}, b{problem, after};
+  double change = 0, size = 0;
+  for (const auto& share : fold.shares) {
+    const Eigen::MatrixXd with = b.prediction(share.record), bare = a.prediction(share.record);
+    if (with.size() == 0 || bare.size() == 0) continue;
+    Eigen::MatrixXd difference = with - bare;
+    Eigen::MatrixXd measured = problem.drive(share.record).measured;
+    if (problem.relation().has_free_offsets())
+      difference.rowwise() -= difference.colwise().mean().eval();
+    measured.rowwise() -= measured.colwise().mean().eval();
+    change += difference.squaredNorm();
+    size += measured.squaredNorm();
+  }
+  return std::sqrt(change / std::max(size, 1e-300));
 }
 
 std::vector<double> resampled_sums(const std::vector<double>& blocks, std::uint64_t seed) {

@@ -24,27 +24,7 @@ constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation,
 constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of the base,
 constexpr double kMostOfRest = 0.5;        // or, if less, of the excess that the other terms leave
 constexpr double kAloneOfRest = 0.2;       // or of this share, if no other term gains half as much
-constexpr double kMaterial = 2e-4;         // of the output's standard deviation: smallest change
 constexpr double kWhite = 1.02;            // mean w² of a residual that is noise
-
-// Change of the prediction due to a term, divided by the standard deviation of the output.
-double change_of(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
-                 const Fold& fold) {
-  const Supposition a{problem, before}, b{problem, after};
-  double change = 0, size = 0;
-  for (const auto& share : fold.shares) {
-    const Eigen::MatrixXd with = b.prediction(share.record), bare = a.prediction(share.record);
-    if (with.size() == 0 || bare.size() == 0) continue;
-    Eigen::MatrixXd difference = with - bare;
-    Eigen::MatrixXd measured = problem.drive(share.record).measured;
-    if (problem.relation().has_free_offsets())
-      difference.rowwise() -= difference.colwise().mean().eval();
-    measured.rowwise() -= measured.colwise().mean().eval();
-    change += difference.squaredNorm();
-    size += measured.squaredNorm();
-  }
-  return std::sqrt(change / std::max(size, 1e-300));
-}
 
 // Every candidate of a round, in no order.
 std::vector<Contender> contenders_of(const SelectionRound& round) {

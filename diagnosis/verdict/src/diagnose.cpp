@@ -135,8 +135,10 @@ void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
     const std::string name = quantisation_of(lattice);
     const auto known = std::find_if(verdict.causes.begin(), verdict.causes.end(),
                                     [&](const Cause& cause) { return cause.name == name; });
-    const Estimate step{lattice.role + ".step", lattice.unit, lattice.step, lattice.step,
-                        lattice.step};
+    constexpr double kNormal95 = 1.96;
+    const double half = kNormal95 * lattice.deviation;
+    const Estimate step{lattice.role + ".step", lattice.unit, lattice.step, lattice.step - half,
+                        lattice.step + half};
     if (known != verdict.causes.end()) {
       known->parameters.push_back(step);
       continue;

@@ -206,6 +206,8 @@ void add_limits(const Case& c, const SensorNoise& noise,
                 const std::vector<std::unique_ptr<Investigation>>& all, Verdict& verdict) {
   verdict.noise_model = noise.source();
   verdict.limits.push_back("Source of the noise: " + noise.source() + ".");
+  for (const auto& line : noise.lines())
+    verdict.limits.push_back(line + ": it counts as an effect, not as noise.");
   if (!noise.was_seen_at_rest()) {
     verdict.noise_remedy = remedy_for_noise(c);
     verdict.limits.push_back(

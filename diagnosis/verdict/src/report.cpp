@@ -210,8 +210,10 @@ void report(const Investigation& found, Verdict& verdict) {
   for (const auto& round : selection.rounds) total += std::max(0.0, round.chosen.gain);
   const auto estimates =
       found.is_named()
-          ? estimates_of(*found.problem, found.folds.both, selection.named,
-                         fold_disagreement(*found.problem, found.folds, selection.named))
+          ? estimates_of(
+                selection.named,
+                covariance_of(*found.problem, found.folds.both, selection.named,
+                              fold_disagreement(*found.problem, found.folds, selection.named)))
           : std::vector<Estimate>{};
   for (const auto& round : selection.rounds)
     verdict.causes.push_back(cause_of(

@@ -43,12 +43,15 @@ class SensorNoise {
   /// Largest standard deviation of a family's sensors, "displacement"; 0: none was recorded.
   [[nodiscard]] double deviation(const std::string& family) const;
   [[nodiscard]] const std::string& source() const { return source_; }  ///< for the limits
+  /// Sines at rest that are no noise: "force.long has a sine of 2.10 Hz at rest".
+  [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
 
  private:
   std::map<std::string, NoiseSpectrum> by_role_;
   std::vector<std::pair<std::string, double>> added_;
   bool was_seen_at_rest_ = false;
   std::string source_;
+  std::vector<std::string> lines_;
 };
 
 /// Noise whose size and colour change slowly. A bearing, for example, turns the same motion error

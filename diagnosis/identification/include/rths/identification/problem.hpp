@@ -43,6 +43,11 @@ class Problem {
   }
   [[nodiscard]] bool has_colour() const { return has_colour_; }
 
+  /// The problem with one more realisation of the sensors' noise in every record, and the same
+  /// noise model.
+  /// @param draw  any number: realisations repeat
+  [[nodiscard]] Problem disturbed(std::size_t draw) const;
+
   /// Counts fits, and the steps of the selection. Must outlive the problem.
   void report_to(Progress& progress) { progress_ = &progress; }
   [[nodiscard]] Progress& progress() const { return *progress_; }
@@ -57,21 +62,22 @@ class Problem {
   [[nodiscard]] double log_noise(const Hypothesis& hypothesis) const;
 
  private:
+  Problem() = default;
   struct RecordData {
     const Record* record;
-    std::unique_ptr<Drive> drive;
-    std::vector<std::unique_ptr<Drive>> disturbed;
+    std::shared_ptr<const Drive> drive;
+    std::vector<std::shared_ptr<const Drive>> disturbed;
     std::vector<Eigen::MatrixXd> draws;
-    std::unique_ptr<ResidualNoise> noise;
+    std::shared_ptr<const ResidualNoise> noise;
   };
 
   [[nodiscard]] std::vector<Eigen::MatrixXd> draws_of(const RecordData& data,
                                                       const Hypothesis& hypothesis,
                                                       std::size_t most) const;
 
-  const Relation* relation_;
-  bool has_colour_;
-  Progress* progress_;  ///< never null
+  const Relation* relation_ = nullptr;
+  bool has_colour_ = false;
+  Progress* progress_ = nullptr;  ///< never null
   std::vector<RecordData> records_;
 };
 

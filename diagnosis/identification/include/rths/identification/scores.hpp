@@ -24,6 +24,14 @@ inline constexpr int kLongFit = 12, kShortFit = 5;  ///< iterations
 [[nodiscard]] std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis,
                                          const Fold& fold);
 
+/// Smallest change of a prediction that counts, see change_of: integration, filters and sampling
+/// may cause as much.
+inline constexpr double kMaterial = 2e-4;
+/// Root mean square difference of the predictions of two hypotheses, without free offsets, over the
+/// standard deviation of the output [-].
+[[nodiscard]] double change_of(const Problem& problem, const Hypothesis& before,
+                               const Hypothesis& after, const Fold& fold);
+
 /// a − b, block by block; as long as the shorter of the two.
 [[nodiscard]] std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b);
 [[nodiscard]] double sum(const std::vector<double>& values);
