@@ -71,10 +71,8 @@ InverseCoefficients AdaptiveInverse::coefficients() const {
 
 double AdaptiveInverse::sent(double share) noexcept {
   const double reference = lead_.reference(initial_ + change_, share);
-  if (lead_.is_clipped()) {
-    ++clipped_;
-    pause_ = std::lround(kPause / settings_.period);
-  }
+  if (lead_.is_clipped()) ++clipped_;
+  if (lead_.is_clipped() || lead_.is_slowed()) pause_ = std::lround(kPause / settings_.period);
   return reference;
 }
 
@@ -125,15 +123,15 @@ void AdaptiveInverse::solve() noexcept {
   wanted_ = uncertainty_.cwiseProduct(scaled.cwiseMax(-kLargestChange).cwiseMin(kLargestChange));
 }
 
-double AdaptiveInverse::step(double target, double measured, double force, double share,
-                             bool adapt) noexcept {
+double AdaptiveInverse::step(double target, double measured, double force, double share, bool adapt,
+                             const CommandRates& rates) noexcept {
   const bool is_good = std::isfinite(target) && std::isfinite(measured) && std::isfinite(force);
   if (!is_good) ++bad_samples_;
   if (std::isfinite(target)) last_target_ = target;
   if (std::isfinite(measured)) last_measured_ = measured;
   if (std::isfinite(force)) last_force_ = force;
 
-  lead_.advance(last_target_, last_force_);
+  lead_.advance(last_target_, last_force_, rates);
   const double reference = sent(share);
   Channels sent_now;
   sent_now << lead_.terms(),

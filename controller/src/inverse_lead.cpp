@@ -11,6 +11,8 @@ namespace {
 
 constexpr Require kRequireLead{"adaptive inverse"};
 constexpr double kLargestLoadShare = 0.8;  // of the force capacity
+constexpr double kSettlingPoles = 3;       // delays of the smoothing until it has forgotten a kink
+constexpr double kFade = 0.04;             // back to the smoothed derivatives [s]
 
 enum Coefficient {
   kPosition,
@@ -72,21 +74,36 @@ InverseLead::Derivatives InverseLead::smoothed_derivatives(double target) noexce
   return derivatives;
 }
 
-void InverseLead::advance(double target, double force) noexcept {
+void InverseLead::follow_pace(bool is_slowed) noexcept {
+  if (is_slowed)
+    settling_ = std::lround(kSettlingPoles * kPoles * settings_.smoothing / settings_.period);
+  else if (settling_ > 0)
+    --settling_;
+  slowed_ = settling_ > 0 ? 1 : std::max(0.0, slowed_ - settings_.period / kFade);
+}
+
+void InverseLead::advance(double target, double force, const CommandRates& rates) noexcept {
   const double bounded = std::clamp(force, -settings_.force_capacity, settings_.force_capacity);
+  follow_pace(rates.is_slowed);
   const Derivatives smoothed = smoothed_derivatives(target);
-  const Eigen::Matrix<double, 5, 1> sharp = sharpening_ * smoothed;
+  Eigen::Matrix<double, 5, 1> sharp = sharpening_ * smoothed;
   target_ = target;
-  fourth_derivative_ = smoothed[4];
+  fourth_derivative_ = (1 - slowed_) * smoothed[4];
   // The target's motion one lead time after now, from the smoothed one.
   const double delay = kPoles * settings_.smoothing;
-  const double acceleration = smoothed[2] + delay * smoothed[3];
-  const double velocity = smoothed[1] + delay * (smoothed[2] + delay / 2 * smoothed[3]) +
-                          settings_.lead_time * acceleration;
+  double jerk = smoothed[3], acceleration = smoothed[2] + delay * smoothed[3];
+  double velocity = smoothed[1] + delay * (smoothed[2] + delay / 2 * smoothed[3]);
+  if (slowed_ > 0) {
+    const Eigen::Matrix<double, 5, 1> known{target, rates.velocity, rates.acceleration, 0, 0};
+    sharp += slowed_ * (known - sharp);
+    velocity += slowed_ * (rates.velocity - velocity);
+    acceleration += slowed_ * (rates.acceleration - acceleration);
+    jerk *= 1 - slowed_;
+  }
+  velocity += settings_.lead_time * acceleration;
   const double force_rate = force_rate_(bounded);
-  const double total =
-      bounded + settings_.lead_time * force_rate +
-      settings_.effective_mass * (acceleration + settings_.lead_time * smoothed[3]);
+  const double total = bounded + settings_.lead_time * force_rate +
+                       settings_.effective_mass * (acceleration + settings_.lead_time * jerk);
   const double used = std::clamp(std::copysign(total, velocity * total) / settings_.force_capacity,
                                  -kLargestLoadShare, kLargestLoadShare);
   terms_ << sharp.head<4>(), bounded, force_rate, std::tanh(velocity / settings_.sign_velocity),
@@ -102,7 +119,7 @@ double InverseLead::reference(const Terms& w, double share) noexcept {
   const double wanted = (1 - share) * target_ + share * lead;
   const double clipped =
       std::clamp(wanted, -settings_.largest_reference, settings_.largest_reference);
-  is_clipped_ = is_scaled_ || clipped != wanted || std::abs(load) > settings_.largest_load_lead;
+  is_clipped_ = clipped != wanted || std::abs(load) > settings_.largest_load_lead;
   return clipped;
 }
 

@@ -14,8 +14,12 @@ Block make_adaptive_inverse(const Config& table, const BlockContext& context) {
     block_kind.compensators.push_back(
         table.placed("name", [&] { return controller::AdaptiveInverse{settings}; }));
   Block block;
-  block.inputs = {
-      {"command", kPerAxis, "m"}, {"measured", kPerAxis, "m"}, {"force", kPerAxis, "N"}};
+  block.inputs = {{"command", kPerAxis, "m"},
+                  {"measured", kPerAxis, "m"},
+                  {"force", kPerAxis, "N"},
+                  {"velocity", kPerAxis, "m/s", true},
+                  {"acceleration", kPerAxis, "m/s2", true},
+                  {"state", kSingle, "1", true}};
   block.outputs = {
       {"reference", kPerAxis, "m"}, {"a0", kPerAxis, "1"},        {"a1", kPerAxis, "s"},
       {"a2", kPerAxis, "s2"},       {"a3", kPerAxis, ""},         {"load", kPerAxis, ""},

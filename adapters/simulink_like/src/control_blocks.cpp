@@ -84,9 +84,11 @@ void AtsBlock::step(const Wires& w) noexcept {
 void AdaptiveInverseBlock::step(const Wires& w) noexcept {
   const double share = fade(*w.parameter[0] != 0);
   const bool adapt = *w.parameter[1] != 0;
+  const bool is_slowed = *w.in[5] == static_cast<double>(controller::PcState::AutoSlowDown);
   for (std::size_t i = 0; i < compensators.size(); ++i) {
     auto& inverse = compensators[i];
-    w.out[0][i] = inverse.step(w.in[0][i], w.in[1][i], w.in[2][i], share, adapt);
+    const controller::CommandRates rates{w.in[3][i], w.in[4][i], is_slowed};
+    w.out[0][i] = inverse.step(w.in[0][i], w.in[1][i], w.in[2][i], share, adapt, rates);
     const controller::InverseCoefficients found = inverse.coefficients();
     w.out[1][i] = found.a0;
     w.out[2][i] = found.a1;

@@ -150,7 +150,8 @@ class SteppedRun {
       exchange_.end(command_, laboratory_.displacement(), force);
     }
     const Command command{command_.command(), command_.command_velocity(),
-                          command_.command_acceleration()};
+                          command_.command_acceleration(),
+                          command_.state() == controller::PcState::AutoSlowDown};
     laboratory_.send(compensator_(tick_, command, laboratory_.specimen_force()));
     if (arrives) is_under_way_ = true;
     if (is_under_way_ && exchange_.at_target()) answer();

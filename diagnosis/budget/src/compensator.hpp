@@ -11,6 +11,7 @@ namespace rths::budget {
 /// Command of the controller, in one tick.
 struct Command {
   Eigen::Vector2d displacement, velocity, acceleration;  ///< [m], [m/s], [m/s²]
+  bool is_slowed = false;                                ///< its target is late
 };
 
 /// The compensation as it ran: the references that it sent for a command.

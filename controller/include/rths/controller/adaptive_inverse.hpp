@@ -40,9 +40,10 @@ class AdaptiveInverse {
   /// @param measured  displacement [m]   @param force  of the specimen [N]
   /// @param share     of the lead that is sent: 1 the full lead, 0 the bare target
   /// @param adapt     false: the coefficients are frozen
+  /// @param rates     of the target, if a predictor-corrector made it
   /// @returns the reference, within ±largest_reference [m]   @realtime
-  [[nodiscard]] double step(double target, double measured, double force, double share,
-                            bool adapt) RTHS_REALTIME;
+  [[nodiscard]] double step(double target, double measured, double force, double share, bool adapt,
+                            const CommandRates& rates = {}) RTHS_REALTIME;
 
   [[nodiscard]] InverseCoefficients coefficients() const;
   /// True if the last sample entered the fit.
