@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -184,6 +185,39 @@ TEST(AdaptiveInverse, BoundsTheShareOfTheForce) {
 
   EXPECT_LE(std::abs(reference), settings.largest_load_lead + settings.initial.dead_band + 1e-12);
   EXPECT_FALSE(inverse.learning());
+}
+
+// Largest change of the reference in a period while a command of 0.3 m/s stops within 3 ms, and the
+// reference at the end less the target.
+std::pair<double, double> stop_of_a_command(bool is_known) {
+  AdaptiveInverse inverse{linear_settings()};
+  double target = 0, last = 0, largest = 0;
+  const auto run = [&](double speed, int samples, bool is_slowed) {
+    for (int i = 0; i < samples; ++i) {
+      target += speed * kPeriod;
+      const CommandRates rates{speed, 0, is_known && is_slowed};
+      const double reference = inverse.step(target, target, 0, 1, false, rates);
+      if (is_slowed) largest = std::max(largest, std::abs(reference - last));
+      last = reference;
+    }
+  };
+  run(0.3, 1'000, false);
+  for (const double speed : {0.2, 0.1, 0.0}) run(speed, 1, true);
+  run(0, 500, true);
+  run(0, 500, false);
+  return {largest, last - target};
+}
+
+// The lead of 0.3 m/s is 15 mm. Rates that fall by 0.1 m/s in a period take back a third of it; the
+// high derivatives of the corner multiply that.
+TEST(AdaptiveInverse, TakesTheLeadBackWithTheRatesOfACommandThatSlowsDown) {
+  const auto [known, known_end] = stop_of_a_command(true);
+  const auto [unknown, unknown_end] = stop_of_a_command(false);
+
+  EXPECT_LT(known, 1.1 * 0.1 * linear_settings().initial.a1);
+  EXPECT_GT(unknown, 3 * known);
+  EXPECT_NEAR(known_end, 0, 1e-9);
+  EXPECT_NEAR(unknown_end, 0, 1e-9);
 }
 
 TEST(AdaptiveInverse, RefusesSettingsOutOfRange) {
