@@ -73,7 +73,7 @@ TEST_F(DiagnosedRun, ExplainsTheResponseByABudgetThatAddsUp) {
     double sum = axis["remainder"];
     for (const auto& share : axis["shares"]) sum += share.get<double>();
     EXPECT_NEAR(sum, 1, 0.02);
-    EXPECT_GT(axis["difference_before"], 0.1);
+    EXPECT_GT(axis["difference_before"], 0.05);
     EXPECT_LT(axis["difference_after"], 0.03);
   }
 }

@@ -156,7 +156,7 @@ Recorded run_with(Where where, Fault wanted, Overrides changes = {},
   Overrides all{{"duration_s", std::to_string(kDuration)}, {"rest_s", std::to_string(kRest)}};
   all.insert(all.end(), changes.begin(), changes.end());
   const auto experiment =
-      load_experiment(factories, test::source_tree() / "examples/srmd_lprb_2d.toml", all);
+      load_experiment(factories, test::source_tree() / "examples/srmd_lprb_2d_ats.toml", all);
   const test::TemporaryFolder folder;
   RunOptions options;
   options.clock = ClockKind::Virtual;
@@ -235,10 +235,11 @@ TEST(SafetyRun, PassesTheCommandOfTheExampleUnchanged) {
   const Recorded guarded = run_with(Where::Nowhere, {});
   fault_where = Where::Nowhere;
   const test::TemporaryFolder folder;
-  const auto experiment = app::load_experiment(test::source_tree() / "examples/srmd_lprb_2d.toml",
-                                               {{"duration_s", std::to_string(kDuration)},
-                                                {"rest_s", std::to_string(kRest)},
-                                                {"node.srmd.safety.enabled", "false"}});
+  const auto experiment =
+      app::load_experiment(test::source_tree() / "examples/srmd_lprb_2d_ats.toml",
+                           {{"duration_s", std::to_string(kDuration)},
+                            {"rest_s", std::to_string(kRest)},
+                            {"node.srmd.safety.enabled", "false"}});
   RunOptions options;
   options.clock = ClockKind::Virtual;
   options.recording = folder.path() / "run.h5";

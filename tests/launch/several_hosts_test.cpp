@@ -166,7 +166,7 @@ TEST_F(SeveralHosts, RefuseAnotherExperiment) {
 
 TEST_F(SeveralHosts, NameAHostWithAnotherMap) {
   start(0, "--set network.deadline_s=2");
-  start(1, "--set network.deadline_s=2 --set node.xpc.tune.ats.enabled=0");
+  start(1, "--set network.deadline_s=2 --set node.xpc.tune.inverse.enabled=0");
   const auto ended = end_of("simulation", 20);
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_NE(ended.err.find("host 'control' has another map"), std::string::npos) << ended.err;
