@@ -257,8 +257,8 @@ TEST_P(Smallest, FaultThatIsFoundIsAsStated) {
   const Ladder& ladder = GetParam();
   const bool grows = ladder.sizes.back() > ladder.sizes.front();
   for (const double size : ladder.sizes) {
-    const auto found =
-        judge_with(short_experiment("srmd_lprb_2d_ats"), {{ladder.word, ladder.change(size), ""}}, 0);
+    const auto found = judge_with(short_experiment("srmd_lprb_2d_ats"),
+                                  {{ladder.word, ladder.change(size), ""}}, 0);
     const bool expected = grows ? size >= ladder.found_from : size <= ladder.found_from;
     EXPECT_EQ(!found.empty(), expected) << size << "\n" << text_of(found);
     if (std::getenv("RTHS_PRINT") != nullptr)
