@@ -47,8 +47,8 @@ ut_system* unit_system() {
 }
 
 // The parser of UDUNITS has one state for all threads. A fork waits for it, because its child would
-// inherit the lock, but not the thread that holds it. Registered before any thread can start: a child
-// of a fork during the registration would wait for ever.
+// inherit the lock, but not the thread that holds it. Registered before any thread can start: a
+// child of a fork during the registration would wait for ever.
 constinit std::mutex parser;
 [[maybe_unused]] const int waits_at_fork =
     pthread_atfork([] { parser.lock(); }, [] { parser.unlock(); }, [] { parser.unlock(); });
