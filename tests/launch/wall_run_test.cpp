@@ -372,8 +372,8 @@ TEST(WallRun, EndsInOrderDespiteANan) {
     broker::Ring ring = broker::Ring::attach(run.ring);
     broker::Node hand = ring.join("operator", 0);
     const auto& map = ring.map();
-    const auto& gain = map.entry(map.signal("tune.xpc.feed_forward.velocity_gain_s"));
-    ASSERT_EQ(hand.write(gain.signal->offset, 0x7FC0'0000U), Status::Ok);  // a quiet NaN
+    const auto& load = map.entry(map.signal("tune.xpc.compression.value"));
+    ASSERT_EQ(hand.write(load.signal->offset, 0x7FC0'0000U), Status::Ok);  // a quiet NaN
   }
 
   const test::Finished finished = run.running.wait(30);
@@ -437,7 +437,7 @@ TEST(WallRun, IsReportedWithItsEndingAndTheOperatorsChange) {
   const auto pids = run.wait_until_moving();
   ASSERT_EQ(pids.size(), 5U);
   std::this_thread::sleep_for(milliseconds{1500});
-  ASSERT_EQ(test::run_rths({"send", run.ring, "tune.xpc.feed_forward.enabled=0"}).exit_code, 0);
+  ASSERT_EQ(test::run_rths({"send", run.ring, "tune.xpc.target_force.enabled=0"}).exit_code, 0);
   std::this_thread::sleep_for(milliseconds{500});
   kill(pids.at("launcher"), SIGINT);
   EXPECT_EQ(run.running.wait(10).exit_code, 1);
@@ -446,7 +446,7 @@ TEST(WallRun, IsReportedWithItsEndingAndTheOperatorsChange) {
 
   EXPECT_NE(report.out.find("5 processes, wall clock"), std::string::npos) << report.out;
   EXPECT_NE(report.out.find("of 30 s: interrupted"), std::string::npos) << report.out;
-  EXPECT_NE(report.out.find("changed tune.xpc.feed_forward.enabled from 1 to 0 at "),
+  EXPECT_NE(report.out.find("changed tune.xpc.target_force.enabled from 1 to 0 at "),
             std::string::npos)
       << report.out;
   const Json numbers = Json::parse(test::content_of(run.folder.path() / "report.json"));
@@ -531,12 +531,9 @@ TEST(WallRun, ShowsAndTakesWordsByNameWhileItRuns) {
       test::run_rths({"dump", run.ring, "srmd.*.displ.fbk", "-n", "5", "-T", "2000"});
   EXPECT_EQ(moving.exit_code, 0);
   EXPECT_EQ(std::count(moving.out.begin(), moving.out.end(), '\n'), 5);
-  EXPECT_EQ(
-      test::run_rths({"send", run.ring, "tune.xpc.feed_forward.velocity_gain_s=15ms"}).exit_code,
-      0);
-  const auto tuned =
-      test::run_rths({"dump", run.ring, "--once", "tune.xpc.feed_forward.velocity_gain_s"});
-  EXPECT_NE(tuned.out.find("velocity_gain_s = 0.015"), std::string::npos) << tuned.out;
+  EXPECT_EQ(test::run_rths({"send", run.ring, "tune.xpc.compression.value=9700kN"}).exit_code, 0);
+  const auto tuned = test::run_rths({"dump", run.ring, "--once", "tune.xpc.compression.value"});
+  EXPECT_NE(tuned.out.find("compression.value = 9700000"), std::string::npos) << tuned.out;
   const auto who = test::run_rths({"who", run.ring, "srmd.long.displ.fbk", "opf.7.time.target"});
   EXPECT_NE(who.out.find(": by srmd, "), std::string::npos) << who.out;
   EXPECT_NE(who.out.find(": belongs to opf, "), std::string::npos) << who.out;
@@ -551,7 +548,7 @@ TEST(WallRun, ShowsAndTakesWordsByNameWhileItRuns) {
   static_cast<void>(run.running.wait(10));
   const auto events = recording::Reader{run.recording()}.events();
   EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const auto& event) {
-    return event.signal == "tune.xpc.feed_forward.velocity_gain_s";
+    return event.signal == "tune.xpc.compression.value";
   }));
 }
 
