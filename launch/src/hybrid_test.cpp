@@ -46,9 +46,21 @@ std::vector<double> ticks_or(const Reader& run, const NodeTicks& ticks, const st
   return run.has(signal) ? ticks.values(signal) : std::vector<double>(ticks.count(), otherwise);
 }
 
+std::vector<std::string> tested_axes(const budget::HybridTest& test) {
+  std::vector<std::string> axes;
+  for (std::size_t i = 0; i < 2; ++i)
+    if (test.tested[i]) axes.emplace_back(kHorizontal[i]);
+  return axes;
+}
+
+// Values of the tested axes in their places; a list of a diagram need not hold others.
 template <class Value>
-std::array<Value, 2> both(const std::vector<Value>& values) {
-  return {values.at(0), values.at(1)};
+std::array<Value, 2> by_axis(const budget::HybridTest& test, const std::vector<Value>& values) {
+  std::array<Value, 2> placed{};
+  auto next = values.begin();
+  for (std::size_t i = 0; i < 2; ++i)
+    if (test.tested[i]) placed[i] = *next++;
+  return placed;
 }
 
 void read_command(const Config& table, budget::HybridTest& test) {
@@ -61,20 +73,21 @@ void read_command(const Config& table, budget::HybridTest& test) {
   test.command.largest_xi = table.number("largest_xi", test.command.largest_xi);
 }
 
-// The test's correction and settings of its blocks, along both axes whether tested or not.
 void read_block(const Config& block, budget::HybridTest& test) {
-  const std::vector<std::string> axes{std::begin(kHorizontal), std::end(kHorizontal)};
+  const auto axes = tested_axes(test);
   const std::string type = block.text("type", "");
   if (type == "predictor_corrector") read_command(block, test);
-  if (type == "target_force")
-    test.target_force = adapters::target_force_settings(block, axes, test.period);
+  if (type == "target_force")  // of the loop, which has both axes
+    test.target_force = adapters::target_force_settings(
+        block, {std::begin(kHorizontal), std::end(kHorizontal)}, test.period);
   if (type == "force_observer") {
     const auto found = adapters::force_observer_settings(block, axes);
-    test.correction = budget::MachineForceCorrection{both(found.machine), found.slope_samples};
+    test.correction =
+        budget::MachineForceCorrection{by_axis(test, found.machine), found.slope_samples};
   }
   if (type == "table_force_observer") {
     const auto found = adapters::table_force_observer_settings(block, axes, test.period);
-    test.correction = budget::TableForceCorrection{both(found.machine), found.observer};
+    test.correction = budget::TableForceCorrection{by_axis(test, found.machine), found.observer};
   }
 }
 
@@ -151,6 +164,14 @@ budget::Compensation compensation_of(const Recorded& by, const std::vector<Confi
   return lead_of(by, kHorizontal[axis]);
 }
 
+std::array<bool, 2> tested_of(const Experiment& experiment) {
+  std::array<bool, 2> tested{};
+  for (std::size_t i = 0; i < 2; ++i)
+    tested[i] = std::find(experiment.axes.begin(), experiment.axes.end(), kHorizontal[i]) !=
+                experiment.axes.end();
+  return tested;
+}
+
 double relative_difference(const std::vector<double>& wanted, const std::vector<double>& found) {
   double apart = 0, all = 0;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -164,6 +185,7 @@ double relative_difference(const std::vector<double>& wanted, const std::vector<
 
 budget::ForceCorrection correction_of(const Experiment& experiment) {
   budget::HybridTest test;
+  test.tested = tested_of(experiment);
   static_cast<void>(read_diagram(controller_of(experiment), test));
   return test.correction;
 }
@@ -179,10 +201,7 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
   test.rate = experiment.rate;
   const Roles& roles = experiment.roles;
   const NodeTicks ticks{run, roles.controller};
-  for (std::size_t i = 0; i < 2; ++i) {
-    test.tested[i] = std::find(experiment.axes.begin(), experiment.axes.end(), kHorizontal[i]) !=
-                     experiment.axes.end();
-  }
+  test.tested = tested_of(experiment);
   if (!test.tested[0])
     std::fill(test.motion.long_acceleration.begin(), test.motion.long_acceleration.end(), 0);
   if (!test.tested[1])

@@ -56,6 +56,13 @@ class ClosedLoop : public ::testing::Test {
           hybrid, {launch::transfer_record_of(experiment.roles, run, "long", hybrid.order),
                    launch::transfer_record_of(experiment.roles, run, "lat", hybrid.order)});
   }
+  // Specimen and machine as the laboratory has them; the transfer system is identified.
+  [[nodiscard]] launch::Experiment as_in_the_laboratory() const {
+    auto improved = experiment;
+    improved.model = experiment.specimen;
+    improved.assumed_machine = experiment.machine;
+    return improved;
+  }
   [[nodiscard]] double difference(const Response& response) const {
     return std::max(apart(measured[0], response[0]), apart(measured[1], response[1]));
   }
@@ -123,12 +130,9 @@ TEST_F(ClosedLoop, ReproducesALateHost) {
 
 TEST_F(ClosedLoop, NamesTheLatenessOfTheHostAsAShare) {
   make(true, {}, stalls);
-  auto improved = experiment;
-  improved.model = experiment.specimen;
-  improved.assumed_machine = experiment.machine;
   const recording::Reader run{folder / "run.h5"};
 
-  const auto found = launch::budget_of_run(experiment, improved, run, nullptr);
+  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
 
   for (const auto& axis : found.axes) {
     double sum = axis.remainder;
@@ -178,12 +182,8 @@ TEST_F(ClosedLoop, IsTheNumericalResultWithEveryPartAsSimulated) {
 
 TEST_F(ClosedLoop, IsExplainedByTheBudgetOfTheRun) {
   make(true);
-  // The specimen as the laboratory has it; the transfer system is identified.
-  auto improved = experiment;
-  improved.model = experiment.specimen;
-  improved.assumed_machine = experiment.machine;
   const recording::Reader run{folder / "run.h5"};
-  const auto found = launch::budget_of_run(experiment, improved, run, &run);
+  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, &run);
   ASSERT_EQ(found.axes.size(), 2U);
   EXPECT_LT(found.replay, 1e-4);
   EXPECT_TRUE(is_tracking_identified(found));
@@ -199,15 +199,23 @@ TEST_F(ClosedLoop, IsExplainedByTheBudgetOfTheRun) {
   }
 }
 
+// The lists of a diagram for a test along one axis hold one value.
+TEST_F(ClosedLoop, ReadsConstantsOfOneAxis) {
+  const auto constants =
+      temporary.write("constants.toml", "[observer]\neffective_mass_kg = [113369]\n");
+  make(false, {{"axes", "[\"long\"]"}, {"node.xpc.constants", constants.string()}});
+
+  const auto& correction = std::get<TableForceCorrection>(hybrid.correction);
+  EXPECT_EQ(correction.machine[0].effective_mass, 113369);
+  EXPECT_EQ(correction.machine[1].effective_mass, 0);
+}
+
 // Without that correction, the tracking error is the largest part.
 TEST_F(ClosedLoop, FindsTheLargestShareInTheTrackingOfAts) {
   source = test::source_tree() / "examples/srmd_lprb_2d_ats.toml";
   make(true);
-  auto improved = experiment;
-  improved.model = experiment.specimen;
-  improved.assumed_machine = experiment.machine;
   const recording::Reader run{folder / "run.h5"};
-  const auto found = launch::budget_of_run(experiment, improved, run, nullptr);
+  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
   ASSERT_EQ(found.axes.size(), 2U);
   for (const auto& axis : found.axes) {
     EXPECT_LT(axis.after, 0.03) << axis.name;
@@ -270,11 +278,8 @@ TEST_F(ClosedLoop, DoesNotDependOnTheNamesOfTheNodes) {
 // laboratory. What the noise does to the response bounds their difference.
 TEST_F(ClosedLoop, IsRepeatedByARunOfTheImprovedExperiment) {
   make(true);
-  auto improved = experiment;
-  improved.model = experiment.specimen;
-  improved.assumed_machine = experiment.machine;
   const recording::Reader run{folder / "run.h5"};
-  const auto found = launch::budget_of_run(experiment, improved, run, nullptr);
+  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
   const Response with = closed_loop(hybrid, kAll);
   hybrid.noise = {};
   const Response without = closed_loop(hybrid, kAll);
