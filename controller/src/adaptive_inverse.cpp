@@ -28,16 +28,13 @@ constexpr double kLargestChange = 4;  // of a coefficient, in standard deviation
 constexpr int kVelocityTerm = 1;
 
 AdaptiveInverseSettings checked(AdaptiveInverseSettings s) {
-  const auto positive = [](const char* name, double value) {
-    kRequireInverse(value > 0, name, value, "a positive number");
-  };
-  positive("forgetting", s.forgetting);
-  positive("error", s.error);
-  positive("largest_error", s.largest_error);
-  positive("a0", s.initial.a0);
-  positive("a1", s.initial.a1);
-  positive("a2", s.initial.a2);
-  positive("a3", s.initial.a3);
+  kRequireInverse.positive("forgetting", s.forgetting);
+  kRequireInverse.positive("error", s.error);
+  kRequireInverse.positive("largest_error", s.largest_error);
+  kRequireInverse.positive("a0", s.initial.a0);
+  kRequireInverse.positive("a1", s.initial.a1);
+  kRequireInverse.positive("a2", s.initial.a2);
+  kRequireInverse.positive("a3", s.initial.a3);
   if (s.initial.a1 * s.initial.a2 <= s.initial.a3 * s.initial.a0)
     throw Error{
         "adaptive inverse: the initial coefficients invert an unstable machine, expected a1 a2 > "

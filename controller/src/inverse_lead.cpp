@@ -26,14 +26,11 @@ enum Coefficient {
 };
 
 InverseLeadSettings checked(InverseLeadSettings s) {
-  const auto positive = [](const char* name, double value) {
-    kRequireLead(value > 0, name, value, "a positive number");
-  };
-  positive("period", s.period);
-  positive("smoothing", s.smoothing);
-  positive("sign_velocity", s.sign_velocity);
-  positive("force_capacity", s.force_capacity);
-  positive("largest_reference", s.largest_reference);
+  kRequireLead.positive("period", s.period);
+  kRequireLead.positive("smoothing", s.smoothing);
+  kRequireLead.positive("sign_velocity", s.sign_velocity);
+  kRequireLead.positive("force_capacity", s.force_capacity);
+  kRequireLead.positive("largest_reference", s.largest_reference);
   return s;
 }
 

@@ -16,6 +16,10 @@ struct Require {
     if (!holds)
       throw Error{fmt::format("{}: {} is {:g}, expected {}", subject, name, value, expected)};
   }
+  /// @throws Error unless the value is positive   @setup
+  void positive(const char* name, double value) const {
+    (*this)(value > 0, name, value, "a positive number");
+  }
 };
 
 }  // namespace rths::controller

@@ -45,7 +45,7 @@ void check(const SafetyLimits& limits, const SafetySettings& settings) {
 }
 
 SafetySettings checked(const SafetySettings& settings) {
-  kRequireSafety(settings.period > 0, "period", settings.period, "a positive number");
+  kRequireSafety.positive("period", settings.period);
   kRequireSafety(settings.window >= settings.period && settings.window <= 1, "window",
                  settings.window, "a period to 1 s");
   kRequireSafety(settings.response_delay >= 0 &&

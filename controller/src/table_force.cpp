@@ -38,7 +38,7 @@ bool is_finite(const TableSample& s) {
 FractionalDelay::FractionalDelay(double delay, double period) {
   kRequireTable(delay >= 0 && delay <= kLongestAccelerometerDelay, "accelerometer delay", delay,
                 "0 to 0.02 s");
-  kRequireTable(period > 0, "period", period, "a positive number");
+  kRequireTable.positive("period", period);
   const double samples = delay / period;
   // The four samples around the instant; at the newest end, the four newest.
   whole_ = static_cast<std::size_t>(std::max(0.0, std::floor(samples) - 1));

@@ -140,10 +140,10 @@ struct TargetForce::State {
 
 TargetForce::TargetForce(const TargetForceSettings& settings) {
   kRequireTargetForce(settings.axes >= 1, "number of axes", settings.axes, "at least 1");
-  kRequireTargetForce(settings.period > 0, "period", settings.period, "a positive number");
+  kRequireTargetForce.positive("period", settings.period);
   kRequireTargetForce(!settings.reach.empty(), "number of sliders", 0, "at least 1");
   for (const double reach : settings.reach)
-    kRequireTargetForce(reach > 0, "reach of a slider", reach, "a positive number");
+    kRequireTargetForce.positive("reach of a slider", reach);
   kRequireTargetForce(settings.forgetting > settings.period, "forgetting", settings.forgetting,
                       "more than a period");
   state_ = std::make_unique<State>(settings);
