@@ -33,7 +33,6 @@ constexpr std::array kRoles{PluginRole{"machine", Role::Machine, 1e-3, 0, 60},
 // Of a step. Peers of a node in real time wait for 0.5 s. In virtual time nobody waits, and the
 // host may be busy.
 constexpr double kStepDeadline = 0.3, kStepDeadlineInVirtualTime = 5;  // [s]
-constexpr double kChildMargin = 0.1;  // for the answer of the process [s]
 
 const PluginRole& role_in(const Config& table) {
   const std::string name = table.text("role");
@@ -77,7 +76,7 @@ std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Host
     child.title =
         fmt::format("{} of node '{}' ({})", plugin.built_in ? plugin.built_in->name : "plugin",
                     context.node, plugin.library.filename().string());
-  child.step_deadline = plugin.step_deadline + kChildMargin;
+  child.step_deadline = plugin.step_deadline;
   child.priority = context.is_virtual ? 0 : hosting.priority;
   return make_child([plugin] { return make_plugin(plugin); }, child);
 }

@@ -12,7 +12,7 @@ namespace rths::plugin {
 struct ChildSettings {
   std::string title;           ///< of the adapter, for messages
   double setup_deadline = 20;  ///< until it is made, until it is active [s]
-  double step_deadline = 0.5;  ///< of a step, wall time [s]
+  double step_deadline = 0.5;  ///< of a step, wall time [s]; the process ends 0.1 s later
   int priority = 0;            ///< real-time priority of the process from `activate` on; 0: none
 };
 
