@@ -112,6 +112,7 @@ TableSignals::Terms TableSignals::step(const TableSample& sample) noexcept {
   friction_state_ =
       direction + (friction_state_ - direction) * std::exp(-std::abs(moved) / presliding_);
   Terms terms;
+  terms.displacement = x;
   terms.velocity = v;
   terms.factors << sample.acceleration, friction_state_, load_(sample.axial_load) * friction_state_,
       v, 1;
@@ -149,6 +150,7 @@ double TableForceObserver::step(const TableSample& sample) noexcept {
   else
     ++bad_samples_;
   const TableSignals::Terms terms = signals_->step(last_);
+  displacement_ = terms.displacement;
   velocity_ = terms.velocity;
   machine_force_ = terms.factors.dot(Eigen::Matrix<double, TableSignals::kTableTerms, 1>{
       machine_.effective_mass, machine_.coulomb_friction, machine_.load_friction,

@@ -52,6 +52,7 @@ class TableSignals {
     Eigen::Matrix<double, kTableTerms, 1> factors;  ///< of m_e, F_s, μ, F_d, d
     double force = 0;                               ///< measured [N]
     double velocity = 0;                            ///< [m/s]
+    double displacement = 0;                        ///< [m], without low-pass
   };
   /// @param filter_order  0: no low-pass
   TableSignals(double accelerometer_delay, double presliding, const TableObserverSettings& settings,

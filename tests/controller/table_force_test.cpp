@@ -238,6 +238,19 @@ TEST(TableForceObserver, ReportsTheAgeOfItsResult) {
   EXPECT_NEAR((1e6 * 1.999 - out) / 1e6, observer.lag(), 1e-4);
 }
 
+TEST(TableForceObserver, DelaysTheDisplacementAsTheForce) {
+  TableForce machine;
+  machine.accelerometer_delay = 1.3e-3;
+  TableForceObserver observer{machine, {}};
+
+  double force = 0;
+  for (int i = 0; i < 2000; ++i)
+    force = observer.step({0.2 * i * kPeriod, 0, 1e6 * i * kPeriod, 0});
+
+  EXPECT_NEAR(observer.displacement(), 0.2 * (1.999 - 1.3e-3), 1e-9);
+  EXPECT_NEAR(force, 1e6 * (1.999 - 1.3e-3), 1e-3);
+}
+
 TEST(TableForceObserver, HoldsTheLastGoodSample) {
   TableForceObserver observer{a_machine(), {}};
   for (int i = 0; i < 100; ++i) (void)observer.step({0, 0, 50e3, 0});

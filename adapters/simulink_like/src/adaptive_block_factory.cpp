@@ -46,7 +46,8 @@ Block make_table_force_observer(const Config& table, const BlockContext& context
   block.outputs = {{"force", kPerAxis, "N"},
                    {"velocity", kPerAxis, "m/s"},
                    {"machine_force", kPerAxis, "N"},
-                   {"bad_samples", kPerAxis, "1"}};
+                   {"bad_samples", kPerAxis, "1"},
+                   {"displacement", kPerAxis, "m"}};
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   block.kind = std::move(observer);
   return block;

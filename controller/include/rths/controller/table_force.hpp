@@ -54,6 +54,8 @@ class TableForceObserver {
   /// A sample with a value that is not finite counts as a repetition of the last good one.
   /// @returns the specimen's force, `lag` ago [N]   @realtime
   [[nodiscard]] double step(const TableSample& sample) RTHS_REALTIME;
+  /// Measured displacement as late as the accelerometer, like the force [m]
+  [[nodiscard]] double displacement() const { return displacement_; }
   [[nodiscard]] double velocity() const { return velocity_; }            ///< [m/s]
   [[nodiscard]] double machine_force() const { return machine_force_; }  ///< [N]
   [[nodiscard]] long bad_samples() const { return bad_samples_; }
@@ -64,7 +66,7 @@ class TableForceObserver {
   TableForce machine_;
   std::unique_ptr<TableSignals> signals_;
   TableSample last_;
-  double velocity_ = 0, machine_force_ = 0, lag_ = 0;
+  double displacement_ = 0, velocity_ = 0, machine_force_ = 0, lag_ = 0;
   long bad_samples_ = 0;
 };
 
