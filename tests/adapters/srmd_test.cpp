@@ -105,6 +105,16 @@ TEST(MachineConfig, SetsBothAxes) {
   EXPECT_FALSE(machine.has_specimen);
 }
 
+TEST(MachineConfig, PutsRollersOnAnEmptyTableOnly) {
+  EXPECT_TRUE(
+      read_machine(Config::parse("empty_table = true\nrollers = true", "m.toml")).has_rollers);
+  EXPECT_EQ(
+      test::error_of(
+          [] { static_cast<void>(read_machine(Config::parse("rollers = true", "m.toml"))); }),
+      "m.toml:1:11: rollers is true, but empty_table is false: a table carries either rollers or a "
+      "specimen");
+}
+
 TEST(MachineConfig, SaysWhatIsWrong) {
   EXPECT_EQ(test::error_of([] {
               static_cast<void>(read_machine(Config::parse("dead_band = [1]", "m.toml")));

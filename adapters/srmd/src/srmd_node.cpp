@@ -39,6 +39,7 @@ std::unique_ptr<Adapter> make_platen(const sim::machine::FamilyMember& member,
   SrmdPlatenSettings settings;
   settings.machine = member.machine;
   settings.machine.has_specimen = setup.machine.has_specimen;
+  settings.machine.has_rollers = setup.machine.has_rollers;
   settings.machine.specimen =
       sim::machine::with_stiffness(setup.specimen, member.specimen_stiffness);
   settings.machine.seed = setup.machine.seed;

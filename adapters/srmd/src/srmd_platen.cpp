@@ -48,7 +48,7 @@ class SrmdPlaten final : public Adapter {
       return std::find(settings.axes.begin(), settings.axes.end(), axis) != settings.axes.end();
     };
     driven_ = {drives("long"), drives("lat"), true, true, true, true};
-    held_.axial_load = settings.machine.has_specimen ? settings.machine.specimen.axial_load : 0;
+    held_.axial_load = settings.machine.carries_load() ? settings.machine.specimen.axial_load : 0;
   }
 
   [[nodiscard]] std::vector<Port> ports() const override;

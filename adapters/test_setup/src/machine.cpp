@@ -44,6 +44,11 @@ sim::TestMachine read_machine(const Config& changes) {
   noise.force = table.number_in("force_noise_N", 0, 1e9, noise.force);
   noise.acceleration = table.number_in("acceleration_noise_m_per_s2", 0, 1e3, noise.acceleration);
   machine.has_specimen = !table.flag("empty_table", false);
+  machine.has_rollers = table.flag("rollers", false);
+  if (machine.has_rollers && machine.has_specimen)
+    table.fail(
+        "rollers",
+        "rollers is true, but empty_table is false: a table carries either rollers or a specimen");
   machine.terms = sim::read_terms(table, sim::TermOwner::Machine);
   table.reject_unknown_keys();
   return machine;

@@ -39,7 +39,7 @@ void check_rates(const PlatenMachine& m, double substep) {
   const double friction = m.friction.coulomb.maxCoeff() / m.friction.law.presliding;
   require_slow("the rate of the specimen's shear on the platen",
                std::sqrt((shear + friction) / lightest(m)), substep, kFastestMode);
-  if (!m.has_specimen) return;
+  if (!m.carries_load()) return;
   require_slow("the rate of the specimen's compression on the platen",
                std::max(std::sqrt(m.vertical_specimen.stiffness / m.mass[2]),
                         m.vertical_specimen.damping / m.mass[2]),
@@ -76,7 +76,7 @@ void check(const PlatenMachine& m, double substep) {
   check_rates(m, substep);
   check_reach(m);
   const double most = m.limits.force[2] - m.weight();
-  if (m.has_specimen && !(m.specimen.axial_load >= 0 && m.specimen.axial_load <= most))
+  if (m.carries_load() && !(m.specimen.axial_load >= 0 && m.specimen.axial_load <= most))
     throw Error{fmt::format("machine: the specimen's axial load is {} N, expected 0 to {} N",
                             m.specimen.axial_load, most)};
 }

@@ -54,7 +54,7 @@ PlatenRun::PlatenRun(const PlatenMachine& machine, double period)
   for (std::size_t i = 0; i < kActuators; ++i) middle_[i] = at_middle[i].value;
   deflection_.fill(Vector2d::Zero());  // Eigen does not
   state_.gas = machine_.supply.gas_volume;
-  if (machine_.has_specimen)
+  if (machine_.carries_load())
     rest_height_ = machine_.specimen.axial_load / machine_.vertical_specimen.stiffness;
   settle();
 }
@@ -63,7 +63,7 @@ PlatenRun::PlatenRun(const PlatenMachine& machine, double period)
 // that replaces leakage.
 void PlatenRun::settle() {
   PlatenReference reference;
-  reference.axial_load = machine_.has_specimen ? machine_.specimen.axial_load : 0;
+  reference.axial_load = machine_.carries_load() ? machine_.specimen.axial_load : 0;
   for (auto& waiting : delay_line_) waiting = reference;
   const double share = (machine_.weight() + reference.axial_load) / kVertical;
   for (std::size_t i = kHorizontal; i < kActuators; ++i) {
@@ -95,18 +95,19 @@ PlatenRun::Coordinates PlatenRun::coordinates(const Pose& pose, const Matrix3d& 
 
 double PlatenRun::compression(const Pose& pose, const Vector3d& velocity,
                               const Matrix3d& R) const noexcept {
-  if (!machine_.has_specimen) return 0;
+  if (!machine_.carries_load()) return 0;
   const VerticalSpecimen& v = machine_.vertical_specimen;
   const Vector3d at = pose.position + machine_.top * R.col(2);
   const double u2 = at.head<2>().squaredNorm();
   double stiffness = v.stiffness;
   double shortening = rest_height_ + at[2] - machine_.top;
   double rate = velocity[2];
-  if (v.radius_of_gyration > 0) {
+  const bool is_bearing = machine_.has_specimen;  // rollers neither soften nor lift
+  if (is_bearing && v.radius_of_gyration > 0) {
     const double slenderness = std::numbers::pi * v.radius_of_gyration;
     stiffness /= 1 + 3 * u2 / (slenderness * slenderness);
   }
-  if (v.pendulum_radius > 0) {
+  if (is_bearing && v.pendulum_radius > 0) {
     shortening += u2 / (2 * v.pendulum_radius);
     rate += at.head<2>().dot(velocity.head<2>()) / v.pendulum_radius;
   }
@@ -210,14 +211,15 @@ void PlatenRun::update_resistance() noexcept {
     friction_ += force.head<2>();
     resistance_ += wrench(arm, force);
   }
-  if (!machine_.has_specimen) return;
+  if (!machine_.carries_load()) return;
   const Vector3d top = machine_.top * R.col(2);
   const Vector2d u = (state_.pose.position + top).head<2>();
   const Vector2d v = (state_.velocity + spin.cross(top)).head<2>();
-  specimen_force_ = bearing_.advance(u, v, load);
+  if (machine_.has_specimen) specimen_force_ = bearing_.advance(u, v, load);
   const Vector2d& F = specimen_force_;
   resistance_ += wrench(top, {F[0], F[1], 0});
-  // Both ends of the specimen are clamped, and each carries half of the moment.
+  // Both ends of the specimen are clamped, and each carries half of the moment. Rollers roll half
+  // of the way, so their load has the same arm.
   const double h = machine_.vertical_specimen.height;
   resistance_.tail<3>() -=
       Vector3d{u[1] * load + h * F[1], -(u[0] * load + h * F[0]), u[0] * F[1] - u[1] * F[0]} / 2;
@@ -248,7 +250,7 @@ Vector2d PlatenRun::coulomb_of(std::size_t surface, const Matrix3d& R,
 }
 
 void PlatenRun::run_force_loop(double reference) noexcept {
-  if (!machine_.has_specimen) return;
+  if (!machine_.carries_load()) return;
   const double stroke = machine_.limits.stroke[2];
   const double error = reference - (filtered_force_[2] - machine_.weight());
   force_correction_ += machine_.force_loop.gain * period_ * error / machine_.force_loop.stiffness;

@@ -36,7 +36,7 @@ double total(const PlatenEnergy& e) { return e.kinetic + e.potential + e.oil + e
 
 PlatenReference resting(const PlatenMachine& m) {
   PlatenReference reference;
-  reference.axial_load = m.has_specimen ? m.specimen.axial_load : 0;
+  reference.axial_load = m.carries_load() ? m.specimen.axial_load : 0;
   return reference;
 }
 
@@ -213,6 +213,28 @@ TEST(PlatenRun, HasMoreFrictionUnderLoad) {
       sliding(test::srmd_machine_with_bearing()) - sliding(test::srmd_machine_file());
 
   EXPECT_NEAR(difference, 0.002 * kAxialLoad, 0.03 * 0.002 * kAxialLoad);
+}
+
+// The table on rollers resists with the same friction, and with nothing else.
+TEST(PlatenRun, CarriesTheLoadOnRollers) {
+  PlatenMachine m = test::srmd_machine_file();
+  m.has_rollers = true;
+  m.specimen = test::plain_lead_rubber();
+  PlatenRun run{m, kPeriod};
+  PlatenFeedback feedback;
+  PlatenReference reference = resting(m);
+  double force = 0, load = 0;
+  for (int i = 0; i < 2500; ++i) {
+    reference.displacement[0] = 0.1e-3 * i;
+    static_cast<void>(run.step(reference, feedback));
+    if (i < 2000) continue;
+    force += (feedback.force[0] - m.transducers.force_offset[0]) / 500;
+    load += feedback.force[2] / 500;
+  }
+
+  EXPECT_NEAR(load, kAxialLoad, 0.01 * kAxialLoad);
+  EXPECT_NEAR(force, 5100 + 716 * 0.1 + 0.002 * kAxialLoad, 0.03 * 0.002 * kAxialLoad);
+  EXPECT_EQ(run.specimen_force(), Eigen::Vector2d::Zero());
 }
 
 TEST(PlatenRun, LosesItsOilFilmBeyondTheLiftCapacity) {

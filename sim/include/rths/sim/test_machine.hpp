@@ -67,6 +67,7 @@ struct TestMachine {
   std::vector<TermSettings> terms;
   SensorNoise noise;
   bool has_specimen = true;  ///< false: an empty table
+  bool has_rollers = false;  ///< of an empty table: they carry its vertical load without friction
   Bearing specimen;
   std::uint64_t seed = 1;
 };

@@ -117,6 +117,7 @@ struct PlatenMachine {
   VerticalSpecimen vertical_specimen;
   double transport_delay = 0.002;  ///< of the references [s]
   bool has_specimen = true;        ///< false: an empty table
+  bool has_rollers = false;        ///< in place of a specimen: they carry its load without friction
   Bearing specimen;                ///< its horizontal physics, and its load at the start
   std::uint64_t seed = 1;
 
@@ -124,6 +125,7 @@ struct PlatenMachine {
     return i < 2 ? along_long : i < kHorizontal ? along_lat : vertical;
   }
   [[nodiscard]] double weight() const;  ///< of the platen [N]
+  [[nodiscard]] bool carries_load() const { return has_specimen || has_rollers; }
 };
 
 /// Format version of a machine's file, its key `machine`. Bump it when an existing file would
