@@ -44,6 +44,10 @@ COLD = {  # no heating, friction independent of velocity
 }
 AXIAL_LISTED = {"LeadRubberXVerticalStiffness", "LeadRubberXFourEffects", "LeadRubberXAllEffects",
                 "LeadRubberXAllEffectsAndCooling", "LeadRubberXBeyondBuckling"}
+# On the machine with six degrees of freedom: ATS, and feed-forward with a gain of 0.4 at the valves.
+PAPERS_CONTROLLER = ('node.xpc={adapter="simulink_like", diagram="hybrid_controller", '
+                     'tune={feed_forward.velocity_gain_s=0, valve_feed_forward.value=4}}')
+PAPER_UNCOMPENSATED = "uncompensated.xpc={ats.enabled=0, valve_feed_forward.value=0}"
 LOOPS = {"lprb": (0.210, 0.3), "eqsb": (0.152, 0.3), "tpfb": (0.584, 0.1)}  # amplitude [m], frequency [Hz]
 
 
@@ -106,6 +110,8 @@ def examples(rths):
             "lprb_full_model": run("srmd_lprb_2d.toml", "--no-diagnosis",
                                    "--set", "model.specimen.lead_heating.enabled=true",
                                    "--set", "model.machine.load_dependent_friction.enabled=true"),
+            "platen": run("srmd_platen_2d.toml", "--no-diagnosis"),
+            "platen_ats": run("srmd_platen_2d.toml", "--no-diagnosis", "--set", PAPERS_CONTROLLER, "--set", PAPER_UNCOMPENSATED),
             "eqsb": run("srmd_eqsb_2d.toml", "--no-diagnosis"),
             "tpfb": run("srmd_tpfb_2d.toml", "--no-diagnosis"),
             "mismatch_tracking": run("mismatch_tracking_2d.toml"),

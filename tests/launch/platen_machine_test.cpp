@@ -25,8 +25,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-// The run without compensation has no feed-forward, although `tune` sets one.
-TEST(PlatenExample, HasThePapersDelays) {
+// The raw delay is the paper's. The inverse starts from the coefficients of another machine and
+// learns.
+TEST(PlatenExample, CompensatesThePapersDelay) {
   const test::TemporaryFolder folder;
   const auto run = test::run_rths(
       {"run", (test::source_tree() / "examples/srmd_platen_2d.toml").string(), "--clock", "virtual",
@@ -39,8 +40,9 @@ TEST(PlatenExample, HasThePapersDelays) {
     const Json& axis = report["axes"][name];
     EXPECT_GT(axis["delay_raw_ms"], 55) << name;
     EXPECT_LT(axis["delay_raw_ms"], 65) << name;
-    EXPECT_LT(axis["delay_compensated_ms"], 6.5) << name;
-    EXPECT_LT(axis["nrms_percent"], 1.5) << name;
+    EXPECT_LT(std::abs(double{axis["delay_compensated_ms"]}), 2.5) << name;
+    EXPECT_LT(axis["nrms_percent"], 1) << name;
+    EXPECT_LT(axis["numerical_difference_percent"], 10) << name;
   }
 }
 
