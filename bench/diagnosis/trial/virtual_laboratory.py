@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The closed-loop laboratory in virtual time, with effects hidden in its bearing, machine or load cell."""
 import dataclasses
-import math
 import pathlib
 import subprocess
 import tempfile
@@ -9,10 +8,11 @@ import tempfile
 import numpy as np
 
 import effects
+import lead
 from case_folder import toml_of, write_case
 from effects import Effect, Size
 from force_truth import ForceTruth, force_cells, nrmse, whitener_of
-from motion import Motion, bouc_wen, heated_bouc_wen, presliding
+from motion import Motion, bouc_wen, presliding
 from opensees_bearings import AXES, effect_entry, perturbed
 from signals import fused, low_passed, rate_of
 from slots import SLOTS, effects_for
@@ -24,10 +24,9 @@ REST_S = 2.0
 DRAWS = 6
 CROSSOVER_HZ = 5.0  # where the noise of both sensors of motion is the same
 BEARING = {"characteristic_strength": 1_010_000.0, "post_yield_stiffness": 4_238_095.0, "yield_displacement": 2.855e-3}
+PLUG = BEARING["characteristic_strength"], BEARING["yield_displacement"]
 MACHINE = {"mass": np.array([113_371.0, 116_836.0]), "friction": np.array([5100.0, 8600.0]), "viscous": np.array([716.0, 870.0])}
 NOISE = {"u": 5e-5, "F": 5e3}  # standard deviations of the laboratory's sensors
-# Softening over the heat that the lead can hold: 0.0069/K ÷ (1.456 MJ/(m³ K) · π (0.1793 m)² · 0.37 m).
-SOFTENING = 0.0069 / (1.456e6 * math.pi * 0.1793**2 * 0.37)
 UNITS = {"friction_force": "_N", "friction_coefficient": "", "coefficient": {"quadratic_drag": "_N_s2_per_m2"},
          "breakaway_force": "_N", "stribeck_velocity": "_m_per_s", "presliding": "_m", "place": "_m", "width": "_m",
          "stiffness": {"cubic_stiffness": "_N_per_m3", "asymmetric_stiffness": "_N_per_m2", "large_strain_stiffening": "_N_per_m",
@@ -39,13 +38,11 @@ SCALES = {"petrolia_1992_riodell_freefield": (1.0, 1.4), "imperial_valley_1979_m
 
 
 def _heated(motion, values, force):
-    """Change by heating without losses, along the motion."""
-    strength, yields = BEARING["characteristic_strength"], BEARING["yield_displacement"]
-    return (heated_bouc_wen(motion, strength, yields, values["softening"])
-            - strength * bouc_wen(motion.u, yields))
+    """Change by the heated lead plug, along the motion."""
+    return lead.heated(motion, *PLUG)[0] - PLUG[0] * bouc_wen(motion.u, PLUG[1])
 
 
-HEATING = Effect("lead_heating", "bearing", (Size("softening", "1", SOFTENING, SOFTENING),), _heated, also=("adiabatic_heating",))
+HEATING = Effect("lead_heating", "bearing", (Size("softening", "1", lead.SOFTENING, lead.SOFTENING),), _heated, also=("adiabatic_heating",))
 HIDDEN = ("load_dependent_friction", "quadratic_drag", "stribeck_friction", "position_dependent_friction", "cubic_stiffness",
           "asymmetric_stiffness", "large_strain_stiffening", "viscoelastic_relaxation", "force_gain", "force_drift",
           "force_saturation", "force_skew", "force_filter_lag")
@@ -134,8 +131,9 @@ def make(rng, number, folder, sources):
     peaks = size.peaks() | {"T": 30.0}
     typical = dataclasses.replace(size, scales=peaks)
     hidden = {e.name: effects.draw(e, typical, rng, slot.size * (.7 if slot.kind == "pair" else 1)) for e in chosen}
-    hidden = {name: (values | {"softening": SOFTENING} if name == "lead_heating" else values) for name, values in hidden.items()}
     records = _run(sources, chosen, hidden, int(rng.integers(1, 2**31)), motions, columns)
+    if "lead_heating" in hidden:
+        hidden["lead_heating"] = {"softening": lead.effective_softening(motion_of(records[0]), *PLUG)}
     entries, base = _truth(motion_of(records[0]), chosen, hidden, rng)
     _write(folder, records, base, slot.tier == "missing", perturbed(BEARING, rng))
     unseen = motion_of(records[1])
