@@ -155,9 +155,14 @@ def whole_force(test, values, hidden, chosen, scales=None, u=None, without=None,
     return force
 
 
-def _library(kind):
+def _has_load(kind, is_bare):
+    """Whether the vertical force is recorded."""
+    return not is_bare or kind in ("flat", "pendulum")
+
+
+def _library(kind, is_bare):
     own = [e for e in effects.all_effects() if e.in_library and e.name not in ("force_clock_drift",)]
-    return own + 3 * OF_OPENSEES[kind]
+    return [e for e in own + 3 * OF_OPENSEES[kind] if e.needs != "load" or _has_load(kind, is_bare)]
 
 
 def make(rng, slot, folder, sources, kind):
@@ -165,7 +170,8 @@ def make(rng, slot, folder, sources, kind):
     specimen, stated = draw_specimen(kind, rng), None
     stated = perturbed(specimen.values, rng)
     tests = [Test(rng, ground_motions.files_of(sources), slot.duration(DURATION), specimen) for _ in FILES]
-    chosen = effects_for(slot.kind, rng, _library(kind), [e for e in effects.all_effects() if not e.in_library])
+    is_bare = slot.tier == "missing"
+    chosen = effects_for(slot.kind, rng, _library(kind, is_bare), [e for e in effects.all_effects() if not e.in_library])
     base = tests[0].motion(tests[0].bearing(specimen.values, {}))
     hidden = {effect.name: effects.draw(effect, base, rng, slot.size * (.7 if slot.kind == "pair" else 1))
               for effect in chosen}
@@ -174,7 +180,6 @@ def make(rng, slot, folder, sources, kind):
              "F": colour(rng, slot.noise * float(base.force.std())), "N": colour(rng, 1e-3 * LOAD)}
     forces = [whole_force(test, specimen.values, hidden, chosen, scales, divisions=RECORDED) for test in tests]
     recorded = [_record(test, force, noise, rng) for test, force in zip(tests, forces)]
-    is_bare = slot.tier == "missing"
     _write(folder, specimen, stated, recorded, base, is_bare, kind)
     truth = _truth(tests[0], specimen, hidden, chosen, base, noise, rng)
     return {"effects": truth[0], "cells": truth[1], "specimen": {"kind": kind},
@@ -201,7 +206,7 @@ def _write(folder, specimen, stated, recorded, base, is_bare, kind):
                 "force": dict(zip(AXES, ("F_x [kN]", "F_y [kN]")))}
     if not is_bare:
         channels["acceleration"] = dict(zip(AXES, ("a_x [m/s2]", "a_y [m/s2]")))
-    if not is_bare or kind in ("flat", "pendulum"):
+    if _has_load(kind, is_bare):
         channels["vertical_force"] = "N [kN]"
     peaks = base.peaks()
     document = {

@@ -23,6 +23,7 @@ TABLE_STEP = 0.001  # of recording and case [s]
 REST_S = 2.0
 DRAWS = 6
 CROSSOVER_HZ = 5.0  # where the noise of both sensors of motion is the same
+BARE_HZ = 20.0  # where the motion ends, and with it its noise, if there are no accelerometers
 BEARING = {"characteristic_strength": 1_010_000.0, "post_yield_stiffness": 4_238_095.0, "yield_displacement": 2.855e-3}
 PLUG = BEARING["characteristic_strength"], BEARING["yield_displacement"]
 MACHINE = {"mass": np.array([113_371.0, 116_836.0]), "friction": np.array([5100.0, 8600.0]), "viscous": np.array([716.0, 870.0])}
@@ -59,9 +60,10 @@ def _base(motion):
     return _smooth(motion) + MACHINE["friction"] * presliding(motion.u, 1e-5)
 
 
-def _library():
+def _library(is_bare):
     by_name = {effect.name: effect for effect in effects.all_effects()}
-    return [by_name[name] for name in HIDDEN] + 3 * [HEATING], [by_name["cogging"]]
+    hidden = [by_name[name] for name in HIDDEN] + 3 * [HEATING]
+    return [effect for effect in hidden if not is_bare or effect.needs != "load"], [by_name["cogging"]]
 
 
 def _term(effect, values):
@@ -125,7 +127,8 @@ def make(rng, number, folder, sources):
     motions = [{"file": str(sources["records"] / f"{MOTIONS[k]}.csv"), "column_vert": 3, "scale": float(rng.uniform(*SCALES[MOTIONS[k]]))}
                for k in order]
     columns = dict(zip(("column_long", "column_lat"), (1, 2) if rng.random() < .5 else (2, 1)))
-    library, outsiders = _library()
+    is_bare = slot.tier == "missing"
+    library, outsiders = _library(is_bare)
     chosen = effects_for(slot.kind, rng, library, outsiders)
     size = Motion(STEP, np.full((2, 2), .2), np.full((2, 2), .6), np.full((2, 2), 3.0), np.full(2, 9.7e6), np.full((2, 2), 1.9e6))
     peaks = size.peaks() | {"T": 30.0}
@@ -134,11 +137,11 @@ def make(rng, number, folder, sources):
     records = _run(sources, chosen, hidden, int(rng.integers(1, 2**31)), motions, columns)
     if "lead_heating" in hidden:
         hidden["lead_heating"] = {"softening": lead.effective_softening(motion_of(records[0]), *PLUG)}
-    entries, base = _truth(motion_of(records[0]), chosen, hidden, rng)
-    _write(folder, records, base, slot.tier == "missing", perturbed(BEARING, rng))
+    entries, base = _truth(motion_of(records[0]), chosen, hidden, rng, is_bare)
+    _write(folder, records, base, is_bare, perturbed(BEARING, rng))
     unseen = motion_of(records[1])
     force = _base(unseen)
-    noisy = force + _noise(unseen, rng)  # the equations above are not exact enough for a floor
+    noisy = force + _noise(unseen, rng, is_bare)  # the equations above are not exact enough for a floor
     return {"tier": slot.tier if slot.tier not in ("noisy", "short") else "standard", "kind": slot.kind, "effects": entries,
             "cells": force_cells(base), "specimen": {"kind": "lprb"},
             "nrmse_on_unseen": {"oracle": nrmse(noisy, force, STEP)}}
@@ -151,24 +154,28 @@ def _with(chosen, hidden, motion, force):
     return force
 
 
-def _noise(motion, rng):
-    """A draw of the load cell's noise, at the case's rate, and of the force that the noise of the fused motion causes.
+def _noise(motion, rng, is_bare):
+    """A draw of the load cell's noise, at the case's rate, and of the force that the noise of the motion causes.
 
-    Dry friction is left out: near rest its sign would follow the noise.
+    Accelerometers leave the noise of the displacement below the crossover alone; without them it moves velocity and
+    acceleration too. Dry friction is left out: near rest its sign would follow the noise.
     """
     heard = rng.standard_normal((EVERY * len(motion.u), 2)) * NOISE["F"]
     moved = rng.standard_normal((EVERY * len(motion.u), 2)) * NOISE["u"]
-    moved = low_passed(moved, CROSSOVER_HZ, TABLE_STEP)[::EVERY]
-    return _smooth(dataclasses.replace(motion, u=motion.u + moved)) - _smooth(motion) + low_passed(heard, 0.4 / STEP, TABLE_STEP)[::EVERY]
+    moved = low_passed(moved, BARE_HZ if is_bare else CROSSOVER_HZ, TABLE_STEP)[::EVERY]
+    noisy = dataclasses.replace(motion, u=motion.u + moved)
+    if is_bare:
+        noisy = dataclasses.replace(noisy, v=motion.v + rate_of(moved, STEP), a=motion.a + rate_of(rate_of(moved, STEP), STEP))
+    return _smooth(noisy) - _smooth(motion) + low_passed(heard, 0.4 / STEP, TABLE_STEP)[::EVERY]
 
 
-def _truth(motion, chosen, hidden, rng):
+def _truth(motion, chosen, hidden, rng, is_bare):
     """Entries of the effects, and the motion with the force without them."""
     force = _base(motion)
     base = dataclasses.replace(motion, force=force)
     if not chosen:
         return [], base
-    draws = [_noise(motion, rng) for _ in range(DRAWS)]
+    draws = [_noise(motion, rng, is_bare) for _ in range(DRAWS)]
     q, uy = BEARING["characteristic_strength"], BEARING["yield_displacement"]
     z = bouc_wen(motion.u, uy)
     nuisances = [q * z, motion.u, q * (bouc_wen(motion.u, uy * 1.02) - z)]
