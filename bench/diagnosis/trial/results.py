@@ -76,7 +76,7 @@ def by_family_and_tier(rows):
     return families | {"all": by_tier(rows)}
 
 
-LINES = (("named first", "named_first"), ("beside the recording", "named_beside"), ("right in the tie", "right_in_tie"), ("both of a pair", "pairs_both"),
+LINES = (("named first", "named_first"), ("named, beside", "named_beside"), ("right in the tie", "right_in_tie"), ("both of a pair", "pairs_both"),
          ("false alarms", "false_alarms"), ("outsiders abstained", "outside_abstained"), ("right form", "form_right"),
          ("intervals that hold", "coverage95"))
 
@@ -99,7 +99,7 @@ def text_of(whole):
     for label, key in LINES:
         line(label, [f"{s[key]['hits']} of {s[key]['of']}" for s in all_of])
     line("spurious per case", [_number(s["spurious_per_case"]) for s in all_of])
-    line("beside the recording", [_number(s["spurious_beside_per_case"]) for s in all_of])
+    line("spurious, beside", [_number(s["spurious_beside_per_case"]) for s in all_of])
     line("error of sizes", [_number(s["parameter_error_median"], 3) for s in all_of])
     line("after over floor", [_number(s["after_over_floor_median"]) for s in all_of])
     for axis in ("time", "frequency", "state"):
