@@ -39,17 +39,21 @@ struct LeftOut {
 void PrintTo(const LeftOut& left_out, std::ostream* out) { *out << left_out.effect; }
 std::string name_of(const ::testing::TestParamInfo<LeftOut>& info) { return info.param.effect; }
 
-// A first-order lag of the signal, which is linear between samples.
+// A first-order lag of the smooth signal: cubic between the two samples before and after.
 void lagging(Eigen::Ref<VectorXd> y, double) {
   constexpr double kTimeConstant = 0.015;
   constexpr int kSubsteps = 50;
-  double behind = 0, before = 0;
-  for (double& value : y) {
-    for (int i = 1; i <= kSubsteps; ++i)
-      behind += (before + (value - before) * i / kSubsteps - behind) *
-                -std::expm1(-kStep / kSubsteps / kTimeConstant);
-    before = value;
-    value = behind;
+  const VectorXd x = y;
+  const auto at = [&](Index k) { return x[std::clamp<Index>(k, 0, x.size() - 1)]; };
+  double behind = x[0];
+  for (Index k = 1; k < x.size(); ++k) {
+    for (int i = 1; i <= kSubsteps; ++i) {
+      const double s = static_cast<double>(i) / kSubsteps, a = s + 1, b = s - 1, c = s - 2;
+      const double now = (-s * b * c * at(k - 2) + a * s * b * at(k + 1)) / 6 +
+                         (a * b * c * at(k - 1) - a * s * c * at(k)) / 2;
+      behind += (now - behind) * -std::expm1(-kStep / kSubsteps / kTimeConstant);
+    }
+    y[k] = behind;
   }
 }
 

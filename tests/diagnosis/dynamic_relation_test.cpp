@@ -155,6 +155,21 @@ TEST_F(Oscillator, PredictsTheValueNextToAReadingThatOverflows) {
   EXPECT_LT((error - (unlimited - displacement)).cwiseAbs().maxCoeff(), 1e-9 * limit);
 }
 
+// A late signal is not interpolated over the jumps of its reading.
+TEST_F(Oscillator, OverflowsAfterAllOtherEffectsInAnyOrder) {
+  const auto u = test_support::random_signal(3, 1200, kOscillatorStep, 0.3, 6, 30);
+  const auto truth = answer(u, [](double, double) { return 0.0; });
+  const double limit = 0.6 * *std::max_element(truth.begin(), truth.end());
+  with(u, truth);
+  const ModelTerm late{{"time_skew", "", {{"skew", 0.4 * kOscillatorStep}}}, "output.y"};
+  const ModelTerm overflow{{"overflow", "", {{"limit", limit}}}, "output.y"};
+
+  const MatrixXd right = predicted(base_with({late, overflow}));
+  const MatrixXd found_first = predicted(base_with({overflow, late}));
+
+  EXPECT_LT((right - found_first).cwiseAbs().maxCoeff(), 1e-12 * limit);
+}
+
 // Compares every candidate's derivatives with differences of the prediction.
 TEST_F(Oscillator, HasTheDerivativesOfItsPrediction) {
   const auto u = test_support::random_signal(3, 1200, kOscillatorStep, 0.3, 6, 30);

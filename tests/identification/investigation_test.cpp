@@ -87,6 +87,55 @@ TEST(Investigation, OfAnEffectThatIsNoCandidateIsUnknown) {
   EXPECT_TRUE(found->proof.is_systematic());
 }
 
+// Two outputs of one unit; the second one is ten times as exact. Their noise is white.
+class TwoOutputs final : public LinearRelation {
+ public:
+  TwoOutputs() : LinearRelation{{"N", "N"}} { deviation = {0, 0}; }
+  [[nodiscard]] std::vector<std::unique_ptr<Drive>> disturbed(const Drive& drive,
+                                                              const Record& noise) const override {
+    auto all = LinearRelation::disturbed(drive, noise);
+    for (auto& one : all) one->measured += of_sensors(++seed_);
+    return all;
+  }
+  static Eigen::MatrixXd of_sensors(unsigned seed) {
+    return gauss(kInvestigatedRows, 2, seed) * VectorXd{{1, 0.1}}.asDiagonal();
+  }
+
+ private:
+  mutable unsigned seed_ = 1000;
+};
+
+// The first output has a sine of variance 0.8 beside noise of 1: the whitened residual of both has
+// the mean variance 1.4, the error is √1.8 times that of the noise.
+bool is_unknown_beside(bool has_line_at_rest) {
+  std::vector<Record> records, rests;
+  for (const unsigned i : {0U, 1U, 2U}) {
+    Eigen::MatrixXd measured = TwoOutputs::of_sensors(40 + i);
+    measured.col(0) += std::sqrt(0.8) * sine_of(90, kInvestigatedRows);
+    records.push_back(linear_record("record " + std::to_string(i), i == 0 ? Use::Fit : Use::HeldOut,
+                                    kInvestigatedStep, measured, {}));
+    Eigen::MatrixXd at_rest = TwoOutputs::of_sensors(60 + i);
+    if (has_line_at_rest) at_rest.col(0) += std::sqrt(0.8) * sine_of(90, kInvestigatedRows);
+    rests.push_back(linear_record("rest", Use::Reference, kInvestigatedStep, at_rest, {}));
+    rests.back().quiet = {0, kInvestigatedRows};
+  }
+  std::vector<const Record*> all;
+  for (const auto& record : records) all.push_back(&record);
+  for (const auto& rest : rests) all.push_back(&rest);
+  const SensorNoise sensors{all, {}};
+  Progress progress;
+  const auto found = investigate(std::make_unique<TwoOutputs>(), records, sensors, 1, progress);
+  EXPECT_EQ(sensors.lines().empty(), !has_line_at_rest);
+  EXPECT_TRUE(found->proof.is_systematic());
+  EXPECT_NEAR(found->proof.variance(), 1.4, 0.1);
+  return found->is_unknown();
+}
+
+TEST(Investigation, OfALineAtRestIsUnknown) {
+  EXPECT_TRUE(is_unknown_beside(true));
+  EXPECT_FALSE(is_unknown_beside(false));
+}
+
 // 99 % is explained; the rest, of variance 1, is reported and does not take the name back.
 TEST(Investigation, NamesAnEffectBesideASmallRemainder) {
   Investigated both{.named = 10, .unknown = 1};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sensor terms against closed forms.
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -97,6 +99,23 @@ TEST(Lateness, DelaysARamp) {
     ASSERT_NEAR(filtered, t - 0.01 * (1 - std::exp(-t / 0.01)), 1e-12);
     if (i <= 15) continue;
     ASSERT_NEAR(late, t - 0.0123, 1e-12);
+  }
+}
+
+// At 4 ms and 10 Hz, a lag of 1 ms differs from a delay by 2e-3. A line within each step would err
+// by twice as much.
+TEST(Lateness, OfAFilterIsExactForASineOfSmallSteps) {
+  constexpr double kCoarse = 4e-3, kFrequency = 2 * std::numbers::pi * 10;
+  for (const double lag : {2e-4, 1e-3, 4e-3, 0.0399, 0.0401, 0.5}) {
+    Stepper filter{{on(Channel::Displacement, "filter_lag", {{"time_constant", lag}})}, kCoarse};
+    const std::complex<double> gain = 1.0 / std::complex{1.0, kFrequency * lag};
+    for (int i = 0; i < 2000; ++i) {
+      const double t = kCoarse * i;
+      const double filtered = filter.step(readings(std::sin(kFrequency * t))).displacement[0];
+      if (t < 10 * lag + 0.1) continue;
+      const std::complex<double> exact = gain * std::polar(1.0, kFrequency * t);
+      ASSERT_NEAR(filtered, exact.imag(), 2e-4) << lag;
+    }
   }
 }
 

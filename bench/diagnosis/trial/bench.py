@@ -145,14 +145,20 @@ def seal(options, plan):
 
 def diagnose(options, sealed):
     """Scored rows of the tool."""
-    rows = []
+    rows, of_controls = [], {}
+    answers = {name: json.loads((options.out / "answers" / f"{name}.json").read_text()) for name in sealed}
+
+    def keep_control(control, result):
+        of_controls[control.name] = result["verdict"]
 
     def keep(case, result):
-        answer = json.loads((options.out / "answers" / f"{case.name}.json").read_text())
-        row = judge(result["verdict"], answer) | {key: result[key] for key in ("cpu_s", "wall_s", "status")}
+        answer = answers[case.name]
+        row = judge(result["verdict"], answer, of_controls.get(answer.get("control"))) | {key: result[key] for key in ("cpu_s", "wall_s", "status")}
         rows.append(row)
         print_case(row)
 
+    controls = [options.out / "cases" / answer["control"] for answer in answers.values() if answer.get("control")]
+    laboratory.diagnose_all(options.rths, controls, options.out / "verdicts", options.jobs, keep_control)
     cases = [options.out / "cases" / name for name in sealed]
     laboratory.diagnose_all(options.rths, cases, options.out / "verdicts", options.jobs, keep)
     return rows

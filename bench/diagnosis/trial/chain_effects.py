@@ -65,6 +65,11 @@ def spring_effects():
     ]
 
 
+def at_outputs(placed):
+    """Of placed effects, those at outputs in the order in which they act: a converter overflows after all others."""
+    return sorted((one for one in placed if one.effect.where == OUTPUT), key=lambda one: one.effect.name == "overflow")
+
+
 def _overflowed(y, values):
     return y - 2 * values["limit"] * np.round(y / (2 * values["limit"]))
 

@@ -3,13 +3,15 @@
 
 Names are compared in the generator's spelling. Only the outcome "missing" can name an effect: causes in
 a verdict "unknown" count as reported names, never as the right one. Of tier "raw" more is missing than the
-effect, so there "unknown besides the effect" names it.
+effect, so there "unknown besides the effect" names it. What the tool names in the control of such a case, the same
+recording without the effect, is of the recording; the score beside it leaves these names out.
 """
 import places
 import sizes
 from names import canonical, is_form
 
 NO_VERDICT = {"verdict": "failed", "where": {}, "causes": [], "fit": {}}
+SAME_SIZE = 2  # at most, between the sizes of a cause with and without the effect
 FIT_RECORD = "fit"  # of the generator's places
 UNSEEN_RECORD = "unseen"  # of its noise floors
 
@@ -159,11 +161,44 @@ def naming(verdict, answer):
     return {**verdict, "verdict": "missing", "remainder": True} if is_beside else verdict
 
 
-def judge(verdict, answer):
+def _sizes(one, other):
+    """Values of the first parameter that neither of two causes has at zero: sizes come first."""
+    for name, row in one["parameters"].items():
+        a, b = row["value"], other["parameters"].get(name, {}).get("value")
+        if a and b:
+            return a, b
+    return 1, 1
+
+
+def _is_same_cause(one, other):
+    """Whether two verdicts name the same cause at a similar size."""
+    a, b = _sizes(one, other)
+    return (canonical(one["name"]) == canonical(other["name"]) and one.get("channel") == other.get("channel")
+            and a * b > 0 and max(a / b, b / a) < SAME_SIZE)
+
+
+def beside_recording(verdict, control):
+    """The verdict without the causes that the tool also names in the control."""
+    return {**verdict, "causes": [cause for cause in verdict["causes"]
+                                  if not any(_is_same_cause(cause, other) for other in control["causes"])]}
+
+
+def _beside_rows(verdict, answer, control):
+    """The score without what is of the recording."""
+    effects, left = answer["effects"], beside_recording(verdict, control)
+    named = naming(left, answer)
+    kept = {id(cause) for cause in left["causes"]}
+    return {"of_recording": [cause["name"] for cause in verdict["causes"] if id(cause) not in kept],
+            "right_first_beside": is_right_first(named, effects), "all_named_beside": are_all_named(named, effects),
+            "spurious_beside": spurious_names(left, effects)}
+
+
+def judge(verdict, answer, control=None):
     """The scored row of one case.
 
     @param verdict  of the tool; None if it wrote none
     @param answer   of the generator, with its truth
+    @param control  the tool's verdict of the same case without the effect, if there is one
     """
     verdict = verdict or NO_VERDICT
     rules = [cause["name"] for cause in verdict["causes"] if cause.get("is_rule")]
@@ -193,6 +228,8 @@ def judge(verdict, answer):
             "all_named": are_all_named(named, effects),
         })
         row.update(_record_rows(verdict, answer))
+    if control is not None:
+        row.update(_beside_rows(verdict, answer, control))
     if len(effects) == 1:
         row.update(_effect_row(verdict, answer, effects[0]))
     if answer["kind"] == "outside":

@@ -169,6 +169,33 @@ class Raw(unittest.TestCase):
         self.assertFalse(judge(said, answer(effect("p_delta")) | {"tier": "standard"})["right_first"])
         self.assertFalse(judge(verdict("unknown"), answer(effect("p_delta")) | {"tier": "raw"})["right_first"])
 
+    @staticmethod
+    def _sized(name, size):
+        return cause(name, parameters={f"{name}.size": {"value": size, "unit": "N"}})
+
+    def _beside(self, *control):
+        hidden = answer(effect("p_delta")) | {"tier": "raw"}
+        said = verdict("unknown", self._sized("stribeck_friction", 10), self._sized("p_delta", 3))
+        return judge(said, hidden, verdict("unknown", *control))
+
+    def test_a_cause_that_the_control_has_too_is_of_the_recording(self):
+        row = self._beside(self._sized("stribeck_friction", 9))
+        self.assertEqual(row["of_recording"], ["stribeck_friction"])
+        self.assertFalse(row["right_first"])
+        self.assertEqual(row["spurious"], ["stribeck_friction"])
+        self.assertTrue(row["right_first_beside"])
+        self.assertEqual(row["spurious_beside"], [])
+
+    def test_a_cause_of_another_size_is_not_of_the_recording(self):
+        for size in (1, -10, 30):
+            row = self._beside(self._sized("stribeck_friction", size))
+            self.assertEqual((row["of_recording"], row["spurious_beside"]), ([], ["stribeck_friction"]))
+            self.assertFalse(row["right_first_beside"])
+
+    def test_an_effect_that_the_control_has_too_is_not_named(self):
+        row = self._beside(self._sized("stribeck_friction", 9), self._sized("p_delta", 3))
+        self.assertFalse(row["right_first_beside"])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -68,29 +68,16 @@ def relaxed(u, stiffness, time_constant, step):
 
 
 def bouc_wen(u, yield_displacement, beta=0.5, eta=2.0, pieces=4):
-    """z of the isotropic Bouc-Wen rule; midpoint rule on `pieces` of each step."""
+    """z of the isotropic Bouc-Wen rule; midpoint rule on `pieces` of each step. The yield displacement may vary."""
     z = np.zeros_like(u)
     now = np.zeros(u.shape[1])
+    yields = np.broadcast_to(yield_displacement, len(u))
     for k, step in enumerate(np.diff(u, axis=0) / pieces, 1):
         for _ in range(pieces):
-            middle = now + 0.5 * _slope(now, step, yield_displacement, beta, eta)
-            now = now + _slope(middle, step, yield_displacement, beta, eta)
+            middle = now + 0.5 * _slope(now, step, yields[k], beta, eta)
+            now = now + _slope(middle, step, yields[k], beta, eta)
         z[k] = now
     return z
-
-
-def heated_bouc_wen(motion, strength, yield_displacement, softening, pieces=4):
-    """Force with memory, Q z, whose strength Q falls with its own work; the stiffness before yield, Q/u_y, stays."""
-    force = np.zeros_like(motion.u)
-    now, work, factor = np.zeros(motion.axes), 0.0, 1.0
-    for k, step in enumerate(np.diff(motion.u, axis=0) / pieces, 1):
-        for _ in range(pieces):
-            middle = now + 0.5 * _slope(now, step, factor * yield_displacement, 0.5, 2.0)
-            now = now + _slope(middle, step, factor * yield_displacement, 0.5, 2.0)
-        force[k] = factor * strength * now
-        work += float((force[k] + force[k - 1]) / 2 @ (motion.u[k] - motion.u[k - 1]))
-        factor = float(np.exp(-softening * max(work, 0.0)))
-    return force
 
 
 def sliding(u, slip):

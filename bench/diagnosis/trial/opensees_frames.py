@@ -9,7 +9,7 @@ import numpy as np
 import chain_effects
 import ground_motions
 from case_folder import write_case
-from chain_effects import INPUT, OUTPUT
+from chain_effects import INPUT, OUTPUT, at_outputs
 from opensees_runs import chain_response
 from signals import colour, low_passed
 from slots import effects_for
@@ -56,7 +56,7 @@ def _response(system, placed, ground, reach):
         ground = one.effect.act(ground, one.values, STEP)
     u, _ = chain_response([float(m) for m in system.masses], _springs(system, placed, reach), ground, STEP, FINE)
     y = u[:, system.outputs].copy()
-    for one in (p for p in placed if p.effect.where == OUTPUT):
+    for one in at_outputs(placed):
         y[:, one.at] = one.effect.act(y[:, one.at], one.values, STEP)
     return y
 

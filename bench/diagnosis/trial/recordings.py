@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Effects added to recordings of laboratories, beside a model that fits the recording without them.
 
-Tier "raw": the recording itself plus the effect; what the model cannot explain of it remains. Other tiers: the model's
-force under the recorded motion, plus noise, plus the effect. The noise is the model's residual on the first record with
+Tier "raw": the recording itself plus the effect; what the model cannot explain of it remains. Its control is the same
+case without the effect: what the tool names there is of the recording. Other tiers: the model's force under the recorded motion, plus noise, plus the effect. The noise is the model's residual on the first record with
 random phases. Only there is it known that nothing else is missing.
 """
 import dataclasses
@@ -186,7 +186,10 @@ def make(rng, number, folder, sources):
     idle = None if is_raw else surrogate(rng, residuals[0])[:round(IDLE_S / motions[0].step)]
     # The recording's own motion, or the smooth one that the model's force belongs to.
     displacements = [one[1]["u"] if is_raw else m.u[:, 0] for one, m in zip(read_in, motions)]
-    _write(folder, name, recording, p, displacements, recorded, motions, rng, idle)
+    stated = {n: value * (1 + rng.uniform(-.05, .05)) for n, value in p.items()}
+    _write(folder, name, recording, stated, displacements, recorded, motions, idle)
+    if is_raw:
+        _write(control_of(folder), name, recording, stated, displacements, [m.force for m in motions], motions, idle)
     whitener = whitener_of([surrogate(rng, residuals[0]) for _ in range(DRAWS)], motions[0].step)
     nuisances = [recording.law(motions[0], p | {n: p[n] * 1.01}) - bases[0] for n in p]
     entries = []
@@ -196,7 +199,12 @@ def make(rng, number, folder, sources):
         entries.append(effect_entry(effect, hidden[effect.name],
                                     truth.of(effect.name, clean[0] - without, effect.special_case_of, effect.also)))
     return {"tier": "raw" if is_raw else slot.tier, "kind": slot.kind, "effects": entries, "cells": force_cells(model[0]),
-            "specimen": {"kind": name}, "nrmse_on_unseen": {"oracle": nrmse(recorded[2], clean[2], motions[2].step)}}
+            "control": control_of(folder).name if is_raw else None, "specimen": {"kind": name}, "nrmse_on_unseen": {"oracle": nrmse(recorded[2], clean[2], motions[2].step)}}
+
+
+def control_of(folder):
+    """Folder of the same case without its effects."""
+    return folder.with_name(folder.name.removesuffix(".part") + "-control")
 
 
 def _with(chosen, hidden, motion, force):
@@ -206,11 +214,10 @@ def _with(chosen, hidden, motion, force):
     return force
 
 
-def _write(folder, name, recording, p, displacements, forces, motions, rng, idle):
+def _write(folder, name, recording, stated, displacements, forces, motions, idle):
     tables, files = {}, ("fit.csv", "second.csv", "unseen.csv")
     for file, u, force, motion in zip(files, displacements, forces, motions):
         tables[file] = {"t": motion.t, "u": u, "F": force[:, 0]}
-    stated = {n: value * (1 + rng.uniform(-.05, .05)) for n, value in p.items()}
     terms, free = recording.model(stated)
     peaks = motions[0].peaks()
     document = {"name": name,

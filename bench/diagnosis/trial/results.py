@@ -26,6 +26,11 @@ def is_right(row):
     return row["right_first"] if row["distinguishable"] else row["right_in_tie"]
 
 
+def _beside(row, key):
+    """A quantity without what is of the recording, where the case has a control."""
+    return row.get(key + "_beside", row[key])
+
+
 def summary(rows):
     """All quantities of a set of scored cases."""
     single = [row for row in rows if row["kind"] == "library"]
@@ -41,9 +46,12 @@ def summary(rows):
         "finished": rate(rows, lambda row: row["outcome"] != "failed"),
         "detectable": sum(1 for row in rows if row.get("detectable")),
         "named_first": rate([row for row in seen if row["distinguishable"]], lambda row: row["right_first"]),
+        "named_beside": rate([row for row in seen if row["distinguishable"]], lambda row: _beside(row, "right_first")),
         "right_in_tie": rate(seen, lambda row: row["right_in_tie"]),
         "pairs_both": rate([row for row in pairs if row["detectable"]], lambda row: row["all_named"]),
+        "pairs_beside": rate([row for row in pairs if row["detectable"]], lambda row: _beside(row, "all_named")),
         "spurious_per_case": sum(len(row["spurious"]) for row in rows) / len(rows) if rows else None,
+        "spurious_beside_per_case": sum(len(_beside(row, "spurious")) for row in rows) / len(rows) if rows else None,
         "none_cases": len(none),
         "false_alarms": rate(none, lambda row: row["outcome"] != "none"),
         "outside_abstained": rate(outside, lambda row: row["abstained"]),
@@ -68,7 +76,7 @@ def by_family_and_tier(rows):
     return families | {"all": by_tier(rows)}
 
 
-LINES = (("named first", "named_first"), ("right in the tie", "right_in_tie"), ("both of a pair", "pairs_both"),
+LINES = (("named first", "named_first"), ("named, beside", "named_beside"), ("right in the tie", "right_in_tie"), ("both of a pair", "pairs_both"),
          ("false alarms", "false_alarms"), ("outsiders abstained", "outside_abstained"), ("right form", "form_right"),
          ("intervals that hold", "coverage95"))
 
@@ -91,6 +99,7 @@ def text_of(whole):
     for label, key in LINES:
         line(label, [f"{s[key]['hits']} of {s[key]['of']}" for s in all_of])
     line("spurious per case", [_number(s["spurious_per_case"]) for s in all_of])
+    line("spurious, beside", [_number(s["spurious_beside_per_case"]) for s in all_of])
     line("error of sizes", [_number(s["parameter_error_median"], 3) for s in all_of])
     line("after over floor", [_number(s["after_over_floor_median"]) for s in all_of])
     for axis in ("time", "frequency", "state"):

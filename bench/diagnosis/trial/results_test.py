@@ -51,7 +51,8 @@ class Counts(unittest.TestCase):
 
     def test_all_requested_quantities_are_in_every_summary(self):
         self.assertEqual(set(self.found), {
-            "cases", "finished", "detectable", "named_first", "right_in_tie", "pairs_both", "spurious_per_case", "none_cases",
+            "cases", "finished", "detectable", "named_first", "named_beside", "right_in_tie", "pairs_both", "pairs_beside",
+            "spurious_per_case", "spurious_beside_per_case", "none_cases",
             "false_alarms", "outside_abstained", "form_right", "parameter_error_median", "coverage95",
             "after_over_floor_median", "after_over_floor_90", "iou", "seconds_median"})
 

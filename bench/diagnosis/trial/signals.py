@@ -71,7 +71,15 @@ def low_passed(signal, cutoff_Hz, step):
 
 
 def rate_of(signal, step):
-    return np.gradient(signal, step, axis=0)
+    """Derivative along axis 0 by central differences of order six, with odd reflections at the ends.
+
+    Two differences of order two would make an acceleration 2 % too small at 10 Hz and 5 ms.
+    """
+    padded = np.concatenate([2 * signal[:1] - signal[3:0:-1], signal, 2 * signal[-1:] - signal[-2:-5:-1]])
+
+    def apart(k):
+        return padded[3 + k:len(signal) + 3 + k] - padded[3 - k:len(signal) + 3 - k]
+    return (45 * apart(1) - 9 * apart(2) + apart(3)) / (60 * step)
 
 
 def delayed(signal, delay, step):
@@ -86,16 +94,29 @@ def delayed(signal, delay, step):
 
 
 def lagged(signal, time_constant, step):
-    """T y' + y = x, exact for x linear in each step."""
+    """T y' + y = x, exact in each step for x cubic through the two samples before and after it."""
     if time_constant <= 0:
         return signal.copy()
-    keep = math.exp(-step / time_constant)
-    share = time_constant / step * (1 - keep)  # weight of the older sample, less `keep`
+    weights, keep = _weights_of_lag(time_constant / step)
+    padded = np.concatenate([2 * signal[:1] - signal[1:2], signal, 2 * signal[-1:] - signal[-2:-1]])
+    pushed = sum(weight * padded[k:len(signal) - 1 + k] for k, weight in enumerate(weights))
     out = np.empty_like(signal)
     out[0] = signal[0]
     for k in range(1, len(signal)):
-        out[k] = keep * out[k - 1] + (share - keep) * signal[k - 1] + (1 - share) * signal[k]
+        out[k] = keep * out[k - 1] + pushed[k - 1]
     return out
+
+
+def _weights_of_lag(steps):
+    """Weights of the samples at -2, -1, 0, 1 steps in the change over the step from -1 to 0, and the share that is kept."""
+    x, weights = np.polynomial.legendre.leggauss(40)
+    keep = math.exp(-1 / steps)
+    # Over the exponential itself, which is as smooth for a short lag as for a long one.
+    part = keep + (1 - keep) * (x + 1) / 2
+    at = steps * np.log(part)
+    nodes = np.array([-2.0, -1.0, 0.0, 1.0])
+    shares = [np.prod([(at - other) / (node - other) for other in nodes if other != node], axis=0) for node in nodes]
+    return [float(weights @ share) * (1 - keep) / 2 for share in shares], keep
 
 
 def fused(displacement, acceleration, step, crossover_Hz=1.0):

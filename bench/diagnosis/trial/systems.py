@@ -7,7 +7,7 @@ import numpy as np
 
 import chain_effects
 from chain import Chain
-from chain_effects import INPUT, OUTPUT, SPRING
+from chain_effects import INPUT, OUTPUT, SPRING, at_outputs
 from case_folder import write_case
 from signals import colour, random_sines, swell
 from slots import effects_for
@@ -60,7 +60,7 @@ class System:
         u, w = Chain(variants, len(self.k)).run(driven, STEP, substeps, self.is_ground)
         y = u[:, :, self.outputs].copy()
         for row, own in zip(y, placed):
-            for one in (p for p in own if p.effect.where == OUTPUT):
+            for one in at_outputs(own):
                 row[:, one.at] = one.effect.act(row[:, one.at], one.values, STEP)
         return y, np.diff(u, axis=2, prepend=0.0), np.diff(w, axis=2, prepend=0.0)
 
@@ -188,10 +188,13 @@ def _conceal(system, push, slot, rng):
 
 
 def truth_of_chain(system, placed, push, noise, rng, kind):
-    """Entries of the effects, and cells of their places."""
+    """Entries of the effects, and cells of their places.
+
+    An overflow beside another effect hides nothing of it: the reading is known but for multiples of the span.
+    """
     draws = [np.stack([n.draw(rng, len(push), STEP) for n in noise], axis=1) for _ in range(24)]
     whiten = Whitener(draws, STEP, CUTOFF)
-    return ([_entry(one, [p for p in placed if p is not one], system, push, whiten, kind) for one in placed],
+    return ([_entry(one, [p for p in placed if p is not one and p.effect.name != "overflow"], system, push, whiten, kind) for one in placed],
             cells_of(STEP * len(push), CUTOFF))
 
 

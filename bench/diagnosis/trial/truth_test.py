@@ -107,10 +107,22 @@ class Laws(unittest.TestCase):
         # Error of the interpolation: (ω h)⁴ 3/128 = 5.8e-6.
         self.assertTrue(np.allclose(late[10:-10], np.sin(2 * np.pi * 2 * (t - 0.025))[10:-10], atol=1e-5))
 
+    def test_an_acceleration_is_right_at_ten_hertz(self):
+        t, w = np.arange(0, 2, 0.005), 2 * np.pi * 10
+        a = signals.rate_of(signals.rate_of(np.sin(w * t), 0.005), 0.005)
+        self.assertLess(np.abs(a[8:-8] / w**2 + np.sin(w * t)[8:-8]).max(), 1e-4)
+
     def test_a_lag_has_the_closed_ramp_response(self):
         t = np.arange(100) * 0.01
         slow = signals.lagged(t, 0.05, 0.01)
         self.assertTrue(np.allclose(slow, t - 0.05 * (1 - np.exp(-t / 0.05)), atol=1e-12))
+
+    def test_a_lag_shorter_than_a_sample_is_not_a_delay(self):
+        t, w = np.arange(0, 8, 0.004), 2 * np.pi * 10
+        slow = signals.lagged(np.sin(w * t), 0.001, 0.004)
+        exact = (np.exp(1j * w * t) / (1 + 1j * w * 0.001)).imag
+        self.assertLess(np.abs(slow - exact)[200:-5].max(), 1e-4)
+        self.assertGreater(np.abs(np.sin(w * (t - 0.001)) - exact)[200:].max(), 1e-3)
 
 
 if __name__ == "__main__":

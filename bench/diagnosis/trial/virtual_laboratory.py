@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The closed-loop laboratory in virtual time, with effects hidden in its bearing, machine or load cell."""
 import dataclasses
-import math
 import pathlib
 import subprocess
 import tempfile
@@ -9,10 +8,11 @@ import tempfile
 import numpy as np
 
 import effects
+import lead
 from case_folder import toml_of, write_case
 from effects import Effect, Size
 from force_truth import ForceTruth, force_cells, nrmse, whitener_of
-from motion import Motion, bouc_wen, heated_bouc_wen, presliding
+from motion import Motion, bouc_wen, presliding
 from opensees_bearings import AXES, effect_entry, perturbed
 from signals import fused, low_passed, rate_of
 from slots import SLOTS, effects_for
@@ -23,11 +23,11 @@ TABLE_STEP = 0.001  # of recording and case [s]
 REST_S = 2.0
 DRAWS = 6
 CROSSOVER_HZ = 5.0  # where the noise of both sensors of motion is the same
+BARE_HZ = 20.0  # where the motion ends, and with it its noise, if there are no accelerometers
 BEARING = {"characteristic_strength": 1_010_000.0, "post_yield_stiffness": 4_238_095.0, "yield_displacement": 2.855e-3}
+PLUG = BEARING["characteristic_strength"], BEARING["yield_displacement"]
 MACHINE = {"mass": np.array([113_371.0, 116_836.0]), "friction": np.array([5100.0, 8600.0]), "viscous": np.array([716.0, 870.0])}
 NOISE = {"u": 5e-5, "F": 5e3}  # standard deviations of the laboratory's sensors
-# Softening over the heat that the lead can hold: 0.0069/K ÷ (1.456 MJ/(m³ K) · π (0.1793 m)² · 0.37 m).
-SOFTENING = 0.0069 / (1.456e6 * math.pi * 0.1793**2 * 0.37)
 UNITS = {"friction_force": "_N", "friction_coefficient": "", "coefficient": {"quadratic_drag": "_N_s2_per_m2"},
          "breakaway_force": "_N", "stribeck_velocity": "_m_per_s", "presliding": "_m", "place": "_m", "width": "_m",
          "stiffness": {"cubic_stiffness": "_N_per_m3", "asymmetric_stiffness": "_N_per_m2", "large_strain_stiffening": "_N_per_m",
@@ -39,13 +39,11 @@ SCALES = {"petrolia_1992_riodell_freefield": (1.0, 1.4), "imperial_valley_1979_m
 
 
 def _heated(motion, values, force):
-    """Change by heating without losses, along the motion."""
-    strength, yields = BEARING["characteristic_strength"], BEARING["yield_displacement"]
-    return (heated_bouc_wen(motion, strength, yields, values["softening"])
-            - strength * bouc_wen(motion.u, yields))
+    """Change by the heated lead plug, along the motion."""
+    return lead.heated(motion, *PLUG)[0] - PLUG[0] * bouc_wen(motion.u, PLUG[1])
 
 
-HEATING = Effect("lead_heating", "bearing", (Size("softening", "1", SOFTENING, SOFTENING),), _heated, also=("adiabatic_heating",))
+HEATING = Effect("lead_heating", "bearing", (Size("softening", "1", lead.SOFTENING, lead.SOFTENING),), _heated, also=("adiabatic_heating",))
 HIDDEN = ("load_dependent_friction", "quadratic_drag", "stribeck_friction", "position_dependent_friction", "cubic_stiffness",
           "asymmetric_stiffness", "large_strain_stiffening", "viscoelastic_relaxation", "force_gain", "force_drift",
           "force_saturation", "force_skew", "force_filter_lag")
@@ -62,9 +60,10 @@ def _base(motion):
     return _smooth(motion) + MACHINE["friction"] * presliding(motion.u, 1e-5)
 
 
-def _library():
+def _library(is_bare):
     by_name = {effect.name: effect for effect in effects.all_effects()}
-    return [by_name[name] for name in HIDDEN] + 3 * [HEATING], [by_name["cogging"]]
+    hidden = [by_name[name] for name in HIDDEN] + 3 * [HEATING]
+    return [effect for effect in hidden if not is_bare or effect.needs != "load"], [by_name["cogging"]]
 
 
 def _term(effect, values):
@@ -128,19 +127,21 @@ def make(rng, number, folder, sources):
     motions = [{"file": str(sources["records"] / f"{MOTIONS[k]}.csv"), "column_vert": 3, "scale": float(rng.uniform(*SCALES[MOTIONS[k]]))}
                for k in order]
     columns = dict(zip(("column_long", "column_lat"), (1, 2) if rng.random() < .5 else (2, 1)))
-    library, outsiders = _library()
+    is_bare = slot.tier == "missing"
+    library, outsiders = _library(is_bare)
     chosen = effects_for(slot.kind, rng, library, outsiders)
     size = Motion(STEP, np.full((2, 2), .2), np.full((2, 2), .6), np.full((2, 2), 3.0), np.full(2, 9.7e6), np.full((2, 2), 1.9e6))
     peaks = size.peaks() | {"T": 30.0}
     typical = dataclasses.replace(size, scales=peaks)
     hidden = {e.name: effects.draw(e, typical, rng, slot.size * (.7 if slot.kind == "pair" else 1)) for e in chosen}
-    hidden = {name: (values | {"softening": SOFTENING} if name == "lead_heating" else values) for name, values in hidden.items()}
     records = _run(sources, chosen, hidden, int(rng.integers(1, 2**31)), motions, columns)
-    entries, base = _truth(motion_of(records[0]), chosen, hidden, rng)
-    _write(folder, records, base, slot.tier == "missing", perturbed(BEARING, rng))
+    if "lead_heating" in hidden:
+        hidden["lead_heating"] = {"softening": lead.effective_softening(motion_of(records[0]), *PLUG)}
+    entries, base = _truth(motion_of(records[0]), chosen, hidden, rng, is_bare)
+    _write(folder, records, base, is_bare, perturbed(BEARING, rng))
     unseen = motion_of(records[1])
     force = _base(unseen)
-    noisy = force + _noise(unseen, rng)  # the equations above are not exact enough for a floor
+    noisy = force + _noise(unseen, rng, is_bare)  # the equations above are not exact enough for a floor
     return {"tier": slot.tier if slot.tier not in ("noisy", "short") else "standard", "kind": slot.kind, "effects": entries,
             "cells": force_cells(base), "specimen": {"kind": "lprb"},
             "nrmse_on_unseen": {"oracle": nrmse(noisy, force, STEP)}}
@@ -153,24 +154,28 @@ def _with(chosen, hidden, motion, force):
     return force
 
 
-def _noise(motion, rng):
-    """A draw of the load cell's noise, at the case's rate, and of the force that the noise of the fused motion causes.
+def _noise(motion, rng, is_bare):
+    """A draw of the load cell's noise, at the case's rate, and of the force that the noise of the motion causes.
 
-    Dry friction is left out: near rest its sign would follow the noise.
+    Accelerometers leave the noise of the displacement below the crossover alone; without them it moves velocity and
+    acceleration too. Dry friction is left out: near rest its sign would follow the noise.
     """
     heard = rng.standard_normal((EVERY * len(motion.u), 2)) * NOISE["F"]
     moved = rng.standard_normal((EVERY * len(motion.u), 2)) * NOISE["u"]
-    moved = low_passed(moved, CROSSOVER_HZ, TABLE_STEP)[::EVERY]
-    return _smooth(dataclasses.replace(motion, u=motion.u + moved)) - _smooth(motion) + low_passed(heard, 0.4 / STEP, TABLE_STEP)[::EVERY]
+    moved = low_passed(moved, BARE_HZ if is_bare else CROSSOVER_HZ, TABLE_STEP)[::EVERY]
+    noisy = dataclasses.replace(motion, u=motion.u + moved)
+    if is_bare:
+        noisy = dataclasses.replace(noisy, v=motion.v + rate_of(moved, STEP), a=motion.a + rate_of(rate_of(moved, STEP), STEP))
+    return _smooth(noisy) - _smooth(motion) + low_passed(heard, 0.4 / STEP, TABLE_STEP)[::EVERY]
 
 
-def _truth(motion, chosen, hidden, rng):
+def _truth(motion, chosen, hidden, rng, is_bare):
     """Entries of the effects, and the motion with the force without them."""
     force = _base(motion)
     base = dataclasses.replace(motion, force=force)
     if not chosen:
         return [], base
-    draws = [_noise(motion, rng) for _ in range(DRAWS)]
+    draws = [_noise(motion, rng, is_bare) for _ in range(DRAWS)]
     q, uy = BEARING["characteristic_strength"], BEARING["yield_displacement"]
     z = bouc_wen(motion.u, uy)
     nuisances = [q * z, motion.u, q * (bouc_wen(motion.u, uy * 1.02) - z)]

@@ -11,6 +11,16 @@ namespace {
 
 constexpr double kExplained = 0.85;  // of the systematic residual: the rest is a remainder
 
+// Whether a sensor of the outputs has a sine at rest, which is an effect and no noise.
+bool has_line(const Relation& relation, const SensorNoise& noise) {
+  const auto& outputs = relation.outputs();
+  return std::any_of(outputs.begin(), outputs.end(), [&](const auto& output) {
+    return std::any_of(noise.lines().begin(), noise.lines().end(), [&](const std::string& line) {
+      return line.starts_with(output.first + " ");
+    });
+  });
+}
+
 }  // namespace
 
 bool Investigation::has_remainder() const {
@@ -22,6 +32,7 @@ bool Investigation::has_remainder() const {
 bool Investigation::is_unknown() const {
   const double explained = std::min(selection.explained(), proof.explained());
   if (!has_remainder() || (is_named() && explained >= kExplained)) return false;
+  if (proof.is_systematic() && has_line(*relation, *noise)) return true;
   // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
   // small excess counts only if it has a form.
   constexpr double kPlain = 0.5, kFormShare = 0.3;

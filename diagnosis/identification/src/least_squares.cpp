@@ -50,10 +50,12 @@ class Minimiser {
         high_{problem.high.cwiseQuotient(scale_)} {
     at_.x = problem.start.cwiseQuotient(scale_);
     if (!evaluate(at_, true)) throw Error{"least squares: no residual at the start"};
+    has_slopes_ = true;
   }
 
   // @returns false if no step reduces the cost
   bool step() {
+    if (!find_slopes()) return false;
     const VectorXd gradient = at_.jacobian.transpose() * at_.residual;
     const MatrixXd H = at_.jacobian.transpose() * at_.jacobian;
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
@@ -70,7 +72,8 @@ class Minimiser {
                               kLeastDamping, kMostDamping);
         gain_ = at_.cost - next.cost;
         at_ = std::move(next);
-        return evaluate(at_, true);
+        has_slopes_ = false;
+        return true;
       }
       damping_ = std::min(damping_ * 10, kMostDamping);
     }
@@ -78,9 +81,11 @@ class Minimiser {
   }
   [[nodiscard]] bool has_converged() const { return gain_ <= problem_.tolerance * at_.cost; }
 
-  [[nodiscard]] Fit result(bool converged) const {
-    return {parameters(at_), 2 * at_.cost, at_.jacobian * scale_.cwiseInverse().asDiagonal(),
-            at_.residual, converged};
+  [[nodiscard]] Fit result(bool converged) {
+    Fit fit{parameters(at_), 2 * at_.cost, {}, at_.residual, converged};
+    if (problem_.wants_jacobian && find_slopes())
+      fit.jacobian = at_.jacobian * scale_.cwiseInverse().asDiagonal();
+    return fit;
   }
 
  private:
@@ -90,6 +95,12 @@ class Minimiser {
 
   [[nodiscard]] VectorXd parameters(const Point& point) const {
     return point.x.cwiseProduct(scale_).cwiseMax(problem_.low).cwiseMin(problem_.high);
+  }
+
+  // The Jacobian of the present point, which costs as much as many residuals, only when it is used.
+  bool find_slopes() {
+    has_slopes_ = has_slopes_ || evaluate(at_, true);
+    return has_slopes_;
   }
 
   bool evaluate(Point& point, bool wants_jacobian) const {
@@ -149,6 +160,7 @@ class Minimiser {
   const FitProblem& problem_;
   VectorXd scale_, low_, high_;
   Point at_;
+  bool has_slopes_ = false;
   double damping_ = kFirstDamping, gain_ = 0;
 };
 

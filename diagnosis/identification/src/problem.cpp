@@ -199,13 +199,13 @@ Fit Supposition::fit(const Fold& fold, int most_iterations) const {
   for (const auto& share : fold.shares) least.rows += problem_->drive(share.record).measured.size();
   least.most_iterations = most_iterations;
   least.tolerance = 1e-5;
+  least.wants_jacobian = false;
   if (count == 0) {
     Fit fit;
     fit.parameters = hypothesis_.values;
     MatrixXd none;
     if (evaluate(fold, fit.parameters, {}, fit.residual, none)) {
       fit.sum_of_squares = fit.residual.squaredNorm();
-      fit.jacobian = none;
       fit.converged = true;
     }
     return fit;

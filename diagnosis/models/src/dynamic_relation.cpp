@@ -207,10 +207,15 @@ class DynamicRelation : public Relation {
   }
   std::unique_ptr<Simulator> simulator(const Hypothesis& hypothesis,
                                        const Drive& drive) const override {
+    // A converter overflows after all other effects on its signal, in whatever order they were
+    // found.
+    Hypothesis ordered = hypothesis;
+    std::stable_partition(ordered.terms.begin(), ordered.terms.end(),
+                          [](const ModelTerm& term) { return term.settings.kind != "overflow"; });
     auto simulator =
-        std::make_unique<DynamicSimulator>(model_, hypothesis, &sizes_, drive.time_step,
+        std::make_unique<DynamicSimulator>(model_, ordered, &sizes_, drive.time_step,
                                            dynamic_cast<const DynamicDrive&>(drive).signals);
-    auto overflows = overflows_of(hypothesis);
+    auto overflows = overflows_of(ordered);
     if (overflows.empty()) return simulator;
     return std::make_unique<NearestReading>(std::move(simulator), std::move(overflows),
                                             drive.measured);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -28,6 +29,60 @@ struct FirstOrderLag {
     Real y = r - shift * (r - state[1]) + kept * (state[2] - state[1]);
     state[1] = r;
     return state[2] = y;
+  }
+};
+
+/// T ẏ + y = r, solved exactly for r cubic through the last four samples. A lag shorter than a step
+/// differs from a delay by less than from a lag of a signal that is linear within each step. Starts
+/// at rest at the first r.
+template <class Real>
+struct SmoothLag {
+  static constexpr std::size_t kStates = 5;  ///< r known, the last three, y
+  Real kept{};
+  std::array<Real, 4> gain{};  ///< of r and its differences backwards
+
+  SmoothLag(const Real& time_constant, double time_step) {
+    using std::exp;
+    const Real steps = time_constant * (1 / time_step);
+    if (steps > kShortestLag) kept = exp(-1 / steps);
+    const std::array<Real, 4> m = steps < kLong ? moments(steps) : moments_of_long(steps);
+    gain = {m[0], m[1], (m[1] + m[2]) * 0.5, (2 * m[1] + 3 * m[2] + m[3]) * (1.0 / 6)};
+  }
+  Real operator()(Real* state, const Real& r) const {
+    Real *past = state + 1, &y = state[4];
+    if (state[0] == 0) past[0] = past[1] = past[2] = y = r;
+    const Real first = r - past[0], second = first - (past[0] - past[1]);
+    const Real third = second - (past[0] - 2 * past[1] + past[2]);
+    y = kept * y + gain[0] * r + gain[1] * first;
+    if (state[0] > 1) y += gain[2] * second;
+    if (state[0] > 2) y += gain[3] * third;
+    if (state[0] < 3) state[0] += 1.0;
+    past[2] = past[1], past[1] = past[0], past[0] = r;
+    return y;
+  }
+
+ private:
+  static constexpr double kLong = 10;  // steps: beyond, the recursion of the moments loses digits
+
+  // ∫ xᵏ e^(x/s) dx/s over the step, -1 … 0, for k = 0 … 3.
+  std::array<Real, 4> moments(const Real& s) const {
+    std::array<Real, 4> m{1 - kept};
+    m[1] = kept - s * m[0];
+    m[2] = -kept - 2 * s * m[1];
+    m[3] = kept - 3 * s * m[2];
+    return m;
+  }
+  // The same by the series of the exponential.
+  static std::array<Real, 4> moments_of_long(const Real& s) {
+    constexpr int kTerms = 9;
+    std::array<Real, 4> m{};
+    Real factor = 1 / s;
+    for (int j = 0; j < kTerms; ++j) {
+      for (int k = 0; k < 4; ++k)
+        m[static_cast<std::size_t>(k)] += factor * (((k + j) % 2 == 0 ? 1.0 : -1.0) / (k + j + 1));
+      factor = factor * (1 / s) * (1.0 / (j + 1));
+    }
+    return m;
   }
 };
 

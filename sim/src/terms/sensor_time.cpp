@@ -66,18 +66,19 @@ struct FilterLag {
   static constexpr std::string_view kName = "filter_lag";
   static constexpr std::string_view kTitle = "first-order filter of a sensor";
   static constexpr std::string_view kEquation = "T y' + y = x";
-  static constexpr std::string_view kSource = "textbook, exact for x linear in each step";
+  static constexpr std::string_view kSource =
+      "textbook, exact for x cubic through the last four samples";
   static constexpr Stage kStage = Stage::Sensor;
   static constexpr unsigned kTraits = kSensorTraits;
   enum { kTimeConstant };
   static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 10, 0, 5e-3}};
-  static constexpr std::size_t kStates = kHorizontalAxes * FirstOrderLag<double>::kStates;
+  static constexpr std::size_t kStates = kHorizontalAxes * SmoothLag<double>::kStates;
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const FirstOrderLag<Real> lag{term.parameters[kTimeConstant], term.time_step};
+    const SmoothLag<Real> lag{term.parameters[kTimeConstant], term.time_step};
     change_readings(term, q, [&](std::size_t index, Real& x) {
-      x = lag(term.state + index * FirstOrderLag<Real>::kStates, x);
+      x = lag(term.state + index * SmoothLag<Real>::kStates, x);
     });
   }
 };

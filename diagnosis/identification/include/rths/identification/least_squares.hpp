@@ -21,14 +21,15 @@ struct FitProblem {
   Eigen::VectorXd low, high;  ///< bounds; ±infinity: none
   Eigen::VectorXd scale;      ///< of each parameter, > 0: normalises it, up to its bounds' distance
   int most_iterations = 20;
-  double tolerance = 1e-6;  ///< on the relative change of the sum of squares [-]
+  double tolerance = 1e-6;     ///< on the relative change of the sum of squares [-]
+  bool wants_jacobian = true;  ///< of the result
 };
 
 /// Result of a fit.
 struct Fit {
   Eigen::VectorXd parameters;
   double sum_of_squares = 0;
-  Eigen::MatrixXd jacobian;  ///< at `parameters`
+  Eigen::MatrixXd jacobian;  ///< at `parameters`, if it is wanted and exists there
   Eigen::VectorXd residual;  ///< at `parameters`
   bool converged = false;
 };
