@@ -10,6 +10,7 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py card RTHS                   hops per second of cards in virtual time
        keep.py srmd RESULTS                what `rths bench srmd --json RESULTS` has written
        keep.py mutants RESULT              what tests/replicated/mutants.py --json RESULT has written
+       keep.py substeps RESULT             what rths_substeps_bench has printed
        keep.py traps RESULT                what rths_trap_bench has printed
        keep.py adaptive RTHS               the adaptive inverse and ATS on drawn machines, in virtual time
        keep.py force RTHS                  identification of empty tables
@@ -201,6 +202,7 @@ def main():
               "demo_seeds": demo_seeds.demo_seeds,
               "srmd": lambda file: json.loads(pathlib.Path(file).read_text()),
               "least_squares": lambda file: json.loads(pathlib.Path(file).read_text()),
+              "substeps": lambda file: json.loads(pathlib.Path(file).read_text()),
               "traps": lambda file: json.loads(pathlib.Path(file).read_text()),
               "mutants": lambda file: json.loads(pathlib.Path(file).read_text()),
               "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),

@@ -60,7 +60,7 @@ void adaptive_inverse_step(benchmark::State& state) {
 }
 BENCHMARK(adaptive_inverse_step);
 
-// Two axes, eight sliders; learns in every step.
+// Two axes, fifteen sliders; learns in every step.
 void target_force_step(benchmark::State& state) {
   controller::TargetForce force{controller::TargetForceSettings{}};
   double t = 0;

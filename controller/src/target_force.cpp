@@ -13,7 +13,8 @@ namespace {
 constexpr Require kRequireTargetForce{"force at the target"};
 
 constexpr int kPathPieces = 10;        // of the way between two targets
-constexpr double kRidge = 1e-3;        // pulls strengths to zero, of each one's own information
+constexpr double kRidge = 1e-3;        // pulls strengths to the prior, of each one's information
+constexpr double kPriorSamples = 300;  // information of the expected strengths
 constexpr double kSpeedMemory = 0.25;  // of the mean square speed [s]
 
 bool is_finite(const double* values, Eigen::Index count) {
@@ -22,28 +23,47 @@ bool is_finite(const double* values, Eigen::Index count) {
 
 }  // namespace
 
-Sliders::Sliders(const std::vector<double>& reach, Eigen::Index axes) {
-  const auto count = static_cast<Eigen::Index>(reach.size());
-  flexibility_ = Eigen::Map<const Eigen::VectorXd>{reach.data(), count}.cwiseInverse();
-  states_.setZero(axes, count);
+Sliders::Sliders(const std::vector<double>& sharp, const std::vector<double>& smooth,
+                 Eigen::Index axes)
+    : sharp_{static_cast<Eigen::Index>(sharp.size())}, flexibility_{sharp.size() + smooth.size()} {
+  for (Eigen::Index j = 0; j < flexibility_.size(); ++j)
+    flexibility_[j] = 1 / (j < sharp_ ? sharp[static_cast<std::size_t>(j)]
+                                      : smooth[static_cast<std::size_t>(j - sharp_)]);
+  states_.setZero(axes, flexibility_.size());
 }
 
 void Sliders::move(const Eigen::VectorXd& step) noexcept {
+  const double length = step.norm();
+  if (!(length > 0)) return;
   for (Eigen::Index j = 0; j < states_.cols(); ++j) {
     auto z = states_.col(j);
-    z += flexibility_[j] * step;
-    const double length = z.norm();
-    if (length > 1) z /= length;
+    if (j < sharp_) {
+      z += flexibility_[j] * step;
+      z /= std::max(1.0, z.norm());
+      continue;
+    }
+    // The exact solution: elastic until z no longer points backwards, then towards the step.
+    double left = flexibility_[j] * length;
+    const double back = std::clamp(-z.dot(step) / length, 0.0, left);
+    z += back / length * step;
+    left -= back;
+    const double t = std::tanh(left), along = z.dot(step) / length;
+    const double shrink = std::sqrt(1 - t * t);
+    z = (shrink * z + ((1 - shrink) * along + t) / length * step) / (1 + along * t);
   }
 }
 
 /// Least squares with non-negative strengths: one sweep of projected Gauss-Seidel per sample.
 class StrengthFit {
  public:
-  StrengthFit(Eigen::Index strengths, Eigen::Index axes)
-      : strengths_{strengths}, solution_{Eigen::VectorXd::Zero(strengths + axes)} {
-    factors_ = right_side_ = solution_;
-    normal_.setZero(solution_.size(), solution_.size());
+  StrengthFit(const Eigen::VectorXd& expected, Eigen::Index axes)
+      : strengths_{expected.size()}, prior_{Eigen::VectorXd::Zero(strengths_ + axes)} {
+    prior_.head(strengths_) = expected;
+    solution_ = prior_;
+    factors_.setZero(prior_.size());
+    normal_.setZero(prior_.size(), prior_.size());
+    if (!expected.isZero(0)) normal_.diagonal().head(strengths_).setConstant(kPriorSamples);
+    right_side_ = normal_ * prior_;
   }
   void forget(double share) noexcept {
     normal_ *= share;
@@ -60,34 +80,57 @@ class StrengthFit {
     for (Eigen::Index i = 0; i < solution_.size(); ++i) {
       if (!(normal_(i, i) > 0)) continue;
       const double diagonal = (1 + kRidge) * normal_(i, i);
-      const double residual =
-          right_side_[i] - normal_.col(i).dot(solution_) - kRidge * normal_(i, i) * solution_[i];
+      const double residual = right_side_[i] - normal_.col(i).dot(solution_) +
+                              kRidge * normal_(i, i) * (prior_[i] - solution_[i]);
       solution_[i] += residual / diagonal;
       if (i < strengths_) solution_[i] = std::max(0.0, solution_[i]);
     }
   }
   [[nodiscard]] double operator[](Eigen::Index i) const { return solution_[i]; }
-  [[nodiscard]] Eigen::Index strengths() const { return strengths_; }
 
  private:
   Eigen::Index strengths_;
-  Eigen::VectorXd solution_;  // strengths, then an offset per axis
+  Eigen::VectorXd prior_, solution_;  // strengths, then an offset per axis
   Eigen::VectorXd factors_, right_side_;
   Eigen::MatrixXd normal_;
 };
+
+namespace {
+
+// The expected strength, on the two smooth sliders around its reach: they have its stiffness.
+Eigen::VectorXd expected_strengths(const TargetForceSettings& s) {
+  const auto& reach = s.smooth_reach;
+  Eigen::VectorXd expected =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(s.reach.size() + reach.size()));
+  if (s.expected_strength == 0) return expected;
+  auto smooth = expected.tail(static_cast<Eigen::Index>(reach.size()));
+  const double slip = s.expected_strength / s.expected_stiffness;
+  const auto above = std::find_if(reach.begin(), reach.end(), [&](double r) { return r >= slip; });
+  const auto j = static_cast<Eigen::Index>(above - reach.begin());
+  if (above == reach.begin() || above == reach.end()) {
+    smooth[std::min(j, smooth.size() - 1)] = s.expected_strength;
+    return expected;
+  }
+  const double share = (1 / slip - 1 / *above) / (1 / above[-1] - 1 / *above);
+  smooth[j - 1] = share * s.expected_strength;
+  smooth[j] = (1 - share) * s.expected_strength;
+  return expected;
+}
+
+}  // namespace
 
 struct TargetForce::State {
   explicit State(const TargetForceSettings& s)
       : settings{s},
         axes{s.axes},
-        at_target{s.reach, axes},
-        measured{s.reach, axes},
-        fit{static_cast<Eigen::Index>(s.reach.size()), axes},
+        at_target{s.reach, s.smooth_reach, axes},
+        measured{s.reach, s.smooth_reach, axes},
+        strengths{expected_strengths(s)},
+        fit{strengths, axes},
         fused(static_cast<std::size_t>(axes), FusedMotion{s.motion_bandwidth, s.period}) {
     for (Eigen::VectorXd* v :
          {&target, &last_target, &displacement, &step, &correction, &force, &acceleration, &raw})
       v->setZero(axes);
-    strengths.setZero(fit.strengths());
   }
 
   // The way to a new target continues the curvature of the last three.
@@ -129,10 +172,10 @@ struct TargetForce::State {
   TargetForceSettings settings;
   Eigen::Index axes;
   Sliders at_target, measured;
+  Eigen::VectorXd strengths;
   StrengthFit fit;
   std::vector<FusedMotion> fused;
-  Eigen::VectorXd target, last_target, displacement, step, correction, force, acceleration, raw,
-      strengths;
+  Eigen::VectorXd target, last_target, displacement, step, correction, force, acceleration, raw;
   double mean_square_speed = 0;
   bool learning = false, started = false;
   long bad_samples = 0;
@@ -142,8 +185,16 @@ TargetForce::TargetForce(const TargetForceSettings& settings) {
   kRequireTargetForce(settings.axes >= 1, "number of axes", settings.axes, "at least 1");
   kRequireTargetForce.positive("period", settings.period);
   kRequireTargetForce(!settings.reach.empty(), "number of sliders", 0, "at least 1");
-  for (const double reach : settings.reach)
-    kRequireTargetForce.positive("reach of a slider", reach);
+  for (const auto* sliders : {&settings.reach, &settings.smooth_reach})
+    for (const double reach : *sliders) kRequireTargetForce.positive("reach of a slider", reach);
+  if (const auto& smooth = settings.smooth_reach; !std::is_sorted(smooth.begin(), smooth.end()))
+    kRequireTargetForce(false, "first smooth reach", smooth[0], "an ascending list");
+  if (settings.expected_strength != 0) {
+    kRequireTargetForce.positive("expected strength", settings.expected_strength);
+    kRequireTargetForce.positive("expected stiffness", settings.expected_stiffness);
+    kRequireTargetForce(!settings.smooth_reach.empty(), "number of smooth sliders", 0,
+                        "at least 1 with an expected strength");
+  }
   kRequireTargetForce(settings.forgetting > settings.period, "forgetting", settings.forgetting,
                       "more than a period");
   state_ = std::make_unique<State>(settings);

@@ -20,6 +20,7 @@ namespace rths::launch {
 namespace {
 
 constexpr const char* kDefaultSpecimen = "lprb";
+constexpr int kMostSubsteps = 100;  // of the integration between targets
 constexpr std::size_t kLongestName = 200;
 constexpr std::uint64_t kTargetSeed = 2;  // beyond those of machine and computing time
 constexpr double kShortestTest = 1;       // [s]: shorter tests cannot measure delays
@@ -124,6 +125,8 @@ void read_laboratory(const Config& file, Experiment& experiment) {
 
 void read_solver(const Config& table, Experiment& experiment) {
   experiment.alpha = table.number_in("alpha", -1.0 / 3, 0, experiment.alpha);
+  experiment.substeps =
+      static_cast<int>(table.integer_in("substeps", 1, kMostSubsteps, experiment.substeps));
   experiment.wait_deadline =
       table.number_in("wait_deadline_s", 0.01, 100, experiment.wait_deadline);
   auto& time = experiment.computing_time;

@@ -195,6 +195,7 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
   test.plant = sim::assemble(experiment.plant);
   test.motion = experiment.motion;
   test.alpha = experiment.alpha;
+  test.substeps = experiment.substeps;
   test.implicit_stiffness = sim::initial_stiffness(experiment.model);
   test.duration = experiment.duration;
   test.integration_step = experiment.integration_step;

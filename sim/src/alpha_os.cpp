@@ -36,6 +36,14 @@ void AlphaOs::reset() {
   for (VectorXd* vector : {&u_, &v_, &a_, &restoring_force_, &load_}) vector->setZero();
 }
 
+void AlphaOs::continue_from(const AlphaOs& other) noexcept {
+  u_ = other.u_;
+  v_ = other.v_;
+  a_ = other.a_;
+  restoring_force_ = other.restoring_force_;
+  load_ = other.load_;
+}
+
 const VectorXd& AlphaOs::predict() noexcept {
   u_predicted_ = u_ + dt_ * v_ + dt_ * dt_ * (0.5 - beta_) * a_;
   v_predicted_ = v_ + dt_ * (1 - gamma_) * a_;

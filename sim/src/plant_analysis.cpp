@@ -6,17 +6,37 @@
 #include <numbers>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <rths/core/constants.hpp>
+#include <rths/core/error.hpp>
 
 namespace rths::sim {
 namespace {
 
+constexpr double kLargestPhase = 0.8;  // of the basemat on its bearings, in a step [rad]
+
 // The bearings act on the basemat, whose two degrees of freedom come first.
 Eigen::MatrixXd implicit_stiffness(const PlantMatrices& plant, double bearing_stiffness) {
   Eigen::MatrixXd K = plant.K;
-  if (plant.bearings > 0)
-    K.topLeftCorner(2, 2).diagonal().array() += plant.bearings * bearing_stiffness;
+  K.topLeftCorner(2, 2).diagonal().array() += plant.bearings * bearing_stiffness;
   return K;
+}
+
+int at_least_one(int substeps) {
+  if (substeps < 1)
+    throw Error{fmt::format("integrator: {} substeps, expected at least 1", substeps)};
+  return substeps;
+}
+
+// An extrapolated force is explicit: the basemat alone on its bearings must be slow in a step.
+void require_slow_bearing(const PlantMatrices& plant, double bearing_stiffness, double time_step) {
+  const double omega = std::sqrt(plant.bearings * bearing_stiffness / plant.M(0, 0));
+  if (omega * time_step <= kLargestPhase) return;
+  throw Error{fmt::format(
+      "integrator: substeps need a step of at most {:.3g} s with a bearing of {:.3g} N/m, not "
+      "{:.3g} s; shorten the step or set substeps to 1",
+      kLargestPhase / omega, bearing_stiffness, time_step)};
 }
 
 // A plant on a fixed base has no bearings and no vertical mode.
@@ -30,18 +50,34 @@ constexpr double kReferenceAlpha = 0;  // no numerical damping in the purely num
 
 }  // namespace
 
+void BearingPath::append(const Eigen::Vector2d& value) noexcept {
+  before = last;
+  last = now;
+  now = value;
+}
+
+Eigen::Vector2d BearingPath::at(double x) const noexcept {
+  return last + x * (now - last) - x * (1 - x) / 2 * (now - 2 * last + before);
+}
+
 PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
                              double bearing_initial_stiffness, double time_step, double alpha,
-                             VerticalFeedback vertical)
+                             VerticalFeedback vertical, int substeps)
     : plant_{std::move(plant)},
       motion_{std::move(motion)},
       time_step_{time_step},
+      substeps_{at_least_one(substeps)},
+      bearing_stiffness_{plant_.bearings * bearing_initial_stiffness},
       inertia_{-plant_.M * plant_.iota},
       load_{Eigen::VectorXd::Zero(plant_.dofs())},
       restoring_force_{Eigen::VectorXd::Zero(plant_.dofs())},
       integrator_{plant_.M, plant_.C, implicit_stiffness(plant_, bearing_initial_stiffness),
-                  time_step, alpha},
+                  time_step / substeps_, alpha},
       vertical_step_{vertical_step(plant_, time_step)} {
+  if (substeps_ > 1) {
+    require_slow_bearing(plant_, bearing_initial_stiffness, time_step);
+    extrapolation_.emplace(plant_.M, plant_.C, plant_.K, time_step / substeps_, alpha);
+  }
   if (vertical == VerticalFeedback::Model || plant_.bearings == 0) return;
   const double omega = 2 * std::numbers::pi * plant_.vertical_frequency;
   vertical_stiffness_ = plant_.mass_per_bearing * omega * omega;
@@ -70,8 +106,40 @@ void PlantAnalysis::predict_vertical() noexcept {
 Eigen::Vector2d PlantAnalysis::predict() noexcept {
   time_ = static_cast<double>(++steps_) * time_step_;
   if (plant_.bearings > 0) predict_vertical();
+  if (extrapolation_) {
+    extrapolate();
+    return target_.now;
+  }
   restoring_force_.noalias() = plant_.K * integrator_.predict();
   return {integrator_.predicted_displacement()[0], integrator_.predicted_displacement()[1]};
+}
+
+void PlantAnalysis::load_at(double time) noexcept { load_.noalias() = inertia_ * motion_.at(time); }
+
+// The force continues the straight line through its last two values.
+void PlantAnalysis::extrapolate() noexcept {
+  extrapolation_->continue_from(integrator_);
+  for (int i = 1; i <= substeps_; ++i) {
+    const double x = static_cast<double>(i) / substeps_;
+    restoring_force_.noalias() = plant_.K * extrapolation_->predict();
+    restoring_force_.head<2>() += force_.now + x * (force_.now - force_.last);
+    load_at(time_ - (1 - x) * time_step_);
+    extrapolation_->correct(restoring_force_, load_);
+  }
+  target_.append(extrapolation_->displacement().head<2>());
+}
+
+// The operator splitting of α-OS, around the path through the targets.
+void PlantAnalysis::interpolate() noexcept {
+  for (int i = 1; i <= substeps_; ++i) {
+    const double x = static_cast<double>(i) / substeps_;
+    const Eigen::VectorXd& predicted = integrator_.predict();
+    restoring_force_.noalias() = plant_.K * predicted;
+    restoring_force_.head<2>() +=
+        force_.at(x) + bearing_stiffness_ * (predicted.head<2>() - target_.at(x));
+    load_at(time_ - (1 - x) * time_step_);
+    integrator_.correct(restoring_force_, load_);
+  }
 }
 
 void PlantAnalysis::correct(const Eigen::Vector2d& bearing_force, double vertical_force) noexcept {
@@ -83,13 +151,19 @@ void PlantAnalysis::correct(const Eigen::Vector2d& bearing_force, double vertica
     vertical_integrator_->correct(vertical_restoring_, vertical_load_);
   }
   ground_ = motion_.at(time_);
-  load_.noalias() = inertia_ * ground_;
-  if (plant_.bearings > 0) restoring_force_.head<2>() += plant_.bearings * bearing_force;
+  if (extrapolation_) {
+    force_.append(plant_.bearings * bearing_force);
+    interpolate();
+    return;
+  }
+  load_at(time_);
+  restoring_force_.head<2>() += plant_.bearings * bearing_force;
   integrator_.correct(restoring_force_, load_);
 }
 
 Eigen::Vector2d PlantAnalysis::predicted_velocity() const {
-  return integrator_.predicted_velocity().head<2>();
+  return extrapolation_ ? extrapolation_->velocity().head<2>()
+                        : integrator_.predicted_velocity().head<2>();
 }
 
 Eigen::Vector2d PlantAnalysis::base_displacement() const {

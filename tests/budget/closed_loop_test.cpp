@@ -86,10 +86,10 @@ TEST_F(ClosedLoop, ReturnsTheRecordedTargetsUnderTheRecordedForce) {
 
 TEST_F(ClosedLoop, ReproducesARunWithoutNoiseFromTheTrueLaboratory) {
   make(false);
-  EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
+  EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-4);
   for (const auto part :
        {Part::Tracking, Part::Force, Part::Specimen, Part::Machine, Part::Numerical})
-    EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(part))), 1.5e-3) << name_of(part);
+    EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(part))), 5e-4) << name_of(part);
 }
 
 TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {

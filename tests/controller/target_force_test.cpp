@@ -33,7 +33,7 @@ Vector2d orbit(double t, int derivative) {
 /// A specimen of one slider and a spring.
 struct Specimen {
   double strength = 1e6, reach = 3e-3, stiffness = 4e6;
-  Sliders slider{{3e-3}, 2};
+  Sliders slider{{3e-3}, {}, 2};
   Vector2d at = Vector2d::Zero(), force = Vector2d::Zero();
   Vector2d move(const Vector2d& to) {
     slider.move(to - at);
@@ -81,6 +81,7 @@ Errors errors_of(double delay, double noise, const TargetForceSettings& settings
 TEST(TargetForce, OfALateMachineIsThatAtTheTarget) {
   TargetForceSettings settings;
   settings.reach = {3e-3, 1.0};
+  settings.smooth_reach = {};
   const Errors found = errors_of(0.005, 0, settings);
 
   EXPECT_GT(found.uncorrected, 25e3);
@@ -90,6 +91,7 @@ TEST(TargetForce, OfALateMachineIsThatAtTheTarget) {
 TEST(TargetForce, NeedsNoSliderOfTheSpecimensReach) {
   TargetForceSettings settings;
   settings.reach = {1e-3, 2e-3, 4e-3, 8e-3, 1.0};
+  settings.smooth_reach = {};
   const Errors found = errors_of(0.005, 1, settings);
 
   EXPECT_LT(found.corrected, 0.4 * found.uncorrected);
@@ -100,6 +102,7 @@ TEST(TargetForce, NeedsNoSliderOfTheSpecimensReach) {
 TEST(TargetForce, AddsLittleNoiseToAnExactMachine) {
   TargetForceSettings settings;
   settings.reach = {1e-3, 3e-3, 9e-3, 1.0};
+  settings.smooth_reach = {};
 
   EXPECT_LT(errors_of(0, 1, settings).corrected, 10e3);
 }
@@ -115,9 +118,29 @@ TEST(TargetForce, IsTheMeasuredForceUntilTheMotionInforms) {
   }
 }
 
+// The first step of a motion, when nothing is learnt: the expected stiffness times the error.
+TEST(TargetForce, KnowsTheExpectedStiffnessFromTheStart) {
+  for (const double slip : {0.5e-3, 3e-3, 20e-3}) {  // below, among and above the reaches
+    TargetForceSettings settings;
+    settings.expected_strength = 1e6;
+    settings.expected_stiffness = 1e6 / slip;
+    TargetForce force{settings};
+    const Vector2d zero = Vector2d::Zero(), target{1e-7, 0};
+    force.step({zero.data(), zero.data(), zero.data(), zero.data()}, true);
+    force.step({target.data(), zero.data(), zero.data(), zero.data()}, true);
+
+    EXPECT_NEAR(force.strengths().sum(), 1e6, 1);
+    EXPECT_GT(force.correction()[0], 0);
+    if (slip == 3e-3) {
+      EXPECT_NEAR(force.correction()[0], 1e-7 * 1e6 / slip, 0.01);
+    }
+  }
+}
+
 TEST(TargetForce, OfASpringIsStiffnessTimesError) {
   TargetForceSettings settings;
   settings.reach = {1.0};
+  settings.smooth_reach = {};
   TargetForce force{settings};
   const double stiffness = 4e6;
   double largest = 0;
@@ -173,10 +196,12 @@ TEST(TargetForce, IsFitForRealTime) {
 }
 
 TEST(TargetForce, RefusesWrongSettings) {
-  TargetForceSettings none, negative, short_memory;
+  TargetForceSettings none, negative, short_memory, descending, half;
   none.reach = {};
   negative.reach = {1e-3, -1e-3};
   short_memory.forgetting = 0;
+  descending.smooth_reach = {2e-3, 1e-3};
+  half.expected_strength = 1e6;
 
   EXPECT_EQ(test::error_of([&] { TargetForce{none}; }),
             "force at the target: number of sliders is 0, expected at least 1");
@@ -184,10 +209,14 @@ TEST(TargetForce, RefusesWrongSettings) {
             "force at the target: reach of a slider is -0.001, expected a positive number");
   EXPECT_EQ(test::error_of([&] { TargetForce{short_memory}; }),
             "force at the target: forgetting is 0, expected more than a period");
+  EXPECT_EQ(test::error_of([&] { TargetForce{descending}; }),
+            "force at the target: first smooth reach is 0.002, expected an ascending list");
+  EXPECT_EQ(test::error_of([&] { TargetForce{half}; }),
+            "force at the target: expected stiffness is 0, expected a positive number");
 }
 
 TEST(Sliders, FollowTheMasingRuleInOneDirection) {
-  Sliders sliders{{2e-3}, 2};
+  Sliders sliders{{2e-3}, {}, 2};
   const auto move = [&](double x) { sliders.move(Vector2d{x, 0}); };
 
   move(1e-3);
@@ -198,6 +227,30 @@ TEST(Sliders, FollowTheMasingRuleInOneDirection) {
   EXPECT_NEAR(sliders.states()(0, 0), 0, 1e-15);
   move(-9e-3);
   EXPECT_DOUBLE_EQ(sliders.states()(0, 0), -1);
+}
+
+// Its differential equation in small steps: Park, Wen and Ang (1986) with β = γ.
+TEST(Sliders, SmoothOnesSolveTheirEquation) {
+  constexpr double kReach = 2e-3;
+  Sliders sliders{{}, {kReach}, 2};
+  Vector2d fine = Vector2d::Zero();
+  const auto move = [&](const Vector2d& step) {
+    sliders.move(step);
+    constexpr int kPieces = 200'000;
+    for (int i = 0; i < kPieces; ++i) {
+      const Vector2d d = step / kReach / kPieces;
+      fine += d - fine * std::max(0.0, fine.dot(d));
+    }
+    const Vector2d found = sliders.states().col(0);
+    EXPECT_LT((found - fine).norm(), 1e-4) << step.transpose();
+    EXPECT_LE(found.norm(), 1);
+  };
+
+  move({1e-3, 0});
+  move({3e-3, 2e-3});
+  move({-1e-3, 4e-3});
+  move({0, -9e-3});  // unloads and yields again in one step
+  move({0.1, 0});
 }
 
 }  // namespace

@@ -231,12 +231,15 @@ TEST(PlantAnalysis, MovesOnlyAlongTheExcitedAxis) {
 }
 
 TEST(PlantAnalysis, StepsInRealTime) {
-  PlantAnalysis analysis{assemble(example_plant()), sine_motion(), 4e6, 0.01, -0.05};
-  Eigen::Vector2d u = Eigen::Vector2d::Zero();
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_REALTIME(u = analysis.predict());
-    EXPECT_REALTIME(analysis.correct(4e6 * u));
-    EXPECT_REALTIME(u = analysis.floor_acceleration(1));
+  for (const int substeps : {1, 10}) {
+    PlantAnalysis analysis{assemble(example_plant()), sine_motion(), 4e6, 0.01, -0.05,
+                           VerticalFeedback::Model,   substeps};
+    Eigen::Vector2d u = Eigen::Vector2d::Zero();
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_REALTIME(u = analysis.predict());
+      EXPECT_REALTIME(analysis.correct(4e6 * u));
+      EXPECT_REALTIME(u = analysis.floor_acceleration(1));
+    }
   }
 }
 
@@ -255,6 +258,78 @@ TEST(NumericalResponse, HardlyDependsOnTheStep) {
               0.03 * peak(fine.displacement_long));
   EXPECT_EQ(coarse.floors.size(), 3U);
   EXPECT_EQ(coarse.floors[0].name, "containment");
+}
+
+/// Difference of the bearing's targets from those at 1 ms, of their size: a hybrid test of 10 s
+/// with a perfect machine, which moves from target to target on a straight line.
+double difference_from_fine(int substeps) {
+  const PlantMatrices plant = assemble(example_plant());
+  const Bearing bearing = test::plain_lead_rubber();
+  const auto fine = numerical_response(plant, sine_motion(), bearing, 1e-3, 10);
+  PlantAnalysis analysis{plant,   sine_motion(), initial_stiffness(bearing),
+                         0.01,    -0.05,         VerticalFeedback::Model,
+                         substeps};
+  BearingRun specimen{bearing, 1e-3};
+  Eigen::Vector2d at = Eigen::Vector2d::Zero(), force = at;
+  double apart = 0, all = 0;
+  for (std::size_t step = 0; step < 1000; ++step) {
+    const Eigen::Vector2d to = analysis.predict();
+    for (int k = 1; k <= 10; ++k) force = test::moved(specimen, at + (to - at) * k / 10);
+    at = to;
+    analysis.correct(force);
+    const double expected = fine.displacement_long[10 * step + 9];
+    apart += (to[0] - expected) * (to[0] - expected);
+    all += expected * expected;
+  }
+  return std::sqrt(apart / all);
+}
+
+TEST(PlantAnalysis, DiffersLittleFromFineStepsWithSubsteps) {
+  EXPECT_GT(difference_from_fine(1), 5e-3);
+  EXPECT_LT(difference_from_fine(10), 1e-3);
+}
+
+// The largest response to a pulse in the last third of 30 s, as a part of that in the first one.
+double growth(double stiffness, double softening, int substeps) {
+  GroundMotion pulse;
+  pulse.time_step = 0.01;
+  pulse.long_acceleration = {1, -0.7, 1, -0.7, 1, 0};
+  pulse.lat_acceleration.assign(6, 0.0);
+  PlantAnalysis analysis{assemble(example_plant()), pulse,   stiffness, 0.01, 0,
+                         VerticalFeedback::Model,   substeps};
+  double first = 0, last = 0;
+  for (int step = 0; step < 3000; ++step) {
+    const Eigen::Vector2d u = analysis.predict();
+    analysis.correct(softening * stiffness * u);
+    const double a = analysis.floor_acceleration(0).norm();
+    if (step < 1000) first = std::max(first, a);
+    if (step >= 2000) last = std::max(last, a);
+  }
+  return last / first;
+}
+
+TEST(PlantAnalysis, IsStableWithSubstepsUpToTheLargestStiffness) {
+  const PlantMatrices plant = assemble(example_plant());
+  for (const double phase : {0.2, 0.5, 0.8}) {  // of the basemat on its bearings, in a step
+    const double stiffness = 0.999 * phase * phase / 1e-4 * plant.M(0, 0) / plant.bearings;
+    for (const int substeps : {2, 10})
+      for (const double softening : {0.02, 0.1, 0.3, 0.6, 1.0})
+        EXPECT_LT(growth(stiffness, softening, substeps), 1)
+            << phase << ", " << substeps << " substeps, softening " << softening;
+  }
+}
+
+TEST(PlantAnalysis, RefusesSubstepsThatItCannotUse) {
+  const auto analyse = [](double stiffness, int substeps) {
+    PlantAnalysis{assemble(example_plant()), sine_motion(), stiffness, 0.01, 0,
+                  VerticalFeedback::Model,   substeps};
+  };
+
+  EXPECT_EQ(test::error_of([&] { analyse(4e6, 0); }),
+            "integrator: 0 substeps, expected at least 1");
+  EXPECT_EQ(test::error_of([&] { analyse(4e9, 2); }),
+            "integrator: substeps need a step of at most 0.00691 s with a bearing of 4e+09 N/m, "
+            "not 0.01 s; shorten the step or set substeps to 1");
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ std::unique_ptr<Adapter> make_numerical_node(const TestSetup& setup, const NodeC
   settings.bearing_initial_stiffness = sim::initial_stiffness(setup.model);
   settings.integration_step = setup.integration_step;
   settings.alpha = setup.alpha;
+  settings.substeps = setup.substeps;
   settings.duration = setup.duration;
   settings.rest = setup.rest;
   settings.wait_deadline = setup.wait_deadline * setup.rate;

@@ -30,7 +30,8 @@ AnalysedTargets::AnalysedTargets(const NumericalSettings& settings)
                 settings.bearing_initial_stiffness,
                 settings.integration_step,
                 settings.alpha,
-                settings.vertical_feedback} {}
+                settings.vertical_feedback,
+                settings.substeps} {}
 
 void AnalysedTargets::begin(Exchange& exchange) noexcept {
   exchange.displacement = analysis_.predict();

@@ -23,8 +23,15 @@ Vector2d along_tested(const HybridTest& test, Vector2d value) {
   return value;
 }
 
-sim::PlantAnalysis analysis_of(const HybridTest& test, double step) {
-  return sim::PlantAnalysis{test.plant, test.motion, test.implicit_stiffness, step, test.alpha};
+// As identified: a target per integration step.
+sim::PlantAnalysis analysis_of(const HybridTest& test) {
+  return {test.plant,
+          test.motion,
+          test.implicit_stiffness,
+          test.integration_step,
+          test.alpha,
+          sim::VerticalFeedback::Model,
+          test.substeps};
 }
 
 void append(const Vector2d& target, Response& response) {
@@ -73,7 +80,7 @@ class DrivenLaboratory {
 // As simulated: a target per controller period, which is its command.
 Response run_with_fine_steps(const HybridTest& test, Parts identified) {
   const double step = test.period / test.rate;  // model time
-  sim::PlantAnalysis analysis = analysis_of(test, step);
+  sim::PlantAnalysis analysis{test.plant, test.motion, test.implicit_stiffness, step, test.alpha};
   const std::size_t first = test.first_target + 1;  // tick of the controller
   DrivenLaboratory laboratory{test, identified, first};
   Compensator compensator{test, has(identified, Part::Tracking)};
@@ -103,7 +110,7 @@ class SteppedRun {
       : test_{test},
         compensator_{test, has(identified, Part::Tracking)},
         is_late_{has(identified, Part::Host)},
-        analysis_{analysis_of(test, test.integration_step)},
+        analysis_{analysis_of(test)},
         laboratory_{test, identified, 0},
         settings_{settings_of(test)},
         command_{settings_},
@@ -229,7 +236,7 @@ Response closed_loop(const HybridTest& test, Parts identified) {
 }
 
 Response replayed(const HybridTest& test, const std::array<std::vector<double>, 2>& force) {
-  sim::PlantAnalysis analysis = analysis_of(test, test.integration_step);
+  sim::PlantAnalysis analysis = analysis_of(test);
   Response response;
   const std::size_t steps = std::min(force[0].size(), force[1].size());
   for (std::size_t k = 0; k < steps; ++k) {

@@ -12,38 +12,47 @@
 namespace rths::controller {
 
 /// Parallel sliders of unit strength, which follow a motion in the plane of the axes:
-///     dz_j = du/r_j within |z_j| ≤ 1, radial return to |z_j| = 1
+///     sharp:   dz = du/r within |z| ≤ 1, radial return to |z| = 1
+///     smooth:  dz = du/r − z max(0, z·du/r)
+/// A smooth slider is the law of Bouc and Wen with exponent 2 and β = γ.
 class Sliders {
  public:
-  /// @param reach  r_j: displacement at which each slider slips [m], > 0   @setup
-  Sliders(const std::vector<double>& reach, Eigen::Index axes);
+  /// @param sharp,smooth  r: displacements at which they slip [m], > 0   @setup
+  Sliders(const std::vector<double>& sharp, const std::vector<double>& smooth, Eigen::Index axes);
   /// @param step  axes × 1, displacement since the last call [m]   @realtime
   void move(const Eigen::VectorXd& step) RTHS_REALTIME;
-  /// axes × sliders [-]
+  /// axes × sliders [-], the sharp ones first
   [[nodiscard]] const Eigen::MatrixXd& states() const { return states_; }
 
  private:
-  Eigen::VectorXd flexibility_;  ///< 1/r_j [1/m]
+  Eigen::Index sharp_;           ///< number of sharp sliders
+  Eigen::VectorXd flexibility_;  ///< 1/r [1/m]
   Eigen::MatrixXd states_;
 };
 
 struct TargetForceSettings {
   int axes = 2;
   double period = 1e-3;  ///< of the samples [s]
-  /// Displacements at which the sliders slip [m]. The last one stands for a spring.
+  /// Displacements at which the sharp sliders slip [m]. The last one stands for a spring.
   std::vector<double> reach{0.5e-3, 1e-3, 2e-3, 3e-3, 4.5e-3, 7e-3, 12e-3, 1.0};
+  /// The same of the smooth sliders [m].
+  std::vector<double> smooth_reach{0.9e-3, 1.25e-3, 1.8e-3, 2.5e-3, 3.55e-3, 5e-3, 7.1e-3};
+  /// Before anything is learnt: strength of the specimen [N], and its stiffness before it slips
+  /// [N/m]. 0: unknown, no correction until then.
+  double expected_strength = 0, expected_stiffness = 0;
   double forgetting = 8;            ///< time constant of the memory, in informative motion [s]
   double informative_speed = 0.01;  ///< learning pauses while the RMS speed is below [m/s]
-  double motion_bandwidth = 10;     ///< below it the motion follows the displacement, above it the
-                                    ///< integrated acceleration [Hz]
+  /// Below it the motion follows the displacement, above it the integrated acceleration [Hz]. The
+  /// noise is least where both contribute equally: √(σ_a/σ_x)/2π.
+  double motion_bandwidth = 5;
 };
 
 /// Corrects the specimen's force for the tracking error. The force was measured at the measured
 /// displacement x_m, but the integrator needs it at its target x:
 ///     F(x) = F_m + Σ Q_j (z_j(x) − z_j(x_m)),    Q_j ≥ 0
-/// Sliders z_j follow both motions. Their strengths Q_j, one set for all axes, are learnt from the
-/// measured force and motion by least squares with forgetting. A specimen whose force the sliders
-/// describe returns exactly the force at its target.
+/// Sliders z_j, sharp and smooth, follow both motions. Their strengths Q_j, one set for all axes,
+/// are learnt from the measured force and motion by least squares with forgetting. A specimen whose
+/// force the sliders describe returns exactly the force at its target.
 class TargetForce {
  public:
   /// @throws Error if a setting is out of range   @setup

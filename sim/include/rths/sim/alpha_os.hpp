@@ -30,6 +30,9 @@ class AlphaOs {
 
   /// Sets displacement, velocity, acceleration and forces to zero.
   void reset();
+  /// Takes over displacement, velocity, acceleration and forces of an integrator of the same
+  /// size.   @realtime
+  void continue_from(const AlphaOs& other) RTHS_REALTIME;
   /// First half of a step. @returns ũ, dof × 1 [m], the specimen's target displacement  @realtime
   const Eigen::VectorXd& predict() RTHS_REALTIME;
   /// Second half of a step.

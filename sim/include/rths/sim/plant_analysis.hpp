@@ -23,19 +23,33 @@ enum class VerticalFeedback {
   Measured  ///< the specimen's force, integrated by α-OS: a hybrid test of the vertical axis too
 };
 
+/// A quantity of the bearing during a time step: the parabola through its last three values.
+struct BearingPath {
+  Eigen::Vector2d now = Eigen::Vector2d::Zero();     ///< at the end of the step
+  Eigen::Vector2d last = Eigen::Vector2d::Zero();    ///< at its beginning
+  Eigen::Vector2d before = Eigen::Vector2d::Zero();  ///< a step earlier
+  void append(const Eigen::Vector2d& value) RTHS_REALTIME;
+  /// @param x  part of the step, 0 to 1   @realtime
+  [[nodiscard]] Eigen::Vector2d at(double x) const RTHS_REALTIME;
+};
+
 /// The numerical substructure: a plant under a ground motion, integrated one time step at a time.
 /// The caller supplies the bearing's restoring force.
+///
+/// With substeps, the plant is integrated in parts of the time step, between the targets. The
+/// bearing's force is extrapolated for the target, then interpolated between measured forces.
 ///
 /// Vertically the plant is one mass on bearings, independent of the horizontal motion. The vertical
 /// force is a target for the specimen.
 class PlantAnalysis {
  public:
   /// @param bearing_initial_stiffness  of one bearing [N/m]; unused when the plant has no bearings
-  /// @param time_step  of the integration [s]
-  /// @throws Error as AlphaOs does   @setup
+  /// @param time_step  between targets [s]
+  /// @param substeps   of the integration in a time step
+  /// @throws Error as AlphaOs does, and if the bearing is too stiff for substeps   @setup
   PlantAnalysis(PlantMatrices plant, GroundMotion motion, double bearing_initial_stiffness,
-                double time_step, double alpha,
-                VerticalFeedback vertical = VerticalFeedback::Model);
+                double time_step, double alpha, VerticalFeedback vertical = VerticalFeedback::Model,
+                int substeps = 1);
 
   /// Begins a step. @returns the bearing's target displacement at its end: long, lat [m]  @realtime
   Eigen::Vector2d predict() RTHS_REALTIME;
@@ -58,16 +72,23 @@ class PlantAnalysis {
 
  private:
   void predict_vertical() noexcept;
+  void extrapolate() noexcept;
+  void interpolate() noexcept;
+  void load_at(double time) noexcept;
 
   PlantMatrices plant_;
   GroundMotion motion_;
   double time_step_;
+  int substeps_;
+  double bearing_stiffness_;  ///< implicit, of all bearings [N/m]
   double time_ = 0;
   std::uint64_t steps_ = 0;
   Eigen::Vector2d ground_ = Eigen::Vector2d::Zero();
   Eigen::MatrixXd inertia_;  ///< −M ι, dof × 2
   Eigen::VectorXd load_, restoring_force_;
   AlphaOs integrator_;
+  std::optional<AlphaOs> extrapolation_;  ///< to the next target; with substeps
+  BearingPath target_, force_;            ///< of the bearing [m], of all bearings [N]
   OscillatorStep vertical_step_;
   Oscillator vertical_;
   std::optional<AlphaOs> vertical_integrator_;  ///< of the compression of a bearing; Measured only

@@ -20,6 +20,7 @@ struct NumericalSettings {
   double bearing_initial_stiffness = 0;  ///< one bearing [N/m]
   double integration_step = 0.01;        ///< Δt_int, model time [s]
   double alpha = -0.05;                  ///< of α-OS [-]
+  int substeps = 1;                      ///< of the integration between targets
   double duration = 40;                  ///< model time [s]
   double rest = 0;                       ///< before the first step [s]
   double wait_deadline = 1;              ///< for each flag of the handshake [s]

@@ -53,6 +53,7 @@ struct TestSetup {
   sim::Bearing model;     ///< the bearing as the simulation assumes it
   sim::TestMachine machine;
   double alpha = -0.05;      ///< of α-OS
+  int substeps = 1;          ///< of its integration between targets
   double wait_deadline = 1;  ///< of a solver, for each flag of the handshake [s], times `rate`
   ComputingTime computing_time;
   bool model_computing_time = false;  ///< also in wall time, where this solver is fast

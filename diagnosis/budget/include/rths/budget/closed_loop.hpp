@@ -120,6 +120,7 @@ struct HybridTest {
 
   // Numerical side, as identified
   double integration_step = 0.01;  ///< model time [s]
+  int substeps = 1;                ///< of the integration between targets
   double rate = 1;                 ///< wall time over model time
   controller::PredictorCorrectorSettings command;
   /// Controller ticks from "at target" to the arrival of the next target on a host that is never
