@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
@@ -31,6 +30,22 @@ constexpr Index kRegressors = 6;
 Eigen::Matrix<double, kRegressors, 1> regressors(double time) {
   const double a = 2 * pi * kFrequency[0] * time, b = 2 * pi * kFrequency[1] * time;
   return {1, time, std::cos(a), std::sin(a), std::cos(b), std::sin(b)};
+}
+
+// Z of A Z = B, as real equations of twice the size: a complex decomposition takes 10 s to compile.
+MatrixXcd solve(const MatrixXcd& a, const MatrixXcd& b) {
+  const Index n = a.rows();
+  MatrixXd left(2 * n, 2 * n), right(2 * n, b.cols());
+  left.topLeftCorner(n, n) = left.bottomRightCorner(n, n) = a.real();
+  left.bottomLeftCorner(n, n) = a.imag();
+  left.topRightCorner(n, n) = -a.imag();
+  right.topRows(n) = b.real();
+  right.bottomRows(n) = b.imag();
+  const MatrixXd found = algebra::solve_least_squares(left, right);
+  MatrixXcd z(n, b.cols());
+  z.real() = found.topRows(n);
+  z.imag() = found.bottomRows(n);
+  return z;
 }
 
 // The sum of both frequencies stays within the amplitude.
@@ -121,8 +136,7 @@ std::array<MatrixXcd, 2> Identification::dynamic_stiffness() const {
             "machine on?",
             k + 1, moved, kFrequency[i], amplitude_[k])};
     }
-    stiffness[i] =
-        displacement_[i].transpose().fullPivLu().solve(force_[i].transpose()).transpose();
+    stiffness[i] = solve(displacement_[i].transpose(), force_[i].transpose()).transpose();
   }
   return stiffness;
 }
