@@ -252,7 +252,7 @@ TEST(RunDiagnosis, IsOmittedOnRequest) {
   folder.write("verdict.json", "of an earlier run");
 
   const auto run =
-      run_example(folder.path(), {"--force", "--no-diagnosis", "--set", "duration_s=1"});
+      run_example(folder.path(), {"--force", "--no-diagnosis", "--set", "duration_s=2"});
 
   ASSERT_EQ(run.exit_code, 0) << run.err;
   for (const char* file : {"verdict.json", "improved.h5", "diagnosis.html"})

@@ -43,7 +43,7 @@ class RunFolder : public ::testing::Test {
         "virtual",
         "--no-diagnosis",
         "--set",
-        "duration_s=1",
+        "duration_s=2",
         "--set",
         "rest_s=0.1"};
     arguments.insert(arguments.end(), options.begin(), options.end());

@@ -121,7 +121,7 @@ double difference(const recording::Reader& a, const recording::Reader& b, const 
 // A message needs 1 to 100 µs on the ring, and the nodes read what has arrived at their steps.
 TEST(VirtualRun, HasTheSameResponseOnARingOfCards) {
   const test::TemporaryFolder shared, first, second;
-  const std::string duration = test::is_long() ? "duration_s=40" : "duration_s=1";
+  const std::string duration = test::is_long() ? "duration_s=40" : "duration_s=2";
   for (const auto* folder : {&shared, &first, &second}) {
     const std::string fidelity = folder == &shared ? "shared" : "replicated";
     static_cast<void>(numbers_of(
@@ -163,8 +163,8 @@ INSTANTIATE_TEST_SUITE_P(OfTheExample, EveryNode, ::testing::Values("opf", "xpc"
 TEST(VirtualRun, HasOtherNoiseWithAnotherSeed) {
   const test::TemporaryFolder first;
   const test::TemporaryFolder second;
-  static_cast<void>(numbers_of(first.path(), {"duration_s=1", "seed=1"}));
-  static_cast<void>(numbers_of(second.path(), {"duration_s=1", "seed=2"}));
+  static_cast<void>(numbers_of(first.path(), {"duration_s=2", "seed=1"}));
+  static_cast<void>(numbers_of(second.path(), {"duration_s=2", "seed=2"}));
 
   const recording::Reader a{first.path() / "run.h5"};
   const recording::Reader b{second.path() / "run.h5"};

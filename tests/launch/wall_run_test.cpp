@@ -409,7 +409,7 @@ TEST(WallRun, TakesAsLongToStopAsConfigured) {
   const test::RingRemoval removal{ring};
 
   const auto run = test::run_rths({"run", example(), "--no-diagnosis", "--out",
-                                   folder.path().string(), "--ring", ring, "--set", "duration_s=1",
+                                   folder.path().string(), "--ring", ring, "--set", "duration_s=2",
                                    "--set", "rest_s=0.5", "--set", "stop.ramp_s=3"});
 
   expect_regular_end(run);

@@ -2,12 +2,14 @@
 #include "hybrid_loop.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
 #include <rths/controller/target_exchange.hpp>
+#include <rths/controller/target_force.hpp>
 
 namespace rths::bench {
 namespace {
@@ -20,6 +22,7 @@ using sim::machine::PlatenRun;
 constexpr int kSubsteps = 10;              // of the predictor-corrector in a period
 constexpr double kIntegrationStep = 0.01;  // [s]
 constexpr double kAlpha = -0.05;           // of α-OS
+constexpr int kIntegrationSubsteps = 10;   // between targets
 constexpr int kComputingTicks = 3;         // of the solver: the paper's mean
 constexpr int kRestTicks = 1000;           // before the first target
 constexpr int kSpecimenSteps = 10;         // per integration step, in the numerical loop
@@ -97,7 +100,9 @@ controller::PredictorCorrectorSettings command_settings() {
 /// Predictor-corrector, its handshake, and force observers, at the controller's period.
 class RealTimeTarget {
  public:
-  RealTimeTarget() : pc_{command_settings()}, exchange_{{0, 0}, command_settings()} {
+  explicit RealTimeTarget(bool corrects_force)
+      : pc_{command_settings()}, exchange_{{0, 0}, command_settings()} {
+    if (corrects_force) target_force_.emplace(controller::TargetForceSettings{});
     for (Eigen::VectorXd* v : {&target_.displacement, &target_.velocity, &target_.acceleration})
       v->setZero(2);
     const auto setup = controller::unison_eqs_setup();
@@ -109,16 +114,24 @@ class RealTimeTarget {
     word_ = 1;
   }
   void step(const PlatenFeedback& feedback, const Vector2d& offset) {
-    Eigen::VectorXd displacement(2);
+    Eigen::VectorXd displacement(2), acceleration(2);
     for (Eigen::Index i = 0; i < 2; ++i) {
       displacement[i] = feedback.displacement[i];
+      acceleration[i] = feedback.acceleration[i];
       force_[i] = observers_[static_cast<std::size_t>(i)].step(
           displacement[i], feedback.acceleration[i], feedback.force[i] - offset[i]);
+    }
+    Eigen::VectorXd at_target = force_;
+    if (target_force_) {
+      target_force_->step(
+          {target_.displacement.data(), displacement.data(), acceleration.data(), force_.data()},
+          true);
+      at_target += target_force_->correction();
     }
     for (int k = 0; k < kSubsteps; ++k) {
       const bool is_new = exchange_.begin(word_);
       pc_.substep(is_new, target_);
-      exchange_.end(pc_, displacement, force_);
+      exchange_.end(pc_, displacement, at_target);
     }
     if (exchange_.switch_pc()) word_ = 0;
   }
@@ -135,6 +148,7 @@ class RealTimeTarget {
   controller::Target target_;
   double word_ = 0;
   std::vector<controller::ForceObserver> observers_;
+  std::optional<controller::TargetForce> target_force_;
   Eigen::VectorXd force_ = Eigen::VectorXd::Zero(2);
 };
 
@@ -150,8 +164,9 @@ void note(const sim::PlantAnalysis& analysis, sim::ResponseHistory& response) {
 }
 
 sim::PlantAnalysis analysis_of(const HybridTest& test) {
-  return {test.plant, test.motion, sim::initial_stiffness(test.machine.specimen), kIntegrationStep,
-          kAlpha};
+  return {test.plant,          test.motion, sim::initial_stiffness(test.machine.specimen),
+          kIntegrationStep,    kAlpha,      sim::VerticalFeedback::Model,
+          kIntegrationSubsteps};
 }
 
 sim::ResponseHistory empty_response(const sim::PlantMatrices& plant) {
@@ -172,11 +187,12 @@ long steps_of(const HybridTest& test) { return std::lround(test.duration / kInte
 }  // namespace
 
 Controller bare_controller() {
-  return {"none", 0, [](std::size_t) { return std::make_unique<Bare>(); }};
+  return {"none", 0, false, [](std::size_t) { return std::make_unique<Bare>(); }};
 }
 
 Controller paper_controller() {
-  return {"paper", kPaperFeedForward, [](std::size_t) { return std::make_unique<PaperAts>(); }};
+  return {"paper", kPaperFeedForward, false,
+          [](std::size_t) { return std::make_unique<PaperAts>(); }};
 }
 
 Controller inverse_controller(const sim::machine::PlatenMachine& nominal) {
@@ -187,8 +203,9 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal) {
     settings.force_capacity = nominal.limits.force[i];
     settings.effective_mass = nominal.mass[i];
     settings.largest_reference = nominal.limits.stroke[i];
-    // From the nominal parameters: a velocity error of 1/K_v, the reference held for a period and
-    // one period late, the dead band and the pressure feedback as position errors.
+    // From the nominal parameters: a velocity error of 1/K_v, the reference
+    // held for a period and one period late, the dead band and the pressure
+    // feedback as position errors.
     const double flow = actuator.rated_velocity / actuator.position_gain;
     auto& start = settings.initial;
     start.a1 = 1 / actuator.position_gain + nominal.transport_delay + 1.5 * kPeriod;
@@ -196,7 +213,7 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal) {
     start.load = actuator.pressure_gain * flow / nominal.limits.force[i];
     return settings;
   };
-  return {"inverse", 0,
+  return {"inverse", 0, true,
           [settings_of](std::size_t axis) { return std::make_unique<Inverse>(settings_of(axis)); }};
 }
 
@@ -205,7 +222,7 @@ HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
   history.response = empty_response(test.plant);
   PlatenRun machine = test.at_rest;
   sim::PlantAnalysis analysis = analysis_of(test);
-  RealTimeTarget target;
+  RealTimeTarget target{controller.corrects_force};
   Compensation compensation{controller};
   const double weight = test.machine.specimen.axial_load;
   PlatenReference reference;
@@ -214,7 +231,8 @@ HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
   Vector2d next = Vector2d::Zero();
   long sent = 0, send_at = kRestTicks;
   bool computing = true;
-  // A target each integration step; the solver waits at most as long again for each of them.
+  // A target each integration step; the solver waits at most as long again for
+  // each of them.
   const long most = kRestTicks + 2L * 10 * steps_of(test);
   for (long tick = 0; tick < most && sent <= steps_of(test); ++tick) {
     if (machine.step(reference, feedback) != Status::Ok) ++history.limits;

@@ -38,6 +38,7 @@ class Compensator {
 struct Controller {
   const char* name;
   double feed_forward;  ///< at the valves [-]
+  bool corrects_force;  ///< for the tracking error: the force at the target
   /// Of one axis: 0 long, 1 lat.
   std::function<std::unique_ptr<Compensator>(std::size_t axis)> compensator;
 };
@@ -72,7 +73,7 @@ struct HybridHistory {
   long limits = 0;                   ///< periods with a limit of the machine reached
 };
 
-/// The closed loop in virtual time, as the example experiments run it: α-OS with 10 ms, target 3 ms
+/// The closed loop in virtual time, as the demo runs it: α-OS with 10 ms and substeps, target 3 ms
 /// after the measurement, predictor-corrector at 10 kHz, force observer with Table 2 of the paper.
 [[nodiscard]] HybridHistory run_hybrid(const HybridTest& test, const Controller& controller);
 
