@@ -30,13 +30,14 @@ function(rths_add folder)
   endif()
 endfunction()
 
-# rths_test(<folder> [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>] [TIMEOUT <seconds>])
+# rths_test(<folder> [MATHS] [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>] [TIMEOUT <seconds>])
 #
-# The tests of a folder as one executable; each TEST is a ctest case. PURE tests are independent maths.
-# Under sanitizers, where processes start slowly, they run as four cases. If RTHS_TESTED names folders,
+# The tests of a folder as one executable; each TEST is a ctest case. MATHS tests are optimized, as are
+# those with the label physics. PURE tests are independent MATHS: under sanitizers, where processes start slowly, they
+# run as four cases. If RTHS_TESTED names folders,
 # the others are neither built nor registered. The target rths_tested builds all that are registered.
 function(rths_test folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "PURE;SEPARATE" "LABEL;TIMEOUT" "SOURCES;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "MATHS;PURE;SEPARATE" "LABEL;TIMEOUT" "SOURCES;DEPENDS")
   set(target rths_${folder}_test)
   add_executable(${target} ${arg_SOURCES})
   if(NOT arg_SEPARATE)
@@ -44,8 +45,12 @@ function(rths_test folder)
   endif()
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
                                           GTest::gtest_main)
-  rths_optimize_test(${target})
-  rths_use_precompiled(${target} rths_test_headers)
+  if(arg_MATHS OR arg_PURE OR arg_LABEL STREQUAL physics)
+    rths_compile_test(${target} rths_maths_test_headers -O1)
+  else()
+    # Built more often than run; the libraries have the preset's optimization.
+    rths_compile_test(${target} rths_test_headers -O0)
+  endif()
   if(RTHS_TESTED AND NOT folder IN_LIST RTHS_TESTED)
     set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
@@ -74,11 +79,14 @@ function(rths_test folder)
                        PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${alone})
 endfunction()
 
-# Tests are built more often than they are run: the libraries have the preset's optimization.
-function(rths_optimize_test target)
-  if(NOT RTHS_SANITIZER)
-    target_compile_options(${target} PRIVATE -O1)
+# Under sanitizers, all tests have the preset's optimization.
+function(rths_compile_test target headers optimization)
+  if(RTHS_SANITIZER)
+    set(headers rths_test_headers)
+  else()
+    target_compile_options(${target} PRIVATE ${optimization})
   endif()
+  rths_use_precompiled(${target} ${headers})
 endfunction()
 
 # Adds "<folder of tests/> <target>" to tests.txt, from which `./lab test FOLDER` takes its targets.
