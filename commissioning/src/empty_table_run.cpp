@@ -68,8 +68,8 @@ constexpr Quantity kQuantities[] = {
     {"viscous friction", "viscous_friction_N_s_per_m", "N·s/m", &TableForce::viscous_friction, 1},
     {"offset", "force_offset_N", "N", &TableForce::offset, 1},
     {"presliding length", "presliding_mm", "mm", &TableForce::presliding, 1e3},
-    {"accelerometer's delay", "acceleration_delay_ms", "ms", &TableForce::accelerometer_delay,
-     1e3}};
+    {"accelerometer's delay", "acceleration_delay_ms", "ms", &TableForce::accelerometer_delay, 1e3},
+    {"displacement's lead", "displacement_lead_ms", "ms", &TableForce::displacement_lead, 1e3}};
 
 // A key of a block: values by axis in the order long, lat; an axis before the last identified one
 // may be missing.
@@ -193,6 +193,7 @@ std::string toml_of(const EmptyTableRuns& runs, const std::string& block, const 
   text += key_of(runs, "presliding_m", [](const auto& m) { return m.presliding; });
   text +=
       key_of(runs, "accelerometer_delay_s", [](const auto& m) { return m.accelerometer_delay; });
+  text += key_of(runs, "displacement_lead_s", [](const auto& m) { return m.displacement_lead; });
   return text;
 }
 

@@ -36,8 +36,8 @@ bool is_finite(const TableSample& s) {
 }  // namespace
 
 FractionalDelay::FractionalDelay(double delay, double period) {
-  kRequireTable(delay >= 0 && delay <= kLongestAccelerometerDelay, "accelerometer delay", delay,
-                "0 to 0.02 s");
+  kRequireTable(delay >= 0 && delay <= kLongestAccelerometerDelay,
+                "accelerometer delay, with or without displacement lead,", delay, "0 to 0.02 s");
   kRequireTable.positive("period", period);
   const double samples = delay / period;
   // The four samples around the instant; at the newest end, the four newest.
@@ -91,8 +91,9 @@ double FusedMotion::operator()(double displacement, double acceleration) noexcep
 }
 
 TableSignals::TableSignals(double accelerometer_delay, double presliding,
-                           const TableObserverSettings& settings, int filter_order)
-    : displacement_{accelerometer_delay, settings.period},
+                           const TableObserverSettings& settings, int filter_order,
+                           double displacement_lead)
+    : displacement_{accelerometer_delay + displacement_lead, settings.period},
       force_{accelerometer_delay, settings.period},
       load_{accelerometer_delay, settings.period},
       velocity_{settings.velocity_bandwidth, settings.period},
@@ -133,9 +134,9 @@ TableSignals::Terms TableSignals::step(const TableSample& sample) noexcept {
 TableForceObserver::TableForceObserver(const TableForce& machine,
                                        const TableObserverSettings& settings)
     : machine_{checked(machine)},
-      signals_{std::make_unique<TableSignals>(machine.accelerometer_delay, machine.presliding,
-                                              settings,
-                                              settings.cutoff > 0 ? kObserverFilterOrder : 0)},
+      signals_{std::make_unique<TableSignals>(
+          machine.accelerometer_delay, machine.presliding, settings,
+          settings.cutoff > 0 ? kObserverFilterOrder : 0, machine.displacement_lead)},
       lag_{machine.accelerometer_delay} {
   // A Butterworth low-pass of second order delays low frequencies by √2/ω.
   if (settings.cutoff > 0) lag_ += std::numbers::sqrt2 / (2 * std::numbers::pi * settings.cutoff);

@@ -97,6 +97,7 @@ class Identification {
     if (runs.empty()) throw Error{"force identification: there is no run"};
     for (std::size_t i = 0; i < runs.size(); ++i) check(runs[i], i, settings.period);
     has_load_ = load_varies();
+    behind_ = accelerometer_behind_displacement(runs, settings.period);
   }
 
   [[nodiscard]] TableIdentification solve() {
@@ -133,7 +134,8 @@ class Identification {
   [[nodiscard]] Rows rows_of(const Shape& shape) const {
     std::vector<TableSignals::Terms> all;
     for (const auto& run : runs_) {
-      TableSignals signals{shape.delay, shape.presliding, observer_, kRowFilterOrder};
+      TableSignals signals{shape.delay, shape.presliding, observer_, kRowFilterOrder,
+                           lead_at(shape)};
       const auto moves = moving(run.displacement, observer_.period);
       for (std::size_t i = 0; i < run.force.size(); ++i) {
         const auto terms = signals.step(sample_of(run, i));
@@ -297,8 +299,16 @@ class Identification {
     found.residual_rms = std::sqrt(at.residual.squaredNorm() /
                                    static_cast<double>(at.residual.size() - kParameters));
     found.residual_peak = at.residual.cwiseAbs().maxCoeff();
+    found.machine.displacement_lead = lead_at(shape_);
+    found.half_width.displacement_lead =
+        std::hypot(behind_.half_width, found.half_width.accelerometer_delay);
     describe_samples(found);
     return found;
+  }
+
+  // So that the displacement waits as long as the accelerometer is behind it, whatever the shape.
+  [[nodiscard]] double lead_at(const Shape& shape) const {
+    return std::clamp(behind_.value, 0.0, kLongestAccelerometerDelay) - shape.delay;
   }
 
   // Every sample in motion, without the low-pass.
@@ -308,7 +318,7 @@ class Identification {
     std::vector<double> blocks;
     for (const auto& run : runs_) {
       const auto moves = moving(run.displacement, observer_.period);
-      TableSignals signals{shape_.delay, shape_.presliding, observer_, 0};
+      TableSignals signals{shape_.delay, shape_.presliding, observer_, 0, lead_at(shape_)};
       for (std::size_t i = 0; i < run.force.size(); ++i) {
         const TableSample sample = sample_of(run, i);
         const auto terms = signals.step(sample);
@@ -346,6 +356,7 @@ class Identification {
   TableObserverSettings observer_;
   std::size_t stride_, settling_;
   bool has_load_ = false;
+  Estimate behind_;  ///< the accelerometer behind the displacement transducer [s]
   Shape shape_;
   Eigen::VectorXd linear_;
   std::vector<int> columns_;

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include <rths/controller/filters.hpp>
+#include <rths/controller/robust_covariance.hpp>
 #include <rths/controller/table_force.hpp>
 
 namespace rths::controller {
@@ -43,6 +44,11 @@ class FusedMotion {
   bool started_ = false;
 };
 
+/// Delay of the accelerometer behind the displacement transducer [s]: least squares of the
+/// acceleration over second and third derivative of the displacement. 0 without motion.   @setup
+[[nodiscard]] Estimate accelerometer_behind_displacement(std::span<const TableRecording> runs,
+                                                         double period);
+
 /// From measured samples to the terms of the machine's force, all of one instant and through one
 /// low-pass. Observer and identification share it, so they share its small errors.
 class TableSignals {
@@ -56,7 +62,7 @@ class TableSignals {
   };
   /// @param filter_order  0: no low-pass
   TableSignals(double accelerometer_delay, double presliding, const TableObserverSettings& settings,
-               int filter_order);
+               int filter_order, double displacement_lead = 0);
   [[nodiscard]] Terms step(const TableSample& sample) noexcept;
 
  private:

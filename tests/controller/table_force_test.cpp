@@ -29,7 +29,8 @@ TableForce a_machine() {
           .viscous_friction = 716,
           .offset = 2e3,
           .presliding = 1.5e-3,
-          .accelerometer_delay = 3.3e-3};
+          .accelerometer_delay = 3.3e-3,
+          .displacement_lead = 0.6e-3};
 }
 
 struct Signals {
@@ -65,7 +66,7 @@ Signals measured(const TableForce& m, double load_share, double noise, unsigned 
       z = level + (z - level) * std::exp(-std::abs(v) * kPeriod / kSubsteps / m.presliding);
     }
     const double load = 10e6 * (1 + load_share * std::sin(2.3 * t));
-    run.displacement.push_back(motion(t, 0) + 5e-5 * normal(random));
+    run.displacement.push_back(motion(t + m.displacement_lead, 0) + 5e-5 * normal(random));
     run.acceleration.push_back(motion(t - m.accelerometer_delay, 2) + 0.049 * normal(random));
     run.force.push_back(m.effective_mass * motion(t, 2) +
                         (m.coulomb_friction + m.load_friction * load) * z +
@@ -93,6 +94,7 @@ TEST(TableIdentification, FindsEveryParameterWithoutNoise) {
   EXPECT_NEAR(found.offset, truth.offset, 20);
   EXPECT_NEAR(found.presliding, truth.presliding, 0.03 * truth.presliding);
   EXPECT_NEAR(found.accelerometer_delay, truth.accelerometer_delay, 2e-5);
+  EXPECT_NEAR(found.displacement_lead, truth.displacement_lead, 5e-5);
 }
 
 // 40 seeds at 95 %: fewer than 33 covered have a probability of 0.07 % (binomial). Sanitizers,
@@ -102,9 +104,9 @@ TEST(TableIdentification, FindsEveryParameterInItsInterval) {
   const unsigned seeds = test::RealTimeGuard::supported() ? 40 : 10;
   const int fewest = seeds == 40 ? 33 : 7;
   constexpr double TableForce::*kValues[] = {
-      &TableForce::effective_mass,     &TableForce::coulomb_friction, &TableForce::load_friction,
-      &TableForce::viscous_friction,   &TableForce::offset,           &TableForce::presliding,
-      &TableForce::accelerometer_delay};
+      &TableForce::effective_mass,      &TableForce::coulomb_friction, &TableForce::load_friction,
+      &TableForce::viscous_friction,    &TableForce::offset,           &TableForce::presliding,
+      &TableForce::accelerometer_delay, &TableForce::displacement_lead};
   std::array<int, std::size(kValues)> covered{};
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     const auto found = identified(measured(truth, 0.5, 1, seed));
@@ -238,16 +240,17 @@ TEST(TableForceObserver, ReportsTheAgeOfItsResult) {
   EXPECT_NEAR((1e6 * 1.999 - out) / 1e6, observer.lag(), 1e-4);
 }
 
-TEST(TableForceObserver, DelaysTheDisplacementAsTheForce) {
+TEST(TableForceObserver, AlignsTheDisplacementWithTheForce) {
   TableForce machine;
   machine.accelerometer_delay = 1.3e-3;
+  machine.displacement_lead = 0.4e-3;
   TableForceObserver observer{machine, {}};
 
   double force = 0;
   for (int i = 0; i < 2000; ++i)
     force = observer.step({0.2 * i * kPeriod, 0, 1e6 * i * kPeriod, 0});
 
-  EXPECT_NEAR(observer.displacement(), 0.2 * (1.999 - 1.3e-3), 1e-9);
+  EXPECT_NEAR(observer.displacement(), 0.2 * (1.999 - 1.7e-3), 1e-9);
   EXPECT_NEAR(force, 1e6 * (1.999 - 1.3e-3), 1e-3);
 }
 

@@ -128,6 +128,7 @@ TableForceObserverSettings table_force_observer_settings(const Config& table,
   const auto offset = per_axis(table, "force_offset_N", axes, 0);
   const auto presliding = per_axis(table, "presliding_m", axes, 1e-3);
   const auto delay = per_axis(table, "accelerometer_delay_s", axes, 0);
+  const auto lead = per_axis(table, "displacement_lead_s", axes, 0);
   TableForceObserverSettings settings;
   settings.observer.period = period;
   settings.observer.velocity_bandwidth =
@@ -135,7 +136,7 @@ TableForceObserverSettings table_force_observer_settings(const Config& table,
   settings.observer.cutoff = table.number_in("cutoff_Hz", 0, 1000, settings.observer.cutoff);
   for (std::size_t i = 0; i < axes.size(); ++i)
     settings.machine.push_back(
-        {mass[i], coulomb[i], load[i], viscous[i], offset[i], presliding[i], delay[i]});
+        {mass[i], coulomb[i], load[i], viscous[i], offset[i], presliding[i], delay[i], lead[i]});
   return settings;
 }
 

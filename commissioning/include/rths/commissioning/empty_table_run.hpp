@@ -31,7 +31,7 @@ struct EmptyTableRuns {
 [[nodiscard]] std::string json_of(const EmptyTableRuns& runs);
 /// Constants of a block of the given type, as a file of `constants` of an experiment. Those of a
 /// force_observer hold for `load`; a table_force_observer gets the friction per load, the
-/// presliding length and the delay of the accelerometer.
+/// presliding length, the delay of the accelerometer and the lead of the displacement.
 /// @param block  name of the block in the diagram
 /// @param type   "force_observer" or "table_force_observer"
 /// @throws Error for a table_force_observer if the load of the recordings does not vary   @setup

@@ -20,7 +20,8 @@ struct TableForce {
   double viscous_friction = 0;     ///< F_d [N·s/m]
   double offset = 0;               ///< d [N]
   double presliding = 1e-3;        ///< δ [m], > 0
-  double accelerometer_delay = 0;  ///< τ_a behind force and displacement [s], 0 to 20 ms
+  double accelerometer_delay = 0;  ///< τ_a behind the load cells [s], 0 to 20 ms
+  double displacement_lead = 0;    ///< of the displacement transducer before the load cells [s]
 };
 
 /// One instant of measured signals.
@@ -104,7 +105,9 @@ struct TableIdentification {
 /// Least squares over runs with an empty table, harmonic or earthquake, of one set-up of the
 /// machine. Linear in m_e, F_s, μ, F_d, d; Gauss-Newton in τ_a and δ. Rows at rest are left out. A
 /// negative friction coefficient becomes 0; its interval reaches to the upper end of the free fit.
-/// The intervals allow for the correlation of the residual (Newey & West 1987).
+/// The intervals allow for the correlation of the residual (Newey & West 1987). The lead of the
+/// displacement follows from the delay of the acceleration behind the second derivative of the
+/// displacement, below 8 Hz.
 /// @throws Error if a run's signals differ in length, are too short or not finite, or do not excite
 ///         inertia and friction   @setup
 [[nodiscard]] TableIdentification identify_table_force(std::span<const TableRecording> runs,
