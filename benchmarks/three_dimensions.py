@@ -12,6 +12,7 @@ import results_file
 DURATION, DRAWS = 20, 20  # [s]; members of the machine's family beside the nominal one
 SEGMENT, LOWEST, HIGHEST = 2.0, 1.0, 15.0  # of the coherence [s], [Hz], [Hz]
 FIRST = 3.0  # [s]: rest and first second of the test are left out
+NOISE = 30e3  # of the measured vertical force, white [N]: sim/machines/srmd.toml
 COMMAND, MEASURED = "monitor.xpc.vertical_load.out", "monitor.xpc.vertical_measured.out"
 UNCORRECTED = {"node.xpc.blocks.vertical_lag.enabled": 0}
 SLIDERS = ("eqsb", "tpfb")
@@ -23,14 +24,16 @@ CASES = {"lead": {}, "lead_model": {"node.opf.vertical_feedback": "model"},
 
 
 def spectra(command, measured, step):
-    """Least coherence of 1 to 15 Hz and of 1 to 12 Hz, by Welch's method."""
+    """Least coherence of 1 to 15 Hz and of 1 to 12 Hz, by Welch's method, and that of 1 to 15 Hz if only noise were added."""
     length = round(SEGMENT / step)
-    window, cross, power, response = numpy.hanning(length), 0, 0, 0
+    window, cross, power, response, noise = numpy.hanning(length), 0, 0, 0, 0
     for begin in range(0, len(command) - length, length // 2):
         c, f = (numpy.fft.rfft(window * (x[begin:begin + length] - command.mean())) for x in (command, measured))
         cross, power, response = cross + c.conj() * f, power + abs(c) ** 2, response + abs(f) ** 2
+        noise += NOISE ** 2 * (window ** 2).sum()
     frequency, coherence = numpy.fft.rfftfreq(length, step), abs(cross) ** 2 / (power * response)
-    return [float(coherence[(frequency >= LOWEST) & (frequency <= high)].min()) for high in (HIGHEST, 12)]
+    return [float(values[(frequency >= LOWEST) & (frequency <= high)].min())
+            for values, high in ((coherence, HIGHEST), (coherence, 12), (power / (power + noise), HIGHEST))]
 
 
 def figures(table, rate):
@@ -48,10 +51,10 @@ def figures(table, rate):
     if 0 < best < len(rms) - 1:
         a, b, c = (rms[best + i] ** 2 for i in (-1, 0, 1))
         shift = (a - c) / (2 * (a - 2 * b + c))
-    wide, to_12 = spectra(command, measured, 1e-3)
+    wide, to_12, of_noise = spectra(command, measured, 1e-3)
     span = float(numpy.ptp(command))
     return {"delay_ms": float(late[best] + shift), "rms_percent": float(100 * rms[20] / span), "span_MN": span / 1e6,
-            "coherence_to_15_Hz": wide, "coherence_to_12_Hz": to_12}
+            "coherence_to_15_Hz": wide, "coherence_to_12_Hz": to_12, "coherence_of_noise_to_15_Hz": of_noise}
 
 
 def run(rths, changes, bearing="lprb"):
@@ -79,6 +82,7 @@ if __name__ == "__main__":
         ran = [one for one in drawn if "ended" not in one]
         cases[name] = {"tests": DRAWS, "completed": len(ran)} | {
             key: of((abs(one[key]) for one in ran), default=None) for key, of in
-            (("delay_ms", max), ("rms_percent", max), ("coherence_to_15_Hz", min), ("coherence_to_12_Hz", min))}
+            (("delay_ms", max), ("rms_percent", max), ("coherence_to_15_Hz", min), ("coherence_to_12_Hz", min),
+             ("coherence_of_noise_to_15_Hz", min))}
     results_file.write(results_file.RESULTS / "three_dimensions.json",
                        results_file.stamp(commit) | {"machine": results_file.machine(), "duration_s": DURATION} | cases)
