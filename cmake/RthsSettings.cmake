@@ -22,6 +22,11 @@ target_compile_options(rths_warnings INTERFACE
   $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>
   $<$<BOOL:${RTHS_WERROR}>:-Werror>)
 
+if(RTHS_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  # The compiler collects no garbage below 500 MB: this takes 7 % of its time.
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=500000>)
+endif()
+
 if(RTHS_SANITIZER)
   add_compile_options(-fsanitize=${RTHS_SANITIZER} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${RTHS_SANITIZER})

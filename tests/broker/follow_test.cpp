@@ -60,17 +60,19 @@ TEST_F(FollowTest, SeesEveryGroupThatIsWrittenConcurrently) {
   Ring wide = Ring::in_process(small_map(kWords), 10);
   Node writer = wide.join("machine", 0);
   Follower follower = wide.follow("machine");
-  std::atomic<std::uint32_t> followed{0};
+  const TimePoint end = in(std::chrono::seconds{30});  // a busy host switches threads rarely
+  std::atomic<std::uint32_t> followed{0}, last{kWrites};
   std::thread thread{[&] {
-    for (std::uint32_t count = 1; count <= kWrites; ++count) {
+    for (std::uint32_t count = 1; count <= last.load(); ++count) {
       while (followed.load() + 1 < count) std::this_thread::yield();
       const std::vector<std::uint32_t> words(kWords, count);
       static_cast<void>(writer.write_group(TearGroupId{0}, words));
       static_cast<void>(writer.write(kMachineWord, count));
+      if (WallClock{}.now() > end) last.store(count);
     }
   }};
   std::uint32_t groups = 0;
-  while (followed.load() < kWrites) {
+  while (followed.load() < last.load()) {
     if (follower.next(write) != Followed::Write)
       std::this_thread::yield();
     else if (write.group.empty())
@@ -80,7 +82,8 @@ TEST_F(FollowTest, SeesEveryGroupThatIsWrittenConcurrently) {
   }
   thread.join();
 
-  EXPECT_EQ(groups, kWrites);
+  EXPECT_EQ(groups, last.load());
+  EXPECT_GT(groups, 1000U);
   EXPECT_EQ(follower.lost(), 0U);
 }
 
