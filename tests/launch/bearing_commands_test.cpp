@@ -102,9 +102,10 @@ TEST(TermsCommand, ListsEveryTermWithItsEquation) {
 
 // The command's output is the page in docs.
 TEST(TermsCommand, WritesThePageInDocs) {
-  const auto page = run_rths({"terms", "--markdown"}).out;
+  const auto page = run_rths({"terms", "--format", "markdown"}).out;
   const auto committed = test::content_of(test::source_tree() / "docs/terms.md");
 
+  EXPECT_NE(page.find("### bouc_wen"), std::string::npos);
   EXPECT_NE(committed.find(page), std::string::npos) << "./lab pictures rewrites it";
 }
 
