@@ -32,9 +32,9 @@ endfunction()
 
 # rths_test(<folder> [MATHS] [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>] [TIMEOUT <seconds>])
 #
-# The tests of a folder as one executable; each TEST is a ctest case. MATHS tests are optimized, as are
-# those with the label physics. PURE tests are independent MATHS: under sanitizers, where processes start slowly, they
-# run as four cases. If RTHS_TESTED names folders,
+# The tests of a folder as one executable; each TEST is a ctest case. MATHS tests are optimized, as are those with the
+# label physics or realtime: the linker may take their copy of a template for the libraries too. PURE tests are
+# independent MATHS: under sanitizers, where processes start slowly, they run as four cases. If RTHS_TESTED names folders,
 # the others are neither built nor registered. The target rths_tested builds all that are registered.
 function(rths_test folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "MATHS;PURE;SEPARATE" "LABEL;TIMEOUT" "SOURCES;DEPENDS")
@@ -45,7 +45,7 @@ function(rths_test folder)
   endif()
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
                                           GTest::gtest_main)
-  if(arg_MATHS OR arg_PURE OR arg_LABEL STREQUAL physics)
+  if(arg_MATHS OR arg_PURE OR arg_LABEL MATCHES "physics|realtime")
     rths_compile_test(${target} rths_maths_test_headers -O1)
   else()
     # Built more often than run; the libraries have the preset's optimization.
