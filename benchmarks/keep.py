@@ -49,6 +49,7 @@ AXIAL_LISTED = {"LeadRubberXVerticalStiffness", "LeadRubberXFourEffects", "LeadR
 PAPERS_CONTROLLER = ('node.xpc={adapter="simulink_like", diagram="hybrid_controller", '
                      'tune={feed_forward.velocity_gain_s=0, valve_feed_forward.value=4}}')
 PAPER_UNCOMPENSATED = "uncompensated.xpc={ats.enabled=0, valve_feed_forward.value=0}"
+NO_DEAD_BAND = "node.srmd.changes={actuator_long={dead_band=0}, actuator_lat={dead_band=0}}"
 LOOPS = {"lprb": (0.210, 0.3), "eqsb": (0.152, 0.3), "tpfb": (0.584, 0.1)}  # amplitude [m], frequency [Hz]
 
 
@@ -112,6 +113,8 @@ def examples(rths):
                                    "--set", "model.specimen.lead_heating.enabled=true",
                                    "--set", "model.machine.load_dependent_friction.enabled=true"),
             "platen": run("srmd_platen_2d.toml", "--no-diagnosis"),
+            "platen_seed_7": run("srmd_platen_2d.toml", "--no-diagnosis", "--set", "seed=7"),
+            "platen_without_dead_band": run("srmd_platen_2d.toml", "--no-diagnosis", "--set", NO_DEAD_BAND),
             "platen_ats": run("srmd_platen_2d.toml", "--no-diagnosis", "--set", PAPERS_CONTROLLER, "--set", PAPER_UNCOMPENSATED),
             "eqsb": run("srmd_eqsb_2d.toml", "--no-diagnosis"),
             "tpfb": run("srmd_tpfb_2d.toml", "--no-diagnosis"),
