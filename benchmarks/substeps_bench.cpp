@@ -17,7 +17,6 @@
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
-#include <rths/core/constants.hpp>
 #include <rths/sim/floor_spectrum.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -33,12 +32,12 @@ constexpr double kAlpha = -0.05;
 struct Record {
   const char* name;
   const char* file;
-  int column_long, column_lat;
-  double scale;  // as in the example experiments
+  std::array<int, 3> columns;  // long, lat, vert
+  double scale;                // as in the example experiments
 };
 constexpr Record kRecords[] = {
-    {"petrolia", "petrolia_1992_riodell_freefield.csv", 2, 1, 1.4},
-    {"imperial_valley", "imperial_valley_1979_meloland_freefield.csv", 1, 2, 1.0}};
+    {"petrolia", "petrolia_1992_riodell_freefield.csv", {2, 1, 3}, 1.4},
+    {"imperial_valley", "imperial_valley_1979_meloland_freefield.csv", {1, 2, 3}, 1.0}};
 
 struct Case {
   const char* name;
@@ -49,20 +48,6 @@ constexpr Case kCases[] = {{"10 ms", 0.01, 1},
                            {"5 ms", 0.005, 1},
                            {"10 ms, 2 substeps", 0.01, 2},
                            {"10 ms, 10 substeps", 0.01, 10}};
-
-sim::GroundMotion read_motion(const Record& record, const std::filesystem::path& folder) {
-  sim::GroundMotion motion;
-  const auto column = [&](int index) {
-    auto component = sim::read_column(folder / record.file, index);
-    motion.time_step = component.time_step;
-    for (double& value : component.values) value *= record.scale * kStandardGravity;
-    return component.values;
-  };
-  motion.long_acceleration = column(record.column_long);
-  motion.lat_acceleration = column(record.column_lat);
-  motion.vert_acceleration = column(3);
-  return motion;
-}
 
 /// Targets, and floors, of a test whose machine follows the parabola through the last three
 /// targets.
@@ -150,7 +135,8 @@ void measure(const std::filesystem::path& repository) {
                                          sim::weight_per_bearing(description));
   std::string rows;
   for (const auto& record : kRecords) {
-    const auto motion = read_motion(record, repository / "examples/records");
+    const auto motion = sim::read_motion(repository / "examples/records" / record.file,
+                                         record.columns, record.scale);
     const auto fine = sim::numerical_response(plant, motion, bearing, kSpecimenStep, kDuration);
     for (const auto& tried : kCases) {
       double us = 0;

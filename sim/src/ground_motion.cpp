@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 
@@ -142,6 +143,21 @@ RecordComponent read_column(const std::filesystem::path& file, int column) {
   check_spacing(times, lines, file);
   record.time_step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   return record;
+}
+
+GroundMotion read_motion(const std::filesystem::path& file, const std::array<int, 3>& columns,
+                         double scale) {
+  GroundMotion motion;
+  const auto read = [&](int column) {
+    RecordComponent component = read_column(file, column);
+    motion.time_step = component.time_step;
+    for (double& value : component.values) value *= scale * kStandardGravity;
+    return component.values;
+  };
+  motion.long_acceleration = read(columns[0]);
+  motion.lat_acceleration = read(columns[1]);
+  motion.vert_acceleration = read(columns[2]);
+  return motion;
 }
 
 }  // namespace rths::sim

@@ -2,6 +2,7 @@
 #include <rths/bench/srmd_bench.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -31,31 +32,21 @@ constexpr std::size_t kWindow = 2000;  // samples
 constexpr double kSearch = 0.15;       // largest delay [s]
 constexpr double kStrong = 0.2;        // of the strongest window's rms [-]
 constexpr int kMostJobs = 256;
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
 
 struct Record {
   const char* name;
   const char* file;
-  int column_long, column_lat;
-  double scale;  // as in the example experiments
+  std::array<int, 3> columns;  // long, lat, vert
+  double scale;                // as in the example experiments
   bool is_2d;
 };
 constexpr Record kRecords[] = {
-    {"petrolia 1-D", "petrolia_1992_riodell_freefield.csv", 2, 1, 1.4, false},
-    {"petrolia 2-D", "petrolia_1992_riodell_freefield.csv", 2, 1, 1.4, true},
-    {"imperial valley 2-D", "imperial_valley_1979_meloland_freefield.csv", 1, 2, 1.0, true}};
+    {"petrolia 1-D", "petrolia_1992_riodell_freefield.csv", {2, 1, 3}, 1.4, false},
+    {"petrolia 2-D", "petrolia_1992_riodell_freefield.csv", {2, 1, 3}, 1.4, true},
+    {"imperial valley 2-D", "imperial_valley_1979_meloland_freefield.csv", {1, 2, 3}, 1.0, true}};
 
 sim::GroundMotion read_motion(const Record& record, const std::filesystem::path& folder) {
-  sim::GroundMotion motion;
-  const auto column = [&](int index) {
-    auto component = sim::read_column(folder / record.file, index);
-    motion.time_step = component.time_step;
-    for (double& value : component.values) value *= record.scale * kStandardGravity;
-    return component.values;
-  };
-  motion.long_acceleration = column(record.column_long);
-  motion.lat_acceleration = column(record.column_lat);
-  motion.vert_acceleration = column(3);
+  sim::GroundMotion motion = sim::read_motion(folder / record.file, record.columns, record.scale);
   if (!record.is_2d) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0.0);
   return motion;
 }

@@ -8,14 +8,10 @@
 #include <fmt/format.h>
 
 #include <rths/algebra/decompositions.hpp>
+#include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::sim::machine {
-namespace {
-
-constexpr double kStandardGravity = 9.80665;  // [m/s²], CGPM 1901
-
-}  // namespace
 
 double PlatenMachine::weight() const { return mass[2] * kStandardGravity; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <vector>
 
@@ -40,5 +41,11 @@ struct RecordComponent {
 /// @throws Error with file:line for a missing column, a word that is not a number, uneven time
 /// @setup
 [[nodiscard]] RecordComponent read_column(const std::filesystem::path& file, int column);
+
+/// Reads three columns of acceleration in g.
+/// @param columns  long, lat, vert, as of `read_column`   @param scale  factor on the acceleration
+/// @throws Error as `read_column`   @setup
+[[nodiscard]] GroundMotion read_motion(const std::filesystem::path& file,
+                                       const std::array<int, 3>& columns, double scale);
 
 }  // namespace rths::sim
