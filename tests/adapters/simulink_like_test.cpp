@@ -490,6 +490,26 @@ TEST(TableForceObserverBlock, SubtractsTheMachinesForcePerAxis) {
   EXPECT_DOUBLE_EQ(bench.out("f.machine_force.lat"), 2000 * 3 - 1500);
 }
 
+TEST(TableForceObserverBlock, DelaysTheDisplacementOnlyWhileItDelaysTheForce) {
+  for (const bool enabled : {true, false}) {
+    const auto target = diagram(kX + kForceOnN + input("a", "lab.{axis}.accel", "m/s2") +
+                                block("f", "table_force_observer",
+                                      "in.displacement = \"x\"\nin.acceleration = \"a\"\n"
+                                      "in.force = \"n\"\n"
+                                      "accelerometer_delay_s = [0.005, 0.005]\nenabled = " +
+                                          std::to_string(enabled ? 1 : 0)));
+    test::Bench bench{*target};
+    static_cast<void>(bench.step(0));
+    bench.in("lab.long.force") = 50e3;
+    bench.in("lab.long.displ") = 0.1;
+
+    static_cast<void>(bench.step(1e-3));
+
+    EXPECT_DOUBLE_EQ(bench.out("f.force.long"), enabled ? 0 : 50e3);
+    EXPECT_DOUBLE_EQ(bench.out("f.displacement.long"), enabled ? 0 : 0.1);
+  }
+}
+
 std::filesystem::path hybrid_controller() {
   return test::source_tree() / "adapters/simulink_like/diagrams/hybrid_controller.toml";
 }

@@ -128,7 +128,7 @@ void TableForceObserverBlock::step(const Wires& w) noexcept {
     w.out[1][i] = observers[i].velocity();
     w.out[2][i] = observers[i].machine_force();
     w.out[3][i] = static_cast<double>(observers[i].bad_samples());
-    w.out[4][i] = observers[i].displacement();
+    w.out[4][i] = enabled ? observers[i].displacement() : w.in[0][i];
   }
 }
 
