@@ -77,9 +77,12 @@ void read_block(const Config& block, budget::HybridTest& test) {
   const auto axes = tested_axes(test);
   const std::string type = block.text("type", "");
   if (type == "predictor_corrector") read_command(block, test);
-  if (type == "target_force")  // of the loop, which has both axes
+  if (type == "target_force") {  // of the loop, which has both axes
     test.target_force = adapters::target_force_settings(
         block, {std::begin(kHorizontal), std::end(kHorizontal)}, test.period);
+    test.target_force_waits =
+        block.table_or_empty("in").text("displacement", "").ends_with(".displacement");
+  }
   if (type == "force_observer") {
     const auto found = adapters::force_observer_settings(block, axes);
     test.correction =

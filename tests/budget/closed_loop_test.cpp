@@ -92,6 +92,25 @@ TEST_F(ClosedLoop, ReproducesARunWithoutNoiseFromTheTrueLaboratory) {
     EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(part))), 5e-4) << name_of(part);
 }
 
+// The controller waits for the accelerometer with force and displacement.
+TEST_F(ClosedLoop, ReproducesLateSensors) {
+  const auto constants = temporary.write("constants.toml",
+                                         "[observer]\naccelerometer_delay_s = [0.0016, 0.0016]\n"
+                                         "displacement_lead_s = [0.0004, 0.0004]\n");
+  make(false, {{"machine.late_accelerometer.kind", "time_skew"},
+               {"machine.late_accelerometer.channel", "acceleration"},
+               {"machine.late_accelerometer.skew_s", "0.002"},
+               {"machine.late_load_cells.kind", "time_skew"},
+               {"machine.late_load_cells.channel", "force"},
+               {"machine.late_load_cells.skew_s", "0.0004"},
+               {"node.xpc.constants", constants.string()}});
+  EXPECT_TRUE(hybrid.target_force_waits);
+  EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-4);
+
+  hybrid.target_force_waits = false;
+  EXPECT_GT(difference(closed_loop(hybrid, kAll)), 1e-3);
+}
+
 TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {
   make(false, {{"rate", "2"}, {"solver.overrun_fraction", "0.05"}, {"solver.overrun_s", "0.012"}});
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);

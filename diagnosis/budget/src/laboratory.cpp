@@ -104,7 +104,7 @@ sim::TestMachine quiet(sim::TestMachine machine, const sim::TestMachine& terms,
     machine.axes[i].effective_mass = terms.axes[i].effective_mass;
     machine.axes[i].force_offset = terms.axes[i].force_offset;
   }
-  // The identified hydraulics contain the actuator; sensors are exact.
+  // The identified hydraulics contain the actuator. Sensors come after it.
   std::erase_if(machine.terms, [](const auto& term) {
     const sim::Stage stage = sim::term_kind(term.kind).stage;
     return stage == sim::Stage::Actuator || stage == sim::Stage::Sensor;
@@ -138,6 +138,39 @@ class ServoTransfer {
   sim::TestMachineRun run_;
 };
 
+/// What the sensors read, before their noise.
+struct Readings {
+  Vector2d displacement = Vector2d::Zero(), acceleration = Vector2d::Zero(),
+           force = Vector2d::Zero();
+};
+
+/// The sensor terms of a machine.
+class Sensors {
+ public:
+  Sensors(const sim::TestMachine& machine, double period)
+      : terms_{terms_of_stage(machine, sim::Stage::Sensor), period} {}
+  Readings operator()(const Platen& platen, const Vector2d& table_force, double time,
+                      double axial_load) noexcept {
+    sim::Quantities<double> q;
+    q.time = time;
+    q.axial_load = axial_load;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto axis = static_cast<Eigen::Index>(i);
+      q.displacement[i] = platen.displacement[axis];
+      q.velocity[i] = platen.velocity[axis];
+      q.acceleration[i] = platen.acceleration[axis];
+      q.force[i] = table_force[axis];
+    }
+    terms_.advance(q);
+    return {{q.displacement[0], q.displacement[1]},
+            {q.acceleration[0], q.acceleration[1]},
+            {q.force[0], q.force[1]}};
+  }
+
+ private:
+  RunningTerms terms_;
+};
+
 /// The correction of the measured force, of one kind or the other; none: the force itself.
 class CorrectedForce {
  public:
@@ -152,6 +185,10 @@ class CorrectedForce {
     if (!by_slope_.empty())
       return by_slope_[axis].step(measured.displacement, measured.acceleration, measured.force);
     return by_table_.empty() ? measured.force : by_table_[axis].step(measured);
+  }
+  /// The displacement that belongs to the last corrected force.
+  [[nodiscard]] double displacement(std::size_t axis, double measured) const noexcept {
+    return by_table_.empty() ? measured : by_table_[axis].displacement();
   }
 
  private:
@@ -199,6 +236,7 @@ struct Laboratory::Model {
                         ? with_known_friction(t.machine_simulated, t.correction)
                         : t.machine_simulated,
                     t.period},
+        sensors{t.machine_identified, t.period},
         corrected_force{t.correction, t.period},
         measures{has(identified, Part::Force)},
         knows_load{has(identified, Part::Machine) && !t.axial_load.empty()},
@@ -218,6 +256,7 @@ struct Laboratory::Model {
     const Vector2d own = force(motion, time, load);
     table = servo ? servo->table_force : Vector2d{motion.specimen_force + own};
     exact = motion.specimen_force + own - known_force(motion, time, load);
+    if (measures) readings = sensors(motion, table, time, load);
   }
 
   const Vector2d& feed_back(const Vector2d& target) {
@@ -232,16 +271,18 @@ struct Laboratory::Model {
     return fed_back;
   }
 
-  // Motion and force with the noise of their sensors.
+  // Motion and force as the sensors read them, with their noise.
   void measure(Vector2d& displacement, Vector2d& acceleration) {
     const std::size_t tick = std::max<std::size_t>(ticks, 1) - 1;
     for (Eigen::Index i = 0; i < 2; ++i) {
       const auto axis = static_cast<std::size_t>(i);
       const auto& noise = test.noise[axis];
-      displacement[i] += platen::at(noise.displacement, tick);
-      acceleration[i] += platen::at(noise.acceleration, tick);
-      const double measured = table[i] + platen::at(noise.force, tick);
+      displacement[i] = readings.displacement[i] + platen::at(noise.displacement, tick);
+      acceleration[i] = readings.acceleration[i] + platen::at(noise.acceleration, tick);
+      const double measured = readings.force[i] + platen::at(noise.force, tick);
       fed_back[i] = corrected_force(axis, {displacement[i], acceleration[i], measured, load});
+      if (test.target_force_waits)
+        displacement[i] = corrected_force.displacement(axis, displacement[i]);
     }
   }
 
@@ -251,12 +292,14 @@ struct Laboratory::Model {
   std::optional<platen::ServoTransfer> servo;
   platen::IdealTransfer ideal;
   platen::MachineOwnForce force, known_force;
+  platen::Sensors sensors;
   platen::CorrectedForce corrected_force;
   std::optional<controller::TargetForce> target_force;
   bool measures, knows_load;
   std::size_t ticks;
   double load = 0;  // on the machine [N]
   platen::Platen motion;
+  platen::Readings readings;
   Vector2d table = Vector2d::Zero(), exact = Vector2d::Zero(), fed_back = Vector2d::Zero(),
            specimen_force = Vector2d::Zero();
 };
@@ -301,6 +344,7 @@ const Vector2d& Laboratory::specimen_force() const { return model_->specimen_for
 std::array<MeasuredNoise, 2> sensor_noise(const HybridTest& test,
                                           const std::array<TransferRecord, 2>& records) {
   platen::ServoTransfer laboratory{test, test.machine_identified, test.specimen_identified};
+  platen::Sensors sensors{test.machine_identified, test.period};
   platen::Platen motion;
   std::array<MeasuredNoise, 2> modelled;
   const std::size_t ticks = std::max(records[0].reference.size(), records[1].reference.size());
@@ -311,11 +355,13 @@ std::array<MeasuredNoise, 2> sensor_noise(const HybridTest& test,
     laboratory.step(
         {platen::at(records[0].reference, tick), platen::at(records[1].reference, tick)}, load,
         motion);
+    const auto read =
+        sensors(motion, laboratory.table_force, static_cast<double>(tick + 1) * test.period, load);
     for (Eigen::Index i = 0; i < 2; ++i) {
       auto& axis = modelled[static_cast<std::size_t>(i)];
-      axis.displacement.push_back(motion.displacement[i]);
-      axis.acceleration.push_back(motion.acceleration[i]);
-      axis.force.push_back(laboratory.table_force[i]);
+      axis.displacement.push_back(read.displacement[i]);
+      axis.acceleration.push_back(read.acceleration[i]);
+      axis.force.push_back(read.force[i]);
     }
   }
   std::array<MeasuredNoise, 2> noise;

@@ -137,6 +137,8 @@ struct HybridTest {
   ForceCorrection correction;
   /// Correction for the tracking error; acts if that is as identified.
   std::optional<controller::TargetForceSettings> target_force;
+  /// It takes the displacement that waits for the accelerometer, like the corrected force.
+  bool target_force_waits = false;
   std::array<MeasuredNoise, 2> noise;
   std::array<Compensation, 2> compensation;
 
