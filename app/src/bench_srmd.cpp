@@ -26,6 +26,7 @@ int bench_srmd(const SrmdBenchArguments& arguments) {
   options.duration = arguments.duration;
   options.machine = shared_files() / "machines/srmd.toml";
   options.bearing = shared_files() / "bearings/lprb.toml";
+  options.constants = shared_files() / "examples/srmd_platen_constants.toml";
   options.records_folder = shared_files() / "examples/records";
   options.jobs = arguments.jobs;
   if (!arguments.json.empty()) options.partial = arguments.json + ".partial";

@@ -88,6 +88,7 @@ struct CommissioningArguments {
   // identify empty-table
   double load = std::numeric_limits<double>::quiet_NaN();  ///< [N]; NaN: that of the recordings
   std::string block = "observer", observer = "force_observer";
+  std::string inverse = "inverse";  ///< block of `identify inverse`
   // calibrate
   std::vector<double> band{0.1, 3};  ///< [Hz]
   double feed_forward_share = 1.0 / 3;

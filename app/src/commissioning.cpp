@@ -12,6 +12,7 @@
 #include <rths/commissioning/calibration.hpp>
 #include <rths/commissioning/delay_report.hpp>
 #include <rths/commissioning/empty_table_run.hpp>
+#include <rths/commissioning/learnt_inverse.hpp>
 #include <rths/commissioning/pretest.hpp>
 #include <rths/core/error.hpp>
 #include <rths/report/report.hpp>
@@ -50,6 +51,13 @@ int identify_empty_table(const CommissioningArguments& a) {
   const auto runs = commissioning::identify_empty_table(recordings_of(a.files), a.load);
   fmt::print("{}", a.json ? commissioning::json_of(runs) : commissioning::text_of(runs));
   if (!a.out.empty()) write_file(a.out, commissioning::toml_of(runs, a.block, a.observer));
+  return kOk;
+}
+
+int identify_inverse(const CommissioningArguments& a) {
+  const auto found = commissioning::learnt_inverse(recordings_of(a.files), a.inverse);
+  fmt::print("{}", a.json ? commissioning::json_of(found) : commissioning::text_of(found));
+  if (!a.out.empty()) write_file(a.out, commissioning::toml_of(found));
   return kOk;
 }
 
@@ -141,6 +149,15 @@ void add_identify(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
   table->add_option("--out", a.out, "Write the constants to this TOML file");
   table->add_flag("--json", a.json, "One JSON document instead of tables");
   table->callback([&] { chosen = [&a] { return identify_empty_table(a); }; });
+  auto* inverse = command->add_subcommand(
+      "inverse", "Initial coefficients of an adaptive inverse, from runs in which it learnt");
+  inverse->add_option("recordings", a.files, "Recordings, or folders of runs; averaged")
+      ->required();
+  inverse->add_option("--block", a.inverse, "Block of the diagram that learnt")
+      ->capture_default_str();
+  inverse->add_option("--out", a.out, "Write the coefficients to this TOML file");
+  inverse->add_flag("--json", a.json, "One JSON document instead of tables");
+  inverse->callback([&] { chosen = [&a] { return identify_inverse(a); }; });
 }
 
 void add_calibrate(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {

@@ -125,11 +125,12 @@ struct TargetForce::State {
         axes{s.axes},
         at_target{s.reach, s.smooth_reach, axes},
         measured{s.reach, s.smooth_reach, axes},
+        leading{s.reach, s.smooth_reach, axes},
         strengths{expected_strengths(s)},
         fit{strengths, axes},
         fused(static_cast<std::size_t>(axes), FusedMotion{s.motion_bandwidth, s.period}) {
-    for (Eigen::VectorXd* v :
-         {&target, &last_target, &displacement, &step, &correction, &force, &acceleration, &raw})
+    for (Eigen::VectorXd* v : {&target, &last_target, &displacement, &step, &correction, &force,
+                               &acceleration, &raw, &ahead, &led})
       v->setZero(axes);
   }
 
@@ -160,6 +161,21 @@ struct TargetForce::State {
     mean_square_speed += settings.period / kSpeedMemory * (square - mean_square_speed);
   }
 
+  // An extrapolation that is not finite is left out: the last force ahead is held.
+  void lead(const Sample& sample) noexcept {
+    if (!(settings.lead_time > 0) || sample.command == nullptr) return;
+    const Eigen::Map<const Eigen::VectorXd> x{sample.command, axes};
+    const Eigen::Map<const Eigen::VectorXd> v{sample.command_velocity, axes};
+    const Eigen::Map<const Eigen::VectorXd> a{sample.command_acceleration, axes};
+    const double t = settings.lead_time;
+    step = x + t * v + t * t / 2 * a - led;
+    if (!step.allFinite()) return;
+    led += step;
+    leading.move(step);
+    ahead.noalias() = leading.states() * strengths;
+    for (Eigen::Index i = 0; i < axes; ++i) ahead[i] += fit[strengths.size() + i];
+  }
+
   void learn(bool adapt) noexcept {
     learning = adapt && mean_square_speed > settings.informative_speed * settings.informative_speed;
     if (!learning) return;
@@ -171,11 +187,12 @@ struct TargetForce::State {
 
   TargetForceSettings settings;
   Eigen::Index axes;
-  Sliders at_target, measured;
+  Sliders at_target, measured, leading;
   Eigen::VectorXd strengths;
   StrengthFit fit;
   std::vector<FusedMotion> fused;
-  Eigen::VectorXd target, last_target, displacement, step, correction, force, acceleration, raw;
+  Eigen::VectorXd target, last_target, displacement, step, correction, force, acceleration, raw,
+      ahead, led;
   double mean_square_speed = 0;
   bool learning = false, started = false;
   long bad_samples = 0;
@@ -195,6 +212,7 @@ TargetForce::TargetForce(const TargetForceSettings& settings) {
     kRequireTargetForce(!settings.smooth_reach.empty(), "number of smooth sliders", 0,
                         "at least 1 with an expected strength");
   }
+  kRequireTargetForce(settings.lead_time >= 0, "lead time", settings.lead_time, "at least 0 s");
   kRequireTargetForce(settings.forgetting > settings.period, "forgetting", settings.forgetting,
                       "more than a period");
   state_ = std::make_unique<State>(settings);
@@ -218,17 +236,19 @@ void TargetForce::step(const Sample& sample, bool adapt) noexcept {
   if (!s.started) {
     std::copy_n(sample.target, s.axes, s.target.data());
     s.last_target = s.target;
-    s.displacement = s.target;  // a specimen without force
+    s.displacement = s.led = s.target;  // a specimen without force
     s.started = true;
   }
   if (is_finite(sample.target, s.axes)) s.follow_target(sample.target);
   s.follow_motion();
   s.learn(adapt && good);
+  s.lead(sample);
   s.correction.noalias() = s.at_target.states() * s.strengths;
   s.correction.noalias() -= s.measured.states() * s.strengths;
 }
 
 const Eigen::VectorXd& TargetForce::correction() const { return state_->correction; }
+const Eigen::VectorXd& TargetForce::ahead() const { return state_->ahead; }
 const Eigen::VectorXd& TargetForce::strengths() const { return state_->strengths; }
 bool TargetForce::learning() const { return state_->learning; }
 long TargetForce::bad_samples() const { return state_->bad_samples; }

@@ -376,6 +376,35 @@ TEST(Diagram, CorrectsAForceForTheTrackingError) {
   EXPECT_EQ(bench.out("at.correction.lat"), 0);
 }
 
+// An elastic specimen whose expected stiffness is exact, ahead of a command of constant rate.
+TEST(Diagram, StatesTheForceAheadOfACommand) {
+  const std::string blocks = kX + block("v", "derivative", "in.in = \"x\"\nunit = \"m/s\"") +
+                             block("a", "gain", "in.in = \"x\"\ngain = 0\nunit = \"m/s2\"") +
+                             block("f", "gain", "in.in = \"x\"\ngain = 4e8\nunit = \"N\"");
+  const std::string force =
+      "in.target = \"x\"\nin.displacement = \"x\"\nin.acceleration = \"a\"\nin.force = \"f\"\n"
+      "reach_m = [1.0]\nsmooth_reach_m = [1e-3, 1.0]\n"
+      "expected_strength_N = 4e8\nexpected_stiffness_N_per_m = 4e8\n";
+  const std::string command =
+      "in.command = \"x\"\nin.command_velocity = \"v\"\nin.command_acceleration = \"a\"\n";
+  const auto target = diagram(blocks + block("at", "target_force", force) +
+                              block("led", "target_force", force + command + "lead_time_s = 0.02"));
+  test::Bench bench{*target};
+  for (int i = 0; i < 100; ++i) {
+    bench.in("lab.long.displ") = 5e-6 * i;
+    static_cast<void>(bench.step(0.001 * i));
+  }
+
+  EXPECT_EQ(bench.out("at.ahead.long"), bench.out("f.out.long"));
+  // 20 ms ahead of the command: 20 samples. tanh(x/1 m) is 1 − 10⁻⁷ of x/1 m.
+  EXPECT_NEAR(bench.out("led.ahead.long"), 4e8 * 5e-6 * (99 + 20), 1);
+  EXPECT_EQ(test::error_of([&] {
+              static_cast<void>(
+                  diagram(blocks + block("led", "target_force", force + "lead_time_s = 0.02")));
+            }).find("lead_time_s needs the input 'command'") != std::string::npos,
+            true);
+}
+
 TEST(Diagram, CorrectsAForceForItsLag) {
   const auto target =
       diagram(block("c", "constant", "value = 0\nunit = \"N\"") +

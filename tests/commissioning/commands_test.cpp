@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The commands before a test, on short runs of the virtual machine.
+#include <cmath>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -83,6 +84,40 @@ TEST(IdentifyCommand, WritesConstantsThatTheControllerReads) {
       "empty_table.toml", folder.path() / "again",
       {"targets.frequencies_Hz=[2]", "duration_s=4", "node.xpc.constants=" + constants.string()}));
   EXPECT_EQ(used.exit_code, 0) << used.err;
+}
+
+// The machine imposes the response of the numerical test, and the inverse learns meanwhile. Four
+// standard deviations bound each coefficient; uncertainty_a1_s is 10 ms by default.
+TEST(IdentifyCommand, WritesLearntCoefficientsThatTheNextRunStartsFrom) {
+  const test::TemporaryFolder folder;
+  const auto first = folder.path() / "first", next = folder.path() / "next";
+  const auto constants = folder.path() / "inverse.toml";
+  const auto sets = with(kShort, {"targets.kind=response"});
+  ASSERT_EQ(test::run_rths(run_of("srmd_lprb_2d.toml", first, sets)).exit_code, 0);
+
+  const auto learnt =
+      json_of({"identify", "inverse", first.string(), "--json", "--out", constants.string()});
+
+  const auto& velocity = learnt["axes"]["long"]["a1_s"];
+  EXPECT_FLOAT_EQ(velocity["initial"].get<float>(), 0.0508F);  // recorded in 32 bits
+  EXPECT_NE(velocity["learnt"], velocity["initial"]);
+  EXPECT_NEAR(velocity["learnt"].get<double>(), 0.0508, 4 * 0.01);
+  ASSERT_EQ(test::run_rths(run_of("srmd_lprb_2d.toml", next,
+                                  with(sets, {"node.xpc.constants=" + constants.string()})))
+                .exit_code,
+            0);
+  const auto again = json_of({"identify", "inverse", next.string(), "--json"});
+  for (const char* axis : {"long", "lat"})
+    for (const auto& [key, value] : again["axes"][axis].items()) {
+      const double wanted = learnt["axes"][axis][key]["learnt"];
+      EXPECT_NEAR(value["initial"].get<double>(), wanted, 1e-5 * std::abs(wanted)) << key;
+    }
+  const auto both = json_of({"identify", "inverse", first.string(), next.string(), "--json"});
+  EXPECT_GT(both["axes"]["lat"]["a2_s2"]["deviation"].get<double>(), 0);
+  const auto none = test::run_rths({"identify", "inverse", first.string(), "--block", "ats"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("no recording has a block 'ats' that learnt"), std::string::npos)
+      << none.err;
 }
 
 TEST(CommandedDisplacements, RefuseWrongKeys) {

@@ -185,18 +185,91 @@ TEST(TargetForce, HoldsTheLastSampleThatIsANumber) {
   EXPECT_TRUE(force.correction().allFinite());
 }
 
+/// An exact machine on the orbit, and the force of its specimen now and one lead time later.
+struct LeadingRun {
+  TargetForce force;
+  Specimen now, later;
+  double lead;
+  double apart = 0, moved = 0;  ///< sums of squares of errors of the force ahead, and without lead
+  explicit LeadingRun(double lead_time)
+      : force{[&] {
+          TargetForceSettings settings;
+          settings.reach = {3e-3, 1.0};
+          settings.smooth_reach = {};
+          settings.lead_time = lead_time;
+          return settings;
+        }()},
+        lead{lead_time} {
+    now.at = later.at = orbit(0, 0);
+  }
+  void run(int from, int to) {
+    for (int tick = from; tick < to; ++tick) {
+      const double t = tick * kPeriod;
+      const Vector2d x = orbit(t, 0), v = orbit(t, 1), a = orbit(t, 2), fed = now.move(x);
+      later.move(orbit(t + lead, 0));
+      force.step({x.data(), x.data(), a.data(), fed.data(), x.data(), v.data(), a.data()}, true);
+      apart += (force.ahead() - later.force).squaredNorm();
+      moved += (fed - later.force).squaredNorm();
+    }
+  }
+};
+
+// The third derivative, at most 8 m/s³, is left out: 8 · 0.015³/6 = 5 µm on 3.3·10⁸ N/m is 1.5 kN.
+// The force moves by 100 kN/s · 15 ms and, at reversals, by some hundred kN.
+TEST(TargetForce, AheadIsTheForceOneLeadTimeLater) {
+  LeadingRun run{0.015};
+  run.run(0, 5'000);
+  run.apart = run.moved = 0;
+
+  run.run(5'000, 12'000);
+
+  EXPECT_LT(std::sqrt(run.apart / 7'000), 5e3);
+  EXPECT_GT(std::sqrt(run.moved / 7'000), 50e3);
+}
+
+TEST(TargetForce, AheadIsZeroWithoutALeadTimeOrACommand) {
+  LeadingRun none{0};
+  none.run(0, 3'000);
+  TargetForceSettings settings;
+  settings.lead_time = 0.015;
+  settings.expected_strength = 1e6;
+  settings.expected_stiffness = 4e8;
+  TargetForce without{settings};
+  const Vector2d at{0.01, 0}, zero = Vector2d::Zero();
+  without.step({at.data(), at.data(), zero.data(), zero.data()}, true);
+
+  EXPECT_TRUE(none.force.ahead().isZero(0));
+  EXPECT_TRUE(without.ahead().isZero(0));
+}
+
+TEST(TargetForce, AheadIsHeldWhileTheCommandIsNotANumber) {
+  LeadingRun run{0.015};
+  run.run(0, 5'000);
+  const Eigen::VectorXd last = run.force.ahead();
+  const Vector2d x = orbit(5, 0), zero = Vector2d::Zero();
+  const Vector2d bad{std::numeric_limits<double>::quiet_NaN(), 0};
+
+  run.force.step({x.data(), x.data(), zero.data(), zero.data(), x.data(), bad.data(), zero.data()},
+                 false);
+
+  EXPECT_EQ((run.force.ahead() - last).norm(), 0);
+}
+
 TEST(TargetForce, IsFitForRealTime) {
   TargetForce force{{}};
   const Vector2d zero = Vector2d::Zero();
   for (int tick = 0; tick < 500; ++tick) {
     const Vector2d at = orbit(tick * kPeriod, 0), fed = 1e6 * at;
-    EXPECT_REALTIME(force.step({at.data(), at.data(), zero.data(), fed.data()}, true));
+    EXPECT_REALTIME(force.step(
+        {at.data(), at.data(), zero.data(), fed.data(), at.data(), zero.data(), zero.data()},
+        true));
   }
   EXPECT_TRUE(force.learning());
 }
 
 TEST(TargetForce, RefusesWrongSettings) {
-  TargetForceSettings none, negative, short_memory, descending, half;
+  TargetForceSettings none, negative, short_memory, descending, half, late;
+  late.lead_time = -1;
   none.reach = {};
   negative.reach = {1e-3, -1e-3};
   short_memory.forgetting = 0;
@@ -211,6 +284,8 @@ TEST(TargetForce, RefusesWrongSettings) {
             "force at the target: forgetting is 0, expected more than a period");
   EXPECT_EQ(test::error_of([&] { TargetForce{descending}; }),
             "force at the target: first smooth reach is 0.002, expected an ascending list");
+  EXPECT_EQ(test::error_of([&] { TargetForce{late}; }),
+            "force at the target: lead time is -1, expected at least 0 s");
   EXPECT_EQ(test::error_of([&] { TargetForce{half}; }),
             "force at the target: expected stiffness is 0, expected a positive number");
 }

@@ -134,11 +134,12 @@ void TableForceObserverBlock::step(const Wires& w) noexcept {
 
 void TargetForceBlock::step(const Wires& w) noexcept {
   const double share = fade(*w.parameter[0] != 0);
-  force.step({w.in[0], w.in[1], w.in[2], w.in[3]}, *w.parameter[1] != 0);
+  force.step({w.in[0], w.in[1], w.in[2], w.in[3], w.in[4], w.in[5], w.in[6]}, *w.parameter[1] != 0);
   for (std::size_t i = 0; i < w.axes; ++i) {
     const double correction = share * force.correction()[static_cast<Eigen::Index>(i)];
     w.out[0][i] = w.in[3][i] + correction;
     w.out[1][i] = correction;
+    w.out[5][i] = leads ? force.ahead()[static_cast<Eigen::Index>(i)] : w.in[3][i];
   }
   *w.out[2] = force.strengths().sum();
   *w.out[3] = force.learning() ? 1 : 0;

@@ -83,6 +83,7 @@ struct TableForceObserverBlock {
 struct TargetForceBlock {
   controller::TargetForce force;
   Fade fade;
+  bool leads;  ///< false: the force ahead is the measured one
   void step(const Wires& w) RTHS_REALTIME;
 };
 

@@ -66,6 +66,8 @@ std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(
   const auto limits = per_axis(table, "limits", axes, settings.largest_reference);
   settings.a4 = table.number_in("a4_s4", 0, 1e-3, settings.a4);
   settings.lead_time = table.number_in("lead_time_s", 0, 1, settings.lead_time);
+  settings.sign_velocity =
+      table.number_in("sign_velocity_m_per_s", 1e-4, 10, settings.sign_velocity);
   settings.smoothing = table.number_in("smoothing_s", 1e-5, 0.1, settings.smoothing);
   settings.forgetting = table.number_in("forgetting_s", 0.1, 1000, settings.forgetting);
   settings.error = table.number_in("error_m", 1e-6, 1, settings.error);
@@ -99,6 +101,7 @@ controller::TargetForceSettings target_force_settings(const Config& table,
       table.number_in("informative_speed_m_per_s", 0, 10, settings.informative_speed);
   settings.motion_bandwidth =
       table.number_in("motion_bandwidth_Hz", 0.01, 40, settings.motion_bandwidth);
+  settings.lead_time = table.number_in("lead_time_s", 0, 0.1, settings.lead_time);
   return settings;
 }
 

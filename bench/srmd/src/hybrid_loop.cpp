@@ -4,12 +4,14 @@
 #include <cmath>
 #include <optional>
 
+#include <rths/adapters/block_settings.hpp>
 #include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
 #include <rths/controller/target_exchange.hpp>
-#include <rths/controller/target_force.hpp>
+
+#include "specimen_force.hpp"
 
 namespace rths::bench {
 namespace {
@@ -100,38 +102,22 @@ controller::PredictorCorrectorSettings command_settings() {
 /// Predictor-corrector, its handshake, and force observers, at the controller's period.
 class RealTimeTarget {
  public:
-  explicit RealTimeTarget(bool corrects_force)
-      : pc_{command_settings()}, exchange_{{0, 0}, command_settings()} {
-    if (corrects_force) target_force_.emplace(controller::TargetForceSettings{});
+  RealTimeTarget(const std::optional<ForceCorrection>& correction, const Vector2d& offset)
+      : pc_{command_settings()}, exchange_{{0, 0}, command_settings()}, force_{correction, offset} {
     for (Eigen::VectorXd* v : {&target_.displacement, &target_.velocity, &target_.acceleration})
       v->setZero(2);
-    const auto setup = controller::unison_eqs_setup();
-    observers_.emplace_back(setup.long_axis, kPeriod);
-    observers_.emplace_back(setup.lat_axis, kPeriod);
   }
   void send(const Vector2d& displacement) {
     target_.displacement = displacement;
     word_ = 1;
   }
-  void step(const PlatenFeedback& feedback, const Vector2d& offset) {
-    Eigen::VectorXd displacement(2), acceleration(2);
-    for (Eigen::Index i = 0; i < 2; ++i) {
-      displacement[i] = feedback.displacement[i];
-      acceleration[i] = feedback.acceleration[i];
-      force_[i] = observers_[static_cast<std::size_t>(i)].step(
-          displacement[i], feedback.acceleration[i], feedback.force[i] - offset[i]);
-    }
-    Eigen::VectorXd at_target = force_;
-    if (target_force_) {
-      target_force_->step(
-          {target_.displacement.data(), displacement.data(), acceleration.data(), force_.data()},
-          true);
-      at_target += target_force_->correction();
-    }
+  void step(const PlatenFeedback& feedback) {
+    force_.step(feedback, target_.displacement, {command(0), command(1)});
+    const Eigen::VectorXd displacement = feedback.displacement.head<2>();
     for (int k = 0; k < kSubsteps; ++k) {
       const bool is_new = exchange_.begin(word_);
       pc_.substep(is_new, target_);
-      exchange_.end(pc_, displacement, at_target);
+      exchange_.end(pc_, displacement, force_.at_target());
     }
     if (exchange_.switch_pc()) word_ = 0;
   }
@@ -140,16 +126,15 @@ class RealTimeTarget {
   }
   [[nodiscard]] bool is_waiting() const { return word_ == 0 && exchange_.at_target(); }
   [[nodiscard]] Vector2d held_force() const { return exchange_.held_force(); }
-  [[nodiscard]] Vector2d force() const { return force_; }  ///< of the specimen, now [N]
+  /// Of the specimen, for the compensator [N]
+  [[nodiscard]] const Eigen::VectorXd& force() const { return force_.ahead(); }
 
  private:
   controller::PredictorCorrector pc_;
   controller::TargetExchange exchange_;
   controller::Target target_;
   double word_ = 0;
-  std::vector<controller::ForceObserver> observers_;
-  std::optional<controller::TargetForce> target_force_;
-  Eigen::VectorXd force_ = Eigen::VectorXd::Zero(2);
+  SpecimenForce force_;
 };
 
 void note(const sim::PlantAnalysis& analysis, sim::ResponseHistory& response) {
@@ -187,34 +172,31 @@ long steps_of(const HybridTest& test) { return std::lround(test.duration / kInte
 }  // namespace
 
 Controller bare_controller() {
-  return {"none", 0, false, [](std::size_t) { return std::make_unique<Bare>(); }};
+  return {"none", 0, std::nullopt, [](std::size_t) { return std::make_unique<Bare>(); }};
 }
 
 Controller paper_controller() {
-  return {"paper", kPaperFeedForward, false,
+  return {"paper", kPaperFeedForward, std::nullopt,
           [](std::size_t) { return std::make_unique<PaperAts>(); }};
 }
 
-Controller inverse_controller(const sim::machine::PlatenMachine& nominal) {
-  const auto settings_of = [nominal](std::size_t axis) {
+Controller inverse_controller(const sim::machine::PlatenMachine& nominal, const Config& constants) {
+  const std::vector<std::string> axes{"long", "lat"};
+  const auto observer =
+      adapters::table_force_observer_settings(constants.table("observer"), axes, kPeriod);
+  auto inverse = adapters::adaptive_inverse_settings(constants.table("inverse"), axes, kPeriod);
+  for (std::size_t axis = 0; axis < inverse.size(); ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
-    const auto& actuator = axis == 0 ? nominal.along_long : nominal.along_lat;
-    controller::AdaptiveInverseSettings settings;
-    settings.force_capacity = nominal.limits.force[i];
-    settings.effective_mass = nominal.mass[i];
-    settings.largest_reference = nominal.limits.stroke[i];
-    // From the nominal parameters: a velocity error of 1/K_v, the reference
-    // held for a period and one period late, the dead band and the pressure
-    // feedback as position errors.
-    const double flow = actuator.rated_velocity / actuator.position_gain;
-    auto& start = settings.initial;
-    start.a1 = 1 / actuator.position_gain + nominal.transport_delay + 1.5 * kPeriod;
-    start.dead_band = settings.uncertainty.dead_band = actuator.dead_band * flow;
-    start.load = actuator.pressure_gain * flow / nominal.limits.force[i];
-    return settings;
-  };
-  return {"inverse", 0, true,
-          [settings_of](std::size_t axis) { return std::make_unique<Inverse>(settings_of(axis)); }};
+    inverse[axis].force_capacity = nominal.limits.force[i];
+    inverse[axis].effective_mass = nominal.mass[i];
+    inverse[axis].largest_reference = nominal.limits.stroke[i];
+  }
+  return {"inverse", 0,
+          ForceCorrection{
+              {observer.machine[0], observer.machine[1]},
+              observer.observer,
+              adapters::target_force_settings(constants.table("target_force"), axes, kPeriod)},
+          [inverse](std::size_t axis) { return std::make_unique<Inverse>(inverse[axis]); }};
 }
 
 HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
@@ -222,7 +204,7 @@ HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
   history.response = empty_response(test.plant);
   PlatenRun machine = test.at_rest;
   sim::PlantAnalysis analysis = analysis_of(test);
-  RealTimeTarget target{controller.corrects_force};
+  RealTimeTarget target{controller.correction, test.machine.transducers.force_offset};
   Compensation compensation{controller};
   const double weight = test.machine.specimen.axial_load;
   PlatenReference reference;
@@ -242,7 +224,7 @@ HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
       ++sent;
       computing = false;
     }
-    target.step(feedback, test.machine.transducers.force_offset);
+    target.step(feedback);
     if (!computing && target.is_waiting()) {
       analysis.correct(target.held_force());
       note(analysis, history.response);

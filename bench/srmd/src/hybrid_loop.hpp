@@ -4,10 +4,14 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include <rths/controller/table_force.hpp>
+#include <rths/controller/target_force.hpp>
+#include <rths/core/config.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/machine/platen_run.hpp>
@@ -34,11 +38,20 @@ class Compensator {
   [[nodiscard]] virtual Eigen::Vector3d coefficients() const { return {1, 0, 0}; }
 };
 
+/// How the measured force is corrected: the machine's own force with its load friction, and the
+/// tracking error.
+struct ForceCorrection {
+  std::array<controller::TableForce, 2> machine;  ///< long, lat
+  controller::TableObserverSettings observer;
+  controller::TargetForceSettings target_force;
+};
+
 /// A way to control the machine: a column of the benchmark.
 struct Controller {
   const char* name;
   double feed_forward;  ///< at the valves [-]
-  bool corrects_force;  ///< for the tracking error: the force at the target
+  /// None: the force observer of the paper, with Table 2 and the offset of the load cells.
+  std::optional<ForceCorrection> correction;
   /// Of one axis: 0 long, 1 lat.
   std::function<std::unique_ptr<Compensator>(std::size_t axis)> compensator;
 };
@@ -47,8 +60,10 @@ struct Controller {
 [[nodiscard]] Controller bare_controller();
 /// The paper's: velocity feed-forward at the valves, and ATS.
 [[nodiscard]] Controller paper_controller();
-/// Ours: the adaptive inverse, which starts from the nominal parameters of the machine.
-[[nodiscard]] Controller inverse_controller(const sim::machine::PlatenMachine& nominal);
+/// Ours: the adaptive inverse, and the force at the target and ahead.
+/// @param constants  of the blocks observer, target_force and inverse
+[[nodiscard]] Controller inverse_controller(const sim::machine::PlatenMachine& nominal,
+                                            const Config& constants);
 
 struct HybridTest {
   sim::machine::PlatenMachine machine;  ///< with its specimen
@@ -74,7 +89,7 @@ struct HybridHistory {
 };
 
 /// The closed loop in virtual time, as the demo runs it: α-OS with 10 ms and substeps, target 3 ms
-/// after the measurement, predictor-corrector at 10 kHz, force observer with Table 2 of the paper.
+/// after the measurement, predictor-corrector at 10 kHz, force observer.
 [[nodiscard]] HybridHistory run_hybrid(const HybridTest& test, const Controller& controller);
 
 /// The same commands sent to the machine again, with another controller and without a plant.

@@ -198,14 +198,16 @@ Bench read_bench(const SrmdOptions& options) {
   const auto plant = sim::example_plant();
   auto bearing = sim::read_bearing(Config::load(options.bearing), sim::weight_per_bearing(plant));
   // A further controller is a further column.
-  std::vector<Controller> controllers{paper_controller(), inverse_controller(nominal)};
+  std::vector<Controller> controllers{paper_controller(),
+                                      inverse_controller(nominal, Config::load(options.constants))};
   return {options, nominal, plant, std::move(bearing), std::move(controllers)};
 }
 
 // What the result of a test depends on, beside its name.
 std::string origin_of(const SrmdOptions& options) {
   std::string files;
-  for (const auto& file : {options.machine, options.bearing}) files += sha256_of(file);
+  for (const auto& file : {options.machine, options.bearing, options.constants})
+    files += sha256_of(file);
   for (const auto& record : kRecords) files += sha256_of(options.records_folder / record.file);
   return nlohmann::ordered_json{{"format", 1},
                                 {"program", sha256_of("/proc/self/exe")},

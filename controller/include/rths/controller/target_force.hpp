@@ -45,6 +45,7 @@ struct TargetForceSettings {
   /// Below it the motion follows the displacement, above it the integrated acceleration [Hz]. The
   /// noise is least where both contribute equally: √(σ_a/σ_x)/2π.
   double motion_bandwidth = 5;
+  double lead_time = 0;  ///< of the force ahead [s]; 0: none
 };
 
 /// Corrects the specimen's force for the tracking error. The force was measured at the measured
@@ -53,6 +54,9 @@ struct TargetForceSettings {
 /// Sliders z_j, sharp and smooth, follow both motions. Their strengths Q_j, one set for all axes,
 /// are learnt from the measured force and motion by least squares with forgetting. A specimen whose
 /// force the sliders describe returns exactly the force at its target.
+///
+/// The same sliders state the force one lead time τ ahead, free of sensor noise:
+///     F(t + τ) = Σ Q_j z_j(x + τẋ + τ²ẍ/2) + the learnt offset of the measured force
 class TargetForce {
  public:
   /// @throws Error if a setting is out of range   @setup
@@ -66,6 +70,10 @@ class TargetForce {
     const double* displacement;  ///< measured [m]
     const double* acceleration;  ///< measured [m/s²]
     const double* force;         ///< of the specimen [N]
+    /// Command and its rates, for the force ahead; nullptr: none.
+    const double* command = nullptr;               ///< [m]
+    const double* command_velocity = nullptr;      ///< [m/s]
+    const double* command_acceleration = nullptr;  ///< [m/s²]
   };
   /// A sample with a value that is not finite repeats the last good one and is not learnt from.
   /// @param adapt  false: the strengths are frozen   @realtime
@@ -73,6 +81,9 @@ class TargetForce {
 
   /// To be added to the measured force, axes × 1 [N].
   [[nodiscard]] const Eigen::VectorXd& correction() const;
+  /// Force of the specimen one lead time after the command of the last sample, axes × 1 [N]. Zero
+  /// without a lead time, without a command, and until strengths are known.
+  [[nodiscard]] const Eigen::VectorXd& ahead() const;
   /// Q_j [N]
   [[nodiscard]] const Eigen::VectorXd& strengths() const;
   [[nodiscard]] bool learning() const;  ///< True if the last sample entered the fit.

@@ -17,6 +17,8 @@ struct SrmdOptions {
   double duration = 30;           ///< of a test, model time [s]
   std::filesystem::path machine;  ///< file of the nominal machine
   std::filesystem::path bearing;  ///< file of the specimen
+  /// File of constants of the adaptive controller, identified on the nominal machine.
+  std::filesystem::path constants;
   std::filesystem::path records_folder;
   int jobs = 1;                   ///< tests at one time, ≥ 1
   std::filesystem::path partial;  ///< file of finished tests, for an interrupted run; empty: none
