@@ -111,6 +111,15 @@ TEST_F(ClosedLoop, ReproducesLateSensors) {
   EXPECT_GT(difference(closed_loop(hybrid, kAll)), 1e-3);
 }
 
+TEST_F(ClosedLoop, ReproducesTheForceAhead) {
+  const auto constants = temporary.write("constants.toml", "[target_force]\nlead_time_s = 0.016\n");
+  make(false, {{"node.xpc.constants", constants.string()}});
+  EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-4);
+
+  hybrid.target_force->lead_time = 0;
+  EXPECT_GT(difference(closed_loop(hybrid, kAll)), 1e-3);
+}
+
 TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {
   make(false, {{"rate", "2"}, {"solver.overrun_fraction", "0.05"}, {"solver.overrun_s", "0.012"}});
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);

@@ -59,7 +59,9 @@ class DrivenLaboratory {
     while (laboratory_.ticks() < order_.machine_ticks(controller_tick))
       laboratory_.move(reference_of(laboratory_.ticks()), compression);
   }
-  const Vector2d& feed_back(const Vector2d& target) { return laboratory_.feed_back(target); }
+  const Vector2d& feed_back(const Vector2d& target, const Command& last) {
+    return laboratory_.feed_back(target, last);
+  }
   [[nodiscard]] const Vector2d& displacement() const { return laboratory_.displacement(); }
   [[nodiscard]] const Vector2d& specimen_force() const { return laboratory_.specimen_force(); }
 
@@ -85,7 +87,7 @@ Response run_with_fine_steps(const HybridTest& test, Parts identified) {
   DrivenLaboratory laboratory{test, identified, first};
   Compensator compensator{test, has(identified, Part::Tracking)};
   Response response;
-  Vector2d last_velocity = Vector2d::Zero();
+  Command last;
   const auto steps = static_cast<std::size_t>(std::llround(test.duration / step));
   const auto per_sample = std::max<std::size_t>(
       1, static_cast<std::size_t>(std::llround(test.integration_step / step)));
@@ -93,11 +95,10 @@ Response run_with_fine_steps(const HybridTest& test, Parts identified) {
     const std::size_t tick = first + n - 1;
     const Vector2d target = along_tested(test, analysis.predict());
     const Vector2d velocity = along_tested(test, analysis.predicted_velocity()) / test.rate;
-    const Command command{target, velocity, (velocity - last_velocity) / test.period};
-    laboratory.send(compensator(tick, command, laboratory.specimen_force()));
-    last_velocity = velocity;
+    last = {target, velocity, (velocity - last.velocity) / test.period};
+    laboratory.send(compensator(tick, last, laboratory.specimen_force()));
     laboratory.move_until(tick + 1, compression(test, analysis));
-    analysis.correct(along_tested(test, laboratory.feed_back(target)));
+    analysis.correct(along_tested(test, laboratory.feed_back(target, last)));
     if (n % per_sample == 0) append(target, response);
   }
   return response;
@@ -147,7 +148,7 @@ class SteppedRun {
     laboratory_.move_until(tick_, load_);
     const bool arrives = tick_ == arrival_;
     if (arrives) arrived_ = target_.displacement;
-    const Vector2d& force = laboratory_.feed_back(arrived_);
+    const Vector2d& force = laboratory_.feed_back(arrived_, sent_);
     if (arrives) append(target_.displacement, response_);
     const auto substeps =
         std::max(1L, std::lround(settings_.substeps * test_.period / settings_.simulation_step));
@@ -156,10 +157,9 @@ class SteppedRun {
       command_.substep(is_new, target_);
       exchange_.end(command_, laboratory_.displacement(), force);
     }
-    const Command command{command_.command(), command_.command_velocity(),
-                          command_.command_acceleration(),
-                          command_.state() == controller::PcState::AutoSlowDown};
-    laboratory_.send(compensator_(tick_, command, laboratory_.specimen_force()));
+    sent_ = {command_.command(), command_.command_velocity(), command_.command_acceleration(),
+             command_.state() == controller::PcState::AutoSlowDown};
+    laboratory_.send(compensator_(tick_, sent_, laboratory_.specimen_force()));
     if (arrives) is_under_way_ = true;
     if (is_under_way_ && exchange_.at_target()) answer();
     ++tick_;
@@ -192,6 +192,7 @@ class SteppedRun {
   bool is_under_way_ = false;
   double load_ = 0;
   Vector2d arrived_ = Vector2d::Zero();  ///< the target that the controller knows [m]
+  Command sent_;                         ///< of the last tick
   Response response_;
 };
 

@@ -10,8 +10,10 @@ namespace rths::budget {
 
 /// Command of the controller, in one tick.
 struct Command {
-  Eigen::Vector2d displacement, velocity, acceleration;  ///< [m], [m/s], [m/s²]
-  bool is_slowed = false;                                ///< its target is late
+  Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< [m]
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();      ///< [m/s]
+  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  ///< [m/s²]
+  bool is_slowed = false;                                  ///< its target is late
 };
 
 /// The compensation as it ran: the references that it sent for a command.

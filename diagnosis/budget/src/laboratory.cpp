@@ -259,15 +259,17 @@ struct Laboratory::Model {
     if (measures) readings = sensors(motion, table, time, load);
   }
 
-  const Vector2d& feed_back(const Vector2d& target) {
+  const Vector2d& feed_back(const Vector2d& target, const Command& last) {
     Vector2d displacement = motion.displacement, acceleration = motion.acceleration;
     fed_back = exact;
     if (measures) measure(displacement, acceleration);
     specimen_force = fed_back;
     if (!target_force) return fed_back;
-    target_force->step({target.data(), displacement.data(), acceleration.data(), fed_back.data()},
+    target_force->step({target.data(), displacement.data(), acceleration.data(), fed_back.data(),
+                        last.displacement.data(), last.velocity.data(), last.acceleration.data()},
                        true);
     fed_back += target_force->correction();
+    if (test.target_force->lead_time > 0) specimen_force = target_force->ahead();
     return fed_back;
   }
 
@@ -335,7 +337,9 @@ void Laboratory::move(const Vector2d& reference, double compression) {
 
 std::size_t Laboratory::ticks() const { return model_->ticks; }
 
-const Vector2d& Laboratory::feed_back(const Vector2d& target) { return model_->feed_back(target); }
+const Vector2d& Laboratory::feed_back(const Vector2d& target, const Command& last) {
+  return model_->feed_back(target, last);
+}
 
 const Vector2d& Laboratory::displacement() const { return model_->motion.displacement; }
 

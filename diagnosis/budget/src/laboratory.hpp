@@ -8,6 +8,8 @@
 
 #include <rths/budget/closed_loop.hpp>
 
+#include "compensator.hpp"
+
 namespace rths::budget {
 
 class Laboratory {
@@ -22,11 +24,12 @@ class Laboratory {
   /// Ticks of the machine, those before the first included.
   [[nodiscard]] std::size_t ticks() const;
   /// One tick of the controller. @param target  of the integrator, now [m]
+  /// @param last  command of the controller's last tick
   /// @returns the force that it feeds back [N]
-  const Eigen::Vector2d& feed_back(const Eigen::Vector2d& target);
+  const Eigen::Vector2d& feed_back(const Eigen::Vector2d& target, const Command& last);
   [[nodiscard]] const Eigen::Vector2d& displacement() const;
-  /// The force of the specimen as the controller knew it in its last tick, not corrected to the
-  /// target [N].
+  /// The force of the specimen as the compensator knew it in the last tick: ahead, or as measured
+  /// [N].
   [[nodiscard]] const Eigen::Vector2d& specimen_force() const;
 
  private:
