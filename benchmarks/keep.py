@@ -49,6 +49,7 @@ AXIAL_LISTED = {"LeadRubberXVerticalStiffness", "LeadRubberXFourEffects", "LeadR
 PAPERS_CONTROLLER = ('node.xpc={adapter="simulink_like", diagram="hybrid_controller", '
                      'tune={feed_forward.velocity_gain_s=0, valve_feed_forward.value=4}}')
 PAPER_UNCOMPENSATED = "uncompensated.xpc={ats.enabled=0, valve_feed_forward.value=0}"
+SAME_SPECIMEN = ("--no-diagnosis", "--set", "model.specimen.lead_heating.enabled=true")  # in test and simulation
 NO_DEAD_BAND = "node.srmd.changes={actuator_long={dead_band=0}, actuator_lat={dead_band=0}}"
 LOOPS = {"lprb": (0.210, 0.3), "eqsb": (0.152, 0.3), "tpfb": (0.584, 0.1)}  # amplitude [m], frequency [Hz]
 
@@ -112,10 +113,11 @@ def examples(rths):
             "lprb_full_model": run("srmd_lprb_2d.toml", "--no-diagnosis",
                                    "--set", "model.specimen.lead_heating.enabled=true",
                                    "--set", "model.machine.load_dependent_friction.enabled=true"),
-            "platen": run("srmd_platen_2d.toml", "--no-diagnosis"),
-            "platen_seed_7": run("srmd_platen_2d.toml", "--no-diagnosis", "--set", "seed=7"),
-            "platen_without_dead_band": run("srmd_platen_2d.toml", "--no-diagnosis", "--set", NO_DEAD_BAND),
-            "platen_ats": run("srmd_platen_2d.toml", "--no-diagnosis", "--set", PAPERS_CONTROLLER, "--set", PAPER_UNCOMPENSATED),
+            "demo": run("srmd_platen_2d.toml"),
+            "platen": run("srmd_platen_2d.toml", *SAME_SPECIMEN),
+            "platen_seed_7": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", "seed=7"),
+            "platen_without_dead_band": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", NO_DEAD_BAND),
+            "platen_ats": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", PAPERS_CONTROLLER, "--set", PAPER_UNCOMPENSATED),
             "eqsb": run("srmd_eqsb_2d.toml", "--no-diagnosis"),
             "tpfb": run("srmd_tpfb_2d.toml", "--no-diagnosis"),
             "mismatch_tracking": run("mismatch_tracking_2d.toml"),
@@ -128,14 +130,14 @@ def examples(rths):
 
 
 def budget(rths):
-    """Mismatch budgets of two examples in virtual time, by axis."""
+    """Mismatch budgets of three examples in virtual time, by axis."""
     def run(example):
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([rths, "run", str(TREE / "examples" / example), "--clock", "virtual", "--out", folder],
                            stdout=subprocess.DEVNULL)
             found = json.loads((pathlib.Path(folder) / "verdict.json").read_text())["budget"]
             return {axis.pop("axis"): axis for axis in found["axes"]} | {"replay_nrms": found["replay_nrms"]}
-    return {"lprb": run("srmd_lprb_2d.toml"), "tracking": run("mismatch_tracking_2d.toml")}
+    return {"demo": run("srmd_platen_2d.toml"), "lprb": run("srmd_lprb_2d.toml"), "tracking": run("mismatch_tracking_2d.toml")}
 
 
 def tests_of(file):
