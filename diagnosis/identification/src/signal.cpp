@@ -139,7 +139,8 @@ VectorXd AutoRegression::coloured(const VectorXd& innovations) const {
 
 namespace {
 
-// Burg's reflection coefficient of order k + 1, from forward and backward prediction errors.
+// Burg's reflection coefficient of order k + 1, from forward and backward prediction errors. The
+// backward error of a sample is stored with the oldest sample that it predicts from.
 double reflection_of(const std::vector<VectorXd>& forward, const std::vector<VectorXd>& backward,
                      int k, double least) {
   double product = 0, square = 0;
@@ -147,22 +148,30 @@ double reflection_of(const std::vector<VectorXd>& forward, const std::vector<Vec
     const Index n = forward[i].size() - k - 1;
     if (n <= 0) continue;
     const auto f = forward[i].tail(n);
-    const auto b = backward[i].segment(k, n);
+    const auto b = backward[i].head(n);
     product += 2 * f.dot(b);
     square += f.squaredNorm() + b.squaredNorm() + 2 * least * static_cast<double>(n);
   }
   return square > 0 ? product / square : 0;
 }
 
+constexpr Index kStretch = 256;
+using Stretch = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kStretch, 1>;
+
 // Prediction errors of the next order.
 void reflect(std::vector<VectorXd>& forward, std::vector<VectorXd>& backward, int k,
              double reflection) {
   for (std::size_t i = 0; i < forward.size(); ++i) {
     const Index n = forward[i].size() - k - 1;
-    if (n <= 0) continue;
-    const VectorXd f = forward[i].tail(n), b = backward[i].segment(k, n);
-    forward[i].tail(n) = f - reflection * b;
-    backward[i].segment(k + 1, n) = b - reflection * f;
+    // In stretches that stay in the cache.
+    for (Index first = 0; first < n; first += kStretch) {
+      const Index size = std::min(kStretch, n - first);
+      auto f = forward[i].segment(k + 1 + first, size);
+      auto b = backward[i].segment(first, size);
+      const Stretch before = f;
+      f -= reflection * b;
+      b -= reflection * before;
+    }
   }
 }
 
