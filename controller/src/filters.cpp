@@ -70,6 +70,39 @@ void LowPass::filter_by(std::span<double> signal) noexcept {
   std::copy(sections.begin(), sections.end(), sections_.begin());
 }
 
+void LowPass::filter_four(std::span<std::array<double, 4>> signals) const noexcept {
+  switch (sections_.size()) {
+    case 1:
+      return filter_four_by<1>(signals);
+    case 2:
+      return filter_four_by<2>(signals);
+    case 3:
+      return filter_four_by<3>(signals);
+    default:
+      return filter_four_by<kMostSections>(signals);
+  }
+}
+
+// Each sample waits for the one before it. Four independent signals fill this time.
+template <std::size_t kSections>
+void LowPass::filter_four_by(std::span<std::array<double, 4>> signals) const noexcept {
+  struct Delays {
+    Eigen::Array4d z1 = Eigen::Array4d::Zero(), z2 = Eigen::Array4d::Zero();
+  };
+  std::array<Delays, kSections> delays;
+  for (auto& samples : signals) {
+    Eigen::Array4d value = Eigen::Map<const Eigen::Array4d>{samples.data()};
+    for (std::size_t i = 0; i < kSections; ++i) {
+      const Section& s = sections_[i];
+      const Eigen::Array4d out = s.b0 * value + delays[i].z1;
+      delays[i].z1 = 2 * s.b0 * value - s.a1 * out + delays[i].z2;
+      delays[i].z2 = s.b0 * value - s.a2 * out;
+      value = out;
+    }
+    Eigen::Map<Eigen::Array4d>{samples.data()} = value;
+  }
+}
+
 MovingAverage::MovingAverage(int length) {
   if (length < 1) throw Error{"moving average: expected a length of at least 1"};
   samples_.assign(static_cast<std::size_t>(length), 0.0);

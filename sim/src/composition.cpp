@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -80,15 +81,20 @@ void run(const Composition& composition, std::span<const double> constants, cons
     }
   };
   advance_through(Stage::Actuator);
-  const HorizontalMotion<Real> platen{q.displacement, q.velocity, q.acceleration};
+  // Only a mount moves the specimen otherwise than the platen; a copy would cost as much as a term.
+  std::optional<HorizontalMotion<Real>> platen;
+  if (term != terms.end() && term->kind->stage == Stage::Motion)
+    platen.emplace(HorizontalMotion<Real>{q.displacement, q.velocity, q.acceleration});
   advance_through(Stage::Restoring);
   for (std::size_t i = 0; i < kHorizontalAxes; ++i) {
     state[i] = q.hysteretic_force[i];
     state[kHorizontalAxes + i] = q.force[i];
   }
-  q.displacement = platen.displacement;
-  q.velocity = platen.velocity;
-  q.acceleration = platen.acceleration;
+  if (platen) {
+    q.displacement = platen->displacement;
+    q.velocity = platen->velocity;
+    q.acceleration = platen->acceleration;
+  }
   advance_through(Stage::Sensor);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -67,6 +69,25 @@ TEST(LowPass, FiltersASignalAsSampleBySample) {
   }
 }
 
+TEST(LowPass, FiltersFourSignalsAsEachAlone) {
+  for (const int order : {2, 4, 6, 8}) {
+    const LowPass filter{order, 20, kPeriod};
+    std::vector<std::array<double, 4>> together(300);
+    for (std::size_t k = 0; k < together.size(); ++k)
+      for (std::size_t i = 0; i < 4; ++i)
+        together[k][i] = std::sin(0.1 * static_cast<double>(k * (i + 1))) + static_cast<double>(i);
+    const auto inputs = together;
+
+    filter.filter_four(together);
+
+    for (std::size_t i = 0; i < 4; ++i) {
+      LowPass alone = filter;
+      for (std::size_t k = 0; k < together.size(); ++k)
+        ASSERT_EQ(together[k][i], alone(inputs[k][i])) << order << ", " << i << ", " << k;
+    }
+  }
+}
+
 TEST(LowPass, RefusesSettingsOutOfRange) {
   EXPECT_NE(test::error_of([] { LowPass(3, 20, kPeriod); }), "");
   EXPECT_NE(test::error_of([] { LowPass(2, 500, kPeriod); }), "");
@@ -103,6 +124,8 @@ TEST(Filters, WorkInRealTime) {
   LowPass low_pass{6, 20, kPeriod};
   MovingAverage average{7};
   EndSlope slope{32, kPeriod};
+  std::array<std::array<double, 4>, 8> four{};
+  EXPECT_REALTIME(low_pass.filter_four(four));
   double sum = 0;
   for (int i = 0; i < 40; ++i)
     EXPECT_REALTIME(sum += low_pass(0.1 * i) + average(0.1 * i) + slope(0.1 * i));

@@ -48,6 +48,19 @@ TEST(LowPassed, PreservesALineUpToItsEnds) {
   EXPECT_LT((low_passed(line, 4, 25, kStep) - line).cwiseAbs().maxCoeff(), 1e-6);
 }
 
+TEST(LowPassed, HasTheSameColumnsTogetherAsAlone) {
+  for (const int columns : {1, 2, 4, 5}) {
+    Eigen::MatrixXd signals(700, columns);
+    for (int i = 0; i < columns; ++i)
+      signals.col(i) = sine(3 + i, 700) + noise(700, static_cast<unsigned>(i));
+
+    const Eigen::MatrixXd together = low_passed_columns(signals, 4, 25, kStep);
+
+    for (int i = 0; i < columns; ++i)
+      EXPECT_EQ(together.col(i), low_passed(signals.col(i), 4, 25, kStep)) << columns << ", " << i;
+  }
+}
+
 // Bands end at 500/∛2^k Hz. Those above 24.8 Hz hold noise alone; 19.7 to 24.8 Hz has the sine. Its
 // leakage is 31 dB lower two bins of 1 Hz away, less than the noise.
 TEST(NoiseBegins, AboveTheLastBandWithASignal) {

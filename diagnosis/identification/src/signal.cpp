@@ -2,6 +2,7 @@
 #include <rths/identification/signal.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -15,6 +16,7 @@ namespace rths::diagnosis {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kSettlingPeriods = 6;  // of the cut-off: settling time of a filter
@@ -31,6 +33,12 @@ VectorXd reflected(const VectorXd& x, Index margin) {
   return longer;
 }
 
+// Samples by which reflections extend a signal at each end.
+Index margin_of(Index samples, double cutoff, double time_step) {
+  const auto settling = static_cast<Index>(kSettlingPeriods / (cutoff * time_step));
+  return std::min(settling, samples - 1);
+}
+
 void run(controller::LowPass filter, VectorXd& x) {
   // The filter starts at rest, at the level of the first sample.
   const double level = x[0];
@@ -39,19 +47,58 @@ void run(controller::LowPass filter, VectorXd& x) {
   x.array() += level;
 }
 
+constexpr Index kTogether = 4;
+using Together = std::vector<std::array<double, kTogether>>;
+
+void run_together(const controller::LowPass& filter, Together& x) {
+  const auto level = x[0];
+  for (auto& samples : x)
+    for (std::size_t i = 0; i < kTogether; ++i) samples[i] -= level[i];
+  filter.filter_four(x);
+  for (auto& samples : x)
+    for (std::size_t i = 0; i < kTogether; ++i) samples[i] += level[i];
+}
+
 }  // namespace
 
 VectorXd low_passed(const VectorXd& signal, int order, double cutoff, double time_step) {
   if (signal.size() < 2) throw Error{"low-pass: expected at least 2 samples"};
   const controller::LowPass filter{order, cutoff, time_step};
-  const auto settling = static_cast<Index>(kSettlingPeriods / (cutoff * time_step));
-  const Index margin = std::min(settling, signal.size() - 1);
+  const Index margin = margin_of(signal.size(), cutoff, time_step);
   VectorXd x = reflected(signal, margin);
   run(filter, x);
   x.reverseInPlace();
   run(filter, x);
   x.reverseInPlace();
   return x.segment(margin, signal.size());
+}
+
+MatrixXd low_passed_columns(const MatrixXd& signals, int order, double cutoff, double time_step) {
+  MatrixXd result(signals.rows(), signals.cols());
+  if (signals.cols() == 1) {
+    result.col(0) = low_passed(signals.col(0), order, cutoff, time_step);
+    return result;
+  }
+  if (signals.rows() < 2) throw Error{"low-pass: expected at least 2 samples"};
+  const controller::LowPass filter{order, cutoff, time_step};
+  const Index margin = margin_of(signals.rows(), cutoff, time_step);
+  Together x(static_cast<std::size_t>(signals.rows() + 2 * margin));
+  for (Index first = 0; first < signals.cols(); first += kTogether) {
+    const Index columns = std::min(kTogether, signals.cols() - first);
+    for (Index i = 0; i < columns; ++i) {
+      const VectorXd longer = reflected(signals.col(first + i), margin);
+      for (std::size_t k = 0; k < x.size(); ++k)
+        x[k][static_cast<std::size_t>(i)] = longer[static_cast<Index>(k)];
+    }
+    run_together(filter, x);
+    std::reverse(x.begin(), x.end());
+    run_together(filter, x);
+    for (Index i = 0; i < columns; ++i)
+      for (Index k = 0; k < signals.rows(); ++k)
+        result(k, first + i) =
+            x[x.size() - 1 - static_cast<std::size_t>(margin + k)][static_cast<std::size_t>(i)];
+  }
+  return result;
 }
 
 VectorXd thinned(const VectorXd& signal, int factor) {
@@ -139,7 +186,8 @@ VectorXd AutoRegression::coloured(const VectorXd& innovations) const {
 
 namespace {
 
-// Burg's reflection coefficient of order k + 1, from forward and backward prediction errors.
+// Burg's reflection coefficient of order k + 1, from forward and backward prediction errors. The
+// backward error of a sample is stored with the oldest sample that it predicts from.
 double reflection_of(const std::vector<VectorXd>& forward, const std::vector<VectorXd>& backward,
                      int k, double least) {
   double product = 0, square = 0;
@@ -147,22 +195,30 @@ double reflection_of(const std::vector<VectorXd>& forward, const std::vector<Vec
     const Index n = forward[i].size() - k - 1;
     if (n <= 0) continue;
     const auto f = forward[i].tail(n);
-    const auto b = backward[i].segment(k, n);
+    const auto b = backward[i].head(n);
     product += 2 * f.dot(b);
     square += f.squaredNorm() + b.squaredNorm() + 2 * least * static_cast<double>(n);
   }
   return square > 0 ? product / square : 0;
 }
 
+constexpr Index kStretch = 256;
+using Stretch = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kStretch, 1>;
+
 // Prediction errors of the next order.
 void reflect(std::vector<VectorXd>& forward, std::vector<VectorXd>& backward, int k,
              double reflection) {
   for (std::size_t i = 0; i < forward.size(); ++i) {
     const Index n = forward[i].size() - k - 1;
-    if (n <= 0) continue;
-    const VectorXd f = forward[i].tail(n), b = backward[i].segment(k, n);
-    forward[i].tail(n) = f - reflection * b;
-    backward[i].segment(k + 1, n) = b - reflection * f;
+    // In stretches that stay in the cache.
+    for (Index first = 0; first < n; first += kStretch) {
+      const Index size = std::min(kStretch, n - first);
+      auto f = forward[i].segment(k + 1 + first, size);
+      auto b = backward[i].segment(first, size);
+      const Stretch before = f;
+      f -= reflection * b;
+      b -= reflection * before;
+    }
   }
 }
 

@@ -19,7 +19,10 @@ class CompositionSimulator final : public Simulator {
                          std::vector<Eigen::MatrixXd>& derivatives) const override;
 
  private:
-  [[nodiscard]] bool predict(const Eigen::VectorXd& values, Eigen::MatrixXd& prediction) const;
+  /// The predicted quantity at every step of the model, a column for each axis.
+  /// @returns false if it is not finite
+  [[nodiscard]] bool predict(const Eigen::VectorXd& values,
+                             Eigen::Ref<Eigen::MatrixXd> output) const;
   void run_first(const std::vector<double>& parameters, Axes& output) const;
   void run_second(const std::vector<double>& parameters, Axes& force) const;
   /// The first half's output. It runs only if its parameters have changed since the last call.

@@ -16,6 +16,7 @@ namespace rths::diagnosis {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kOrder = 4;               // of filters, one pass
@@ -149,6 +150,15 @@ VectorXd MotionDrive::compared(const VectorXd& signal) const {
   VectorXd result = signal;
   if (cutoff > 0) result = thinned(low_passed(signal, kOrder, cutoff, model_step), thinning);
   return result.head(std::min(result.size(), all_rows));
+}
+
+MatrixXd MotionDrive::compared_columns(const MatrixXd& signals) const {
+  if (cutoff <= 0) return signals.topRows(std::min(signals.rows(), all_rows));
+  const MatrixXd smooth = low_passed_columns(signals, kOrder, cutoff, model_step);
+  MatrixXd result(std::min((smooth.rows() + thinning - 1) / thinning, all_rows), smooth.cols());
+  for (Index i = 0; i < result.cols(); ++i)
+    result.col(i) = thinned(smooth.col(i), thinning).head(result.rows());
+  return result;
 }
 
 std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChannels& channels,

@@ -44,6 +44,7 @@ class MotionDrive final : public Drive {
 
   /// Filters and thins a signal at the model's rate to the compared rows.
   [[nodiscard]] Eigen::VectorXd compared(const Eigen::VectorXd& signal) const;
+  [[nodiscard]] Eigen::MatrixXd compared_columns(const Eigen::MatrixXd& signals) const;
 };
 
 /// Channels of a record that drive a composition, and channels that it predicts.

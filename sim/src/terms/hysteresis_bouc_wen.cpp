@@ -34,10 +34,10 @@ Real sharpness(const Real& square, const Real& eta) {
 template <class Rule, class Real>
 void runge_kutta(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& du,
                  const Plane<Real>& k1) {
-  const Plane<Real> k2 = Rule::rate(term, z + k1 * Real{0.5}, du);
-  const Plane<Real> k3 = Rule::rate(term, z + k2 * Real{0.5}, du);
+  const Plane<Real> k2 = Rule::rate(term, z + k1 * 0.5, du);
+  const Plane<Real> k3 = Rule::rate(term, z + k2 * 0.5, du);
   const Plane<Real> k4 = Rule::rate(term, z + k3, du);
-  z = z + (k1 + k4 + (k2 + k3) * Real{2}) * Real{1.0 / 6};
+  z = z + (k1 + k4 + (k2 + k3) * 2.0) * (1.0 / 6);
 }
 
 // One substep, split where unloading turns into loading: there the rate has a kink.
@@ -47,8 +47,8 @@ void integrate_substep(const TermView<Real>& term, Plane<Real>& z, Plane<Real> d
   const double work = value_of(dot(z, du)), change = value_of(dot(k1, du));
   if (work < 0 && work + change > 0) {
     const double kink = -work / change;
-    runge_kutta<Rule>(term, z, du * Real{kink}, k1 * Real{kink});
-    du = du * Real{1 - kink};
+    runge_kutta<Rule>(term, z, du * kink, k1 * kink);
+    du = du * (1 - kink);
     k1 = Rule::rate(term, z, du);
   }
   runge_kutta<Rule>(term, z, du, k1);
@@ -80,7 +80,7 @@ void integrate_evenly(const TermView<Real>& term, Plane<Real>& z, const Plane<Re
       value_of(length(increment)) / value_of(term.parameters[Rule::kYieldDisplacement]);
   const double wanted = substeps_of(yields, substep);
   const int substeps = static_cast<int>(std::min(wanted, most));
-  const Plane<Real> du = increment * Real{1 / wanted};
+  const Plane<Real> du = increment * (1 / wanted);
   for (int i = 0; i < substeps; ++i) integrate_substep<Rule>(term, z, du);
 }
 
@@ -267,7 +267,7 @@ struct BoucWenSlip {
     double done = 0;
     for (int i = 0; i < most && !(done >= all); ++i) {
       const double du = std::min(substep * scale(term, z, increment), all - done);
-      integrate_substep<BoucWenSlip>(term, z, increment * Real{du / all});
+      integrate_substep<BoucWenSlip>(term, z, increment * (du / all));
       done += du;
     }
   }

@@ -11,13 +11,20 @@ template <class Real>
 struct Plane {
   Real x{}, y{};
 
-  friend Plane operator+(const Plane& a, const Plane& b) { return {a.x + b.x, a.y + b.y}; }
-  friend Plane operator-(const Plane& a, const Plane& b) { return {a.x - b.x, a.y - b.y}; }
-  friend Plane operator*(const Plane& a, const Real& b) { return {a.x * b, a.y * b}; }
+  [[gnu::always_inline]] friend Plane operator+(const Plane& a, const Plane& b) {
+    return {a.x + b.x, a.y + b.y};
+  }
+  [[gnu::always_inline]] friend Plane operator-(const Plane& a, const Plane& b) {
+    return {a.x - b.x, a.y - b.y};
+  }
+  template <class Factor>
+  [[gnu::always_inline]] friend Plane operator*(const Plane& a, const Factor& b) {
+    return {a.x * b, a.y * b};
+  }
 };
 
 template <class Real>
-Real dot(const Plane<Real>& a, const Plane<Real>& b) {
+[[gnu::always_inline]] inline Real dot(const Plane<Real>& a, const Plane<Real>& b) {
   return a.x * b.x + a.y * b.y;
 }
 

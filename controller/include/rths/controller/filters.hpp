@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -23,10 +24,15 @@ class LowPass {
   /// Filters a signal in place: the same values as one call per sample, in half the time.
   /// @realtime, if the signal is short
   void filter(std::span<double> signal) RTHS_REALTIME;
+  /// Filters four signals in place, each from rest: the same values as `filter` of each, in less
+  /// than half the time. An element holds a sample of all four.
+  void filter_four(std::span<std::array<double, 4>> signals) const RTHS_REALTIME;
 
  private:
   template <std::size_t kSections>
   void filter_by(std::span<double> signal) RTHS_REALTIME;
+  template <std::size_t kSections>
+  void filter_four_by(std::span<std::array<double, 4>> signals) const RTHS_REALTIME;
 
   struct Section {
     double b0, a1, a2;      // b = b0·(1, 2, 1)

@@ -18,6 +18,10 @@ namespace rths::diagnosis {
 [[nodiscard]] Eigen::VectorXd low_passed(const Eigen::VectorXd& signal, int order, double cutoff,
                                          double time_step);
 
+/// The same of each column, four at a time.   @setup
+[[nodiscard]] Eigen::MatrixXd low_passed_columns(const Eigen::MatrixXd& signals, int order,
+                                                 double cutoff, double time_step);
+
 /// Every `factor`-th sample, from the first on. Does not filter: low-pass the signal first. @setup
 [[nodiscard]] Eigen::VectorXd thinned(const Eigen::VectorXd& signal, int factor);
 
