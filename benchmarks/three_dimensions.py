@@ -1,5 +1,6 @@
-"""Runs the example in three dimensions with both vertical controllers, in virtual time, and rates the vertical force."""
+"""Runs the example in three dimensions with both vertical controllers, in virtual time, and rates the vertical force and the response."""
 import csv
+import json
 import pathlib
 import subprocess
 import sys
@@ -69,7 +70,9 @@ def run(rths, changes, bearing="lprb"):
         table = pathlib.Path(folder) / "vertical.csv"
         subprocess.run([rths, "export", folder, "--signals", COMMAND, MEASURED, "--out", str(table)], check=True,
                        stdout=subprocess.DEVNULL)
-        return figures(table, int(changes.get("rate", 1)))
+        axes = json.loads((pathlib.Path(folder) / "report.json").read_text())["axes"]
+        return figures(table, int(changes.get("rate", 1))) | {
+            "response_percent": {name: axis["numerical_difference_percent"] for name, axis in axes.items()}}
 
 
 if __name__ == "__main__":

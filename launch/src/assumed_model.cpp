@@ -150,6 +150,17 @@ void put_hydraulics(const budget::MismatchBudget& found, Config& machine) {
     machine.put(key, std::vector<double>{axes[0].*member, axes[1].*member});
 }
 
+// The machine of a node is that of [machine], with the identified hydraulics, not one of a file.
+Config with_identified_machine(Config nodes) {
+  for (const auto& name : nodes.keys()) {
+    Config node = nodes.table(name);
+    if (node.text("adapter", "") != "srmd") continue;
+    for (const char* key : {"model", "family_member", "changes"}) node = node.without(key);
+    nodes.set(name, node);
+  }
+  return nodes;
+}
+
 }  // namespace
 
 Config improved_experiment(const Config& experiment, const std::string& improvement,
@@ -168,6 +179,7 @@ Config improved_experiment(const Config& experiment, const std::string& improvem
                                ? changes
                                : experiment.table_or_empty("specimen").overlaid(changes));
   improved.set("machine", machine);
+  improved.set("node", with_identified_machine(experiment.table_or_empty("node")));
   improved.set("model", model.without("specimen").without("machine").without("improvement"));
   return improved;
 }

@@ -334,6 +334,12 @@ TEST_F(ClosedLoop, IsRepeatedByARunOfTheImprovedExperiment) {
   }
 }
 
+TEST(ImprovedExperiment, ReplacesAMachineOfAFileByTheIdentifiedOne) {
+  const Config file = Config::load(test::source_tree() / "examples/srmd_platen_2d.toml");
+  const Config node = launch::improved_experiment(file, "", {}).table("node").table("srmd");
+  EXPECT_EQ(node.keys(), std::vector<std::string>{"adapter"});
+}
+
 TEST_F(ClosedLoop, NoiseOfTheForceExplainsMostOfWhatNoiseDoes) {
   make(true);
   const double with = difference(closed_loop(hybrid, kAll));
