@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <rths/adapters/block_settings.hpp>
 #include <rths/commissioning/recorded.hpp>
 #include <rths/core/error.hpp>
 #include <rths/recording/recording.hpp>
@@ -15,23 +16,10 @@
 namespace rths::commissioning {
 namespace {
 
+using adapters::kInverseCoefficients;
 using Terms = controller::InverseLead::Terms;
 
 constexpr double kMeanOfEnd = 1;  // [s]
-
-struct NamedCoefficient {
-  const char* output;  // of the block
-  const char* key;     // of the block's table
-};
-constexpr NamedCoefficient kCoefficients[] = {{"a0", "a0"},
-                                              {"a1", "a1_s"},
-                                              {"a2", "a2_s2"},
-                                              {"a3", "a3_s3"},
-                                              {"load", "load_m_per_N"},
-                                              {"load_rate", "load_rate_m_s_per_N"},
-                                              {"dead_band", "dead_band_m"},
-                                              {"flow_loss", "flow_loss_s"}};
-static_assert(std::size(kCoefficients) == controller::InverseLead::kTerms);
 
 double mean_of_end(const std::vector<double>& values, double interval) {
   const auto count = std::clamp<std::size_t>(
@@ -52,11 +40,11 @@ std::optional<Course> course_of(const recording::Reader& run, const std::string&
   const auto named = [&](const char* output) { return begin + output + "." + axis; };
   if (!run.has(named("a0"))) return std::nullopt;
   std::vector<std::string> names{named("learning")};
-  for (const auto& coefficient : kCoefficients) names.push_back(named(coefficient.output));
+  for (const auto& coefficient : kInverseCoefficients) names.push_back(named(coefficient.output));
   const auto data = recorded(run, names);
   if (*std::max_element(data.values[0].begin(), data.values[0].end()) == 0) return std::nullopt;
   Course course;
-  for (std::size_t k = 0; k < std::size(kCoefficients); ++k) {
+  for (std::size_t k = 0; k < std::size(kInverseCoefficients); ++k) {
     const auto& values = data.values[k + 1];
     const auto i = static_cast<Eigen::Index>(k);
     course.start[i] = values.front();
@@ -82,11 +70,12 @@ LearntAxis axis_of(const std::string& name, const std::vector<Course>& courses) 
 LearntInverse learnt_inverse(const std::vector<std::filesystem::path>& files,
                              const std::string& block) {
   LearntInverse found{files, block, {}};
+  std::vector<recording::Reader> runs;
+  for (const auto& file : files) runs.emplace_back(file);
   for (const char* name : {"long", "lat"}) {
     std::vector<Course> courses;
-    for (const auto& file : files)
-      if (const auto course = course_of(recording::Reader{file}, block, name))
-        courses.push_back(*course);
+    for (const auto& run : runs)
+      if (const auto course = course_of(run, block, name)) courses.push_back(*course);
     if (courses.size() == files.size() && !courses.empty())
       found.axes.push_back(axis_of(name, courses));
     else if (!courses.empty())
@@ -105,10 +94,11 @@ std::string text_of(const LearntInverse& inverse) {
   for (const auto& axis : inverse.axes) {
     text += fmt::format("{:<22}{:>12}{:>12}{:>12}{:>12}\n", axis.name, "initial", "learnt",
                         "deviation", "drift");
-    for (std::size_t k = 0; k < std::size(kCoefficients); ++k) {
+    for (std::size_t k = 0; k < std::size(kInverseCoefficients); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      text += fmt::format("  {:<20}{:>12.4g}{:>12.4g}{:>12.2g}{:>12.2g}\n", kCoefficients[k].key,
-                          axis.initial[i], axis.learnt[i], axis.deviation[i], axis.drift[i]);
+      text +=
+          fmt::format("  {:<20}{:>12.4g}{:>12.4g}{:>12.2g}{:>12.2g}\n", kInverseCoefficients[k].key,
+                      axis.initial[i], axis.learnt[i], axis.deviation[i], axis.drift[i]);
     }
   }
   return text;
@@ -117,12 +107,12 @@ std::string text_of(const LearntInverse& inverse) {
 std::string json_of(const LearntInverse& inverse) {
   nlohmann::ordered_json document{{"block", inverse.block}, {"axes", {}}};
   for (const auto& axis : inverse.axes)
-    for (std::size_t k = 0; k < std::size(kCoefficients); ++k) {
+    for (std::size_t k = 0; k < std::size(kInverseCoefficients); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      document["axes"][axis.name][kCoefficients[k].key] = {{"initial", axis.initial[i]},
-                                                           {"learnt", axis.learnt[i]},
-                                                           {"deviation", axis.deviation[i]},
-                                                           {"drift", axis.drift[i]}};
+      document["axes"][axis.name][kInverseCoefficients[k].key] = {{"initial", axis.initial[i]},
+                                                                  {"learnt", axis.learnt[i]},
+                                                                  {"deviation", axis.deviation[i]},
+                                                                  {"drift", axis.drift[i]}};
     }
   return document.dump(2) + "\n";
 }
@@ -134,10 +124,10 @@ std::string toml_of(const LearntInverse& inverse) {
       "inverse";
   for (const auto& file : inverse.files) text += " " + file.string();
   text += fmt::format("\n[{}]\n", inverse.block);
-  for (std::size_t k = 0; k < std::size(kCoefficients); ++k) {
+  for (std::size_t k = 0; k < std::size(kInverseCoefficients); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double first = inverse.axes.front().learnt[i], last = inverse.axes.back().learnt[i];
-    text += fmt::format("{} = [{:.6g}, {:.6g}]\n", kCoefficients[k].key, first, last);
+    text += fmt::format("{} = [{:.6g}, {:.6g}]\n", kInverseCoefficients[k].key, first, last);
   }
   return text;
 }

@@ -141,15 +141,14 @@ std::vector<budget::Lead> lead_of(const Recorded& by, const std::string& axis) {
 // The coefficients of an adaptive inverse as sent, in the order of its terms.
 budget::SentInverse inverse_of(const Recorded& by, const Config& block, std::size_t axis,
                                double period) {
-  constexpr const char* kOutputs[] = {"a0",   "a1",        "a2",        "a3",
-                                      "load", "load_rate", "dead_band", "flow_loss"};
   const auto settings =
       adapters::adaptive_inverse_settings(block, {kHorizontal[axis]}, period).front();
   const auto initial = controller::InverseLead::vector_of(settings.initial);
   budget::SentInverse sent{settings, {}};
   sent.coefficients.assign(by.ticks.count(), initial);
   for (Eigen::Index i = 0; i < initial.size(); ++i) {
-    const std::string output = std::string{kOutputs[i]} + "." + kHorizontal[axis];
+    const std::string output =
+        std::string{adapters::kInverseCoefficients[i].output} + "." + kHorizontal[axis];
     const auto values =
         ticks_or(by.run, by.ticks, by.monitor(block.text("name"), output), initial[i]);
     for (std::size_t tick = 0; tick < values.size(); ++tick)

@@ -16,18 +16,10 @@ std::vector<controller::InverseCoefficients> read_coefficients(
     const Config& table, const std::string& prefix, const std::vector<std::string>& axes,
     const controller::InverseCoefficients& otherwise) {
   std::vector<controller::InverseCoefficients> found(axes.size(), otherwise);
-  const auto read = [&](const char* key, double controller::InverseCoefficients::*value) {
+  for (const auto& [output, key, value] : kInverseCoefficients) {
     const auto values = per_axis(table, prefix + key, axes, otherwise.*value);
     for (std::size_t i = 0; i < axes.size(); ++i) found[i].*value = values[i];
-  };
-  read("a0", &controller::InverseCoefficients::a0);
-  read("a1_s", &controller::InverseCoefficients::a1);
-  read("a2_s2", &controller::InverseCoefficients::a2);
-  read("a3_s3", &controller::InverseCoefficients::a3);
-  read("load_m_per_N", &controller::InverseCoefficients::load);
-  read("load_rate_m_s_per_N", &controller::InverseCoefficients::load_rate);
-  read("dead_band_m", &controller::InverseCoefficients::dead_band);
-  read("flow_loss_s", &controller::InverseCoefficients::flow_loss);
+  }
   return found;
 }
 

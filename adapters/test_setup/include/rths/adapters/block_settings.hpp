@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,24 @@ namespace rths::adapters {
 /// @throws Error with the key's place if the list is too short   @setup
 [[nodiscard]] std::vector<double> per_axis(const Config& table, const std::string& key,
                                            const std::vector<std::string>& axes, double otherwise);
+
+/// A coefficient of a block `adaptive_inverse`.
+struct InverseCoefficient {
+  const char* output;  ///< of the block
+  const char* key;     ///< of the block's table
+  double controller::InverseCoefficients::*value;
+};
+/// In the order of the terms of an InverseLead.
+inline constexpr InverseCoefficient kInverseCoefficients[] = {
+    {"a0", "a0", &controller::InverseCoefficients::a0},
+    {"a1", "a1_s", &controller::InverseCoefficients::a1},
+    {"a2", "a2_s2", &controller::InverseCoefficients::a2},
+    {"a3", "a3_s3", &controller::InverseCoefficients::a3},
+    {"load", "load_m_per_N", &controller::InverseCoefficients::load},
+    {"load_rate", "load_rate_m_s_per_N", &controller::InverseCoefficients::load_rate},
+    {"dead_band", "dead_band_m", &controller::InverseCoefficients::dead_band},
+    {"flow_loss", "flow_loss_s", &controller::InverseCoefficients::flow_loss}};
+static_assert(std::size(kInverseCoefficients) == controller::InverseLead::kTerms);
 
 /// Of a block `adaptive_inverse`, one per axis.
 /// @param period  of the block [s]   @throws Error with the place of a wrong value   @setup
