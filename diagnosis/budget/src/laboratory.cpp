@@ -42,6 +42,19 @@ struct Platen {
   Vector2d specimen_force = Vector2d::Zero();
 };
 
+sim::Quantities<double> quantities_of(const Platen& platen, double time, double axial_load) {
+  sim::Quantities<double> q;
+  q.time = time;
+  q.axial_load = axial_load;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    q.displacement[i] = platen.displacement[axis];
+    q.velocity[i] = platen.velocity[axis];
+    q.acceleration[i] = platen.acceleration[axis];
+  }
+  return q;
+}
+
 /// The machine's own force, as it moves the platen [N].
 class MachineOwnForce {
  public:
@@ -50,15 +63,7 @@ class MachineOwnForce {
     // platen_inertia reads the acceleration of its quantities; as a term of a machine it adds mass.
   }
   Vector2d operator()(const Platen& platen, double time, double axial_load) noexcept {
-    sim::Quantities<double> q;
-    q.time = time;
-    for (std::size_t i = 0; i < 2; ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
-      q.displacement[i] = platen.displacement[axis];
-      q.velocity[i] = platen.velocity[axis];
-      q.acceleration[i] = platen.acceleration[axis];
-    }
-    q.axial_load = axial_load;
+    auto q = quantities_of(platen, time, axial_load);
     terms_.advance(q);
     return {q.force[0] + axes_[0].effective_mass * platen.acceleration[0] + axes_[0].force_offset,
             q.force[1] + axes_[1].effective_mass * platen.acceleration[1] + axes_[1].force_offset};
@@ -151,16 +156,8 @@ class Sensors {
       : terms_{terms_of_stage(machine, sim::Stage::Sensor), period} {}
   Readings operator()(const Platen& platen, const Vector2d& table_force, double time,
                       double axial_load) noexcept {
-    sim::Quantities<double> q;
-    q.time = time;
-    q.axial_load = axial_load;
-    for (std::size_t i = 0; i < 2; ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
-      q.displacement[i] = platen.displacement[axis];
-      q.velocity[i] = platen.velocity[axis];
-      q.acceleration[i] = platen.acceleration[axis];
-      q.force[i] = table_force[axis];
-    }
+    auto q = quantities_of(platen, time, axial_load);
+    q.force = {table_force[0], table_force[1]};
     terms_.advance(q);
     return {{q.displacement[0], q.displacement[1]},
             {q.acceleration[0], q.acceleration[1]},
