@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <type_traits>
 
 #include <Eigen/Core>
 
@@ -39,17 +40,23 @@ double LowPass::operator()(double input) noexcept {
   return input;
 }
 
-void LowPass::filter(std::span<double> signal) noexcept {
+// Calls with the number of sections as a constant, so that the compiler unrolls their loop.
+template <class Call>
+void LowPass::with_sections(const Call& call) const noexcept {
   switch (sections_.size()) {
     case 1:
-      return filter_by<1>(signal);
+      return call(std::integral_constant<std::size_t, 1>{});
     case 2:
-      return filter_by<2>(signal);
+      return call(std::integral_constant<std::size_t, 2>{});
     case 3:
-      return filter_by<3>(signal);
+      return call(std::integral_constant<std::size_t, 3>{});
     default:
-      return filter_by<kMostSections>(signal);
+      return call(std::integral_constant<std::size_t, kMostSections>{});
   }
+}
+
+void LowPass::filter(std::span<double> signal) noexcept {
+  with_sections([&](auto sections) { filter_by<sections>(signal); });
 }
 
 // Coefficients and state are local, so that the compiler keeps them in registers.
@@ -71,16 +78,7 @@ void LowPass::filter_by(std::span<double> signal) noexcept {
 }
 
 void LowPass::filter_four(std::span<std::array<double, 4>> signals) const noexcept {
-  switch (sections_.size()) {
-    case 1:
-      return filter_four_by<1>(signals);
-    case 2:
-      return filter_four_by<2>(signals);
-    case 3:
-      return filter_four_by<3>(signals);
-    default:
-      return filter_four_by<kMostSections>(signals);
-  }
+  with_sections([&](auto sections) { filter_four_by<sections>(signals); });
 }
 
 // Each sample waits for the one before it. Four independent signals fill this time.

@@ -147,9 +147,7 @@ const std::string& axis_name(std::size_t axis) {
 }
 
 VectorXd MotionDrive::compared(const VectorXd& signal) const {
-  VectorXd result = signal;
-  if (cutoff > 0) result = thinned(low_passed(signal, kOrder, cutoff, model_step), thinning);
-  return result.head(std::min(result.size(), all_rows));
+  return compared_columns(signal).col(0);
 }
 
 MatrixXd MotionDrive::compared_columns(const MatrixXd& signals) const {

@@ -29,6 +29,8 @@ class LowPass {
   void filter_four(std::span<std::array<double, 4>> signals) const RTHS_REALTIME;
 
  private:
+  template <class Call>
+  void with_sections(const Call& call) const RTHS_REALTIME;
   template <std::size_t kSections>
   void filter_by(std::span<double> signal) RTHS_REALTIME;
   template <std::size_t kSections>
