@@ -1,4 +1,4 @@
-"""Runs the example in three dimensions with both vertical controllers, in virtual time, and rates the vertical force and the response."""
+"""Runs the example in three dimensions with both vertical controllers, in virtual time; rates vertical force and response."""
 import csv
 import json
 import pathlib
