@@ -4,7 +4,8 @@
 # Each include/ is a separate root, so includes from a folder that is not in DEPENDS do not compile.
 # INTERNAL libraries are not installed; only programs of this project use them.
 # SEPARATE sources are never compiled together, because their third-party headers clash.
-# MATHS libraries are optimized under sanitizers too: without, their tests take ten times as long.
+# MATHS libraries are optimized under sanitizers too, unless RTHS_TESTED omits their tests: without, these take ten times
+# as long.
 function(rths_add folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;SEPARATE;MATHS" "" "SOURCES;DEPENDS;PRIVATE")
   set(target rths_${folder})
@@ -19,7 +20,7 @@ function(rths_add folder)
   if(NOT arg_SEPARATE)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ${RTHS_UNITY} UNITY_BUILD_BATCH_SIZE ${RTHS_BATCH})
   endif()
-  if(arg_MATHS AND RTHS_SANITIZER)
+  if(arg_MATHS AND RTHS_SANITIZER AND NOT RTHS_TESTED)
     target_compile_options(${target} PRIVATE -O1)
   else()
     rths_use_precompiled(${target} rths_library_headers)
@@ -41,7 +42,7 @@ function(rths_test folder)
   set(target rths_${folder}_test)
   add_executable(${target} ${arg_SOURCES})
   if(NOT arg_SEPARATE)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ${RTHS_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${RTHS_UNITY} UNITY_BUILD_BATCH_SIZE 16)
   endif()
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} rths_test_support rths_warnings
                                           GTest::gtest_main)

@@ -10,6 +10,34 @@ function(rths_tests program expression property value)
   endforeach()
 endfunction()
 
+# rths_long(<program> <label> <regular expression>): tests that `./lab test` runs only with --full. They have the label
+# long: `ctest -LE long` omits them.
+function(rths_long program label expression)
+  rths_tests(${program} "${expression}" LABELS "${label};long")
+endfunction()
+
+# Diagnoses of whole runs. The default run has those of the main example.
+rths_long(rths_diagnosed_run_test system "^(VerticalCoupling|RunDiagnosis\\.Compares|DetunedTracking\\.Raises)")
+rths_long(rths_diagnosed_run_test system "^DiagnosedRun\\.(GivesTheSameBytes|IsDiagnosedAgain)")
+rths_long(rths_command_test system "^(CaseOfARun\\.IsExplained|FirstContact\\.ShowsTheStepsOfADiagnosis)")
+rths_long(rths_command_test system "^Rates/Rate\\..*/10")
+# Diagnoses of one effect each. The default run has some of each family, and the blind cases.
+rths_long(rths_diagnosis_examples_test physics "/(synthetic/structure|synthetic/masses|actuator/)")
+rths_long(rths_dynamic_diagnosis_test physics "MassesOnSprings.*/(saturation|play|friction|softening|delay)")
+rths_long(rths_dynamic_diagnosis_test physics "LinearSystems.*/(dead_zone|friction|lost_signs|softening)|FreeForm.*Stiffening")
+rths_long(rths_dynamic_diagnosis_test physics "Predictions.*/(delay|lost_signs|play)")
+rths_long(rths_improved_case_test physics "OfAStructure|OfABearing|OfMasses|OfALinearSystem|^Plan\\.StatesTheSize")
+rths_long(rths_invariance_test physics "UnitOfLength|AFormIsDescribed|HalfTheSamplingRate|OneRecordMore")
+rths_long(rths_rule_test physics "^Rule\\.(OfUnloading|WithSlip)|^TwoAxes\\.HaveDrag")
+rths_long(rths_next_test_test physics "^NextTest\\.Separates|LateActuator.*lag")
+rths_long(rths_real_data_test physics "\\.(Silverbox|MrDamper|FrictionDevice)")
+# LeadRubberX with one effect at a time: another row has all of them.
+rths_long(rths_opensees_test physics "/LeadRubberX(Cavitation|BucklingLoad|Horizontal|Vertical|FourEffects|Heating|Against)")
+# Others that take long.
+rths_long(rths_judgement_test unit "Smallest\\.FaultThatIsFound")
+rths_long(rths_commissioning_command_test system "^(BeforeATestPage\\.HasCommands|Pretest\\.Predicts)")
+rths_long(rths_platen_test system "^SrmdBench\\.DoesNotRepeat")
+
 # All tests of the cards: ctest -L scramnet
 foreach(program rths_replicated_test rths_scramnet_card_test)
   rths_tests(${program} "." LABELS "unit;scramnet")

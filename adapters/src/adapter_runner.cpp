@@ -50,33 +50,47 @@ std::string signal_name(const Port& port, const std::string& node) {
   }
 }
 
+namespace {
+
+/// Units by name: parsing one is slow.
+class KnownUnits {
+ public:
+  const memmap::Unit& operator[](const std::string& name) {
+    auto& known = units_[name];
+    if (known.si.empty()) known = memmap::parse_unit(name);
+    return known;
+  }
+
+ private:
+  std::map<std::string, memmap::Unit> units_;
+};
+
+memmap::SignalEntry entry_of(const Port& port, const memmap::Map& map, const std::string& node) {
+  try {
+    return map.entry(map.signal(signal_name(port, node)));
+  } catch (const Error& error) {
+    throw Error{fmt::format("node '{}': {}", node, error.what())};
+  }
+}
+
+}  // namespace
+
 void check_ports(const std::vector<Port>& ports, const memmap::Map& map, const std::string& node) {
-  std::map<std::string, memmap::Unit> units;  // parsing a unit is slow
-  const auto si = [&](const std::string& unit) -> const std::string& {
-    auto& known = units[unit];
-    if (known.si.empty()) known = memmap::parse_unit(unit);
-    return known.si;
-  };
-  const auto entry_of = [&](const Port& port) {
-    try {
-      return map.entry(map.signal(signal_name(port, node)));
-    } catch (const Error& error) {
-      throw Error{fmt::format("node '{}': {}", node, error.what())};
-    }
-  };
+  KnownUnits units;
   for (const auto& port : ports) {
-    const auto entry = entry_of(port);
+    const auto entry = entry_of(port, map, node);
+    const char* const verb = is_read(port) ? "reads" : "writes";
     if (!is_read(port) && entry.partition->node != node)
       throw Error{"node '" + node + "' cannot write '" + entry.name + "', which belongs to '" +
                   entry.partition->node + "'"};
-    if (si(port.unit) != si(entry.signal->unit))
-      throw Error{fmt::format("node '{}' {} '{}' in [{}], the map gives [{}]", node,
-                              is_read(port) ? "reads" : "writes", entry.name, si(port.unit),
-                              si(entry.signal->unit))};
-    if (units[port.unit].scale != 1 || units[port.unit].offset != 0)
-      throw Error{fmt::format("node '{}' {} '{}' in [{}], expected the SI unit [{}]", node,
-                              is_read(port) ? "reads" : "writes", entry.name, port.unit,
-                              si(port.unit))};
+    const memmap::Unit unit = units[port.unit];
+    const std::string in_map = units[entry.signal->unit].si;
+    if (unit.si != in_map)
+      throw Error{fmt::format("node '{}' {} '{}' in [{}], the map gives [{}]", node, verb,
+                              entry.name, unit.si, in_map)};
+    if (unit.scale != 1 || unit.offset != 0)
+      throw Error{fmt::format("node '{}' {} '{}' in [{}], expected the SI unit [{}]", node, verb,
+                              entry.name, port.unit, unit.si)};
   }
 }
 

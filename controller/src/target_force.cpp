@@ -15,7 +15,7 @@ constexpr Require kRequireTargetForce{"force at the target"};
 constexpr int kPathPieces = 10;        // of the way between two targets
 constexpr double kRidge = 1e-3;        // pulls strengths to the prior, of each one's information
 constexpr double kPriorSamples = 300;  // information of the expected strengths
-constexpr double kSpeedMemory = 0.25;  // of the mean square speed [s]
+constexpr double kMeanSquareMemory = 0.25;  // of the mean square speed [s]
 
 bool is_finite(const double* values, Eigen::Index count) {
   return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
@@ -158,7 +158,7 @@ struct TargetForce::State {
       displacement[i] = axis.displacement();
     }
     measured.move(step);
-    mean_square_speed += settings.period / kSpeedMemory * (square - mean_square_speed);
+    mean_square_speed += settings.period / kMeanSquareMemory * (square - mean_square_speed);
   }
 
   // An extrapolation that is not finite is left out: the last force ahead is held.

@@ -16,7 +16,7 @@
 namespace rths::launch {
 namespace {
 
-constexpr Duration kLook = std::chrono::milliseconds{20};
+constexpr Duration kHostPoll = std::chrono::milliseconds{20};
 constexpr Duration kFreshWords = std::chrono::milliseconds{500};
 constexpr Duration kSignOfLife = std::chrono::milliseconds{200};  // several announcements
 constexpr Duration kLongestHostSilence = std::chrono::milliseconds{800};
@@ -162,7 +162,7 @@ void HostLink::wait_until_ready(const std::function<bool()>& look) {
       throw Error{fmt::format(
           "host {} not ready after {:g} s, expected `rths run {} --host …` there", missing_hosts(),
           experiment_.host_deadline, experiment_.file.filename().string())};
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kHostPoll);
   }
 }
 
@@ -220,9 +220,9 @@ void HostLink::wait_until_ended(Duration longest) {
                        [&](const auto& host) { return host.name == other.name; });
   };
   while (clock_.now() < deadline && std::any_of(others_.begin(), others_.end(), is_active))
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kHostPoll);
   // The others wait for our last words in the same way.
-  std::this_thread::sleep_for(3 * kLook);
+  std::this_thread::sleep_for(3 * kHostPoll);
 }
 
 }  // namespace rths::launch

@@ -9,6 +9,7 @@
 #include <rths/broker/follow.hpp>
 
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 #include "support/realtime_guard.hpp"
 #include "support/ring_maps.hpp"
 
@@ -56,12 +57,12 @@ TEST_F(FollowTest, SeesEveryWriteOnceAndInOrder) {
 // Reads while each group is being journalled: the writer waits for the follower before the next.
 TEST_F(FollowTest, SeesEveryGroupThatIsWrittenConcurrently) {
   constexpr std::uint32_t kWords = 60;
-  constexpr std::uint32_t kWrites = 50'000;
+  const std::uint32_t writes = test::is_long() ? 50'000 : 10'000;
   Ring wide = Ring::in_process(small_map(kWords), 10);
   Node writer = wide.join("machine", 0);
   Follower follower = wide.follow("machine");
   const TimePoint end = in(std::chrono::seconds{30});  // a busy host switches threads rarely
-  std::atomic<std::uint32_t> followed{0}, last{kWrites};
+  std::atomic<std::uint32_t> followed{0}, last{writes};
   std::thread thread{[&] {
     for (std::uint32_t count = 1; count <= last.load(); ++count) {
       while (followed.load() + 1 < count) std::this_thread::yield();

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "support/files.hpp"
-#include "support/long_run.hpp"
 #include "support/process.hpp"
 
 namespace rths::commissioning {
@@ -31,7 +30,6 @@ test::Finished shell(const std::string& script, const std::filesystem::path& fol
 }
 
 TEST(BeforeATestPage, HasCommandsThatWorkInItsOrderAndEndWithGo) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   const test::TemporaryFolder folder;
   const auto page = test::content_of(test::source_tree() / "docs/before_a_test.md");
 
@@ -44,7 +42,6 @@ TEST(BeforeATestPage, HasCommandsThatWorkInItsOrderAndEndWithGo) {
 // The laboratory has the specimen and the machine of the simulation, so the response differs by the
 // transfer system and the measurement of the force alone.
 TEST(Pretest, PredictsTheDifferenceOfARunWithinAFactorOfOneAndAHalf) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   const test::TemporaryFolder folder;
   const std::string same =
       " --set model.specimen.lead_heating.enabled=true"

@@ -172,9 +172,6 @@ class UserSystem : public ::testing::TestWithParam<LeftOut> {
 
 using MassesOnSprings = UserSystem;
 TEST_P(MassesOnSprings, NameTheLeftOutEffect) {
-  // The longest: linear systems have a saturation too, the friction device has play.
-  if (!test::is_long() && (GetParam().effect == "play" || GetParam().effect == "saturation"))
-    GTEST_SKIP() << test::kOnlyInLongRuns;
   Truth chain;
   chain.masses = VectorXd{{2, 1.5, 1}};
   chain.stiffness = VectorXd{{4000, 3000, 2500}};

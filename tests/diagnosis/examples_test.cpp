@@ -9,7 +9,6 @@
 #include <rths/verdict/diagnose.hpp>
 
 #include "support/files.hpp"
-#include "support/long_run.hpp"
 #include "support/process.hpp"
 
 namespace rths::diagnosis {
@@ -26,8 +25,6 @@ class ExampleCase : public ::testing::TestWithParam<Example> {};
 
 TEST_P(ExampleCase, NamesItsMissingEffect) {
   const auto& [file, kind, causes, most_after] = GetParam();
-  // The longest; the recording is that of the other example of the actuator.
-  if (!test::is_long() && file == "actuator/linear.toml") GTEST_SKIP() << test::kOnlyInLongRuns;
   const Case c = load_case(test::source_tree() / "examples/diagnosis" / file);
 
   const Verdict verdict = diagnose(c);

@@ -13,7 +13,6 @@
 #include "dynamic_truth.hpp"
 #include "one_axis.hpp"
 #include "support/files.hpp"
-#include "support/long_run.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -246,7 +245,6 @@ damping_N_s_per_m = 5
 }
 
 TEST_F(ImprovedCase, OfAStructureHasFrictionInASpring) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   Truth chain;
   chain.masses = VectorXd{{2, 1.5}};
   chain.stiffness = VectorXd{{4000, 3000}};

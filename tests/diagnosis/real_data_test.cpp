@@ -13,7 +13,6 @@
 #include <rths/verdict/diagnose.hpp>
 
 #include "support/files.hpp"
-#include "support/long_run.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -178,7 +177,6 @@ TEST_F(RealData, EmpsWithoutFrictionInTheCatalogueIsUnknownAndDependsOnVelocity)
 }
 
 TEST_F(RealData, SilverboxHasACubicSpring) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("silverbox");
   if (IsSkipped()) return;
 
@@ -192,7 +190,6 @@ TEST_F(RealData, SilverboxHasACubicSpring) {
 }
 
 TEST_F(RealData, SilverboxWithoutItInTheCatalogueIsUnknownAndDependsOnDisplacement) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("silverbox");
   if (IsSkipped()) return;
 
@@ -239,7 +236,6 @@ TEST_F(ActuatorExample, WithoutLagsInTheCatalogueIsUnknownAndDependsOnVelocity) 
 }
 
 TEST_F(RealData, MrDamperHasFrictionThatDependsOnItsCurrent) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("mr_damper");
   if (IsSkipped()) return;
 
@@ -254,7 +250,6 @@ TEST_F(RealData, MrDamperHasFrictionThatDependsOnItsCurrent) {
 }
 
 TEST_F(RealData, MrDamperWithoutItInTheCatalogueIsUnknownAndDependsOnVelocityAndCurrent) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("mr_damper");
   if (IsSkipped()) return;
 
@@ -284,7 +279,6 @@ TEST_F(RealData, FrictionDeviceHasFrictionBehindPlay) {
 }
 
 TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownWithoutAForm) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   open("brfd");
   if (IsSkipped()) return;
 

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "one_axis.hpp"
-#include "support/long_run.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -94,7 +93,6 @@ TEST(Rule, IsAcceptedIfItIsRight) {
 }
 
 TEST(Rule, OfUnloadingIsFoundTogetherWithFriction) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   const Verdict verdict = verdict_of({.loop = {.beta = 0.2}, .friction = 400});
 
   EXPECT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;

@@ -105,7 +105,6 @@ void expect_honest(const Json& found, int seed) {
 // Friction from Coulomb's law gains nearly as much as friction proportional to the load. With the
 // noise of seed 11, the fits of the forward selection prefer the wrong one.
 TEST(RunDiagnosis, ComparesEveryCauseWithItsRivalsInTheFinalModel) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   for (const int seed : {11, 13, 16}) {
     const test::TemporaryFolder folder;
 
@@ -217,7 +216,6 @@ TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
 }
 
 TEST_F(DiagnosedRun, GivesTheSameBytesEveryTime) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   const test::TemporaryFolder again;
   ASSERT_EQ(run_example(again.path(), run.options).exit_code, 0);
 

@@ -187,7 +187,6 @@ TEST(VirtualRun, SlowsDownWhereTheSolverOverruns) {
 class Rate : public ::testing::TestWithParam<int> {};
 
 TEST_P(Rate, StretchesTheTestButNotTheResult) {
-  if (GetParam() > 2 && !test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   const test::TemporaryFolder folder;
   const Json numbers =
       numbers_of(folder.path(), {"duration_s=12", "rate=" + std::to_string(GetParam())});

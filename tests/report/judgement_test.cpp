@@ -14,7 +14,6 @@
 
 #include "faulty_laboratory.hpp"
 #include "support/files.hpp"
-#include "support/long_run.hpp"
 
 namespace rths::report {
 namespace {
@@ -253,7 +252,6 @@ std::vector<Ladder> ladders() {
 class Smallest : public ::testing::TestWithParam<Ladder> {};
 
 TEST_P(Smallest, FaultThatIsFoundIsAsStated) {
-  if (!test::is_long()) GTEST_SKIP() << test::kOnlyInLongRuns;
   const Ladder& ladder = GetParam();
   const bool grows = ladder.sizes.back() > ladder.sizes.front();
   for (const double size : ladder.sizes) {

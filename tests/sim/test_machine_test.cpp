@@ -27,10 +27,10 @@ TestMachine quiet_machine() {
 }
 
 /// Steady-state delay and gain of the long axis for a sine.
-struct Response {
+struct MachineResponse {
   double delay, gain;
 };
-Response response(const TestMachine& machine, double frequency, double amplitude) {
+MachineResponse response(const TestMachine& machine, double frequency, double amplitude) {
   TestMachineRun run{machine, kPeriod};
   MachineFeedback feedback;
   std::complex<double> in;
@@ -51,7 +51,7 @@ Response response(const TestMachine& machine, double frequency, double amplitude
 
 TEST(TestMachine, IsAboutSixtyMillisecondsLateInTheBandOfIsolatedMotion) {
   for (const double frequency : {0.2, 0.35, 0.5, 1.0}) {
-    const Response found = response(quiet_machine(), frequency, 0.12);
+    const MachineResponse found = response(quiet_machine(), frequency, 0.12);
     EXPECT_GT(found.delay, 0.050) << frequency;
     EXPECT_LT(found.delay, 0.070) << frequency;
     EXPECT_NEAR(found.gain, 1, 0.03) << frequency;

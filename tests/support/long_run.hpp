@@ -8,6 +8,4 @@ namespace rths::test {
 /// True in `./lab test --full`, which makes the long trials.
 inline bool is_long() { return std::getenv("RTHS_LONG") != nullptr; }
 
-inline constexpr const char* kOnlyInLongRuns = "SKIPPED: only with --full";
-
 }  // namespace rths::test

@@ -7,14 +7,13 @@
 
 #include <rths/core/error.hpp>
 
+#include "message_codes.hpp"
+
 namespace rths::adapters {
 namespace {
 
 constexpr int kMostReported = 10;  // refused peers
 constexpr int kMostAtOnce = 1000;  // messages: OpenSees sends far fewer between requests
-
-// OpenSees reads each answer to its requests.
-constexpr auto kSendDeadline = std::chrono::seconds{1};
 
 }  // namespace
 

@@ -11,6 +11,8 @@
 
 #include <rths/core/error.hpp>
 
+#include "message_codes.hpp"
+
 namespace rths::adapters {
 namespace {
 
@@ -19,27 +21,23 @@ using Eigen::Index;
 constexpr std::size_t kSizes = 11;
 constexpr std::int32_t kMostDoubles = 1 << 20;  // per message: 1024 degrees of freedom
 
-// Codes of requests. OpenFresco's kOpen, kSetUp and kExecute need no action; it requests all
-// measured quantities or a single one.
-constexpr double kOpen = 1, kSetUp = 2, kTrial = 3, kExecute = 4, kCommit = 5, kAllMeasured = 6,
-                 kDisplacement = 7, kTime = 11, kInitialStiffness = 12, kTangentStiffness = 13,
-                 kDamping = 14, kMass = 15, kEnd = 99;
-
-enum Kind : std::size_t { kDisplacements, kVelocities, kAccelerations, kForces, kTimes };
+enum MessagePart : std::size_t { kDisplacements, kVelocities, kAccelerations, kForces, kTimes };
 constexpr const char* kUsual =
     "n displacements, 0 or n velocities and accelerations, 0 forces, 0 or 1 time, and in the reply "
     "n forces";
 
 bool is_measured(double code) {
-  return code == kAllMeasured ||
-         (code >= kDisplacement && code <= kTime && code == std::floor(code));
+  return code == message_code::kAllMeasured ||
+         (code >= message_code::kDisplacement && code <= message_code::kTime &&
+          code == std::floor(code));
 }
 
 // The matrix that a code requests; null for codes of no matrix.
 Eigen::MatrixXd ElementMatrices::*matrix_of(double code) {
-  if (code == kInitialStiffness || code == kTangentStiffness) return &ElementMatrices::stiffness;
-  if (code == kDamping) return &ElementMatrices::damping;
-  return code == kMass ? &ElementMatrices::mass : nullptr;
+  if (code == message_code::kInitialStiffness || code == message_code::kTangentStiffness)
+    return &ElementMatrices::stiffness;
+  if (code == message_code::kDamping) return &ElementMatrices::damping;
+  return code == message_code::kMass ? &ElementMatrices::mass : nullptr;
 }
 
 }  // namespace
@@ -87,10 +85,10 @@ void GenericClient::read_trial() {
   if (!Eigen::Map<const Eigen::VectorXd>{request_.data() + 1, sent}.allFinite())
     fail("a trial state holds NaN or infinity");
   const double* next = request_.data() + 1;
-  const auto read = [&](Kind kind, Eigen::VectorXd& into) {
-    if (in_request_[kind] == 0) return;
+  const auto read = [&](MessagePart part, Eigen::VectorXd& into) {
+    if (in_request_[part] == 0) return;
     into = Eigen::Map<const Eigen::VectorXd>{next, dofs()};
-    next += in_request_[kind];
+    next += in_request_[part];
   };
   const Eigen::VectorXd before = trial_.displacement;
   read(kDisplacements, trial_.displacement);
@@ -109,11 +107,12 @@ GenericClient::Message GenericClient::receive(std::span<const std::byte> message
   }
   std::memcpy(request_.data(), message.data(), message.size());
   const double code = request_[0];
-  if (code == kTrial) return read_trial(), Message::Trial;
+  if (code == message_code::kTrial) return read_trial(), Message::Trial;
   if (is_measured(code)) return Message::MeasurementRequest;
-  if (code == kCommit || code == kOpen || code == kSetUp || code == kExecute)
+  if (code == message_code::kCommit || code == message_code::kOpen ||
+      code == message_code::kSetUp || code == message_code::kExecute)
     return Message::Commit;
-  if (code == kEnd) return Message::End;
+  if (code == message_code::kEnd) return Message::End;
   requested_ = matrix_of(code);
   if (requested_ == nullptr)
     fail(fmt::format("OpenSees sent code {}, expected 1 to 15 or 99", code));
@@ -136,8 +135,8 @@ std::span<const std::byte> GenericClient::measured_reply(const Measurement& meas
   // Unmeasured quantities take their trial values.
   const Eigen::VectorXd* const values[] = {&measured.displacement, &trial_.velocity,
                                            &trial_.acceleration, &measured.force};
-  for (std::size_t kind = kDisplacements; kind <= kForces; ++kind)
-    next = std::copy_n(values[kind]->data(), in_reply_[kind], next);
+  for (std::size_t part = kDisplacements; part <= kForces; ++part)
+    next = std::copy_n(values[part]->data(), in_reply_[part], next);
   if (in_reply_[kTimes] == 1) *next = trial_.time;
   return std::as_bytes(std::span{reply_});
 }

@@ -13,13 +13,12 @@
 #include <rths/core/error.hpp>
 
 #include "endpoint.hpp"
+#include "message_codes.hpp"
 
 namespace rths::adapters {
 namespace {
 
 constexpr std::size_t kMessageDoubles = 256;  // of a message: OpenSees' default
-constexpr double kTrialCode = 3, kCommitCode = 5, kForceCode = 10, kStiffnessCode = 12,
-                 kDampingCode = 14, kMassCode = 15, kEndCode = 99;
 constexpr auto kConnectRetry = std::chrono::milliseconds{20};
 constexpr double kSmallDifference = 1e-6;  // of a repeated force [-]
 
@@ -27,12 +26,12 @@ using Numbers = std::vector<double>;
 
 /// Rules in the order of their report.
 enum ServerRule : std::size_t {
-  kConnect,
-  kMatrices,
-  kForces,
-  kRepeat,
-  kMove,
-  kAgain,
+  kConnectRule,
+  kMatricesRule,
+  kForceRule,
+  kRepeatRule,
+  kMoveRule,
+  kRestartRule,
   kServerRules
 };
 constexpr const char* kServerRuleNames[kServerRules] = {"connect", "matrices", "force",
@@ -73,8 +72,8 @@ class CheckingClient {
   [[nodiscard]] Numbers force_at(double displacement) {
     Numbers trial(3 * static_cast<std::size_t>(check_.dofs) + 1);
     std::fill_n(trial.begin(), check_.dofs, displacement);
-    send(kTrialCode, trial);
-    return request(kForceCode, static_cast<std::size_t>(check_.dofs), "force");
+    send(message_code::kTrial, trial);
+    return request(message_code::kForce, static_cast<std::size_t>(check_.dofs), "force");
   }
 
  private:
@@ -125,28 +124,28 @@ std::string fault_of_numbers(const Numbers& values, const std::string& name) {
 void check_matrices(CheckingClient& client, const ServerCheck& check, ServerReport& report) {
   const auto n = static_cast<std::size_t>(check.dofs);
   for (const auto& [code, name] :
-       {std::pair{kStiffnessCode, "initial stiffness"}, std::pair{kDampingCode, "damping"},
-        std::pair{kMassCode, "mass"}}) {
+       {std::pair{message_code::kInitialStiffness, "initial stiffness"},
+        std::pair{message_code::kDamping, "damping"}, std::pair{message_code::kMass, "mass"}}) {
     const Numbers matrix = client.request(code, n * n, name);
     if (const auto fault = fault_of_numbers(matrix, name); !fault.empty())
-      return report.fail(kMatrices, fault);
-    for (std::size_t i = 0; i < n && code == kStiffnessCode; ++i)
+      return report.fail(kMatricesRule, fault);
+    for (std::size_t i = 0; i < n && code == message_code::kInitialStiffness; ++i)
       if (!(matrix[i * n + i] > 0))
-        return report.fail(kMatrices,
+        return report.fail(kMatricesRule,
                            fmt::format("the initial stiffness of degree of freedom {} is {:g}, "
                                        "expected more than 0",
                                        i + 1, matrix[i * n + i]));
   }
-  report.pass(kMatrices);
+  report.pass(kMatricesRule);
 }
 
 void check_repeat(const Numbers& first, const Numbers& second, ServerReport& report) {
   for (std::size_t i = 0; i < first.size(); ++i)
     if (std::abs(first[i] - second[i]) > kSmallDifference * std::abs(first[i]))
-      return report.fail(kRepeat, fmt::format("the same trial gave {:g}, then {:g}: OpenSees "
-                                              "repeats trials, so measure each one once",
-                                              first[i], second[i]));
-  report.pass(kRepeat);
+      return report.fail(kRepeatRule, fmt::format("the same trial gave {:g}, then {:g}: OpenSees "
+                                                  "repeats trials, so measure each one once",
+                                                  first[i], second[i]));
+  report.pass(kRepeatRule);
 }
 
 // A force that does not change with the displacement comes from another trial.
@@ -154,51 +153,51 @@ void check_motion(CheckingClient& client, const ServerCheck& check, ServerReport
   if (check.amplitude == 0) return;
   const Numbers rest = client.force_at(0), moved = client.force_at(check.amplitude);
   if (const auto fault = fault_of_numbers(moved, "force"); !fault.empty())
-    return report.fail(kForces, fault);
+    return report.fail(kForceRule, fault);
   static_cast<void>(client.force_at(0));
   for (std::size_t i = 0; i < rest.size(); ++i)
     if (rest[i] == moved[i])
-      return report.fail(kMove, fmt::format("force {} is {:g} at rest and at {:g}: answer with "
-                                            "the force of the last trial",
-                                            i + 1, rest[i], check.amplitude));
-  report.pass(kMove);
+      return report.fail(kMoveRule, fmt::format("force {} is {:g} at rest and at {:g}: answer with "
+                                                "the force of the last trial",
+                                                i + 1, rest[i], check.amplitude));
+  report.pass(kMoveRule);
 }
 
 void check_session(CheckingClient& client, const ServerCheck& check, ServerRule& rule,
                    ServerReport& report) {
-  rule = kMatrices;
+  rule = kMatricesRule;
   check_matrices(client, check, report);
-  rule = kForces;
+  rule = kForceRule;
   const Numbers first = client.force_at(0);
   if (const auto fault = fault_of_numbers(first, "force"); !fault.empty())
-    report.fail(kForces, fault);
+    report.fail(kForceRule, fault);
   else
     check_repeat(first, client.force_at(0), report);
   check_motion(client, check, report);
-  client.send(kCommitCode);
-  report.pass(kForces);
-  client.send(kEndCode);
+  client.send(message_code::kCommit);
+  report.pass(kForceRule);
+  client.send(message_code::kEnd);
 }
 
 }  // namespace
 
 std::vector<Finding> check_server(const ServerCheck& check) {
   ServerReport report;
-  ServerRule rule = kConnect;
+  ServerRule rule = kConnectRule;
   try {
     {
       CheckingClient client{check};
-      report.pass(kConnect);
+      report.pass(kConnectRule);
       check_session(client, check, rule, report);
     }
-    rule = kAgain;
+    rule = kRestartRule;
     CheckingClient again{check};
     static_cast<void>(again.force_at(0));
-    again.send(kEndCode);
-    report.pass(kAgain);
+    again.send(message_code::kEnd);
+    report.pass(kRestartRule);
   } catch (const Error& error) {
-    report.fail(rule, rule == kAgain ? fmt::format("after its end, {}", error.what())
-                                     : std::string{error.what()});
+    report.fail(rule, rule == kRestartRule ? fmt::format("after its end, {}", error.what())
+                                           : std::string{error.what()});
   }
   return report.findings();
 }

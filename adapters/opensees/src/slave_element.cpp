@@ -9,15 +9,15 @@
 
 #include <rths/core/error.hpp>
 
+#include "message_codes.hpp"
+
 namespace rths::adapters {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double kTrial = 3, kForce = 10, kEnd = 99;
 constexpr Index kUsualLength = 256;  // of a message [doubles]
-constexpr auto kSendDeadline = std::chrono::seconds{1};
 
 }  // namespace
 
@@ -62,8 +62,8 @@ void SlaveElement::send(double code) {
 void SlaveElement::send_target(const VectorXd& displacement) {
   const VectorXd target = to_script_.cwiseProduct(displacement);
   std::copy(target.begin(), target.end(), message_.begin() + 1);
-  send(kTrial);
-  send(kForce);
+  send(message_code::kTrial);
+  send(message_code::kForce);
   awaits_response_ = true;
 }
 
@@ -85,7 +85,7 @@ bool SlaveElement::receive() {
 
 void SlaveElement::send_end() {
   if (!endpoint_) return;
-  message_[0] = kEnd;
+  message_[0] = message_code::kEnd;
   with_name([&] { endpoint_->send_last(std::as_bytes(std::span{message_}), kSendDeadline); });
   endpoint_.reset();
 }

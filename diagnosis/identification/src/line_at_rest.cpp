@@ -17,10 +17,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t kLeastStretches = 2;
-constexpr Index kLeastSamples = 50;   // of a stretch: a sine explains little of fewer by chance
-constexpr double kLeastCycles = 2;    // in the shortest stretch: fewer may be drift
-constexpr double kLeastShare = 0.25;  // of the energy of every stretch
-constexpr Index kPadding = 4;         // of transforms, over the longest stretch
+constexpr Index kLeastSamples = 50;       // of a stretch: a sine explains little of fewer by chance
+constexpr double kLeastCycles = 2;        // in the shortest stretch: fewer may be drift
+constexpr double kLeastLineShare = 0.25;  // of the energy of every stretch
+constexpr Index kPadding = 4;             // of transforms, over the longest stretch
 
 VectorXd without_sine(const VectorXd& x, double frequency, double time_step) {
   const VectorXd phase = VectorXd::LinSpaced(x.size(), 0, static_cast<double>(x.size() - 1)) *
@@ -75,7 +75,7 @@ double remove_line(std::vector<VectorXd>& stretches, double time_step) {
     const double share = share_of(stretches, tried, time_step);
     if (share > best) best = share, frequency = tried;
   }
-  if (best < kLeastShare) return 0;
+  if (best < kLeastLineShare) return 0;
   for (auto& x : stretches) x = without_sine(x, frequency, time_step);
   return frequency;
 }

@@ -24,14 +24,14 @@ double bessel_i0(double x) {
 }
 
 // Whittaker-Shannon within a Kaiser window: 8 samples to each side, 60 dB.
-constexpr int kReach = 8;
+constexpr int kFilterReach = 8;
 constexpr double kWindowShape = 5.65;
 
 double band_limited(double distance) {
-  if (std::abs(distance) >= kReach) return 0;
+  if (std::abs(distance) >= kFilterReach) return 0;
   const double x = std::numbers::pi * distance;
   const double sinc = std::abs(x) < 1e-12 ? 1 : std::sin(x) / x;
-  const double ratio = distance / kReach;
+  const double ratio = distance / kFilterReach;
   return sinc * bessel_i0(kWindowShape * std::sqrt(1 - ratio * ratio)) / bessel_i0(kWindowShape);
 }
 
@@ -39,7 +39,8 @@ std::vector<double> weights_at(Hold hold, double fraction) {
   if (hold == Hold::Linear) return {1 - fraction, fraction};
   std::vector<double> weights;
   double sum = 0;
-  for (int i = 1 - kReach; i <= kReach; ++i) weights.push_back(band_limited(fraction - i));
+  for (int i = 1 - kFilterReach; i <= kFilterReach; ++i)
+    weights.push_back(band_limited(fraction - i));
   for (const double weight : weights) sum += weight;
   for (double& weight : weights) weight /= sum;  // preserves constants
   return weights;
@@ -168,7 +169,7 @@ StepMatrices<sim::Dual> with_lanes(const StepMatrices<double>& steps,
 
 Interpolation interpolation(Hold hold, int substeps) {
   Interpolation result;
-  result.before = hold == Hold::Smooth ? kReach - 1 : 0;
+  result.before = hold == Hold::Smooth ? kFilterReach - 1 : 0;
   for (int i = 0; i < substeps; ++i) {
     if (hold == Hold::Zero) {
       result.start.push_back({1});

@@ -7,9 +7,9 @@ namespace {
 
 // Sliders are evenly spaced on a logarithmic scale over two decades below the reach. Every fourth
 // one is a knot of the spline.
-constexpr std::size_t kKnots = 6;
+constexpr std::size_t kIwanKnots = 6;
 constexpr std::size_t kSlidersPerKnot = 4;
-constexpr std::size_t kSliders = (kKnots - 1) * kSlidersPerKnot + 1;
+constexpr std::size_t kIwanSliders = (kIwanKnots - 1) * kSlidersPerKnot + 1;
 constexpr double kDecades = 2;
 
 // A slider's shares of the strengths of the knots to its left and right: hat functions, which sum
@@ -21,11 +21,11 @@ struct Share {
 
 constexpr double hat_sum(std::size_t knot) {
   const double full = kSlidersPerKnot;  // 1 + 2 (1/n + … + (n-1)/n)
-  return knot == 0 || knot == kKnots - 1 ? (full + 1) / 2 : full;
+  return knot == 0 || knot == kIwanKnots - 1 ? (full + 1) / 2 : full;
 }
 
 constexpr Share share_of(std::size_t slider) {
-  const std::size_t left = std::min(slider / kSlidersPerKnot, kKnots - 2);
+  const std::size_t left = std::min(slider / kSlidersPerKnot, kIwanKnots - 2);
   const double right = static_cast<double>(slider - left * kSlidersPerKnot) / kSlidersPerKnot;
   return {left, (1 - right) / hat_sum(left), right / hat_sum(left + 1)};
 }
@@ -49,20 +49,20 @@ struct Iwan {
                                               {"strength_4", "N", 0, 1e9, 0, 2e5},
                                               {"strength_5", "N", 0, 1e9, 0, 1e5},
                                               {"strength_6", "N", 0, 1e9, 0, 5e4}};
-  static constexpr std::size_t kStates = 2 + 2 * kSliders;  // displacement before, z of each
+  static constexpr std::size_t kStates = 2 + 2 * kIwanSliders;  // displacement before, z of each
 
-  static TermSize size(const TermSetup&) { return {kStates, kSliders}; }
+  static TermSize size(const TermSetup&) { return {kStates, kIwanSliders}; }
   // reach / r_j
   static void prepare(const TermSetup&, std::span<double> constants) {
-    for (std::size_t j = 0; j < kSliders; ++j)
-      constants[j] = std::pow(10, kDecades * (1 - static_cast<double>(j) / (kSliders - 1)));
+    for (std::size_t j = 0; j < kIwanSliders; ++j)
+      constants[j] = std::pow(10, kDecades * (1 - static_cast<double>(j) / (kIwanSliders - 1)));
   }
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Plane<Real> increment = scaled_increment(q, term.state) * (1 / term.parameters[kReach]);
     Plane<Real> sum;
-    for (std::size_t j = 0; j < kSliders; ++j) {
+    for (std::size_t j = 0; j < kIwanSliders; ++j) {
       Real* slider = term.state + 2 + 2 * j;
       Plane<Real> z = Plane<Real>{slider[0], slider[1]} + increment * Real{term.constants[j]};
       if (dot(z, z) > 1) z = z * (1 / length(z));
