@@ -45,7 +45,7 @@ struct Images::State {
   struct Trapped {
     std::vector<Store> found = {};                  // NOLINT: in this look
     std::vector<Store> earlier = {};                // NOLINT: in the last one
-    std::optional<std::uint32_t> unpublished = {};  ///< entry that its host has not published
+    std::optional<std::uint32_t> unpublished = {};  // NOLINT: entry that its host has not published
     Time since{0};                                  ///< when it was found first
   };
 
