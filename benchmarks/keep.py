@@ -51,6 +51,8 @@ PAPERS_CONTROLLER = ('node.xpc={adapter="simulink_like", diagram="hybrid_control
 PAPER_UNCOMPENSATED = "uncompensated.xpc={ats.enabled=0, valve_feed_forward.value=0}"
 SAME_SPECIMEN = ("--no-diagnosis", "--set", "model.specimen.lead_heating.enabled=true")  # in test and simulation
 NO_DEAD_BAND = "node.srmd.changes={actuator_long={dead_band=0}, actuator_lat={dead_band=0}}"
+SRMD_GOALS = {"delay_ms": 0.5, "delay_windows_largest_ms": 1.5, "nrms_percent": 0.2}  # of an axis, magnitudes
+FLOOR_GOAL = 5  # of the floor spectra [%]
 LOOPS = {"lprb": (0.210, 0.3), "eqsb": (0.152, 0.3), "tpfb": (0.584, 0.1)}  # amplitude [m], frequency [Hz]
 
 
@@ -129,6 +131,22 @@ def examples(rths):
     }
 
 
+def srmd(results):
+    """The results with the share of draws that meets each goal. An unstable test meets none."""
+    for name, family in results["family"].items():
+        record, controller = name.rsplit(", ", 1)
+        tests = [test for row in results["rows"] if row["member"] > 0 and row["record"] == record
+                 for test in row["tests"] if test["controller"] == controller]
+        stable = [test for test in tests if test["stable"]]
+        met = sum(test["floor_error_percent"] <= FLOOR_GOAL for test in stable)
+        family["floor_error_percent"]["met_percent"] = 100 * met / len(tests)
+        for place, axis in enumerate(stable[0]["axes"]):
+            for figure, goal in SRMD_GOALS.items():
+                met = sum(abs(test["axes"][place][figure]) <= goal for test in stable)
+                family[f"{axis['axis']}.{figure}"]["met_percent"] = 100 * met / len(tests)
+    return results
+
+
 def budget(rths):
     """Mismatch budgets of three examples in virtual time, by axis."""
     def run(example):
@@ -205,7 +223,7 @@ def main():
     makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget, "card": bench("card"),
               "force": bench("force"), "adaptive": adaptive.adaptive,
               "demo_seeds": demo_seeds.demo_seeds,
-              "srmd": lambda file: json.loads(pathlib.Path(file).read_text()),
+              "srmd": lambda file: srmd(json.loads(pathlib.Path(file).read_text())),
               "least_squares": lambda file: json.loads(pathlib.Path(file).read_text()),
               "substeps": lambda file: json.loads(pathlib.Path(file).read_text()),
               "traps": lambda file: json.loads(pathlib.Path(file).read_text()),

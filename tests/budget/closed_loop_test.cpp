@@ -120,6 +120,15 @@ TEST_F(ClosedLoop, ReproducesTheForceAhead) {
   EXPECT_GT(difference(closed_loop(hybrid, kAll)), 1e-3);
 }
 
+TEST_F(ClosedLoop, TakesTheMemoryOfTheForceFromTheConstants) {
+  const auto constants = temporary.write(
+      "constants.toml", "[target_force]\nforgetting_s = 2\nmotion_bandwidth_Hz = 2\n");
+  make(false, {{"node.xpc.constants", constants.string()}});
+  EXPECT_EQ(hybrid.target_force->forgetting, 2);
+  EXPECT_EQ(hybrid.target_force->motion_bandwidth, 2);
+  EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-4);
+}
+
 TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {
   make(false, {{"rate", "2"}, {"solver.overrun_fraction", "0.05"}, {"solver.overrun_s", "0.012"}});
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
