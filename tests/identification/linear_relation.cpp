@@ -91,7 +91,8 @@ std::vector<std::unique_ptr<Drive>> LinearRelation::disturbed(const Drive& drive
     for (Index row = 0; row < one->rows(); ++row)
       for (Index output = 0; output < one->measured.cols(); ++output)
         one->measured(row, output) +=
-            sign * (row % 2 == 0 ? 1 : -1) * deviation[static_cast<std::size_t>(output)];
+            sign *
+            ((row % 2 == 0 ? 1 : -1) * deviation[static_cast<std::size_t>(output)] + offset_noise);
     for (auto& [parameter, signal] : one->inputs)
       for (Index row = 0; row < one->rows(); ++row)
         signal.row(row).array() += sign * (row % 4 < 2 ? 1 : -1) * motion_noise;

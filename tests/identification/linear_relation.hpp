@@ -25,6 +25,7 @@ class LinearRelation : public Relation {
   std::vector<Candidate> known;        ///< all candidates
   std::vector<double> deviation;       ///< of the noise, by output; 1 unless set
   double motion_noise = 0;             ///< deviation of the noise of the signals
+  double offset_noise = 0;             ///< deviation of the noise's offset
   bool offsets = false;                ///< free, of each record and output
   std::vector<std::string> driven_by;  ///< roles of the drivers
   std::function<void()> fail;          ///< called before each prediction
@@ -45,7 +46,7 @@ class LinearRelation : public Relation {
   /// are states of all outputs. The first row is compared from the end of `settle` on.
   [[nodiscard]] std::unique_ptr<Drive> prepare(const Record& record) const override;
   /// Noise of exactly the known sizes, which has no low frequencies: ± deviation, row by row, and
-  /// that of the signals two rows by two rows.
+  /// that of the signals two rows by two rows. Its offset is ± offset_noise.
   [[nodiscard]] std::vector<std::unique_ptr<Drive>> disturbed(const Drive& drive,
                                                               const Record& noise) const override;
   [[nodiscard]] std::unique_ptr<Simulator> simulator(const Hypothesis& hypothesis,

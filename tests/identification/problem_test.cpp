@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/identification/problem.hpp>
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "identification/linear_relation.hpp"
@@ -104,6 +106,20 @@ TEST(Supposition, HasNoOffsetIfThatIsFree) {
   const Problem problem = linear_problem(relation, records);
 
   EXPECT_LT((Supposition{problem, relation.stated}.whitened(0) - x).cwiseAbs().maxCoeff(), 1e-10);
+}
+
+// The noise has the deviation 1 about its offset of 3 or -3. The rows before the first are no part
+// of the mean.
+TEST(Problem, HasNoiseWithoutAnOffsetIfThatIsFree) {
+  LinearRelation relation;
+  relation.offset_noise = 3;
+  std::vector<Record> records{linear_record("one", Use::Fit, kEighth, sine_of(3, 96), {})};
+  records[0].settle = 2 * kEighth;
+  const auto deviation = [&] { return linear_problem(relation, records).noise(0).deviation(); };
+
+  EXPECT_NEAR(deviation()(50, 0), std::sqrt(10), 1e-12);
+  relation.offsets = true;
+  EXPECT_NEAR(deviation()(50, 0), 1, 1e-12);
 }
 
 TEST(Supposition, SaysThatThereIsNoPrediction) {

@@ -11,7 +11,8 @@ import subprocess
 import tempfile
 import time
 
-LIMIT_S = 600  # a longer case counts as failed
+LIMIT_S = 600  # of processor time: a longer case counts as failed, whatever else the host does
+WAIT_S = 6 * LIMIT_S  # on the clock: a case that waits for nothing
 
 
 def digest(*files):
@@ -29,15 +30,15 @@ def _timed(command, log, core):
     """Runs on one core. @returns exit status, processor seconds, clock seconds"""
     begun = time.monotonic()
     with open(log, "wb") as out:
-        child = subprocess.Popen(["taskset", "-c", str(core), *command], stdout=out,
-                                 stderr=subprocess.STDOUT)
+        child = subprocess.Popen(["taskset", "-c", str(core), "prlimit", f"--cpu={LIMIT_S}:{LIMIT_S + 1}", *command],
+                                 stdout=out, stderr=subprocess.STDOUT)
         while True:
             pid, status, usage = os.wait4(child.pid, os.WNOHANG)
             taken = time.monotonic() - begun
             if pid:
                 child.returncode = os.waitstatus_to_exitcode(status)
                 return child.returncode, usage.ru_utime + usage.ru_stime, taken
-            if taken > LIMIT_S:
+            if taken > WAIT_S:
                 child.kill()
             time.sleep(0.01)
 

@@ -2,8 +2,10 @@
 """Choice and run of cases."""
 import json
 import pathlib
+import signal
 import tempfile
 import unittest
+import unittest.mock
 
 import laboratory
 
@@ -49,6 +51,13 @@ class Laboratory(unittest.TestCase):
         self.tool.write_text(TOOL + "#")
         self.diagnose()
         self.assertEqual(runs.read_text(), "3")
+
+    def test_a_tool_has_a_limit_of_processor_time(self):
+        self.tool.write_text("#!/usr/bin/env python3\nwhile True: pass\n")
+        with unittest.mock.patch.object(laboratory, "LIMIT_S", 1):
+            result = self.diagnose()
+        self.assertEqual((result["status"], result["verdict"]), (-signal.SIGXCPU, None))
+        self.assertAlmostEqual(result["cpu_s"], 1, delta=0.5)
 
     def test_a_tool_that_fails_leaves_no_verdict(self):
         self.tool.write_text("#!/bin/sh\nexit 3\n")

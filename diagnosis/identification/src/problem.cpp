@@ -35,6 +35,12 @@ void take_out(const VectorXd& constant, Eigen::Ref<VectorXd> x) {
   if (square > 0) x -= constant * (constant.dot(x) / square);
 }
 
+// Removes the mean of the compared rows of each output.
+void take_out_offsets(const Drive& drive, MatrixXd& residual) {
+  const Index compared = residual.rows() - drive.first_row;
+  residual.rowwise() -= residual.bottomRows(compared).colwise().mean().eval();
+}
+
 }  // namespace
 
 Problem::Problem(const Relation& relation, const std::vector<const Record*>& records,
@@ -86,7 +92,9 @@ std::vector<MatrixXd> Problem::draws_of(const RecordData& data, const Hypothesis
     if (draws.size() == most) break;
     if (!relation_->simulator(hypothesis, *drive)->run(hypothesis.values, {}, moved, none))
       continue;
-    draws.push_back((drive->measured - moved) - (data.drive->measured - still));
+    draws.emplace_back((drive->measured - moved) - (data.drive->measured - still));
+    // A residual has no offset if that is free, so its noise has none either.
+    if (relation_->has_free_offsets()) take_out_offsets(*data.drive, draws.back());
   }
   return draws;
 }
