@@ -11,6 +11,8 @@
 #include <atomic>
 #include <cerrno>
 
+// The C library's own, which a program cannot replace.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" int __sigaction(int, const struct sigaction*, struct sigaction*) noexcept;
 
 namespace rths::scramnet {

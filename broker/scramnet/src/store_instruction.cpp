@@ -208,8 +208,13 @@ class Decoder {
     return !prefix_.address32;
   }
 
+  // The last bit of most opcodes chooses between a byte and the full width.
+  [[nodiscard]] std::uint32_t width_of(std::uint8_t opcode) const {
+    return (opcode & 1) == 0 ? 1 : full_width();
+  }
+
   bool decode_one_byte(std::uint8_t opcode) {
-    const std::uint32_t width = (opcode & 1) == 0 ? 1 : full_width();
+    const std::uint32_t width = width_of(opcode);
     const std::uint32_t immediate = width == 8 ? 4 : width;
     if (opcode < 0x38 && (opcode & 7) < 2) return from_register(arithmetic(opcode >> 3), width);
     switch (opcode) {
@@ -247,7 +252,7 @@ class Decoder {
   }
 
   bool decode_two_bytes(std::uint8_t opcode) {
-    const std::uint32_t width = (opcode & 1) == 0 ? 1 : full_width();
+    const std::uint32_t width = width_of(opcode);
     if (opcode == 0xB0 || opcode == 0xB1)
       return from_register(StoreKind::CompareAndExchange, width);
     if (opcode == 0xC0 || opcode == 0xC1) return from_register(StoreKind::ExchangeAndAdd, width);
@@ -265,27 +270,36 @@ class Decoder {
     return true;
   }
 
+  // A part of an XMM register.
+  bool from_half(std::uint32_t width, std::uint32_t begin) {
+    return !prefix_.ymm && from_vector(width, begin);
+  }
+
+  [[nodiscard]] std::uint32_t vector_width() const { return prefix_.ymm ? 32 : 16; }
+
   // Moves of XMM and YMM registers to memory: the legacy forms, and those of VEX map 1.
   bool decode_vector(std::uint8_t opcode) {
-    const bool scalar = prefix_.repeat || prefix_.repeat_not;
-    const std::uint32_t whole = prefix_.ymm ? 32 : 16;
+    const std::uint32_t whole = vector_width();
+    const bool packed = !prefix_.repeat && !prefix_.repeat_not;
+    const bool integer = packed && prefix_.operand16;
     switch (opcode) {
       case 0x11:  // MOVUPS, MOVUPD, MOVSS, MOVSD
-        return from_vector(prefix_.repeat ? 4 : prefix_.repeat_not ? 8 : whole);
+        return from_vector(packed ? whole : prefix_.repeat ? 4 : 8);
       case 0x13:  // MOVLPS, MOVLPD
+        return packed && from_half(8, 0);
       case 0x17:  // MOVHPS, MOVHPD
-        return !scalar && !prefix_.ymm && from_vector(8, opcode == 0x13 ? 0 : 8);
+        return packed && from_half(8, 8);
       case 0x29:  // MOVAPS, MOVAPD
       case 0x2B:  // MOVNTPS, MOVNTPD
-        return !scalar && from_vector(whole);
+        return packed && from_vector(whole);
       case 0x7E:  // MOVD, MOVQ
-        return prefix_.operand16 && !scalar && !prefix_.ymm && from_vector(prefix_.wide ? 8 : 4);
+        return integer && from_half(prefix_.wide ? 8 : 4, 0);
       case 0x7F:  // MOVDQA, MOVDQU
-        return (prefix_.repeat || (prefix_.operand16 && !scalar)) && from_vector(whole);
+        return (prefix_.repeat || integer) && from_vector(whole);
       case 0xD6:  // MOVQ
-        return prefix_.operand16 && !scalar && !prefix_.ymm && from_vector(8);
+        return integer && from_half(8, 0);
       case 0xE7:  // MOVNTDQ
-        return prefix_.operand16 && !scalar && from_vector(whole);
+        return integer && from_vector(whole);
       default:
         return false;
     }

@@ -54,11 +54,13 @@ struct Code {
 
   explicit Code(std::uint64_t address) {
     const std::size_t here = std::min(kLongestInstruction, kTrapPage - address % kTrapPage);
-    std::memcpy(bytes.data(), reinterpret_cast<const void*>(address), here);
+    // Addresses are those of the program that was trapped.
+    std::memcpy(bytes.data(), reinterpret_cast<const void*>(address), here);  // NOLINT
     length = here;
     if (here == kLongestInstruction) return;
     const iovec to{bytes.data() + here, kLongestInstruction - here};
-    const iovec from{reinterpret_cast<void*>(address + here), kLongestInstruction - here};
+    const iovec from{reinterpret_cast<void*>(address + here),  // NOLINT
+                     kLongestInstruction - here};
     const ssize_t more = process_vm_readv(getpid(), &to, 1, &from, 1, 0);
     if (more > 0) length += static_cast<std::size_t>(more);
   }
@@ -101,7 +103,7 @@ bool make_string(StoreInstruction store, std::uintptr_t page_end, CpuState& cpu)
     for (std::uint64_t i = 0; i < length; ++i)
       value[i] = static_cast<std::uint8_t>(store.operand >> 8 * (i % store.width));
     if (store.kind == StoreKind::Copy)
-      std::memcpy(value.data(), reinterpret_cast<const void*>(store.operand), length);
+      std::memcpy(value.data(), reinterpret_cast<const void*>(store.operand), length);  // NOLINT
     trapped_window.store(*at, {value.data(), length});
     made = true;
     advance(store, elements, cpu);

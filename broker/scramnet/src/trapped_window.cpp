@@ -58,6 +58,20 @@ std::uint64_t replace(std::byte* at, bool in_memory, Change change) {
   return before;
 }
 
+template <class Change>
+std::uint64_t replace_by_width(std::uint32_t width, std::byte* at, bool in_memory, Change change) {
+  switch (width) {
+    case 1:
+      return replace<std::uint8_t>(at, in_memory, change);
+    case 2:
+      return replace<std::uint16_t>(at, in_memory, change);
+    case 4:
+      return replace<std::uint32_t>(at, in_memory, change);
+    default:
+      return replace<std::uint64_t>(at, in_memory, change);
+  }
+}
+
 }  // namespace
 
 TrappedWindow trapped_window;
@@ -104,7 +118,7 @@ std::optional<std::uint32_t> TrappedWindow::announce_words(std::uint64_t at, std
   const auto first = reserve_in_time(count);
   for (std::uint32_t i = 0; first && i < count; ++i)
     announce(card.load()->carried.traps, *first + i,
-             static_cast<std::uint32_t>(offset.load() + at + 4 * i));
+             static_cast<std::uint32_t>(offset.load() + at + std::uint64_t{4} * i));
   return first;
 }
 
@@ -145,12 +159,8 @@ std::uint64_t TrappedWindow::modify(std::uint64_t at, const StoreInstruction& in
     result = scramnet::modify(instruction, before, cpu);
     return result.stores ? result.stored : before;
   };
-  std::byte* const to = memory.load() + at;
   const std::uint64_t before =
-      instruction.width == 1   ? replace<std::uint8_t>(to, in_memory, change)
-      : instruction.width == 2 ? replace<std::uint16_t>(to, in_memory, change)
-      : instruction.width == 4 ? replace<std::uint32_t>(to, in_memory, change)
-                               : replace<std::uint64_t>(to, in_memory, change);
+      replace_by_width(instruction.width, memory.load() + at, in_memory, change);
   n = first.value_or(0);
   for_each_piece(at, instruction.width, [&](Piece piece) {
     std::uint32_t word = 0;
