@@ -1,4 +1,4 @@
-"""Runs the test of two axes with ten seeds, in virtual and in real time, and collects what its diagnoses name."""
+"""Runs the demo with ten seeds, in virtual and in real time, and collects what its diagnoses name."""
 import json
 import pathlib
 import statistics
@@ -17,7 +17,7 @@ def run(rths, clock, seed, folder):
     """Runs the demo into a folder, unless its verdict is there already."""
     if (folder / "verdict.json").exists():
         return
-    command = [rths, "run", str(TREE / "examples/srmd_lprb_2d.toml"), *CLOCKS[clock], "--set", f"seed={seed}",
+    command = [rths, "run", str(TREE / "examples/srmd_platen_2d.toml"), *CLOCKS[clock], "--set", f"seed={seed}",
                "--out", str(folder), "--force"]
     finished = subprocess.run(command, stdout=subprocess.DEVNULL)
     if finished.returncode > 1:  # 1: not conclusive
