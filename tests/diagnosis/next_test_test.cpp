@@ -139,6 +139,44 @@ TEST(NextTest, SeparatesRelaxationFromDampingWhichOneFrequencyCannot) {
   EXPECT_TRUE(decided.causes[0].alternatives.empty()) << decided.sentence;
 }
 
+// A spring, and friction of the guides in proportion to the load, with 0.01 mm of presliding.
+Specimen guided(double load) {
+  return [=](const Motion& motion, double length) {
+    constexpr double kStiffness = 2e5, kCoefficient = 0.01, kPresliding = 1e-5;  // [N/m], [-], [m]
+    std::vector<double> force;
+    double bent = 0, before = motion(0);
+    for (double t = 0; force.size() < static_cast<std::size_t>(length / kStep); t += kStep) {
+      bent = std::clamp(bent + motion(t) - before, -kPresliding, kPresliding);
+      before = motion(t);
+      force.push_back(kStiffness * motion(t) + kCoefficient * load * bent / kPresliding);
+    }
+    return force;
+  };
+}
+
+// Under a load that is constant, such friction is Coulomb's.
+TEST(NextTest, SeparatesFrictionThatDependsOnTheLoadByAnotherLoad) {
+  constexpr double kLoad = 1e6;  // [N]
+  Case c = rubber_case(0.2);
+  const Channels channels{"displacement.long", "force.long", "N", 2e-7, 100};
+  for (auto& record : c.records) {
+    record = recorded(record.name, record.use, guided(kLoad), sine(0.03, 0.5), kLength, channels,
+                      static_cast<unsigned>(record.name.size()));
+    record.channels.push_back(
+        {"vertical_force", "N", std::vector<double>(record.samples(), kLoad)});
+  }
+
+  const Verdict tied = diagnose(c);
+
+  ASSERT_EQ(tied.outcome, Outcome::Missing) << tied.sentence;
+  ASSERT_TRUE(is_tied(tied, "coulomb_friction")) << tied.sentence;
+  ASSERT_TRUE(is_tied(tied, "load_dependent_friction")) << tied.sentence;
+  EXPECT_NE(tied.next_test.find("load_dependent_friction"), std::string::npos) << tied.sentence;
+  EXPECT_TRUE(tied.next_test.starts_with("empty table") ||
+              tied.next_test.find("at vertical_force of") != std::string::npos)
+      << tied.sentence;
+}
+
 // An actuator with a pure delay, or with a first-order lag, u' = (command − u)/τ.
 enum class Lateness { Delay, Lag };
 

@@ -101,9 +101,9 @@ class Laboratory {
     add_sines();
     add_constant_velocities();
     add_mixed();
-    add_levels();
     add_second_axis();
     if (is_removable) add_empty();
+    add_levels();
     add_repeats();
     set_duration(kLongDuration, kMostRowsOfLong);
     const double slow = frequency_at(0.3 * amplitude_, 0.2 * rate_);
@@ -213,12 +213,14 @@ class Laboratory {
         sine(time_, amplitude(kCircleRadius), frequency));
   }
 
-  // Repeats the tests so far on the empty table.
+  // Repeats the tests so far on the empty table, which no specimen loads.
   void add_empty() {
     for (std::size_t i = 0, count = designs_.size(); i < count; ++i) {
       Design empty = designs_[i];
       empty.text = "empty table, " + empty.text;
       empty.is_empty = true;
+      if (Channel* load = channel_of(empty.record, "vertical_force"))
+        std::fill(load->values.begin(), load->values.end(), 0.0);
       designs_.push_back(std::move(empty));
     }
   }
