@@ -22,12 +22,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A 95 % interval covers 15 of 20 or fewer with a probability of 1/400.
+// A 95 % interval covers 6 of 10 or fewer with a probability of 1/1000.
 struct Trials {
   int seeds, enough;
 };
 // P(83 or fewer of 100 | 0.95) = 9e-6, for each of the 244 parameters of all kinds.
-Trials trials() { return test::is_long() ? Trials{100, 84} : Trials{20, 16}; }
+Trials trials() { return test::is_long() ? Trials{100, 84} : Trials{10, 7}; }
 constexpr int kIterations = 60;
 constexpr double kNormalQuantile = 1.959964;  // two-sided 95 %
 
