@@ -35,15 +35,15 @@ SafetyState next_state(SafetyState state, SafetyEvent event) noexcept {
 std::span<const SafetyTransition> safety_transitions() { return kTransitions; }
 
 const char* to_text(SafetyState state) noexcept {
-  static constexpr const char* kNames[] = {"off",  "ready",     "running",
-                                           "hold", "ramp-down", "tripped"};
-  return kNames[static_cast<std::size_t>(state)];
+  static constexpr const char* kStates[] = {"off",  "ready",     "running",
+                                            "hold", "ramp-down", "tripped"};
+  return kStates[static_cast<std::size_t>(state)];
 }
 
 const char* to_text(SafetyEvent event) noexcept {
-  static constexpr const char* kNames[] = {
+  static constexpr const char* kEvents[] = {
       "enable", "admit", "stop", "trip", "standstill", "rest", "rest after trip", "disable"};
-  return kNames[static_cast<std::size_t>(event)];
+  return kEvents[static_cast<std::size_t>(event)];
 }
 
 }  // namespace rths::controller

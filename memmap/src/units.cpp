@@ -50,7 +50,7 @@ ut_system* unit_system() {
 // inherit the lock, but not the thread that holds it. Registered before any thread can start: a
 // child of a fork during the registration would wait for ever.
 constinit std::mutex parser;
-[[maybe_unused]] const int waits_at_fork =
+[[maybe_unused]] const int kWaitsAtFork =
     pthread_atfork([] { parser.lock(); }, [] { parser.unlock(); }, [] { parser.unlock(); });
 
 UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), text, UT_UTF8)}; }

@@ -106,6 +106,7 @@ const std::vector<CandidateTerm>& bearing_entries() {
   return entries;
 }
 
+// NOLINTNEXTLINE(readability-function-size): a table
 const std::vector<CandidateTerm>& rule_and_device_entries() {
   static const std::vector<CandidateTerm> entries{
       {"bouc_wen",
@@ -209,6 +210,7 @@ const std::vector<CandidateTerm>& rule_and_device_entries() {
   return entries;
 }
 
+// NOLINTNEXTLINE(readability-function-size): a table
 const std::vector<CandidateTerm>& machine_entries() {
   static const std::vector<CandidateTerm> entries{
       {"support_flexibility",
@@ -382,6 +384,7 @@ const std::vector<CandidateTerm>& actuator_entries() {
 // Sizes begin at a few hundredths of the component's force or displacement: large enough to be
 // visible, small enough not to change the rest of the model. Shapes begin at values that have an
 // effect on most of the record; a wider search only takes time.
+// NOLINTNEXTLINE(readability-function-size): a table
 const std::vector<CandidateTerm>& connection_entries() {
   constexpr auto kHere = kOnConnection;
   const Parameter presliding = shape_near("presliding", {0.003, 0.03});

@@ -21,7 +21,8 @@ struct UnitFactor {
 /// them after scaling.
 struct UnitScales {
   double length = 1, force = 1, time = 1;
-  std::optional<double> channel = {};  ///< of a sensor term's channel; none: as of a force
+  /// Of a sensor term's channel; none: as of a force.
+  std::optional<double> channel = {};  // NOLINT: designated initializers need it
   double current = 1;
 
   /// Scale of a parameter's unit, "N*s/m3": the SI value divided by it is the value in these units.

@@ -196,6 +196,14 @@ void put_first(const Investigation& shown, std::vector<Cause>& causes) {
   });
 }
 
+// The relation that is shown comes last.
+void report_all(const Investigations& all, const Investigation& shown, Verdict& verdict) {
+  for (const auto& found : all)
+    if (found.get() != &shown && (found->is_named() || found->is_unknown()))
+      report(*found, verdict);
+  report(shown, verdict);
+}
+
 // Missing takes precedence over unknown, unknown over none; a relation further up the chain is
 // reported first.
 void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
@@ -205,9 +213,7 @@ void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
   const Investigation* shown = explained != nullptr ? explained
                                : unknown != nullptr ? unknown
                                                     : all.back().get();
-  for (const auto& found : all)
-    if (found.get() != shown && (found->is_named() || found->is_unknown())) report(*found, verdict);
-  report(*shown, verdict);
+  report_all(all, *shown, verdict);
   verdict.where = where_of(*shown, c.map);
   if (shown->is_named()) verdict.where.part = shown->selection.rounds[0].chosen.candidate.part;
   put_first(*shown, verdict.causes);
@@ -248,24 +254,11 @@ void propose(const NextTest& next, Verdict& verdict) {
                       kReach, cause->name));
 }
 
-}  // namespace
-
-Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  Case c = given;
-  reject_unknown_terms(options.without, c);
-  std::vector<const Record*> noisy;
-  for (const auto& record : c.records) noisy.push_back(&record);
-  auto lattices = coarse_lattices(moving_records(c));
-  const SensorNoise noise{noisy, c.noise, rounding_of(lattices)};
-  std::erase_if(lattices, [&](const Lattice& lattice) {
-    return has_rounding(c, lattice.role) ||
-           is_barred(options.without, quantisation_of(lattice), "quantisation");
-  });
-  Verdict verdict;
-  verdict.case_name = c.name;
+// Examines the relations of a case. What the accelerometer's shows corrects the case for the
+// others.
+Investigations investigations_of(Case& c, const SensorNoise& noise, const DiagnosisOptions& options,
+                                 Progress& progress) {
   Investigations all;
-  Progress progress{options.progress};
   const auto examine = [&](std::unique_ptr<Relation> relation) {
     if (relation)
       all.push_back(investigate(std::move(relation), c.records, noise, options.seed, progress));
@@ -283,24 +276,47 @@ Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   if (all.empty())
     throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
                             c.model.kind)};
+  return all;
+}
+
+// Coarse quantisation is the verdict where nothing else is named.
+void name_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
+  add_lattices(lattices, verdict);
+  const auto is_rule = [](const Cause& cause) { return cause.is_rule; };
+  const auto first_rule =
+      std::stable_partition(verdict.causes.begin(), verdict.causes.end(), std::not_fn(is_rule));
+  const auto named = static_cast<std::size_t>(first_rule - verdict.causes.begin());
+  if (verdict.outcome != Outcome::None && named != lattices_named(lattices)) return;
+  verdict.has_remainder = verdict.has_remainder || verdict.outcome == Outcome::Unknown;
+  verdict.outcome = Outcome::Missing;
+  verdict.where.part = Part::Sensor;
+  verdict.where.channel = lattices[0].role.substr(0, lattices[0].role.find('.'));
+}
+
+}  // namespace
+
+Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Case c = given;
+  reject_unknown_terms(options.without, c);
+  std::vector<const Record*> noisy;
+  for (const auto& record : c.records) noisy.push_back(&record);
+  auto lattices = coarse_lattices(moving_records(c));
+  const SensorNoise noise{noisy, c.noise, rounding_of(lattices)};
+  std::erase_if(lattices, [&](const Lattice& lattice) {
+    return has_rounding(c, lattice.role) ||
+           is_barred(options.without, quantisation_of(lattice), "quantisation");
+  });
+  Verdict verdict;
+  verdict.case_name = c.name;
+  Progress progress{options.progress};
+  const Investigations all = investigations_of(c, noise, options, progress);
   progress.enter("");
   progress.begin_stage("place, intervals");
   conclude(all, c, verdict);
   progress.begin_stage("next test");
   propose(next_test(all, c.model.kind == "bearing", verdict.outcome == Outcome::Unknown), verdict);
-  if (!lattices.empty()) {
-    add_lattices(lattices, verdict);
-    const auto is_rule = [](const Cause& cause) { return cause.is_rule; };
-    const auto first_rule =
-        std::stable_partition(verdict.causes.begin(), verdict.causes.end(), std::not_fn(is_rule));
-    const auto named = static_cast<std::size_t>(first_rule - verdict.causes.begin());
-    if (verdict.outcome == Outcome::None || named == lattices_named(lattices)) {
-      verdict.has_remainder = verdict.has_remainder || verdict.outcome == Outcome::Unknown;
-      verdict.outcome = Outcome::Missing;
-      verdict.where.part = Part::Sensor;
-      verdict.where.channel = lattices[0].role.substr(0, lattices[0].role.find('.'));
-    }
-  }
+  if (!lattices.empty()) name_lattices(lattices, verdict);
   if (!verdict.causes.empty())
     verdict.improved = improved_case(given, improved_model(c, all, lattices));
   double confidence = 1;

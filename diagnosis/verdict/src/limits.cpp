@@ -142,7 +142,7 @@ std::optional<std::pair<double, double>> apparent_rest(const Record& record) {
     if (!(*most > *least)) continue;
     is_driven = true;
     const double still = kStill * (*most - *least);
-    const auto samples_within = [&](auto from, auto to) {
+    const auto samples_within = [&](const auto& from, const auto& to) {
       return static_cast<std::size_t>(
           std::find_if(from, to,
                        [&, first = *from](double v) { return std::abs(v - first) > still; }) -

@@ -76,8 +76,10 @@ std::pair<double, double> band_of(const VectorXd& signal, double time_step) {
   const double total = spectrum.density.sum();
   const auto frequency_at = [&](double share) {
     double sum = 0;
-    for (Index i = 0; i < spectrum.density.size(); ++i)
-      if ((sum += spectrum.density[i]) >= share * total) return spectrum.frequency[i];
+    for (Index i = 0; i < spectrum.density.size(); ++i) {
+      sum += spectrum.density[i];
+      if (sum >= share * total) return spectrum.frequency[i];
+    }
     return 0.5 / time_step;
   };
   return {frequency_at(kTail), frequency_at(1 - kTail)};

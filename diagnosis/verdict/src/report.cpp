@@ -101,18 +101,74 @@ Reduced reduced_models(const Investigation& found) {
   return reduced;
 }
 
+// Predictions of the models of an investigation for a record: as stated, before and after the named
+// terms, and without each of them.
+struct Predictions {
+  MatrixXd stated, before, after;
+  std::vector<std::pair<std::string, MatrixXd>> without;
+};
+
+bool is_compared(const Drive& drive, Index row) {
+  return drive.present.size() == 0 || drive.present[row] != 0;
+}
+
+// Free offsets are no error: each curve is shifted onto the measurement.
+double shift_of(const Investigation& found, const Drive& drive, const MatrixXd& prediction,
+                Index output) {
+  return found.relation->has_free_offsets()
+             ? (drive.measured.col(output) - prediction.col(output)).mean()
+             : 0.0;
+}
+
+std::vector<double> compared_rows(const Drive& drive, const MatrixXd& values, Index output,
+                                  double shift = 0) {
+  std::vector<double> rows;
+  for (Index row = drive.first_row; row < drive.rows(); ++row)
+    if (is_compared(drive, row)) rows.push_back(values(row, output) + shift);
+  return rows;
+}
+
+void add_axes_of(const Drive& drive, Index output, Trace& trace) {
+  for (Index row = drive.first_row; row < drive.rows(); ++row)
+    if (is_compared(drive, row))
+      trace.time.push_back(drive.start + static_cast<double>(row) * drive.time_step);
+  if (drive.displacement.size() == 0 || trace.time.empty()) return;
+  trace.abscissa = compared_rows(drive, drive.displacement, output);
+  const auto& state = drive.state_names[static_cast<std::size_t>(output)];
+  trace.abscissa_label = fmt::format("{} [{}]", state.name, state.unit);
+}
+
+void add_curves(const Investigation& found, const Drive& drive, const Predictions& predictions,
+                Index output, Trace& trace) {
+  const auto shifted = [&](const MatrixXd& prediction) {
+    return compared_rows(drive, prediction, output, shift_of(found, drive, prediction, output));
+  };
+  trace.measured = compared_rows(drive, drive.measured, output);
+  trace.stated = shifted(predictions.stated);
+  trace.before = shifted(predictions.before);
+  trace.after = shifted(predictions.after);
+  for (const auto& [name, prediction] : predictions.without)
+    if (prediction.size() > 0) trace.without.emplace_back(name, shifted(prediction));
+}
+
 // @param reduced  models whose predictions are added
 void add_traces(const Investigation& found, const Problem& problem, std::size_t record,
                 const Reduced& reduced, Verdict& verdict) {
-  const Drive& drive = problem.drive(record);
-  const Supposition base{problem, found.selection.base}, named{problem, found.selection.named};
-  const MatrixXd stated = Supposition{problem, found.relation->base()}.prediction(record);
-  const MatrixXd before = base.prediction(record), after = named.prediction(record);
-  if (stated.size() == 0 || before.size() == 0 || after.size() == 0) return;
-  const MatrixXd excess = excess_of(base, record);
-  std::vector<std::pair<std::string, MatrixXd>> without;
+  const auto predicted = [&](const Hypothesis& hypothesis) {
+    return Supposition{problem, hypothesis}.prediction(record);
+  };
+  const Supposition base{problem, found.selection.base};
+  Predictions predictions{predicted(found.relation->base()),
+                          base.prediction(record),
+                          predicted(found.selection.named),
+                          {}};
+  if (predictions.stated.size() == 0 || predictions.before.size() == 0 ||
+      predictions.after.size() == 0)
+    return;
   for (const auto& [name, hypothesis] : reduced)
-    without.emplace_back(name, Supposition{problem, hypothesis}.prediction(record));
+    predictions.without.emplace_back(name, predicted(hypothesis));
+  const Drive& drive = problem.drive(record);
+  const MatrixXd excess = excess_of(base, record);
   const MatrixXd noise = problem.noise(record).deviation();
   const auto& outputs = found.relation->outputs();
   for (std::size_t k = 0; k < outputs.size(); ++k) {
@@ -123,35 +179,10 @@ void add_traces(const Investigation& found, const Problem& problem, std::size_t 
     trace.cutoff = drive.cutoff;
     trace.channel = outputs[k].first;
     trace.unit = outputs[k].second;
-    // Free offsets are no error: each curve is shifted onto the measurement.
-    const auto shift = [&](const MatrixXd& prediction) {
-      return found.relation->has_free_offsets()
-                 ? (drive.measured.col(output) - prediction.col(output)).mean()
-                 : 0.0;
-    };
-    const double s0 = shift(stated), s1 = shift(before), s2 = shift(after);
-    for (Index row = drive.first_row; row < drive.rows(); ++row) {
-      if (drive.present.size() > 0 && drive.present[row] == 0) continue;
-      trace.time.push_back(drive.start + static_cast<double>(row) * drive.time_step);
-      if (drive.displacement.size() > 0) trace.abscissa.push_back(drive.displacement(row, output));
-      trace.measured.push_back(drive.measured(row, output));
-      trace.stated.push_back(stated(row, output) + s0);
-      trace.before.push_back(before(row, output) + s1);
-      trace.after.push_back(after(row, output) + s2);
-      trace.noise.push_back(noise(row, output));
-      trace.excess.push_back(excess(row, output));
-    }
-    for (const auto& [name, prediction] : without) {
-      if (prediction.size() == 0) continue;
-      const double moved = shift(prediction);
-      trace.without.push_back({name, {}});
-      for (Index row = drive.first_row; row < drive.rows(); ++row)
-        if (drive.present.size() == 0 || drive.present[row] != 0)
-          trace.without.back().second.push_back(prediction(row, output) + moved);
-    }
-    if (!trace.abscissa.empty())
-      trace.abscissa_label =
-          fmt::format("{} [{}]", drive.state_names[k].name, drive.state_names[k].unit);
+    add_axes_of(drive, output, trace);
+    add_curves(found, drive, predictions, output, trace);
+    trace.noise = compared_rows(drive, noise, output);
+    trace.excess = compared_rows(drive, excess, output);
     verdict.traces.push_back(std::move(trace));
   }
 }

@@ -158,7 +158,7 @@ std::string unknown_sentence(const Verdict& verdict) {
 
 std::string sentence_of(const Verdict& verdict) {
   if (verdict.outcome == Outcome::None) return none_sentence(verdict);
-  const std::string text =
+  std::string text =
       verdict.outcome == Outcome::Missing ? missing_sentence(verdict) : unknown_sentence(verdict);
   // Without the noise at rest, a residual of wrongly estimated noise looks systematic.
   const bool is_doubtful = verdict.outcome == Outcome::Unknown || verdict.has_remainder;
