@@ -82,6 +82,16 @@ void check_bounds(const Config& table, const std::string& key, const Parameter& 
         key, fmt::format("{} is {}, expected {} to {}", key, value, parameter.low, parameter.high));
 }
 
+// The same term once for each axis.
+std::vector<TermSettings> by_axis(const TermSettings& settings) {
+  std::vector<TermSettings> axes(kHorizontalAxes, settings);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    axes[i].name += fmt::format(".{}", kAxisNames[i]);
+    axes[i].axes = 1U << i;
+  }
+  return axes;
+}
+
 // One term, or one per axis if a parameter is an array.
 std::vector<TermSettings> read_term(const std::string& name, const Config& table, Bounds bounds) {
   TermSettings settings;
@@ -98,13 +108,7 @@ std::vector<TermSettings> read_term(const std::string& name, const Config& table
     const auto values = read_values(table, key, kind, settings.channel);
     for (const double value : values)
       if (bounds == Bounds::Catalogue) check_bounds(table, key, parameter, value);
-    if (values.size() == kHorizontalAxes && axes.empty()) {
-      axes.assign(kHorizontalAxes, settings);
-      for (std::size_t i = 0; i < axes.size(); ++i) {
-        axes[i].name += fmt::format(".{}", kAxisNames[i]);
-        axes[i].axes = 1U << i;
-      }
-    }
+    if (values.size() == kHorizontalAxes && axes.empty()) axes = by_axis(settings);
     if (values.empty()) continue;
     settings.parameters.emplace_back(parameter.name, values[0]);
     for (std::size_t i = 0; i < axes.size(); ++i)

@@ -60,6 +60,7 @@ Eigen::Vector2d BearingPath::at(double x) const noexcept {
   return last + x * (now - last) - x * (1 - x) / 2 * (now - 2 * last + before);
 }
 
+// NOLINTNEXTLINE(readability-function-size)
 PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
                              double bearing_initial_stiffness, double time_step, double alpha,
                              VerticalFeedback vertical, int substeps)

@@ -47,6 +47,7 @@ class PlantAnalysis {
   /// @param time_step  between targets [s]
   /// @param substeps   of the integration in a time step
   /// @throws Error as AlphaOs does, and if the bearing is too stiff for substeps   @setup
+  // NOLINTNEXTLINE(readability-function-size): the last two have usual values
   PlantAnalysis(PlantMatrices plant, GroundMotion motion, double bearing_initial_stiffness,
                 double time_step, double alpha, VerticalFeedback vertical = VerticalFeedback::Model,
                 int substeps = 1);
