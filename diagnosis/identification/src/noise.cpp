@@ -145,6 +145,11 @@ std::map<std::string, Rest> rest_of(const std::vector<const Record*>& records) {
   return at_rest;
 }
 
+bool is_seen(const std::map<std::string, Rest>& at_rest, const std::string& role) {
+  const auto rest = at_rest.find(role);
+  return rest != at_rest.end() && rest->second.is_enough();
+}
+
 // Stretches of all sensors of a family, divided by their deviations. Sensors of one family differ
 // only in size, so that together they determine the colour better.
 using Families = std::map<std::string, std::vector<VectorXd>>;
@@ -178,15 +183,14 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
       lines_.push_back(fmt::format("{} has a sine of {:.2f} Hz at rest", role, frequency));
   const auto families = families_of(at_rest);
   for (const Record* record : records)
-    for (const auto& channel : record->channels) {
-      if (!is_measured(channel.role) || by_role_.contains(channel.role)) continue;
-      const auto rest = at_rest.find(channel.role);
-      const bool is_seen = rest != at_rest.end() && rest->second.is_enough();
-      was_seen_at_rest_ = was_seen_at_rest_ || is_seen;
-      by_role_[channel.role] =
-          is_seen ? spectrum_at_rest(rest->second, channel.role, families, record->time_step)
-                  : spectrum_in_motion(channel, record->time_step);
-    }
+    for (const auto& channel : record->channels)
+      if (is_measured(channel.role) && !by_role_.contains(channel.role))
+        by_role_[channel.role] = is_seen(at_rest, channel.role)
+                                     ? spectrum_at_rest(at_rest.at(channel.role), channel.role,
+                                                        families, record->time_step)
+                                     : spectrum_in_motion(channel, record->time_step);
+  was_seen_at_rest_ = std::any_of(by_role_.begin(), by_role_.end(),
+                                  [&](const auto& known) { return is_seen(at_rest, known.first); });
   source_ = was_seen_at_rest_ ? "intervals at rest"
                               : "differences between samples that motion cannot cause";
   if (was_seen_at_rest_) return;

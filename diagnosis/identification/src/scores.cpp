@@ -21,18 +21,6 @@ double sum(const std::vector<double>& values) {
   return total;
 }
 
-Hypothesis fitted(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold,
-                  int iterations) {
-  const Supposition supposition{problem, hypothesis};
-  Hypothesis result = supposition.hypothesis();
-  try {
-    result.values = supposition.fit(fold, iterations).parameters;
-  } catch (const Error&) {
-    // No prediction from which a fit could begin: the values stay.
-  }
-  return result;
-}
-
 std::optional<Fit> fit_if_possible(const Problem& problem, const Hypothesis& hypothesis,
                                    const Fold& fold, int iterations) {
   try {
@@ -42,9 +30,18 @@ std::optional<Fit> fit_if_possible(const Problem& problem, const Hypothesis& hyp
   }
 }
 
+Hypothesis fitted(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold,
+                  int iterations) {
+  Hypothesis result = Supposition{problem, hypothesis}.hypothesis();
+  // Without a prediction from which a fit could begin, the values stay.
+  if (const auto fit = fit_if_possible(problem, hypothesis, fold, iterations))
+    result.values = fit->parameters;
+  return result;
+}
+
 std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold) {
   const Supposition supposition{problem, hypothesis};
-  const auto sums = supposition.blocks(fold);
+  auto sums = supposition.blocks(fold);
   // A free run is driven by exact inputs.
   if (problem.relation().runs_freely() || sums.empty()) return sums;
   return minus(sums, supposition.noise_blocks(fold));

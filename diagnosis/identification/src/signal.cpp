@@ -294,7 +294,7 @@ double noise_begins(const std::vector<VectorXd>& signals, const std::vector<Vect
   double high = 0.5 / time_step;
   if (samples < kShortest) return high;
   int window = kShortest;
-  while (2 * window <= samples) window *= 2;
+  while (Index{2} * window <= samples) window *= 2;
   const VectorXd moving = density_of(signals, window, time_step),
                  still = density_of(at_rest, window, time_step);
   for (Index last = moving.size(); last > 0;) {
