@@ -276,6 +276,10 @@ class Decoder {
   }
 
   [[nodiscard]] std::uint32_t vector_width() const { return prefix_.ymm ? 32 : 16; }
+  // Of MOVSS, MOVSD, MOVUPS and MOVUPD.
+  [[nodiscard]] std::uint32_t moved_width() const {
+    return prefix_.repeat ? 4 : prefix_.repeat_not ? 8 : vector_width();
+  }
 
   // Moves of XMM and YMM registers to memory: the legacy forms, and those of VEX map 1.
   bool decode_vector(std::uint8_t opcode) {
@@ -284,7 +288,7 @@ class Decoder {
     const bool integer = packed && prefix_.operand16;
     switch (opcode) {
       case 0x11:  // MOVUPS, MOVUPD, MOVSS, MOVSD
-        return from_vector(packed ? whole : prefix_.repeat ? 4 : 8);
+        return from_vector(moved_width());
       case 0x13:  // MOVLPS, MOVLPD
         return packed && from_half(8, 0);
       case 0x17:  // MOVHPS, MOVHPD
