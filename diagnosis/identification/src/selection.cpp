@@ -250,9 +250,7 @@ class Selector {
       const Hypothesis rest =
           fitted(problem_, with_rounds(selection_.base, rounds, is_other, current_), folds_.first,
                  kLongFit);
-      const auto cost =
-          minus(scores(problem_, rest, folds_.second), scores(problem_, current_, folds_.second));
-      if (quantile(resampled_sums(cost, seed_), 0.01) > 0 && sum(cost) > kLeastAcceptedGain / 2) {
+      if (is_beneficial(losses(rest, current_), kLeastAcceptedGain / 2, seed_)) {
         ++i;
         continue;
       }
@@ -260,6 +258,19 @@ class Selector {
       current_ = rest;
       i = 0;
     }
+  }
+
+  // What the held-out scores of both folds lose by one model in place of another, by block [nat].
+  [[nodiscard]] std::vector<double> losses(const Hypothesis& without,
+                                           const Hypothesis& with) const {
+    auto all =
+        minus(scores(problem_, without, folds_.second), scores(problem_, with, folds_.second));
+    const auto backwards = [&](const Hypothesis& model) {
+      return scores(problem_, fitted(problem_, model, folds_.second, kShortFit), folds_.first);
+    };
+    const auto back = minus(backwards(without), backwards(with));
+    all.insert(all.end(), back.begin(), back.end());
+    return all;
   }
 
   Problem& problem_;
