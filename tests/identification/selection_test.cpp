@@ -119,6 +119,15 @@ TEST(Select, FindsAnEffectThatAloneExplainsSomeOfTheRest) {
   EXPECT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
 }
 
+// The noise has the variance 0.64 instead of 1, and the second effect adds 0.08: the residual is
+// smaller than stated, and white. The effect's own test gains ½ · 1200 · 0.29² = 50 nat with the
+// deviation 0.8 √101 = 8, and half of it on one record; asked for are 36, and 18.
+TEST(Select, FindsAnEffectThatTheVarianceOfTheResidualHides) {
+  const Selection selection = SixCandidates{{{"e2", 0.29}, {"e5", -1.5}}, 2, 0.8}.selected();
+
+  EXPECT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
+}
+
 // The second effect shows in 3 of the 30 seconds of each record. It is absent from one record
 // resampled in triples with the probability (1 − 9/28)¹⁰ = 2 %, and from both with 0.04 %.
 TEST(Select, KeepsAnEffectThatShowsInFewSeconds) {
