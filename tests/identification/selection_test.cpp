@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/identification/selection.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -116,6 +117,36 @@ TEST(Select, FindsAnEffectThatAloneExplainsSomeOfTheRest) {
   const Selection selection = SixCandidates{truth, 2}.selected();
 
   EXPECT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
+}
+
+// The noise has the variance 0.64 instead of 1, and the second effect adds 0.08: the residual is
+// smaller than stated, and white. The effect's own test gains ½ · 1200 · 0.29² = 50 nat with the
+// deviation 0.8 √101 = 8, and half of it on one record; asked for are 36, and 18.
+TEST(Select, FindsAnEffectThatTheVarianceOfTheResidualHides) {
+  const Selection selection = SixCandidates{{{"e2", 0.29}, {"e5", -1.5}}, 2, 0.8}.selected();
+
+  EXPECT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
+}
+
+// The second effect shows in 3 of the 30 seconds of each record. It is absent from one record
+// resampled in triples with the probability (1 − 9/28)¹⁰ = 2 %, and from both with 0.04 %.
+TEST(Select, KeepsAnEffectThatShowsInFewSeconds) {
+  SixCandidates six{{{"e5", -1.5}}, 2};
+  for (auto& record : six.records) {
+    const auto find = [&](const std::string& role) {
+      return std::find_if(record.channels.begin(), record.channels.end(),
+                          [&](const Channel& channel) { return channel.role == role; });
+    };
+    auto& signal = find("input.e2.coefficient.0")->values;
+    auto& measured = find("output.0")->values;
+    for (std::size_t row = 0; row < signal.size(); ++row) {
+      const std::size_t second = row / 20;
+      if (second != 4 && second != 14 && second != 24) signal[row] = 0;
+      measured[row] += 2 * signal[row];
+    }
+  }
+
+  EXPECT_EQ(names_in(six.selected().rounds), (std::set<std::string>{"e2", "e5"}));
 }
 
 // Two effects explain 25 and 20 % of the rest: these may be errors of the form of the first.

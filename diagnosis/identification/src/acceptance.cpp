@@ -12,12 +12,17 @@ constexpr double kTieShare = 0.01;  // of the best gain: smaller differences are
 
 }  // namespace
 
-bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed) {
-  if (contender.gain <= accepted) return false;
+bool is_beneficial(const std::vector<double>& differences, double least, std::uint64_t seed) {
+  const double gain = sum(differences);
+  if (gain <= least) return false;
   // An effect at one instant is absent from many resampled records. It is accepted if its gain is
   // large and it costs nothing elsewhere.
-  const double low = quantile(resampled_sums(contender.differences, seed), 0.01);
-  return low > 0 || (contender.gain > 20 * kLeastAcceptedGain && low > -0.01 * contender.gain);
+  const double low = quantile(resampled_sums(differences, seed), 0.01);
+  return low > 0 || (gain > 20 * kLeastAcceptedGain && low > -0.01 * gain);
+}
+
+bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed) {
+  return is_beneficial(contender.differences, accepted, seed);
 }
 
 std::vector<Contender> held_back(std::vector<Contender>& contenders, const Candidate* holder,

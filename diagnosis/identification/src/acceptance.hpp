@@ -7,6 +7,11 @@ namespace rths::diagnosis {
 
 inline constexpr double kLeastAcceptedGain = 18;  ///< over both folds [nat]
 
+/// Returns true if a model gains more than `least` over another one, also in resampled records.
+/// @param differences  of the held-out scores, by block [nat]   @param least  [nat]
+[[nodiscard]] bool is_beneficial(const std::vector<double>& differences, double least,
+                                 std::uint64_t seed);
+
 /// Returns true if a candidate gains more than `accepted` [nat], and gains in resampled records.
 [[nodiscard]] bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed);
 

@@ -17,7 +17,7 @@ namespace {
 constexpr double kLeastGap = 3;        // of the deviation of the displacement's noise
 constexpr double kLeastFlexion = 0.5;  // of the same, under the largest force
 constexpr double kWorse = 0.02;  // of the energy of the error, or of noise, on a held-out record
-constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records,
+constexpr double kLeastShare = 4e-4;  // of the energy of the error before, on the held-out records,
 constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
 constexpr double kSeenShare = 0.25;   // of the same: seen in spite of the noise
 constexpr double kLeastShift = 0.1;   // of the time between samples
@@ -152,13 +152,20 @@ class Pruning {
         gain += bare[k] - with[k];
         before += base[k];
       }
-      if (reason.empty() && gain < kLeastShare * before && fit_share(rest) < kFitShare)
-        reason = "it explains less than 0.1 % of the unseen records' error";
+      if (reason.empty() && gain < kLeastShare * before && !is_most(gain, sum(bare), sum(noise)) &&
+          fit_share(rest) < kFitShare)
+        reason = "it explains less than 0.04 % of the unseen records' error";
       if (reason.empty() || (worst && gain >= best)) continue;
       best = gain;
       worst = {{i, reason}};
     }
     return worst;
+  }
+
+  // Whether a gain is at least half of an error that is far more than noise. Energies.
+  static bool is_most(double gain, double error, double noise) {
+    constexpr double kFarMore = 1.5, kHalf = 0.5;
+    return error > kFarMore * noise && gain > kHalf * (error - noise);
   }
 
   // What a candidate explains of the error of the records that were fitted, in energy. A rare event

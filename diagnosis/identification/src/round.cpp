@@ -9,7 +9,6 @@ namespace {
 constexpr double kTriedShare = 0.02;    // of the best screened gain
 constexpr double kSameGain = 1e-4;      // relative difference of the gains of equal laws
 constexpr double kKeptShare = 0.35;     // of the gain of the best trial fit
-constexpr double kLeastGain = 6;        // [nat]: below it a candidate is not fitted
 constexpr double kFar = 10;             // mean w²: above it, fits also start at the stated values
 constexpr double kReversedShare = 0.5;  // of the best gain on the second fold
 
@@ -105,7 +104,7 @@ void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candi
   problem_.progress().begin_step("short fits",
                                  std::min(screened.size(), effort_.tried) * effort_.starts);
   for (std::size_t i = 0; i < std::min(screened.size(), effort_.tried); ++i) {
-    if (screened[i].gain < std::max(kLeastGain, kTriedShare * screened[0].gain)) break;
+    if (screened[i].gain < std::max(effort_.least, kTriedShare * screened[0].gain)) break;
     TrialFit trial{screened[i].candidate, {}, base};
     const std::size_t tries = std::min(screened[i].starts.size(), effort_.starts);
     for (std::size_t k = 0; k < tries; ++k)
@@ -123,7 +122,7 @@ void Round::try_rivals(const Defended& term, const std::vector<Candidate>& candi
                                  std::min(screened.size(), effort_.tried) * effort_.starts);
   for (const auto& one : screened) {
     const bool holds = is_same(*one.candidate, term.holder);
-    const bool is_weak = one.gain < std::max(kLeastGain, kTriedShare * screened[0].gain);
+    const bool is_weak = one.gain < std::max(effort_.least, kTriedShare * screened[0].gain);
     if (!holds && (is_weak || ++tried > effort_.tried)) continue;
     TrialFit trial{one.candidate, {}, base};
     const std::size_t tries = holds ? 1 : std::min(one.starts.size(), effort_.starts);

@@ -11,6 +11,7 @@ struct Effort {
   std::size_t starts = 2;                            ///< of a candidate
   std::size_t tried = 10, kept = 5, most_kept = 10;  ///< candidates: in short fits, in long fits
   int trial_fit = 3;                                 ///< iterations of a short fit
+  double least = 6;  ///< screened gain below which a candidate is not fitted [nat]
 };
 inline constexpr Effort kThorough{4, 16, 6, 10, 5};
 

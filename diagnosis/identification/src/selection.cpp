@@ -13,6 +13,7 @@
 #include <rths/identification/scores.hpp>
 
 #include "acceptance.hpp"
+#include "named_model.hpp"
 #include "round.hpp"
 
 namespace rths::diagnosis {
@@ -24,7 +25,8 @@ constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation,
 constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of the base,
 constexpr double kMostOfRest = 0.5;        // or, if less, of the excess that the other terms leave
 constexpr double kAloneOfRest = 0.2;       // or of this share, if no other term gains half as much
-constexpr double kWhite = 1.02;            // mean w² of a residual that is noise
+constexpr double kFormShare = 4e-4;        // of a larger term's gain: an error of 2 % of its form
+constexpr double kWhite = 1.02;            // mean w² of a residual that is noise, without scatter
 
 // Every candidate of a round, in no order.
 std::vector<Contender> contenders_of(const SelectionRound& round) {
@@ -33,20 +35,6 @@ std::vector<Contender> contenders_of(const SelectionRound& round) {
   all.insert(all.end(), round.others.begin(), round.others.end());
   return all;
 }
-
-// The base with the candidates of some rounds, with the current values.
-template <class Wanted>
-Hypothesis with_rounds(const Hypothesis& base, const std::vector<SelectionRound>& rounds,
-                       const Wanted& wanted, const Hypothesis& current) {
-  Hypothesis rest = base;
-  for (const SelectionRound& round : rounds)
-    if (wanted(round))
-      rest = extended(rest, round.chosen.candidate, round.chosen.candidate.starts[0]);
-  take_values(current, rest);
-  return rest;
-}
-
-bool is_rule(const SelectionRound& round) { return round.chosen.candidate.is_rule; }
 
 // Removes ties with candidates that another round has named.
 void drop_named(std::vector<SelectionRound>& rounds) {
@@ -99,7 +87,7 @@ class Selector {
   // Runs one round. @returns whether another may follow
   bool add_term() {
     begin_stage(fmt::format("search for term {}", selection_.rounds.size() + 1));
-    auto won = round_with({});
+    auto won = round_with(usual_effort());
     if (explains_little(won)) {
       auto other = round_with(kThorough);
       if (other && (!won || other->chosen.gain > won->chosen.gain)) won = std::move(other);
@@ -110,10 +98,21 @@ class Selector {
     const SelectionRound& added = selection_.rounds.back();
     current_ = added.chosen.fitted;
     problem_.renew_noise(current_);
-    if (!is_rule(added)) return !is_noise(current_);
     // Further terms are measured by the excess that the right rule leaves.
-    unexplained_ = current_;
+    if (is_rule(added)) unexplained_ = current_;
     return true;
+  }
+
+  // A residual that is noise as a whole may still contain a small effect, which the test of one
+  // candidate shows. As the whole says that there is none, twice the usual gain is asked for, and
+  // half of it in screening, on one fold.
+  [[nodiscard]] Effort usual_effort() const {
+    Effort effort;
+    if (selection_.rounds.empty() || !is_noise(current_)) return effort;
+    double largest = 0;
+    for (const auto& round : selection_.rounds) largest = std::max(largest, round.chosen.gain);
+    effort.least = std::max(accepted(current_, true), 0.5 * kFormShare * largest);
+    return effort;
   }
 
   // A round of this effort. Without a winner, its contenders are kept as evidence.
@@ -121,6 +120,7 @@ class Selector {
     Round round{problem_, folds_, current_, stated_.values, left_for(current_, selection_.rounds),
                 seed_,    effort};
     auto won = winner(round, nullptr);
+    if (won && won->chosen.gain < 2 * effort.least) return std::nullopt;
     if (!won) selection_.last = std::move(round.contenders());
     return won;
   }
@@ -142,7 +142,8 @@ class Selector {
   // in its size, but not in its colour.
   [[nodiscard]] bool is_noise(const Hypothesis& hypothesis) const {
     const Supposition named{problem_, hypothesis};
-    if (!(named.variance(folds_.second) < kWhite)) return false;
+    const double n = observations(problem_, folds_.second);
+    if (!(named.variance(folds_.second) < kWhite + 2 * std::sqrt(2 / n))) return false;
     const auto& shares = folds_.second.shares;
     return std::all_of(shares.begin(), shares.end(), [&](const Fold::Share& share) {
       return whiteness_of(named, share.record).is_white;
@@ -250,9 +251,7 @@ class Selector {
       const Hypothesis rest =
           fitted(problem_, with_rounds(selection_.base, rounds, is_other, current_), folds_.first,
                  kLongFit);
-      const auto cost =
-          minus(scores(problem_, rest, folds_.second), scores(problem_, current_, folds_.second));
-      if (quantile(resampled_sums(cost, seed_), 0.01) > 0 && sum(cost) > kLeastAcceptedGain / 2) {
+      if (is_beneficial(losses(rest, current_), kLeastAcceptedGain / 2, seed_)) {
         ++i;
         continue;
       }
@@ -260,6 +259,19 @@ class Selector {
       current_ = rest;
       i = 0;
     }
+  }
+
+  // What the held-out scores of both folds lose by one model in place of another, by block [nat].
+  [[nodiscard]] std::vector<double> losses(const Hypothesis& without,
+                                           const Hypothesis& with) const {
+    auto all =
+        minus(scores(problem_, without, folds_.second), scores(problem_, with, folds_.second));
+    const auto backwards = [&](const Hypothesis& model) {
+      return scores(problem_, fitted(problem_, model, folds_.second, kShortFit), folds_.first);
+    };
+    const auto back = minus(backwards(without), backwards(with));
+    all.insert(all.end(), back.begin(), back.end());
+    return all;
   }
 
   Problem& problem_;
@@ -271,42 +283,6 @@ class Selector {
 };
 
 }  // namespace
-
-double Selection::explained() const {
-  const double excess = variance_base - 1;
-  return excess > 0 ? std::clamp((excess - (variance_named - 1)) / excess, 0.0, 1.0) : 0;
-}
-
-bool Selection::has_only_rules() const {
-  return std::all_of(rounds.begin(), rounds.end(), is_rule);
-}
-
-bool is_needed(const Selection& selection, std::size_t place) {
-  const Candidate& candidate = selection.rounds[place].chosen.candidate;
-  return std::any_of(
-      selection.rounds.begin(), selection.rounds.end(),
-      [&](const SelectionRound& round) { return depends_on(round.chosen.candidate, candidate); });
-}
-
-Hypothesis without(const Problem& problem, const Folds& folds, const Selection& selection,
-                   std::size_t place) {
-  const auto& rounds = selection.rounds;
-  const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[place]; };
-  return fitted(problem, with_rounds(selection.base, rounds, is_other, selection.named), folds.both,
-                kLongFit);
-}
-
-void finish(Problem& problem, const Folds& folds, Selection& selection) {
-  problem.renew_noise(selection.named);
-  selection.named = fitted(problem, selection.named, folds.both, kShortFit);
-  selection.base = fitted(problem, selection.base, folds.both, kShortFit);
-  selection.ruled = with_rounds(selection.base, selection.rounds, is_rule, selection.named);
-  if (std::any_of(selection.rounds.begin(), selection.rounds.end(), is_rule))
-    selection.ruled = fitted(problem, selection.ruled, folds.both, kLongFit);
-  selection.variance_base = Supposition{problem, selection.base}.variance(folds.both);
-  selection.variance_ruled = Supposition{problem, selection.ruled}.variance(folds.both);
-  selection.variance_named = Supposition{problem, selection.named}.variance(folds.both);
-}
 
 Selection select(Problem& problem, const Folds& folds, std::uint64_t seed) {
   return Selector{problem, folds, seed}.select();

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "named_model.hpp"
+
+#include <algorithm>
+
+#include <rths/identification/scores.hpp>
+
+namespace rths::diagnosis {
+
+double Selection::explained() const {
+  const double excess = variance_base - 1;
+  return excess > 0 ? std::clamp((excess - (variance_named - 1)) / excess, 0.0, 1.0) : 0;
+}
+
+bool Selection::has_only_rules() const {
+  return std::all_of(rounds.begin(), rounds.end(), is_rule);
+}
+
+bool is_needed(const Selection& selection, std::size_t place) {
+  const Candidate& candidate = selection.rounds[place].chosen.candidate;
+  return std::any_of(
+      selection.rounds.begin(), selection.rounds.end(),
+      [&](const SelectionRound& round) { return depends_on(round.chosen.candidate, candidate); });
+}
+
+Hypothesis without(const Problem& problem, const Folds& folds, const Selection& selection,
+                   std::size_t place) {
+  const auto& rounds = selection.rounds;
+  const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[place]; };
+  return fitted(problem, with_rounds(selection.base, rounds, is_other, selection.named), folds.both,
+                kLongFit);
+}
+
+void finish(Problem& problem, const Folds& folds, Selection& selection) {
+  problem.renew_noise(selection.named);
+  selection.named = fitted(problem, selection.named, folds.both, kShortFit);
+  selection.base = fitted(problem, selection.base, folds.both, kShortFit);
+  selection.ruled = with_rounds(selection.base, selection.rounds, is_rule, selection.named);
+  if (std::any_of(selection.rounds.begin(), selection.rounds.end(), is_rule))
+    selection.ruled = fitted(problem, selection.ruled, folds.both, kLongFit);
+  selection.variance_base = Supposition{problem, selection.base}.variance(folds.both);
+  selection.variance_ruled = Supposition{problem, selection.ruled}.variance(folds.both);
+  selection.variance_named = Supposition{problem, selection.named}.variance(folds.both);
+}
+
+}  // namespace rths::diagnosis

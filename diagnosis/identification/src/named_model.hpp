@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <rths/identification/selection.hpp>
+
+namespace rths::diagnosis {
+
+/// The base with the candidates of the wanted rounds, at the current values.
+template <class Wanted>
+[[nodiscard]] Hypothesis with_rounds(const Hypothesis& base,
+                                     const std::vector<SelectionRound>& rounds,
+                                     const Wanted& wanted, const Hypothesis& current) {
+  Hypothesis rest = base;
+  for (const SelectionRound& round : rounds)
+    if (wanted(round))
+      rest = extended(rest, round.chosen.candidate, round.chosen.candidate.starts[0]);
+  take_values(current, rest);
+  return rest;
+}
+
+/// Whether a round named another hysteresis rule, not an added effect.
+[[nodiscard]] inline bool is_rule(const SelectionRound& round) {
+  return round.chosen.candidate.is_rule;
+}
+
+}  // namespace rths::diagnosis
