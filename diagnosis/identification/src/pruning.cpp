@@ -130,31 +130,40 @@ class Pruning {
     return has_size;
   }
 
+  // Energies of the errors on the held-out records.
+  struct HeldOutErrors {
+    std::vector<double> with, base, noise;
+  };
+
+  // Why a candidate is as good as absent on the held-out records, without which their errors are
+  // `bare`; empty if it is not.
+  [[nodiscard]] std::string reason_against(const HeldOutErrors& held,
+                                           const std::vector<double>& bare,
+                                           const Hypothesis& rest) const {
+    for (std::size_t k = bare.size(); k-- > 0;)
+      if (held.with[k] - bare[k] > kWorse * std::max(bare[k], held.noise[k]))
+        return fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
+    const double gain = sum(bare) - sum(held.with);
+    const bool is_small = gain < kLeastShare * sum(held.base) &&
+                          !is_most(gain, sum(bare), sum(held.noise)) && fit_share(rest) < kFitShare;
+    return is_small ? "it explains less than 0.04 % of the unseen records' error" : "";
+  }
+
   // The candidate without which the held-out records are predicted best, if that is better than
   // with it, or hardly worse.
   Weak unproven() {
-    const auto with = errors(*held_out_, selection_.named),
-               base = errors(*held_out_, selection_.base);
-    std::vector<double> noise;
-    for (std::size_t k = 0; k < with.size(); ++k)
-      noise.push_back(std::pow(nrmse_of_noise(*held_out_, k), 2));
+    HeldOutErrors held{
+        errors(*held_out_, selection_.named), errors(*held_out_, selection_.base), {}};
+    for (std::size_t k = 0; k < held.with.size(); ++k)
+      held.noise.push_back(std::pow(nrmse_of_noise(*held_out_, k), 2));
     Weak worst;
     double best = 0;
     for (std::size_t i = 0; i < selection_.rounds.size(); ++i) {
       if (is_needed(selection_, i)) continue;
       const Hypothesis rest = without(problem_, folds_, selection_, i);
       const auto bare = errors(*held_out_, rest);
-      std::string reason;
-      double gain = 0, before = 0;
-      for (std::size_t k = 0; k < with.size(); ++k) {
-        if (with[k] - bare[k] > kWorse * std::max(bare[k], noise[k]))
-          reason = fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
-        gain += bare[k] - with[k];
-        before += base[k];
-      }
-      if (reason.empty() && gain < kLeastShare * before && !is_most(gain, sum(bare), sum(noise)) &&
-          fit_share(rest) < kFitShare)
-        reason = "it explains less than 0.04 % of the unseen records' error";
+      const std::string reason = reason_against(held, bare, rest);
+      const double gain = sum(bare) - sum(held.with);
       if (reason.empty() || (worst && gain >= best)) continue;
       best = gain;
       worst = {{i, reason}};

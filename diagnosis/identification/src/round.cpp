@@ -59,18 +59,17 @@ std::vector<Screened> screened_by(const Supposition& base, const Fold& fold,
 
 }  // namespace
 
-Round::Round(Problem& problem, const Folds& folds, const Hypothesis& current,
-             const Eigen::VectorXd& stated, const std::vector<Candidate>& candidates,
-             std::uint64_t seed, const Effort& effort)
+Round::Round(Problem& problem, const Folds& folds, const Extended& extended,
+             const std::vector<Candidate>& candidates, std::uint64_t seed, const Effort& effort)
     : problem_{problem}, folds_{folds}, seed_{seed}, effort_{effort} {
-  base_ = fitted(problem, current, folds.first, kLongFit);
+  base_ = fitted(problem, extended.model, folds.first, kLongFit);
   base_scores_ = scores(problem, base_, folds.second);
   const double base = energy_of(problem, base_, folds.first);
   std::vector<TrialFit> trials;
   try_best(base_, candidates, base, trials);
   if (base > kFar * observations(problem, folds.first)) {
-    Hypothesis as_stated = current;
-    as_stated.values.head(stated.size()) = stated;
+    Hypothesis as_stated = extended.model;
+    as_stated.values.head(extended.stated.size()) = extended.stated;
     try_best(as_stated, candidates, base, trials);
   }
   compare(base, std::move(trials));

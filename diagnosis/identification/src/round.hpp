@@ -20,10 +20,13 @@ inline constexpr Effort kThorough{4, 16, 6, 10, 5};
 /// exchanged.
 class Round {
  public:
-  /// @param stated  values of the model's own free parameters in the case
-  Round(Problem& problem, const Folds& folds, const Hypothesis& current,
-        const Eigen::VectorXd& stated, const std::vector<Candidate>& candidates, std::uint64_t seed,
-        const Effort& effort = {});
+  /// A model that gets one more term.
+  struct Extended {
+    const Hypothesis& model;
+    const Eigen::VectorXd& stated;  ///< values of its own free parameters in the case
+  };
+  Round(Problem& problem, const Folds& folds, const Extended& extended,
+        const std::vector<Candidate>& candidates, std::uint64_t seed, const Effort& effort = {});
   /// A term that the model has already.
   struct Defended {
     const Candidate& holder;  ///< the term, one of the candidates

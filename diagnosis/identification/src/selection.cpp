@@ -117,8 +117,12 @@ class Selector {
 
   // A round of this effort. Without a winner, its contenders are kept as evidence.
   std::optional<SelectionRound> round_with(const Effort& effort) {
-    Round round{problem_, folds_, current_, stated_.values, left_for(current_, selection_.rounds),
-                seed_,    effort};
+    Round round{problem_,
+                folds_,
+                Round::Extended{current_, stated_.values},
+                left_for(current_, selection_.rounds),
+                seed_,
+                effort};
     auto won = winner(round, nullptr);
     if (won && won->chosen.gain < 2 * effort.least) return std::nullopt;
     if (!won) selection_.last = std::move(round.contenders());
