@@ -2,6 +2,7 @@
 #include "command_line.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include <fmt/format.h>
@@ -181,6 +182,20 @@ std::string manual_page(const CLI::App& app, const std::string& version) {
       ".I command\n[options]\n.SH COMMANDS\n{2}"
       ".SH EXIT STATUS\n0: success. 1: condition not met. 2: failure. 3: wrong usage.\n",
       version, escaped(app.get_description()), commands);
+}
+
+void refuse_nan(CLI::App& app) {
+  const CLI::Validator number{[](std::string& text) {
+                                double value = 0;
+                                return CLI::detail::lexical_cast(text, value) && std::isnan(value)
+                                           ? "Value " + text + " is not a number"
+                                           : std::string{};
+                              },
+                              ""};
+  for (auto* option : app.get_options())
+    if (option->get_type_name().starts_with("FLOAT")) option->check(number);
+  for (auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    refuse_nan(*command);
 }
 
 }  // namespace rths::app

@@ -14,6 +14,9 @@ namespace rths::app {
 /// @throws Error naming the commands that exist
 void check_command_names(const CLI::App& app, const std::vector<std::string>& words);
 
+/// Makes options with a number refuse nan. A range accepts it, because no comparison excludes it.
+void refuse_nan(CLI::App& app);
+
 /// Candidates for the last of these words, which may be incomplete; for the shell.
 /// @param words  without the program's name
 [[nodiscard]] std::vector<std::string> completions(const CLI::App& app,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Commands before a test: delay, identify, calibrate, pretest.
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 
@@ -14,11 +13,13 @@
 #include <rths/commissioning/empty_table_run.hpp>
 #include <rths/commissioning/learnt_inverse.hpp>
 #include <rths/commissioning/pretest.hpp>
+#include <rths/commissioning/recorded.hpp>
 #include <rths/core/error.hpp>
 #include <rths/report/report.hpp>
 
 #include "commands.hpp"
 #include "run_folder.hpp"
+#include "temporary_folder.hpp"
 #include "write_file.hpp"
 
 namespace rths::app {
@@ -29,9 +30,17 @@ std::filesystem::path recording_of(const std::filesystem::path& file_or_folder) 
                                                        : file_or_folder;
 }
 
+// A recording that is given twice would halve the variance of each estimate.
 std::vector<std::filesystem::path> recordings_of(const std::vector<std::string>& files) {
   std::vector<std::filesystem::path> paths;
-  for (const auto& file : files) paths.push_back(recording_of(file));
+  for (const auto& file : files) {
+    const auto path = recording_of(file);
+    std::error_code ignored;
+    for (const auto& earlier : paths)
+      if (std::filesystem::equivalent(earlier, path, ignored))
+        throw Error{path.string() + ": is given twice, expected different recordings"};
+    paths.push_back(path);
+  }
   return paths;
 }
 
@@ -42,12 +51,15 @@ int delay(const CommissioningArguments& a) {
   question.window = a.window;
   question.search = a.search;
   question.least_rms = a.least_rms;
-  const auto pairs = commissioning::track(recording::Reader{recording_of(a.files.at(0))}, question);
+  const auto file = recording_of(a.files.at(0));
+  const auto pairs = commissioning::of_file(
+      file, [&] { return commissioning::track(recording::Reader{file}, question); });
   fmt::print("{}", a.json ? commissioning::json_of(pairs) : commissioning::text_of(pairs));
   return kOk;
 }
 
 int identify_empty_table(const CommissioningArguments& a) {
+  check_target(a.out);
   const auto runs = commissioning::identify_empty_table(recordings_of(a.files), a.load);
   fmt::print("{}", a.json ? commissioning::json_of(runs) : commissioning::text_of(runs));
   if (!a.out.empty()) write_file(a.out, commissioning::toml_of(runs, a.block, a.observer));
@@ -55,6 +67,7 @@ int identify_empty_table(const CommissioningArguments& a) {
 }
 
 int identify_inverse(const CommissioningArguments& a) {
+  check_target(a.out);
   const auto found = commissioning::learnt_inverse(recordings_of(a.files), a.inverse);
   fmt::print("{}", a.json ? commissioning::json_of(found) : commissioning::text_of(found));
   if (!a.out.empty()) write_file(a.out, commissioning::toml_of(found));
@@ -62,6 +75,7 @@ int identify_inverse(const CommissioningArguments& a) {
 }
 
 int calibrate(const CommissioningArguments& a) {
+  check_target(a.out);
   const auto found = commissioning::calibrate(recordings_of(a.files),
                                               {a.band.at(0), a.band.at(1), a.feed_forward_share});
   fmt::print("{}", a.json ? commissioning::json_of(found) : commissioning::text_of(found));
@@ -69,32 +83,12 @@ int calibrate(const CommissioningArguments& a) {
   return kOk;
 }
 
-// A folder that is removed with everything in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "rths-pretest-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw Error{name + ": the folder cannot be created"};
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 int pretest(const CommissioningArguments& a) {
   const auto experiment = load_experiment(a.files.at(0), split_changes(a.sets));
   std::optional<TemporaryFolder> temporary;
   commissioning::PretestSettings settings;
   if (a.out.empty())
-    settings.folder = temporary.emplace().path();
+    settings.folder = temporary.emplace("pretest").path();
   else
     create_folder(settings.folder = a.out);
   if (!a.machine.empty()) settings.machine = recording_of(a.machine);

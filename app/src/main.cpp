@@ -407,6 +407,7 @@ int parse_and_run(int argc, char** argv) {
     add(app, arguments, chosen);
   add_bench(app, arguments.bench, chosen);
   add_commissioning(app, arguments.before, chosen);
+  refuse_nan(app);
   const std::vector<std::string> words{argv + 1, argv + argc};
   if (const auto result = run_hidden(app, words)) return *result;
   try {

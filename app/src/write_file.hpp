@@ -1,19 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 
 #include <rths/core/error.hpp>
+#include <rths/recording/recording.hpp>
 
 namespace rths::app {
 
-/// @throws Error if the file cannot be written
+/// @throws Error if results may not be written to the path: the file is a recording, or read-only
+inline void check_target(const std::filesystem::path& file) {
+  if (access(file.c_str(), F_OK) != 0) return;
+  if (access(file.c_str(), W_OK) != 0) throw Error{file.string() + ": cannot be written"};
+  if (recording::is_hdf5(file))
+    throw Error{file.string() + ": is a recording, expected another file for the results"};
+}
+
+/// A file is replaced when the new one is complete; a device or a pipe is written directly.
+/// @throws Error if the file is a recording or cannot be written; it is unchanged then
 inline void write_file(const std::filesystem::path& file, const std::string& content) {
-  std::ofstream stream{file, std::ios::binary};
-  stream << content << std::flush;
-  if (!stream) throw Error{file.string() + ": cannot be written"};
+  check_target(file);
+  std::error_code error;
+  const auto is_new = !std::filesystem::exists(file, error);
+  const auto target = is_new ? file : std::filesystem::canonical(file, error);
+  const bool is_direct = !is_new && !std::filesystem::is_regular_file(target, error);
+  auto written = target;
+  if (!is_direct) written += ".part";
+  std::ofstream stream{written, std::ios::binary};
+  stream << content;
+  stream.close();
+  const bool is_complete = stream.good();
+  error.clear();
+  if (is_complete && !is_direct) std::filesystem::rename(written, target, error);
+  if (is_complete && !error) return;
+  std::error_code ignored;
+  if (!is_direct) std::filesystem::remove(written, ignored);
+  throw Error{file.string() + ": cannot be written"};
 }
 
 }  // namespace rths::app

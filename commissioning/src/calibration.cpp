@@ -78,8 +78,13 @@ Spectra spectra_of(const std::vector<AxisCharacter>& records, double delay) {
                                 static_cast<double>(moved) * record.interval);
     }
   }
-  if (spectra.power.size() == 0)
-    throw Error{fmt::format("calibration: the records are shorter than {} s", kSegment)};
+  if (spectra.power.size() == 0) {
+    double longest = 0;
+    for (const auto& record : records)
+      longest = std::max(longest, static_cast<double>(record.reference.size()) * record.interval);
+    throw Error{fmt::format("calibration: the longest record has {:.3g} s, expected more than {} s",
+                            longest, kSegment)};
+  }
   return spectra;
 }
 
@@ -176,7 +181,9 @@ Calibration calibrate(const std::vector<std::filesystem::path>& files,
       const recording::Reader run{file};
       for (const auto& axis : recording::roles_of(run).axes) {
         if (axis.axis != name) continue;
-        auto data = recorded(run, {axis.reference, axis.machine_displacement});
+        auto data = of_file(file, [&] {
+          return recorded(run, {axis.reference, axis.machine_displacement});
+        });
         records.push_back({data.interval, std::move(data.values[0]), std::move(data.values[1])});
       }
     }

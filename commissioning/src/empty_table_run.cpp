@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,8 @@
 namespace rths::commissioning {
 namespace {
 
+constexpr std::string_view kKeyCharacters =
+    "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";  // of a bare key in TOML
 constexpr double kSameInterval = 1e-3;  // of recordings that are fitted together [-]
 
 using controller::TableForce;
@@ -86,14 +89,27 @@ std::string key_of(const EmptyTableRuns& runs, const char* key, Value value) {
                     : fmt::format("{} = [{:.6g}]\n", key, values[0]);
 }
 
+// A real machine does not state whether it has a specimen.
+bool has_virtual_specimen(const recording::Reader& run, const recording::Roles& roles) {
+  const auto experiment = recording::experiment_in(run);
+  if (!experiment) return false;
+  const auto machine = experiment->table_or_empty("node").table_or_empty(roles.machine);
+  return machine.text("adapter", "") == "srmd" &&
+         !experiment->table_or_empty("machine").flag("empty_table", false);
+}
+
 std::vector<Run> recordings_of(const std::vector<std::filesystem::path>& files,
                                const std::string& axis) {
   std::vector<Run> recordings;
   for (const auto& file : files) {
     const recording::Reader run{file};
     const auto roles = recording::roles_of(run);
+    if (has_virtual_specimen(run, roles))
+      throw Error{file.string() +
+                  ": is a test with a specimen, expected [machine] empty_table = true"};
     for (const auto& names : roles.axes)
-      if (names.axis == axis) recordings.push_back(read_run(run, names, roles.load));
+      if (names.axis == axis)
+        recordings.push_back(of_file(file, [&] { return read_run(run, names, roles.load); }));
   }
   return recordings;
 }
@@ -160,6 +176,8 @@ std::string json_of(const EmptyTableRuns& runs) {
 }
 
 std::string toml_of(const EmptyTableRuns& runs, const std::string& block, const std::string& type) {
+  if (block.empty() || block.find_first_not_of(kKeyCharacters) != std::string::npos)
+    throw Error{fmt::format("--block: the name is '{}', expected letters, digits, - and _", block)};
   const bool of_table = is_of_table(type);
   std::string text = "# Force of the machine, identified without a specimen:";
   text += "\n#   rths identify empty-table";
@@ -180,6 +198,7 @@ std::string toml_of(const EmptyTableRuns& runs, const std::string& block, const 
                                                             fit.machine.load_friction)
                                               : "");
   }
+  if (runs.axes.front().name == "lat") text += "# long: not identified; its zeros keep the place\n";
   const double load = of_table ? 0 : runs.load;
   text += fmt::format("[{}]\n", block);
   text += key_of(runs, "effective_mass_kg", [](const auto& m) { return m.effective_mass; });

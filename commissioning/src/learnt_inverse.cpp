@@ -74,13 +74,19 @@ LearntInverse learnt_inverse(const std::vector<std::filesystem::path>& files,
   for (const auto& file : files) runs.emplace_back(file);
   for (const char* name : {"long", "lat"}) {
     std::vector<Course> courses;
-    for (const auto& run : runs)
-      if (const auto course = course_of(run, block, name)) courses.push_back(*course);
+    std::string without;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const auto course = of_file(files[i], [&] { return course_of(runs[i], block, name); });
+      if (course)
+        courses.push_back(*course);
+      else
+        without = files[i].string();
+    }
     if (courses.size() == files.size() && !courses.empty())
       found.axes.push_back(axis_of(name, courses));
     else if (!courses.empty())
-      throw Error{fmt::format("{}: block '{}' learnt in {} of {} recordings, expected all", name,
-                              block, courses.size(), files.size())};
+      throw Error{fmt::format("{}: {}: block '{}' did not learn, expected it in all recordings",
+                              without, name, block)};
   }
   if (found.axes.empty())
     throw Error{fmt::format(
@@ -117,17 +123,22 @@ std::string json_of(const LearntInverse& inverse) {
   return document.dump(2) + "\n";
 }
 
-// A list of the block begins with long, so a run along lat alone states both axes.
+// A list of the block begins with long, so a run along lat alone states both axes. A run along long
+// alone states one value, which a test along both axes refuses.
 std::string toml_of(const LearntInverse& inverse) {
   std::string text =
       "# Initial coefficients of the adaptive inverse, learnt in recorded runs:\n#   rths identify "
       "inverse";
   for (const auto& file : inverse.files) text += " " + file.string();
+  const bool has_lat = inverse.axes.back().name == "lat";
+  if (inverse.axes.front().name == "lat") text += "\n# long: did not learn; has the values of lat";
   text += fmt::format("\n[{}]\n", inverse.block);
   for (std::size_t k = 0; k < std::size(kInverseCoefficients); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double first = inverse.axes.front().learnt[i], last = inverse.axes.back().learnt[i];
-    text += fmt::format("{} = [{:.6g}, {:.6g}]\n", kInverseCoefficients[k].key, first, last);
+    const char* key = kInverseCoefficients[k].key;
+    text += has_lat ? fmt::format("{} = [{:.6g}, {:.6g}]\n", key, first, last)
+                    : fmt::format("{} = [{:.6g}]\n", key, first);
   }
   return text;
 }

@@ -44,7 +44,9 @@ launch::RunOutcome run_virtually(const launch::Experiment& experiment,
   options.clock = launch::ClockKind::Virtual;
   options.recording = file;
   options.version = settings.version;
-  return launch::run(experiment, options);
+  auto outcome = launch::run(experiment, options);
+  if (outcome.interrupted) throw Error{experiment.file.string() + ": the pretest was interrupted"};
+  return outcome;
 }
 
 // The numerical specimen is the bearing that the simulation assumes.

@@ -47,7 +47,6 @@ std::vector<double> at_equal_intervals(const std::vector<double>& time,
       x.push_back(values[i]);
     }
   std::vector<double> result(count, 0.0);
-  if (t.empty()) return result;
   std::size_t next = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double now = time.front() + static_cast<double>(i) * interval;
@@ -75,8 +74,13 @@ Recorded recorded(const recording::Reader& run, const std::vector<std::string>& 
   const auto count =
       static_cast<std::size_t>(std::floor((time.back() - time.front()) / result.interval + 0.5)) +
       1;
-  for (const auto& name : names)
-    result.values.push_back(at_equal_intervals(time, run.signal(name), result.interval, count));
+  for (const auto& name : names) {
+    auto values = run.signal(name);
+    values.resize(time.size(), std::nan(""));  // shorter after a crash of the writer
+    if (std::none_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); }))
+      throw Error{fmt::format("'{}' has no finite value, expected at least one", name)};
+    result.values.push_back(at_equal_intervals(time, values, result.interval, count));
+  }
   return result;
 }
 

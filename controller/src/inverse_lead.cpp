@@ -31,6 +31,7 @@ InverseLeadSettings checked(InverseLeadSettings s) {
   kRequireLead.positive("sign_velocity", s.sign_velocity);
   kRequireLead.positive("force_capacity", s.force_capacity);
   kRequireLead.positive("largest_reference", s.largest_reference);
+  kRequireLead(s.effective_mass >= 0, "effective_mass", s.effective_mass, "0 or more");
   return s;
 }
 

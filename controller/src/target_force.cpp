@@ -12,7 +12,8 @@ namespace {
 
 constexpr Require kRequireTargetForce{"force at the target"};
 
-constexpr int kPathPieces = 10;        // of the way between two targets
+constexpr double kLeastReach = 1e-6, kLargestReach = 10;  // the squares of u/r stay finite [m]
+constexpr int kPathPieces = 10;                           // of the way between two targets
 constexpr double kRidge = 1e-3;        // pulls strengths to the prior, of each one's information
 constexpr double kPriorSamples = 300;  // information of the expected strengths
 constexpr double kMeanSquareMemory = 0.25;  // of the mean square speed [s]
@@ -203,7 +204,9 @@ TargetForce::TargetForce(const TargetForceSettings& settings) {
   kRequireTargetForce.positive("period", settings.period);
   kRequireTargetForce(!settings.reach.empty(), "number of sliders", 0, "at least 1");
   for (const auto* sliders : {&settings.reach, &settings.smooth_reach})
-    for (const double reach : *sliders) kRequireTargetForce.positive("reach of a slider", reach);
+    for (const double reach : *sliders)
+      kRequireTargetForce(reach >= kLeastReach && reach <= kLargestReach, "reach of a slider",
+                          reach, "1e-6 to 10 m");
   if (const auto& smooth = settings.smooth_reach; !std::is_sorted(smooth.begin(), smooth.end()))
     kRequireTargetForce(false, "first smooth reach", smooth[0], "an ascending list");
   if (settings.expected_strength != 0) {

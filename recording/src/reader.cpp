@@ -60,7 +60,7 @@ Handle open_file(const std::filesystem::path& path) {
     check(H5Pset_metadata_read_attempts(access.id(), kAttempts), "HDF5 properties");
     file = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
   }
-  return {file, H5Fclose, path.string() + ": opening it as a recording"};
+  return {file, H5Fclose, path.string() + ": is damaged or no recording (HDF5): opening it"};
 }
 
 herr_t append_link_name(hid_t, const char* name, const H5L_info_t*, void* names) {

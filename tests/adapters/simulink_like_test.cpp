@@ -447,6 +447,9 @@ TEST(Diagram, RefusesInvalidParametersOfBlocks) {
             "that");
   EXPECT_EQ(error_in(kX + block("f", "saturation", "in.in = \"x\"\nlimits = [1]")),
             "d.toml:13:10: limits has 1 numbers, none for axis 'lat'");
+  EXPECT_EQ(
+      error_in(kX + block("f", "saturation", "in.in = \"x\"\nlimits = [1, 1, 1, 1, 1, 1, 1]")),
+      "d.toml:13:10: limits has 7 numbers, expected one per axis, long first");
   EXPECT_EQ(error_in(kX + block("f", "sum", "in.in1 = \"x\"\nsigns = \"+*\"")),
             "d.toml:13:9: signs is '+*', expected '+' and '-' only");
   EXPECT_EQ(error_in(""), "d.toml:1:1: the diagram has no blocks");

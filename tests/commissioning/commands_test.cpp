@@ -2,6 +2,7 @@
 //
 // The commands before a test, on short runs of the virtual machine.
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 
 #include "support/files.hpp"
 #include "support/process.hpp"
+#include "support/waiting.hpp"
 
 namespace rths::commissioning {
 namespace {
@@ -44,6 +46,13 @@ std::vector<std::string> pretest_of(const std::vector<std::string>& sets) {
     arguments.push_back(set);
   }
   return arguments;
+}
+
+void expect_refused(const std::vector<std::string>& arguments, const std::string& text,
+                    int exit_code = 2) {
+  const auto ran = test::run_rths(arguments);
+  EXPECT_EQ(ran.exit_code, exit_code) << ran.out;
+  EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
 }
 
 // The strong motion of the example begins after 3 s.
@@ -84,6 +93,34 @@ TEST(IdentifyCommand, WritesConstantsThatTheControllerReads) {
       "empty_table.toml", folder.path() / "again",
       {"targets.frequencies_Hz=[2]", "duration_s=4", "node.xpc.constants=" + constants.string()}));
   EXPECT_EQ(used.exit_code, 0) << used.err;
+  const auto file = (run / "run.h5").string(), before = test::content_of(file);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"identify", "empty-table", file, "--out", file},
+        {"calibrate", file, "--out", file},
+        {"bench", "srmd", "--json", file}})
+    expect_refused(command, "run.h5: is a recording, expected another file");
+  EXPECT_TRUE(test::content_of(file) == before);
+  expect_refused({"identify", "empty-table", run.string(), file}, "run.h5: is given twice");
+  expect_refused({"identify", "empty-table", file, "--block", "a]", "--out", constants.string()},
+                 "the name is 'a]', expected letters, digits, - and _");
+  expect_refused({"calibrate", file, "--feed-forward-share", "nan"}, "nan is not a number", 3);
+  expect_refused({"calibrate", file, "--band-Hz", "nan", "1"}, "nan is not a number", 3);
+}
+
+TEST(IdentifyCommand, LeavesAnEarlierFileIfTheDiskIsFull) {
+  const test::TemporaryFolder folder;
+  const auto run = folder.path() / "empty";
+  ASSERT_EQ(test::run_rths(
+                run_of("empty_table.toml", run, {"targets.frequencies_Hz=[2]", "duration_s=6"}))
+                .exit_code,
+            0);
+  const auto constants = folder.write("force.toml", "[observer]\n");
+  std::filesystem::create_symlink("/dev/full", folder.path() / "force.toml.part");
+
+  expect_refused({"identify", "empty-table", run.string(), "--out", constants.string()},
+                 "force.toml: cannot be written");
+
+  EXPECT_EQ(test::content_of(constants), "[observer]\n");
 }
 
 // The machine imposes the response of the numerical test, and the inverse learns meanwhile. Four
@@ -114,6 +151,8 @@ TEST(IdentifyCommand, WritesLearntCoefficientsThatTheNextRunStartsFrom) {
     }
   const auto both = json_of({"identify", "inverse", first.string(), next.string(), "--json"});
   EXPECT_GT(both["axes"]["lat"]["a2_s2"]["deviation"].get<double>(), 0);
+  expect_refused({"identify", "empty-table", first.string()},
+                 "run.h5: is a test with a specimen, expected [machine] empty_table = true");
   const auto none = test::run_rths({"identify", "inverse", first.string(), "--block", "ats"});
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_NE(none.err.find("no recording has a block 'ats' that learnt"), std::string::npos)
@@ -200,6 +239,19 @@ TEST(PretestCommand, RefusesExperimentsThatItCannotRun) {
   EXPECT_EQ(imposed.exit_code, 2);
   EXPECT_NE(imposed.err.find("[targets]"), std::string::npos) << imposed.err;
   EXPECT_EQ(test::run_rths({"pretest", "/no/such/file.toml"}).exit_code, 2);
+}
+
+TEST(PretestCommand, LeavesNoFolderWhenASignalEndsIt) {
+  const test::TemporaryFolder folder;
+  test::Running pretest{{"/usr/bin/env", "TMPDIR=" + folder.path().string(), test::rths_command(),
+                         "pretest", example("srmd_lprb_2d.toml"), "--set", "duration_s=20"}};
+  ASSERT_TRUE(test::comes_true([&] { return !std::filesystem::is_empty(folder.path()); }));
+
+  ASSERT_EQ(kill(pretest.pid(), SIGTERM), 0);
+  const auto ended = pretest.wait();
+
+  EXPECT_NE(ended.exit_code, 0);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << ended.err;
 }
 
 TEST(PretestCommand, SaysNoGoForAMachineThatIsMadeUnstable) {

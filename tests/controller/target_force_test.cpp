@@ -268,10 +268,11 @@ TEST(TargetForce, IsFitForRealTime) {
 }
 
 TEST(TargetForce, RefusesWrongSettings) {
-  TargetForceSettings none, negative, short_memory, descending, half, late;
+  TargetForceSettings none, negative, tiny, short_memory, descending, half, late;
   late.lead_time = -1;
   none.reach = {};
   negative.reach = {1e-3, -1e-3};
+  tiny.smooth_reach = {1e-310, 1e-3};
   short_memory.forgetting = 0;
   descending.smooth_reach = {2e-3, 1e-3};
   half.expected_strength = 1e6;
@@ -279,7 +280,9 @@ TEST(TargetForce, RefusesWrongSettings) {
   EXPECT_EQ(test::error_of([&] { TargetForce{none}; }),
             "force at the target: number of sliders is 0, expected at least 1");
   EXPECT_EQ(test::error_of([&] { TargetForce{negative}; }),
-            "force at the target: reach of a slider is -0.001, expected a positive number");
+            "force at the target: reach of a slider is -0.001, expected 1e-6 to 10 m");
+  EXPECT_EQ(test::error_of([&] { TargetForce{tiny}; }),
+            "force at the target: reach of a slider is 1e-310, expected 1e-6 to 10 m");
   EXPECT_EQ(test::error_of([&] { TargetForce{short_memory}; }),
             "force at the target: forgetting is 0, expected more than a period");
   EXPECT_EQ(test::error_of([&] { TargetForce{descending}; }),

@@ -34,6 +34,9 @@ std::vector<double> per_axis(const Config& table, const std::string& key,
                              const std::vector<std::string>& axes, double otherwise) {
   std::vector<double> values;
   const auto given = table.numbers(key, {});
+  if (given.size() > std::size(kAxisOrder) || (given.empty() && table.has(key)))
+    table.fail(key, fmt::format("{} has {} numbers, expected one per axis, long first", key,
+                                given.size()));
   for (const auto& axis : axes) {
     const std::size_t order = place_of(axis);
     if (given.empty())

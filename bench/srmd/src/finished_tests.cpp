@@ -81,8 +81,11 @@ void FinishedTests::read(const std::string& origin) {
 // One call, so that a killed process leaves whole lines; the kernel appends each in one piece.
 void FinishedTests::write(const std::string& line) {
   const std::string text = line + "\n";
-  if (::write(descriptor_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
-    throw Error{file_.string() + ": cannot be written"};
+  const off_t before = lseek(descriptor_, 0, SEEK_END);
+  if (::write(descriptor_, text.data(), text.size()) == static_cast<ssize_t>(text.size())) return;
+  // Another thread may append its test meanwhile: not behind a piece of this line.
+  const bool is_shortened = ftruncate(descriptor_, before) == 0;
+  throw Error{file_.string() + (is_shortened ? ": cannot be written" : ": is damaged")};
 }
 
 void FinishedTests::add(const TestName& name, const SrmdTest& test) {

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <climits>
+#include <csignal>
+#include <cstddef>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include <rths/core/error.hpp>
+
+namespace rths::app {
+
+/// A folder that is removed with everything in it, also by a signal that ends the process. One at
+/// a time.
+class TemporaryFolder {
+ public:
+  explicit TemporaryFolder(const std::string& purpose) {
+    std::string name =
+        (std::filesystem::temp_directory_path() / ("rths-" + purpose + "-XXXXXX")).string();
+    if (name.size() >= named().size() || mkdtemp(name.data()) == nullptr)
+      throw Error{name + ": the folder cannot be created"};
+    path_ = name;
+    name.copy(named().data(), name.size());
+    named()[name.size()] = '\0';
+    struct sigaction action {};
+    action.sa_handler = remove_and_end;
+    for (std::size_t i = 0; i < kCount; ++i) sigaction(kSignals[i], &action, &previous_[i]);
+  }
+  ~TemporaryFolder() {
+    for (std::size_t i = 0; i < kCount; ++i) sigaction(kSignals[i], &previous_[i], nullptr);
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+  static constexpr std::size_t kCount = sizeof kSignals / sizeof kSignals[0];
+
+  static std::array<char, PATH_MAX>& named() {
+    static std::array<char, PATH_MAX> path{};
+    return path;
+  }
+  // A handler may not allocate, so another program removes the folder.
+  static void remove_and_end(int signal) {
+    const pid_t child = _Fork();
+    if (child == 0) {
+      execl("/bin/rm", "rm", "-rf", "--", named().data(), nullptr);  // NOLINT: variadic
+      _exit(1);
+    }
+    if (child > 0) waitpid(child, nullptr, 0);
+    struct sigaction action {};
+    action.sa_handler = SIG_DFL;
+    sigaction(signal, &action, nullptr);
+    raise(signal);
+  }
+
+  std::filesystem::path path_;
+  struct sigaction previous_[kCount] = {};
+};
+
+}  // namespace rths::app
