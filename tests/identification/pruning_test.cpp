@@ -207,40 +207,6 @@ TEST_F(Pruning, WithdrawsAShiftWithinASample) {
             Reasons{"x: it shifts signals by less than a tenth of the time between samples"});
 }
 
-// A gain of 0.1 % is that of a good sensor, and one of 1 % is not. A spring may be as small as it
-// is.
-TEST_F(Pruning, WithdrawsAnErrorWithinTheAccuracyOfASensor) {
-  Candidate gain = friction("x");
-  gain.frees[0].unit = "-";
-  gain.frees[0].absent = 0.999;
-  gain.part = Part::Sensor;
-  add(gain);
-
-  EXPECT_EQ(reasons({1, 0, 0}, {}),
-            Reasons{"x: it is less than 0.2 % of the sensor's signal, as good sensors have"});
-}
-
-TEST_F(Pruning, KeepsAnErrorBeyondTheAccuracyOfASensor) {
-  Candidate gain = friction("x");
-  gain.frees[0].unit = "-";
-  gain.frees[0].absent = 0.5;
-  gain.part = Part::Sensor;
-  add(gain);
-
-  EXPECT_EQ(reasons({1, 0, 0}, {}), Reasons{});
-}
-
-// Its interval of ± 0.08 decides.
-TEST_F(Pruning, HasNoAccuracyForOtherParts) {
-  Candidate slip = friction("x");
-  slip.frees[0].unit = "-";
-  slip.frees[0].absent = 0.999;
-  slip.part = Part::Structure;
-  add(slip);
-
-  EXPECT_EQ(reasons({1, 0, 0}, {}), Reasons{"x: its size may be zero"});
-}
-
 // A second size, of another unit, is no shift.
 TEST_F(Pruning, KeepsADriftThatBeginsWithinASample) {
   Candidate drift = friction("x");

@@ -63,6 +63,35 @@ double value_of(const Hypothesis& model, const std::string& parameter) {
   return std::nan("");
 }
 
+/// The check of an accelerometer by a displacement.
+class AccelerometerCheck : public LinearRelation {
+ public:
+  AccelerometerCheck() { driven_by = {"displacement.long"}; }
+  [[nodiscard]] const std::vector<std::pair<std::string, std::string>>& outputs() const override {
+    static const std::vector<std::pair<std::string, std::string>> names{
+        {"acceleration.long", "m/s2"}};
+    return names;
+  }
+};
+
+// A sine of 2 cycles in 30 s changes by 1.05 % of itself in half a sample of 50 ms: two sensors may
+// be read at instants that differ so much.
+TEST(Select, FindsNoFaultOfAnAccelerometerWithinHalfASample) {
+  for (const auto& [size, found] : {std::pair{0.02, false}, {0.08, true}}) {
+    constexpr double kNoise = 0.01;
+    SixCandidates six{{{"e3", size}}, 1, kNoise};
+    six.relation.deviation = {kNoise};
+    EXPECT_EQ(names_in(six.selected().rounds), std::set<std::string>{"e3"}) << size;
+
+    AccelerometerCheck check;
+    check.stated = six.relation.stated;
+    check.known = six.relation.known;
+    check.deviation = {kNoise};
+    Problem problem = linear_problem(check, six.records);
+    EXPECT_EQ(!select(problem, two_records(), 1).rounds.empty(), found) << size;
+  }
+}
+
 // The estimate over both records has the deviation 1/√(2 · 600); the gain of a known effect of size
 // 1 over both records is ½ · 1200 with the deviation √1200. Estimating it costs 2 [nat], because
 // each estimate is off in both senses. Four deviations.

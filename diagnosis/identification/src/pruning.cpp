@@ -72,8 +72,6 @@ class Pruning {
         return {{i, "its size lies within the noise of the displacement"}};
       if (is_within_sample(candidate, estimates))
         return {{i, "it shifts signals by less than a tenth of the time between samples"}};
-      if (is_within_accuracy(candidate, estimates))
-        return {{i, "it is less than 0.2 % of the sensor's signal, as good sensors have"}};
       if (may_be_absent(candidate, selection_.named, covariance))
         return {{i, "its size may be zero"}};
     }
@@ -110,22 +108,6 @@ class Pruning {
       if (!free.absent || size == nullptr) continue;
       has_size = true;
       if (free.unit != "s" || std::abs(size->value - *free.absent) >= least) return false;
-    }
-    return has_size;
-  }
-
-  // Gain, crosstalk or distortion below the accuracy of a calibrated sensor: class 0.5 of ISO 376
-  // permits 0.24 %.
-  static bool is_within_accuracy(const Candidate& candidate,
-                                 const std::vector<Estimate>& estimates) {
-    constexpr double kAccuracy = 0.002;
-    if (candidate.part != Part::Sensor) return false;
-    bool has_size = false;
-    for (const auto& free : candidate.frees) {
-      const Estimate* size = estimate_of(free.name, estimates);
-      if (!free.absent || size == nullptr) continue;
-      has_size = true;
-      if (free.unit != "-" || std::abs(size->value - *free.absent) >= kAccuracy) return false;
     }
     return has_size;
   }

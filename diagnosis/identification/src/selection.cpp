@@ -11,6 +11,7 @@
 
 #include <rths/identification/proof.hpp>
 #include <rths/identification/scores.hpp>
+#include <rths/identification/signal.hpp>
 
 #include "acceptance.hpp"
 #include "named_model.hpp"
@@ -46,6 +47,26 @@ void drop_named(std::vector<SelectionRound>& rounds) {
     };
     std::erase_if(round.tied, is_named);
   }
+}
+
+// The smallest change of a prediction that counts, over the measurement's rms. Two sensors of one
+// motion are read at unknown instants of a sample, and this may look like a fault of one of them.
+double least_change(const Problem& problem, const Fold& fold) {
+  const Relation& relation = problem.relation();
+  const auto drivers = relation.drivers();
+  if (drivers.empty() || !drivers[0].starts_with("displacement.") ||
+      !relation.outputs()[0].first.starts_with("acceleration."))
+    return kMaterial;
+  double shift = 0, size = 0;
+  for (const auto& share : fold.shares) {
+    const Drive& drive = problem.drive(share.record);
+    const double half = 0.5 * problem.record(share.record).time_step;
+    for (const auto& signal : drive.measured.colwise()) {
+      shift += half * half * rate_of(signal, drive.time_step).squaredNorm();
+      size += (signal.array() - signal.mean()).square().sum();
+    }
+  }
+  return std::max(kMaterial, std::sqrt(shift / std::max(size, 1e-300)));
 }
 
 class Selector {
@@ -175,7 +196,8 @@ class Selector {
     const double least = accepted(round.base(), contenders.size() == 1);
     const std::vector<Contender> waiting = held_back(contenders, holder, least, seed_);
     if (contenders.empty() || !is_acceptable(contenders[0], least, seed_) ||
-        change_of(problem_, round.base(), contenders[0].fitted, folds_.second) < kMaterial)
+        change_of(problem_, round.base(), contenders[0].fitted, folds_.second) <
+            least_change(problem_, folds_.second))
       return std::nullopt;
     SelectionRound won = chosen(std::move(contenders), seed_);
     // Waiting candidates contain the chosen one as a special case, so they support it.
