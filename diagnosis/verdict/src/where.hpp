@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <rths/cases/case.hpp>
 #include <rths/identification/investigation.hpp>
+#include <rths/verdict/verdict.hpp>
 
 namespace rths::diagnosis {
 
