@@ -171,6 +171,21 @@ NoiseSpectrum spectrum_in_motion(const Channel& channel, double time_step) {
   return {std::min(jitter_of(channel), floor_of(channel, time_step)), time_step};
 }
 
+// By role of a measured channel, from the first record that has it.
+std::map<std::string, NoiseSpectrum> spectra_of(const std::vector<const Record*>& records,
+                                                const std::map<std::string, Rest>& at_rest) {
+  const auto families = families_of(at_rest);
+  std::map<std::string, NoiseSpectrum> by_role;
+  for (const Record* record : records)
+    for (const auto& channel : record->channels)
+      if (is_measured(channel.role) && !by_role.contains(channel.role))
+        by_role[channel.role] = is_seen(at_rest, channel.role)
+                                    ? spectrum_at_rest(at_rest.at(channel.role), channel.role,
+                                                       families, record->time_step)
+                                    : spectrum_in_motion(channel, record->time_step);
+  return by_role;
+}
+
 }  // namespace
 
 SensorNoise::SensorNoise(const std::vector<const Record*>& records,
@@ -181,14 +196,7 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
   for (auto& [role, rest] : at_rest)
     if (const double frequency = rest.take_out_line(records[0]->time_step); frequency > 0)
       lines_.push_back(fmt::format("{} has a sine of {:.2f} Hz at rest", role, frequency));
-  const auto families = families_of(at_rest);
-  for (const Record* record : records)
-    for (const auto& channel : record->channels)
-      if (is_measured(channel.role) && !by_role_.contains(channel.role))
-        by_role_[channel.role] = is_seen(at_rest, channel.role)
-                                     ? spectrum_at_rest(at_rest.at(channel.role), channel.role,
-                                                        families, record->time_step)
-                                     : spectrum_in_motion(channel, record->time_step);
+  by_role_ = spectra_of(records, at_rest);
   was_seen_at_rest_ = std::any_of(by_role_.begin(), by_role_.end(),
                                   [&](const auto& known) { return is_seen(at_rest, known.first); });
   source_ = was_seen_at_rest_ ? "intervals at rest"
