@@ -115,7 +115,9 @@ class Field:
                 return format(value, spec)
             value = float(value)
         scaled = value * float(factor) if factor != "1" else value
-        return re.sub("^-", "−", format(scaled, spec))
+        text = format(scaled, spec)
+        is_zero = text.startswith("-") and not text.strip("-0.")
+        return text[1:] if is_zero else re.sub("^-", "−", text)
 
     @staticmethod
     def lookup(path, sources):
