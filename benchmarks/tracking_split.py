@@ -13,6 +13,7 @@ import re
 import subprocess
 import tempfile
 
+import keep
 from results_file import RESULTS, TREE, commit, machine, stamp, write
 
 EXAMPLES = TREE / "examples"
@@ -23,7 +24,7 @@ RUNS = {  # names on the page, and what differs from the demo
     "as it is": [],
     "without sensor noise": [CHANGES % f"transducers={{{SILENT}}}"],
     "without friction of the machine": [CHANGES % "friction={coulomb_N=[0, 0], viscous_N_s_per_m=[0, 0], coefficient=0}"],
-    "without dead band": [CHANGES % "actuator_long={dead_band=0}, actuator_lat={dead_band=0}"],
+    "without dead band": [keep.NO_DEAD_BAND],
     "memory of the inverse 10 s": ["node.xpc.blocks.inverse.forgetting_s=10"],
     "smoothing 3 ms": ["node.xpc.blocks.inverse.smoothing_s=0.003",
                        "node.srmd.safety.velocity_m_per_s=[3.0, 1.5]"],  # else the safety layer trips

@@ -13,7 +13,6 @@
 #include <rths/commissioning/empty_table_run.hpp>
 #include <rths/commissioning/learnt_inverse.hpp>
 #include <rths/commissioning/pretest.hpp>
-#include <rths/commissioning/recorded.hpp>
 #include <rths/core/error.hpp>
 #include <rths/report/report.hpp>
 
@@ -52,7 +51,7 @@ int delay(const CommissioningArguments& a) {
   question.search = a.search;
   question.least_rms = a.least_rms;
   const auto file = recording_of(a.files.at(0));
-  const auto pairs = commissioning::of_file(
+  const auto pairs = recording::of_file(
       file, [&] { return commissioning::track(recording::Reader{file}, question); });
   fmt::print("{}", a.json ? commissioning::json_of(pairs) : commissioning::text_of(pairs));
   return kOk;

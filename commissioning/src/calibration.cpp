@@ -181,7 +181,7 @@ Calibration calibrate(const std::vector<std::filesystem::path>& files,
       const recording::Reader run{file};
       for (const auto& axis : recording::roles_of(run).axes) {
         if (axis.axis != name) continue;
-        auto data = of_file(file, [&] {
+        auto data = recording::of_file(file, [&] {
           return recorded(run, {axis.reference, axis.machine_displacement});
         });
         records.push_back({data.interval, std::move(data.values[0]), std::move(data.values[1])});

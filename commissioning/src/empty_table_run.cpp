@@ -109,7 +109,8 @@ std::vector<Run> recordings_of(const std::vector<std::filesystem::path>& files,
                   ": is a test with a specimen, expected [machine] empty_table = true"};
     for (const auto& names : roles.axes)
       if (names.axis == axis)
-        recordings.push_back(of_file(file, [&] { return read_run(run, names, roles.load); }));
+        recordings.push_back(
+            recording::of_file(file, [&] { return read_run(run, names, roles.load); }));
   }
   return recordings;
 }

@@ -76,7 +76,8 @@ LearntInverse learnt_inverse(const std::vector<std::filesystem::path>& files,
     std::vector<Course> courses;
     std::string without;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      const auto course = of_file(files[i], [&] { return course_of(runs[i], block, name); });
+      const auto course =
+          recording::of_file(files[i], [&] { return course_of(runs[i], block, name); });
       if (course)
         courses.push_back(*course);
       else

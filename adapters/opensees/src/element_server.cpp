@@ -7,8 +7,6 @@
 
 #include <rths/core/error.hpp>
 
-#include "message_codes.hpp"
-
 namespace rths::adapters {
 namespace {
 

@@ -35,6 +35,9 @@ class Descriptor {
   int fd_;
 };
 
+/// Time for a message to be taken: the peer waits for each of ours.
+inline constexpr Duration kSendDeadline = std::chrono::seconds{1};
+
 enum class Transport { Tcp, Udp };
 
 /// Decides whether a peer may connect, by the addresses of both ends.

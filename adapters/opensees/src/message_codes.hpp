@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <rths/core/clock.hpp>
-
 /// Codes of the messages between OpenSees' or OpenFresco's client elements and a server: the first
 /// number of a message (OpenSees SRC/element/genericClient, OpenFresco SRC/expSite).
 namespace rths::adapters::message_code {
@@ -15,10 +13,3 @@ inline constexpr double kOpen = 1, kSetUp = 2, kTrial = 3, kExecute = 4, kCommit
                         kEnd = 99;
 
 }  // namespace rths::adapters::message_code
-
-namespace rths::adapters {
-
-/// Time for a message to be taken: the peer waits for each of ours.
-inline constexpr Duration kSendDeadline = std::chrono::seconds{1};
-
-}  // namespace rths::adapters

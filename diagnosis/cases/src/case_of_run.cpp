@@ -17,6 +17,7 @@ namespace {
 using recording::at_each_count;
 using recording::AxisRoles;
 using recording::NodeTicks;
+using recording::of_file;
 using recording::Reader;
 
 // A lead-rubber bearing at 1 m/s passes its yield displacement of 3 mm in 3 ms. Steps longer than
@@ -165,18 +166,6 @@ void take_experiment(const Reader& run, CaseSource& source) {
       experiment.set(line.substr(0, equals), line.substr(equals + 1));
   source.experiment = experiment.in_its_folder();
   source.experiment_folder = source.experiment.resolve("");
-}
-
-// Adds the file's name to errors.
-template <class Read>
-auto of_file(const std::filesystem::path& file, Read read) {
-  try {
-    return read();
-  } catch (const Error& error) {
-    const std::string message = error.what();
-    if (message.find(file.string()) != std::string::npos) throw;
-    throw Error{file.string() + ": " + message};
-  }
 }
 
 }  // namespace

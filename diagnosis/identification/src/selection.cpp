@@ -268,6 +268,8 @@ class Selector {
   // Backward selection: removes candidates that later ones have made redundant.
   void drop_redundant() {
     auto& rounds = selection_.rounds;
+    if (rounds.size() < 2) return;
+    auto with = scores_of_both(current_);
     for (std::size_t i = 0; rounds.size() > 1 && i < rounds.size();) {
       if (is_needed(selection_, i)) {
         ++i;
@@ -277,25 +279,29 @@ class Selector {
       const Hypothesis rest =
           fitted(problem_, with_rounds(selection_.base, rounds, is_other, current_), folds_.first,
                  kLongFit);
-      if (is_beneficial(losses(rest, current_), kLeastAcceptedGain / 2, seed_)) {
+      auto without = scores_of_both(rest);
+      if (is_beneficial(losses(without, with), kLeastAcceptedGain / 2, seed_)) {
         ++i;
         continue;
       }
       rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(i));
       current_ = rest;
+      with = std::move(without);
       i = 0;
     }
   }
 
-  // What the held-out scores of both folds lose by one model in place of another, by block [nat].
-  [[nodiscard]] std::vector<double> losses(const Hypothesis& without,
-                                           const Hypothesis& with) const {
-    auto all =
-        minus(scores(problem_, without, folds_.second), scores(problem_, with, folds_.second));
-    const auto backwards = [&](const Hypothesis& model) {
-      return scores(problem_, fitted(problem_, model, folds_.second, kShortFit), folds_.first);
-    };
-    const auto back = minus(backwards(without), backwards(with));
+  // Held-out scores of a model that was fitted on the first fold, and after a fit on the second.
+  struct BothScores {
+    std::vector<double> second, first;  ///< by block [nat]
+  };
+  [[nodiscard]] BothScores scores_of_both(const Hypothesis& model) const {
+    return {scores(problem_, model, folds_.second),
+            scores(problem_, fitted(problem_, model, folds_.second, kShortFit), folds_.first)};
+  }
+  static std::vector<double> losses(const BothScores& without, const BothScores& with) {
+    auto all = minus(without.second, with.second);
+    const auto back = minus(without.first, with.first);
     all.insert(all.end(), back.begin(), back.end());
     return all;
   }

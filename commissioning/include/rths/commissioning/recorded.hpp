@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
-#include <rths/core/error.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
 
@@ -17,17 +15,6 @@ struct Recorded {
   double begin = 0;                         ///< time of the first sample [s]
   std::vector<std::vector<double>> values;  ///< one column per name [SI]
 };
-
-/// The result of `read`; its errors begin with the file.
-template <class Read>
-auto of_file(const std::filesystem::path& file, Read read) {
-  try {
-    return read();
-  } catch (const Error& error) {
-    const std::string text = error.what();
-    throw Error{text.starts_with(file.string()) ? text : file.string() + ": " + text};
-  }
-}
 
 /// Signals at the recording's usual interval. Missing rows are interpolated linearly.
 /// @throws Error if a signal, all its values or all rows are missing   @setup

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <rths/core/clock.hpp>
+#include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
 
 namespace rths::recording {
@@ -145,6 +146,17 @@ class NodeTicks {
 
 /// Removes the file of a recording whose writer died while it created the file.
 void remove_unfinished(const std::filesystem::path& file);
+/// The result of `read`; its errors name the file.
+template <class Read>
+auto of_file(const std::filesystem::path& file, Read read) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    if (text.find(file.string()) != std::string::npos) throw;
+    throw Error{file.string() + ": " + text};
+  }
+}
 /// True if the file begins as an HDF5 file does.
 [[nodiscard]] bool is_hdf5(const std::filesystem::path& file);
 /// Adds attributes to /meta of a finished recording, once. A process that dies meanwhile leaves the
