@@ -8,6 +8,7 @@
 #include <string>
 #include <type_traits>
 
+#include <fmt/format.h>
 #include <Eigen/Core>
 
 #include <rths/algebra/decompositions.hpp>
@@ -99,6 +100,32 @@ void LowPass::filter_four_by(std::span<std::array<double, 4>> signals) const noe
     }
     Eigen::Map<Eigen::Array4d>{samples.data()} = value;
   }
+}
+
+Notch::Notch(double frequency, double damping, double depth, double period) {
+  if (!(period > 0) || !(frequency > 0) || frequency * period >= 0.5)
+    throw Error{fmt::format("notch: a frequency of {} Hz needs a sampling rate above twice that",
+                            frequency)};
+  if (!(damping > 0) || !(depth >= 0 && depth <= 1))
+    throw Error{fmt::format(
+        "notch: damping is {} and depth {}, expected a positive damping and a depth of 0 to 1",
+        damping, depth)};
+  const double k = std::tan(std::numbers::pi * frequency * period);
+  const double wide = 2 * damping * k, narrow = depth * wide, norm = 1 / (1 + wide + k * k);
+  inputs_ = {(1 + narrow + k * k) * norm, 2 * (k * k - 1) * norm, (1 - narrow + k * k) * norm};
+  outputs_ = {1, inputs_[1], (1 - wide + k * k) * norm};
+}
+
+double Notch::operator()(double input) noexcept {
+  if (!has_started_) {
+    z1_ = (1 - inputs_[0]) * input;
+    z2_ = (inputs_[2] - outputs_[2]) * input;
+    has_started_ = true;
+  }
+  const double out = inputs_[0] * input + z1_;
+  z1_ = inputs_[1] * input - outputs_[1] * out + z2_;
+  z2_ = inputs_[2] * input - outputs_[2] * out;
+  return out;
 }
 
 MovingAverage::MovingAverage(int length) {

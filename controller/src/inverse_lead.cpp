@@ -11,7 +11,7 @@ namespace {
 
 constexpr Require kRequireLead{"adaptive inverse"};
 constexpr double kLargestLoadShare = 0.8;  // of the force capacity
-constexpr double kSettlingPoles = 3;       // delays of the smoothing until it has forgotten a kink
+constexpr double kSettlingDelays = 3;      // delays of the smoothing until it has forgotten a kink
 constexpr double kFade = 0.04;             // back to the smoothed derivatives [s]
 
 enum Coefficient {
@@ -26,8 +26,6 @@ enum Coefficient {
 };
 
 InverseLeadSettings checked(InverseLeadSettings s) {
-  kRequireLead.positive("period", s.period);
-  kRequireLead.positive("smoothing", s.smoothing);
   kRequireLead.positive("sign_velocity", s.sign_velocity);
   kRequireLead.positive("force_capacity", s.force_capacity);
   kRequireLead.positive("largest_reference", s.largest_reference);
@@ -50,31 +48,12 @@ InverseCoefficients InverseLead::coefficients_of(const Terms& w) {
 
 InverseLead::InverseLead(const InverseLeadSettings& settings)
     : settings_{checked(settings)},
-      sharpening_{Eigen::Matrix<double, 5, kPoles + 1>::Zero()},
-      poles_{settings.smoothing, settings.period},
-      force_rate_{settings.force_slope, settings.period} {
-  // (1 + s T)^n undoes the smoothing; derivatives above the fourth are left out.
-  for (int k = 0; k < 5; ++k) {
-    double binomial = 1;
-    for (int i = 0; k + i < 5; ++i) {
-      sharpening_(k, k + i) = binomial * std::pow(settings.smoothing, i);
-      binomial = binomial * (kPoles - i) / (i + 1);
-    }
-  }
-}
-
-InverseLead::Derivatives InverseLead::smoothed_derivatives(double target) noexcept {
-  poles_.advance(target);
-  Derivatives derivatives;
-  double scale = 1;
-  for (int k = 0; k <= kPoles; ++k, scale /= settings_.smoothing)
-    derivatives[k] = scale * poles_.difference(k);
-  return derivatives;
-}
+      smoothing_{{settings.period, settings.smoothing, settings.average, settings.oil_column}},
+      force_rate_{settings.force_slope, settings.period} {}
 
 void InverseLead::follow_pace(bool is_slowed) noexcept {
   if (is_slowed)
-    settling_ = std::lround(kSettlingPoles * kPoles * settings_.smoothing / settings_.period);
+    settling_ = std::lround(kSettlingDelays * smoothing_.delay() / settings_.period);
   else if (settling_ > 0)
     --settling_;
   slowed_ = settling_ > 0 ? 1 : std::max(0.0, slowed_ - settings_.period / kFade);
@@ -83,16 +62,17 @@ void InverseLead::follow_pace(bool is_slowed) noexcept {
 void InverseLead::advance(double target, double force, const CommandRates& rates) noexcept {
   const double bounded = std::clamp(force, -settings_.force_capacity, settings_.force_capacity);
   follow_pace(rates.is_slowed);
-  const Derivatives smoothed = smoothed_derivatives(target);
-  Eigen::Matrix<double, 5, 1> sharp = sharpening_ * smoothed;
+  smoothing_.advance(target);
+  const TargetSmoothing::Derivatives& smoothed = smoothing_.smoothed();
+  TargetSmoothing::Derivatives sharp = smoothing_.sharp();
   target_ = target;
   fourth_derivative_ = (1 - slowed_) * smoothed[4];
   // The target's motion one lead time after now, from the smoothed one.
-  const double delay = kPoles * settings_.smoothing;
+  const double delay = smoothing_.delay();
   double jerk = smoothed[3], acceleration = smoothed[2] + delay * smoothed[3];
   double velocity = smoothed[1] + delay * (smoothed[2] + delay / 2 * smoothed[3]);
   if (slowed_ > 0) {
-    const Eigen::Matrix<double, 5, 1> known{target, rates.velocity, rates.acceleration, 0, 0};
+    const TargetSmoothing::Derivatives known{target, rates.velocity, rates.acceleration, 0, 0};
     sharp += slowed_ * (known - sharp);
     velocity += slowed_ * (rates.velocity - velocity);
     acceleration += slowed_ * (rates.acceleration - acceleration);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/controller/filters.hpp>
+#include <rths/core/error.hpp>
 
 #include "support/files.hpp"
 #include "support/period.hpp"
@@ -114,6 +116,38 @@ TEST(EndSlope, HasNoLagForMotionOfConstantAcceleration) {
   }
 }
 
+// Bilinear, pre-warped: with r = tan(πfT)/tan(πf₀T), the gain is that of the analogue filter at r.
+TEST(Notch, AttenuatesItsFrequencyAlone) {
+  constexpr double kFrequency = 12, kDamping = 0.4, kDepth = 0.1;
+  for (const double frequency : {3.0, 9.0, 12.0, 20.0, 80.0}) {
+    Notch notch{kFrequency, kDamping, kDepth, kPeriod};
+    double largest = 0;
+    for (int i = 0; i < 6000; ++i) {
+      const double out = notch(std::sin(2 * std::numbers::pi * frequency * i * kPeriod));
+      if (i > 3000) largest = std::max(largest, std::abs(out));
+    }
+    const double r = std::tan(std::numbers::pi * frequency * kPeriod) /
+                     std::tan(std::numbers::pi * kFrequency * kPeriod);
+    const double expected =
+        std::hypot(1 - r * r, 2 * kDepth * kDamping * r) / std::hypot(1 - r * r, 2 * kDamping * r);
+    // The sampled sine may miss its peak by 1 − cos(πfT).
+    const double missed = 1 - std::cos(std::numbers::pi * frequency * kPeriod);
+    EXPECT_NEAR(largest, expected, missed * expected + 1e-6) << frequency;
+  }
+}
+
+TEST(Notch, StartsAtRest) {
+  Notch notch{12, 0.4, 0.1, kPeriod};
+  for (int i = 0; i < 100; ++i) EXPECT_NEAR(notch(2.5), 2.5, 1e-12);
+}
+
+TEST(Notch, RefusesValuesOutOfRange) {
+  EXPECT_THROW((Notch{500, 0.4, 0.1, kPeriod}), Error);
+  EXPECT_THROW((Notch{0, 0.4, 0.1, kPeriod}), Error);
+  EXPECT_THROW((Notch{12, 0, 0.1, kPeriod}), Error);
+  EXPECT_THROW((Notch{12, 0.4, 1.1, kPeriod}), Error);
+}
+
 TEST(EndSlope, IsZeroUntilItHasEnoughSamples) {
   EndSlope slope{8, kPeriod};
   for (int i = 0; i < 7; ++i) EXPECT_EQ(slope(i), 0);
@@ -122,13 +156,14 @@ TEST(EndSlope, IsZeroUntilItHasEnoughSamples) {
 
 TEST(Filters, WorkInRealTime) {
   LowPass low_pass{6, 20, kPeriod};
+  Notch notch{12, 0.4, 0.1, kPeriod};
   MovingAverage average{7};
   EndSlope slope{32, kPeriod};
   std::array<std::array<double, 4>, 8> four{};
   EXPECT_REALTIME(low_pass.filter_four(four));
   double sum = 0;
   for (int i = 0; i < 40; ++i)
-    EXPECT_REALTIME(sum += low_pass(0.1 * i) + average(0.1 * i) + slope(0.1 * i));
+    EXPECT_REALTIME(sum += low_pass(0.1 * i) + notch(0.1 * i) + average(0.1 * i) + slope(0.1 * i));
   EXPECT_TRUE(std::isfinite(sum));
 }
 

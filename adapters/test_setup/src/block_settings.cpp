@@ -64,6 +64,8 @@ std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(
   settings.sign_velocity =
       table.number_in("sign_velocity_m_per_s", 1e-4, 10, settings.sign_velocity);
   settings.smoothing = table.number_in("smoothing_s", 1e-5, 0.1, settings.smoothing);
+  settings.average = table.number_in("average_s", 0, 0.1, settings.average);
+  const auto oil_columns = per_axis(table, "oil_column_Hz", axes, settings.oil_column);
   settings.forgetting = table.number_in("forgetting_s", 0.1, 1000, settings.forgetting);
   settings.error = table.number_in("error_m", 1e-6, 1, settings.error);
   settings.cutoff = table.number_in("cutoff_Hz", 0.1, 1000, settings.cutoff);
@@ -77,6 +79,7 @@ std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(
     found[i].force_capacity = capacity[i];
     found[i].effective_mass = mass[i];
     found[i].largest_reference = limits[i];
+    found[i].oil_column = oil_columns[i];
   }
   return found;
 }

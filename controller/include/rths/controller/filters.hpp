@@ -43,6 +43,30 @@ class LowPass {
   std::vector<Section> sections_;
 };
 
+/// Attenuates one frequency, by the bilinear transform, pre-warped there:
+///     (s² + 2 depth ζ ω s + ω²)/(s² + 2 ζ ω s + ω²)
+/// The first input is its state at rest.
+class Notch {
+ public:
+  using Weights = std::array<double, 3>;  ///< of this sample and the two before
+
+  /// Lets everything pass.
+  Notch() = default;
+  /// @param frequency  [Hz], below half the sampling rate   @param damping  ζ > 0 [-]
+  /// @param depth      gain at the frequency, 0 to 1 [-]    @param period   of the samples [s]
+  /// @throws Error if one is out of range   @setup
+  Notch(double frequency, double damping, double depth, double period);
+  /// @realtime
+  [[nodiscard]] double operator()(double input) RTHS_REALTIME;
+  [[nodiscard]] const Weights& numerator() const { return inputs_; }
+  [[nodiscard]] const Weights& denominator() const { return outputs_; }  ///< the first is 1
+
+ private:
+  Weights inputs_{1, 0, 0}, outputs_{1, 0, 0};
+  double z1_ = 0, z2_ = 0;  ///< transposed direct form II
+  bool has_started_ = false;
+};
+
 /// Mean of the last `length` samples, or of all samples while there are fewer.
 class MovingAverage {
  public:

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include <rths/controller/filters.hpp>
-#include <rths/controller/pole_chain.hpp>
+#include <rths/controller/target_smoothing.hpp>
 #include <rths/core/realtime.hpp>
 
 namespace rths::controller {
@@ -35,6 +35,8 @@ struct InverseLeadSettings {
   double force_capacity = 8.9e6;  ///< [N]
   double effective_mass = 113e3;  ///< [kg]
   double smoothing = 2e-3;        ///< time constant of each of five poles on the target [s]
+  double average = 0;             ///< length of the moving average of the target; 0: none [s]
+  double oil_column = 0;          ///< frequency that a notch takes out of it; 0: none [Hz]
   int force_slope = 12;           ///< samples of the force in its rate
   double largest_reference = std::numeric_limits<double>::infinity();  ///< clipped there [m]
   double largest_load_lead = 0.01;  ///< clip of the terms with the measured force [m]
@@ -53,7 +55,6 @@ struct CommandRates {
 class InverseLead {
  public:
   static constexpr int kTerms = 8;  ///< with a coefficient of their own
-  static constexpr int kPoles = 5;  ///< of the smoothing
   using Terms = Eigen::Matrix<double, kTerms, 1>;
 
   /// The coefficients in the order of the terms.
@@ -80,14 +81,10 @@ class InverseLead {
   [[nodiscard]] bool is_slowed() const { return slowed_ > 0; }
 
  private:
-  using Derivatives = Eigen::Matrix<double, kPoles + 1, 1>;
-  [[nodiscard]] Derivatives smoothed_derivatives(double target) noexcept;
   void follow_pace(bool is_slowed) noexcept;
 
   InverseLeadSettings settings_;
-  /// Row k: the k-th derivative of the target from those of the smoothed one.
-  Eigen::Matrix<double, 5, kPoles + 1> sharpening_;
-  PoleChain<kPoles> poles_;  ///< of the target
+  TargetSmoothing smoothing_;
   EndSlope force_rate_;
   Terms terms_ = Terms::Zero();
   double target_ = 0, fourth_derivative_ = 0;
