@@ -181,6 +181,32 @@ TEST(TableForceObserverBlock, DelaysTheDisplacementOnlyWhileItDelaysTheForce) {
   }
 }
 
+TEST(TableForceObserverBlock, RefusesValuesOutsideTheirRangesAndNamesTheAxis) {
+  const auto refused = [](const std::string& setting) {
+    return error_in(
+        kX + kForceOnN + input("a", "lab.{axis}.accel", "m/s2") +
+        block("f", "table_force_observer",
+              "in.displacement = \"x\"\nin.acceleration = \"a\"\nin.force = \"n\"\n" + setting));
+  };
+
+  EXPECT_EQ(refused("presliding_m = [1e-7, 0.1]"), "");
+  EXPECT_EQ(refused("presliding_m = [1e-4, 1e-300]"),
+            "d.toml:25:16: presliding_m of axis 'lat' is 1e-300, expected 1e-07 to 0.1");
+  for (const auto& [setting, message] :
+       {std::pair<std::string, std::string>{"presliding_m = [nan, 1e-4]",
+                                            "presliding_m is nan, expected a finite number"},
+        {"presliding_m = [1e-4, 1e-4, 0]", "axis 'vert' is 0, expected 1e-07 to 0.1"},
+        {"effective_mass_kg = [-1, 0]", "axis 'long' is -1, expected 0 to 1000000000"},
+        {"coulomb_friction_N = [0, inf]", "coulomb_friction_N is inf, expected a finite number"},
+        {"viscous_friction_N_s_per_m = [0, -1]", "axis 'lat' is -1, expected 0 to 1000000000"},
+        {"force_offset_N = [0, -2e9]",
+         "axis 'lat' is -2000000000, expected -1000000000 to 1000000000"},
+        {"load_friction = [1.5, 0]", "axis 'long' is 1.5, expected 0 to 1"},
+        {"accelerometer_delay_s = [0, 0.03]", "axis 'lat' is 0.03, expected 0 to 0.02"},
+        {"displacement_lead_s = [-0.03, 0]", "axis 'long' is -0.03, expected -0.02 to 0.02"}})
+    EXPECT_NE(refused(setting).find(message), std::string::npos) << refused(setting);
+}
+
 std::string vertical_block(const std::string& keys) {
   return input("f", "opf.vert.force", "N") + input("m", "srmd.vert.force", "N") + kX +
          block("v", "vertical_force",
