@@ -11,6 +11,7 @@
 
 #include "commands.hpp"
 #include "opensees_python.hpp"
+#include "write_file.hpp"
 
 namespace rths::app {
 namespace {
@@ -42,6 +43,7 @@ std::vector<std::string> command_of(const DiagnosisBenchArguments& arguments,
 }  // namespace
 
 int bench_diagnosis(const DiagnosisBenchArguments& arguments) {
+  check_result_file(arguments.json);
   const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
   const std::string python = opensees_python(arguments.python, programs);
   if (python.empty())

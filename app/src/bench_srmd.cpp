@@ -18,7 +18,7 @@ namespace rths::app {
 
 int bench_srmd(const SrmdBenchArguments& arguments) {
   // Before the measurement, which takes minutes.
-  check_target(arguments.json);
+  check_result_file(arguments.json);
   if (!arguments.json.empty() && !std::ofstream{arguments.json, std::ios::app})
     throw Error{arguments.json + ": cannot be written"};
   bench::SrmdOptions options;

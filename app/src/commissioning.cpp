@@ -3,6 +3,7 @@
 // Commands before a test: delay, identify, calibrate, pretest.
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -29,16 +30,23 @@ std::filesystem::path recording_of(const std::filesystem::path& file_or_folder) 
                                                        : file_or_folder;
 }
 
-// A recording that is given twice would halve the variance of each estimate.
+// A recording that is given twice, or a copy of it, would halve the variance of each estimate.
 std::vector<std::filesystem::path> recordings_of(const std::vector<std::string>& files) {
   std::vector<std::filesystem::path> paths;
+  std::vector<recording::Reader> runs;
   for (const auto& file : files) {
     const auto path = recording_of(file);
-    std::error_code ignored;
-    for (const auto& earlier : paths)
-      if (std::filesystem::equivalent(earlier, path, ignored))
+    recording::Reader run{path};
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      std::error_code ignored;
+      if (std::filesystem::equivalent(paths[i], path, ignored))
         throw Error{path.string() + ": is given twice, expected different recordings"};
+      if (recording::hold_same_signals(runs[i], run))
+        throw Error{fmt::format("{}: holds the same signals as {}, expected different recordings",
+                                path.string(), paths[i].string())};
+    }
     paths.push_back(path);
+    runs.push_back(std::move(run));
   }
   return paths;
 }

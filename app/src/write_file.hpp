@@ -21,6 +21,16 @@ inline void check_target(const std::filesystem::path& file) {
     throw Error{file.string() + ": is a recording, expected another file for the results"};
 }
 
+/// For results that a long measurement writes at its end.
+/// @throws Error as `check_target`, or if the path is a folder, a device or a pipe. A pipe that no
+/// program reads would keep the command waiting.
+inline void check_result_file(const std::filesystem::path& file) {
+  check_target(file);
+  std::error_code error;
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+    throw Error{file.string() + ": is no regular file, expected one for the results"};
+}
+
 /// A file is replaced when the new one is complete; a device or a pipe is written directly.
 /// @throws Error if the file is a recording or cannot be written; it is unchanged then
 inline void write_file(const std::filesystem::path& file, const std::string& content) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The benches of control as a script uses them; few machines, so the goals are not judged here.
+#include <sys/stat.h>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "support/files.hpp"
 #include "support/process.hpp"
 
 namespace rths {
@@ -40,6 +43,21 @@ TEST(BenchVertical, TracksWhatTheCascadeCannot) {
 TEST(BenchControl, ExitsWithThreeOnWrongArguments) {
   EXPECT_EQ(run_rths({"bench", "force", "--seeds", "0"}).exit_code, 3);
   EXPECT_EQ(run_rths({"bench", "vertical", "--duration", "1"}).exit_code, 3);
+}
+
+// Results that are written after hours: not into a pipe that no program reads, or a device.
+TEST(BenchResults, ReplaceARegularFileOnly) {
+  const test::TemporaryFolder folder;
+  const std::string pipe = (folder.path() / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& file : {pipe, std::string{"/dev/null"}, folder.path().string()})
+    for (const char* bench : {"srmd", "diagnosis"}) {
+      const auto run = run_rths({"bench", bench, "--json", file}, 20);
+      EXPECT_EQ(run.exit_code, 2) << bench << " " << file;
+      EXPECT_NE(run.err.find(file + ": is no regular file, expected one for the results"),
+                std::string::npos)
+          << run.err;
+    }
 }
 
 }  // namespace

@@ -14,67 +14,13 @@
 #include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/run.hpp>
 
-#include "support/files.hpp"
+#include "closed_loop_run.hpp"
 
 namespace rths::budget {
 namespace {
 
-double apart(const std::vector<double>& a, const std::vector<double>& b) {
-  double difference = 0, all = 0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    difference += (a[i] - b[i]) * (a[i] - b[i]);
-    all += a[i] * a[i];
-  }
-  return std::sqrt(difference / all);
-}
-
-/// The example for ten seconds in virtual time, with or without noise of the sensors.
-class ClosedLoop : public ::testing::Test {
- protected:
-  void make(bool has_noise, std::vector<std::pair<std::string, std::string>> changes = {},
-            const std::function<Duration(const std::string&, Duration)>& lateness = {}) {
-    changes.insert(changes.end(), {{"duration_s", "10"}, {"rest_s", "0.5"}});
-    if (!has_noise)
-      for (const char* sensor :
-           {"displacement_noise_m", "force_noise_N", "acceleration_noise_m_per_s2"})
-        changes.emplace_back(std::string{"machine."} + sensor, "0");
-    experiment = app::load_experiment(source, changes);
-    launch::RunOptions options;
-    options.clock = launch::ClockKind::Virtual;
-    options.recording = folder / "run.h5";
-    options.lateness = lateness;
-    ASSERT_TRUE(launch::run(experiment, options).completed);
-    const recording::Reader run{options.recording};
-    hybrid = launch::hybrid_test_of(experiment, run);
-    measured = launch::response_of(experiment, run);
-    force = launch::fed_force_of(experiment, run);
-    // The laboratory itself takes the place of what would be identified.
-    hybrid.specimen_identified = experiment.specimen;
-    hybrid.machine_identified = experiment.machine;
-    if (has_noise)
-      hybrid.noise = sensor_noise(
-          hybrid, {launch::transfer_record_of(experiment.roles, run, "long", hybrid.order),
-                   launch::transfer_record_of(experiment.roles, run, "lat", hybrid.order)});
-  }
-  // Specimen and machine as the laboratory has them; the transfer system is identified.
-  [[nodiscard]] launch::Experiment as_in_the_laboratory() const {
-    auto improved = experiment;
-    improved.model = experiment.specimen;
-    improved.assumed_machine = experiment.machine;
-    return improved;
-  }
-  [[nodiscard]] double difference(const Response& response) const {
-    return std::max(apart(measured[0], response[0]), apart(measured[1], response[1]));
-  }
-
-  std::filesystem::path source = test::source_tree() / "examples/srmd_lprb_2d.toml";
-  const test::TemporaryFolder temporary;
-  const std::filesystem::path& folder = temporary.path();
-  launch::Experiment experiment;
-  HybridTest hybrid;
-  Response measured;
-  std::array<std::vector<double>, 2> force;
-};
+using test::apart;
+using test::ClosedLoop;
 
 // Recordings hold floats.
 TEST_F(ClosedLoop, ReturnsTheRecordedTargetsUnderTheRecordedForce) {
@@ -132,74 +78,6 @@ TEST_F(ClosedLoop, TakesTheMemoryOfTheForceFromTheConstants) {
 TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {
   make(false, {{"rate", "2"}, {"solver.overrun_fraction", "0.05"}, {"solver.overrun_s", "0.012"}});
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
-}
-
-/// A host that stops one node, or all of them, for 5 to 9 ms, four times a second. After a common
-/// stop, the nodes start again one after the other.
-Duration stalls(const std::string& node, Duration due) {
-  struct Stall {
-    const char* node;      // "": all
-    double from, seconds;  // within each second
-  };
-  constexpr Stall kStalls[] = {{"srmd", 0.1003, 0.0052},
-                               {"xpc", 0.3101, 0.0064},
-                               {"", 0.5202, 0.0089},
-                               {"opf", 0.7504, 0.0071}};
-  const double turn = node == "srmd" ? 0 : node == "xpc" ? 5e-5 : node == "opf" ? 1e-4 : 1.5e-4;
-  const double time = std::fmod(to_seconds(due), 1.0);
-  double late = 0;
-  for (const auto& stall : kStalls) {
-    const bool stops = stall.node[0] == '\0' || node == stall.node;
-    const double end = stall.from + stall.seconds + turn;
-    if (stops && time >= stall.from && time < end) late = end - time;
-  }
-  return from_seconds(late);
-}
-
-// While all nodes are late, rows are missing, and the lead of these ticks is interpolated.
-TEST_F(ClosedLoop, ReproducesALateHost) {
-  make(false, {}, stalls);
-  ASSERT_FALSE(hybrid.order.machine_before.empty());
-
-  EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
-  EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(Part::Host))), 3e-3);
-}
-
-TEST_F(ClosedLoop, NamesTheLatenessOfTheHostAsAShare) {
-  make(true, {}, stalls);
-  const recording::Reader run{folder / "run.h5"};
-
-  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
-
-  for (const auto& axis : found.axes) {
-    double sum = axis.remainder;
-    for (const double share : axis.share) sum += share;
-    EXPECT_NEAR(sum, 1, 1e-9);
-    EXPECT_LT(axis.after, 0.03) << axis.name;
-    EXPECT_NE(axis.share[static_cast<std::size_t>(Part::Host)], 0) << axis.name;
-  }
-}
-
-// The machine is late by two ticks, then the controller by one.
-TEST(OrderOf, CountsWhatEachNodeHadDoneBefore) {
-  const TickTimes machine{{0.0, 3.4, 3.5, 3.6, 4.0}, {0.1, 3.5, 3.6, 3.7, 4.1}};
-  const TickTimes controller{{0.3, 1.3, 2.3, 4.5, 4.6}, {0.4, 1.4, 2.4, 4.6, 4.7}};
-
-  const TickOrder order = order_of(machine, controller);
-
-  EXPECT_EQ(order.machine_before, (std::vector<std::size_t>{1, 1, 1, 5, 5}));
-  EXPECT_EQ(order.controller_before, (std::vector<std::size_t>{0, 3, 3, 3, 3}));
-}
-
-TEST(OrderOf, IsEmptyIfAllAreOnTime) {
-  const TickTimes machine{{0, 1, 2}, {0.1, 1.1, 2.1}};
-  const TickTimes controller{{0.3, 1.3, 2.3}, {0.4, 1.4, 2.4}};
-
-  const TickOrder order = order_of(machine, controller);
-
-  EXPECT_TRUE(order.machine_before.empty());
-  EXPECT_EQ(order.machine_ticks(7), 8U);
-  EXPECT_EQ(order.controller_ticks(7), 7U);
 }
 
 // Nothing identified is the numerical result of the run.

@@ -101,6 +101,10 @@ TEST(IdentifyCommand, WritesConstantsThatTheControllerReads) {
     expect_refused(command, "run.h5: is a recording, expected another file");
   EXPECT_TRUE(test::content_of(file) == before);
   expect_refused({"identify", "empty-table", run.string(), file}, "run.h5: is given twice");
+  const auto copy = (folder.path() / "copy.h5").string();
+  std::filesystem::copy_file(file, copy);
+  expect_refused({"identify", "empty-table", file, copy},
+                 "copy.h5: holds the same signals as " + file);
   expect_refused({"identify", "empty-table", file, "--block", "a]", "--out", constants.string()},
                  "the name is 'a]', expected letters, digits, - and _");
   expect_refused({"calibrate", file, "--feed-forward-share", "nan"}, "nan is not a number", 3);

@@ -11,6 +11,25 @@ namespace {
 
 constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
 
+struct Range {
+  double low, high;
+};
+constexpr Range kMass{0, 1e9}, kFriction{0, 1e9}, kViscousFriction{0, 1e9}, kOffset{-1e9, 1e9},
+    kLoadFriction{0, 1}, kPresliding{1e-7, 0.1}, kDelay{0, 0.02}, kLead{-0.02, 0.02};
+
+// Values as `per_axis` returns them. @throws Error also for a value of an axis that is not tested
+std::vector<double> per_axis_in(const Config& table, const std::string& key,
+                                const std::vector<std::string>& axes, const Range& range,
+                                double otherwise) {
+  auto values = per_axis(table, key, axes, otherwise);
+  const auto given = table.numbers(key, {});
+  for (std::size_t i = 0; i < given.size(); ++i)
+    if (!(given[i] >= range.low && given[i] <= range.high))
+      table.fail(key, fmt::format("{} of axis '{}' is {}, expected {} to {}", key, kAxisOrder[i],
+                                  given[i], range.low, range.high));
+  return values;
+}
+
 // One value per axis and coefficient.
 std::vector<controller::InverseCoefficients> read_coefficients(
     const Config& table, const std::string& prefix, const std::vector<std::string>& axes,
@@ -105,10 +124,10 @@ controller::TargetForceSettings target_force_settings(const Config& table,
 
 ForceObserverSettings force_observer_settings(const Config& table,
                                               const std::vector<std::string>& axes) {
-  const auto mass = per_axis(table, "effective_mass_kg", axes, 0);
-  const auto coulomb = per_axis(table, "coulomb_friction_N", axes, 0);
-  const auto viscous = per_axis(table, "viscous_friction_N_s_per_m", axes, 0);
-  const auto offset = per_axis(table, "force_offset_N", axes, 0);
+  const auto mass = per_axis_in(table, "effective_mass_kg", axes, kMass, 0);
+  const auto coulomb = per_axis_in(table, "coulomb_friction_N", axes, kFriction, 0);
+  const auto viscous = per_axis_in(table, "viscous_friction_N_s_per_m", axes, kViscousFriction, 0);
+  const auto offset = per_axis_in(table, "force_offset_N", axes, kOffset, 0);
   const double exponent = table.number_in("exponent", 0.1, 2, 1.0);
   const double rest = table.number_in("rest_velocity_m_per_s", 0, 1, 1.27e-3);
   ForceObserverSettings settings;
@@ -122,14 +141,14 @@ ForceObserverSettings force_observer_settings(const Config& table,
 TableForceObserverSettings table_force_observer_settings(const Config& table,
                                                          const std::vector<std::string>& axes,
                                                          double period) {
-  const auto mass = per_axis(table, "effective_mass_kg", axes, 0);
-  const auto coulomb = per_axis(table, "coulomb_friction_N", axes, 0);
-  const auto load = per_axis(table, "load_friction", axes, 0);
-  const auto viscous = per_axis(table, "viscous_friction_N_s_per_m", axes, 0);
-  const auto offset = per_axis(table, "force_offset_N", axes, 0);
-  const auto presliding = per_axis(table, "presliding_m", axes, 1e-3);
-  const auto delay = per_axis(table, "accelerometer_delay_s", axes, 0);
-  const auto lead = per_axis(table, "displacement_lead_s", axes, 0);
+  const auto mass = per_axis_in(table, "effective_mass_kg", axes, kMass, 0);
+  const auto coulomb = per_axis_in(table, "coulomb_friction_N", axes, kFriction, 0);
+  const auto load = per_axis_in(table, "load_friction", axes, kLoadFriction, 0);
+  const auto viscous = per_axis_in(table, "viscous_friction_N_s_per_m", axes, kViscousFriction, 0);
+  const auto offset = per_axis_in(table, "force_offset_N", axes, kOffset, 0);
+  const auto presliding = per_axis_in(table, "presliding_m", axes, kPresliding, 1e-3);
+  const auto delay = per_axis_in(table, "accelerometer_delay_s", axes, kDelay, 0);
+  const auto lead = per_axis_in(table, "displacement_lead_s", axes, kLead, 0);
   TableForceObserverSettings settings;
   settings.observer.period = period;
   settings.observer.velocity_bandwidth =

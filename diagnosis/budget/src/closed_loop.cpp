@@ -43,7 +43,7 @@ double compression(const HybridTest& test, const sim::PlantAnalysis& analysis) {
   return test.specimen_simulated.axial_load + analysis.vertical_force();
 }
 
-/// The laboratory, and the references that the controller has sent to it.
+/// The laboratory, in the order of the ticks of machine and controller.
 class DrivenLaboratory {
  public:
   /// @param first_tick  of the controller
@@ -53,11 +53,13 @@ class DrivenLaboratory {
         laboratory_{test, identified, first_tick == 0 ? 0 : order_.machine_ticks(first_tick)} {}
 
   /// Of the controller's next tick.
-  void send(const Vector2d& reference) { references_.push_back(reference); }
+  void send(const Vector2d& reference, const Command& command) {
+    laboratory_.send(reference, command);
+  }
   /// Moves the machine until the controller reads its feedback in a tick.
   void move_until(std::size_t controller_tick, double compression) {
     while (laboratory_.ticks() < order_.machine_ticks(controller_tick))
-      laboratory_.move(reference_of(laboratory_.ticks()), compression);
+      laboratory_.move(sent_before(laboratory_.ticks()), compression);
   }
   const Vector2d& feed_back(const Vector2d& target, const Command& last) {
     return laboratory_.feed_back(target, last);
@@ -66,16 +68,14 @@ class DrivenLaboratory {
   [[nodiscard]] const Vector2d& specimen_force() const { return laboratory_.specimen_force(); }
 
  private:
-  // The latest reference that the machine finds in a tick.
-  [[nodiscard]] Vector2d reference_of(std::size_t machine_tick) const {
+  // References that the controller had sent before a tick of the machine.
+  [[nodiscard]] std::size_t sent_before(std::size_t machine_tick) const {
     const std::size_t sent = order_.controller_ticks(machine_tick);
-    if (references_.empty() || sent <= first_tick_) return Vector2d::Zero();
-    return references_[std::min(sent - first_tick_, references_.size()) - 1];
+    return sent - std::min(sent, first_tick_);
   }
 
   TickOrder order_;
   std::size_t first_tick_;
-  std::vector<Vector2d> references_;
   Laboratory laboratory_;
 };
 
@@ -96,7 +96,7 @@ Response run_with_fine_steps(const HybridTest& test, Parts identified) {
     const Vector2d target = along_tested(test, analysis.predict());
     const Vector2d velocity = along_tested(test, analysis.predicted_velocity()) / test.rate;
     last = {target, velocity, (velocity - last.velocity) / test.period};
-    laboratory.send(compensator(tick, last, laboratory.specimen_force()));
+    laboratory.send(compensator(tick, last, laboratory.specimen_force()), last);
     laboratory.move_until(tick + 1, compression(test, analysis));
     analysis.correct(along_tested(test, laboratory.feed_back(target, last)));
     if (n % per_sample == 0) append(target, response);
@@ -159,7 +159,7 @@ class SteppedRun {
     }
     sent_ = {command_.command(), command_.command_velocity(), command_.command_acceleration(),
              command_.state() == controller::PcState::AutoSlowDown};
-    laboratory_.send(compensator_(tick_, sent_, laboratory_.specimen_force()));
+    laboratory_.send(compensator_(tick_, sent_, laboratory_.specimen_force()), sent_);
     if (arrives) is_under_way_ = true;
     if (is_under_way_ && exchange_.at_target()) answer();
     ++tick_;

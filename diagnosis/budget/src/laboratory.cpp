@@ -2,171 +2,17 @@
 #include "laboratory.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include <rths/sim/term.hpp>
+#include "platen.hpp"
 
 namespace rths::budget {
 
 using Eigen::Vector2d;
 
-namespace platen {  // named, because the members of Laboratory::Model have these types
-
-std::vector<sim::TermSettings> terms_of_stage(const sim::TestMachine& machine, sim::Stage stage) {
-  std::vector<sim::TermSettings> found;
-  for (const auto& term : machine.terms)
-    if (sim::term_kind(term.kind).stage == stage) found.push_back(term);
-  return found;
-}
-
-/// Terms with their state.
-class RunningTerms {
- public:
-  RunningTerms(const std::vector<sim::TermSettings>& terms, double period)
-      : composition_{terms, period}, state_(composition_.states()) {}
-  void advance(sim::Quantities<double>& q) noexcept { composition_.advance(state_, q); }
-
- private:
-  sim::Composition composition_;
-  std::vector<double> state_;
-};
-
-/// Motion of the platen and the forces on it, at the end of a controller period.
-struct Platen {
-  Vector2d displacement = Vector2d::Zero(), velocity = Vector2d::Zero(),
-           acceleration = Vector2d::Zero();
-  Vector2d specimen_force = Vector2d::Zero();
-};
-
-sim::Quantities<double> quantities_of(const Platen& platen, double time, double axial_load) {
-  sim::Quantities<double> q;
-  q.time = time;
-  q.axial_load = axial_load;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto axis = static_cast<Eigen::Index>(i);
-    q.displacement[i] = platen.displacement[axis];
-    q.velocity[i] = platen.velocity[axis];
-    q.acceleration[i] = platen.acceleration[axis];
-  }
-  return q;
-}
-
-/// The machine's own force, as it moves the platen [N].
-class MachineOwnForce {
- public:
-  MachineOwnForce(const sim::TestMachine& machine, double period)
-      : terms_{terms_of_stage(machine, sim::Stage::Machine), period}, axes_{machine.axes} {
-    // platen_inertia reads the acceleration of its quantities; as a term of a machine it adds mass.
-  }
-  Vector2d operator()(const Platen& platen, double time, double axial_load) noexcept {
-    auto q = quantities_of(platen, time, axial_load);
-    terms_.advance(q);
-    return {q.force[0] + axes_[0].effective_mass * platen.acceleration[0] + axes_[0].force_offset,
-            q.force[1] + axes_[1].effective_mass * platen.acceleration[1] + axes_[1].force_offset};
-  }
-
- private:
-  RunningTerms terms_;
-  std::array<sim::ServoAxis, 2> axes_;
-};
-
-/// Moves the platen as the reference says. Its rates are differences.
-class IdealTransfer {
- public:
-  IdealTransfer(const HybridTest& test, const sim::Bearing& specimen)
-      : period_{test.period},
-        actuator_{terms_of_stage(test.machine_simulated, sim::Stage::Actuator), period_},
-        specimen_{specimen, period_} {}
-
-  void step(const Vector2d& reference, double axial_load, Platen& platen) noexcept {
-    sim::Quantities<double> q;
-    q.time = time_;
-    q.displacement = {reference[0], reference[1]};
-    actuator_.advance(q);
-    time_ += period_;
-    const Vector2d displacement{q.displacement[0], q.displacement[1]};
-    const Vector2d velocity = (displacement - platen.displacement) / period_;
-    platen.acceleration = (velocity - platen.velocity) / period_;
-    platen.velocity = velocity;
-    platen.displacement = displacement;
-    platen.specimen_force = specimen_.advance(displacement, velocity, axial_load);
-  }
-
- private:
-  double period_, time_ = 0;
-  RunningTerms actuator_;
-  sim::BearingRun specimen_;
-};
-
-sim::TestMachine quiet(sim::TestMachine machine, const sim::TestMachine& terms,
-                       const sim::Bearing& specimen) {
-  machine.terms = terms.terms;
-  for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-    machine.axes[i].effective_mass = terms.axes[i].effective_mass;
-    machine.axes[i].force_offset = terms.axes[i].force_offset;
-  }
-  // The identified hydraulics contain the actuator. Sensors come after it.
-  std::erase_if(machine.terms, [](const auto& term) {
-    const sim::Stage stage = sim::term_kind(term.kind).stage;
-    return stage == sim::Stage::Actuator || stage == sim::Stage::Sensor;
-  });
-  machine.noise = {0, 0, 0};
-  machine.specimen = specimen;
-  machine.has_specimen = true;
-  return machine;
-}
-
-/// Moves the platen by the identified hydraulics.
-class ServoTransfer {
- public:
-  ServoTransfer(const HybridTest& test, const sim::TestMachine& terms, const sim::Bearing& specimen)
-      : period_{test.period}, run_{quiet(test.machine_identified, terms, specimen), period_} {}
-
-  void step(const Vector2d& reference, double axial_load, Platen& platen) noexcept {
-    sim::MachineFeedback feedback;
-    static_cast<void>(run_.step(reference, axial_load, feedback));
-    platen.velocity = (feedback.displacement - platen.displacement) / period_;
-    platen.displacement = feedback.displacement;
-    platen.acceleration = feedback.acceleration;
-    platen.specimen_force = run_.specimen_force();
-    table_force = feedback.force;
-  }
-
-  Vector2d table_force = Vector2d::Zero();
-
- private:
-  double period_;
-  sim::TestMachineRun run_;
-};
-
-/// What the sensors read, before their noise.
-struct Readings {
-  Vector2d displacement = Vector2d::Zero(), acceleration = Vector2d::Zero(),
-           force = Vector2d::Zero();
-};
-
-/// The sensor terms of a machine.
-class Sensors {
- public:
-  Sensors(const sim::TestMachine& machine, double period)
-      : terms_{terms_of_stage(machine, sim::Stage::Sensor), period} {}
-  Readings operator()(const Platen& platen, const Vector2d& table_force, double time,
-                      double axial_load) noexcept {
-    auto q = quantities_of(platen, time, axial_load);
-    q.force = {table_force[0], table_force[1]};
-    terms_.advance(q);
-    return {{q.displacement[0], q.displacement[1]},
-            {q.acceleration[0], q.acceleration[1]},
-            {q.force[0], q.force[1]}};
-  }
-
- private:
-  RunningTerms terms_;
-};
+namespace platen {  // named, because a member of Laboratory::Model has this type
 
 /// The correction of the measured force, of one kind or the other; none: the force itself.
 class CorrectedForce {
@@ -193,33 +39,6 @@ class CorrectedForce {
   std::vector<controller::TableForceObserver> by_table_;
 };
 
-constexpr std::size_t kReach = 400;  // of the parabola that is no noise, samples
-
-// The largest noise: a multiple of its standard deviation at rest. Unlimited without rest.
-double limit_of(const std::vector<double>& noise, std::size_t at_rest) {
-  constexpr std::size_t kFewest = 100;  // samples
-  constexpr double kMostDeviations = 3;
-  if (at_rest < kReach + kFewest || at_rest > noise.size())
-    return std::numeric_limits<double>::infinity();
-  double sum = 0;
-  for (std::size_t i = kReach; i < at_rest; ++i) sum += noise[i] * noise[i];
-  return kMostDeviations * std::sqrt(sum / static_cast<double>(at_rest - kReach));
-}
-
-std::vector<double> noise_beside(const std::vector<double>& measured,
-                                 const std::vector<double>& modelled, std::size_t at_rest) {
-  std::vector<double> noise = measured;
-  for (std::size_t i = 0; i < std::min(noise.size(), modelled.size()); ++i) noise[i] -= modelled[i];
-  noise = noise_of(noise, kReach);
-  const double most = limit_of(noise, at_rest);
-  for (double& value : noise) value = std::clamp(value, -most, most);
-  return noise;
-}
-
-double at(const std::vector<double>& values, std::size_t tick) {
-  return tick < values.size() ? values[tick] : 0;
-}
-
 }  // namespace platen
 
 struct Laboratory::Model {
@@ -242,12 +61,18 @@ struct Laboratory::Model {
     if (servo && t.target_force) target_force.emplace(*t.target_force);
   }
 
-  void move(const Vector2d& reference, double compression) {
+  void send(const Vector2d& reference, const Command& command) {
+    sent.push_back(servo ? platen::Motion{reference, Vector2d::Zero(), Vector2d::Zero()}
+                         : ideal.asked_by(command));
+  }
+
+  void move(std::size_t found, double compression) {
+    const auto& asked = found == 0 || sent.empty() ? rest : sent[std::min(found, sent.size()) - 1];
     load = knows_load ? test.axial_load[std::min(ticks, test.axial_load.size() - 1)] : compression;
     if (servo)
-      servo->step(reference, load, motion);
+      servo->step(asked.displacement, load, motion);
     else
-      ideal.step(reference, load, motion);
+      ideal.step(asked, load, motion);
     ++ticks;
     const double time = static_cast<double>(ticks) * test.period;
     const Vector2d own = force(motion, time, load);
@@ -296,7 +121,9 @@ struct Laboratory::Model {
   std::optional<controller::TargetForce> target_force;
   bool measures, knows_load;
   std::size_t ticks;
-  double load = 0;  // on the machine [N]
+  double load = 0;                   // on the machine [N]
+  std::vector<platen::Motion> sent;  // by tick of the controller
+  const platen::Motion rest;
   platen::Platen motion;
   platen::Readings readings;
   Vector2d table = Vector2d::Zero(), exact = Vector2d::Zero(), fed_back = Vector2d::Zero(),
@@ -328,9 +155,11 @@ Laboratory::Laboratory(const HybridTest& test, Parts identified, std::size_t fir
 
 Laboratory::~Laboratory() = default;
 
-void Laboratory::move(const Vector2d& reference, double compression) {
-  model_->move(reference, compression);
+void Laboratory::send(const Vector2d& reference, const Command& command) {
+  model_->send(reference, command);
 }
+
+void Laboratory::move(std::size_t found, double compression) { model_->move(found, compression); }
 
 std::size_t Laboratory::ticks() const { return model_->ticks; }
 
@@ -341,40 +170,5 @@ const Vector2d& Laboratory::feed_back(const Vector2d& target, const Command& las
 const Vector2d& Laboratory::displacement() const { return model_->motion.displacement; }
 
 const Vector2d& Laboratory::specimen_force() const { return model_->specimen_force; }
-
-std::array<MeasuredNoise, 2> sensor_noise(const HybridTest& test,
-                                          const std::array<TransferRecord, 2>& records) {
-  platen::ServoTransfer laboratory{test, test.machine_identified, test.specimen_identified};
-  platen::Sensors sensors{test.machine_identified, test.period};
-  platen::Platen motion;
-  std::array<MeasuredNoise, 2> modelled;
-  const std::size_t ticks = std::max(records[0].reference.size(), records[1].reference.size());
-  for (std::size_t tick = 0; tick < ticks; ++tick) {
-    const double load = test.axial_load.empty()
-                            ? test.specimen_identified.axial_load
-                            : test.axial_load[std::min(tick, test.axial_load.size() - 1)];
-    laboratory.step(
-        {platen::at(records[0].reference, tick), platen::at(records[1].reference, tick)}, load,
-        motion);
-    const auto read =
-        sensors(motion, laboratory.table_force, static_cast<double>(tick + 1) * test.period, load);
-    for (Eigen::Index i = 0; i < 2; ++i) {
-      auto& axis = modelled[static_cast<std::size_t>(i)];
-      axis.displacement.push_back(read.displacement[i]);
-      axis.acceleration.push_back(read.acceleration[i]);
-      axis.force.push_back(read.force[i]);
-    }
-  }
-  std::array<MeasuredNoise, 2> noise;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto beside = [&](const std::vector<double>& measured, const std::vector<double>& model) {
-      return platen::noise_beside(measured, model, test.first_target);
-    };
-    noise[i] = {beside(records[i].displacement, modelled[i].displacement),
-                beside(records[i].acceleration, modelled[i].acceleration),
-                beside(records[i].force, modelled[i].force)};
-  }
-  return noise;
-}
 
 }  // namespace rths::budget

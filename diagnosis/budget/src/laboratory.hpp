@@ -19,8 +19,12 @@ class Laboratory {
   Laboratory(const HybridTest& test, Parts identified, std::size_t first_tick);
   ~Laboratory();
 
-  /// One tick of the machine. @param compression  of the analysis [N]
-  void move(const Eigen::Vector2d& reference, double compression);
+  /// The controller's next tick. @param reference  for a command, after the compensation [m]
+  void send(const Eigen::Vector2d& reference, const Command& command);
+  /// One tick of the machine.
+  /// @param found  references sent before it; the last of them moves the platen, none: rest
+  /// @param compression  of the analysis [N]
+  void move(std::size_t found, double compression);
   /// Ticks of the machine, those before the first included.
   [[nodiscard]] std::size_t ticks() const;
   /// One tick of the controller. @param target  of the integrator, now [m]

@@ -122,6 +122,10 @@ class Reader {
   std::unique_ptr<File> file_;
 };
 
+/// Whether two recordings have the same signals with the same values, to the last bit: one is a
+/// copy of the other, or both are of the same run in virtual time.
+[[nodiscard]] bool hold_same_signals(const Reader& a, const Reader& b);
+
 /// Values of a signal at each count of a counter: value n−1 belongs to count n. Values of missing
 /// counts are interpolated linearly.
 [[nodiscard]] std::vector<double> at_each_count(const std::vector<double>& counter,
