@@ -231,6 +231,26 @@ constexpr double kInRest = 0.15;                         // before the first tar
 constexpr double kInRampDown = kRest + kDuration + 0.6;  // [s]
 constexpr double kTwoTicks = 0.0021;
 
+// The specimen under its load, on a host that is busy at the start: controller and solver have
+// stepped before the machine has measured anything.
+TEST(SafetyRun, StartsThoughTheFirstStepOfTheMachineIsLate) {
+  const auto experiment =
+      load_experiment(app::builtin_adapters(), test::source_tree() / "examples/srmd_platen_2d.toml",
+                      {{"duration_s", "1"}, {"rest_s", "0.1"}});
+  const test::TemporaryFolder folder;
+  RunOptions options;
+  options.clock = ClockKind::Virtual;
+  options.recording = folder.path() / "run.h5";
+  options.version = "test";
+  options.lateness = [](const std::string& node, Duration time) {
+    return from_seconds(node == "srmd" && time == Duration::zero() ? 0.0015 : 0);
+  };
+
+  const RunOutcome outcome = run(experiment, options);
+
+  EXPECT_TRUE(outcome.completed) << outcome.trouble;
+}
+
 TEST(SafetyRun, PassesTheCommandOfTheExampleUnchanged) {
   const Recorded guarded = run_with(Where::Nowhere, {});
   fault_where = Where::Nowhere;
