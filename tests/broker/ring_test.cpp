@@ -10,6 +10,7 @@
 #include <rths/memmap/codec.hpp>
 
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 #include "support/realtime_guard.hpp"
 #include "support/ring_maps.hpp"
 
@@ -193,8 +194,9 @@ TEST(Node, StaysOnTheRingWhenItIsMoved) {
 TEST(TearGroup, IsNotReadTornWhileItIsWrittenForTheFirstTime) {
   constexpr std::uint32_t kWords = 100;
   const std::vector<std::uint32_t> ones(kWords, 1);
+  const int trials = test::Repetitions{5000, 500, 200}.count();
   long torn = 0;
-  for (int trial = 0; trial < 1000; ++trial) {
+  for (int trial = 0; trial < trials; ++trial) {
     Ring ring = Ring::in_process(small_map(kWords));
     Node machine = ring.join("machine", 0);
     const Node reader = ring.observe();
