@@ -81,8 +81,9 @@ TEST(DetunedTracking, RaisesFloorSpectraAbove6HzInRealTimeOnly) {
 }
 
 TEST(DetunedTracking, IsBlamedOnTheMachineAndNotOnTheBearing) {
-  const Mismatch run{"mismatch_tracking_2d.toml",
-                     {"--set", test::is_long() ? "duration_s=20" : "duration_s=10"}};
+  const Mismatch run{
+      "mismatch_tracking_2d.toml",
+      {"--set", test::is_long() ? "duration_s=20" : "duration_s=10", "--set", "uncompensated={}"}};
   const Json verdict = json_of(run.file("verdict.json"));
 
   EXPECT_EQ(verdict["verdict"], "missing");
