@@ -342,7 +342,9 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   read_axes(file, experiment);
   read_steps(file, experiment);
   read_ground_motion(file, experiment);
-  if (file.has("held_out")) experiment.held_out = adapters::read_motion(file.table("held_out"));
+  // As with `uncompensated`, an empty table is none.
+  if (const Config held_out = file.table_or_empty("held_out"); !held_out.keys().empty())
+    experiment.held_out = adapters::read_motion(held_out);
   experiment.plant = adapters::read_plant(file.table_or_empty("plant"));
   read_laboratory(file, experiment);
   if (file.has("targets"))

@@ -18,12 +18,13 @@
 #include <rths/adapters/opensees.hpp>
 #include <rths/core/error.hpp>
 
+#include "support/long_run.hpp"
 #include "support/process.hpp"
 
 namespace rths::adapters {
 namespace {
 
-constexpr int kTrials = 600;
+const int kTrials = test::Repetitions{600, 300, 100}.count();
 constexpr std::uint32_t kSeed = 20261122;
 constexpr std::size_t kDoubles = 256;
 

@@ -10,6 +10,7 @@
 #include <rths/memmap/codec.hpp>
 
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 #include "support/realtime_guard.hpp"
 #include "support/ring_maps.hpp"
 
@@ -193,8 +194,9 @@ TEST(Node, StaysOnTheRingWhenItIsMoved) {
 TEST(TearGroup, IsNotReadTornWhileItIsWrittenForTheFirstTime) {
   constexpr std::uint32_t kWords = 100;
   const std::vector<std::uint32_t> ones(kWords, 1);
+  const int trials = test::Repetitions{5000, 500, 200}.count();
   long torn = 0;
-  for (int trial = 0; trial < 1000; ++trial) {
+  for (int trial = 0; trial < trials; ++trial) {
     Ring ring = Ring::in_process(small_map(kWords));
     Node machine = ring.join("machine", 0);
     const Node reader = ring.observe();
@@ -220,7 +222,8 @@ TEST(TearGroup, IsNotReadTornWhileItIsWrittenForTheFirstTime) {
 // group. One thread writes, two read.
 TEST(TearGroup, IsNeverReadTorn) {
   constexpr std::uint32_t kWords = 100;
-  constexpr std::uint32_t kWrites = 200'000;
+  const auto writes =
+      static_cast<std::uint32_t>(test::Repetitions{200'000, 200'000, 40'000}.count());
   Ring ring = Ring::in_process(small_map(kWords));
   Node machine = ring.join("machine", 0);
   const TearGroupId group = ring.tear_group("fbk");
@@ -240,7 +243,7 @@ TEST(TearGroup, IsNeverReadTorn) {
   std::thread one{[&] { watch(first, reads[0], torn[0]); }};
   std::thread two{[&] { watch(second, reads[1], torn[1]); }};
   std::vector<std::uint32_t> words(kWords);
-  for (std::uint32_t count = 1; count <= kWrites; ++count) {
+  for (std::uint32_t count = 1; count <= writes; ++count) {
     std::fill(words.begin(), words.end(), count);
     ASSERT_EQ(machine.write_group(group, words), Status::Ok);
     // Lets readers run on a host with few processors.

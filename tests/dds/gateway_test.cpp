@@ -441,7 +441,8 @@ struct Check {
 
 // Each of three hosts has one writer; every host reads the other two.
 TEST(Gateways, LoseNothingAndKeepOrderUnderFaults) {
-  const std::uint32_t writes = test::is_long() ? 10'000'000 : 100'000;
+  const auto writes =
+      static_cast<std::uint32_t>(test::Repetitions{10'000'000, 100'000, 20'000}.count());
   constexpr std::uint64_t kSeed = 20261123;
   memmap::MapDescription description;
   description.name = "three";

@@ -144,7 +144,7 @@ class VendorHosts : public ::testing::Test {
 };
 
 TEST_F(VendorHosts, CompleteEveryStepOfAHandshake) {
-  const int steps = test::is_long() ? 10'000 : 2'000;
+  const int steps = test::is_long() ? 10'000 : 500;
   test::RingHost first{"first", handshake_map()}, second{"second", handshake_map()};
   connect(first, second);
   const auto controller = start_client(1, first, "controller", "controller");

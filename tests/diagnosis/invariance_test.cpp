@@ -67,7 +67,7 @@ void expect_friction(const Verdict& verdict, double force) {
 }
 
 TEST(Invariance, FrictionIsNamedInAnyUnitOfForce) {
-  for (const double unit : {1.0, 1e-3, 1e3}) {
+  for (const double unit : {1e-3, 1e3}) {
     SCOPED_TRACE(unit);
     expect_friction(diagnose(case_of(Hidden::Friction, unit)), unit);
   }

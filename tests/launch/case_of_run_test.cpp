@@ -24,9 +24,9 @@ constexpr double kComparedUpTo = 10;  // [Hz]
 /// The example for twelve seconds, in virtual time.
 Case case_with(const std::filesystem::path& folder, const std::vector<std::string>& changes) {
   const auto example = (test::source_tree() / "examples/srmd_lprb_2d.toml").string();
-  std::vector<std::string> arguments{"run",           example,          "--clock",
-                                     "virtual",       "--no-diagnosis", "--out",
-                                     folder.string(), "--set",          "duration_s=12"};
+  std::vector<std::string> arguments{
+      "run",           example, "--clock",       "virtual", "--no-diagnosis",  "--out",
+      folder.string(), "--set", "duration_s=12", "--set",   "uncompensated={}"};
   for (const auto& change : changes) arguments.insert(arguments.end(), {"--set", change});
   const test::Finished run = test::run_rths(arguments, 120);
   EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -158,7 +158,7 @@ void copy_without(const std::filesystem::path& from, const std::filesystem::path
 
 TEST(CaseOfARun, DoesNotCompareTheGapsOfTheRecorder) {
   const test::TemporaryFolder folder, short_gap, long_gap;
-  const Case whole = case_with(folder.path(), {"duration_s=4"});
+  const Case whole = case_with(folder.path(), {"duration_s=4", "held_out={}"});
   copy_without(folder.path() / "run.h5", short_gap.path() / "run.h5", 3.0005, 3.0035);
   copy_without(folder.path() / "run.h5", long_gap.path() / "run.h5", 3.0005, 3.0505);
 
@@ -180,7 +180,7 @@ TEST(CaseOfARun, NeedsARecordingWithTheAssumedModel) {
   const auto text = folder.write("none.h5", "no recording");
 
   EXPECT_EQ(test::error_of([&] { static_cast<void>(load_case(text)); }).find(text.string()), 0U);
-  static_cast<void>(case_with(folder.path(), {"duration_s=3"}));
+  static_cast<void>(case_with(folder.path(), {"duration_s=2", "held_out={}"}));
   const auto numerical = folder.path() / "numerical.h5";
   EXPECT_EQ(test::error_of([&] { static_cast<void>(load_case(numerical)); }),
             numerical.string() +

@@ -97,7 +97,7 @@ class Trial {
         running_{{test::rths_command(), "run",
                   (test::source_tree() / "examples/srmd_lprb_2d.toml").string(), "--no-diagnosis",
                   "--out", folder_.path().string(), "--ring", ring_, "--set", "duration_s=1",
-                  "--set", "rest_s=0.5"}} {}
+                  "--set", "rest_s=0.5", "--set", "uncompensated={}", "--set", "held_out={}"}} {}
   ~Trial() {
     for (const auto& [node, pid] : nodes_on(ring_)) kill(pid, SIGKILL);
   }

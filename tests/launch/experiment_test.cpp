@@ -255,6 +255,13 @@ TEST_F(ExperimentTest, TakesChangesFromTheCommandLine) {
   EXPECT_NEAR(e.motion.long_acceleration[1], 0.3 * 9.80665, 1e-12);
 }
 
+TEST_F(ExperimentTest, HasNoSecondEarthquakeIfItsTableIsEmpty) {
+  const auto file = test::source_tree() / "examples/srmd_lprb_2d.toml";
+
+  EXPECT_TRUE(load_experiment(file).held_out.has_value());
+  EXPECT_FALSE(load_experiment(file, {{"held_out", "{}"}}).held_out.has_value());
+}
+
 TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
   EXPECT_EQ(error_with("format = 1", "format = 9"),
             "lab.toml:1:10: format is 9, this program reads 1");

@@ -81,8 +81,9 @@ TEST(DetunedTracking, RaisesFloorSpectraAbove6HzInRealTimeOnly) {
 }
 
 TEST(DetunedTracking, IsBlamedOnTheMachineAndNotOnTheBearing) {
-  const Mismatch run{"mismatch_tracking_2d.toml",
-                     {"--set", test::is_long() ? "duration_s=20" : "duration_s=10"}};
+  const Mismatch run{
+      "mismatch_tracking_2d.toml",
+      {"--set", test::is_long() ? "duration_s=20" : "duration_s=10", "--set", "uncompensated={}"}};
   const Json verdict = json_of(run.file("verdict.json"));
 
   EXPECT_EQ(verdict["verdict"], "missing");
@@ -130,9 +131,9 @@ TEST(VerticalCoupling, IsNamedAndClosesTheGapInFloorSpectra) {
 TEST(MismatchedNothing, IsReportedAsNone) {
   // The compensation is tuned correctly, and no actuator assumption is wrong.
   const Mismatch run{"srmd_lprb_2d.toml",
-                     {"--set", test::is_long() ? "duration_s=20" : "duration_s=10", "--set",
-                      "model.specimen.lead_heating.enabled=true", "--set",
-                      "model.machine.load_dependent_friction.enabled=true"}};
+                     {"--set", test::is_long() ? "duration_s=20" : "duration_s=7", "--set",
+                      "uncompensated={}", "--set", "model.specimen.lead_heating.enabled=true",
+                      "--set", "model.machine.load_dependent_friction.enabled=true"}};
   const Json verdict = json_of(run.file("verdict.json"));
 
   EXPECT_EQ(verdict["verdict"], "none") << verdict["sentence"];

@@ -46,7 +46,7 @@ class OpenSeesRun : public test::WithOpenSees<> {
   [[nodiscard]] Rows ring_response() const { return read_rows(folder_.path() / "ring.csv"); }
 
   /// Of the analyses of `kPlant` and of the frame [s]; steps of 10 ms.
-  int duration_ = test::is_long() ? 30 : 10;
+  int duration_ = test::is_long() ? 30 : 7;
   [[nodiscard]] std::size_t steps() const { return 100 * static_cast<std::size_t>(duration_); }
   static constexpr const char* kRecord = "petrolia_1992_riodell_freefield.csv";
   static constexpr const char* kPlant = "examples/opensees/isolated_plant.py";

@@ -18,6 +18,7 @@
 
 #include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/long_run.hpp"
 #include "support/process.hpp"
 
 namespace rths::launch {
@@ -29,11 +30,12 @@ using Json = nlohmann::json;
 // control alone make the responses differ.
 TEST(PlatenExample, RespondsLikeTheSimulationWithTheSameSpecimen) {
   const test::TemporaryFolder folder;
-  const auto run =
-      test::run_rths({"run", (test::source_tree() / "examples/srmd_platen_2d.toml").string(),
-                      "--clock", "virtual", "--no-diagnosis", "--set", "duration_s=20", "--set",
-                      "model.specimen.lead_heating.enabled=true", "--out", folder.path().string()},
-                     120);
+  const auto run = test::run_rths(
+      {"run", (test::source_tree() / "examples/srmd_platen_2d.toml").string(), "--clock", "virtual",
+       "--no-diagnosis", "--set", test::is_long() ? "duration_s=20" : "duration_s=12", "--set",
+       "held_out={}", "--set", "model.specimen.lead_heating.enabled=true", "--out",
+       folder.path().string()},
+      120);
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json report = test::json_of(folder.path() / "report.json");
 
@@ -151,7 +153,7 @@ TEST(ThreeDimensionsExample, FollowsTheHeightAtThePlaten) {
 // A test beside itself differs by nothing.
 TEST(Report, PutsAnotherTestBesideThis) {
   const test::TemporaryFolder folder;
-  ASSERT_EQ(run_3d(folder.path(), {"duration_s=1", "rate=2"}).exit_code, 0);
+  ASSERT_EQ(run_3d(folder.path(), {"duration_s=1", "rate=2", "rest_s=0.2"}).exit_code, 0);
 
   const auto both =
       test::run_rths({"report", folder.path().string(), "--beside", folder.path().string()});

@@ -249,8 +249,8 @@ TEST(RunDiagnosis, IsOmittedOnRequest) {
   const test::TemporaryFolder folder;
   folder.write("verdict.json", "of an earlier run");
 
-  const auto run =
-      run_example(folder.path(), {"--force", "--no-diagnosis", "--set", "duration_s=2"});
+  const auto run = run_example(folder.path(), {"--force", "--no-diagnosis", "--set", "duration_s=2",
+                                               "--set", "uncompensated={}"});
 
   ASSERT_EQ(run.exit_code, 0) << run.err;
   for (const char* file : {"verdict.json", "improved.h5", "diagnosis.html"})

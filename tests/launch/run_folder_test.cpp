@@ -19,6 +19,7 @@
 #include "support/diagrams.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
+#include "support/test_alone.hpp"
 
 namespace rths::launch {
 namespace {
@@ -34,7 +35,7 @@ class RunFolder : public ::testing::Test {
     command.insert(command.end(), arguments.begin(), arguments.end());
     return test::Running{command}.wait(60);
   }
-  /// Runs 1 s of the example in virtual time.
+  /// Runs 2 s of the example in virtual time.
   [[nodiscard]] test::Finished run(const std::vector<std::string>& options = {}) const {
     std::vector<std::string> arguments{
         "run",
@@ -46,15 +47,15 @@ class RunFolder : public ::testing::Test {
         "duration_s=2",
         "--set",
         "rest_s=0.1"};
+    arguments.insert(arguments.end(), test::kTestAlone.begin(), test::kTestAlone.end());
     arguments.insert(arguments.end(), options.begin(), options.end());
     return rths(arguments);
   }
   /// Options with which no run can start: the controller writes a signal that is not in the map.
   [[nodiscard]] std::vector<std::string> unknown_signal() const {
     const auto diagram = place.write("unknown.toml", test::zero_diagram("daq.nothing"));
-    return {"--set", "node.xpc.diagram=\"" + diagram.string() + "\"",
-            "--set", "node.xpc.constants=\"" + place.write("none.toml", "").string() + "\"",
-            "--set", "uncompensated={}"};
+    return {"--set", "node.xpc.diagram=\"" + diagram.string() + "\"", "--set",
+            "node.xpc.constants=\"" + place.write("none.toml", "").string() + "\""};
   }
   [[nodiscard]] fs::path at(const std::string& path) const { return place.path() / path; }
   /// Names and contents of all files of a folder.

@@ -477,9 +477,10 @@ TEST(SafeMachine, IsRealTimeWhileItTrips) {
 
 TEST(SafetyRun, HasOneLineAReportAndAnExitCode) {
   const test::TemporaryFolder folder;
-  const auto run = test::run_rths(
-      {"run", (test::source_tree() / "examples/srmd_lprb_2d.toml").string(), "--clock", "virtual",
-       "--no-diagnosis", "--set", "motion.scale=5.6", "--out", folder.path().string()});
+  const auto run =
+      test::run_rths({"run", (test::source_tree() / "examples/srmd_lprb_2d.toml").string(),
+                      "--clock", "virtual", "--no-diagnosis", "--set", "motion.scale=5.6", "--set",
+                      "uncompensated={}", "--set", "held_out={}", "--out", folder.path().string()});
 
   EXPECT_EQ(run.exit_code, 2);
   const std::string begin = "rths: the run ended early: srmd: safety trip at ";

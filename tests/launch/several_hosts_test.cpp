@@ -77,7 +77,7 @@ class SeveralHosts : public ::testing::Test {
 };
 
 TEST_F(SeveralHosts, GiveTheBytesOfOneHostInVirtualTime) {
-  const std::string shorter = test::is_long() ? "" : " --set duration_s=3 --set rest_s=0.5";
+  const std::string shorter = test::is_long() ? "" : " --set duration_s=2 --set rest_s=0.2";
   for (int host = 0; host < 3; ++host) start(host, options_in_compose_file(kHosts[host]) + shorter);
   for (const char* host : kHosts) {
     const auto ended = end_of(host, 400);

@@ -37,8 +37,10 @@ Json numbers_of(const std::filesystem::path& out, const std::vector<std::string>
 
 TEST(VirtualRun, HasThePapersTwoDimensionalFigures) {
   const test::TemporaryFolder folder;
-  const Json numbers = numbers_of(folder.path(), {"model.specimen.lead_heating.enabled=true",
-                                                  "machine.load_dependent_friction.enabled=false"});
+  const Json numbers =
+      numbers_of(folder.path(), {test::is_long() ? "duration_s=40" : "duration_s=20", "held_out={}",
+                                 "model.specimen.lead_heating.enabled=true",
+                                 "machine.load_dependent_friction.enabled=false"});
 
   EXPECT_EQ(numbers["clock"], "virtual");
   EXPECT_EQ(numbers["slow_downs"], 0);
@@ -70,10 +72,10 @@ TEST_P(EveryBearing, BehavesInTheTestAsInTheSimulation) {
   const test::TemporaryFolder folder;
   const auto file =
       test::source_tree() / "examples" / (std::string{"srmd_"} + GetParam() + "_2d.toml");
-  const test::Finished run =
-      test::run_rths({"run", file.string(), "--clock", "virtual", "--out", folder.path().string(),
-                      "--set", test::is_long() ? "duration_s=40" : "duration_s=15"},
-                     120);
+  const test::Finished run = test::run_rths(
+      {"run", file.string(), "--clock", "virtual", "--out", folder.path().string(), "--set",
+       test::is_long() ? "duration_s=40" : "duration_s=15", "--set", "uncompensated={}"},
+      120);
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json numbers = Json::parse(test::content_of(folder.path() / "report.json"));
 
@@ -95,7 +97,8 @@ INSTANTIATE_TEST_SUITE_P(Examples, EveryBearing, ::testing::Values("eqsb", "tpfb
 TEST(VirtualRun, GivesTheSameBitsEveryTime) {
   const test::TemporaryFolder first;
   const test::TemporaryFolder second;
-  const std::vector<std::string> changes{test::is_long() ? "duration_s=40" : "duration_s=10"};
+  const std::vector<std::string> changes{test::is_long() ? "duration_s=40" : "duration_s=4",
+                                         "held_out={}"};
   static_cast<void>(numbers_of(first.path(), changes));
   static_cast<void>(numbers_of(second.path(), changes));
 
@@ -124,8 +127,8 @@ TEST(VirtualRun, HasTheSameResponseOnARingOfCards) {
   const std::string duration = test::is_long() ? "duration_s=40" : "duration_s=2";
   for (const auto* folder : {&shared, &first, &second}) {
     const std::string fidelity = folder == &shared ? "shared" : "replicated";
-    static_cast<void>(numbers_of(
-        folder->path(), {duration, "rest_s=0.2", "uncompensated={}", "fidelity=" + fidelity}));
+    static_cast<void>(numbers_of(folder->path(), {duration, "rest_s=0.2", "uncompensated={}",
+                                                  "held_out={}", "fidelity=" + fidelity}));
   }
 
   const recording::Reader a{shared.path() / "run.h5"};
@@ -148,7 +151,8 @@ TEST_P(EveryNode, MayLeaveTheRingOfCardsDuringARun) {
   const test::Finished run = test::run_rths(
       {"run", file.string(), "--clock", "virtual", "--no-diagnosis", "--out",
        (folder.path() / "out").string(), "--set", "fidelity=replicated", "--set", "duration_s=3",
-       "--set", "rest_s=0.2", "--set", "folder=" + (test::source_tree() / "examples").string()},
+       "--set", "rest_s=0.2", "--set", "uncompensated={}", "--set", "held_out={}", "--set",
+       "folder=" + (test::source_tree() / "examples").string()},
       60);
 
   EXPECT_NE(run.exit_code, 0);
@@ -163,8 +167,10 @@ INSTANTIATE_TEST_SUITE_P(OfTheExample, EveryNode, ::testing::Values("opf", "xpc"
 TEST(VirtualRun, HasOtherNoiseWithAnotherSeed) {
   const test::TemporaryFolder first;
   const test::TemporaryFolder second;
-  static_cast<void>(numbers_of(first.path(), {"duration_s=2", "seed=1"}));
-  static_cast<void>(numbers_of(second.path(), {"duration_s=2", "seed=2"}));
+  static_cast<void>(
+      numbers_of(first.path(), {"duration_s=2", "seed=1", "uncompensated={}", "held_out={}"}));
+  static_cast<void>(
+      numbers_of(second.path(), {"duration_s=2", "seed=2", "uncompensated={}", "held_out={}"}));
 
   const recording::Reader a{first.path() / "run.h5"};
   const recording::Reader b{second.path() / "run.h5"};
@@ -173,9 +179,9 @@ TEST(VirtualRun, HasOtherNoiseWithAnotherSeed) {
 
 TEST(VirtualRun, SlowsDownWhereTheSolverOverruns) {
   const test::TemporaryFolder folder;
-  const Json numbers =
-      numbers_of(folder.path(), {"duration_s=10", "solver.overrun_fraction=0.1",
-                                 "solver.overrun_s=0.008", "node.srmd.safety.enabled=false"});
+  const Json numbers = numbers_of(
+      folder.path(), {"duration_s=10", "solver.overrun_fraction=0.1", "solver.overrun_s=0.008",
+                      "node.srmd.safety.enabled=false", "uncompensated={}", "held_out={}"});
 
   // One step in ten takes 11 ms; targets later than 6 ms slow the command down. Where it catches
   // up, its acceleration is just beyond the machine's.
@@ -188,8 +194,9 @@ class Rate : public ::testing::TestWithParam<int> {};
 
 TEST_P(Rate, StretchesTheTestButNotTheResult) {
   const test::TemporaryFolder folder;
-  const Json numbers =
-      numbers_of(folder.path(), {"duration_s=12", "rate=" + std::to_string(GetParam())});
+  const Json numbers = numbers_of(
+      folder.path(),
+      {"duration_s=12", "uncompensated={}", "held_out={}", "rate=" + std::to_string(GetParam())});
 
   EXPECT_EQ(numbers["duration_s"], 12);
   const double step_ms = 10.0 * GetParam();
@@ -204,7 +211,8 @@ INSTANTIATE_TEST_SUITE_P(Rates, Rate, ::testing::Values(1, 2, 10));
 
 TEST(VirtualRun, TestsOneAxisAlone) {
   const test::TemporaryFolder folder;
-  const Json numbers = numbers_of(folder.path(), {"duration_s=12", "axes=[\"lat\"]"});
+  const Json numbers = numbers_of(
+      folder.path(), {"duration_s=12", "uncompensated={}", "held_out={}", "axes=[\"lat\"]"});
 
   ASSERT_EQ(numbers["axes"].size(), 1U);
   EXPECT_LE(std::abs(numbers["axes"]["lat"]["delay_compensated_ms"].get<double>()), 6.5);
@@ -247,7 +255,7 @@ TEST(VirtualRun, FailsOnALoadCellOfTheWrongSign) {
       {"run", example(), "--clock", "virtual", "--no-diagnosis", "--out", folder.path().string(),
        "--set", "duration_s=6", "--set",
        "machine.load_cell={kind=\"gain\", channel=\"force\", axes=[\"lat\"], factor=-1}", "--set",
-       "node.srmd.safety.enabled=false"},
+       "node.srmd.safety.enabled=false", "--set", "uncompensated={}", "--set", "held_out={}"},
       120);
 
   EXPECT_EQ(run.exit_code, 1);
@@ -290,7 +298,7 @@ TEST(VirtualRun, EndsInOrderWhenANodeFails) {
       test::run_rths({"run", example(), "--clock", "virtual", "--out", folder.path().string(),
                       "--set", "node.xpc.diagram=\"" + diagram.string() + "\"", "--set",
                       "node.xpc.constants=\"" + folder.write("none.toml", "").string() + "\"",
-                      "--set", "uncompensated={}"});
+                      "--set", "uncompensated={}", "--set", "held_out={}"});
 
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("opf: atTarget did not rise before the deadline at"), std::string::npos)

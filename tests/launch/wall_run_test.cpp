@@ -20,6 +20,7 @@
 #include "support/long_run.hpp"
 #include "support/process.hpp"
 #include "support/ring_maps.hpp"
+#include "support/test_alone.hpp"
 
 namespace rths::launch {
 namespace {
@@ -72,6 +73,7 @@ class WallRun {
     std::vector<std::string> words{
         test::rths_command(), "run",    example(), "--no-diagnosis", "--out",
         out.string(),         "--ring", ring,      "--set",          "duration_s=" + duration};
+    words.insert(words.end(), test::kTestAlone.begin(), test::kTestAlone.end());
     words.insert(words.end(), options.begin(), options.end());
     return words;
   }
@@ -408,9 +410,10 @@ TEST(WallRun, TakesAsLongToStopAsConfigured) {
   const std::string ring = test::unique_ring("slow_rest");
   const test::RingRemoval removal{ring};
 
-  const auto run = test::run_rths({"run", example(), "--no-diagnosis", "--out",
-                                   folder.path().string(), "--ring", ring, "--set", "duration_s=2",
-                                   "--set", "rest_s=0.5", "--set", "stop.ramp_s=3"});
+  const auto run =
+      test::run_rths({"run", example(), "--no-diagnosis", "--out", folder.path().string(), "--ring",
+                      ring, "--set", "duration_s=2", "--set", "uncompensated={}", "--set",
+                      "held_out={}", "--set", "rest_s=0.5", "--set", "stop.ramp_s=3"});
 
   expect_regular_end(run);
 }

@@ -6,6 +6,7 @@
 #include <rths/memmap/map.hpp>
 
 #include "support/files.hpp"
+#include "support/long_run.hpp"
 
 namespace rths::memmap {
 namespace {
@@ -149,9 +150,10 @@ TEST(Map, KeepsItsPointersValidInACopy) {
 
 // Random valid layouts must pass the checks and read back unchanged from their canonical spelling.
 TEST(Map, AcceptsEveryValidLayout) {
+  const int trials = test::Repetitions{1000, 200, 50}.count();
   std::mt19937 random{2026};
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int trial = 0; trial < trials; ++trial) {
     MapDescription description;
     description.name = "random";
     description.size_longwords = 4096;

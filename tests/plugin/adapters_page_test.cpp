@@ -82,12 +82,14 @@ TEST(AdaptersPage, AlsoHoldsForAControllerInCpp) {
 TEST(NewAdapter, RunsInTheMainExperimentAsControllerAndAsMachine) {
   const std::string run = "rths run " +
                           (test::source_tree() / "examples/srmd_lprb_2d.toml").string() +
-                          " --clock virtual --no-diagnosis --set duration_s=12 ";
+                          " --clock virtual --no-diagnosis --set duration_s=12 --set held_out={} ";
   const test::TemporaryFolder folder;
   const auto ran = run_commands(
       "```sh\nrths new adapter demo\nrths new adapter pilot --role controller\n"
       "for name in demo pilot; do\n(cd $name && cmake -B build && cmake --build build)\ndone\n" +
-          run + "--out machine --set specimen.bouc_wen.characteristic_strength_N=0" +
+          run +
+          "--out machine --set uncompensated={} --set "
+          "specimen.bouc_wen.characteristic_strength_N=0" +
           " --set specimen.bouc_wen.post_yield_stiffness_N_per_m=5e6" +
           " --set specimen.lead_heating.enabled=false" +
           " --set \"node.srmd={adapter='plugin', role='machine', "

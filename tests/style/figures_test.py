@@ -28,7 +28,7 @@ PAGE = "A word takes 1.05 ns,\n1046 ps. With 64 bytes:\n\n| `word` | 1.0 | – |
 
 
 # With RTHS_LONG=1 every digit is changed, else a part of them, which is another one on each page.
-STEP = 1 if os.environ.get("RTHS_LONG") else 7
+STEP = 1 if os.environ.get("RTHS_LONG") else 21
 
 
 class Pages(unittest.TestCase):

@@ -33,7 +33,8 @@ class StressEnd {
   static constexpr std::uint64_t kChanges = 1000;
 
  private:
-  std::uint64_t longwords_ = test::is_long() ? 100'000'000U : 1'000'000U;
+  std::uint64_t longwords_ =
+      static_cast<std::uint64_t>(Repetitions{100'000'000, 1'000'000, 100'000}.count());
   std::chrono::steady_clock::time_point deadline_ =
       std::chrono::steady_clock::now() + std::chrono::seconds{60};
 };

@@ -6,8 +6,8 @@
 namespace rths::adapters {
 namespace {
 
-constexpr double kPeriod = 1e-3;   // [s]
-constexpr double kOverhang = 0.2;  // recorded after the other nodes came to rest [s]
+constexpr double kRowPeriod = 1e-3;  // [s]
+constexpr double kOverhang = 0.2;    // recorded after the other nodes came to rest [s]
 
 std::unique_ptr<Adapter> make(const TestSetup& setup, const NodeContext& context) {
   RecorderSettings settings;
@@ -27,7 +27,7 @@ NodeSettings read_recorder(const std::string& /*node*/, const Config& /*table*/,
                            const TestSetup& /*setup*/) {
   NodeSettings settings;
   settings.role = Role::Recorder;
-  settings.schedule = schedule_of(kPeriod, 0.8 * kPeriod);
+  settings.schedule = schedule_of(kRowPeriod, 0.8 * kRowPeriod);
   settings.monitors = recorder_monitors();
   settings.make = make;
   return settings;
