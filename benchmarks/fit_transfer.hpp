@@ -22,6 +22,7 @@ inline constexpr Fitted kFitted[] = {
     {&budget::TransferSystem::valve_damping, 0.7, 0.1, 5, 1},
     {&budget::TransferSystem::dead_band, 1e-4, 0, 0.02, 5e-4},
     {&budget::TransferSystem::pressure_feedback, 1e-9, 0, 1e-6, 1e-8},
+    {&budget::TransferSystem::pressure_washout, 0.3, 0, 20, 1},
     {&budget::TransferSystem::compliance, 1e-9, 1e-11, 1e-7, 1e-9},
     {&budget::TransferSystem::supply_force, 8e6, 1e3, 1e9, 1e7},
     {&budget::TransferSystem::leakage, 1e-11, 0, 1e-6, 1e-9}};

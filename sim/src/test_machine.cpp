@@ -75,15 +75,17 @@ TestMachineRun::AxisState TestMachineRun::rates(int axis, const AxisState& s, do
   const ServoAxis& p = machine_.axes[axis];
   const double demand =
       std::clamp(p.position_gain * (reference - s.x) * p.piston_area / p.rated_flow -
-                     p.pressure_gain * s.pressure / p.supply_pressure,
+                     p.pressure_gain * (s.pressure - s.slow_pressure) / p.supply_pressure,
                  -1.0, 1.0);
   const double opening =
       std::abs(s.spool) > p.dead_band ? s.spool - sign(s.spool) * p.dead_band : 0;
   const double drop = std::max(0.0, 1 - sign(opening) * s.pressure / p.supply_pressure);
   const double flow = p.rated_flow * opening * std::sqrt(drop);
   const double omega = 2 * std::numbers::pi * p.valve_frequency;
-  return {s.v, platen_acceleration(axis, s, resistance),
+  return {s.v,
+          platen_acceleration(axis, s, resistance),
           4 * p.bulk_modulus / p.oil_volume * (flow - p.piston_area * s.v - p.leakage * s.pressure),
+          2 * std::numbers::pi * p.pressure_washout * (s.pressure - s.slow_pressure),
           s.spool_rate,
           omega * omega * (demand - s.spool) - 2 * p.valve_damping * omega * s.spool_rate};
 }
@@ -95,8 +97,12 @@ void TestMachineRun::integrate_substep(int i, double reference) noexcept {
   axis.delay_head = (axis.delay_head + 1) % axis.delay_line.size();
 
   const auto moved = [](const AxisState& from, const AxisState& d, double dt) {
-    return AxisState{from.x + dt * d.x, from.v + dt * d.v, from.pressure + dt * d.pressure,
-                     from.spool + dt * d.spool, from.spool_rate + dt * d.spool_rate};
+    return AxisState{from.x + dt * d.x,
+                     from.v + dt * d.v,
+                     from.pressure + dt * d.pressure,
+                     from.slow_pressure + dt * d.slow_pressure,
+                     from.spool + dt * d.spool,
+                     from.spool_rate + dt * d.spool_rate};
   };
   // The resistance at the end of this substep is not known yet. Holding it would make it half a
   // substep late, which acts as negative damping. Extrapolation leaves a third-order error.

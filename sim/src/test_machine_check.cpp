@@ -13,9 +13,10 @@
 namespace rths::sim {
 namespace {
 
-constexpr double kLongestDelay = 1;   // [s]
-constexpr double kMostDamping = 10;   // of a spool [-]
-constexpr double kMostFeedback = 10;  // of pressure [-]
+constexpr double kLongestDelay = 1;      // [s]
+constexpr double kMostDamping = 10;      // of a spool [-]
+constexpr double kMostFeedback = 10;     // of pressure [-]
+constexpr double kFastestWashout = 100;  // of pressure [Hz]
 // An extrapolated resistance drives an oscillation with a damping ratio of -(ω substep)³/8.
 constexpr double kFastestSpecimen = 0.1;  // ω substep [-]
 constexpr double kUnbounded = std::numeric_limits<double>::max();
@@ -63,6 +64,7 @@ void check_hydraulics(const ServoAxis& axis) {
         Bounded{"valve_damping", axis.valve_damping, 0, kMostDamping},
         Bounded{"dead_band", axis.dead_band, 0, 1},
         Bounded{"pressure_gain", axis.pressure_gain, 0, kMostFeedback},
+        Bounded{"pressure_washout", axis.pressure_washout, 0, kFastestWashout},
         Bounded{"transport_delay", axis.transport_delay, 0, kLongestDelay},
         Bounded{"force_offset", axis.force_offset, -kUnbounded, kUnbounded}})
     require(bounded);

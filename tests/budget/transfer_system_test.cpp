@@ -59,11 +59,24 @@ TEST(TransferSystem, RecoversTheHydraulicsOfAMachine) {
   EXPECT_NEAR(found.compliance, compliance, 0.1 * compliance);
   EXPECT_NEAR(found.pressure_feedback, axis.pressure_gain * fastest / force,
               0.2 * axis.pressure_gain * fastest / force);
+  EXPECT_LT(found.pressure_washout, 0.02);
   EXPECT_NEAR(found.delay(), 1 / axis.position_gain + axis.transport_delay, 0.001);
   // The noise of the displacement sensor is 50 µm.
   EXPECT_LT(found.residual, 1.1 * machine.noise.displacement);
   EXPECT_LT(found.error, 0.02 * found.error_without);
   EXPECT_EQ(found.confidence, 1);
+}
+
+// Many valves feed back the pressure of vibration only.
+TEST(TransferSystem, FindsTheWashoutOfThePressureFeedback) {
+  sim::TestMachine machine = laboratory();
+  machine.axes[0].pressure_washout = 1;
+  const TransferSystem found = identify_transfer(recorded(machine, 40));
+  const sim::ServoAxis& axis = machine.axes[0];
+  EXPECT_NEAR(found.gain, axis.position_gain, 0.02 * axis.position_gain);
+  EXPECT_NEAR(found.valve_frequency, axis.valve_frequency, 0.05 * axis.valve_frequency);
+  EXPECT_NEAR(found.pressure_washout, axis.pressure_washout, 0.2);
+  EXPECT_LT(found.residual, 1.1 * machine.noise.displacement);
 }
 
 // x' = K (r − x): closed form of a first-order lag.

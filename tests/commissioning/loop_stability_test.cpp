@@ -153,6 +153,11 @@ TEST(MachineTransfer, HasTheLagOfThePositionLoopAndYieldsToItsSpecimen) {
   const double stiffness = 1e9;
   EXPECT_NEAR(std::abs(transfer_at(machine, stiffness, 0, 1e-6)),
               machine.gain / (machine.gain + 3e-9 * stiffness), 1e-6);
+
+  // Slow pressure is not fed back: K (r − x) = l N x.
+  machine.pressure_washout = 1;
+  EXPECT_NEAR(std::abs(transfer_at(machine, stiffness, 0, 1e-6)),
+              machine.gain / (machine.gain + 1e-9 * stiffness), 1e-6);
 }
 
 }  // namespace

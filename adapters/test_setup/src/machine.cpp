@@ -20,6 +20,7 @@ void read_pair(const Config& table, const std::string& key, double sim::ServoAxi
 std::span<const MachineKey> machine_keys() {
   static constexpr MachineKey kKeys[] = {{"position_gain_per_s", &sim::ServoAxis::position_gain},
                                          {"pressure_gain", &sim::ServoAxis::pressure_gain},
+                                         {"pressure_washout_Hz", &sim::ServoAxis::pressure_washout},
                                          {"valve_frequency_Hz", &sim::ServoAxis::valve_frequency},
                                          {"valve_damping", &sim::ServoAxis::valve_damping},
                                          {"dead_band", &sim::ServoAxis::dead_band},

@@ -38,18 +38,20 @@ constexpr Fitted kFitted[] = {
     {"valve_damping", "1", &TransferSystem::valve_damping, 0.1, 5, 1},
     {"dead_band", "m", &TransferSystem::dead_band, 0, 0.02, 5e-4},
     {"pressure_feedback", "m/(s.N)", &TransferSystem::pressure_feedback, 0, 1e-6, 1e-8},
+    {"pressure_washout", "Hz", &TransferSystem::pressure_washout, 0, 20, 1},
     {"compliance", "m/N", &TransferSystem::compliance, 1e-11, 1e-7, 1e-9},
     {"supply_force", "N", &TransferSystem::supply_force, 1e3, 1e9, 1e7},
     {"leakage", "m/(s.N)", &TransferSystem::leakage, 0, 1e-6, 1e-9},
 };
 constexpr auto kCount = static_cast<Eigen::Index>(std::size(kFitted));
 
-/// z = x + c F, and the valve.
+/// z = x + c F, the valve, and the slow force.
 struct State {
-  double z = 0, spool = 0, rate = 0;
+  double z = 0, spool = 0, rate = 0, slow_force = 0;
 };
 State moved(const State& from, const State& d, double dt) {
-  return {from.z + dt * d.z, from.spool + dt * d.spool, from.rate + dt * d.rate};
+  return {from.z + dt * d.z, from.spool + dt * d.spool, from.rate + dt * d.rate,
+          from.slow_force + dt * d.slow_force};
 }
 
 /// Signals that are linear between samples. A held reference is known at the middle of its period.
@@ -77,13 +79,14 @@ class Input {
 State rates(const TransferSystem& p, const State& s, double reference, double force) {
   const double omega = 2 * std::numbers::pi * p.valve_frequency;
   const double x = s.z - p.compliance * force;
-  const double demand = p.gain * (reference - x) - p.pressure_feedback * force;
+  const double demand = p.gain * (reference - x) - p.pressure_feedback * (force - s.slow_force);
   const double band = p.gain * p.dead_band;
   const double opening = s.spool - std::clamp(s.spool, -band, band);
   const double load = (opening > 0 ? force : -force) / p.supply_force;
   const double flow = opening * std::sqrt(std::max(0.0, 1 - load));
   return {flow - p.leakage * force, s.rate,
-          omega * omega * (demand - s.spool) - 2 * p.valve_damping * omega * s.rate};
+          omega * omega * (demand - s.spool) - 2 * p.valve_damping * omega * s.rate,
+          2 * std::numbers::pi * p.pressure_washout * (force - s.slow_force)};
 }
 
 void check(const TransferRecord& record) {
@@ -185,14 +188,15 @@ diagnosis::Fit fit(const TransferRecord& record, const std::vector<std::size_t>&
 }
 
 // Half widths of the 95 % intervals, from the parameters that the record determines: those that are
-// not on a bound.
+// not on a bound and act. The washout of a feedback that is zero does not.
 std::array<double, kCount> half_widths(const diagnosis::Fit& fitted, Eigen::Index block) {
   std::array<double, kCount> widths{};
   widths.fill(std::numeric_limits<double>::quiet_NaN());
   std::vector<Eigen::Index> inside;
   for (Eigen::Index i = 0; i < kCount; ++i) {
     const double value = fitted.parameters[i], margin = 1e-6 * kFitted[i].scale;
-    if (value > kFitted[i].low + margin && value < kFitted[i].high - margin) inside.push_back(i);
+    const bool is_inside = value > kFitted[i].low + margin && value < kFitted[i].high - margin;
+    if (is_inside && fitted.jacobian.col(i).squaredNorm() > 0) inside.push_back(i);
   }
   // In units of the residual and of the scales: the numbers are then of similar size.
   const double unit =
@@ -261,6 +265,7 @@ TransferSystem identify_transfer(const TransferRecord& record) {
   start.transport_delay = 0.1 * std::clamp(delay, 0.0, 0.2);
   start.dead_band = 1e-4;
   start.pressure_feedback = 1e-9;
+  start.pressure_washout = 0.3;
   start.supply_force = std::max(1e4, 4 * strongest);
   start.leakage = 1e-11;
   const auto chosen = samples_of(record, 0), scored = samples_of(record, 1);
@@ -291,6 +296,7 @@ sim::ServoAxis servo_axis(const TransferSystem& system, sim::ServoAxis axis) {
   axis.valve_damping = system.valve_damping;
   axis.dead_band = system.gain * system.dead_band / fastest;
   axis.pressure_gain = system.pressure_feedback * system.supply_force / fastest;
+  axis.pressure_washout = system.pressure_washout;
   axis.oil_volume = 4 * axis.bulk_modulus * system.compliance * area * area;
   axis.leakage = system.leakage * area * area;
   return axis;

@@ -24,7 +24,8 @@ struct AxisLimits {
 
 /// One horizontal axis of a servo-hydraulic bearing test machine: all its actuators as one.
 ///
-///     servo        w = K_v (r(t − τ) − x) A/Q_r − K_p P_L/P_s             valve demand, |w| ≤ 1
+///     servo        w = K_v (r(t − τ) − x) A/Q_r − K_p (P_L − P_f)/P_s     valve demand, |w| ≤ 1
+///     washout      Ṗ_f = ω_f (P_L − P_f)                                  0 without it
 ///     spool        ẍ_v = ω_v² (w − x_v) − 2 ζ_v ω_v ẋ_v                   |x_v| ≤ 1
 ///     port flow    Q = Q_r y √(1 − sgn(y) P_L/P_s),  y = x_v outside the dead band, else 0
 ///     oil column   Ṗ_L = (4 B/V) (Q − A ẋ − C_l P_L)
@@ -47,6 +48,7 @@ struct ServoAxis {
   double dead_band = 0.005;         ///< of the spool [-]
   double position_gain = 20.5;      ///< K_v [1/s]
   double pressure_gain = 0.1;       ///< K_p [-]
+  double pressure_washout = 0;      ///< ω_f/2π: slower pressure is not fed back [Hz]
   double transport_delay = 0.002;   ///< τ [s]
   double effective_mass = 113'371;  ///< m_e of platen and moving parts [kg]
   double force_offset = 2'000;      ///< of the table force [N]
@@ -102,7 +104,7 @@ class TestMachineRun {
 
  private:
   struct AxisState {
-    double x = 0, v = 0, pressure = 0, spool = 0, spool_rate = 0;
+    double x = 0, v = 0, pressure = 0, slow_pressure = 0, spool = 0, spool_rate = 0;
   };
   struct Axis {
     AxisState state;

@@ -26,11 +26,12 @@ struct TransferParameter {
 
 /// The transfer system of one axis, from reference to displacement, as a servo-hydraulic axis:
 ///
-///     demand       e = K (r(t − τ) − x) − κ F
+///     demand       e = K (r(t − τ) − x) − κ (F − F_f),  Ḟ_f = ω_f (F − F_f)
 ///     valve        s̈ = ω² (e − s) − 2 ζ ω ṡ
 ///     flow         y = s outside the dead band ± δ K, else 0;  q = y √(1 − sgn(y) F/F_s)
 ///     oil column   ẋ = q − l F − c Ḟ
 ///
+/// F_f is the slow force that the valve's feedback leaves out; F_f = 0 if ω_f = 0.
 /// F is the measured force, so neither specimen nor platen enters. Source: Merritt (1967).
 struct TransferSystem {
   double gain = 20;              ///< K [1/s]
@@ -39,6 +40,7 @@ struct TransferSystem {
   double valve_damping = 0.7;    ///< ζ [-]
   double dead_band = 0;          ///< δ, as an error of position [m]
   double pressure_feedback = 0;  ///< κ [m/(s·N)]
+  double pressure_washout = 0;   ///< ω_f/2π [Hz]
   double compliance = 1e-9;      ///< c [m/N]
   double supply_force = 1e7;     ///< F_s [N]
   double leakage = 0;            ///< l [m/(s·N)]
