@@ -17,7 +17,7 @@ namespace {
 constexpr double kLeastGap = 3;        // of the deviation of the displacement's noise
 constexpr double kLeastFlexion = 0.5;  // of the same, under the largest force
 constexpr double kWorse = 0.02;  // of the energy of the error, or of noise, on a held-out record
-constexpr double kLeastShare = 4e-4;  // of the energy of the error before, on the held-out records,
+constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records,
 constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
 constexpr double kSeenShare = 0.25;   // of the same: seen in spite of the noise
 constexpr double kLeastShift = 0.1;   // of the time between samples
@@ -128,7 +128,7 @@ class Pruning {
     const double gain = sum(bare) - sum(held.with);
     const bool is_small = gain < kLeastShare * sum(held.base) &&
                           !is_most(gain, sum(bare), sum(held.noise)) && fit_share(rest) < kFitShare;
-    return is_small ? "it explains less than 0.04 % of the unseen records' error" : "";
+    return is_small ? "it explains less than 0.1 % of the unseen records' error" : "";
   }
 
   // The candidate without which the held-out records are predicted best, if that is better than
