@@ -150,15 +150,6 @@ TEST_F(Pruning, KeepsACandidateThatIsSmallBesideTheOthers) {
   EXPECT_EQ(reasons({0.5, 0, 2}, {{0.5, 0, 14}}), Reasons{});
 }
 
-// x is 1 of the 1 + 0.01 that y leaves, where the noise is 0.01, and 10⁻⁴ of all.
-TEST_F(Pruning, KeepsACandidateThatExplainsMostOfTheRest) {
-  relation.deviation = {0.1};
-  add(friction("x"));
-  add(friction("y"));
-
-  EXPECT_EQ(reasons({1, 100, 0, 0.1}, {{1, 100, 0, 0.1}}), Reasons{});
-}
-
 // The event hides on the unseen record what the others show.
 TEST_F(Pruning, KeepsACandidateThatAnEventOfAHeldOutRecordHides) {
   add(friction("x"));

@@ -126,8 +126,7 @@ class Pruning {
       if (held.with[k] - bare[k] > kWorse * std::max(bare[k], held.noise[k]))
         return fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
     const double gain = sum(bare) - sum(held.with);
-    const bool is_small = gain < kLeastShare * sum(held.base) &&
-                          !is_most(gain, sum(bare), sum(held.noise)) && fit_share(rest) < kFitShare;
+    const bool is_small = gain < kLeastShare * sum(held.base) && fit_share(rest) < kFitShare;
     return is_small ? "it explains less than 0.1 % of the unseen records' error" : "";
   }
 
@@ -151,12 +150,6 @@ class Pruning {
       worst = {{i, reason}};
     }
     return worst;
-  }
-
-  // Whether a gain is at least half of an error that is far more than noise. Energies.
-  static bool is_most(double gain, double error, double noise) {
-    constexpr double kFarMore = 1.5, kHalf = 0.5;
-    return error > kFarMore * noise && gain > kHalf * (error - noise);
   }
 
   // What a candidate explains of the error of the records that were fitted, in energy. A rare event
