@@ -99,10 +99,7 @@ void loose(Eigen::Ref<VectorXd> y, double rms) {
 
 class UserSystem : public ::testing::TestWithParam<LeftOut> {
  protected:
-  // A dead zone fitted to the shorter record leaves more than 1.2 times the noise of the third one.
-  static std::size_t samples() {
-    return test::is_long() || GetParam().effect == "dead_zone" ? 2400 : 1600;
-  }
+  static std::size_t samples() { return test::is_long() ? 2400 : 1600; }
   // Recordings of a chain of masses: input u, displacements y1 …, and the simulated first
   // displacement without the effect.
   void record(const Truth& chain) {

@@ -31,18 +31,18 @@ class Chain:
     def run(self, push, step, substeps, is_ground):
         """Displacements: variants × samples × masses.
 
-        @param push       variants × samples: force on the last mass, or acceleration of the ground
+        @param push       variants × substeps: force on the last mass, or acceleration of the ground
         """
         b, n = self.shape
-        h, samples = step / substeps, push.shape[1]
+        h, samples = step / substeps, (push.shape[1] - 1) // substeps + 1
         state = {"u": np.zeros((b, n)), "w": np.zeros((b, n)), "z": np.zeros((b, n)), "f": np.zeros((b, n))}
         self.s, self.y, self.d0 = np.zeros((b, n)), np.zeros((b, n)), np.zeros((b, n))
         out, speed = np.zeros((b, samples, n)), np.zeros((b, samples, n))
         spread = -self.m if is_ground else np.eye(n)[-1][None, :] * np.ones((b, 1))
         for k in range(1, samples):
-            slope = (push[:, k] - push[:, k - 1]) / substeps
             for j in range(substeps):
-                begin = push[:, k - 1] + j * slope
+                begin = push[:, (k - 1) * substeps + j]
+                slope = push[:, (k - 1) * substeps + j + 1] - begin
                 loads = [(begin + share * slope)[:, None] * spread for share in (0, .5, 1)]
                 state = self._advance(state, loads, h, ((k - 1) + j / substeps) * step)
             out[:, k], speed[:, k] = state["u"], state["w"]

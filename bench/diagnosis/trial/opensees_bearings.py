@@ -84,6 +84,8 @@ class Specimen:
         units = {"characteristic_strength": "_N", "post_yield_stiffness": "_N_per_m", "yield_displacement": "_m",
                  "friction_coefficient": "", "initial_stiffness": "_N_per_m", "effective_radius": "_m"}
         table = {name + units[name]: value for name, value in stated.items()}
+        if self.kind == "pendulum":  # OpenSees counts the slope of the sphere into the initial stiffness
+            table["initial_stiffness_N_per_m"] -= LOAD / self.values["effective_radius"]
         free = [name for name in stated if name != "initial_stiffness"]
         return term, table, [f"{term}.{name}" for name in free]
 
@@ -119,6 +121,17 @@ class Test:
 
     def motion(self, force, scales=None):
         return Motion(STEP, self.u, self.v, rate_of(self.v, STEP), self.load, force, scales)
+
+    def normal_force(self, hidden):
+        """The force that presses the slider; on the sphere of a pendulum it contains a part of the horizontal force.
+
+        OpenSees has it in the law, the simulation of small slopes as the vertical force.
+        """
+        if self.specimen.kind != "pendulum":
+            return self.load
+        inside = {name: own for name, own in hidden.items() if name not in IN_PARALLEL}
+        force = self.bearing(self.specimen.values, inside)
+        return self.load + (force * self.u).sum(axis=1) / self.specimen.values["effective_radius"]
 
     def bearing(self, values, hidden, u=None, divisions=FINE):
         """Force of OpenSees [N]; `hidden`: effect name → values."""
@@ -181,14 +194,14 @@ def make(rng, slot, folder, sources, kind):
     noise = {"u": colour(rng, slot.noise * float(base.u.std())), "a": colour(rng, slot.noise * float(base.a.std())),
              "F": colour(rng, slot.noise * float(base.force.std())), "N": colour(rng, 1e-3 * LOAD)}
     forces = [whole_force(test, specimen.values, hidden, chosen, scales, divisions=RECORDED) for test in tests]
-    recorded = [_record(test, force, noise, rng) for test, force in zip(tests, forces)]
+    recorded = [_record(test, force, test.normal_force(hidden), noise, rng) for test, force in zip(tests, forces)]
     _write(folder, specimen, stated, recorded, base, is_bare, kind)
     truth = _truth(tests[0], specimen, hidden, chosen, base, noise, rng)
     return {"effects": truth[0], "cells": truth[1], "specimen": {"kind": kind},
             "nrmse_on_unseen": _floors(tests[2], specimen, hidden, chosen, scales, recorded[2])}
 
 
-def _record(test, force, noise, rng):
+def _record(test, force, load, noise, rng):
     samples = len(test.t)
     columns = {"t [s]": test.t}
     for axis, letter in enumerate("xy"):
@@ -198,7 +211,7 @@ def _record(test, force, noise, rng):
         columns[f"a_{letter} [m/s2]"] = acceleration[:, axis] + noise["a"].draw(rng, samples, STEP)
     for axis, letter in enumerate("xy"):
         columns[f"F_{letter} [kN]"] = (force[:, axis] + noise["F"].draw(rng, samples, STEP)) / 1e3
-    columns["N [kN]"] = (test.load + noise["N"].draw(rng, samples, STEP)) / 1e3
+    columns["N [kN]"] = (load + noise["N"].draw(rng, samples, STEP)) / 1e3
     return columns
 
 

@@ -11,6 +11,8 @@ import motion
 import signals
 import truth
 from chain import Chain
+from chain_effects import INPUT, signal_effects
+from systems import Placed, System
 from whitening import Whitener, basis, outside
 
 
@@ -97,9 +99,14 @@ class Laws(unittest.TestCase):
     def test_a_chain_vibrates_as_its_closed_form(self):
         # Undamped step response of one mass: (p/k)(1 − cos ωt), ω² = k/m.
         chain = Chain([{"masses": np.array([2.0]), "k": 8.0}], 1)
-        u, _ = chain.run(np.ones((1, 300)) * 4.0, 0.01, 4, False)
+        u, _ = chain.run(np.ones((1, 299 * 4 + 1)) * 4.0, 0.01, 4, False)
         t = np.arange(300) * 0.01
         self.assertTrue(np.allclose(u[0, :, 0], 0.5 * (1 - np.cos(2 * t)), atol=1e-8))  # O(h⁴), h = 2.5 ms
+
+    def test_an_input_is_limited_between_samples_too(self):
+        limit = next(effect for effect in signal_effects() if (effect.name, effect.where) == ("saturation", INPUT))
+        driven = System._driven(np.array([0.0, 2.0, 0.0]), [Placed(limit, 0, {"limit": 1.0})], 4)
+        self.assertEqual(driven.tolist(), [0, 0.5, 1, 1, 1, 1, 1, 0.5, 0])
 
     def test_a_sine_is_delayed_by_cubic_interpolation(self):
         t = np.arange(200) * 0.01

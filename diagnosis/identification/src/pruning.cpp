@@ -17,7 +17,7 @@ namespace {
 constexpr double kLeastGap = 3;        // of the deviation of the displacement's noise
 constexpr double kLeastFlexion = 0.5;  // of the same, under the largest force
 constexpr double kWorse = 0.02;  // of the energy of the error, or of noise, on a held-out record
-constexpr double kLeastShare = 4e-4;  // of the energy of the error before, on the held-out records,
+constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records,
 constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
 constexpr double kSeenShare = 0.25;   // of the same: seen in spite of the noise
 constexpr double kLeastShift = 0.1;   // of the time between samples
@@ -126,9 +126,8 @@ class Pruning {
       if (held.with[k] - bare[k] > kWorse * std::max(bare[k], held.noise[k]))
         return fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
     const double gain = sum(bare) - sum(held.with);
-    const bool is_small = gain < kLeastShare * sum(held.base) &&
-                          !is_most(gain, sum(bare), sum(held.noise)) && fit_share(rest) < kFitShare;
-    return is_small ? "it explains less than 0.04 % of the unseen records' error" : "";
+    const bool is_small = gain < kLeastShare * sum(held.base) && fit_share(rest) < kFitShare;
+    return is_small ? "it explains less than 0.1 % of the unseen records' error" : "";
   }
 
   // The candidate without which the held-out records are predicted best, if that is better than
@@ -151,12 +150,6 @@ class Pruning {
       worst = {{i, reason}};
     }
     return worst;
-  }
-
-  // Whether a gain is at least half of an error that is far more than noise. Energies.
-  static bool is_most(double gain, double error, double noise) {
-    constexpr double kFarMore = 1.5, kHalf = 0.5;
-    return error > kFarMore * noise && gain > kHalf * (error - noise);
   }
 
   // What a candidate explains of the error of the records that were fitted, in energy. A rare event

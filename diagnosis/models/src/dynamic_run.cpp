@@ -29,20 +29,70 @@ void pass_if(const std::optional<ComponentTerms>& chain, const std::vector<Real>
   if (chain) pass(*chain, values, start, signal);
 }
 
-// Inputs of the linear system, by sample.
+// An input of the linear system: values at samples and, if it is bent between them, the ends of a
+// line in each substep.
 template <class Real>
-std::vector<std::vector<Real>> plant_inputs(const DynamicSetup& setup,
+struct PlantSignal {
+  std::vector<Real> at_samples, lines;
+};
+
+constexpr std::size_t kPieces = 4;  // of a substep of a bent input
+
+// Values of a signal at the ends of the pieces of all substeps.
+template <class Real>
+std::vector<Real> refined(const DynamicSetup& setup, const std::vector<double>& signal) {
+  std::vector<Real> fine;
+  const Index last = static_cast<Index>(signal.size()) - 1;
+  for (Index sample = 0; sample < last; ++sample)
+    for (std::size_t i = 0; i < static_cast<std::size_t>(setup.substeps); ++i) {
+      const double a = between(signal, sample, setup.between.before, setup.between.start[i]);
+      const double b = between(signal, sample, setup.between.before, setup.between.end[i]);
+      for (std::size_t piece = 0; piece < kPieces; ++piece)
+        fine.emplace_back(a + (b - a) * static_cast<double>(piece) / kPieces);
+    }
+  fine.emplace_back(signal.back());
+  return fine;
+}
+
+// The line in each substep that has the mean and the first moment of the signal there.
+template <class Real>
+std::vector<Real> lines_through(const std::vector<Real>& fine) {
+  constexpr double kPiece = 1.0 / kPieces;
+  std::vector<Real> ends;
+  for (std::size_t first = 0; first + kPieces < fine.size(); first += kPieces) {
+    Real mean{}, moment{};
+    for (std::size_t i = 0; i < kPieces; ++i) {
+      const Real &a = fine[first + i], &b = fine[first + i + 1];
+      const double middle = (static_cast<double>(i) + 0.5) * kPiece - 0.5;
+      mean += (a + b) * (0.5 * kPiece);
+      moment += (a + b) * (0.5 * kPiece * middle) + (b - a) * (kPiece * kPiece / 12);
+    }
+    ends.push_back(mean - moment * 6);
+    ends.push_back(mean + moment * 6);
+  }
+  return ends;
+}
+
+template <class Real>
+std::vector<PlantSignal<Real>> plant_inputs(const DynamicSetup& setup,
                                             const DynamicSignals& signals,
                                             const std::vector<Real>& values) {
-  std::vector<std::vector<Real>> channels;
+  std::vector<PlantSignal<Real>> channels(signals.inputs.size());
   for (std::size_t i = 0; i < signals.inputs.size(); ++i) {
-    channels.emplace_back(signals.inputs[i].begin(), signals.inputs[i].end());
-    pass_if(setup.inputs[i], values, signals.start, channels.back());
+    auto& [at_samples, lines] = channels[i];
+    at_samples.assign(signals.inputs[i].begin(), signals.inputs[i].end());
+    pass_if(setup.inputs[i], values, signals.start, at_samples);
+    if (!setup.is_bent[i]) continue;
+    auto fine = refined<Real>(setup, signals.inputs[i]);
+    pass_if(setup.inputs[i], values, signals.start, fine);
+    lines = lines_through(fine);
   }
-  std::vector<std::vector<Real>> result;
+  std::vector<PlantSignal<Real>> result;
   for (const auto& [channel, order] : setup.plant_inputs) {
     result.push_back(channels[channel]);
-    for (int i = 0; i < order; ++i) result.back() = rate_of_samples(result.back(), setup.time_step);
+    if (order > 0) result.back().lines.clear();
+    for (int i = 0; i < order; ++i)
+      result.back().at_samples = rate_of_samples(result.back().at_samples, setup.time_step);
   }
   return result;
 }
@@ -69,7 +119,7 @@ class FreeRun {
       state_[i] = signals.start_state[static_cast<Index>(i)];
     for (std::size_t i = 0; i < forces_.size(); ++i)
       yield_.push_back(value_of(steps.yield(index(i), index(i))));
-    for (std::size_t i = 0; i < inputs_.size(); ++i) u1_[i] = inputs_[i].front();
+    for (std::size_t i = 0; i < inputs_.size(); ++i) u1_[i] = inputs_[i].at_samples.front();
     set_motion(state_, u1_);
     forces_.start(free_displacement_, free_velocity_, acceleration_, signals.start);
     displacement_ = free_displacement_;
@@ -78,7 +128,7 @@ class FreeRun {
 
   void outputs_at(Index sample, std::vector<std::vector<Real>>& outputs) {
     y_.assign(outputs.size(), Real{});
-    for (std::size_t i = 0; i < inputs_.size(); ++i) u0_[i] = inputs_[i][size(sample)];
+    for (std::size_t i = 0; i < inputs_.size(); ++i) u0_[i] = inputs_[i].at_samples[size(sample)];
     add_product(steps_.c, state_.data(), y_.data());
     add_product(steps_.d, u0_.data(), y_.data());
     add_product(steps_.h, forces_.force.data(), y_.data());
@@ -88,12 +138,7 @@ class FreeRun {
   // Advances from one sample to the next.
   void advance(Index sample, double time) {
     for (int substep = 0; substep < setup_.substeps; ++substep) {
-      for (std::size_t i = 0; i < inputs_.size(); ++i) {
-        u0_[i] = between(inputs_[i], sample, setup_.between.before,
-                         setup_.between.start[static_cast<std::size_t>(substep)]);
-        u1_[i] = between(inputs_[i], sample, setup_.between.before,
-                         setup_.between.end[static_cast<std::size_t>(substep)]);
-      }
+      for (std::size_t i = 0; i < inputs_.size(); ++i) set_ends(i, sample, size(substep));
       step(time + setup_.time_step * (substep + 1) / setup_.substeps);
     }
   }
@@ -114,6 +159,19 @@ class FreeRun {
       forces.emplace_back(setup.connections[i], values, Real{steps.stiffness(index(i), 0)},
                           Real{steps.damping(index(i), 0)});
     return ConnectionForces<Real>{std::move(forces)};
+  }
+
+  // Takes an input at the ends of a substep.
+  void set_ends(std::size_t input, Index sample, std::size_t substep) {
+    const auto& [at_samples, lines] = inputs_[input];
+    if (!lines.empty()) {
+      const std::size_t at = 2 * (size(sample) * size(setup_.substeps) + substep);
+      u0_[input] = lines[at];
+      u1_[input] = lines[at + 1];
+      return;
+    }
+    u0_[input] = between(at_samples, sample, setup_.between.before, setup_.between.start[substep]);
+    u1_[input] = between(at_samples, sample, setup_.between.before, setup_.between.end[substep]);
   }
 
   // Computes the motion of the connections without the forces at the end of this step.
@@ -151,7 +209,7 @@ class FreeRun {
 
   const DynamicSetup& setup_;
   const StepMatrices<Entry>& steps_;
-  std::vector<std::vector<Real>> inputs_;
+  std::vector<PlantSignal<Real>> inputs_;
   ConnectionForces<Real> forces_;
   std::vector<Real> state_, next_, u0_, u1_, y_;
   std::vector<Real> free_displacement_, free_velocity_, displacement_, velocity_, acceleration_;

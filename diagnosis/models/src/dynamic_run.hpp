@@ -21,6 +21,8 @@ struct ConnectionWithTerms {
 /// A model with its terms, for one record: the data of a free run except the values of parameters.
 struct DynamicSetup {
   std::vector<std::optional<ComponentTerms>> inputs;  ///< chains, by input of the model
+  /// Whether a chain acts on the signal between samples too, by input of the model.
+  std::vector<bool> is_bent;
   std::vector<PlantInput> plant_inputs;
   std::vector<ConnectionWithTerms> connections;  ///< with terms
   std::vector<std::optional<ComponentTerms>> outputs;

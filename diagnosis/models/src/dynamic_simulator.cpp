@@ -57,6 +57,22 @@ std::vector<std::optional<ComponentTerms>> chains(const Hypothesis& hypothesis,
   return result;
 }
 
+// Whether terms of a signal bend it between samples: they have no memory, and one is not linear.
+bool bends(const Hypothesis& hypothesis, const std::string& role) {
+  constexpr std::string_view kBending[] = {"saturation", "input_dead_zone", "absolute_value_sensor",
+                                           "cubic_distortion"};
+  constexpr std::string_view kLinear[] = {"gain", "offset"};
+  const auto is_in = [](const auto& kinds, const sim::TermSettings& term) {
+    return std::find(std::begin(kinds), std::end(kinds), term.kind) != std::end(kinds);
+  };
+  const auto terms = terms_at(hypothesis, role);
+  return std::any_of(terms.begin(), terms.end(),
+                     [&](const auto& term) { return is_in(kBending, term); }) &&
+         std::all_of(terms.begin(), terms.end(), [&](const auto& term) {
+           return is_in(kBending, term) || is_in(kLinear, term);
+         });
+}
+
 }  // namespace
 
 DynamicSimulator::DynamicSimulator(const DynamicModel& model, const Hypothesis& hypothesis,
@@ -78,6 +94,8 @@ DynamicSimulator::DynamicSimulator(const DynamicModel& model, const Hypothesis& 
     attach_terms(hypothesis, sizes);
   }
   setup_.between = interpolation(model.hold, setup_.substeps);
+  for (const auto& role : model.inputs)
+    setup_.is_bent.push_back(can_divide && model.hold != Hold::Zero && bends(hypothesis, role));
 }
 
 void DynamicSimulator::attach_terms(const Hypothesis& hypothesis, const DynamicSizes* sizes) {
