@@ -68,7 +68,7 @@ std::complex<double> transfer_at(const budget::TransferSystem& machine,
   const Complex spool =
       valve * valve / (s * s + 2 * machine.valve_damping * valve * s + valve * valve);
   const double washout = 2 * std::numbers::pi * machine.pressure_washout;
-  const Complex fed_back = machine.pressure_feedback * (s / (s + washout));
+  const Complex fed_back = machine.pressure_feedback * (washout > 0 ? s / (s + washout) : 1);
   const Complex force = stiffness + mass * s * s;  // of the actuator per displacement
   const Complex stiff = force * (spool * fed_back + machine.leakage + s * machine.compliance);
   return machine.gain * spool * std::exp(-s * machine.transport_delay) /
