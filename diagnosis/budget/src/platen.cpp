@@ -4,15 +4,15 @@
 namespace rths::budget::platen {
 namespace {
 
-sim::Quantities<double> quantities_of(const Platen& platen, double time, double axial_load) {
+sim::Quantities<double> quantities_of(const Motion& motion, double time, double axial_load) {
   sim::Quantities<double> q;
   q.time = time;
   q.axial_load = axial_load;
   for (std::size_t i = 0; i < 2; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
-    q.displacement[i] = platen.displacement[axis];
-    q.velocity[i] = platen.velocity[axis];
-    q.acceleration[i] = platen.acceleration[axis];
+    q.displacement[i] = motion.displacement[axis];
+    q.velocity[i] = motion.velocity[axis];
+    q.acceleration[i] = motion.acceleration[axis];
   }
   return q;
 }
@@ -54,14 +54,7 @@ Vector2d MachineOwnForce::operator()(const Platen& platen, double time,
 }
 
 Motion IdealTransfer::asked_by(const Command& command) noexcept {
-  sim::Quantities<double> q;
-  q.time = time_;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto axis = static_cast<Eigen::Index>(i);
-    q.displacement[i] = command.displacement[axis];
-    q.velocity[i] = command.velocity[axis];
-    q.acceleration[i] = command.acceleration[axis];
-  }
+  auto q = quantities_of({command.displacement, command.velocity, command.acceleration}, time_, 0);
   actuator_.advance(q);
   time_ += period_;
   return {{q.displacement[0], q.displacement[1]},
@@ -70,9 +63,7 @@ Motion IdealTransfer::asked_by(const Command& command) noexcept {
 }
 
 void IdealTransfer::step(const Motion& motion, double axial_load, Platen& platen) noexcept {
-  platen.displacement = motion.displacement;
-  platen.velocity = motion.velocity;
-  platen.acceleration = motion.acceleration;
+  static_cast<Motion&>(platen) = motion;
   platen.specimen_force = specimen_.advance(motion.displacement, motion.velocity, axial_load);
 }
 

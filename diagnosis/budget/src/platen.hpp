@@ -30,10 +30,14 @@ class RunningTerms {
   std::vector<double> state_;
 };
 
-/// Motion of the platen and the forces on it, at the end of a controller period.
-struct Platen {
+/// Motion along long and lat [m, m/s, m/s²].
+struct Motion {
   Vector2d displacement = Vector2d::Zero(), velocity = Vector2d::Zero(),
            acceleration = Vector2d::Zero();
+};
+
+/// Motion of the platen and the forces on it, at the end of a controller period.
+struct Platen : Motion {
   Vector2d specimen_force = Vector2d::Zero();
 };
 
@@ -49,12 +53,6 @@ class MachineOwnForce {
   std::array<sim::ServoAxis, 2> axes_;
 };
 
-/// Motion that a command asks for.
-struct Motion {
-  Vector2d displacement = Vector2d::Zero(), velocity = Vector2d::Zero(),
-           acceleration = Vector2d::Zero();
-};
-
 /// Moves the platen as the commands say, after the actuator terms of the simulated machine. Its
 /// rates are those of the command: where a command has a kink, or waits for a late node and then
 /// jumps, differences of its displacement would be accelerations of hundreds of m/s².
@@ -65,7 +63,7 @@ class IdealTransfer {
         actuator_{terms_of_stage(test.machine_simulated, sim::Stage::Actuator), period_},
         specimen_{specimen, period_} {}
 
-  /// The command of the controller's next tick.
+  /// The motion that the command of the controller's next tick asks for.
   Motion asked_by(const Command& command) noexcept;
   /// One tick of the machine. @param motion  asked for by the last command that it has found
   void step(const Motion& motion, double axial_load, Platen& platen) noexcept;
