@@ -5,6 +5,7 @@
 // was once described as f(u).
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -107,6 +108,12 @@ TEST(FreeForm, OfAStiffeningSpringIsAFunctionOfDisplacement) {
 // The motion hardly reaches the outer knots of the table. Free steps there would prevent any step.
 TEST(FreeForm, OfADuffingOscillatorIsAFunctionOfDisplacement) {
   expect_form(verdict_on([](double d, double) { return 4e5 * d * d * d; }), "f(u)");
+}
+
+TEST(FreeForm, OfACoggingForceIsPeriodicInDisplacement) {
+  expect_form(
+      verdict_on([](double d, double) { return 5 * std::sin(2 * std::numbers::pi * d / 0.02); }),
+      "periodic in displacement");
 }
 
 }  // namespace
