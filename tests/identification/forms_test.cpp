@@ -226,6 +226,31 @@ TEST_F(Forms, RecoverAFrictionThatGrowsWithThePath) {
     EXPECT_NEAR(best.y[i], best.x[i], 0.02 * best.x.back()) << best.x[i];
 }
 
+// Presliding over half of the longest distance that is tried. The blend of the shortest and the
+// longest differs from it while the friction turns, a tenth of the time, by up to a quarter.
+TEST_F(Forms, RecoverAFrictionWithPresliding) {
+  measure([](const Motion& motion) -> VectorXd {
+    const double presliding = 0.005 * motion.u.cwiseAbs().maxCoeff();
+    VectorXd force = VectorXd::Zero(kFormRows);
+    double direction = 0, path = 0;
+    for (Index i = 1; i < kFormRows; ++i) {
+      direction = std::clamp(direction + (motion.u[i] - motion.u[i - 1]) / presliding, -1.0, 1.0);
+      path += std::abs(motion.v[i]) * kFormStep;
+      force[i] = direction * (10 + path);
+    }
+    return force;
+  });
+
+  const auto found = described();
+
+  ASSERT_FALSE(found.empty());
+  const Description& best = found[0];
+  EXPECT_EQ(best.form, "sgn(v) g(path)");
+  EXPECT_GT(best.share, 0.95);
+  for (std::size_t i = 0; i < best.x.size(); ++i)
+    EXPECT_NEAR(best.y[i], 10 + best.x[i], 0.05 * best.y.back()) << best.x[i];
+}
+
 // Each record prefers another stiffness. That is no part of the form, which both share.
 TEST_F(Forms, DoNotDependOnParametersThatDifferFromRecordToRecord) {
   double error = 0.1;

@@ -45,6 +45,7 @@ struct Form {
   std::string name;
   std::string abscissa;  // u, v, path, t, N or I of the curve; empty: no curve
   std::function<MatrixXd(const Signals&)> design;
+  bool is_friction = false;  // the design holds the curve twice, see friction()
 };
 
 constexpr double kSteadyShare = 0.05;  // of its size: a state that varies less is held constant
@@ -56,13 +57,30 @@ VectorXd sign_of(const VectorXd& v) {
   return v.unaryExpr([](double x) { return std::tanh(x / 0.01); });
 }
 
+// The same after elastic presliding over a hundredth of the largest displacement.
+VectorXd direction_of(const VectorXd& u) {
+  constexpr double kPresliding = 0.01;
+  VectorXd direction = VectorXd::Zero(u.size());
+  for (Index i = 1; i < u.size(); ++i)
+    direction[i] = std::clamp(direction[i - 1] + (u[i] - u[i - 1]) / kPresliding, -1.0, 1.0);
+  return direction;
+}
+
+// A friction of some size, which turns at once and after presliding: together any presliding
+// between them. Both are the same while the friction slides, so that the size is the sum of their
+// weights.
+MatrixXd friction(const Signals& s, const MatrixXd& size) {
+  MatrixXd both(size.rows(), 2 * size.cols());
+  both << sign_of(s.v).asDiagonal() * size, direction_of(s.u).asDiagonal() * size;
+  return both;
+}
+
 // Curves over a state, and friction, viscosity and stiffness with a factor that depends on it.
 void add_state(const std::string& symbol, VectorXd Signals::*state, std::vector<Form>& all) {
   const Hats range{0, 1, 9};
   all.push_back({"f(" + symbol + ")", symbol, [=](const Signals& s) { return range(s.*state); }});
-  all.push_back({"sgn(v) g(" + symbol + ")", symbol, [=](const Signals& s) -> MatrixXd {
-                   return sign_of(s.v).asDiagonal() * range(s.*state);
-                 }});
+  all.push_back({"sgn(v) g(" + symbol + ")", symbol,
+                 [=](const Signals& s) { return friction(s, range(s.*state)); }, true});
   all.push_back({"v g(" + symbol + ")", symbol,
                  [=](const Signals& s) -> MatrixXd { return s.v.asDiagonal() * range(s.*state); }});
   all.push_back({"u g(" + symbol + ")", symbol,
@@ -76,8 +94,7 @@ std::vector<Form> forms(bool has_other, bool has_load, bool has_control) {
       {"f(u)", "u", [=](const Signals& s) { return coarse(s.u); }},
       {"periodic in displacement", "u", [=](const Signals& s) { return fine(s.u); }},
       {"f(v)", "v", [=](const Signals& s) { return speed(bent(s.v)); }},
-      {"sgn(v) g(u)", "u",
-       [=](const Signals& s) -> MatrixXd { return sign_of(s.v).asDiagonal() * middle(s.u); }},
+      {"sgn(v) g(u)", "u", [=](const Signals& s) { return friction(s, middle(s.u)); }, true},
       {"v g(u)", "u", [=](const Signals& s) -> MatrixXd { return s.v.asDiagonal() * coarse(s.u); }},
       {"g(u, v)", "", [](const Signals& s) {
          const MatrixXd a = Hats{-1, 1, 9}(s.u), b = Hats{-kBentReach, kBentReach, 9}(bent(s.v));
@@ -257,13 +274,20 @@ struct Reduced {
   }
 };
 
-Regression regress(const Reduced& first, const Reduced& second) {
+Regression regress(const Reduced& first, const Reduced& second, bool is_friction) {
   MatrixXd normal = first.columns.transpose() * first.columns;
   normal.diagonal().array() += kRidge * normal.diagonal().mean();
   const algebra::SymmetricFactors factors{normal};
   const VectorXd c = factors.solve(first.columns.transpose() * first.residual);
-  return {c, factors.inverse().diagonal().cwiseMax(0).cwiseSqrt(),
-          second.residual.squaredNorm() - (second.residual - second.columns * c).squaredNorm()};
+  const MatrixXd inverse = factors.inverse();
+  const double gain =
+      second.residual.squaredNorm() - (second.residual - second.columns * c).squaredNorm();
+  if (!is_friction) return {c, inverse.diagonal().cwiseMax(0).cwiseSqrt(), gain};
+  const Index m = c.size() / 2;
+  const VectorXd variance = (inverse.topLeftCorner(m, m) + inverse.bottomRightCorner(m, m) +
+                             2 * inverse.topRightCorner(m, m))
+                                .diagonal();
+  return {c.head(m) + c.tail(m), variance.cwiseMax(0).cwiseSqrt(), gain};
 }
 
 Description curve_of(const Form& form, const Regression& best, const ResidualView& view,
@@ -301,7 +325,8 @@ void regress_forms(const Supposition& supposition, const Folds& folds,
     double gain = 0;
     Regression best;
     for (Index output = 0; output < outputs; ++output) {
-      const Regression one = regress({first, output, form}, {second, output, form});
+      const Regression one =
+          regress({first, output, form}, {second, output, form}, form.is_friction);
       gain += one.gain;
       if (output == 0 || one.gain > best.gain) best = one;
     }
