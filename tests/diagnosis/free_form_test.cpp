@@ -105,7 +105,6 @@ TEST(FreeForm, OfAStiffeningSpringIsAFunctionOfDisplacement) {
               "f(u)");
 }
 
-// The motion hardly reaches the outer knots of the table. Free steps there would prevent any step.
 TEST(FreeForm, OfADuffingOscillatorIsAFunctionOfDisplacement) {
   expect_form(verdict_on([](double d, double) { return 4e5 * d * d * d; }), "f(u)");
 }
