@@ -5,6 +5,7 @@
 // was once described as f(u).
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -102,6 +103,16 @@ TEST(FreeForm, OfADragIsAFunctionOfVelocity) {
 TEST(FreeForm, OfAStiffeningSpringIsAFunctionOfDisplacement) {
   expect_form(verdict_on([](double d, double) { return 2e3 * (d - std::clamp(d, -0.005, 0.005)); }),
               "f(u)");
+}
+
+TEST(FreeForm, OfADuffingOscillatorIsAFunctionOfDisplacement) {
+  expect_form(verdict_on([](double d, double) { return 4e5 * d * d * d; }), "f(u)");
+}
+
+TEST(FreeForm, OfACoggingForceIsPeriodicInDisplacement) {
+  expect_form(
+      verdict_on([](double d, double) { return 5 * std::sin(2 * std::numbers::pi * d / 0.02); }),
+      "periodic in displacement");
 }
 
 }  // namespace

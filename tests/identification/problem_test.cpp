@@ -154,6 +154,21 @@ TEST(Supposition, FitsLinearParametersExactly) {
   EXPECT_NEAR(fit.sum_of_squares, 200, 1e-3);
 }
 
+// Hoerl & Kennard 1970, about the start: b (x·x/s²)/(x·x/s² + r²) away from it, with x·x = 100.
+TEST(Supposition, ARidgeHoldsAParameterNearItsStart) {
+  LinearRelation relation;
+  relation.deviation = {2};
+  const MatrixXd x = sine_of(3, 100);
+  const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, 3 * x, {{"x", x}})};
+  const Problem problem = linear_problem(relation, records);
+  const Supposition supposition{problem, linear_model({"x"}, {1})};
+
+  const Fit fit = supposition.fit(whole({0}), 20, VectorXd::Constant(1, 5));
+
+  constexpr double kDamping = 1e-4;  // of the first step, which ends within the fit's tolerance
+  EXPECT_NEAR(fit.parameters[0], 1 + 2 * 25 / (25 + 25.0), 1.1 * kDamping);
+}
+
 TEST(Problem, OfFutureTestsHasTheNoiseOfTheFirstRecord) {
   LinearRelation relation;
   relation.deviation = {4};

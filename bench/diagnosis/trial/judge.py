@@ -112,7 +112,7 @@ def has_right_form(verdict, effect):
     if is_right_first(verdict, [effect]):
         return True
     forms = verdict.get("descriptions", [])
-    return bool(forms) and is_form(forms[0]["form"], effect["form"])
+    return bool(forms) and is_form(forms[0]["form"], effect["form"], effect.get("component"))
 
 
 def _channel(role):

@@ -129,6 +129,12 @@ class Abstention(unittest.TestCase):
         self.assertTrue(self.judged(right, self.RUB)["form_right"])
         self.assertFalse(self.judged(second, self.RUB)["form_right"])
 
+    def test_a_form_at_another_place_is_wrong(self):
+        cogging = effect("cogging", part="structure") | {"form": "periodic in displacement", "component": "spring.2"}
+        for place, is_right in (("masses 1 and 2", True), ("mass 1 and the ground", False)):
+            said = verdict("unknown", descriptions=[{"form": f"periodic in displacement between {place}"}])
+            self.assertEqual(self.judged(said, cogging)["form_right"], is_right, place)
+
     def test_any_other_verdict_is_a_false_alarm_if_nothing_is_missing(self):
         rows = [judge(said, answer(kind="none")) for said in
                 (verdict("none"), verdict("unknown"), verdict("missing", cause("p_delta")), None)]

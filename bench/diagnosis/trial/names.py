@@ -57,6 +57,17 @@ def _plain(form):
     return re.sub(r"[\s*·]+", "", plain)
 
 
-def is_form(said, wanted):
-    """Whether a form is the generator's."""
-    return _plain(said) in {_plain(form) for form in [wanted, *FORMS.get(wanted, [])]}
+def _without_place(form, component):
+    """A form without the tool's words for the component: a spring of a chain, or the only one (None)."""
+    if component is None:
+        return re.sub(r" from \S+ back to \S+$", "", form)
+    number = re.fullmatch(r"spring\.(\d+)", component)
+    if number is None:
+        return form
+    mass = int(number[1])
+    return form.removesuffix(" between mass 1 and the ground" if mass == 1 else f" between masses {mass - 1} and {mass}")
+
+
+def is_form(said, wanted, component=None):
+    """Whether a form is the generator's. A form that names a place must name that of the component."""
+    return _plain(_without_place(said, component)) in {_plain(form) for form in [wanted, *FORMS.get(wanted, [])]}

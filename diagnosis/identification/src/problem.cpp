@@ -41,6 +41,18 @@ void take_out_offsets(const Drive& drive, MatrixXd& residual) {
   residual.rowwise() -= residual.bottomRows(compared).colwise().mean().eval();
 }
 
+// Appends the rows of a ridge to a residual and its derivatives.
+void append_ridge(const VectorXd& ridge, const VectorXd& change, VectorXd& residual,
+                  MatrixXd& jacobian) {
+  if (ridge.size() == 0) return;
+  const Index rows = residual.size();
+  residual.conservativeResize(rows + ridge.size());
+  residual.tail(ridge.size()) = ridge.cwiseProduct(change);
+  if (jacobian.cols() == 0) return;
+  jacobian.conservativeResize(residual.size(), Eigen::NoChange);
+  jacobian.bottomRows(ridge.size()) = ridge.asDiagonal();
+}
+
 }  // namespace
 
 Problem::Problem(const Relation& relation, const std::vector<const Record*>& records,
@@ -192,7 +204,7 @@ bool Supposition::evaluate(const Fold& fold, const VectorXd& values,
   return residual.allFinite() && jacobian.allFinite();
 }
 
-Fit Supposition::fit(const Fold& fold, int most_iterations) const {
+Fit Supposition::fit(const Fold& fold, int most_iterations, const VectorXd& ridge) const {
   FitProblem least;
   const auto all = all_of(hypothesis_);
   const auto count = static_cast<Index>(all.size());
@@ -218,10 +230,14 @@ Fit Supposition::fit(const Fold& fold, int most_iterations) const {
     }
     return fit;
   }
+  least.rows += ridge.size();
   least.residuals = [&](const VectorXd& values, VectorXd& residual, MatrixXd* jacobian) {
-    MatrixXd none;
-    return evaluate(fold, values, jacobian != nullptr ? all : std::vector<Index>{}, residual,
-                    jacobian != nullptr ? *jacobian : none);
+    MatrixXd slopes;
+    if (!evaluate(fold, values, jacobian != nullptr ? all : std::vector<Index>{}, residual, slopes))
+      return false;
+    append_ridge(ridge, values - least.start, residual, slopes);
+    if (jacobian != nullptr) *jacobian = std::move(slopes);
+    return true;
   };
   Fit fit = least_squares(least);
   problem_->progress().count();

@@ -2,6 +2,7 @@
 #include "dynamic_forms.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,8 @@ constexpr double kReach = 1.2;     // of the largest motion in the simulation as
 constexpr double kMostForce = 10;  // of the connection's force
 constexpr double kScale = 0.05;    // of the connection's force
 constexpr double kCreep = 0.01;    // of the largest velocity
+// In the travel from end to end: fewer periods may be any curve.
+constexpr double kLeastPeriods = 3, kMostPeriods = 24, kPeriodStep = 0.5;
 
 struct FormKind {
   const char* kind;
@@ -42,7 +45,7 @@ FreeForm form_of(const FormKind& form, const Connection& connection, const Conne
     if (!parameter.name.starts_with("value_")) continue;
     candidate.frees.push_back({fmt::format("{}.{}", term.settings.name, parameter.name),
                                std::string{parameter.unit}, -kMostForce * natural,
-                               kMostForce * natural, kScale * natural});
+                               kMostForce * natural, kScale * natural, false, 0.0});
   }
   candidate.starts = {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(candidate.frees.size()))};
   candidate.price = static_cast<int>(candidate.frees.size());
@@ -54,6 +57,28 @@ FreeForm form_of(const FormKind& form, const Connection& connection, const Conne
   return result;
 }
 
+// A force periodic in displacement. The sign of the force and two phases make all phases near.
+FreeForm periodic_form(const Connection& connection, const ConnectionSize& size) {
+  Candidate candidate;
+  candidate.name = fmt::format("periodic in displacement {}", connection.title);
+  candidate.kind = "cogging";
+  candidate.channel = connection.seen;
+  const std::string name = connection.component + ".cogging";
+  candidate.adds.push_back({{candidate.kind, name, {}}, connection.component});
+  const double travel = 2 * size.displacement;
+  constexpr double kPi = std::numbers::pi;
+  candidate.frees = {{name + ".force", "N", -kMostForce * size.force, kMostForce * size.force,
+                      kScale * size.force, false, 0.0},
+                     {name + ".pitch", "m", travel / kMostPeriods, travel / kLeastPeriods,
+                      travel / (4 * kMostPeriods)},
+                     {name + ".phase", "rad", -kPi, kPi, 0.5}};
+  for (double periods = kLeastPeriods; periods <= kMostPeriods; periods += kPeriodStep)
+    for (const double phase : {0.0, kPi / 2})
+      candidate.starts.push_back(Eigen::Vector3d{kScale * size.force, travel / periods, phase});
+  candidate.price = static_cast<int>(candidate.frees.size());
+  return {std::move(candidate), "", {}};
+}
+
 }  // namespace
 
 std::vector<FreeForm> dynamic_forms(const DynamicModel& model, const DynamicSizes& sizes) {
@@ -62,6 +87,7 @@ std::vector<FreeForm> dynamic_forms(const DynamicModel& model, const DynamicSize
     const ConnectionSize& size = sizes.connections[i];
     if (!(size.displacement > 0 && size.velocity > 0 && size.force > 0)) continue;
     for (const auto& kind : kKinds) forms.push_back(form_of(kind, model.connections[i], size));
+    forms.push_back(periodic_form(model.connections[i], size));
   }
   return forms;
 }

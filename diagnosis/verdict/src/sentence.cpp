@@ -136,18 +136,21 @@ std::string missing_sentence(const Verdict& verdict) {
                      verdict.confidence, proof_of(verdict), ties_of(verdict));
 }
 
+// Held samples and changes are found on each record separately.
+std::string form_text(const Description& best) {
+  const bool is_of_each_record = best.form == "held samples" || best.form.starts_with("change of ");
+  return fmt::format("its best form is {}, which explains {:.0f} % of it{}", best.form,
+                     100 * best.share,
+                     is_of_each_record ? "" : " on a record that it was not fitted to");
+}
+
 std::string unknown_sentence(const Verdict& verdict) {
   const std::string besides =
       verdict.causes.empty()
           ? ""
           : fmt::format("besides {} ({}), ", list_of(verdict.causes), proof_of(verdict));
-  const std::string form =
-      verdict.descriptions.empty()
-          ? "none of the tried forms describes it"
-          : fmt::format(
-                "its best form is {}, which explains {:.0f} % of it on a record that it was not "
-                "fitted to",
-                verdict.descriptions[0].form, 100 * verdict.descriptions[0].share);
+  const std::string form = verdict.descriptions.empty() ? "none of the tried forms describes it"
+                                                        : form_text(verdict.descriptions[0]);
   return fmt::format(
       "Unknown: {}the residual of {} ({}) is systematic, and no term of the catalogue explains it; "
       "{}.",

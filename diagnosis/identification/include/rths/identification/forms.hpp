@@ -16,9 +16,10 @@ struct Description {
   std::vector<double> x, y, band;  ///< curve [unit of the output] and its standard deviation
 };
 
-/// Describes the form of a residual that no term explains: curves and surfaces over recorded
-/// quantities, a line in the spectrum, a sudden change. Each form is fitted to one fold and ranked
-/// by the share of the other fold's energy beyond the noise that it explains; best first.
+/// Describes the form of a residual that no term explains: curves and surfaces over recorded or
+/// predicted quantities, a lasting sine, held samples, a sudden change. Best first, by the share of
+/// the energy beyond the noise that each explains. Curves, surfaces and sines are fitted to one
+/// fold and explain the other; held samples and changes are found on each record.
 [[nodiscard]] std::vector<Description> describe(const Supposition& supposition, const Folds& folds);
 
 }  // namespace rths::diagnosis

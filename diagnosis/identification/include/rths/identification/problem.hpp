@@ -101,7 +101,10 @@ class Supposition {
                               const std::vector<Eigen::Index>& wanted, Eigen::VectorXd& residual,
                               Eigen::MatrixXd& jacobian) const;
   /// The fit of all free parameters to a fold, from the hypothesis' values.
-  [[nodiscard]] Fit fit(const Fold& fold, int most_iterations) const;
+  /// @param ridge  adds (ridge · (value − start))² of every parameter to the squares; empty:
+  /// nothing
+  [[nodiscard]] Fit fit(const Fold& fold, int most_iterations,
+                        const Eigen::VectorXd& ridge = {}) const;
   /// ½ Σ w² of every second of a fold's records [nat].
   [[nodiscard]] std::vector<double> blocks(const Fold& fold) const;
   /// The part of `blocks` that noise is expected to cause at this hypothesis: a model that reacts

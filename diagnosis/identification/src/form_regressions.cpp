@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "form_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include <Eigen/Core>
+
+#include <rths/algebra/decompositions.hpp>
+#include <rths/identification/screening.hpp>
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Hat functions over a range: piecewise linear between equally spaced knots.
+struct Hats {
+  double low, high;
+  Index count;
+
+  [[nodiscard]] MatrixXd operator()(const VectorXd& x) const {
+    MatrixXd basis = MatrixXd::Zero(x.size(), count);
+    for (Index i = 0; i < x.size(); ++i) {
+      const double position = std::clamp((x[i] - low) / (high - low), 0.0, 1.0 - 1e-12) *
+                              static_cast<double>(count - 1);
+      const auto k = static_cast<Index>(position);
+      basis(i, k) = 1 - (position - static_cast<double>(k));
+      basis(i, k + 1) = position - static_cast<double>(k);
+    }
+    return basis;
+  }
+};
+
+// Arguments of forms, divided by their peaks over all records.
+struct Signals {
+  VectorXd u, v, other_u, other_v, path, time, load, control;
+};
+
+struct Form {
+  std::string name;
+  std::string abscissa;  // u, v, path, t, N or I of the curve; empty: no curve
+  std::function<MatrixXd(const Signals&)> design;
+  bool is_friction = false;  // the design holds the curve twice, see friction()
+};
+
+constexpr double kSteadyShare = 0.05;  // of its size: a state that varies less is held constant
+
+VectorXd bent(const VectorXd& v) { return (v.array() / 0.05).asinh(); }
+const double kBentReach = std::asinh(1 / 0.05);
+
+VectorXd sign_of(const VectorXd& v) {
+  return v.unaryExpr([](double x) { return std::tanh(x / 0.01); });
+}
+
+// The same after elastic presliding over a hundredth of the largest displacement.
+VectorXd direction_of(const VectorXd& u) {
+  constexpr double kPresliding = 0.01;
+  VectorXd direction = VectorXd::Zero(u.size());
+  for (Index i = 1; i < u.size(); ++i)
+    direction[i] = std::clamp(direction[i - 1] + (u[i] - u[i - 1]) / kPresliding, -1.0, 1.0);
+  return direction;
+}
+
+// A friction of some size, which turns at once and after presliding: together any presliding
+// between them. Both are the same while the friction slides, so that the size is the sum of their
+// weights.
+MatrixXd friction(const Signals& s, const MatrixXd& size) {
+  MatrixXd both(size.rows(), 2 * size.cols());
+  both << sign_of(s.v).asDiagonal() * size, direction_of(s.u).asDiagonal() * size;
+  return both;
+}
+
+// Curves over a state, and friction, viscosity and stiffness with a factor that depends on it.
+void add_state(const std::string& symbol, VectorXd Signals::*state, std::vector<Form>& all) {
+  const Hats range{0, 1, 9};
+  all.push_back({"f(" + symbol + ")", symbol, [=](const Signals& s) { return range(s.*state); }});
+  all.push_back({"sgn(v) g(" + symbol + ")", symbol,
+                 [=](const Signals& s) { return friction(s, range(s.*state)); }, true});
+  all.push_back({"v g(" + symbol + ")", symbol,
+                 [=](const Signals& s) -> MatrixXd { return s.v.asDiagonal() * range(s.*state); }});
+  all.push_back({"u g(" + symbol + ")", symbol,
+                 [=](const Signals& s) -> MatrixXd { return s.u.asDiagonal() * range(s.*state); }});
+}
+
+std::vector<Form> forms(bool has_other, bool has_load, bool has_control) {
+  const Hats coarse{-1, 1, 14}, fine{-1, 1, 100}, middle{-1, 1, 41};
+  const Hats speed{-kBentReach, kBentReach, 19};
+  std::vector<Form> all{
+      {"f(u)", "u", [=](const Signals& s) { return coarse(s.u); }},
+      {"periodic in displacement", "u", [=](const Signals& s) { return fine(s.u); }},
+      {"f(v)", "v", [=](const Signals& s) { return speed(bent(s.v)); }},
+      {"sgn(v) g(u)", "u", [=](const Signals& s) { return friction(s, middle(s.u)); }, true},
+      {"v g(u)", "u", [=](const Signals& s) -> MatrixXd { return s.v.asDiagonal() * coarse(s.u); }},
+      {"g(u, v)", "", [](const Signals& s) {
+         const MatrixXd a = Hats{-1, 1, 9}(s.u), b = Hats{-kBentReach, kBentReach, 9}(bent(s.v));
+         MatrixXd surface(a.rows(), 81);
+         for (Index i = 0; i < 9; ++i)
+           for (Index k = 0; k < 9; ++k) surface.col(9 * i + k) = a.col(i).cwiseProduct(b.col(k));
+         return surface;
+       }}};
+  add_state("path", &Signals::path, all);
+  add_state("t", &Signals::time, all);
+  if (has_load) add_state("N", &Signals::load, all);
+  if (has_control) add_state("I", &Signals::control, all);
+  if (has_other) {
+    all.push_back(
+        {"f(u of the other axis)", "", [=](const Signals& s) { return coarse(s.other_u); }});
+    all.push_back(
+        {"f(v of the other axis)", "", [=](const Signals& s) { return speed(bent(s.other_v)); }});
+    all.push_back({"f(v_long v_lat)", "", [=](const Signals& s) {
+                     return Hats{-1, 1,
+                                 21}((s.v.cwiseProduct(s.other_v).array() / 0.05).asinh().matrix() /
+                                     kBentReach);
+                   }});
+    all.push_back({"f(u_long, u_lat)", "", [](const Signals& s) {
+                     const MatrixXd a = Hats{-1, 1, 9}(s.u), b = Hats{-1, 1, 9}(s.other_u);
+                     MatrixXd surface(a.rows(), 81);
+                     for (Index i = 0; i < 9; ++i)
+                       for (Index k = 0; k < 9; ++k)
+                         surface.col(9 * i + k) = a.col(i).cwiseProduct(b.col(k));
+                     return surface;
+                   }});
+  }
+  return all;
+}
+
+// Residual of a hypothesis on a fold, its derivatives, and the ranges of the recorded states.
+class ResidualView {
+ public:
+  ResidualView(const Supposition& supposition, const Fold& fold)
+      : supposition_{supposition}, fold_{fold} {
+    std::vector<Index> all(supposition.hypothesis().free.size());
+    std::iota(all.begin(), all.end(), Index{0});
+    static_cast<void>(
+        supposition.evaluate(fold, supposition.hypothesis().values, all, residual_, jacobian_));
+    const Problem& problem = supposition.problem();
+    for (std::size_t i = 0; i < problem.records(); ++i) {
+      const Drive& drive = problem.drive(i);
+      if (drive.displacement.size() == 0) continue;
+      u_ = std::max(u_, drive.displacement.cwiseAbs().maxCoeff());
+      v_ = std::max(v_, drive.velocity.cwiseAbs().maxCoeff());
+      path_.high = std::max(path_.high, path_of(drive).maxCoeff());
+      time_.high = std::max(time_.high, time_of(drive).maxCoeff());
+      for (const auto& [name, values] : drive.states)
+        if (Range* range = range_of(name)) {
+          range->low = std::min(range->low, values.minCoeff());
+          range->high = std::max(range->high, values.maxCoeff());
+          range->label = name;
+        }
+    }
+  }
+
+  struct Range {
+    double low = 1e300, high = -1e300;
+    std::string label;
+    [[nodiscard]] bool varies() const {
+      return high - low > kSteadyShare * std::max(std::abs(high), std::abs(low));
+    }
+    [[nodiscard]] VectorXd operator()(const VectorXd& values) const {
+      return (values.array() - low) / (high - low);
+    }
+  };
+  [[nodiscard]] const Range& load() const { return load_; }
+  [[nodiscard]] const Range& control() const { return control_; }
+  // Of the state of a curve; null: displacement or velocity.
+  [[nodiscard]] const Range* range_over(const std::string& abscissa) const {
+    if (abscissa == "path") return &path_;
+    if (abscissa == "t") return &time_;
+    if (abscissa == "N") return &load_;
+    return abscissa == "I" ? &control_ : nullptr;
+  }
+  [[nodiscard]] double reach(const std::string& abscissa) const {
+    return abscissa == "v" ? v_ : u_;
+  }
+
+  // Rows of one output: residual, derivatives of the fitted parameters, whitened columns of a form.
+  void of_output(Index output, const Form& form, VectorXd& residual, MatrixXd& nuisance,
+                 MatrixXd& columns) const {
+    const Problem& problem = supposition_.problem();
+    std::vector<Index> rows;
+    Index first = 0;
+    std::vector<MatrixXd> designs;
+    for (const auto& share : fold_.shares) {
+      const Drive& drive = problem.drive(share.record);
+      const Index count = drive.rows();
+      for (Index row = 0; row < count; ++row) rows.push_back(first + output * count + row);
+      designs.push_back(white(share, output, form));
+      first += count * drive.measured.cols();
+    }
+    residual = residual_(rows);
+    nuisance = jacobian_(rows, Eigen::all);
+    columns.resize(static_cast<Index>(rows.size()), designs[0].cols());
+    Index row = 0;
+    for (const auto& design : designs) {
+      columns.middleRows(row, design.rows()) = design;
+      row += design.rows();
+    }
+  }
+
+ private:
+  // Distance covered on all axes since the record began.
+  static VectorXd path_of(const Drive& drive) {
+    VectorXd path = drive.velocity.cwiseAbs().rowwise().sum() * drive.time_step;
+    for (Index i = 1; i < path.size(); ++i) path[i] += path[i - 1];
+    return path;
+  }
+  static VectorXd time_of(const Drive& drive) {
+    return VectorXd::LinSpaced(drive.rows(), 0, static_cast<double>(drive.rows() - 1)) *
+           drive.time_step;
+  }
+  static bool is_load(const std::string& name) { return name.starts_with("axial load"); }
+  static bool is_control(const std::string& name) { return name.starts_with("auxiliary."); }
+  Range* range_of(const std::string& name) {
+    if (is_load(name)) return &load_;
+    return is_control(name) ? &control_ : nullptr;
+  }
+
+  [[nodiscard]] MatrixXd white(const Fold::Share& share, Index output, const Form& form) const {
+    const Problem& problem = supposition_.problem();
+    const Drive& drive = problem.drive(share.record);
+    const Index other = drive.measured.cols() > 1 ? 1 - output : output;
+    Signals signals{drive.displacement.col(output) / u_,
+                    drive.velocity.col(output) / v_,
+                    drive.displacement.col(other) / u_,
+                    drive.velocity.col(other) / v_,
+                    path_(path_of(drive)),
+                    time_(time_of(drive)),
+                    {},
+                    {}};
+    for (const auto& [name, values] : drive.states) {
+      if (is_load(name)) signals.load = load_(values);
+      if (is_control(name)) signals.control = control_(values);
+    }
+    const MatrixXd design = form.design(signals);
+    MatrixXd result(design.rows(), design.cols());
+    for (Index i = 0; i < design.cols(); ++i) {
+      result.col(i) = problem.noise(share.record).whitened(design.col(i), output);
+      if (share.weight.size() > 0) result.col(i).array() *= share.weight;
+    }
+    return result;
+  }
+
+  const Supposition& supposition_;
+  const Fold& fold_;
+  VectorXd residual_;
+  MatrixXd jacobian_;
+  double u_ = 1e-300, v_ = 1e-300;
+  Range path_{0, 0, "path [m]"}, time_{0, 0, "time since the record began [s]"}, load_, control_;
+};
+
+// Ridge regression on one fold, scored on the other.
+struct Regression {
+  VectorXd weights, deviation;
+  double gain = 0;  // decrease of the other fold's sum of squares
+};
+
+// The rows of one output: residual and columns of a form, without what the fitted parameters can
+// reproduce. Each fold may prefer other values of them, which are no part of the form.
+struct Reduced {
+  VectorXd residual;
+  MatrixXd columns;
+
+  Reduced(const ResidualView& view, Index output, const Form& form) {
+    MatrixXd nuisance;
+    view.of_output(output, form, residual, nuisance, columns);
+    const Complement complement{nuisance};
+    complement.take_out(residual);
+    for (Index i = 0; i < columns.cols(); ++i) complement.take_out(columns.col(i));
+  }
+};
+
+Regression regress(const Reduced& first, const Reduced& second, bool is_friction) {
+  MatrixXd normal = first.columns.transpose() * first.columns;
+  normal.diagonal().array() += kRidge * normal.diagonal().mean();
+  const algebra::SymmetricFactors factors{normal};
+  const VectorXd c = factors.solve(first.columns.transpose() * first.residual);
+  const MatrixXd inverse = factors.inverse();
+  const double gain =
+      second.residual.squaredNorm() - (second.residual - second.columns * c).squaredNorm();
+  if (!is_friction) return {c, inverse.diagonal().cwiseMax(0).cwiseSqrt(), gain};
+  const Index m = c.size() / 2;
+  const VectorXd variance = (inverse.topLeftCorner(m, m) + inverse.bottomRightCorner(m, m) +
+                             2 * inverse.topRightCorner(m, m))
+                                .diagonal();
+  return {c.head(m) + c.tail(m), variance.cwiseMax(0).cwiseSqrt(), gain};
+}
+
+Description curve_of(const Form& form, const Regression& best, const ResidualView& view,
+                     double share) {
+  Description description{form.name, share, "", {}, {}, {}};
+  if (form.abscissa.empty()) return description;
+  const ResidualView::Range* state = view.range_over(form.abscissa);
+  const Index m = best.weights.size();
+  for (Index i = 0; i < m; ++i) {
+    double x = 2 * static_cast<double>(i) / static_cast<double>(m - 1) - 1;
+    if (form.abscissa == "v")
+      x = 0.05 * std::sinh(x * kBentReach) * view.reach("v");
+    else if (state != nullptr)
+      x = state->low + (x + 1) / 2 * (state->high - state->low);
+    else
+      x *= view.reach("u");
+    description.x.push_back(x);
+    description.y.push_back(best.weights[i]);
+    description.band.push_back(best.deviation[i]);
+  }
+  description.x_label = form.abscissa == "v" ? "velocity [m/s]"
+                        : state != nullptr   ? state->label
+                                             : "displacement [m]";
+  return description;
+}
+
+}  // namespace
+
+void regress_forms(const Supposition& supposition, const Folds& folds,
+                   std::vector<Description>& found) {
+  const double excess = excess_on(supposition, folds.second);
+  const ResidualView first{supposition, folds.first}, second{supposition, folds.second};
+  const Index outputs = supposition.problem().drive(0).measured.cols();
+  for (const auto& form : forms(outputs > 1, first.load().varies(), first.control().varies())) {
+    double gain = 0;
+    Regression best;
+    for (Index output = 0; output < outputs; ++output) {
+      const Regression one =
+          regress({first, output, form}, {second, output, form}, form.is_friction);
+      gain += one.gain;
+      if (output == 0 || one.gain > best.gain) best = one;
+    }
+    found.push_back(curve_of(form, best, first, gain / excess));
+  }
+}
+
+}  // namespace rths::diagnosis

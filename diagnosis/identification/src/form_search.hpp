@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <rths/identification/forms.hpp>
+
+namespace rths::diagnosis {
+
+/// Least energy to explain, over that of the noise: less may be an error of the noise.
+inline constexpr double kLeastExcess = 0.05;
+/// Ridge on the values of a form, over the mean square of its columns: relative to them, so that
+/// the result depends on no unit.
+inline constexpr double kRidge = 1e-3;
+/// Energy of the residual beyond the noise on a fold, at least kLeastExcess.
+[[nodiscard]] double excess_on(const Supposition& supposition, const Fold& fold);
+
+/// Adds curves and surfaces over the measured states that drive the prediction, by regression.
+void regress_forms(const Supposition& supposition, const Folds& folds,
+                   std::vector<Description>& found);
+
+/// Adds terms of free shape that act on the predicted state. Those with the best linearised effect
+/// are fitted to one fold and simulated on the other.
+void fit_forms(const Supposition& supposition, const Folds& folds,
+               const std::vector<FreeForm>& forms, std::vector<Description>& found);
+
+/// Adds a sine of one frequency in the residuals of both folds.
+void find_periodic_force(const Supposition& supposition, const Folds& folds,
+                         std::vector<Description>& found);
+
+/// Adds the sudden change of a parameter that explains most, found on each record separately.
+void find_change(const Supposition& supposition, const Folds& folds,
+                 std::vector<Description>& found);
+
+/// Adds pieces of the records in which a measured output holds its value while the predicted one
+/// moves.
+void find_held_samples(const Supposition& supposition, const Folds& folds,
+                       std::vector<Description>& found);
+
+}  // namespace rths::diagnosis

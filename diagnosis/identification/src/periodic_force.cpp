@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "form_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Core>
+
+#include <fmt/format.h>
+
+#include <rths/algebra/decompositions.hpp>
+
+#include "transform.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kLeastPeriods = 8;  // in a record
+constexpr Index kZeroPadding = 4;    // of transforms, over the record
+
+// Whitened residual of a share of a fold, rows × outputs; zero where the share has no weight.
+struct Rows {
+  const ResidualNoise& noise;
+  double time_step;
+  ArrayXd weight;
+  MatrixXd residual;
+
+  Rows(const Supposition& supposition, const Fold::Share& share)
+      : noise{supposition.problem().noise(share.record)},
+        time_step{supposition.problem().drive(share.record).time_step},
+        residual{supposition.whitened(share.record)} {
+    weight = share.weight.size() > 0 ? share.weight : ArrayXd::Ones(residual.rows());
+    residual.array().colwise() *= weight;
+  }
+  [[nodiscard]] double duration() const { return static_cast<double>(residual.rows()) * time_step; }
+  // Whitened cosine and sine in an output.
+  [[nodiscard]] MatrixXd waves(Index output, double frequency) const {
+    const Index n = residual.rows();
+    const VectorXd phase = VectorXd::LinSpaced(n, 0, static_cast<double>(n - 1)) *
+                           (2 * std::numbers::pi * frequency * time_step);
+    MatrixXd waves(n, 2);
+    waves << noise.whitened(VectorXd{phase.array().cos()}, output),
+        noise.whitened(VectorXd{phase.array().sin()}, output);
+    waves.array().colwise() *= weight;
+    return waves;
+  }
+};
+
+std::vector<Rows> rows_of(const Supposition& supposition, const Fold& fold) {
+  std::vector<Rows> all;
+  for (const auto& share : fold.shares) all.emplace_back(supposition, share);
+  return all;
+}
+
+// Energy that sines of a frequency explain, each record and output with its own.
+double explained(const std::vector<Rows>& all, double frequency) {
+  double energy = 0;
+  for (const auto& rows : all)
+    for (Index output = 0; output < rows.residual.cols(); ++output) {
+      const MatrixXd waves = rows.waves(output, frequency);
+      const VectorXd w = rows.residual.col(output);
+      energy +=
+          w.squaredNorm() - (w - waves * algebra::solve_least_squares(waves, w)).squaredNorm();
+    }
+  return energy;
+}
+
+// Energy that sines explain in the other half of the record to which they were fitted. A sine goes
+// on with its phase; a resonance under random forces loses it.
+double continued(const std::vector<Rows>& all, double frequency) {
+  double energy = 0;
+  for (const auto& rows : all)
+    for (Index output = 0; output < rows.residual.cols(); ++output) {
+      const MatrixXd waves = rows.waves(output, frequency);
+      const VectorXd w = rows.residual.col(output);
+      const Index half = w.size() / 2, rest = w.size() - half;
+      const VectorXd first =
+          w.head(half) -
+          waves.topRows(half) * algebra::solve_least_squares(MatrixXd{waves.bottomRows(rest)},
+                                                             VectorXd{w.tail(rest)});
+      const VectorXd second =
+          w.tail(rest) -
+          waves.bottomRows(rest) *
+              algebra::solve_least_squares(MatrixXd{waves.topRows(half)}, VectorXd{w.head(half)});
+      energy += w.squaredNorm() - first.squaredNorm() - second.squaredNorm();
+    }
+  return energy;
+}
+
+// Highest line of the summed periodograms.
+double highest_line(const std::vector<Rows>& all) {
+  Index longest = 0;
+  for (const auto& rows : all) longest = std::max(longest, rows.residual.rows());
+  const Index length = fast_length(kZeroPadding * longest);
+  VectorXd sum = VectorXd::Zero(length / 2);
+  for (const auto& rows : all)
+    for (Index output = 0; output < rows.residual.cols(); ++output) {
+      VectorXd padded = VectorXd::Zero(length);
+      padded.head(rows.residual.rows()) = rows.residual.col(output);
+      Eigen::VectorXcd bins;
+      transformer().fwd(bins, padded);
+      sum += bins.head(length / 2).cwiseAbs2();
+    }
+  const double step = 1 / (static_cast<double>(length) * all[0].time_step);
+  const auto first = std::min(
+      static_cast<Index>(std::ceil(kLeastPeriods / (all[0].duration() * step))), length / 2 - 1);
+  Index at = 0;
+  sum.tail(sum.size() - first).maxCoeff(&at);
+  return static_cast<double>(first + at) * step;
+}
+
+// The frequency near a line at which sines explain most.
+double refined(const std::vector<Rows>& all, double line) {
+  double at = line, best = explained(all, line);
+  for (double step = 1 / (kZeroPadding * all[0].duration()); step * all[0].duration() > 1e-3;
+       step /= 2)
+    for (const double tried : {at - step, at + step})
+      if (const double energy = explained(all, tried); energy > best) best = energy, at = tried;
+  return at;
+}
+
+}  // namespace
+
+void find_periodic_force(const Supposition& supposition, const Folds& folds,
+                         std::vector<Description>& found) {
+  const auto first = rows_of(supposition, folds.first);
+  const double frequency = refined(first, highest_line(first));
+  const double share = continued(rows_of(supposition, folds.second), frequency) /
+                       excess_on(supposition, folds.second);
+  // A force that acts at rest, too, is a part of the estimated noise.
+  found.push_back({fmt::format("external periodic force at {:.2f} Hz", frequency),
+                   std::min(1.0, share),
+                   "",
+                   {},
+                   {},
+                   {}});
+}
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "form_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Core>
+
+#include <fmt/format.h>
+
+#include <rths/identification/screening.hpp>
+
+namespace rths::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// The sudden change of one parameter that explains most of a residual.
+struct Change {
+  double explained = 0;  // energy
+  double time = 0;       // [s]
+};
+
+// The part of a parameter's derivative from row `cut` of each output on.
+VectorXd from_row(const MatrixXd& jacobian, Index column, Index cut, const Drive& drive) {
+  VectorXd g = jacobian.col(column);
+  for (Index output = 0; output < drive.measured.cols(); ++output)
+    g.segment(output * drive.rows(), cut).setZero();
+  return g;
+}
+
+// Tries 40 times of change on one record. Sets `parameter` to the name of the best one's parameter.
+Change best_change(const VectorXd& w, const MatrixXd& J, const Complement& complement,
+                   const Drive& drive, const Hypothesis& hypothesis, std::string& parameter) {
+  Change best;
+  for (int k = 0; k < 40; ++k) {
+    const auto cut = static_cast<Index>((0.12 + 0.0165 * k) * static_cast<double>(drive.rows()));
+    for (Index j = 0; j < J.cols(); ++j) {
+      VectorXd g = from_row(J, j, cut, drive);
+      complement.take_out(g);
+      const double square = g.squaredNorm();
+      const double explained = square > 0 ? std::pow(g.dot(w), 2) / square : 0;
+      if (explained <= best.explained) continue;
+      best = {explained, drive.start + static_cast<double>(cut) * drive.time_step};
+      parameter = hypothesis.free[static_cast<std::size_t>(j)].name;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+void find_change(const Supposition& supposition, const Folds& folds,
+                 std::vector<Description>& found) {
+  const auto& hypothesis = supposition.hypothesis();
+  std::vector<Index> all(hypothesis.free.size());
+  std::iota(all.begin(), all.end(), Index{0});
+  double gain = 0, excess = 0;
+  std::vector<double> times;
+  std::string parameter;
+  for (const auto& share : folds.both.shares) {
+    VectorXd w;
+    MatrixXd J;
+    if (!supposition.evaluate(whole({share.record}), hypothesis.values, all, w, J)) return;
+    const Complement complement{J};
+    complement.take_out(w);
+    const Change best = best_change(w, J, complement, supposition.problem().drive(share.record),
+                                    hypothesis, parameter);
+    gain += best.explained;
+    excess += w.squaredNorm() - static_cast<double>(w.size());
+    times.push_back(best.time);
+  }
+  if (times.size() < 2) return;
+  excess = std::max(excess, kLeastExcess * observations(supposition.problem(), folds.both));
+  const auto [first, last] = std::minmax_element(times.begin(), times.end());
+  const double share = gain / excess * (*last - *first < 1.5 ? 1 : 0.5);
+  found.push_back(
+      {fmt::format("change of {} at {:.1f} s", parameter, times[0]), share, "", {}, {}, {}});
+}
+
+}  // namespace rths::diagnosis
