@@ -29,7 +29,8 @@
     if (v.causes.length) {
       byId("form-title").textContent = "Form of the remainder";
       byId("form-text").textContent = "A systematic residual remains beside the named causes. Its form is its mean over the " +
-        "quantity on which it depends. The form is scored on a record that it was not fitted to.";
+        "quantity on which it depends. It is scored on a record that it was not fitted to; held samples and sudden changes " +
+        "are found on each record.";
     }
     charts.rows(byId("form-ranks"), v.descriptions.map((d, i) => ({
       title: d.form, value: Math.max(0, d.share ?? 0), shown: share(d.share), kind: i ? "" : "named" })));
