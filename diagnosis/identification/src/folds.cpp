@@ -17,7 +17,7 @@ constexpr double kLongestPiece = 0.125;  // [s]: less than a peak of strong moti
 // strongest peak. The order of Thue and Morse (number of ones in the binary number of a piece) has
 // no period, so that no half sees the same part of each period of a motion.
 Eigen::ArrayXd half_of_pieces(const Drive& drive, bool odd) {
-  const auto longest = static_cast<Eigen::Index>(std::lround(kLongestPiece / drive.time_step));
+  const auto longest = static_cast<Eigen::Index>(kLongestPiece / drive.time_step + 1e-6);
   const Eigen::Index piece =
       std::clamp<Eigen::Index>(drive.rows() / kPieces, 1, std::max<Eigen::Index>(1, longest));
   Eigen::ArrayXd weight(drive.rows());
