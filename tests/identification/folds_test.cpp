@@ -8,8 +8,9 @@
 namespace rths::diagnosis {
 namespace {
 
-constexpr Eigen::Index kFoldRows = 200;
-constexpr double kFoldStep = 0.05;  // 10 s: pieces of 1 s, 20 rows
+constexpr Eigen::Index kFoldRows = 320;
+constexpr double kFoldStep = 0.025;  // 8 s: pieces of 0.125 s, 5 rows
+constexpr Eigen::Index kPieceRows = 5;
 
 std::vector<Record> records_for(const std::vector<Use>& uses) {
   std::vector<Record> records;
@@ -100,10 +101,32 @@ TEST(FoldsOf, HaveEveryRowOfAFewRecordsOnce) {
     const auto& second = divided.folds.second.shares[i].weight;
     EXPECT_TRUE((first + second == 1).all());
     EXPECT_TRUE((first * second == 0).all());
-    // Ten pieces of a record.
-    for (Eigen::Index piece = 0; piece < 10; ++piece)
-      EXPECT_EQ(first[20 * piece + 10], piece % 2 == 0 ? 1 : 0) << piece;
+    EXPECT_EQ(first.sum(), kFoldRows / 2);
   }
+}
+
+TEST(FoldsOf, BothContainPartOfAShortPeak) {
+  const Divided divided{records_for({Use::Fit})};
+
+  const auto& first = divided.folds.first.shares[0].weight;
+  constexpr Eigen::Index kStrong = 3 * kPieceRows;
+  for (Eigen::Index row = 0; row + kStrong <= kFoldRows; ++row) {
+    EXPECT_GT(first.segment(row, kStrong).sum(), 0) << row;
+    EXPECT_LT(first.segment(row, kStrong).sum(), kStrong) << row;
+  }
+}
+
+TEST(FoldsOf, BothContainEachPartOfAMotionOfEightPeriods) {
+  const Divided divided{records_for({Use::Fit})};
+
+  const auto& first = divided.folds.first.shares[0].weight;
+  for (Eigen::Index period = 1; period <= kFoldRows / 8; ++period)
+    for (Eigen::Index phase = 0; phase < period; ++phase) {
+      double sum = 0, all = 0;
+      for (Eigen::Index row = phase; row < kFoldRows; row += period) sum += first[row], ++all;
+      EXPECT_GT(sum, 0) << period << " " << phase;
+      EXPECT_LT(sum, all) << period << " " << phase;
+    }
 }
 
 TEST(FoldsOf, HaveNoRowsInGaps) {

@@ -188,6 +188,47 @@ TEST(Select, NamesNoneOfSeveralThatExplainSomeOfTheRest) {
   EXPECT_EQ(names_in(selection.rounds), std::set<std::string>{"e5"});
 }
 
+// Two effects of size 3. On the first record, their signals have the correlation ρ = 0.8, on the
+// second −ρ. A fit of one alone to a record has the size 3 (1 ± ρ), which loses ½ · 600 · 9 (6 ρ² −
+// 2) = 4968 nat on both records: neither is accepted alone.
+SixCandidates with_hidden_pair(const std::map<std::string, double>& truth) {
+  constexpr double kSize = 3, kCorrelation = 0.8;
+  SixCandidates six{truth, 3};
+  for (auto& record : six.records) {
+    const double correlation = &record == &six.records[0] ? kCorrelation : -kCorrelation;
+    const auto find = [&](const std::string& role) -> std::vector<double>& {
+      return std::find_if(record.channels.begin(), record.channels.end(),
+                          [&](const Channel& channel) { return channel.role == role; })
+          ->values;
+    };
+    const auto& one = find("input.e2.coefficient.0");
+    auto& other = find("input.e5.coefficient.0");
+    auto& measured = find("output.0");
+    for (std::size_t row = 0; row < measured.size(); ++row) {
+      other[row] = correlation * one[row] + std::sqrt(1 - correlation * correlation) * other[row];
+      measured[row] += kSize * (one[row] + other[row]);
+    }
+  }
+  return six;
+}
+
+TEST(Select, FindsTwoEffectsOfWhichNeitherPredictsAlone) {
+  const double error = 1 / std::sqrt(2.0 * kSelectRows);
+
+  const Selection selection = with_hidden_pair({}).selected();
+
+  ASSERT_EQ(names_in(selection.rounds), (std::set<std::string>{"e2", "e5"}));
+  // The correlations of the two records cancel.
+  EXPECT_NEAR(value_of(selection.named, "e2.coefficient"), 3, 4 * error);
+  EXPECT_NEAR(value_of(selection.named, "e5.coefficient"), 3, 4 * error);
+}
+
+// On the second record, the two effects have 9 (2 − 2 ρ) = 3.6 times the noise's energy, the
+// unknown one 2.7: they explain 57 %.
+TEST(Select, NamesNoPairThatExplainsHalf) {
+  EXPECT_TRUE(with_hidden_pair({{"unknown", std::sqrt(0.3)}}).selected().rounds.empty());
+}
+
 // With estimates of ±z₁ and ±z₂ deviations on the two folds, the gain of an absent effect is
 // 2 z₁ z₂ - ½ (z₁² + z₂²), at most ½ (z₁² + z₂²). That exceeds the accepted 18 nat with probability
 // exp(-18). With 120 candidates in 20 records, a false alarm has the probability 2·10⁻⁶.

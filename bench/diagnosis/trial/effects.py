@@ -213,9 +213,11 @@ def all_effects():
 
 
 def usable(motion):
-    """Effects that this motion can show."""
+    """Effects that this motion can show. On one axis, the stop of the catalogue has the law of a stiffening."""
     missing = ({"load"} if motion.load is None else set()) | ({"plane"} if motion.axes < 2 else set())
-    return [effect for effect in all_effects() if effect.needs not in missing]
+    return [dataclasses.replace(effect, also=("gap_contact",))
+            if motion.axes == 1 and effect.name == "large_strain_stiffening" else effect
+            for effect in all_effects() if effect.needs not in missing]
 
 
 def draw(effect, motion, rng, size):

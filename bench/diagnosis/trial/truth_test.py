@@ -7,6 +7,7 @@ try:
 except ImportError as error:
     raise unittest.SkipTest("SKIPPED: this Python has no NumPy") from error
 
+import effects
 import motion
 import signals
 import truth
@@ -84,6 +85,14 @@ class Laws(unittest.TestCase):
         y = motion.play(u, 0.4)
         self.assertAlmostEqual(float(y[10, 0]), 0.8)
         self.assertAlmostEqual(float(y[-1, 0]), 0.2)
+
+    def test_a_stiffening_has_the_law_of_a_stop_on_one_axis_alone(self):
+        def names(axes):
+            rest = np.zeros((4, axes))
+            shown = effects.usable(motion.Motion(.01, rest, rest, rest, None, rest))
+            return next(effect.also for effect in shown if effect.name == "large_strain_stiffening")
+        self.assertEqual(names(1), ("gap_contact",))
+        self.assertEqual(names(2), ())
 
     def test_bouc_wen_on_one_axis_is_a_hyperbolic_tangent(self):
         # dz = (1 − z²) du/u_y from rest gives z = tanh(u/u_y), with exponent 2.

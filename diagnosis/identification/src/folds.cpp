@@ -2,24 +2,28 @@
 #include <rths/identification/folds.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace rths::diagnosis {
 namespace {
 
 constexpr std::size_t kManyRecords = 4;  // at least so many score each other
-constexpr double kPieces = 10;           // per record that scores itself
-constexpr double kLongestPiece = 4;      // [s]
+constexpr Eigen::Index kPieces = 32;     // at least, of a record that scores itself
+constexpr double kLongestPiece = 0.125;  // [s]: less than a peak of strong motion lasts
 
-// Weights that select every other piece of a record.
-Eigen::ArrayXd every_other_piece(const Drive& drive, bool odd) {
-  const double length = static_cast<double>(drive.rows()) * drive.time_step;
-  const double piece = std::min(kLongestPiece, length / kPieces);
+// Weights that select half of the pieces of a record. Short pieces give each half a share of the
+// strongest peak. The order of Thue and Morse (number of ones in the binary number of a piece) has
+// no period, so that no half sees the same part of each period of a motion.
+Eigen::ArrayXd half_of_pieces(const Drive& drive, bool odd) {
+  const auto longest = static_cast<Eigen::Index>(kLongestPiece / drive.time_step + 1e-6);
+  const Eigen::Index piece =
+      std::clamp<Eigen::Index>(drive.rows() / kPieces, 1, std::max<Eigen::Index>(1, longest));
   Eigen::ArrayXd weight(drive.rows());
   for (Eigen::Index row = 0; row < drive.rows(); ++row) {
-    const auto number =
-        static_cast<std::int64_t>(static_cast<double>(row) * drive.time_step / piece);
-    weight[row] = (number % 2 == 1) == odd ? 1 : 0;
+    const auto number = static_cast<std::uint64_t>(row / piece);
+    weight[row] = (std::popcount(number) % 2 == 1) == odd ? 1 : 0;
   }
   return weight;
 }
@@ -61,8 +65,8 @@ Folds folds_of(const Split& split, const Problem& problem) {
     } else if (count >= kManyRecords) {
       (i % 2 == 1 ? folds.second : folds.first).shares.push_back({i, {}});
     } else {
-      folds.first.shares.push_back({i, every_other_piece(problem.drive(i), false)});
-      folds.second.shares.push_back({i, every_other_piece(problem.drive(i), true)});
+      folds.first.shares.push_back({i, half_of_pieces(problem.drive(i), false)});
+      folds.second.shares.push_back({i, half_of_pieces(problem.drive(i), true)});
     }
     folds.both.shares.push_back({i, {}});
   }

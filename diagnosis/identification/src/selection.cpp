@@ -27,6 +27,7 @@ constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of
 constexpr double kMostOfRest = 0.5;        // or, if less, of the excess that the other terms leave
 constexpr double kAloneOfRest = 0.2;       // or of this share, if no other term gains half as much
 constexpr double kFormShare = 4e-4;        // of a larger term's gain: an error of 2 % of its form
+constexpr double kMuch = 0.15;             // mean w² beyond 1 that is left to explain
 constexpr double kWhite = 1.02;            // mean w² of a residual that is noise, without scatter
 
 // Every candidate of a round, in no order.
@@ -113,15 +114,57 @@ class Selector {
       auto other = round_with(kThorough);
       if (other && (!won || other->chosen.gain > won->chosen.gain)) won = std::move(other);
     }
-    if (!won) return false;
-    if (selection_.rounds.empty()) selection_.first = contenders_of(*won);
-    selection_.rounds.push_back(std::move(*won));
-    const SelectionRound& added = selection_.rounds.back();
-    current_ = added.chosen.fitted;
-    problem_.renew_noise(current_);
+    if (!won) return add_pair();
+    add(std::move(*won));
     // Further terms are measured by the excess that the right rule leaves.
-    if (is_rule(added)) unexplained_ = current_;
+    if (is_rule(selection_.rounds.back())) unexplained_ = current_;
     return true;
+  }
+
+  void add(SelectionRound round) {
+    if (selection_.rounds.empty()) selection_.first = contenders_of(round);
+    selection_.rounds.push_back(std::move(round));
+    current_ = selection_.rounds.back().chosen.fitted;
+    problem_.renew_noise(current_);
+  }
+
+  // Of two large effects, a fit with one alone imitates the other, which fails on another record.
+  // So the best candidate of a round without a winner may be accepted together with that of the
+  // next round, if the two leave little. @returns whether they were accepted
+  bool add_pair() {
+    if (selection_.last.empty() || effects() + 2 > kMostTerms || !explains_little(std::nullopt) ||
+        !predicts(selection_.last[0].fitted))
+      return false;
+    const Selection selection = selection_;
+    const Hypothesis before = current_;
+    add({selection.last[0], {}, {}});
+    begin_stage(fmt::format("search beside {}", selection.last[0].candidate.name));
+    auto won = round_with({});
+    if (won && explain_the_rest(before, won->chosen.fitted)) {
+      add(std::move(*won));
+      defend(selection_.rounds.size() - 2, false);
+      if (selection.rounds.empty()) selection_.first = selection.last;
+      return true;
+    }
+    selection_ = selection;
+    current_ = before;
+    problem_.renew_noise(current_);
+    return false;
+  }
+
+  // Whether a model predicts all records; one that was fitted to a fold may diverge on another.
+  [[nodiscard]] bool predicts(const Hypothesis& model) const {
+    const Supposition supposition{problem_, model};
+    for (std::size_t i = 0; i < problem_.records(); ++i)
+      if (supposition.prediction(i).size() == 0) return false;
+    return true;
+  }
+
+  // Whether a model with more terms leaves little, and gains by them as much as one term must.
+  [[nodiscard]] bool explain_the_rest(const Hypothesis& before, const Hypothesis& after) const {
+    return variance_of(after) - 1 < kMuch &&
+           is_beneficial(losses(scores_of_both(before), scores_of_both(after)),
+                         accepted(before, true), seed_);
   }
 
   // A residual that is noise as a whole may still contain a small effect, which the test of one
@@ -152,7 +195,7 @@ class Selector {
 
   // Whether far more is left to explain than a round has explained: a fit may have stalled.
   [[nodiscard]] bool explains_little(const std::optional<SelectionRound>& won) const {
-    constexpr double kLittle = 0.2, kMuch = 0.15;  // kMuch: mean w² beyond 1
+    constexpr double kLittle = 0.2;
     const double excess = variance_of(current_) - 1;
     const double left = 0.5 * observations(problem_, folds_.both) * excess;
     return excess > kMuch && (!won || won->chosen.gain < kLittle * left);
@@ -246,7 +289,8 @@ class Selector {
   }
 
   // Compares a named term with its rivals in its place. @returns false if a rival replaces it
-  bool defend(std::size_t place) {
+  // @param holds_ties  whether a rival that gains less does not replace it in a tie
+  bool defend(std::size_t place, bool holds_ties = true) {
     auto& rounds = selection_.rounds;
     const Candidate holder = rounds[place].chosen.candidate;
     begin_stage("rivals of " + holder.name);
@@ -258,7 +302,7 @@ class Selector {
     Round round{problem_, folds_, {holder, rest, current_}, left_for(rest, others), seed_};
     auto won = winner(round, &holder);
     if (!won) return true;
-    keep_in_tie(*won, holder);
+    if (holds_ties) keep_in_tie(*won, holder);
     rounds[place] = std::move(*won);
     current_ = rounds[place].chosen.fitted;
     problem_.renew_noise(current_);
