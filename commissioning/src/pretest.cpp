@@ -12,6 +12,7 @@
 #include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/roles.hpp>
+#include <rths/sim/term.hpp>
 
 namespace rths::commissioning {
 namespace {
@@ -240,6 +241,9 @@ class Steps {
     // Friction that the controller subtracts was identified, so the machine has it.
     closed.machine =
         budget::with_known_friction(closed.assumed_machine, launch::correction_of(closed));
+    std::erase_if(closed.machine.terms, [](const auto& term) {
+      return sim::term_kind(term.kind).stage == sim::Stage::Actuator;  // identified with the axis
+    });
     closed.machine.specimen = closed.model;
     closed.machine.seed = experiment_.machine.seed;
     for (const auto& axis : result_.axes) {

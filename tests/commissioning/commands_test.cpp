@@ -300,6 +300,15 @@ TEST(PretestCommand, KeepsTheMachineOfATestThatControlsTheVerticalForce) {
             "the machine of the experiment, because the test controls the vertical force");
 }
 
+// The actuator of a simulated machine stands for the axis, which is identified.
+TEST(PretestCommand, IdentifiesTheActuatorThatTheSimulationAssumes) {
+  const auto without = json_of(pretest_of(kShort));
+  const auto with_delay =
+      json_of(pretest_of(with(kShort, {"model.machine.actuator_delay.delay_s=0.005"})));
+
+  EXPECT_EQ(with_delay["axes"], without["axes"]);
+}
+
 TEST(PretestCommand, PredictsTheMeanOfRunsWithDifferentNoise) {
   const auto found = json_of(pretest_of(kShort));
 
