@@ -275,8 +275,8 @@ class Steps {
     if (!close_loop(closed, 0, first)) return;
     const recording::Reader run{first};
     result_.broken = report::judge(run);
-    for (std::uint64_t k = 1; k < kRuns && close_loop(closed, k, other); ++k) {
-    }
+    for (std::uint64_t k = 1; k < kRuns; ++k)
+      if (!close_loop(closed, k, other)) break;
     std::filesystem::remove(other);
     begin("the stability of the loop");
     for (auto& axis : result_.axes) {
