@@ -12,6 +12,7 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py mutants RESULT              what tests/replicated/mutants.py --json RESULT has written
        keep.py substeps RESULT             what rths_substeps_bench has printed
        keep.py traps RESULT                what rths_trap_bench has printed
+       keep.py pretest RTHS                the prediction of a pretest beside the test, in virtual time
        keep.py adaptive RTHS               the adaptive inverse and ATS on drawn machines, in virtual time
        keep.py force RTHS                  identification of empty tables
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
@@ -33,6 +34,7 @@ import tempfile
 import adaptive
 import demo_seeds
 import opensees_runs
+import pretest
 from results_file import RESULTS, TREE, commit, machine, stamp, write
 
 RUN_KEYS = ("name", "clock", "processes", "duration_s", "integration_step_s", "control_rate_hz", "overruns",
@@ -223,6 +225,7 @@ def main():
     makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget, "card": bench("card"),
               "force": bench("force"), "adaptive": adaptive.adaptive,
               "demo_seeds": demo_seeds.demo_seeds,
+              "pretest": pretest.predictions,
               "srmd": lambda file: srmd(json.loads(pathlib.Path(file).read_text())),
               "least_squares": lambda file: json.loads(pathlib.Path(file).read_text()),
               "substeps": lambda file: json.loads(pathlib.Path(file).read_text()),

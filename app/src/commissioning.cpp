@@ -190,7 +190,8 @@ void add_pretest(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
                    "Go up to this difference of the response from the numerical result")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command->add_option("--out", a.out, "Folder for the recordings of the two runs [none is kept]");
+  command->add_option("--out", a.out,
+                      "Folder for the recordings of the first two runs [none is kept]");
   command->add_option("--set", a.sets, "Override a key of the experiment: key=value")
       ->take_all()
       ->allow_extra_args(false);

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <numeric>
+#include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -39,8 +42,9 @@ Json json_of(const std::vector<std::string>& arguments, int expected_exit = 0) {
   return Json::parse(ran.out, nullptr, false);
 }
 
-std::vector<std::string> pretest_of(const std::vector<std::string>& sets) {
-  std::vector<std::string> arguments{"pretest", example("srmd_lprb_2d.toml"), "--json"};
+std::vector<std::string> pretest_of(const std::vector<std::string>& sets,
+                                    const char* name = "srmd_lprb_2d.toml") {
+  std::vector<std::string> arguments{"pretest", example(name), "--json"};
   for (const auto& set : sets) {
     arguments.emplace_back("--set");
     arguments.push_back(set);
@@ -264,6 +268,56 @@ TEST(PretestCommand, SaysNoGoForAMachineThatIsMadeUnstable) {
   EXPECT_FALSE(late["go"].get<bool>());
   const auto steep = json_of(pretest_of(with(kShort, {"machine.position_gain_per_s=[90, 90]"})), 1);
   EXPECT_FALSE(steep["go"].get<bool>());
+}
+
+// Of a machine 28 ms later than that of the experiment, whose model would close the loop well.
+TEST(PretestCommand, ClosesTheLoopWithTheMachineOfTheRecording) {
+  const test::TemporaryFolder folder;
+  const auto late = folder.path() / "late";
+  ASSERT_EQ(test::run_rths(
+                run_of("srmd_platen_2d.toml", late,
+                       with(kShort, {"targets.kind=response", "node.xpc.tune.inverse.enabled=0",
+                                     "node.xpc.tune.target_force.enabled=0",
+                                     "node.srmd.changes.transport_delay_s=0.03"})))
+                .exit_code,
+            0);
+  auto arguments = pretest_of(with(kShort, {}), "srmd_platen_2d.toml");
+  arguments.insert(arguments.end(), {"--machine", late.string()});
+
+  const auto found = json_of(arguments, 1);
+
+  EXPECT_EQ(found["loop_machine"], "the identified machine");
+  EXPECT_NE(found["reasons"].dump().find("the closed loop did not reach its end"),
+            std::string::npos)
+      << found["reasons"];
+}
+
+// The identified machine has no vertical axis.
+TEST(PretestCommand, KeepsTheMachineOfATestThatControlsTheVerticalForce) {
+  const auto found = json_of(pretest_of({"duration_s=8", "rest_s=0.5"}, "srmd_lprb_3d.toml"));
+
+  EXPECT_EQ(found["loop_machine"],
+            "the machine of the experiment, because the test controls the vertical force");
+}
+
+// The actuator of a simulated machine stands for the axis, which is identified.
+TEST(PretestCommand, IdentifiesTheActuatorThatTheSimulationAssumes) {
+  const auto without = json_of(pretest_of(kShort));
+  const auto with_delay =
+      json_of(pretest_of(with(kShort, {"model.machine.actuator_delay.delay_s=0.005"})));
+
+  EXPECT_EQ(with_delay["axes"], without["axes"]);
+}
+
+TEST(PretestCommand, PredictsTheMeanOfRunsWithDifferentNoise) {
+  const auto found = json_of(pretest_of(kShort));
+
+  const auto& axis = found["axes"]["long"];
+  const auto runs = axis["difference_percent_of_runs"].get<std::vector<double>>();
+  ASSERT_EQ(runs.size(), 8U);
+  EXPECT_EQ(std::set<double>(runs.begin(), runs.end()).size(), runs.size());
+  EXPECT_NEAR(std::accumulate(runs.begin(), runs.end(), 0.0) / 8,
+              axis["difference_percent"].get<double>(), 1e-9);
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
   if (table.has("model"))
     settings.make = [member = read_member(table)](const TestSetup& test,
                                                   const NodeContext& context) {
-      return make_platen(member, test, context);
+      return test.has_identified_machine ? make(test, context) : make_platen(member, test, context);
     };
   return with_safety(std::move(settings), table.table_or_empty("safety"), setup,
                      words_of(setup, table.has("model")));

@@ -52,6 +52,8 @@ struct TestSetup {
   sim::Bearing specimen;  ///< the bearing on the platen
   sim::Bearing model;     ///< the bearing as the simulation assumes it
   sim::TestMachine machine;
+  bool has_identified_machine =
+      false;                 ///< `machine` replaces a model that the machine's node names
   double alpha = -0.05;      ///< of α-OS
   int substeps = 1;          ///< of its integration between targets
   double wait_deadline = 1;  ///< of a solver, for each flag of the handshake [s], times `rate`
