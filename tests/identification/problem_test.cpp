@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/core/error.hpp>
+
 #include "identification/linear_relation.hpp"
 #include "support/files.hpp"
 
@@ -125,7 +127,7 @@ TEST(Problem, HasNoiseWithoutAnOffsetIfThatIsFree) {
 TEST(Supposition, SaysThatThereIsNoPrediction) {
   LinearRelation relation;
   const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, sine_of(3, 96), {})};
-  Problem problem = linear_problem(relation, records);
+  const Problem problem = linear_problem(relation, records);
   relation.has_prediction = false;
   const Supposition supposition{problem, relation.stated};
 
@@ -133,7 +135,7 @@ TEST(Supposition, SaysThatThereIsNoPrediction) {
   EXPECT_TRUE(supposition.blocks(whole({0})).empty());
   EXPECT_EQ(test::error_of([&] { static_cast<void>(supposition.whitened(0)); }),
             "one: the model has no prediction");
-  EXPECT_EQ(test::error_of([&] { problem.renew_noise(relation.stated); }),
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(linear_problem(relation, records)); }),
             "one: the model has no prediction (linear): it diverges");
 }
 
@@ -180,7 +182,22 @@ TEST(Problem, OfFutureTestsHasTheNoiseOfTheFirstRecord) {
 
   EXPECT_LT((next.noise(0).deviation().array() - 4).abs().maxCoeff(), 1e-12);
   EXPECT_EQ(next.noise(0).deviation().rows(), 80);
-  EXPECT_NEAR(problem.log_noise(relation.stated), std::log(4), 1e-12);
+  EXPECT_NEAR(problem.log_noise(relation.stated).value(), std::log(4), 1e-12);
+}
+
+TEST(Problem, KeepsTheNoiseOfARecordThatAModelDoesNotPredict) {
+  LinearRelation relation;
+  relation.deviation = {4};
+  const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, sine_of(3, 200), {})};
+  Problem problem = linear_problem(relation, records);
+  relation.deviation = {2};
+  relation.has_prediction = false;
+
+  problem.renew_noise(relation.stated);
+
+  EXPECT_LT((problem.noise(0).deviation().array() - 4).abs().maxCoeff(), 1e-12);
+  EXPECT_FALSE(problem.log_noise(relation.stated));
+  EXPECT_THROW(static_cast<void>(problem.draws_at(relation.stated, 0)), Error);
 }
 
 }  // namespace

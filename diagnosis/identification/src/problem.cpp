@@ -94,11 +94,20 @@ Problem Problem::disturbed(std::size_t draw) const {
 
 std::vector<MatrixXd> Problem::draws_of(const RecordData& data, const Hypothesis& hypothesis,
                                         std::size_t most) const {
+  auto draws = possible_draws(data, hypothesis, most);
+  if (!draws)
+    throw Error{fmt::format("{}: the model has no prediction ({}): it diverges", data.record->name,
+                            relation_->name())};
+  return *std::move(draws);
+}
+
+std::optional<std::vector<MatrixXd>> Problem::possible_draws(const RecordData& data,
+                                                             const Hypothesis& hypothesis,
+                                                             std::size_t most) const {
   std::vector<MatrixXd> none;
   MatrixXd still, moved;
   if (!relation_->simulator(hypothesis, *data.drive)->run(hypothesis.values, {}, still, none))
-    throw Error{fmt::format("{}: the model has no prediction ({}): it diverges", data.record->name,
-                            relation_->name())};
+    return std::nullopt;
   std::vector<MatrixXd> draws;
   for (const auto& drive : data.disturbed) {
     if (draws.size() == most) break;
@@ -113,7 +122,9 @@ std::vector<MatrixXd> Problem::draws_of(const RecordData& data, const Hypothesis
 
 void Problem::renew_noise(const Hypothesis& hypothesis) {
   for (auto& data : records_) {
-    data.draws = draws_of(data, hypothesis, data.disturbed.size());
+    auto draws = possible_draws(data, hypothesis, data.disturbed.size());
+    if (!draws) continue;
+    data.draws = *std::move(draws);
     data.noise = std::make_unique<ResidualNoise>(data.draws, *data.drive, has_colour_);
   }
 }
@@ -122,11 +133,13 @@ std::vector<MatrixXd> Problem::draws_at(const Hypothesis& hypothesis, std::size_
   return draws_of(records_[record], hypothesis, kFewDraws);
 }
 
-double Problem::log_noise(const Hypothesis& hypothesis) const {
+std::optional<double> Problem::log_noise(const Hypothesis& hypothesis) const {
   double sum = 0;
-  for (const auto& data : records_)
-    sum +=
-        ResidualNoise{draws_of(data, hypothesis, kFewDraws), *data.drive, has_colour_}.log_size();
+  for (const auto& data : records_) {
+    const auto draws = possible_draws(data, hypothesis, kFewDraws);
+    if (!draws) return std::nullopt;
+    sum += ResidualNoise{*draws, *data.drive, has_colour_}.log_size();
+  }
   return sum / static_cast<double>(records_.size());
 }
 

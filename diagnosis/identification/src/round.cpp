@@ -187,13 +187,14 @@ void Round::sort() {
 // then compared in the largest noise that one of the better ones has.
 void Round::allow_for_noise() {
   constexpr double kGoodShare = 0.2, kMuchMore = 0.3;
-  const double before = problem_.log_noise(base_);
+  const auto before = problem_.log_noise(base_);
+  if (!before) return;
   double most = kMuchMore;
   const Contender* noisiest = nullptr;
   for (const auto& contender : contenders_) {
     if (contender.gain < kGoodShare * contenders_[0].gain) break;
-    const double more = problem_.log_noise(contender.fitted) - before;
-    if (more > most) most = more, noisiest = &contender;
+    const auto noise = problem_.log_noise(contender.fitted);
+    if (noise && *noise - *before > most) most = *noise - *before, noisiest = &contender;
   }
   if (noisiest == nullptr) return;
   problem_.renew_noise(noisiest->fitted);

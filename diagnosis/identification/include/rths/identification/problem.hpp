@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <rths/identification/least_squares.hpp>
@@ -53,13 +54,14 @@ class Problem {
   [[nodiscard]] Progress& progress() const { return *progress_; }
 
   /// Computes the noise of the residual again for another hypothesis, by sending the sensors' noise
-  /// through its model.
+  /// through its model. A record that the model cannot predict keeps its noise.
   void renew_noise(const Hypothesis& hypothesis);
   /// Residuals of a record due to noise alone at a hypothesis, from a few draws.
   [[nodiscard]] std::vector<Eigen::MatrixXd> draws_at(const Hypothesis& hypothesis,
                                                       std::size_t record) const;
   /// Level of the residual noise at a hypothesis, see ResidualNoise::log_size; from a few draws.
-  [[nodiscard]] double log_noise(const Hypothesis& hypothesis) const;
+  /// None if it does not predict every record.
+  [[nodiscard]] std::optional<double> log_noise(const Hypothesis& hypothesis) const;
 
  private:
   Problem() = default;
@@ -74,6 +76,9 @@ class Problem {
   [[nodiscard]] std::vector<Eigen::MatrixXd> draws_of(const RecordData& data,
                                                       const Hypothesis& hypothesis,
                                                       std::size_t most) const;
+  /// None if the model has no prediction.
+  [[nodiscard]] std::optional<std::vector<Eigen::MatrixXd>> possible_draws(
+      const RecordData& data, const Hypothesis& hypothesis, std::size_t most) const;
 
   const Relation* relation_ = nullptr;
   bool has_colour_ = false;
