@@ -150,6 +150,25 @@ TEST_F(Pruning, KeepsACandidateThatIsSmallBesideTheOthers) {
   EXPECT_EQ(reasons({0.5, 0, 2}, {{0.5, 0, 14}}), Reasons{});
 }
 
+// x explains 0.5²/(100² + 0.5² + 1) of the error of the base, but 0.5²/(0.5² + 1) of what y leaves.
+// An error of the form of y may look like x, if it has one.
+TEST_F(Pruning, MeasuresShareBesideAnEffectOfExactForm) {
+  Candidate large = friction("y");
+  for (const bool is_exact : {false, true}) {
+    selection = {};
+    records.clear(), held_records.clear();
+    large.is_exact = is_exact;
+    add(large);
+    add(friction("x"));
+
+    const auto withdrawn = reasons({0.5, 100, 0}, {{0.5, 100, 0}});
+
+    EXPECT_EQ(withdrawn,
+              is_exact ? Reasons{}
+                       : Reasons{"x: it explains less than 0.1 % of the unseen records' error"});
+  }
+}
+
 // The event hides on the unseen record what the others show.
 TEST_F(Pruning, KeepsACandidateThatAnEventOfAHeldOutRecordHides) {
   add(friction("x"));

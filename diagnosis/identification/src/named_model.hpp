@@ -25,4 +25,9 @@ template <class Wanted>
   return round.chosen.candidate.is_rule;
 }
 
+/// Whether a round named an effect of exact form.
+[[nodiscard]] inline bool is_exact(const SelectionRound& round) {
+  return round.chosen.candidate.is_exact;
+}
+
 }  // namespace rths::diagnosis

@@ -54,6 +54,7 @@ class Pruning {
 
   Weak weakest() {
     if (selection_.rounds.empty()) return std::nullopt;
+    reference_ = reference();
     if (auto weak = absent()) return weak;
     return held_out_ != nullptr ? unproven() : std::nullopt;
   }
@@ -112,6 +113,14 @@ class Pruning {
     return has_size;
   }
 
+  // Shares are those of the error that effects of exact form leave: they hide nothing.
+  [[nodiscard]] Hypothesis reference() const {
+    const auto& rounds = selection_.rounds;
+    if (std::none_of(rounds.begin(), rounds.end(), is_exact)) return selection_.base;
+    return fitted(problem_, with_rounds(selection_.base, rounds, is_exact, selection_.named),
+                  folds_.both, kLongFit);
+  }
+
   // Energies of the errors on the held-out records.
   struct HeldOutErrors {
     std::vector<double> with, base, noise;
@@ -133,8 +142,7 @@ class Pruning {
   // The candidate without which the held-out records are predicted best, if that is better than
   // with it, or hardly worse.
   Weak unproven() {
-    HeldOutErrors held{
-        errors(*held_out_, selection_.named), errors(*held_out_, selection_.base), {}};
+    HeldOutErrors held{errors(*held_out_, selection_.named), errors(*held_out_, reference_), {}};
     for (std::size_t k = 0; k < held.with.size(); ++k)
       held.noise.push_back(std::pow(nrmse_of_noise(*held_out_, k), 2));
     Weak worst;
@@ -156,7 +164,7 @@ class Pruning {
   // on a held-out record may hide it there.
   [[nodiscard]] double fit_share(const Hypothesis& rest) const {
     const auto with = errors(problem_, selection_.named), bare = errors(problem_, rest),
-               base = errors(problem_, selection_.base);
+               base = errors(problem_, reference_);
     return (sum(bare) - sum(with)) / sum(base);
   }
 
@@ -177,6 +185,7 @@ class Pruning {
   const Folds& folds_;
   const SensorNoise& noise_;
   Selection& selection_;
+  Hypothesis reference_;
 };
 
 }  // namespace

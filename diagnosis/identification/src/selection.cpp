@@ -116,8 +116,10 @@ class Selector {
     }
     if (!won) return add_pair();
     add(std::move(*won));
-    // Further terms are measured by the excess that the right rule leaves.
-    if (is_rule(selection_.rounds.back())) unexplained_ = current_;
+    // Further terms are measured by the excess that the right rule leaves, or an effect of exact
+    // form.
+    const SelectionRound& added = selection_.rounds.back();
+    if (is_rule(added) || is_exact(added)) unexplained_ = current_;
     return true;
   }
 

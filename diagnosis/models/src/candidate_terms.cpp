@@ -12,7 +12,7 @@ constexpr auto kSize = Parameter::Role::Size;
 constexpr auto kShape = Parameter::Role::Shape;
 constexpr auto kFixed = Parameter::Role::Fixed;
 constexpr auto kTypical = Parameter::Role::Typical;
-constexpr bool kEachAxis = true, kWaits = true;
+constexpr bool kEachAxis = true, kExact = true, kWaits = true;
 
 Parameter size(std::string_view parameter, double start, bool each_axis = false) {
   return {parameter, kSize, {start}, 0, 0, each_axis};
@@ -499,8 +499,16 @@ const std::vector<CandidateTerm>& signal_entries() {
       {"filter_lag", "", kOnOutput, 0, {size("time_constant", {1.5, 8})}},
       {"saturation", "", kOnInput, 0, {size("limit", {0.8, 0.45})}},
       {"saturation", "", kOnOutput, 0, {size("limit", {0.97, 0.6})}},
-      {"overflow", "", kOnInput, 0, {size("limit", {0.85, 0.5})}},
-      {"overflow", "", kOnOutput, 0, {size("limit", {1, 1.2}, kLeastRange, 10)}},
+      {"overflow", "", kOnInput, 0, {size("limit", {0.85, 0.5})}, "", {}, !kWaits, kExact},
+      {"overflow",
+       "",
+       kOnOutput,
+       0,
+       {size("limit", {1, 1.2}, kLeastRange, 10)},
+       "",
+       {},
+       !kWaits,
+       kExact},
   };
   return entries;
 }

@@ -69,7 +69,8 @@ struct CandidateTerm {
   /// Special cases of it: no alternatives to it.
   std::vector<std::string_view> contains = {};
   // NOLINTEND(readability-redundant-member-init)
-  bool waits = false;  ///< it is named only if none of its special cases is acceptable
+  bool waits = false;     ///< it is named only if none of its special cases is acceptable
+  bool is_exact = false;  ///< its form has no error, such as that of a wrapped number
 };
 
 [[nodiscard]] std::span<const CandidateTerm> candidate_terms();

@@ -80,6 +80,7 @@ Candidate candidate_of(const CandidateTerm& entry, const TermSite& site) {
   }
   candidate.starts = start_grid(free, sizes, candidate.frees);
   candidate.price = static_cast<int>(free.size());
+  candidate.is_exact = entry.is_exact;
   candidate.contains.assign(entry.contains.begin(), entry.contains.end());
   if (entry.waits) candidate.after = candidate.contains;
   candidate.adds.push_back(std::move(added));

@@ -63,6 +63,7 @@ struct Candidate {
   bool is_hidden = false;  ///< fitted parameters reproduce nearly all of it: screening cannot
                            ///< detect it, only a fit can
   bool is_rule = false;    ///< another hysteresis rule of the model, not an added effect
+  bool is_exact = false;   ///< has no error of form: beside it, a small remainder is another effect
   int price = 0;           ///< number of its free parameters; the cheaper wins a tie
   std::vector<std::string> contains;  ///< its special cases: not alternatives to it
   std::vector<std::string> after;     ///< it subsumes these simpler candidates, so it is named only
