@@ -14,6 +14,7 @@ import truth
 from chain import Chain
 from chain_effects import INPUT, signal_effects
 from systems import Placed, System
+from virtual_laboratory import _term
 from whitening import Whitener, basis, outside
 
 
@@ -76,6 +77,13 @@ class Truth(unittest.TestCase):
 
 
 class Laws(unittest.TestCase):
+    def test_a_phase_is_the_same_within_the_range_of_an_experiment(self):
+        cogging = next(effect for effect in effects.all_effects() if effect.name == "cogging")
+        for phase in (-1.0, 3.1, 3.6, 6.0):
+            written = _term(cogging, {"phase": phase})[2]["phase_rad"]
+            self.assertLessEqual(abs(written), np.pi)
+            self.assertAlmostEqual(float(np.sin(written)), float(np.sin(phase)))
+
     def test_presliding_follows_the_closed_form(self):
         u = np.linspace(0, 0.01, 101)[:, None]
         self.assertTrue(np.allclose(motion.presliding(u, 0.002), 1 - np.exp(-u / 0.002)))

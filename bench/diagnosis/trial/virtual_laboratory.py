@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The closed-loop laboratory in virtual time, with effects hidden in its bearing, machine or load cell."""
 import dataclasses
+import math
 import pathlib
 import subprocess
 import tempfile
@@ -71,6 +72,8 @@ def _term(effect, values):
     kind = effect.name.removeprefix("force_") if effect.part == "sensor" else effect.name
     kind = {"skew": "time_skew"}.get(kind, kind)
     table = {"kind": kind, "channel": "force"} if effect.part == "sensor" else {}
+    if "phase" in values:
+        values = values | {"phase": math.remainder(values["phase"], 2 * math.pi)}
     for name, value in values.items():
         unit = UNITS[name]
         table[name + (unit if isinstance(unit, str) else unit[kind])] = value
