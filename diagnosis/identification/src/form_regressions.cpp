@@ -293,6 +293,7 @@ Regression regress(const Reduced& first, const Reduced& second, bool is_friction
 Description curve_of(const Form& form, const Regression& best, const ResidualView& view,
                      double share) {
   Description description{form.name, share, "", {}, {}, {}};
+  if (form.abscissa == "path" || form.abscissa == "t") description.over = Description::Over::Time;
   if (form.abscissa.empty()) return description;
   const ResidualView::Range* state = view.range_over(form.abscissa);
   const Index m = best.weights.size();

@@ -138,7 +138,7 @@ void find_held_samples(const Supposition& supposition, const Folds& folds,
     }
   }
   const double part = std::min(1.0, energy / excess_on(supposition, folds.both));
-  found.push_back({"held samples", part, "", {}, {}, {}});
+  found.push_back({"held samples", part, "", {}, {}, {}, Description::Over::Records});
 }
 
 }  // namespace rths::diagnosis

@@ -34,10 +34,13 @@ bool Investigation::is_unknown() const {
   if (!has_remainder() || (is_named() && explained >= kExplained)) return false;
   if (proof.is_systematic() && has_line(*relation, *noise)) return true;
   // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
-  // small excess counts only if it has a form.
+  // small excess counts only if it has a form, and one that noise does not have.
   constexpr double kPlain = 0.5, kFormShare = 0.3;
   const double rest = std::min(selection.variance_named, proof.variance()) - 1;
-  return rest > kPlain || (!descriptions.empty() && descriptions[0].share > kFormShare);
+  return rest > kPlain ||
+         std::any_of(descriptions.begin(), descriptions.end(), [](const Description& one) {
+           return one.share > kFormShare && one.over != Description::Over::Time;
+         });
 }
 
 std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation,

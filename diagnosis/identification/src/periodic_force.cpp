@@ -139,7 +139,8 @@ void find_periodic_force(const Supposition& supposition, const Folds& folds,
                    "",
                    {},
                    {},
-                   {}});
+                   {},
+                   Description::Over::Time});
 }
 
 }  // namespace rths::diagnosis

@@ -77,8 +77,13 @@ void find_change(const Supposition& supposition, const Folds& folds,
   excess = std::max(excess, kLeastExcess * observations(supposition.problem(), folds.both));
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
   const double share = gain / excess * (*last - *first < 1.5 ? 1 : 0.5);
-  found.push_back(
-      {fmt::format("change of {} at {:.1f} s", parameter, times[0]), share, "", {}, {}, {}});
+  found.push_back({fmt::format("change of {} at {:.1f} s", parameter, times[0]),
+                   share,
+                   "",
+                   {},
+                   {},
+                   {},
+                   Description::Over::Records});
 }
 
 }  // namespace rths::diagnosis

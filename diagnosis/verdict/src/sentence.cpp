@@ -136,9 +136,8 @@ std::string missing_sentence(const Verdict& verdict) {
                      verdict.confidence, proof_of(verdict), ties_of(verdict));
 }
 
-// Held samples and changes are found on each record separately.
 std::string form_text(const Description& best) {
-  const bool is_of_each_record = best.form == "held samples" || best.form.starts_with("change of ");
+  const bool is_of_each_record = best.over == Description::Over::Records;
   return fmt::format("its best form is {}, which explains {:.0f} % of it{}", best.form,
                      100 * best.share,
                      is_of_each_record ? "" : " on a record that it was not fitted to");

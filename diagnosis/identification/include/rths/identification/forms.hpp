@@ -14,6 +14,12 @@ struct Description {
   double share = 0;     ///< of the energy beyond the noise, explained on another record [-]
   std::string x_label;  ///< variable of the curve, with its unit
   std::vector<double> x, y, band;  ///< curve [unit of the output] and its standard deviation
+  enum class Over {
+    State,   ///< fitted to one record, and explains another
+    Time,    ///< the same, but noise has tones and rounding errors drift, too
+    Records  ///< found on each record
+  };
+  Over over = Over::State;
 };
 
 /// Describes the form of a residual that no term explains: curves and surfaces over recorded or
