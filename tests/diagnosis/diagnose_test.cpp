@@ -177,8 +177,7 @@ TEST(Diagnosis, SaysUnknownWhenTheTermIsExcluded) {
 
   EXPECT_TRUE(verdict.outcome == Outcome::Unknown || verdict.has_remainder) << verdict.sentence;
   // Friction is a function of velocity, f(v), or one whose size may depend on displacement.
-  EXPECT_NE(verdict.next_test.find("velocity most evenly"), std::string::npos)
-      << verdict.next_test;
+  EXPECT_NE(verdict.next_test.find("velocity most evenly"), std::string::npos) << verdict.next_test;
 }
 
 TEST(Diagnosis, FindsCoarseQuantisationInTheSamples) {
