@@ -75,6 +75,15 @@ MatrixXd friction(const Signals& s, const MatrixXd& size) {
   return both;
 }
 
+// Products of all columns of two bases.
+MatrixXd surface(const MatrixXd& a, const MatrixXd& b) {
+  MatrixXd products(a.rows(), a.cols() * b.cols());
+  for (Index i = 0; i < a.cols(); ++i)
+    for (Index k = 0; k < b.cols(); ++k)
+      products.col(b.cols() * i + k) = a.col(i).cwiseProduct(b.col(k));
+  return products;
+}
+
 // Curves over a state, and friction, viscosity and stiffness with a factor that depends on it.
 void add_state(const std::string& symbol, VectorXd Signals::*state, std::vector<Form>& all) {
   const Hats range{0, 1, 9};
@@ -97,11 +106,7 @@ std::vector<Form> forms(bool has_other, bool has_load, bool has_control) {
       {"sgn(v) g(u)", "u", [=](const Signals& s) { return friction(s, middle(s.u)); }, true},
       {"v g(u)", "u", [=](const Signals& s) -> MatrixXd { return s.v.asDiagonal() * coarse(s.u); }},
       {"g(u, v)", "", [](const Signals& s) {
-         const MatrixXd a = Hats{-1, 1, 9}(s.u), b = Hats{-kBentReach, kBentReach, 9}(bent(s.v));
-         MatrixXd surface(a.rows(), 81);
-         for (Index i = 0; i < 9; ++i)
-           for (Index k = 0; k < 9; ++k) surface.col(9 * i + k) = a.col(i).cwiseProduct(b.col(k));
-         return surface;
+         return surface(Hats{-1, 1, 9}(s.u), Hats{-kBentReach, kBentReach, 9}(bent(s.v)));
        }}};
   add_state("path", &Signals::path, all);
   add_state("t", &Signals::time, all);
@@ -118,12 +123,7 @@ std::vector<Form> forms(bool has_other, bool has_load, bool has_control) {
                                      kBentReach);
                    }});
     all.push_back({"f(u_long, u_lat)", "", [](const Signals& s) {
-                     const MatrixXd a = Hats{-1, 1, 9}(s.u), b = Hats{-1, 1, 9}(s.other_u);
-                     MatrixXd surface(a.rows(), 81);
-                     for (Index i = 0; i < 9; ++i)
-                       for (Index k = 0; k < 9; ++k)
-                         surface.col(9 * i + k) = a.col(i).cwiseProduct(b.col(k));
-                     return surface;
+                     return surface(Hats{-1, 1, 9}(s.u), Hats{-1, 1, 9}(s.other_u));
                    }});
   }
   return all;

@@ -58,39 +58,34 @@ std::vector<Rows> rows_of(const Supposition& supposition, const Fold& fold) {
   return all;
 }
 
-// Energy that sines of a frequency explain, each record and output with its own.
-double explained(const std::vector<Rows>& all, double frequency) {
-  double energy = 0;
+// Sum over records and outputs of `energy(waves, residual)`, each with its own sine.
+template <class Energy>
+double sum_over_outputs(const std::vector<Rows>& all, double frequency, const Energy& energy) {
+  double sum = 0;
   for (const auto& rows : all)
-    for (Index output = 0; output < rows.residual.cols(); ++output) {
-      const MatrixXd waves = rows.waves(output, frequency);
-      const VectorXd w = rows.residual.col(output);
-      energy +=
-          w.squaredNorm() - (w - waves * algebra::solve_least_squares(waves, w)).squaredNorm();
-    }
-  return energy;
+    for (Index output = 0; output < rows.residual.cols(); ++output)
+      sum += energy(rows.waves(output, frequency), VectorXd{rows.residual.col(output)});
+  return sum;
+}
+
+// Energy that sines of a frequency explain.
+double explained(const std::vector<Rows>& all, double frequency) {
+  return sum_over_outputs(all, frequency, [](const MatrixXd& waves, const VectorXd& w) {
+    return w.squaredNorm() - (w - waves * algebra::solve_least_squares(waves, w)).squaredNorm();
+  });
 }
 
 // Energy that sines explain in the other half of the record to which they were fitted. A sine goes
 // on with its phase; a resonance under random forces loses it.
 double continued(const std::vector<Rows>& all, double frequency) {
-  double energy = 0;
-  for (const auto& rows : all)
-    for (Index output = 0; output < rows.residual.cols(); ++output) {
-      const MatrixXd waves = rows.waves(output, frequency);
-      const VectorXd w = rows.residual.col(output);
-      const Index half = w.size() / 2, rest = w.size() - half;
-      const VectorXd first =
-          w.head(half) -
-          waves.topRows(half) * algebra::solve_least_squares(MatrixXd{waves.bottomRows(rest)},
-                                                             VectorXd{w.tail(rest)});
-      const VectorXd second =
-          w.tail(rest) -
-          waves.bottomRows(rest) *
-              algebra::solve_least_squares(MatrixXd{waves.topRows(half)}, VectorXd{w.head(half)});
-      energy += w.squaredNorm() - first.squaredNorm() - second.squaredNorm();
-    }
-  return energy;
+  return sum_over_outputs(all, frequency, [](const MatrixXd& waves, const VectorXd& w) {
+    const Index half = w.size() / 2, rest = w.size() - half;
+    const MatrixXd early = waves.topRows(half), late = waves.bottomRows(rest);
+    const VectorXd first = w.head(half), second = w.tail(rest);
+    return w.squaredNorm() -
+           (first - early * algebra::solve_least_squares(late, second)).squaredNorm() -
+           (second - late * algebra::solve_least_squares(early, first)).squaredNorm();
+  });
 }
 
 // Highest line of the summed periodograms.
