@@ -1,12 +1,15 @@
 # Fixtures and costs of single tests. gtest_discover_tests gives all tests of a program the same
 # properties, so ctest reads this file after the programs' lists of tests.
 
-# rths_tests(<program> <regular expression> <property> <value>)
+# rths_tests(<program> <regular expression> <property> <value>): an expression that matches no test is an error.
 function(rths_tests program expression property value)
-  foreach(test IN LISTS ${program}_TESTS)
-    if(test MATCHES "${expression}")
-      set_tests_properties("${test}" PROPERTIES ${property} "${value}")
-    endif()
+  set(tests "${${program}_TESTS}")
+  list(FILTER tests INCLUDE REGEX "${expression}")
+  if(${program}_TESTS AND NOT tests)
+    message(FATAL_ERROR "tests/properties.cmake: ${program} has no test '${expression}'")
+  endif()
+  foreach(test IN LISTS tests)
+    set_tests_properties("${test}" PROPERTIES ${property} "${value}")
   endforeach()
 endfunction()
 
@@ -35,7 +38,7 @@ rths_long(rths_real_data_test physics "\\.(Silverbox|MrDamper|FrictionDevice|Emp
 rths_long(rths_opensees_test physics "/LeadRubberX(Cavitation|BucklingLoad|Horizontal|Vertical|FourEffects|Heating|Against)")
 # Others that take long.
 rths_long(rths_judgement_test unit "Smallest\\.FaultThatIsFound")
-rths_long(rths_commissioning_command_test system "^(BeforeATestPage\\.HasCommands|Pretest\\.Predicts)")
+rths_long(rths_commissioning_command_test system "^(BeforeATestPage\\.HasCommands|Machines/PretestOfExample)")
 rths_long(rths_platen_test system "^SrmdBench\\.DoesNotRepeat")
 
 # All tests of the cards: ctest -L scramnet
@@ -88,7 +91,7 @@ rths_tests(rths_replicated_clients_test "Handshake" TIMEOUT 700)
 rths_tests(rths_command_test "OnARingOfCards" TIMEOUT 600)
 
 # With RTHS_LONG=1, complete runs of the examples.
-rths_tests(rths_commissioning_command_test "^(BeforeATestPage|Pretest)\\." TIMEOUT 1200)
+rths_tests(rths_commissioning_command_test "^(BeforeATestPage|Machines/PretestOfExample)\\." TIMEOUT 1200)
 
 # With RTHS_LONG=1, a million writes on 256 nodes.
 rths_tests(rths_replicated_test "On256Nodes" TIMEOUT 1200)
