@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <string>
 
 #include <gtest/gtest.h>
+
+#include <rths/identification/pruning.hpp>
 
 #include "identification/linear_relation.hpp"
 
@@ -282,6 +286,68 @@ TEST_F(Forms, NameTheChangeOfAParameter) {
   EXPECT_NEAR(std::stod(change->form.substr(23)), 20, 0.7);  // tried every 0.66 s
   EXPECT_GT(change->share, 0.9);
   EXPECT_EQ(found[0].form, change->form);
+}
+
+/// Candidates that were selected beside an unknown force.
+class FormRivals : public Forms {
+ protected:
+  void measure_with(const Law& law, const std::map<std::string, Law>& candidates) {
+    measure(law);
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      const Motion motion{0.4 + static_cast<double>(i)};
+      for (const auto& [name, of] : candidates) {
+        const VectorXd signal = of(motion);
+        records[i].channels.push_back(
+            {"input." + name + ".coefficient.0", "N", {signal.begin(), signal.end()}});
+      }
+    }
+    selection.base = selection.named = relation.stated;
+    for (const auto& [name, of] : candidates) {
+      const Candidate candidate = friction(name);
+      selection.named = extended(selection.named, candidate, candidate.starts[0]);
+      selection.rounds.push_back({{candidate, selection.named, 0, {}, 0, 0, 0}, {}, {}});
+    }
+  }
+  [[nodiscard]] std::string withdrawn() {
+    Problem problem = linear_problem(relation, records);
+    const Folds folds = two_records();
+    finish(problem, folds, selection);
+    const auto forms = describe(Supposition{problem, selection.named}, folds);
+    const auto one = withdraw_for_form(problem, folds, forms, selection);
+    return one ? one->candidate.name : "none";
+  }
+
+  Selection selection;
+};
+
+VectorXd cogs(const Motion& motion) { return (12 * motion.u.array()).sin() + 0.3; }
+VectorXd cube(const Motion& motion) { return motion.u.array().cube(); }
+
+// A cube of the displacement fits the sine of the displacement in part. So does a force over the
+// displacement, which fits the rest, too.
+TEST_F(FormRivals, AreWithdrawnIfTheFormExplainsThemToo) {
+  measure_with(cogs, {{"cube", cube}});
+
+  EXPECT_EQ(withdrawn(), "cube");
+  EXPECT_TRUE(selection.rounds.empty());
+  EXPECT_EQ(selection.named.free.size(), 1U);
+}
+
+// No force over the displacement explains a drag.
+TEST_F(FormRivals, StayIfTheFormDoesNotExplainThem) {
+  measure_with([](const Motion& motion) -> VectorXd { return cogs(motion) + 0.2 * drag(motion); },
+               {{"drag", drag}});
+
+  EXPECT_EQ(withdrawn(), "none");
+}
+
+// Then the form is that of the candidate's small error.
+TEST_F(FormRivals, StayIfTheyExplainMoreThanTheForm) {
+  measure_with(
+      [](const Motion& motion) -> VectorXd { return cube(motion) * 30 + 0.1 * cogs(motion); },
+      {{"cube", cube}});
+
+  EXPECT_EQ(withdrawn(), "none");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr double kExplained = 0.85;  // of the systematic residual: the rest is a remainder
+constexpr double kFormShare = 0.3;   // of the remainder: it has this form
 
 // Whether a sensor of the outputs has a sine at rest, which is an effect and no noise.
 bool has_line(const Relation& relation, const SensorNoise& noise) {
@@ -19,6 +20,23 @@ bool has_line(const Relation& relation, const SensorNoise& noise) {
       return line.starts_with(output.first + " ");
     });
   });
+}
+
+// Whether a form, and not only part of it, describes what remains.
+bool has_form(const Investigation& found) {
+  return !found.descriptions.empty() && found.descriptions[0].share > kFormShare;
+}
+
+// The proof of the named model on the held-out records, and the form of what remains.
+void prove(Investigation& found, Progress& progress) {
+  progress.begin_stage("proof");
+  if (found.held_out) found.held_out->renew_noise(found.selection.named);
+  found.proof = found.held_out ? proof_of(*found.held_out, found.selection, true)
+                               : proof_of(*found.problem, found.selection, false);
+  progress.begin_stage("form of the residual");
+  found.descriptions.clear();
+  if (found.has_remainder())
+    found.descriptions = describe(Supposition{*found.problem, found.selection.named}, found.folds);
 }
 
 }  // namespace
@@ -35,7 +53,7 @@ bool Investigation::is_unknown() const {
   if (proof.is_systematic() && has_line(*relation, *noise)) return true;
   // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
   // small excess counts only if it has a form, and one that noise does not have.
-  constexpr double kPlain = 0.5, kFormShare = 0.3;
+  constexpr double kPlain = 0.5;
   const double rest = std::min(selection.variance_named, proof.variance()) - 1;
   return rest > kPlain ||
          std::any_of(descriptions.begin(), descriptions.end(), [](const Description& one) {
@@ -65,13 +83,14 @@ std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation,
   progress.begin_stage("proof");
   found->withdrawn =
       prune(*found->problem, found->held_out.get(), found->folds, noise, found->selection);
-  if (found->held_out) found->held_out->renew_noise(found->selection.named);
-  found->proof = found->held_out ? proof_of(*found->held_out, found->selection, true)
-                                 : proof_of(*found->problem, found->selection, false);
-  progress.begin_stage("form of the residual");
-  if (found->has_remainder())
-    found->descriptions =
-        describe(Supposition{*found->problem, found->selection.named}, found->folds);
+  prove(*found, progress);
+  while (found->is_unknown() && has_form(*found)) {
+    auto one =
+        withdraw_for_form(*found->problem, found->folds, found->descriptions, found->selection);
+    if (!one) break;
+    found->withdrawn.push_back(std::move(*one));
+    prove(*found, progress);
+  }
   return found;
 }
 

@@ -11,6 +11,8 @@
 #include <rths/identification/proof.hpp>
 #include <rths/identification/scores.hpp>
 
+#include "form_search.hpp"
+
 namespace rths::diagnosis {
 namespace {
 
@@ -21,6 +23,25 @@ constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on t
 constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
 constexpr double kSeenShare = 0.25;   // of the same: seen in spite of the noise
 constexpr double kLeastShift = 0.1;   // of the time between samples
+
+constexpr double kTakenOver = 0.5;  // of a candidate's energy, by a form
+
+Withdrawn withdraw(Problem& problem, const Folds& folds, Selection& selection, std::size_t place,
+                   const std::string& reason) {
+  auto& rounds = selection.rounds;
+  Withdrawn one{rounds[place].chosen.candidate, reason};
+  selection.named = without(problem, folds, selection, place);
+  rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(place));
+  finish(problem, folds, selection);
+  return one;
+}
+
+// Share of the residual that a form explains.
+double share_of(const std::string& form, const std::vector<Description>& descriptions) {
+  const auto found = std::find_if(descriptions.begin(), descriptions.end(),
+                                  [&](const Description& one) { return one.form == form; });
+  return found == descriptions.end() ? 0 : found->share;
+}
 
 bool is_gap(const FreeParameter& free) {
   const std::string_view name = last_name(free.name);
@@ -39,13 +60,8 @@ class Pruning {
 
   std::vector<Withdrawn> run() {
     std::vector<Withdrawn> withdrawn;
-    while (auto one = weakest()) {
-      auto& rounds = selection_.rounds;
-      withdrawn.push_back({rounds[one->first].chosen.candidate, one->second});
-      selection_.named = without(problem_, folds_, selection_, one->first);
-      rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(one->first));
-      finish(problem_, folds_, selection_);
-    }
+    while (auto one = weakest())
+      withdrawn.push_back(withdraw(problem_, folds_, selection_, one->first, one->second));
     return withdrawn;
   }
 
@@ -193,6 +209,25 @@ class Pruning {
 std::vector<Withdrawn> prune(Problem& problem, const Problem* held_out, const Folds& folds,
                              const SensorNoise& noise, Selection& selection) {
   return Pruning{problem, held_out, folds, noise, selection}.run();
+}
+
+std::optional<Withdrawn> withdraw_for_form(Problem& problem, const Folds& folds,
+                                           const std::vector<Description>& forms,
+                                           Selection& selection) {
+  if (forms.empty()) return std::nullopt;
+  // Energies beyond the noise on the second fold.
+  const double rest = excess_on({problem, selection.named}, folds.second);
+  const double of_form = forms[0].share * rest;
+  for (std::size_t i = selection.rounds.size(); i-- > 0;) {
+    if (is_needed(selection, i)) continue;
+    const Supposition bare{problem, without(problem, folds, selection, i)};
+    const double bare_rest = excess_on(bare, folds.second), explained = bare_rest - rest;
+    if (explained > of_form) continue;
+    const double of_form_alone = share_of(forms[0].form, describe(bare, folds)) * bare_rest;
+    if (of_form_alone - of_form > kTakenOver * explained)
+      return withdraw(problem, folds, selection, i, "the residual's form explains it too");
+  }
+  return std::nullopt;
 }
 
 }  // namespace rths::diagnosis

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <rths/identification/forms.hpp>
 #include <rths/identification/selection.hpp>
 
 namespace rths::diagnosis {
@@ -21,5 +23,13 @@ struct Withdrawn {
 [[nodiscard]] std::vector<Withdrawn> prune(Problem& problem, const Problem* held_out,
                                            const Folds& folds, const SensorNoise& noise,
                                            Selection& selection);
+
+/// Withdraws the candidate whose effect the best form of the residual explains as well, if that
+/// form explains more than the candidate: an unknown effect resembles a term in part. Fits the
+/// model again.
+/// @param forms  of the residual of `selection.named`, best first
+[[nodiscard]] std::optional<Withdrawn> withdraw_for_form(Problem& problem, const Folds& folds,
+                                                         const std::vector<Description>& forms,
+                                                         Selection& selection);
 
 }  // namespace rths::diagnosis
