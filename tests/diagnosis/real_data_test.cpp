@@ -157,7 +157,8 @@ TEST_F(RealData, EmpsHasMoreFrictionBackwardsThanForwards) {
   EXPECT_EQ(verdict.outcome, Outcome::Missing);
   ASSERT_FALSE(verdict.causes.empty());
   EXPECT_EQ(verdict.causes[0].name, "coulomb_friction");
-  EXPECT_EQ(verdict.causes.back().name, "asymmetric_viscous");
+  const Names names = names_of(verdict);
+  EXPECT_NE(std::find(names.begin(), names.end(), "asymmetric_viscous"), names.end());
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.036);
   print_refit(verdict);
   // Without dry friction in the model, the fitted viscous friction is about twice its value.

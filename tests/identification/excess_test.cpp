@@ -98,5 +98,19 @@ TEST(SeenAt, IsTheResidualThatNoFreeParameterExplains) {
   }
 }
 
+// A complete model says exactly what another lacks: 2 b.
+TEST(SeenAt, OfACompleteModelHasNoNoise) {
+  LinearRelation relation;
+  const VectorXd a = sine_of(3, kCellRows), b = sine_of(5, kCellRows);
+  const std::vector<Record> records{linear_record(
+      "one", Use::Fit, kCellStep, a + 2 * b + gauss(kCellRows, 1, 1), {{"a", a}, {"b", b}})};
+  const Problem problem = linear_problem(relation, records);
+
+  const Seen seen = seen_at(problem, linear_model({"a"}, {1}), linear_model({"a", "b"}, {0.9, 2}));
+
+  EXPECT_LT((seen.residual - 2 * b).cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_TRUE(seen.noise.empty());
+}
+
 }  // namespace
 }  // namespace rths::diagnosis

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numeric>
 #include <random>
 
@@ -142,65 +143,75 @@ class Projection {
   std::vector<MatrixXd> basis_;  // orthonormal
 };
 
-// A short predictor from the autocovariance (Yule 1927, Walker 1931). It whitens the frequencies
-// with most of the energy. Longer predictors amplify the others.
-AutoRegression predictor(const std::vector<VectorXd>& signals, int order) {
-  VectorXd covariance = VectorXd::Zero(order + 1);
-  double count = 0;
-  for (const auto& x : signals) {
-    const Index n = x.size() - order;
-    for (int lag = 0; lag <= order; ++lag)
-      covariance[lag] += x.tail(n).dot(x.segment(order - lag, n));
-    count += static_cast<double>(n);
+// Mean of neighbours within half a width, periodic.
+VectorXd smoothed(const VectorXd& x, Index half) {
+  const Index n = x.size();
+  VectorXd y(n);
+  double sum = 0;
+  for (Index i = -half; i <= half; ++i) sum += x[(i + n) % n];
+  for (Index i = 0; i < n; ++i) {
+    y[i] = sum / static_cast<double>(2 * half + 1);
+    sum += x[(i + half + 1) % n] - x[(i - half + n) % n];
   }
-  covariance /= std::max(count, 1.0);
-  AutoRegression model{VectorXd::Zero(order), 1};
-  double variance = covariance[0];
-  for (int m = 0; m < order && variance > 0; ++m) {
-    double reflection = covariance[m + 1];
-    for (int k = 0; k < m; ++k) reflection -= model.coefficients[k] * covariance[m - k];
-    reflection /= variance;
-    const VectorXd before = model.coefficients;
-    model.coefficients[m] = reflection;
-    for (int k = 0; k < m; ++k) model.coefficients[k] -= reflection * before[m - 1 - k];
-    variance *= 1 - reflection * reflection;
-  }
-  if (variance > 0) model.deviation = std::sqrt(variance);
-  return model;
+  return y;
 }
 
-// Divides by the size of the noise at each time, then whitens by its mean colour.
+double median(VectorXd x) {
+  const auto middle = x.begin() + x.size() / 2;
+  std::nth_element(x.begin(), middle, x.end());
+  return *middle;
+}
+
+// Divides by the size of the noise at each time, then by its mean amplitude at each frequency. That
+// shifts nothing in time.
 class Whitening {
  public:
   explicit Whitening(const Problem& problem)
       : first_row_{problem.drive(0).first_row}, deviation_{problem.noise(0).deviation()} {
     if (!problem.has_colour()) return;
-    // The noise of differences of a displacement rises too steeply for a few lags.
-    const bool is_steep = problem.relation().outputs()[0].first.starts_with("acceleration.");
-    order_ = is_steep ? 12 : 4;
+    const double rows = static_cast<double>(deviation_.rows() - first_row_);
+    const double draws = static_cast<double>(problem.draws(0).size());
     for (Index output = 0; output < deviation_.cols(); ++output) {
-      std::vector<VectorXd> scaled;
+      VectorXd density = VectorXd::Zero(length());
       for (const auto& draw : problem.draws(0))
-        scaled.emplace_back(draw.col(output).cwiseQuotient(deviation_.col(output)));
-      colours_.push_back(predictor(scaled, order_));
+        density += transformed(draw.col(output), output).cwiseAbs2() / (rows * draws);
+      density = smoothed(density, std::max<Index>(1, length() / kSmoothing));
+      // Where the noise has hardly any energy, its colour is not known.
+      amplitudes_.push_back(density.cwiseMax(kLeast * kLeast * median(density)).cwiseSqrt());
     }
   }
   [[nodiscard]] MatrixXd operator()(const MatrixXd& residual) const {
     MatrixXd white = residual.cwiseQuotient(deviation_);
-    for (std::size_t i = 0; i < colours_.size(); ++i) {
+    for (std::size_t i = 0; i < amplitudes_.size(); ++i) {
       const auto output = static_cast<Index>(i);
-      white.col(output) = colours_[i].whitened(white.col(output));
+      VectorXd back;
+      transformer().inv(back, transformed(residual.col(output), output)
+                                  .cwiseQuotient(amplitudes_[i].cast<std::complex<double>>())
+                                  .eval());
+      white.col(output) = back.head(white.rows());
     }
     // Rows before the first one are not known.
-    white.topRows(std::min(first_row_ + order_, white.rows())).setZero();
+    white.topRows(first_row_).setZero();
     return white;
   }
 
  private:
+  static constexpr Index kSmoothing = 300;  // of the number of frequencies
+  static constexpr double kLeast = 0.03;    // of the median amplitude
+
+  [[nodiscard]] Index length() const { return fast_length(deviation_.rows()); }
+  [[nodiscard]] Eigen::VectorXcd transformed(const VectorXd& signal, Index output) const {
+    VectorXd scaled = VectorXd::Zero(length());
+    scaled.head(signal.size()) = signal.cwiseQuotient(deviation_.col(output));
+    scaled.head(first_row_).setZero();
+    Eigen::VectorXcd bins;
+    transformer().fwd(bins, scaled);
+    return bins;
+  }
+
   Index first_row_;
-  int order_ = 0;
   MatrixXd deviation_;
-  std::vector<AutoRegression> colours_;  // of every output; none if not known
+  std::vector<VectorXd> amplitudes_;  // of every output, by frequency; none if not known
 };
 
 // Noise of unknown colour counts as white, of the known size.
@@ -218,34 +229,66 @@ std::vector<MatrixXd> white_noise(const Drive& drive, std::size_t draws) {
 
 }  // namespace
 
+namespace {
+
+// @throws Error if there is no prediction
+MatrixXd predicted(const Problem& problem, const Hypothesis& hypothesis,
+                   const std::vector<Index>& by, std::vector<MatrixXd>& derivatives) {
+  MatrixXd prediction;
+  if (!problem.relation()
+           .simulator(hypothesis, problem.drive(0))
+           ->run(hypothesis.values, by, prediction, derivatives))
+    throw Error{problem.record(0).name + ": the model has no prediction"};
+  return prediction;
+}
+
+// A prediction, and what neither the fitted parameters nor free offsets explain of a signal.
+class Unexplained {
+ public:
+  Unexplained(const Problem& problem, const Hypothesis& hypothesis) : white_{problem} {
+    std::vector<Index> all;  // free parameters, without tolerances
+    for (std::size_t i = 0; i < hypothesis.free.size(); ++i)
+      if (!hypothesis.free[i].is_tolerance) all.push_back(static_cast<Index>(i));
+    std::vector<MatrixXd> derivatives;
+    prediction_ = predicted(problem, hypothesis, all, derivatives);
+    if (problem.relation().has_free_offsets())
+      for (Index output = 0; output < prediction_.cols(); ++output) {
+        MatrixXd constant = MatrixXd::Zero(prediction_.rows(), prediction_.cols());
+        constant.col(output).setOnes();
+        projection_.add(white_(constant));
+      }
+    for (const auto& derivative : derivatives) projection_.add(white_(derivative));
+  }
+  [[nodiscard]] MatrixXd of(const MatrixXd& signal) const { return of_noise(signal - prediction_); }
+  [[nodiscard]] MatrixXd of_noise(const MatrixXd& draw) const { return of_white(white_(draw)); }
+  [[nodiscard]] MatrixXd of_white(MatrixXd white) const {
+    projection_.remove_from(white);
+    return white;
+  }
+
+ private:
+  Whitening white_;
+  MatrixXd prediction_;
+  Projection projection_;
+};
+
+}  // namespace
+
 Seen seen_at(const Problem& problem, const Hypothesis& hypothesis) {
   const Drive& drive = problem.drive(0);
-  std::vector<Index> all;  // free parameters, without tolerances
-  for (std::size_t i = 0; i < hypothesis.free.size(); ++i)
-    if (!hypothesis.free[i].is_tolerance) all.push_back(static_cast<Index>(i));
-  MatrixXd prediction;
-  std::vector<MatrixXd> derivatives;
-  if (!problem.relation()
-           .simulator(hypothesis, drive)
-           ->run(hypothesis.values, all, prediction, derivatives))
-    throw Error{problem.record(0).name + ": the model has no prediction"};
-  const Whitening white{problem};
-  Projection projection;
-  if (problem.relation().has_free_offsets())
-    for (Index output = 0; output < prediction.cols(); ++output) {
-      MatrixXd constant = MatrixXd::Zero(prediction.rows(), prediction.cols());
-      constant.col(output).setOnes();
-      projection.add(white(constant));
-    }
-  for (const auto& derivative : derivatives) projection.add(white(derivative));
-  Seen seen{white(drive.measured - prediction), {}};
+  const Unexplained unexplained{problem, hypothesis};
+  Seen seen{unexplained.of(drive.measured), {}};
   if (problem.has_colour())
-    for (const auto& draw : problem.draws(0)) seen.noise.push_back(white(draw));
+    for (const auto& draw : problem.draws(0)) seen.noise.push_back(unexplained.of_noise(draw));
   else
-    seen.noise = white_noise(drive, problem.draws(0).size());
-  projection.remove_from(seen.residual);
-  for (auto& noise : seen.noise) projection.remove_from(noise);
+    for (auto& draw : white_noise(drive, problem.draws(0).size()))
+      seen.noise.push_back(unexplained.of_white(std::move(draw)));
   return seen;
+}
+
+Seen seen_at(const Problem& problem, const Hypothesis& hypothesis, const Hypothesis& complete) {
+  std::vector<MatrixXd> none;
+  return {Unexplained{problem, hypothesis}.of(predicted(problem, complete, {}, none)), {}};
 }
 
 }  // namespace rths::diagnosis

@@ -15,6 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kCellTime = 0.256;  // [s]
+constexpr double kLeastCells = 100;  // of time, at least, if there is no noise
 constexpr int kStateCells = 9;       // along displacement and along velocity
 constexpr std::size_t kDraws = 24;   // of the noise
 constexpr int kFit = 5;              // iterations
@@ -52,14 +53,18 @@ Profile profile(const std::string& name, const std::string& unit, std::vector<do
 }
 
 void map_time(const Seen& seen, const Drive& drive, Where& where) {
-  const auto size = std::max<Index>(1, static_cast<Index>(std::round(kCellTime / drive.time_step)));
-  const Index count = drive.rows() / size;
-  const Cells cells{seen, by_row(static_cast<std::size_t>(count), drive, [&](Index row, Index) {
-                      return static_cast<std::size_t>(row / size);
+  const double duration = static_cast<double>(drive.rows()) * drive.time_step;
+  // Noise needs longer cells than a prediction, which has none.
+  const double cell = seen.noise.empty() ? std::min(kCellTime, duration / kLeastCells)
+                                         : std::max(kCellTime, drive.time_step);
+  const double rows = cell / drive.time_step;
+  const auto count = static_cast<std::size_t>(std::floor(duration / cell + 1e-9));
+  const Cells cells{seen, by_row(count, drive, [&](Index row, Index) {
+                      return static_cast<std::size_t>(static_cast<double>(row) / rows);
                     })};
   std::vector<double> edges;
-  for (Index i = 0; i <= count; ++i)
-    edges.push_back(drive.start + static_cast<double>(i * size) * drive.time_step);
+  for (std::size_t i = 0; i <= count; ++i)
+    edges.push_back(drive.start + static_cast<double>(i) * cell);
   where.intervals = joined(cells.place(), edges);
   where.profiles.push_back(profile("time", "s", edges, cells));
 }
@@ -162,9 +167,15 @@ Where where_of(const Investigation& found, const MapRange& range) {
   const Hypothesis& unnamed = is_all ? selection.base : selection.ruled;
   Problem problem{*found.relation, {&found.first}, *found.noise, found.seed, kDraws};
   problem.renew_noise(unnamed);
-  const Hypothesis base = fitted(problem, unnamed, whole({0}), kFit);
   const Drive& drive = problem.drive(0);
-  const Seen seen = seen_at(problem, base);
+  const Seen seen = [&] {
+    if (!found.is_named() || found.has_remainder())
+      return seen_at(problem, fitted(problem, unnamed, whole({0}), kFit));
+    // Terms that explain all say without noise what the model lacks.
+    Hypothesis bare = unnamed;
+    take_values(selection.named, bare);
+    return seen_at(problem, bare, selection.named);
+  }();
   Where where;
   where.part = problem.relation().part();
   where.record = problem.record(0).name;

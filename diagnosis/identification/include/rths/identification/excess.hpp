@@ -19,6 +19,11 @@ struct Seen {
 /// @throws Error if there is no prediction
 [[nodiscard]] Seen seen_at(const Problem& problem, const Hypothesis& hypothesis);
 
+/// The same of a hypothesis that is complete, in place of the measurement: without noise.
+/// @throws Error if there is no prediction
+[[nodiscard]] Seen seen_at(const Problem& problem, const Hypothesis& hypothesis,
+                           const Hypothesis& complete);
+
 using Energies = std::vector<double>;  ///< by cell
 
 /// Energy of a residual and expected energy of its noise, by cell.
