@@ -143,8 +143,8 @@ class Projection {
   std::vector<MatrixXd> basis_;  // orthonormal
 };
 
-// Mean of neighbours within half a width, periodic.
-VectorXd smoothed(const VectorXd& x, Index half) {
+// Mean of each value and its neighbours within half a width, periodic.
+VectorXd neighbours_mean(const VectorXd& x, Index half) {
   const Index n = x.size();
   VectorXd y(n);
   double sum = 0;
@@ -175,7 +175,7 @@ class Whitening {
       VectorXd density = VectorXd::Zero(length());
       for (const auto& draw : problem.draws(0))
         density += transformed(draw.col(output), output).cwiseAbs2() / (rows * draws);
-      density = smoothed(density, std::max<Index>(1, length() / kSmoothing));
+      density = neighbours_mean(density, std::max<Index>(1, length() / kSmoothing));
       // Where the noise has hardly any energy, its colour is not known.
       amplitudes_.push_back(density.cwiseMax(kLeast * kLeast * median(density)).cwiseSqrt());
     }

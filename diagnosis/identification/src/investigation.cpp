@@ -10,7 +10,7 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr double kExplained = 0.85;  // of the systematic residual: the rest is a remainder
-constexpr double kFormShare = 0.3;   // of the remainder: it has this form
+constexpr double kHasForm = 0.3;     // of the remainder: it has this form
 
 // Whether a sensor of the outputs has a sine at rest, which is an effect and no noise.
 bool has_line(const Relation& relation, const SensorNoise& noise) {
@@ -24,7 +24,7 @@ bool has_line(const Relation& relation, const SensorNoise& noise) {
 
 // Whether a form, and not only part of it, describes what remains.
 bool has_form(const Investigation& found) {
-  return !found.descriptions.empty() && found.descriptions[0].share > kFormShare;
+  return !found.descriptions.empty() && found.descriptions[0].share > kHasForm;
 }
 
 // The proof of the named model on the held-out records, and the form of what remains.
@@ -57,7 +57,7 @@ bool Investigation::is_unknown() const {
   const double rest = std::min(selection.variance_named, proof.variance()) - 1;
   return rest > kPlain ||
          std::any_of(descriptions.begin(), descriptions.end(), [](const Description& one) {
-           return one.share > kFormShare && one.over != Description::Over::Time;
+           return one.share > kHasForm && one.over != Description::Over::Time;
          });
 }
 
