@@ -167,17 +167,23 @@ double median(VectorXd x) {
 class Whitening {
  public:
   explicit Whitening(const Problem& problem)
-      : first_row_{problem.drive(0).first_row}, deviation_{problem.noise(0).deviation()} {
+      : first_row_{problem.drive(0).first_row},
+        deviation_{problem.noise(0).deviation()},
+        length_{fast_length(deviation_.rows())} {
     if (!problem.has_colour()) return;
     const double rows = static_cast<double>(deviation_.rows() - first_row_);
     const double draws = static_cast<double>(problem.draws(0).size());
     for (Index output = 0; output < deviation_.cols(); ++output) {
-      VectorXd density = VectorXd::Zero(length());
+      VectorXd density = VectorXd::Zero(length_);
       for (const auto& draw : problem.draws(0))
         density += transformed(draw.col(output), output).cwiseAbs2() / (rows * draws);
-      density = neighbours_mean(density, std::max<Index>(1, length() / kSmoothing));
+      density = neighbours_mean(density, std::max<Index>(1, length_ / kSmoothing));
       // Where the noise has hardly any energy, its colour is not known.
-      amplitudes_.push_back(density.cwiseMax(kLeast * kLeast * median(density)).cwiseSqrt());
+      const double least = kLeast * kLeast * median(density);
+      if (least > 0)
+        amplitudes_.emplace_back(density.cwiseMax(least).cwiseSqrt());
+      else
+        amplitudes_.emplace_back(VectorXd::Ones(length_));
     }
   }
   [[nodiscard]] MatrixXd operator()(const MatrixXd& residual) const {
@@ -199,9 +205,8 @@ class Whitening {
   static constexpr Index kSmoothing = 300;  // of the number of frequencies
   static constexpr double kLeast = 0.03;    // of the median amplitude
 
-  [[nodiscard]] Index length() const { return fast_length(deviation_.rows()); }
   [[nodiscard]] Eigen::VectorXcd transformed(const VectorXd& signal, Index output) const {
-    VectorXd scaled = VectorXd::Zero(length());
+    VectorXd scaled = VectorXd::Zero(length_);
     scaled.head(signal.size()) = signal.cwiseQuotient(deviation_.col(output));
     scaled.head(first_row_).setZero();
     Eigen::VectorXcd bins;
@@ -211,6 +216,7 @@ class Whitening {
 
   Index first_row_;
   MatrixXd deviation_;
+  Index length_;                      // of transforms
   std::vector<VectorXd> amplitudes_;  // of every output, by frequency; none if not known
 };
 
@@ -226,10 +232,6 @@ std::vector<MatrixXd> white_noise(const Drive& drive, std::size_t draws) {
   }
   return noise;
 }
-
-}  // namespace
-
-namespace {
 
 // @throws Error if there is no prediction
 MatrixXd predicted(const Problem& problem, const Hypothesis& hypothesis,

@@ -55,8 +55,9 @@ Profile profile(const std::string& name, const std::string& unit, std::vector<do
 void map_time(const Seen& seen, const Drive& drive, Where& where) {
   const double duration = static_cast<double>(drive.rows()) * drive.time_step;
   // Noise needs longer cells than a prediction, which has none.
-  const double cell = seen.noise.empty() ? std::min(kCellTime, duration / kLeastCells)
-                                         : std::max(kCellTime, drive.time_step);
+  const double wanted =
+      seen.noise.empty() ? std::min(kCellTime, duration / kLeastCells) : kCellTime;
+  const double cell = std::max(wanted, drive.time_step);
   const double rows = cell / drive.time_step;
   const auto count = static_cast<std::size_t>(std::floor(duration / cell + 1e-9));
   const Cells cells{seen, by_row(count, drive, [&](Index row, Index) {
