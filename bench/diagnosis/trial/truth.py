@@ -131,13 +131,18 @@ def fitted_distances(rest, spanned, starts, predict):
     best = {name: (np.inf, vector) for name, vector in starts.items()}
     tried = dict(starts)
     for iteration in range(ITERATIONS + 1):
+        if not tried:
+            break
         asked = []
         for name, vector in tried.items():
             asked += [(name, vector)] + [(name, vector * (1 + PROBE * (np.arange(len(vector)) == k))) for k in range(len(vector))]
         signals = iter([outside(signal.ravel(), spanned) for signal in predict(asked)])
-        for name, vector in tried.items():
+        for name, vector in list(tried.items()):
             here = next(signals)
             slopes = np.stack([(next(signals) - here) / PROBE for _ in vector], axis=1)
+            if not (np.isfinite(here).all() and np.isfinite(slopes).all()):
+                del tried[name]  # its prediction grows beyond all bounds
+                continue
             distance = nats(rest - here)
             if distance < best[name][0]:
                 best[name] = (distance, vector)

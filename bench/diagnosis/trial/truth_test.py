@@ -68,6 +68,14 @@ class Truth(unittest.TestCase):
                                         lambda asked: [shifted(vector[0]) - shifted(0) for _, vector in asked])
         self.assertLess(fitted["skew"], 1e-6 * truth.nats(rest))
 
+    def test_a_rival_without_a_prediction_is_not_fitted(self):
+        rest = np.sin(2 * np.pi * self.t)
+        predicted = {"steady": rest[:, None], "growing": np.full((len(self.t), 1), np.inf)}
+        fitted = truth.fitted_distances(rest, None, {name: np.array([1.0]) for name in predicted},
+                                        lambda asked: [vector[0] * predicted[name] for name, vector in asked])
+        self.assertLess(fitted["steady"], 1e-9)
+        self.assertEqual(fitted["growing"], np.inf)
+
     def test_a_place_is_where_the_energy_is(self):
         burst = np.where((self.t >= 2) & (self.t < 3), np.sin(2 * np.pi * 5 * self.t), 0.0)
         place = truth.place_of(burst[:, None], self.cells, self.state)
