@@ -62,6 +62,7 @@ Json where_json(const diagnosis::Where& where) {
   return {{"part", name_of(where.part)},
           {"channel", where.channel},
           {"record", where.record},
+          {"of", where.is_of_named ? "named terms" : "residual"},
           {"intervals_s", each(where.intervals, interval)},
           {"band_Hz", each(where.bands, interval)},
           {"state", each(where.states, state_json)},

@@ -51,9 +51,12 @@ const where = (() => {
     const w = v.where;
     if (v.verdict === "none" || !w.channel) return hide("where");
     const isRuled = v.causes.some(c => c.is_rule) && v.causes.some(c => !c.is_rule);
+    const isNamed = w.of === "named terms", energy = isNamed ? "the energy" : "the energy beyond the noise";
+    const on = w.record ? `, on ${w.record}` : "", rule = "with the right hysteresis rule";
     byId("where-text").textContent =
-      `Energy of the residual beyond the noise${w.record ? `, on ${w.record}` : ""}, before any term is named` +
-      `${isRuled ? ", but with the right hysteresis rule" : ""}. The smallest sets of cells that hold 80 % of it` +
+      (isNamed ? `Energy of what the named terms add to the prediction${isRuled ? ` ${rule}` : ""}${on}. It has no noise`
+        : `Energy of the residual beyond the noise${on}, before any term is named${isRuled ? `, but ${rule}` : ""}`) +
+      `. The smallest sets of cells that hold 80 % of it` +
       `${w.intervals_s.length ? ` cover ${quantities.ranges(w.intervals_s, "s")}` : ""}` +
       `${w.band_Hz.length ? `${w.intervals_s.length ? " and" : " cover"} ${quantities.ranges(w.band_Hz, "Hz")}` : ""}.`;
     chain();
@@ -63,11 +66,11 @@ const where = (() => {
       const unit = trace && scaled(trace.unit, largest(trace.measured));
       charts.timeStrip("where-time", "Time of the mismatch", profile("time"), w.intervals_s,
         trace && { x: trace.time, y: trace.measured.map(value => value * unit.factor) },
-        trace ? { name: `${trace.channel}, measured; below: share of the energy beyond the noise`, label: `[${unit.unit}]` } : { name: "share of the energy beyond the noise" });
+        trace ? { name: `${trace.channel}, measured; below: share of ${energy}`, label: `[${unit.unit}]` } : { name: `share of ${energy}` });
     }
     if (trace && trace.abscissa.length && trace.excess.length) heatedLoops(trace);
     const cells = w.state_map.length ? w.state_map : w.state;
-    if (cells.length) charts.stateMap("where-state", "State: share of the energy beyond the noise [%]", cells, w.state);
+    if (cells.length) charts.stateMap("where-state", `State: share of ${energy} [%]`, cells, w.state);
     if (profile("frequency"))
       charts.histogram("where-profiles", "Frequency, in third octaves", profile("frequency"), "frequency [Hz]", w.band_Hz, true);
     for (const p of w.profiles.filter(other => !["time", "frequency"].includes(other.name) && other.edges.length > 1)) {

@@ -140,6 +140,17 @@ TEST_F(RenderedVerdict, MarksOnlySyntheticDataAsSynthetic) {
   EXPECT_FALSE(holds(rendered(verdict), "synthetic recordings"));
 }
 
+TEST_F(RenderedVerdict, SaysWhoseEnergyThePlaceHolds) {
+  diagnosis::Verdict verdict = missing_verdict();
+  EXPECT_TRUE(holds(rendered(verdict), "Energy of the residual beyond the noise"));
+
+  verdict.where.is_of_named = true;
+
+  const std::string page = rendered(verdict);
+  EXPECT_TRUE(holds(page, "Energy of what the named terms add to the prediction"));
+  EXPECT_FALSE(holds(page, "Energy of the residual beyond the noise"));
+}
+
 TEST_F(RenderedVerdict, DrawsWithOptionalDataMissing) {
   diagnosis::Verdict verdict = missing_verdict();
   verdict.proof_record = "";

@@ -42,6 +42,7 @@ TEST(VerdictJson, HoldsPlaceCauseAndProof) {
 
   EXPECT_EQ(json["format"], 1);
   EXPECT_EQ(json["where"]["part"], "machine");
+  EXPECT_EQ(json["where"]["of"], "residual");
   const auto place = missing_verdict().where;
   EXPECT_NEAR(json["where"]["intervals_s"][0][1], place.intervals[0].second, 1e-6);
   EXPECT_NEAR(json["where"]["band_Hz"].back()[1], place.bands.back().second, 1e-6);

@@ -178,6 +178,7 @@ Where where_of(const Investigation& found, const MapRange& range) {
     return seen_at(problem, bare, selection.named);
   }();
   Where where;
+  where.is_of_named = seen.noise.empty();
   where.part = problem.relation().part();
   where.record = problem.record(0).name;
   where.channel = channel_of(problem, seen);

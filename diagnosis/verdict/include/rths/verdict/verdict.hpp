@@ -58,12 +58,12 @@ struct Profile {
   std::vector<double> share;  ///< of the energy beyond the noise; < 0: less energy than noise
 };
 
-/// Place of the mismatch, without naming a term: the smallest sets of cells that hold 80 % of the
-/// energy beyond the noise.
+/// Place of the mismatch: the smallest sets of cells that hold 80 % of its energy.
 struct Where {
   Part part = Part::Machine;
-  std::string channel;                               ///< role: "force.long"; several: "force"
-  std::string record;                                ///< of the maps
+  std::string channel;       ///< role: "force.long"; several: "force"
+  std::string record;        ///< of the maps
+  bool is_of_named = false;  ///< of what the named terms add, without noise; else of the residual
   std::vector<std::pair<double, double>> intervals;  ///< [s]
   std::vector<std::pair<double, double>> bands;      ///< [Hz]
   std::vector<StateCell> states;
