@@ -54,7 +54,7 @@ const where = (() => {
     const isNamed = w.of === "named terms", energy = isNamed ? "the energy" : "the energy beyond the noise";
     const on = w.record ? `, on ${w.record}` : "", rule = "with the right hysteresis rule";
     byId("where-text").textContent =
-      (isNamed ? `Energy of what the named terms add to the prediction${isRuled ? ` ${rule}` : ""}${on}. It has no noise`
+      (isNamed ? `Energy of the contribution of the named terms to the prediction${isRuled ? ` ${rule}` : ""}${on}. It has no noise`
         : `Energy of the residual beyond the noise${on}, before any term is named${isRuled ? `, but ${rule}` : ""}`) +
       `. The smallest sets of cells that hold 80 % of it` +
       `${w.intervals_s.length ? ` cover ${quantities.ranges(w.intervals_s, "s")}` : ""}` +

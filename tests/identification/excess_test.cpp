@@ -98,7 +98,7 @@ TEST(SeenAt, IsTheResidualThatNoFreeParameterExplains) {
   }
 }
 
-// A complete model says exactly what another lacks: 2 b.
+// The contribution that another model lacks is exact: 2 b.
 TEST(SeenAt, OfACompleteModelHasNoNoise) {
   LinearRelation relation;
   const VectorXd a = sine_of(3, kCellRows), b = sine_of(5, kCellRows);

@@ -147,7 +147,7 @@ TEST_F(RenderedVerdict, SaysWhoseEnergyThePlaceHolds) {
   verdict.where.is_of_named = true;
 
   const std::string page = rendered(verdict);
-  EXPECT_TRUE(holds(page, "Energy of what the named terms add to the prediction"));
+  EXPECT_TRUE(holds(page, "Energy of the contribution of the named terms to the prediction"));
   EXPECT_FALSE(holds(page, "Energy of the residual beyond the noise"));
 }
 

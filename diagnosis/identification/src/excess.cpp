@@ -244,7 +244,7 @@ MatrixXd predicted(const Problem& problem, const Hypothesis& hypothesis,
   return prediction;
 }
 
-// A prediction, and what neither the fitted parameters nor free offsets explain of a signal.
+// A prediction, and the part of a signal that neither fitted parameters nor free offsets explain.
 class Unexplained {
  public:
   Unexplained(const Problem& problem, const Hypothesis& hypothesis) : white_{problem} {

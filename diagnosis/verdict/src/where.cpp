@@ -172,7 +172,7 @@ Where where_of(const Investigation& found, const MapRange& range) {
   const Seen seen = [&] {
     if (!found.is_named() || found.has_remainder())
       return seen_at(problem, fitted(problem, unnamed, whole({0}), kFit));
-    // Terms that explain all say without noise what the model lacks.
+    // The contribution of terms that explain all has no noise.
     Hypothesis bare = unnamed;
     take_values(selection.named, bare);
     return seen_at(problem, bare, selection.named);

@@ -7,9 +7,9 @@
 
 namespace rths::diagnosis {
 
-/// Maps the mismatch on the first record over time, frequency and state: the energy of what the
-/// named terms add, if they explain all, else the energy beyond the noise of the residual without
-/// them.
+/// Maps the mismatch on the first record over time, frequency and state: the energy of the
+/// named terms' contribution, if they explain all, else the energy beyond the noise of the residual
+/// without them.
 [[nodiscard]] Where where_of(const Investigation& found, const MapRange& range);
 
 /// Share of the excess energy at each row, for colours: rows × outputs, smoothed over a cell.

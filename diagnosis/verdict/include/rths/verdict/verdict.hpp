@@ -63,7 +63,7 @@ struct Where {
   Part part = Part::Machine;
   std::string channel;       ///< role: "force.long"; several: "force"
   std::string record;        ///< of the maps
-  bool is_of_named = false;  ///< of what the named terms add, without noise; else of the residual
+  bool is_of_named = false;  ///< the named terms' contribution; else the residual beyond the noise
   std::vector<std::pair<double, double>> intervals;  ///< [s]
   std::vector<std::pair<double, double>> bands;      ///< [Hz]
   std::vector<StateCell> states;
