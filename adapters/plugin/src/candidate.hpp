@@ -18,6 +18,11 @@ inline constexpr int kTrialSteps = 400;  ///< of a run
 /// Ends a trial whose further rules need what failed.
 struct Ended {};
 
+/// Durations of the steps since activation [s].
+struct StepTimes {
+  std::vector<double> wall, processor;
+};
+
 /// A plugin under trial. Each call is noted in the report, so that a crash can be named; each step
 /// is judged.
 class Candidate {
@@ -38,12 +43,12 @@ class Candidate {
   [[nodiscard]] const std::vector<rths_signal>& signals() const { return signals_; }
   [[nodiscard]] double* out();
   [[nodiscard]] std::size_t outputs() const { return outputs_; }
-  [[nodiscard]] const std::vector<double>& wall_times() const { return wall_times_; }  ///< [s]
+  [[nodiscard]] const StepTimes& times() const { return times_; }
 
  private:
   void call(const std::string& name);
   [[nodiscard]] double input(const rths_signal& signal, std::size_t index, double time) const;
-  void check_costs(long heap_calls, double processor_time);
+  void check_heap(long calls);
   void check_outputs();
   void check_status(rths_status status);
 
@@ -54,7 +59,8 @@ class Candidate {
   void* self_ = nullptr;
   std::vector<rths_signal> signals_;
   std::size_t outputs_ = 0;
-  std::vector<double> in_, out_, wall_times_;
+  std::vector<double> in_, out_;
+  StepTimes times_;
   int steps_ = 0;
 };
 

@@ -105,16 +105,29 @@ bool is_same(const rths_signal& a, const rths_signal& b) {
          a.direction == b.direction;
 }
 
-void check_times(const std::vector<double>& wall_times, double period, TrialReport& report) {
-  auto times = wall_times;
-  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-  std::nth_element(times.begin(), middle, times.end());
+void check_median(const StepTimes& times, double period, TrialReport& report) {
+  auto wall = times.wall;
+  const auto middle = wall.begin() + static_cast<std::ptrdiff_t>(wall.size() / 2);
+  std::nth_element(wall.begin(), middle, wall.end());
   if (*middle <= period)
     return report.pass(kDeadline, fmt::format("median step {:.2f} us", 1e6 * *middle));
   report.fail(kDeadline, fmt::format("half of the steps took more than {:.1f} ms, the period is "
                                      "{:.1f} ms: do not wait in a step",
                                      1e3 * *middle, 1e3 * period));
   throw Ended{};
+}
+
+// A step is too long only if it is so in both runs: a busy host can stretch one of them. The first
+// step may read pages of the library.
+void check_longest(const StepTimes& first, const StepTimes& second, double period,
+                   TrialReport& report) {
+  const std::size_t steps = std::min(first.processor.size(), second.processor.size());
+  for (std::size_t i = 1; i < steps; ++i) {
+    const double time = std::min(first.processor[i], second.processor[i]);
+    if (time > period)
+      report.fail(kDeadline, fmt::format("step {} took {:.1f} ms, the period is {:.1f} ms", i,
+                                         1e3 * time, 1e3 * period));
+  }
 }
 
 void check_rest(const Library& library, Candidate& candidate, double period, TrialReport& report) {
@@ -155,11 +168,13 @@ void first_trial(const std::filesystem::path& file, const ConformanceSettings& s
       throw Ended{};
     }
     candidate.deactivate();
-    check_times(candidate.wall_times(), settings.period, report);
+    const StepTimes times = candidate.times();
+    check_median(times, settings.period, report);
     if (run(candidate) != report.fingerprint)
       report.fail(kRestart,
                   "other outputs after deactivate and activate: take the initial state "
                   "in activate");
+    check_longest(times, candidate.times(), settings.period, report);
     check_rest(*library, candidate, settings.period, report);
     candidate.deactivate();
     candidate.destroy();
