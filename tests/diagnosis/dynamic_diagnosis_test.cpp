@@ -72,6 +72,13 @@ void delay(Truth& truth) {
 void soften(Truth& truth) {
   truth.spring = [](Index i, double d, double) { return i == 0 ? -5e5 * d * d * d : 0; };
 }
+// Only the spring has play.
+void loosen(Truth& truth) {
+  truth.hysteretic = 0;
+  truth.gap = 1e-3;
+  truth.spring = [c = truth.damping[0]](Index i, double, double v) { return i == 0 ? c * v : 0; };
+  truth.damping[0] = 0;
+}
 void rub(Truth& truth) {
   truth.gain = 3;
   truth.memory_rate = [](double s, double v) { return (v - s * std::abs(v)) / 2e-4; };
@@ -246,6 +253,7 @@ INSTANTIATE_TEST_SUITE_P(
                               {"first_order_lag at input.u", "filter_lag at output.y"},
                               [](Truth& truth) { truth.input_lag = 0.015; }},
                       LeftOut{"softening", {"cubic_stiffness at output.y"}, soften},
+                      LeftOut{"play", {"transducer_backlash at output.y"}, loosen},
                       LeftOut{"friction", {"coulomb_friction at output.y"}, rub},
                       LeftOut{"saturation", {"saturation at output.y"}, {}, saturated}),
     name_of);

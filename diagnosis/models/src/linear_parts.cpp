@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <rths/algebra/decompositions.hpp>
+
 namespace rths::diagnosis {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
@@ -16,6 +19,18 @@ using Eigen::VectorXd;
 struct Feedback {
   Index output, input;
 };
+
+// The spring that a constant output needs: 1/G(0), which is aₙ/bₘ of a transfer function. 0 of a
+// system that does not rest at a constant input.
+double static_stiffness(const Feedback& feedback, bool is_sampled, const LinearSystem& system) {
+  const Index n = system.a.rows();
+  const MatrixXd rate = is_sampled ? MatrixXd{system.a - MatrixXd::Identity(n, n)} : system.a;
+  const algebra::MinimumNormSolver factors{rate};
+  if (factors.rank() < n) return 0;
+  const double gain =
+      -system.c.row(feedback.output).dot(factors.solve(system.b.col(feedback.input)));
+  return gain != 0 ? 1 / gain : 0;
+}
 
 void connect(const std::vector<Feedback>& feedbacks, double sampled_every, LinearSystem& system) {
   for (Index i = 0; i < static_cast<Index>(feedbacks.size()); ++i) {
@@ -29,6 +44,8 @@ void connect(const std::vector<Feedback>& feedbacks, double sampled_every, Linea
       system.s.row(i) /= sampled_every;
     }
     system.e.col(i) = -system.b.col(input);
+    system.stiffness[i] =
+        static_stiffness(feedbacks[static_cast<std::size_t>(i)], sampled_every > 0, system);
   }
 }
 
