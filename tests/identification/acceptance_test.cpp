@@ -43,10 +43,10 @@ TEST(Acceptance, NeedsAGainInNearlyAllResampledRecords) {
 // A rare event that costs nothing elsewhere.
 TEST(Acceptance, AcceptsALargeGainAtOneInstant) {
   std::vector<double> blocks(50, 0.0);
-  blocks[7] = 20 * kLeastAcceptedGain + 1;
+  blocks[7] = kLeastGainOfAnEvent + 1;
   EXPECT_TRUE(is_acceptable(gaining("x", blocks), 18, kAcceptanceSeed));
 
-  blocks[7] = 20 * kLeastAcceptedGain - 1;
+  blocks[7] = kLeastGainOfAnEvent - 1;
   EXPECT_FALSE(is_acceptable(gaining("x", blocks), 18, kAcceptanceSeed));
 }
 

@@ -142,6 +142,20 @@ TEST_F(Pruning, WithdrawsACandidateThatHardlyHelps) {
             Reasons{"x: it explains less than 0.1 % of the unseen records' error"});
 }
 
+// x is 2.4 % of the energy of the error on the unseen record, and 4.8 % on the others.
+TEST_F(Pruning, WithdrawsACorrectionOfTheFormThatExplainsLittle) {
+  Candidate correction = friction("x");
+  add(correction);
+  EXPECT_EQ(reasons({0.5, 0, 2}, {{0.5, 0, 3}}), Reasons{});
+
+  selection = {};
+  records.clear(), held_records.clear();
+  correction.corrects_form = true;
+  add(correction);
+  EXPECT_EQ(reasons({0.5, 0, 2}, {{0.5, 0, 3}}),
+            Reasons{"x: it explains less than 5 % of the unseen records' error"});
+}
+
 // x is 0.5²/(0.5² + 14² + 1) = 1.3·10⁻³ of the energy that the base does not predict on the unseen
 // record, and 5 % on the others.
 TEST_F(Pruning, KeepsACandidateThatIsSmallBesideTheOthers) {

@@ -18,7 +18,7 @@ bool is_beneficial(const std::vector<double>& differences, double least, std::ui
   // An effect at one instant is absent from many resampled records. It is accepted if its gain is
   // large and it costs nothing elsewhere.
   const double low = quantile(resampled_sums(differences, seed), 0.01);
-  return low > 0 || (gain > 20 * kLeastAcceptedGain && low > -0.01 * gain);
+  return low > 0 || (gain > kLeastGainOfAnEvent && low > -0.01 * gain);
 }
 
 bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed) {

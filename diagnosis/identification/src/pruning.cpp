@@ -21,8 +21,9 @@ constexpr double kLeastFlexion = 0.5;  // of the same, under the largest force
 constexpr double kWorse = 0.02;  // of the energy of the error, or of noise, on a held-out record
 constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records,
 constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
-constexpr double kSeenShare = 0.25;   // of the same: seen in spite of the noise
-constexpr double kLeastShift = 0.1;   // of the time between samples
+constexpr double kLeastFormShare = 0.05;  // as kLeastShare, of a candidate that corrects the form
+constexpr double kSeenShare = 0.25;       // of the same: seen in spite of the noise
+constexpr double kLeastShift = 0.1;       // of the time between samples
 
 constexpr double kTakenOver = 0.5;  // of a candidate's energy, by a form
 
@@ -129,11 +130,14 @@ class Pruning {
     return has_size;
   }
 
-  // Shares are those of the error that effects of exact form leave: they hide nothing.
+  // Shares are those of the error that the right rule and effects of exact form leave.
   [[nodiscard]] Hypothesis reference() const {
     const auto& rounds = selection_.rounds;
-    if (std::none_of(rounds.begin(), rounds.end(), is_exact)) return selection_.base;
-    return fitted(problem_, with_rounds(selection_.base, rounds, is_exact, selection_.named),
+    const auto hides_nothing = [](const SelectionRound& round) {
+      return is_exact(round) || is_rule(round);
+    };
+    if (std::none_of(rounds.begin(), rounds.end(), hides_nothing)) return selection_.base;
+    return fitted(problem_, with_rounds(selection_.base, rounds, hides_nothing, selection_.named),
                   folds_.both, kLongFit);
   }
 
@@ -144,15 +148,18 @@ class Pruning {
 
   // Why a candidate is as good as absent on the held-out records, without which their errors are
   // `bare`; empty if it is not.
-  [[nodiscard]] std::string reason_against(const HeldOutErrors& held,
+  [[nodiscard]] std::string reason_against(const Candidate& candidate, const HeldOutErrors& held,
                                            const std::vector<double>& bare,
                                            const Hypothesis& rest) const {
     for (std::size_t k = bare.size(); k-- > 0;)
       if (held.with[k] - bare[k] > kWorse * std::max(bare[k], held.noise[k]))
         return fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
     const double gain = sum(bare) - sum(held.with);
-    const bool is_small = gain < kLeastShare * sum(held.base) && fit_share(rest) < kFitShare;
-    return is_small ? "it explains less than 0.1 % of the unseen records' error" : "";
+    const double least = candidate.corrects_form ? kLeastFormShare : kLeastShare;
+    const bool is_small = gain < least * sum(held.base) && fit_share(rest) < kFitShare;
+    return is_small ? fmt::format("it explains less than {:g} % of the unseen records' error",
+                                  100 * least)
+                    : "";
   }
 
   // The candidate without which the held-out records are predicted best, if that is better than
@@ -167,7 +174,8 @@ class Pruning {
       if (is_needed(selection_, i)) continue;
       const Hypothesis rest = without(problem_, folds_, selection_, i);
       const auto bare = errors(*held_out_, rest);
-      const std::string reason = reason_against(held, bare, rest);
+      const std::string reason =
+          reason_against(selection_.rounds[i].chosen.candidate, held, bare, rest);
       const double gain = sum(bare) - sum(held.with);
       if (reason.empty() || (worst && gain >= best)) continue;
       best = gain;

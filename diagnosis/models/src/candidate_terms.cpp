@@ -99,7 +99,7 @@ const std::vector<CandidateTerm>& bearing_entries() {
       {"hysteresis_shape",
        "",
        kOnForce,
-       CandidateTerm::kHysteresis,
+       CandidateTerm::kHysteresis | CandidateTerm::kCorrectsForm,
        {size("force_1", 0.002), size("force_2", 0.002), size("force_3", 0.002),
         size("force_4", 0.002), shape("length", 0.002, 0.05, {0.008})}},
   };

@@ -60,7 +60,8 @@ struct CandidateTerm {
     kBeside = 16384,          ///< (no need) a second term of a kind that the model has
     kControlledTerm = 32768,  ///< a term in the model that reads the control input
     kSpring = 65536,          ///< a linear spring: play in series with it is possible
-    kBucklingLoad = 131072    ///< a term in the model that computes the buckling load
+    kBucklingLoad = 131072,   ///< a term in the model that computes the buckling load
+    kCorrectsForm = 262144    ///< (no need) see Candidate::corrects_form
   };
   unsigned needs;
   std::vector<CandidateParameter> parameters;

@@ -102,6 +102,7 @@ class Builder {
     // The rule is blamed only if nothing else explains as much.
     if (candidate_.is_rule) candidate_.price += kPriceOfRule;
     candidate_.is_hidden = (entry_.needs & CandidateTerm::kHidden) != 0;
+    candidate_.corrects_form = (entry_.needs & CandidateTerm::kCorrectsForm) != 0;
     candidate_.contains.assign(entry_.contains.begin(), entry_.contains.end());
     if (entry_.waits) candidate_.after = candidate_.contains;
     return {candidate_};

@@ -64,7 +64,9 @@ struct Candidate {
                            ///< detect it, only a fit can
   bool is_rule = false;    ///< another hysteresis rule of the model, not an added effect
   bool is_exact = false;   ///< has no error of form: beside it, a small remainder is another effect
-  int price = 0;           ///< number of its free parameters; the cheaper wins a tie
+  bool corrects_form = false;  ///< adapts the form of the model and is no effect of its own: has to
+                               ///< explain much
+  int price = 0;               ///< number of its free parameters; the cheaper wins a tie
   std::vector<std::string> contains;  ///< its special cases: not alternatives to it
   std::vector<std::string> after;     ///< it subsumes these simpler candidates, so it is named only
                                       ///< if none of them is acceptable
