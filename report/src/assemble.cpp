@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "assemble.hpp"
 
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <span>
 
 #include "embedded.hpp"
 
 namespace rths::report {
 namespace {
 
-std::string base64(const unsigned char* bytes, std::size_t count) {
+std::string base64(std::span<const std::byte> bytes) {
+  const std::size_t count = bytes.size();
+  const auto number = [&](std::size_t i) { return std::to_integer<std::uint32_t>(bytes[i]); };
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((count + 2) / 3 * 4);
   for (std::size_t i = 0; i < count; i += 3) {
-    std::uint32_t group = std::uint32_t{bytes[i]} << 16;
-    if (i + 1 < count) group |= std::uint32_t{bytes[i + 1]} << 8;
-    if (i + 2 < count) group |= bytes[i + 2];
+    std::uint32_t group = number(i) << 16;
+    if (i + 1 < count) group |= number(i + 1) << 8;
+    if (i + 2 < count) group |= number(i + 2);
     text += kDigits[group >> 18 & 63];
     text += kDigits[group >> 12 & 63];
     text += i + 1 < count ? kDigits[group >> 6 & 63] : '=';
@@ -51,9 +54,7 @@ Json packed(const std::vector<double>& values, double scale) {
   std::vector<float> floats;
   floats.reserve(values.size());
   for (const double value : values) floats.push_back(static_cast<float>(value * scale));
-  std::vector<unsigned char> bytes(floats.size() * sizeof(float));
-  std::memcpy(bytes.data(), floats.data(), bytes.size());
-  return base64(bytes.data(), bytes.size());
+  return base64(std::as_bytes(std::span{floats}));
 }
 
 std::string assemble(const PageSections& sections, const Json& data) {
