@@ -100,7 +100,7 @@ TEST(FaultCommand, SaysWhyItCausesNoFault) {
 }
 
 TEST(BenchCard, WritesOneJsonDocument) {
-  const auto run = run_rths({"bench", "card", "--json", "--passes", "1", "--seconds", "0.01"});
+  const auto run = run_rths({"bench", "card", "--json", "--passes", "1", "--seconds", "0.1"});
   ASSERT_GE(run.exit_code, 0) << run.err;
   ASSERT_LE(run.exit_code, 1) << run.err;
   const auto document = nlohmann::json::parse(run.out);
