@@ -22,14 +22,16 @@ constexpr double kInvestigatedStep = 0.05;
 struct Investigated {
   double named = 0, unknown = 0;
   double noise = 1;                  ///< its deviation
-  double unknown_held_out = NAN;     ///< of the held-out record; NAN: as on the others
+  double unknown_scored = NAN;       ///< of the second record; NAN: as on the first
+  double unknown_held_out = NAN;     ///< of the held-out record; NAN: as on the first
   std::vector<Record> records = {};  // NOLINT(readability-redundant-member-init): cases omit it
   std::unique_ptr<SensorNoise> sensors = nullptr;
 
   [[nodiscard]] std::unique_ptr<Investigation> found() {
     for (const int i : {0, 1, 2}) {
       const VectorXd signal = sine_of(3 + i, kInvestigatedRows);
-      const double rest = i == 2 && !std::isnan(unknown_held_out) ? unknown_held_out : unknown;
+      const double other = i == 0 ? NAN : i == 1 ? unknown_scored : unknown_held_out;
+      const double rest = std::isnan(other) ? unknown : other;
       const VectorXd measured = named * signal + rest * sine_of(11 + i, kInvestigatedRows) +
                                 noise * gauss(kInvestigatedRows, 1, 40 + unsigned(i));
       records.push_back(linear_record("record " + std::to_string(i),
@@ -85,6 +87,18 @@ TEST(Investigation, OfAnEffectThatIsNoCandidateIsUnknown) {
   EXPECT_TRUE(found->is_unknown());
   EXPECT_NEAR(found->proof.variance(), 5, 0.5);
   EXPECT_TRUE(found->proof.is_systematic());
+}
+
+// A residual of the variance 1 + 1.6² in one record is an event; 1 + 1 may be noise.
+TEST(Investigation, OfAnEventOfOneRecordIsUnknown) {
+  for (const double size : {1.0, 1.6}) {
+    Investigated event{.unknown = size, .unknown_scored = 0, .unknown_held_out = 0};
+    const auto found = event.found();
+
+    EXPECT_FALSE(found->is_named());
+    EXPECT_NEAR(found->proof.variance(), 1, 0.15);
+    EXPECT_EQ(found->is_unknown(), size > 1.25) << size;
+  }
 }
 
 // Two outputs of one unit; the second one is ten times as exact. Their noise is white.

@@ -27,6 +27,15 @@ bool has_form(const Investigation& found) {
   return !found.descriptions.empty() && found.descriptions[0].share > kHasForm;
 }
 
+// The largest variance of the whitened residual of a single record.
+double largest_variance(const Investigation& found) {
+  const Supposition named{*found.problem, found.selection.named};
+  double largest = found.proof.variance();
+  for (std::size_t i = 0; i < found.problem->records(); ++i)
+    largest = std::max(largest, named.variance(whole({i})));
+  return largest;
+}
+
 // The proof of the named model on the held-out records, and the form of what remains.
 void prove(Investigation& found, Progress& progress) {
   progress.begin_stage("proof");
@@ -53,9 +62,10 @@ bool Investigation::is_unknown() const {
   if (proof.is_systematic() && has_line(*relation, *noise)) return true;
   // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
   // small excess counts only if it has a form, and one that noise does not have.
-  constexpr double kPlain = 0.5;
+  constexpr double kPlain = 0.5;        // in all records
+  constexpr double kPlainEvent = 1.25;  // in one of them
   const double rest = std::min(selection.variance_named, proof.variance()) - 1;
-  return rest > kPlain ||
+  return rest > kPlain || largest_variance(*this) - 1 > kPlainEvent ||
          std::any_of(descriptions.begin(), descriptions.end(), [](const Description& one) {
            return one.share > kHasForm && one.over != Description::Over::Time;
          });
