@@ -80,8 +80,13 @@ function(rths_test folder)
   if(arg_LABEL STREQUAL realtime)
     set(alone ON)
   endif()
+  set(environment)
+  if(RTHS_SANITIZER)
+    set(environment
+        ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks_on_purpose.txt:print_suppressions=0")
+  endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${alone})
+                       PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${alone} ${environment})
 endfunction()
 
 # Under sanitizers, all tests have the preset's optimization.

@@ -17,6 +17,7 @@
 
 #include "plugin/native_runs.hpp"
 #include "support/process.hpp"
+#include "support/realtime_guard.hpp"
 #include "test_fmu.hpp"
 
 namespace rths::fmi {
@@ -302,7 +303,11 @@ TEST(CheckOfFmuCommand, PrintsEveryRule) {
   EXPECT_NE(good.out.find("PASS  description  'Lag', FMI 2.0, 2 inputs, 4 outputs, 3 parameters"),
             std::string::npos)
       << good.out;
-  EXPECT_NE(good.out.find("FMU, 14 of 14 rules passed, 0 failed, 0 not tried"), std::string::npos)
+  // Sanitizers replace the heap, so that its use is not tried.
+  EXPECT_NE(good.out.find(test::RealTimeGuard::supported()
+                              ? "FMU, 14 of 14 rules passed, 0 failed, 0 not tried"
+                              : "FMU, 13 of 14 rules passed, 0 failed, 1 not tried"),
+            std::string::npos)
       << good.out;
 
   const auto other = test::pack_fmu(test::lag_fmu(folder, 2, "correct", {{"8c4e", "0000"}}));

@@ -8,6 +8,7 @@
 
 #include "support/files.hpp"
 #include "support/process.hpp"
+#include "support/realtime_guard.hpp"
 
 namespace rths::plugin {
 namespace {
@@ -37,6 +38,8 @@ test::Finished run_commands(const std::string& page, const std::filesystem::path
 }
 
 TEST(AdaptersPage, HasCommandsThatWorkInItsOrder) {
+  if (!test::RealTimeGuard::supported())
+    GTEST_SKIP() << "SKIPPED: the page shows the rule `allocation`, which sanitizers replace";
   const test::TemporaryFolder folder;
   const auto page = test::content_of(test::source_tree() / "docs/adapters.md");
 
