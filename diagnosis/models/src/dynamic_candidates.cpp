@@ -20,7 +20,7 @@ struct TermSite {
   Part part;
   UnitScales scales;
   NaturalScale natural;
-  bool is_only_one;  // of its type: its terms are named without the component
+  bool is_only_one;  // of its type
 };
 
 bool is_fitted(const CandidateParameter& choice) {
@@ -46,7 +46,8 @@ std::vector<VectorXd> start_grid(const std::vector<const CandidateParameter*>& f
   return starts;
 }
 
-Candidate candidate_of(const CandidateTerm& entry, const TermSite& site) {
+// @param is_only_one  its terms are named without the component
+Candidate candidate_of(const CandidateTerm& entry, const TermSite& site, bool is_only_one) {
   const sim::TermKind& term = sim::term_kind(entry.kind);
   Candidate candidate;
   candidate.name = candidate.kind = entry.kind;
@@ -55,7 +56,7 @@ Candidate candidate_of(const CandidateTerm& entry, const TermSite& site) {
   candidate.part = site.part;
   candidate.channel = site.channel;
   ModelTerm added{{candidate.kind, "", {}}, site.name};
-  added.settings.name = site.is_only_one ? candidate.kind : site.name + "." + candidate.kind;
+  added.settings.name = is_only_one ? candidate.kind : site.name + "." + candidate.kind;
   std::vector<const CandidateParameter*> free;
   std::vector<double> sizes;
   for (const auto& choice : entry.parameters) {
@@ -118,7 +119,10 @@ void add_candidates(Place place, unsigned offered, const TermSite& site, const H
     if (is_in_model(base, entry.kind, site.name)) continue;
     // A fitted linear damper makes a second one redundant.
     if (entry.kind == "viscous_friction" && is_free(base, site.name + ".damping")) continue;
-    candidates.push_back(candidate_of(entry, site));
+    const bool is_unique = std::none_of(base.terms.begin(), base.terms.end(), [&](const auto& one) {
+      return one.settings.kind == entry.kind;
+    });
+    candidates.push_back(candidate_of(entry, site, site.is_only_one && is_unique));
   }
 }
 
