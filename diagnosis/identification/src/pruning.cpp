@@ -12,6 +12,7 @@
 #include <rths/identification/scores.hpp>
 
 #include "form_search.hpp"
+#include "named_model.hpp"
 
 namespace rths::diagnosis {
 namespace {
