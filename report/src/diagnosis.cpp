@@ -71,7 +71,8 @@ std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
 }
 
 // One table for each record, in a folder of their own.
-std::vector<fs::path> write_predictions(const diagnosis::Verdict& verdict, const fs::path& folder) {
+std::vector<fs::path> write_predictions(const diagnosis::Verdict& verdict, const fs::path& folder,
+                                        Replacements& written) {
   std::vector<std::pair<std::string, std::vector<const diagnosis::Trace*>>> records;
   for (const auto& trace : verdict.traces) {
     if (records.empty() || records.back().first != trace.record)
@@ -79,8 +80,10 @@ std::vector<fs::path> write_predictions(const diagnosis::Verdict& verdict, const
     records.back().second.push_back(&trace);
   }
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator{folder, error})
-    if (entry.path().extension() == ".csv") fs::remove(entry.path(), error);
+  for (const auto& entry : fs::directory_iterator{folder, error}) {
+    if (entry.path().extension() == ".csv") written.remove(entry.path());
+    if (entry.path().extension() == ".part") fs::remove(entry.path(), error);  // of a killed run
+  }
   if (records.empty()) return {};
   fs::create_directories(folder);
   std::vector<fs::path> files;
@@ -89,7 +92,7 @@ std::vector<fs::path> write_predictions(const diagnosis::Verdict& verdict, const
     fs::path file = folder / (name + ".csv");
     for (int count = 2; std::find(files.begin(), files.end(), file) != files.end(); ++count)
       file = folder / fmt::format("{} ({}).csv", name, count);
-    write_file(file, table_of(traces));
+    written.add(file, table_of(traces));
     files.push_back(file);
   }
   return files;
@@ -122,23 +125,23 @@ Config improved_experiment(const diagnosis::CaseSource& improved, const fs::path
 
 // The improved case, and for a run the improved experiment.
 void write_improved(const diagnosis::CaseSource& improved, const fs::path& folder,
-                    DiagnosisFiles& files) {
+                    DiagnosisFiles& files, Replacements& written) {
   const fs::path inside = folder / kImprovedFolder;
   if (!improved.file.keys().empty()) {
     fs::create_directories(inside);
     files.improved = inside / kImprovedCase;
-    write_file(*files.improved, head_of("The case with the improved model", "rths diagnose") +
-                                    placed(improved.file, improved.folder, inside).to_toml());
+    written.add(*files.improved, head_of("The case with the improved model", "rths diagnose") +
+                                     placed(improved.file, improved.folder, inside).to_toml());
   }
   if (improved.experiment.keys().empty() || !(files.fragment || improved.has_improved_laboratory))
     return;
   fs::create_directories(inside);
   files.experiment = inside / kImprovedExperiment;
-  write_file(*files.experiment,
-             head_of(improved.has_improved_laboratory ? "The improved simulation as an experiment"
-                                                      : "The experiment with the improved model",
-                     "rths run") +
-                 improved_experiment(improved, inside, files.fragment).to_toml());
+  written.add(*files.experiment,
+              head_of(improved.has_improved_laboratory ? "The improved simulation as an experiment"
+                                                       : "The experiment with the improved model",
+                      "rths run") +
+                  improved_experiment(improved, inside, files.fragment).to_toml());
 }
 
 }  // namespace
@@ -152,23 +155,25 @@ DiagnosisFiles write_diagnosis(const diagnosis::Verdict& verdict,
   DiagnosisFiles files;
   files.page = folder / (is_of_run ? kDiagnosisPage : "report.html");
   files.numbers = folder / kVerdictFile;
+  Replacements written;
   const auto fragment = folder / kFragmentFile, motion = folder / "next_test.csv";
   // Proposals of an earlier diagnosis must not remain beside a verdict without any.
   for (const auto& file : {fragment, motion, folder / kImprovedFolder / kImprovedCase,
                            folder / kImprovedFolder / kImprovedExperiment})
-    std::filesystem::remove(file, error);
-  write_file(files.page, verdict_page(verdict));
-  write_file(files.numbers, verdict_json(verdict));
+    written.remove(file);
+  written.add(files.page, verdict_page(verdict));
+  written.add(files.numbers, verdict_json(verdict));
   if (!verdict.fragment.empty()) {
-    write_file(fragment, verdict.fragment);
+    written.add(fragment, verdict.fragment);
     files.fragment = fragment;
   }
-  write_improved(verdict.improved, folder, files);
-  files.predictions = write_predictions(verdict, folder / kPredictionFolder);
+  write_improved(verdict.improved, folder, files, written);
+  files.predictions = write_predictions(verdict, folder / kPredictionFolder, written);
   if (!verdict.next_motion.channels.empty()) {
-    write_file(motion, table_of(verdict.next_motion));
+    written.add(motion, table_of(verdict.next_motion));
     files.motion = motion;
   }
+  written.commit();
   return files;
 }
 

@@ -167,6 +167,26 @@ TEST(WriteDiagnosis, WritesTheMotionOfTheNextTest) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "next_test.csv"));
 }
 
+// The last file finds no space.
+TEST(WriteDiagnosis, KeepsAllEarlierFilesIfTheDiskIsFull) {
+  const test::TemporaryFolder folder;
+  const auto earlier = write_diagnosis(missing_verdict(), folder.path());
+  const std::string page = test::content_of(earlier.page);
+  auto verdict = none_verdict();
+  verdict.next_motion = {0.5, {{"displacement.long", {0, 0.25}}}};
+  std::filesystem::create_symlink("/dev/full", folder.path() / "next_test.csv.part");
+
+  const auto message = test::error_of([&] { write_diagnosis(verdict, folder.path()); });
+
+  EXPECT_EQ(message, (folder.path() / "next_test.csv").string() +
+                         ": cannot be written: No space left on device");
+  EXPECT_EQ(test::content_of(earlier.page), page);
+  ASSERT_TRUE(earlier.fragment);
+  EXPECT_TRUE(std::filesystem::exists(*earlier.fragment));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator{folder.path()})
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+}
+
 TEST(WriteDiagnosis, NamesTheFolderItCannotWrite) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("taken", "");
