@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sys/utsname.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -426,6 +428,13 @@ int parse_and_run(int argc, char** argv) {
 
 }  // namespace
 
+// The exit code of a command whose standard output may be lost: a full disk.
+int with_output(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  std::fprintf(stderr, "rths: standard output cannot be written: %s\n", std::strerror(errno));
+  return code == kOk ? kFailure : code;
+}
+
 Changes split_changes(const std::vector<std::string>& sets) {
   Changes changes;
   for (const auto& set : sets) {
@@ -442,7 +451,7 @@ Changes split_changes(const std::vector<std::string>& sets) {
 int main(int argc, char** argv) {
   try {
     rths::broker::on_lost_memory(rths::broker::OnLostMemory::Exit);
-    return rths::app::parse_and_run(argc, argv);
+    return rths::app::with_output(rths::app::parse_and_run(argc, argv));
   } catch (const std::filesystem::filesystem_error& error) {
     std::fprintf(stderr, "rths: %s: %s\n", error.path1().c_str(), error.code().message().c_str());
     return rths::app::kFailure;

@@ -48,6 +48,14 @@ TEST(FirstContact, NamesTheCommandsWhenOneIsMisspelt) {
   EXPECT_NE(run_rths({"map", "lst"}).err.find("did you mean 'list'?"), std::string::npos);
 }
 
+TEST(FirstContact, FailsIfItsOutputIsLost) {
+  const auto run =
+      test::Running{{"/bin/bash", "-c", test::rths_command() + " --version >/dev/full"}}.wait(60);
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err, "rths: standard output cannot be written: No space left on device\n");
+}
+
 TEST(FirstContact, CompletesCommandsOptionsAndValues) {
   EXPECT_EQ(completed({"ru"}), Lines{"run"});
   EXPECT_EQ(completed({"map", ""}), (Lines{"list", "check", "gen"}));
