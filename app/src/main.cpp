@@ -426,14 +426,14 @@ int parse_and_run(int argc, char** argv) {
   return chosen();
 }
 
-}  // namespace
-
 // The exit code of a command whose standard output may be lost: a full disk.
 int with_output(int code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   std::fprintf(stderr, "rths: standard output cannot be written: %s\n", std::strerror(errno));
   return code == kOk ? kFailure : code;
 }
+
+}  // namespace
 
 Changes split_changes(const std::vector<std::string>& sets) {
   Changes changes;
