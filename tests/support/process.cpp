@@ -128,10 +128,7 @@ std::uint16_t free_port() {
 Finished run_rths(const std::vector<std::string>& arguments, double deadline_s) {
   std::vector<std::string> command{rths_command()};
   command.insert(command.end(), arguments.begin(), arguments.end());
-#ifdef RTHS_SANITIZED
-  deadline_s *= 15;  // as the tests' limits of time
-#endif
-  return Running{command}.wait(deadline_s);
+  return Running{command}.wait(RTHS_SLOWNESS * deadline_s);
 }
 
 bool is_running(int pid) {
