@@ -6,7 +6,7 @@
 namespace rths::diagnosis {
 
 inline constexpr double kLeastAcceptedGain = 18;   ///< over both folds [nat]
-inline constexpr double kLeastGainOfAnEvent = 90;  ///< that most resampled records lack [nat]
+inline constexpr double kLeastGainOfAnEvent = 90;  ///< that many resampled records lack [nat]
 
 /// Returns true if a model gains more than `least` over another one, also in resampled records.
 /// @param differences  of the held-out scores, by block [nat]   @param least  [nat]

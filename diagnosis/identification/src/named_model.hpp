@@ -30,4 +30,10 @@ template <class Wanted>
   return round.chosen.candidate.is_exact;
 }
 
+/// Beside it, a small effect is no error of its form: further effects are measured by what it
+/// leaves.
+[[nodiscard]] inline bool hides_nothing(const SelectionRound& round) {
+  return is_rule(round) || is_exact(round);
+}
+
 }  // namespace rths::diagnosis

@@ -134,9 +134,6 @@ class Pruning {
   // Shares are those of the error that the right rule and effects of exact form leave.
   [[nodiscard]] Hypothesis reference() const {
     const auto& rounds = selection_.rounds;
-    const auto hides_nothing = [](const SelectionRound& round) {
-      return is_exact(round) || is_rule(round);
-    };
     if (std::none_of(rounds.begin(), rounds.end(), hides_nothing)) return selection_.base;
     return fitted(problem_, with_rounds(selection_.base, rounds, hides_nothing, selection_.named),
                   folds_.both, kLongFit);

@@ -118,8 +118,7 @@ class Selector {
     add(std::move(*won));
     // Further terms are measured by the excess that the right rule leaves, or an effect of exact
     // form.
-    const SelectionRound& added = selection_.rounds.back();
-    if (is_rule(added) || is_exact(added)) unexplained_ = current_;
+    if (hides_nothing(selection_.rounds.back())) unexplained_ = current_;
     return true;
   }
 
