@@ -28,8 +28,11 @@ using test::json_of;
 
 std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
 
+// A whole run and its diagnosis, while other tests share the processors [s].
+constexpr int kDeadline = 300;
+
 test::Finished run_example(const std::filesystem::path& out,
-                           const std::vector<std::string>& options = {}, int seconds = 110) {
+                           const std::vector<std::string>& options = {}, int seconds = kDeadline) {
   std::vector<std::string> arguments{"run", example(), "--clock", "virtual", "--out", out.string()};
   arguments.insert(arguments.end(), options.begin(), options.end());
   return test::run_rths(arguments, seconds);
@@ -108,7 +111,7 @@ TEST(RunDiagnosis, ComparesEveryCauseWithItsRivalsInTheFinalModel) {
   for (const int seed : {11, 13, 16}) {
     const test::TemporaryFolder folder;
 
-    const auto run = run_example(folder.path(), {"--set", fmt::format("seed={}", seed)}, 300);
+    const auto run = run_example(folder.path(), {"--set", fmt::format("seed={}", seed)});
 
     ASSERT_EQ(run.exit_code, 0) << run.err;
     expect_honest(json_of(folder.path() / "verdict.json"), seed);
@@ -178,7 +181,7 @@ TEST_F(DiagnosedRun, RunsTheImprovedSimulationWithOneMoreCommand) {
 
   const auto finished = test::run_rths({"run", improved.string(), "--clock", "virtual",
                                         "--no-diagnosis", "--out", again.path().string()},
-                                       110);
+                                       kDeadline);
 
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   const recording::Reader recording{again.path() / "run.h5"};
@@ -203,7 +206,7 @@ TEST_F(DiagnosedRun, RunsTheImprovedSimulationWithOneMoreCommand) {
 TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
   const test::TemporaryFolder again;
   const auto finished = test::run_rths(
-      {"diagnose", (out() / "run.h5").string(), "--out", again.path().string()}, 110);
+      {"diagnose", (out() / "run.h5").string(), "--out", again.path().string()}, kDeadline);
 
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
   Json verdict_again = json_of(again.path() / "verdict.json");
