@@ -196,7 +196,7 @@ def make(rng, slot, folder, sources, kind):
     forces = [whole_force(test, specimen.values, hidden, chosen, scales, divisions=RECORDED) for test in tests]
     recorded = [_record(test, force, test.normal_force(hidden), noise, rng) for test, force in zip(tests, forces)]
     _write(folder, specimen, stated, recorded, base, is_bare, kind)
-    truth = _truth(tests[0], specimen, hidden, chosen, base, noise, rng)
+    truth = _truth(tests[0], specimen, hidden, chosen, base, noise, is_bare, rng)
     return {"effects": truth[0], "cells": truth[1], "specimen": {"kind": kind},
             "nrmse_on_unseen": _floors(tests[2], specimen, hidden, chosen, scales, recorded[2])}
 
@@ -235,13 +235,15 @@ def _write(folder, specimen, stated, recorded, base, is_bare, kind):
     write_case(folder, document, dict(zip(FILES, recorded)))
 
 
-def _truth(test, specimen, hidden, chosen, base, noise, rng):
+def _truth(test, specimen, hidden, chosen, base, noise, is_bare, rng):
     """Entries of the effects, and cells."""
+    def draw(quantity):
+        return np.stack([noise[quantity].draw(rng, len(test.t), STEP) for _ in AXES], axis=1)
     draws = []
     for _ in range(DRAWS):
-        moved = np.stack([noise["u"].draw(rng, len(test.t), STEP) for _ in AXES], axis=1)
-        moved = low_passed(moved, 12.0, STEP)  # recorded motion is smoothed before it drives a model
-        heard = np.stack([noise["F"].draw(rng, len(test.t), STEP) for _ in AXES], axis=1)
+        # An observer smooths the recorded motion or, better, fuses it with the recorded acceleration.
+        moved = low_passed(draw("u"), 12.0, STEP) if is_bare else fused(draw("u"), draw("a"), STEP)
+        heard = draw("F")
         draws.append(test.bearing(specimen.values, {}, test.u + moved) - base.force + heard)
     free = [name for name in specimen.values if name != "initial_stiffness"]
     nuisances = [test.bearing(specimen.values | {name: specimen.values[name] * 1.01}, {}) - base.force for name in free]

@@ -14,8 +14,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kCellTime = 0.256;  // [s]
-constexpr double kLeastCells = 100;  // of time, at least, if there is no noise
+constexpr double kCellTime = 0.256;  // [s]; of a cell in noise, at least
+constexpr double kTimeCells = 100;   // of a record
 constexpr int kStateCells = 9;       // along displacement and along velocity
 constexpr std::size_t kDraws = 24;   // of the noise
 constexpr int kFit = 5;              // iterations
@@ -55,9 +55,8 @@ Profile profile(const std::string& name, const std::string& unit, std::vector<do
 void map_time(const Seen& seen, const Drive& drive, Where& where) {
   const double duration = static_cast<double>(drive.rows()) * drive.time_step;
   // Noise needs longer cells than a prediction, which has none.
-  const double wanted =
-      seen.noise.empty() ? std::min(kCellTime, duration / kLeastCells) : kCellTime;
-  const double cell = std::max(wanted, drive.time_step);
+  const double cell =
+      std::max(duration / kTimeCells, seen.noise.empty() ? drive.time_step : kCellTime);
   const double rows = cell / drive.time_step;
   const auto count = static_cast<std::size_t>(std::floor(duration / cell + 1e-9));
   const Cells cells{seen, by_row(count, drive, [&](Index row, Index) {

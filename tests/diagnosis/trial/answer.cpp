@@ -105,9 +105,9 @@ void add_records(Json& json, const TrialCase& trial) {
   json.close();
 }
 
-void add_cells(Json& json) {
+void add_cells(Json& json, double duration) {
   json.open("cells");
-  json.add("time_s", kTimeCell / kCompareRate);
+  json.add("time_s", duration / static_cast<double>(kTimeCells));
   json.add("frequency_edges_Hz", third_octaves());
   json.add("state_cells_per_side", double{kStateCells});
   json.add("state_displacement_m", kStateDisplacement);
@@ -150,7 +150,7 @@ std::string answer(const TrialCase& trial, TruthDepth depth) {
     json.add("without_effects", floor.without);
     json.add("as_stated", floor.nominal);
     json.close();
-    add_cells(json);
+    add_cells(json, static_cast<double>(trial.records[0].truth.size()) * kSampleTime);
   }
   json.close();
   return json.text();

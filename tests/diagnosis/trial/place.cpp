@@ -62,13 +62,13 @@ std::vector<double> third_octaves() {
 Place place_of(const Signal& signal, const Record& record) {
   const std::size_t samples = signal.size() / 2;
   const std::size_t stride = record.truth.size() / samples;
-  std::vector<double> time(samples / kTimeCell, 0);
+  std::vector<double> time(kTimeCells, 0);
   std::vector<double> state(kStateCells * kStateCells, 0);
   for (std::size_t axis = 0; axis < 2; ++axis)
     for (std::size_t k = 0; k < samples; ++k) {
       const double energy = signal[axis * samples + k] * signal[axis * samples + k];
       const Boundary& now = record.truth[k * stride];
-      if (k / kTimeCell < time.size()) time[k / kTimeCell] += energy;
+      time[k * kTimeCells / samples] += energy;
       state[cell_of(now.displacement[axis], kStateDisplacement) * kStateCells +
             cell_of(now.velocity[axis], kStateVelocity)] += energy;
     }

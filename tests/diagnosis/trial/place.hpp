@@ -9,7 +9,7 @@
 
 namespace trial {
 
-inline constexpr std::size_t kTimeCell = 16;       ///< samples at kCompareRate: 0.256 s
+inline constexpr std::size_t kTimeCells = 100;     ///< of a record
 inline constexpr std::size_t kStateCells = 9;      ///< along displacement and along velocity
 inline constexpr double kStateDisplacement = 0.2;  ///< outer edge of the cells on both sides [m]
 inline constexpr double kStateVelocity = 0.8;      ///< [m/s]
