@@ -97,7 +97,8 @@ void add_bench_diagnosis(CLI::App& bench, BenchmarkArguments& a, Chosen& chosen)
       ->check(CLI::IsMember({"own", "opensees", "recordings", "laboratory", "systems"}))
       ->take_all()
       ->allow_extra_args(false);
-  command->add_option("--seed", a.diagnosis.seed, "Seed of the cases [from the commit]");
+  command->add_option("--seed", a.diagnosis.seed, "Seed of the cases [from the commit]")
+      ->check(CLI::Range(std::int64_t{0}, kLargestSeed));
   command->add_option("--json", a.diagnosis.json, "File for the results");
   command->add_option("--out", a.diagnosis.out,
                       "Folder of cases and verdicts; a run found there resumes");
@@ -155,6 +156,7 @@ void add_bench(CLI::App& app, BenchmarkArguments& a, Chosen& chosen) {
       ->check(CLI::Range(100, 10'000'000))
       ->capture_default_str();
   ring->add_option("--seed", a.ring.seed, "Seed of the bootstrap for 95 % intervals")
+      ->check(CLI::Range(std::int64_t{0}, kLargestSeed))
       ->capture_default_str();
   ring->add_option("--keep", a.ring.keep,
                    "Folder for finished cycles; cycles found there are not repeated");

@@ -24,6 +24,9 @@ enum ExitCode { kOk = 0, kConditionNotMet = 1, kFailure = 2, kUsage = 3 };
 /// Changes to an experiment file: dotted key, value.
 using Changes = std::vector<std::pair<std::string, std::string>>;
 
+/// A thousand times it is still a number of 64 bits.
+inline constexpr std::int64_t kLargestSeed = 1'000'000'000'000'000;
+
 struct RunArguments {
   std::string experiment;
   bool virtual_time = false;

@@ -29,13 +29,15 @@ std::string folder_name(const diagnosis::Case& c) {
 }
 
 bool is_run(const std::filesystem::path& path) {
-  return std::filesystem::is_regular_file(path) && path.extension() != ".toml";
+  std::error_code problem;
+  return std::filesystem::is_regular_file(path, problem) && path.extension() != ".toml";
 }
 
 // The recording in the folder of a run; otherwise the path itself.
 std::filesystem::path case_at(const std::filesystem::path& path) {
-  const bool is_folder_of_run = std::filesystem::exists(path / report::kRunFile) &&
-                                !std::filesystem::exists(path / "case.toml");
+  std::error_code problem;
+  const bool is_folder_of_run = std::filesystem::exists(path / report::kRunFile, problem) &&
+                                !std::filesystem::exists(path / "case.toml", problem);
   return is_folder_of_run ? path / report::kRunFile : path;
 }
 

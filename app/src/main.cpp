@@ -295,6 +295,7 @@ void add_diagnose(CLI::App& app, Arguments& a, Chosen& chosen) {
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--seed", a.diagnose.seed, "Seed of noise and resampling")
+      ->check(CLI::Range(std::int64_t{0}, kLargestSeed))
       ->capture_default_str();
   command->add_flag("--plan", a.diagnose.plans,
                     "Print what this case can tell, without a diagnosis");

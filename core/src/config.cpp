@@ -48,6 +48,20 @@ void check_range(const Config& config, const std::string& key, T value, T low, T
     config.fail(key, fmt::format("{} is {}, expected {} to {}", key, value, low, high));
 }
 
+void check_sizes(const std::string& key, const ConfigValue& value, double smallest,
+                 double largest) {
+  if (const auto* number = std::get_if<double>(&value.value)) {
+    const double size = std::abs(*number);
+    if (std::isfinite(size) && size != 0 && !(size >= smallest && size <= largest))
+      throw Error{fmt::format("{}: {} is {}, expected 0 or a size from {} to {}", value.where, key,
+                              *number, smallest, largest)};
+  }
+  if (const auto* items = std::get_if<ConfigValue::Array>(&value.value))
+    for (const auto& item : *items) check_sizes(key, item, smallest, largest);
+  if (const auto* table = std::get_if<ConfigValue::Table>(&value.value))
+    for (const auto& [inner, item] : *table) check_sizes(inner, item, smallest, largest);
+}
+
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -260,6 +274,10 @@ std::int64_t Config::integer_in(const std::string& key, std::int64_t low, std::i
   const std::int64_t value = integer(key);
   check_range(*this, key, value, low, high);
   return value;
+}
+
+void Config::limit_sizes(double smallest, double largest) const {
+  for (const auto& [key, value] : table_) check_sizes(key, value, smallest, largest);
 }
 
 std::string Config::where(const std::string& key) const {

@@ -9,8 +9,10 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <set>
 #include <utility>
 
@@ -35,6 +37,12 @@ constexpr std::uint64_t kLeastMemory = std::uint64_t{4} << 30U;
 constexpr std::uint64_t kMemoryPerByte = 16;  // of a file, which may be compressed
 
 bool is_child = false;
+
+void check_readable(const std::filesystem::path& file) {
+  check_is_file(file);
+  if (access(file.c_str(), R_OK) != 0)
+    throw Error{fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno))};
+}
 
 // Sanitizers reserve more memory than any limit. Libraries define __has_feature for g++, as 0.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -96,7 +104,7 @@ std::string await(int from, seconds longest) {
 }  // namespace
 
 bool in_child(const std::filesystem::path& file, const std::function<bool()>& act) {
-  check_is_file(file);
+  check_readable(file);
   const std::uint64_t bytes = std::filesystem::file_size(file);
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw Error{file.string() + ": no pipe to read it"};
@@ -124,7 +132,7 @@ bool in_child(const std::filesystem::path& file, const std::function<bool()>& ac
 }
 
 void probe(const std::filesystem::path& file, const std::function<void()>& read) {
-  check_is_file(file);
+  check_readable(file);
   struct stat now {};
   if (is_child || stat(file.c_str(), &now) != 0) return;
   static std::set<std::array<std::int64_t, 5>> probed;

@@ -39,13 +39,19 @@ Handle open_group(hid_t file, const std::string& name) {
   return {H5Gopen2(file, name.c_str(), H5P_DEFAULT), H5Gclose, "opening group " + name};
 }
 
+std::string path_in_file(const Handle& dataset) {
+  std::array<char, 256> path{};
+  H5Iget_name(dataset.id(), path.data(), path.size());
+  return path.data();
+}
+
 template <class T>
 std::vector<T> read_all(const Handle& dataset) {
   const Handle space{H5Dget_space(dataset.id()), H5Sclose, "HDF5 space"};
   std::vector<T> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.id())));
   if (!values.empty())
     check(H5Dread(dataset.id(), NativeType<T>::id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
-          "reading a dataset");
+          "reading dataset " + path_in_file(dataset));
   return values;
 }
 

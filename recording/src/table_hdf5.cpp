@@ -49,10 +49,7 @@ herr_t collect(hid_t, const char* name, const H5O_info_t* info, void* paths) {
   return 0;
 }
 
-}  // namespace
-
-Columns read_hdf5_columns(const std::filesystem::path& file) {
-  probe(file, [&] { static_cast<void>(read_hdf5_columns(file)); });
+Columns columns_of(const std::filesystem::path& file) {
   silence_hdf5();
   std::vector<std::string> paths;
   Columns columns;
@@ -65,6 +62,13 @@ Columns read_hdf5_columns(const std::filesystem::path& file) {
       for (const auto& path : paths) add_dataset(opened.id(), path, columns);
   }
   return columns.empty() ? own_recording(Reader{file}) : columns;
+}
+
+}  // namespace
+
+Columns read_hdf5_columns(const std::filesystem::path& file) {
+  probe(file, [&] { static_cast<void>(read_hdf5_columns(file)); });
+  return of_file(file, [&] { return columns_of(file); });
 }
 
 }  // namespace rths::recording

@@ -249,6 +249,17 @@ TEST(Config, WritesShortNumbersInTheirTables) {
             "b = 4000.15\n\n[t]\n\n[[t.row]]\nx = [1, 2.5]\n\n[t.row.in]\ny = 1e+20\n");
 }
 
+TEST(Config, LimitsTheSizesOfItsNumbers) {
+  const auto error = [](const std::string& text) {
+    return test::error_of([&] { parse(text).limit_sizes(1e-9, 1e9); });
+  };
+  EXPECT_EQ(error("a = 0.0\nb = [-1e9, 1e-9]\nc = inf\nd = 10_000_000_000"), "");
+  EXPECT_EQ(error("[t]\nb = [1, -1e10]"),
+            "lab.toml:2:9: b is -10000000000, expected 0 or a size from 1e-09 to 1000000000");
+  EXPECT_EQ(error("[[t]]\nb = 1e-10"),
+            "lab.toml:2:5: b is 1e-10, expected 0 or a size from 1e-09 to 1000000000");
+}
+
 TEST(Config, StartsPathsInAnotherFolder) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("a.toml", "folder = \"../b\"\nfile = \"x\"\n");

@@ -60,7 +60,7 @@ TEST_F(RecordTest, GivesASectionTheSamplesBeforeItAsItsPast) {
                                "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\n"
                                "span_s = [0.02, 0.03]\nsettle_s = 0.01\n"
                                "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\n"
-                               "span_s = [0.03, 1]\nquiet_s = [0.03, 0.04]\n";
+                               "span_s = [0.03, 1]\nquiet_s = [0.03, 0.05]\n";
   const std::string bearing =
       "[model]\nkind = \"bearing\"\n[model.cubic_stiffness]\nstiffness_N_per_m3 = 1\n";
 
@@ -73,7 +73,7 @@ TEST_F(RecordTest, GivesASectionTheSamplesBeforeItAsItsPast) {
   EXPECT_NEAR(joined.records[1].start, 0, 1e-12);
   EXPECT_EQ(joined.records[2].find("force.long")->values, (Values{10e3, 20e3, 30e3, 40e3, 50e3}));
   EXPECT_NEAR(joined.records[2].settle, 0.03, 1e-12);
-  EXPECT_EQ(joined.records[2].quiet, (std::pair<std::size_t, std::size_t>{3, 4}));
+  EXPECT_EQ(joined.records[2].quiet, (std::pair<std::size_t, std::size_t>{3, 5}));
   EXPECT_EQ(apart.records[1].samples(), 2U);
   EXPECT_EQ(apart.records[2].settle, 0);
 }
@@ -112,10 +112,61 @@ TEST_F(RecordTest, RefusesAReferenceRecordWithMotion) {
 
 TEST_F(RecordTest, RefusesAnEmptySpan) {
   EXPECT_EQ(error(std::string{kFit} + "span_s = [7, 8]\n"),
-            "case.toml:10:10: it contains fewer than two samples; the recording covers 0 to "
+            "case.toml:10:10: 7 to 8 s contains fewer than two samples; the recording covers 0 to "
             "0.04 s");
   EXPECT_EQ(error(std::string{kFit} + "span_s = [2, 1]\n"),
-            "case.toml:10:10: span_s must be [from, to]");
+            "case.toml:10:10: span_s is [2, 1], expected [from, to], from < to");
+}
+
+TEST_F(RecordTest, RefusesAQuietSectionOutsideTheRecord) {
+  for (const char* section : {"[0, 0.06]", "[-0.02, 0.02]", "[7, 8]"})
+    EXPECT_NE(error(std::string{kFit} + "quiet_s = " + section + "\n")
+                  .find(" s, expected times within 0 to 0.04 s, which the record covers"),
+              std::string::npos);
+  EXPECT_EQ(error(std::string{kFit} + "quiet_s = [0.02, 0.025]\n"),
+            "case.toml:10:11: quiet_s is 0.02 to 0.025 s, expected at least two samples of 0.01 s");
+  EXPECT_EQ(load(std::string{kFit} + "quiet_s = [0, 0.05]\n").records[0].quiet->second, 5U);
+}
+
+TEST_F(RecordTest, RefusesTimeThatDoesNotIncrease) {
+  folder_.write("log.csv", "t,u,F\n1.19,0,0\n1.19,1,1\n1.19,2,2\n");
+
+  EXPECT_NE(error(kFit).find("row 2 is at 1.19 s, after 1.19 s: time must increase"),
+            std::string::npos);
+}
+
+TEST_F(RecordTest, RefusesTimeStepsOfNoSensor) {
+  folder_.write("log.csv", "t,u,F\n0,0,0\n1e298,1,1\n2e298,2,2\n");
+
+  EXPECT_NE(error(kFit).find("samples are 1e+298 s apart, expected 1e-09 to 1e+06 s"),
+            std::string::npos);
+}
+
+TEST_F(RecordTest, RefusesTimeBesideARate) {
+  EXPECT_EQ(error(kFit, std::string{kChannels} + "rate_Hz = 100\n"),
+            "case.toml:6:11: rate_Hz stands beside time, expected only one of the two");
+}
+
+TEST_F(RecordTest, MayReplaceTimeByItsRate) {
+  const std::string own = std::string{kFit} + "[record.channels]\n";
+
+  EXPECT_EQ(load(own + "rate_Hz = 10\n").records[0].time_step, 0.1);
+  EXPECT_NEAR(load(own + "time = \"t [s]\"\n", "rate_Hz = 10\ndisplacement.long = \"u [mm]\"\n")
+                  .records[0]
+                  .time_step,
+              0.01, 1e-12);
+}
+
+TEST_F(RecordTest, ReportsTheLineOfAMissingNumber) {
+  for (const std::string cell : {"", "one"}) {
+    folder_.write("log.csv",
+                  "# a comment\nt,u,F\n0,0,10\n0.01,1," + cell + "\n0.02,2,30\n0.03,3,40\n");
+
+    EXPECT_EQ(error(kFit), "log.csv:4: found '" + cell +
+                               "' in column 'F', expected a finite number: fill the gap, or "
+                               "exclude it by span_s");
+    EXPECT_EQ(load(std::string{kFit} + "span_s = [0.02, 1]\n").records[0].samples(), 2U);
+  }
 }
 
 TEST_F(RecordTest, RefusesOneNameForTwoRecords) {

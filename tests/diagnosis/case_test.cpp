@@ -105,6 +105,47 @@ TEST_F(CaseTest, ReportsThePositionOfErrors) {
             "case.toml:3:1: no [[record]] has use = \"fit\"");
 }
 
+TEST_F(CaseTest, SaysWhichBoundsItFound) {
+  EXPECT_EQ(error_with("[1e6, 9e6]", "[9, 1]"),
+            "case.toml:21:35: bounds are [9, 1], expected [low, high], low < high");
+}
+
+TEST_F(CaseTest, RefusesAParameterThatIsListedTwice) {
+  EXPECT_EQ(error_with("fitted = [", "fitted = [\"bouc_wen.post_yield_stiffness\", "),
+            "case.toml:17:10: 'bouc_wen.post_yield_stiffness' is listed twice");
+}
+
+TEST_F(CaseTest, RefusesNoiseOfNoChannel) {
+  EXPECT_EQ(error_with("\"force.long\" =", "\"force.lat\" ="),
+            "case.toml:23:15: no record has the channel 'force.lat'");
+}
+
+TEST_F(CaseTest, RefusesNoiseOfNoSize) {
+  for (const std::string size : {"0", "-1", "1e300"})
+    EXPECT_EQ(
+        error_with("\"2.5 [kN]\"", "\"" + size + " [kN]\""),
+        "case.toml:23:16: standard deviation is " + size + " [kN], expected 1e-50 to 1e+50 in SI");
+}
+
+TEST_F(CaseTest, NamesThePathThatCannotBeRead) {
+  const auto loop = folder_.path() / "loop.toml";
+  std::filesystem::create_symlink(loop, loop);
+  for (const auto& path : {loop, folder_.path() / "none", folder_.path() / "none.toml"})
+    EXPECT_EQ(test::error_of([&] {
+                static_cast<void>(load_case(path));
+              }).find(path.string() + ": cannot be read: "),
+              0U);
+}
+
+TEST_F(CaseTest, RefusesNumbersWhoseSquaresAreNot) {
+  EXPECT_EQ(error_with("4e6", "1e300"),
+            "case.toml:19:32: post_yield_stiffness_N_per_m is 1e+300, expected 0 or a size from "
+            "1e-100 to 1e+100");
+  EXPECT_EQ(error_with("[1e6, 9e6]", "[1e-300, 9e6]"),
+            "case.toml:21:36: bouc_wen.post_yield_stiffness is 1e-300, expected 0 or a size from "
+            "1e-100 to 1e+100");
+}
+
 TEST_F(CaseTest, RefusesSamplesThatAreNotEquallySpaced) {
   folder_.write("other.csv", "t,u,F,F_sim\n0,0,0,0\n0.01,1,4,5\n0.025,2,8,9\n0.03,3,1,1\n");
 

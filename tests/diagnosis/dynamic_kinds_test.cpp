@@ -297,6 +297,11 @@ output = "output.y"
   EXPECT_EQ(error(linear + "numerator = [1, 2, 3]\ndenominator = [1, 2]\n"),
             "case.toml:13:13: numerator is of order 2, denominator of order 1: expected at most "
             "the denominator's order");
+  std::string long_polynomial = "1";
+  for (int i = 0; i < 21; ++i) long_polynomial += ", 1";
+  EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [" + long_polynomial + "]\n"),
+            "case.toml:14:15: denominator is of order 21, expected at most 20: give a larger "
+            "system as matrices A, B, C");
   EXPECT_EQ(error(linear + "numerator = [1]\ndenominator = [0, 2]\n"),
             "case.toml:14:15: denominator must begin with a number that is not 0: that of the "
             "highest power");

@@ -163,6 +163,23 @@ TEST(ResidualNoise, HasALeastSizeIfItHasNoColour) {
   EXPECT_NEAR(noise.deviation()(0, 0), 2e-3 * 50, 1e-12);
 }
 
+// An axis at rest: its error counts like that of the axis that moves.
+TEST(ResidualNoise, OfAConstantOutputHasTheSizeOfTheOthers) {
+  Drive drive = drive_of(500, 2);
+  drive.measured.col(0) = sine_of(3, 500);
+  drive.measured.col(1).setConstant(7);
+  MatrixXd draw = gauss(500, 2, 1);
+  draw.col(1).setZero();
+
+  for (const bool has_colour : {true, false}) {
+    const ResidualNoise noise{{1e-9 * draw, -1e-9 * draw}, drive, has_colour};
+
+    // 1e-6 or 2e-3 of the sine, of standard deviation 1.
+    const VectorXd white = noise.whitened(VectorXd::Constant(500, 1e-3), 1);
+    EXPECT_NEAR(white.tail(400).mean(), has_colour ? 1e3 : 0.5, has_colour ? 1 : 1e-3);
+  }
+}
+
 // Red noise, x(t) = 0.9 x(t-1) + e(t), in 16 draws of 3000 rows each. A draw that was not seen is
 // white and of variance 1: the relative error of a mean square of n numbers is √(2/n), that of a
 // correlation 1/√n. The size is smoothed over 25 correlated rows of 16 draws, with an error that

@@ -67,6 +67,26 @@ TEST(DiagnoseCommand, TakesACaseFile) {
   EXPECT_EQ(run.err.rfind("rths: " + file.string() + ":", 0), 0U) << run.err;
 }
 
+TEST(DiagnoseCommand, RefusesSeedsThatAreNoNumbersOf64Bits) {
+  for (const char* seed : {"-1", "99999999999999999999", "1.5"}) {
+    const auto run = run_rths({"diagnose", "none", "--seed", seed});
+
+    EXPECT_EQ(run.exit_code, 3) << seed;
+    EXPECT_NE(run.err.find("--seed"), std::string::npos) << run.err;
+  }
+}
+
+TEST(DiagnoseCommand, NamesAPathThatCannotBeRead) {
+  const test::TemporaryFolder folder;
+  const auto loop = folder.path() / "loop";
+  std::filesystem::create_symlink(loop, loop);
+
+  const auto run = run_rths({"diagnose", loop.string()});
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err.rfind("rths: " + loop.string() + ": ", 0), 0U) << run.err;
+}
+
 TEST(DiagnoseCommand, WritesNothingIfTheCaseIsWrong) {
   const test::TemporaryFolder folder;
   const auto out = folder.path() / "out";

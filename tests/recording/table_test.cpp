@@ -132,6 +132,30 @@ TEST_F(TableTest, ReadsMatFilesOfEveryVersion) {
   }
 }
 
+// A bit of its data flips, which its checksum shows.
+TEST_F(TableTest, NamesTheFileAndTheDatasetThatItCannotRead) {
+  const auto path = folder_.path() / "log.h5";
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t size[] = {3};
+  const hid_t space = H5Screate_simple(1, size, nullptr);
+  const hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+  ASSERT_GE(H5Pset_chunk(layout, 1, size), 0);
+  ASSERT_GE(H5Pset_fletcher32(layout), 0);
+  const hid_t data =
+      H5Dcreate2(file, "force", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+  const double values[] = {1.5, 2.5, 3.5};
+  H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+  for (const auto close : {H5Dclose(data), H5Pclose(layout), H5Sclose(space), H5Fclose(file)})
+    ASSERT_GE(close, 0);
+  std::string bytes = test::content_of(path);
+  const std::string stored{reinterpret_cast<const char*>(values), sizeof values};
+  bytes[bytes.find(stored)] ^= 1;
+  folder_.write("log.h5", bytes);
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(Table::load(path)); }),
+            path.string() + ": reading force failed");
+}
+
 TEST_F(TableTest, ReadsDatasetsOfAnyHdf5File) {
   const auto path = folder_.path() / "log.h5";
   const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);

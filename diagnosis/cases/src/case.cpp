@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/cases/against.hpp>
+#include <rths/core/file.hpp>
 
 #include "case_history.hpp"
 #include "case_of_run.hpp"
@@ -17,13 +18,18 @@ namespace {
 
 std::vector<FittedParameter> read_fitted(const Config& model) {
   std::vector<FittedParameter> fitted;
-  for (const auto& name : model.texts("fitted", {})) fitted.push_back({name, std::nullopt});
+  for (const auto& name : model.texts("fitted", {})) {
+    for (const auto& other : fitted)
+      if (other.name == name) model.fail("fitted", fmt::format("'{}' is listed twice", name));
+    fitted.push_back({name, std::nullopt});
+  }
   const Config bounds = model.table_or_empty("bounds");
   for (auto& parameter : fitted) {
     if (!bounds.has(parameter.name)) continue;
     const auto pair = bounds.numbers(parameter.name);
     if (pair.size() != 2 || !(pair[0] < pair[1]))
-      bounds.fail(parameter.name, "bounds must be [low, high]");
+      bounds.fail(parameter.name, fmt::format("bounds are [{}], expected [low, high], low < high",
+                                              fmt::join(pair, ", ")));
     parameter.bounds = {pair[0], pair[1]};
   }
   bounds.reject_unknown_keys();
@@ -51,14 +57,19 @@ Comparison read_comparison(const Config& table) {
   return comparison;
 }
 
-std::vector<std::pair<std::string, double>> read_noise(const Config& table) {
+std::vector<std::pair<std::string, double>> read_noise(const Config& table,
+                                                       const std::vector<Record>& records) {
+  constexpr double kLeast = 1e-50, kMost = 1e50;  // [SI]
   std::vector<std::pair<std::string, double>> noise;
   for (const auto& role : table.keys()) {
     const auto [deviation, unit] = deviation_of(table, role);
     if (const auto trouble = trouble_with(role, unit)) table.fail(role, *trouble);
-    if (!(deviation > 0))
-      table.fail(role,
-                 fmt::format("standard deviation is {}, expected more than 0", table.text(role)));
+    if (!(deviation >= kLeast && deviation <= kMost))
+      table.fail(role, fmt::format("standard deviation is {}, expected {} to {} in SI",
+                                   table.text(role), kLeast, kMost));
+    if (std::none_of(records.begin(), records.end(),
+                     [&](const Record& record) { return record.find(role) != nullptr; }))
+      table.fail(role, fmt::format("no record has the channel '{}'", role));
     noise.emplace_back(role, deviation);
   }
   return noise;
@@ -113,6 +124,9 @@ void refuse_motion(const Record& reference, const Config& table,
 }  // namespace
 
 Model read_model(const Config& table) {
+  // Their squares and ratios are finite.
+  constexpr double kSmallest = 1e-100, kLargest = 1e100;
+  table.limit_sizes(kSmallest, kLargest);
   const std::string kind = table.text("kind", "data");
   const auto known = model_kind(kind);
   if (!known)
@@ -163,7 +177,7 @@ Case case_of_file(const std::filesystem::path& path) {
   if (!is_of_run || file.has("compare"))
     result.comparison = read_comparison(file.table_or_empty("compare"));
   result.map = read_map(file.table_or_empty("map"));
-  result.noise = read_noise(file.table_or_empty("noise"));
+  result.noise = read_noise(file.table_or_empty("noise"), result.records);
   const std::string against = file.text("against", "");
   file.reject_unknown_keys();
   result.source.file = file;
@@ -181,7 +195,9 @@ std::vector<const Record*> moving_records(const Case& c) {
 }
 
 Case load_case(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path)) return case_of_file(path / "case.toml");
+  std::error_code problem;
+  if (std::filesystem::is_directory(path, problem)) return case_of_file(path / "case.toml");
+  check_is_file(path);
   return path.extension() == ".toml" ? case_of_file(path) : case_of_run(path);
 }
 

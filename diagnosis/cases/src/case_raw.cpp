@@ -18,7 +18,9 @@ void read_time(const Config& channels, Files& files, Raw& raw) {
   if (source.unit.si != "s")
     channels.fail("time", fmt::format("time is in {}, expected a unit of time", source.unit.si));
   if (source.number) channels.fail("time", "time is a number, expected a column or rate_Hz");
-  raw.time = files.column(channels, source, raw.file);
+  if (channels.has("rate_Hz"))
+    channels.fail("rate_Hz", "rate_Hz stands beside time, expected only one of the two");
+  raw.time = files.column(channels, source, raw.file, raw.time_trouble);
 }
 
 // Reads nested tables: displacement.long, predicted.force.long.
@@ -33,11 +35,13 @@ void read_channels(const Config& table, const std::string& prefix, Files& files,
     const Source source = source_of(table, key);
     if (const auto trouble = trouble_with(role, source.unit.si)) table.fail(key, *trouble);
     Channel channel{role, source.unit.si, {}};
+    Trouble trouble;
     if (source.number)
       raw.constants.emplace_back(raw.channels.size(), *source.number);
     else
-      channel.values = files.column(table, source, raw.file);
+      channel.values = files.column(table, source, raw.file, trouble);
     raw.channels.push_back(std::move(channel));
+    raw.troubles.push_back(std::move(trouble));
   }
 }
 
@@ -100,19 +104,26 @@ void cut_out(Raw& raw, double from, double to) {
   const auto first = std::find_if(raw.time.begin(), raw.time.end(), inside);
   const auto last = std::find_if(raw.time.rbegin(), raw.time.rend(), inside).base();
   if (last - first < 2)
-    throw Error{fmt::format("it contains fewer than two samples; the recording covers {} to {} s",
-                            raw.time.front(), raw.time.back())};
+    throw Error{
+        fmt::format("{} to {} s contains fewer than two samples; the recording covers {} to "
+                    "{} s",
+                    from, to, raw.time.front(), raw.time.back())};
   const auto begin = first - raw.time.begin(), end = last - raw.time.begin();
   for (auto& channel : raw.channels) cut(channel.values, begin, end);
   cut(raw.time, begin, end);
+  raw.time_trouble.row -= begin;
+  for (auto& trouble : raw.troubles) trouble.row -= begin;
+}
+
+void require_increase(const Raw& raw, std::size_t row) {
+  if (!(raw.time[row] > raw.time[row - 1]))
+    throw Error{fmt::format("{}: row {} is at {} s, after {} s: time must increase", raw.file,
+                            row + 1, raw.time[row], raw.time[row - 1])};
 }
 
 void resample(Raw& raw, double rate) {
   const auto old = raw.time;
-  for (std::size_t i = 1; i < old.size(); ++i)
-    if (!(old[i] > old[i - 1]))
-      throw Error{fmt::format("{}: row {} is at {} s, after {} s: time must increase", raw.file,
-                              i + 1, old[i], old[i - 1])};
+  for (std::size_t i = 1; i < old.size(); ++i) require_increase(raw, i);
   const auto count = static_cast<std::size_t>((old.back() - old.front()) * rate + 1e-9) + 1;
   raw.time.resize(count);
   std::vector<std::pair<std::size_t, double>> weights(count);  // sample before, share of the next

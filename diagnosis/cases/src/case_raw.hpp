@@ -19,6 +19,8 @@ struct Raw {
   std::string file;
   std::vector<double> time;  ///< [s]
   std::vector<Channel> channels;
+  Trouble time_trouble;                                   ///< of `time`
+  std::vector<Trouble> troubles;                          ///< of each channel
   std::vector<std::pair<std::size_t, double>> constants;  ///< channel, its value [SI]
 };
 
@@ -29,6 +31,9 @@ struct Raw {
 /// Keeps the samples from `from` to `to` [s], both included.
 /// @throws Error, without a position, if fewer than two samples remain   @setup
 void cut_out(Raw& raw, double from, double to);
+
+/// @throws Error if a time stamp is not after the one before it   @setup
+void require_increase(const Raw& raw, std::size_t row);
 
 /// Resamples at equal spacing by linear interpolation.
 /// @param rate  [Hz]   @throws Error if time does not increase   @setup

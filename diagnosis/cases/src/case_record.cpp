@@ -15,11 +15,14 @@ namespace {
 
 constexpr double kTimeTolerance = 0.02;  // of a step
 
-void require_finite(const std::vector<double>& values, const std::string& name,
-                    const std::string& file) {
+// @param trouble  the first cell of the file without a finite number
+void require_finite(const std::vector<double>& values, const Trouble& trouble,
+                    const std::string& name, const std::string& file) {
   const auto is_bad = [](double value) { return !std::isfinite(value); };
   const auto bad = std::find_if(values.begin(), values.end(), is_bad);
   if (bad == values.end()) return;
+  if (!trouble.text.empty() && bad - values.begin() == trouble.row)
+    throw Error{trouble.text + ": fill the gap, or exclude it by span_s"};
   const auto count = std::count_if(bad, values.end(), is_bad);
   throw Error{fmt::format(
       "{}: {} is NaN or infinite in sample {}{}: fill the gap, or exclude it by span_s", file, name,
@@ -27,8 +30,9 @@ void require_finite(const std::vector<double>& values, const std::string& name,
 }
 
 void require_finite(const Raw& raw) {
-  require_finite(raw.time, "time", raw.file);
-  for (const auto& channel : raw.channels) require_finite(channel.values, channel.role, raw.file);
+  require_finite(raw.time, raw.time_trouble, "time", raw.file);
+  for (std::size_t i = 0; i < raw.channels.size(); ++i)
+    require_finite(raw.channels[i].values, raw.troubles[i], raw.channels[i].role, raw.file);
 }
 
 // Time stamps must be equally spaced, within the resolution of printed decimals.
@@ -37,21 +41,26 @@ void take_spacing(const Raw& raw, Record& record) {
   if (time.size() < 2) throw Error{fmt::format("{}: fewer than two samples", raw.file)};
   record.start = time.front();
   record.time_step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+  for (std::size_t i = 1; i < time.size(); ++i) require_increase(raw, i);
+  if (!(record.time_step >= 1 / kHighestRate && record.time_step <= 1 / kLowestRate))
+    throw Error{fmt::format("{}: samples are {:g} s apart, expected {:g} to {:g} s", raw.file,
+                            record.time_step, 1 / kHighestRate, 1 / kLowestRate)};
   for (std::size_t i = 0; i < time.size(); ++i) {
     const double expected = record.start + static_cast<double>(i) * record.time_step;
-    if (!(record.time_step > 0) ||
-        std::abs(time[i] - expected) > kTimeTolerance * record.time_step + kPrintedTime)
-      throw Error{fmt::format(
-          "{}: row {} is at {} s, expected {} s: samples are not equally spaced; give rate_Hz "
-          "instead of time if only the time stamps are wrong, or resample_Hz",
-          raw.file, i + 1, time[i], expected)};
+    if (std::abs(time[i] - expected) > kTimeTolerance * record.time_step + kPrintedTime)
+      throw Error{
+          fmt::format("{}: row {} is at {:.10g} s, expected {:.10g} s: samples are not equally "
+                      "spaced; give rate_Hz "
+                      "instead of time if only the time stamps are wrong, or resample_Hz",
+                      raw.file, i + 1, time[i], expected)};
   }
 }
 
 std::vector<double> span_of(const Config& table, const std::string& key) {
   auto span = table.numbers(key);
   if (span.size() != 2 || !(span[0] < span[1]))
-    table.fail(key, fmt::format("{} must be [from, to]", key));
+    table.fail(
+        key, fmt::format("{} is [{}], expected [from, to], from < to", key, fmt::join(span, ", ")));
   return span;
 }
 
@@ -73,9 +82,18 @@ void read_quiet(const Config& table, Record& record) {
     const double i = std::round((time - record.start) / record.time_step);
     return static_cast<std::size_t>(std::clamp(i, 0.0, static_cast<double>(record.samples())));
   };
+  const double first = record.start;
+  const double last = first + static_cast<double>(record.samples() - 1) * record.time_step;
+  const double slack = record.time_step + kPrintedTime;
+  if (span[0] < first - slack || span[1] > last + slack)
+    table.fail("quiet_s", fmt::format("quiet_s is {} to {} s, expected times within {:.10g} to "
+                                      "{:.10g} s, which the record covers",
+                                      span[0], span[1], first, last));
   record.quiet = {sample(span[0]), sample(span[1])};
-  if (record.quiet->first >= record.quiet->second)
-    table.fail("quiet_s", "quiet_s lies outside the recording");
+  if (record.quiet->first + 2 > record.quiet->second)
+    table.fail("quiet_s", fmt::format("quiet_s is {} to {} s, expected at least two samples of "
+                                      "{:g} s",
+                                      span[0], span[1], record.time_step));
 }
 
 void read_settle(const Config& table, Record& record) {
@@ -83,10 +101,18 @@ void read_settle(const Config& table, Record& record) {
   record.settle = table.number_in("settle_s", 0, length, 0.0);
 }
 
+// A record's own time replaces the rate of the case, and its own rate the time.
+Config channels_of(const Config& table, const Config& channels) {
+  const Config own = table.table_or_empty("channels");
+  if (own.has("time") && !own.has("rate_Hz")) return channels.without("rate_Hz").overlaid(own);
+  if (own.has("rate_Hz") && !own.has("time")) return channels.without("time").overlaid(own);
+  return channels.overlaid(own);
+}
+
 }  // namespace
 
 Record read_record(const Config& table, const Config& channels, Files& files) {
-  const Config own = channels.overlaid(table.table_or_empty("channels"));
+  const Config own = channels_of(table, channels);
   const std::string file = table.placed("file", [&] {
     const auto path = table.resolve(table.text("file"));
     static_cast<void>(files.at(path));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -55,6 +56,15 @@ double number_of(const Config& table, const std::string& key, const std::string&
   return value;
 }
 
+Trouble trouble_in(const Table& table, const std::vector<double>& values) {
+  const auto& columns = table.columns();
+  const auto column = std::find_if(columns.begin(), columns.end(),
+                                   [&](const auto& one) { return &one.values == &values; });
+  const auto bad =
+      std::find_if(values.begin(), values.end(), [](double value) { return std::isnan(value); });
+  return {column->trouble, bad - values.begin()};
+}
+
 bool has(const Table& table, const std::string& name) {
   const auto& columns = table.columns();
   return std::any_of(columns.begin(), columns.end(),
@@ -87,7 +97,7 @@ const Table& Files::at(const std::filesystem::path& file) {
 }
 
 std::vector<double> Files::column(const Config& table, const Source& source,
-                                  const std::filesystem::path& file) {
+                                  const std::filesystem::path& file, Trouble& trouble) {
   return table.placed(source.key, [&] {
     const Table& columns = at(source.file.empty() ? file : table.resolve(source.file));
     const bool is_negated =
@@ -96,6 +106,7 @@ std::vector<double> Files::column(const Config& table, const Source& source,
     const std::string whole = source.whole.substr(sign);
     const auto& raw =
         columns.column_with_gaps(has(columns, whole) ? whole : trimmed(source.column.substr(sign)));
+    trouble = trouble_in(columns, raw);
     std::vector<double> values;
     values.reserve(raw.size());
     for (const double value : raw) {

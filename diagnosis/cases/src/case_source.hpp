@@ -36,13 +36,21 @@ struct Source {
 [[nodiscard]] std::pair<double, std::string> deviation_of(const Config& table,
                                                           const std::string& key);
 
+/// The first cell of a column that is not a finite number; an empty text: there is none, or its
+/// place is not known.
+struct Trouble {
+  std::string text;        ///< "file:line: found, expected"
+  std::ptrdiff_t row = 0;  ///< from 0
+};
+
 /// Cache of files: several records may be slices of one file.
 class Files {
  public:
   [[nodiscard]] const recording::Table& at(const std::filesystem::path& file);
-  /// A column in SI units. @throws Error with the position of the source's key   @setup
+  /// A column in SI units, with NaN for cells without a finite number.
+  /// @throws Error with the position of the source's key   @setup
   [[nodiscard]] std::vector<double> column(const Config& table, const Source& source,
-                                           const std::filesystem::path& file);
+                                           const std::filesystem::path& file, Trouble& trouble);
 
  private:
   std::map<std::filesystem::path, recording::Table> tables_;

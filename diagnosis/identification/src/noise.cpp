@@ -259,6 +259,8 @@ VaryingNoise::VaryingNoise(const std::vector<VectorXd>& draws, Index half, Index
     std::vector<VectorXd> stretches;
     for (const auto& draw : scaled) stretches.push_back(draw.segment(first, size));
     colours_.push_back(auto_regression(stretches, kResidualOrder, kResidualRidge));
+    // Without noise, whitening only divides by the least size.
+    if (!(colours_.back().deviation > 0)) colours_.back().deviation = 1;
   }
 }
 
@@ -300,16 +302,33 @@ VectorXd VaryingNoise::whitened(const VectorXd& noise) const {
   return white;
 }
 
+namespace {
+
+// Standard deviation of each output. A constant output, of an axis at rest, has the largest of all.
+VectorXd sizes_of(const MatrixXd& measured) {
+  constexpr double kRoundOff = 1e-12;  // of filters, relative
+  const VectorXd mean = measured.colwise().mean();
+  VectorXd sizes(measured.cols());
+  for (Index output = 0; output < measured.cols(); ++output)
+    sizes[output] = std::sqrt((measured.col(output).array() - mean[output]).square().mean());
+  const double largest = sizes.maxCoeff();
+  for (Index output = 0; output < measured.cols(); ++output)
+    if (sizes[output] <= kRoundOff * std::abs(mean[output])) sizes[output] = largest;
+  return sizes;
+}
+
+}  // namespace
+
 ResidualNoise::ResidualNoise(const std::vector<MatrixXd>& draws, const Drive& drive,
                              bool has_colour)
     : first_row_{drive.first_row} {
   const auto half = static_cast<Index>(std::max(1.0, kSmoothingTime / drive.time_step));
   const auto piece = std::max(kLeastPiece, static_cast<Index>(kPieceTime / drive.time_step));
+  const VectorXd sizes = sizes_of(drive.measured);
   for (Index output = 0; output < drive.measured.cols(); ++output) {
     std::vector<VectorXd> noise;
     for (const auto& draw : draws) noise.push_back(draw.col(output));
-    const VectorXd measured = drive.measured.col(output);
-    const double size = std::sqrt((measured.array() - measured.mean()).square().mean());
+    const double size = sizes[output];
     if (has_colour) {
       outputs_.emplace_back(noise, half, piece, 1e-6 * size + 1e-300);
       outputs_.back().grow(std::sqrt(shrinkage(noise, half, piece, first_row_)));

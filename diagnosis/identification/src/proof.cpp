@@ -14,12 +14,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-bool have_one_unit(const Relation& relation) {
-  const auto& outputs = relation.outputs();
-  return std::all_of(outputs.begin(), outputs.end(),
-                     [&](const auto& output) { return output.second == outputs[0].second; });
-}
-
 // Energy of the compared rows about their mean, by output.
 ArrayXd energy_of(const MatrixXd& signal, const Drive& drive) {
   MatrixXd rows = signal.bottomRows(drive.rows() - drive.first_row);
@@ -33,6 +27,12 @@ double share_of(const ArrayXd& error, const ArrayXd& measured, bool one_unit) {
 }
 
 }  // namespace
+
+bool have_one_unit(const Relation& relation) {
+  const auto& outputs = relation.outputs();
+  return std::all_of(outputs.begin(), outputs.end(),
+                     [&](const auto& output) { return output.second == outputs[0].second; });
+}
 
 double nrmse(const Supposition& supposition, std::size_t record) {
   const MatrixXd prediction = supposition.prediction(record);

@@ -11,6 +11,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+// Roots of longer polynomials depend on the last digits of the coefficients.
+constexpr std::size_t kMostOrder = 20;
+
 // y = (b₀ sᵐ + … + bₘ) / (a₀ sⁿ + … + aₙ) u, its coefficients as parameters.
 struct Transfer {
   std::size_t input = 0, output = 0;
@@ -34,6 +37,11 @@ Index add_coefficients(const Config& table, const std::string& key, const std::s
     table.fail(key, fmt::format("{} must begin with a number that is not 0: that of the highest "
                                 "power",
                                 key));
+  const std::size_t order = numbers.size() - 1;
+  if (order > kMostOrder)
+    table.fail(key, fmt::format("{} is of order {}, expected at most {}: give a larger system as "
+                                "matrices A, B, C",
+                                key, order, kMostOrder));
   int number = 0;
   for (const double value : numbers)
     model.parameters.push_back(

@@ -19,6 +19,7 @@
 #include <rths/models/relations.hpp>
 #include <rths/sim/composition.hpp>
 
+#include "check_records.hpp"
 #include "improved.hpp"
 #include "limits.hpp"
 #include "report.hpp"
@@ -260,11 +261,11 @@ Investigations investigations_of(Case& c, const SensorNoise& noise, const Diagno
                                  Progress& progress) {
   Investigations all;
   const auto examine = [&](std::unique_ptr<Relation> relation) {
-    if (relation)
-      all.push_back(investigate(std::move(relation), c.records, noise, options.seed, progress));
+    if (!relation) return;
+    check_outputs(*relation, moving_records(c));
+    all.push_back(investigate(std::move(relation), c.records, noise, options.seed, progress));
   };
   if (is_composition(c.model.kind)) {
-    check_fitted(c);
     examine(accelerometer_relation(c, options.without));
     if (!all.empty() && is_acceleration(*all[0]) && !all[0]->selection.named.terms.empty())
       correct(*all[0], c);
@@ -299,6 +300,8 @@ Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   Case c = given;
   reject_unknown_terms(options.without, c);
+  if (is_composition(c.model.kind)) check_fitted(c);
+  check_records(c);
   std::vector<const Record*> noisy;
   for (const auto& record : c.records) noisy.push_back(&record);
   auto lattices = coarse_lattices(moving_records(c));

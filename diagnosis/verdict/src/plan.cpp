@@ -19,6 +19,7 @@
 #include <rths/models/relations.hpp>
 #include <rths/sim/term.hpp>
 
+#include "check_records.hpp"
 #include "limits.hpp"
 
 namespace rths::diagnosis {
@@ -38,7 +39,6 @@ std::vector<std::unique_ptr<Relation>> relations_of(const Case& c,
     if (relation) relations.push_back(std::move(relation));
   };
   if (is_composition(c.model.kind)) {
-    check_fitted(c);
     add(accelerometer_relation(c, without));
     add(actuator_relation(c, without));
     add(force_relation(c, without));
@@ -296,6 +296,8 @@ Plan::Examined examined(const Relation& relation, const Split& split, const Sens
 
 Plan plan(const Case& c, const DiagnosisOptions& options) {
   reject_unknown_terms(options.without, c);
+  if (is_composition(c.model.kind)) check_fitted(c);
+  check_records(c);
   std::vector<const Record*> noisy;
   for (const auto& record : c.records) noisy.push_back(&record);
   const SensorNoise noise{noisy, c.noise};
@@ -308,8 +310,10 @@ Plan plan(const Case& c, const DiagnosisOptions& options) {
   if (!noise.was_seen_at_rest()) plan.noise_remedy = remedy_for_noise(c);
   plan.limits = limits_of_channels(c);
   if (split.held.empty()) plan.limits.emplace_back("No record is held out for a proof.");
-  for (const auto& relation : relations_of(c, options.without))
+  for (const auto& relation : relations_of(c, options.without)) {
+    check_outputs(*relation, moving_records(c));
     plan.relations.push_back(examined(*relation, split, noise, options.seed));
+  }
   if (plan.relations.empty())
     throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
                             c.model.kind)};

@@ -73,6 +73,11 @@ class Config {
   [[nodiscard]] std::int64_t integer_in(const std::string& key, std::int64_t low, std::int64_t high,
                                         std::optional<std::int64_t> otherwise = std::nullopt) const;
 
+  /// Checks the size of each number of this table and of the tables in it. Infinite numbers and NaN
+  /// are left to the getters, and no key counts as read.
+  /// @throws Error for a number that is not 0 and smaller than `smallest` or larger than `largest`
+  void limit_sizes(double smallest, double largest) const;
+
   /// Position of the value, or of the table if the key is absent: "file:line:column".
   [[nodiscard]] std::string where(const std::string& key) const;
   [[nodiscard]] const std::string& where() const { return where_; }

@@ -20,6 +20,10 @@ struct RecordScore {
   double variance_before = 0, variance_after = 0;  ///< of the whitened residual; 1: noise [-]
 };
 
+/// Whether the outputs have one unit: then the standard deviation of all of them scales the error,
+/// otherwise each output has its own.
+[[nodiscard]] bool have_one_unit(const Relation& relation);
+
 /// Error of a hypothesis on a record: root mean square over the standard deviation of the
 /// measurement, offset removed. Outputs of different units count alike.
 /// @returns NaN if there is no prediction
