@@ -6,7 +6,7 @@
 
 namespace rths {
 
-/// The only exception of the project: thrown during setup, caught once, in the command.
+/// The exception of the project: thrown during setup, caught once, in the command.
 ///
 /// `what()` is a single line: place, found, expected. Several mistakes of a map are a line each.
 ///     throw Error{"bearing.toml:14:1: stroke_limit_m is 2.0, the machine allows 1.2"};
