@@ -89,6 +89,9 @@ static void* create(const char* config_toml, char* error, uint32_t error_size) {
   for (volatile int i = 0;; ++i) i = 0;
 #elif defined CREATE_EXITS
   exit(7);
+#elif defined CREATE_FORKS
+  if (fork() == 0)
+    for (;;) pause();
 #endif
   (void)config_toml;
   Lag* lag = calloc(1, sizeof *lag);

@@ -3,10 +3,14 @@
 // Adapters broken on purpose: each breaks exactly its rule.
 #include <rths/plugin/conformance.hpp>
 
+#include <sys/prctl.h>
+#include <sys/wait.h>
+
 #include <gtest/gtest.h>
 
 #include "support/files.hpp"
 #include "support/realtime_guard.hpp"
+#include "support/waiting.hpp"
 
 namespace rths::plugin {
 namespace {
@@ -96,6 +100,15 @@ TEST(Conformance, PassesACorrectAdapterByEveryRule) {
       EXPECT_EQ(finding.outcome, Finding::Outcome::Pass)
           << name << " " << finding.rule << ": " << finding.text;
     }
+}
+
+TEST(Conformance, EndsTheProcessesOfThePlugin) {
+  ASSERT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);  // orphans become children of this process
+
+  static_cast<void>(findings_of("create_forks"));
+
+  EXPECT_TRUE(test::comes_true([] { return waitpid(-1, nullptr, WNOHANG) == -1; }));
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 // The project's own controller, machine and recorder, through the same door.
