@@ -15,6 +15,7 @@
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 
 #include "command_line.hpp"
 #include "commands.hpp"
@@ -452,6 +453,9 @@ int main(int argc, char** argv) {
   try {
     rths::broker::on_lost_memory(rths::broker::OnLostMemory::Exit);
     return rths::app::with_output(rths::app::parse_and_run(argc, argv));
+  } catch (const rths::Interrupted& interrupted) {
+    std::fprintf(stderr, "rths: %s\n", interrupted.what());
+    return rths::app::kConditionNotMet;
   } catch (const std::filesystem::filesystem_error& error) {
     std::fprintf(stderr, "rths: %s: %s\n", error.path1().c_str(), error.code().message().c_str());
     return rths::app::kFailure;
