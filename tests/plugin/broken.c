@@ -135,10 +135,19 @@ static void wait_ms(long milliseconds) {
   nanosleep(&time, NULL);
 }
 
+/* Every `period` calls, 5 ms of the processor: in other steps of each run. */
+static int slow_every(int period) {
+  static int calls = 0;
+  const clock_t begun = clock();
+  if (++calls % period == 0)
+    while (clock() - begun < CLOCKS_PER_SEC / 200) continue;
+  return 1;
+}
+
 static rths_status step(void* self, double time_s, const double* in, double* out) {
   Lag* lag = self;
   const int is_later = ++lag->steps > LATER;
-  (void)time_s, (void)is_later;
+  (void)time_s, (void)is_later, (void)slow_every;
 #ifdef STATE_IS_SHARED
   double* position = &shared_position;
 #else
@@ -155,6 +164,10 @@ static rths_status step(void* self, double time_s, const double* in, double* out
 #elif defined STEP_IS_SLOW_ONCE
   const clock_t begun = clock();
   while (lag->steps == LATER && clock() - begun < CLOCKS_PER_SEC / 20) lag->active = 1;
+#elif defined STEP_IS_SLOW_AT_RANDOM
+  lag->active = slow_every(51);
+#elif defined STEP_IS_SLOW_IN_ONE_RUN
+  lag->active = slow_every(601);
 #elif defined STEP_ALLOCATES
   void* volatile memory = malloc(100);
   free(memory);
