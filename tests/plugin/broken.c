@@ -78,6 +78,10 @@ static double shared_position;
 __attribute__((visibility("default"))) int another_symbol(void) { return 1; }
 #endif
 
+#ifdef DESTRUCTOR_ABORTS
+__attribute__((destructor)) static void end(void) { abort(); }
+#endif
+
 static void* create(const char* config_toml, char* error, uint32_t error_size) {
 #ifdef CREATE_FAILS
   snprintf(error, error_size, "no licence found, expected one");

@@ -90,7 +90,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Broken{"create_exits", "crash", "create ended the process with exit code 7"},
                       Broken{"activate_aborts", "crash", "activate crashed: Aborted"},
                       Broken{"deactivate_crashes", "crash", "deactivate crashed"},
-                      Broken{"destroys_twice", "crash", "destroy crashed"}),
+                      Broken{"destroys_twice", "crash", "destroy crashed"},
+                      Broken{"destructor_aborts", "crash", "exit crashed: Aborted"}),
     [](const auto& broken) { return std::string{broken.param.file}; });
 
 TEST(Conformance, PassesACorrectAdapterByEveryRule) {

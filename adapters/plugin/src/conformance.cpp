@@ -220,6 +220,10 @@ void trial_of_instances(const std::filesystem::path& file, const ConformanceSett
       done = pair[k].step() == RTHS_DONE;
       fingerprints[k] = extended(fingerprints[k], pair[k].out(), pair[k].outputs());
     }
+  for (auto& candidate : pair) {
+    candidate.deactivate();
+    candidate.destroy();
+  }
   if (fingerprints[0] == alone && fingerprints[1] == alone) return report.pass(kInstances);
   report.fail(kInstances,
               "two adapters of this library influence each other: keep all state in "

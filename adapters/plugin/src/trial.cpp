@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <exception>
@@ -49,7 +51,9 @@ void set_text(std::span<char> text, const std::string& value) {
     std::signal(number, SIG_DFL);
   trial(report);
   report.completed = true;
-  _exit(0);
+  if (report.has_failed()) _exit(0);
+  set_text(report.call, "exit");
+  std::exit(0);  // the destructors of the library run
 }
 
 /// A report in memory that a child process shares.
@@ -75,7 +79,9 @@ class SharedReport {
 /// object.
 class Child {
  public:
-  Child(const std::function<void(TrialReport&)>& trial, TrialReport& report) : pid_{fork()} {
+  Child(const std::function<void(TrialReport&)>& trial, TrialReport& report) {
+    std::fflush(nullptr);  // what is not written yet would be written twice
+    pid_ = fork();
     if (pid_ == 0) run_child(trial, report);
     if (pid_ < 0) throw Error{"no process for the trial of a plugin"};
     setpgid(pid_, pid_);  // here, too: before the first look at it
@@ -101,7 +107,7 @@ class Child {
   }
 
  private:
-  pid_t pid_;
+  pid_t pid_ = -1;
   int status_ = 0;
   bool is_reaped_ = false;
 };
@@ -125,6 +131,10 @@ void TrialReport::fail(std::size_t rule, const std::string& text) {
   rules[rule].failed = true;
 }
 
+bool TrialReport::has_failed() const {
+  return std::any_of(rules.begin(), rules.end(), [](const auto& rule) { return rule.failed; });
+}
+
 TrialReport run_trial(const std::function<void(TrialReport&)>& trial, double deadline) {
   const SharedReport shared;
   Child child{trial, *shared};
@@ -146,7 +156,7 @@ TrialReport run_trial(const std::function<void(TrialReport&)>& trial, double dea
   }
   const int ending = child.end();
   TrialReport report = *shared;
-  if (report.completed) return report;
+  if (report.completed && WIFEXITED(ending) && WEXITSTATUS(ending) == 0) return report;
   if (overdue)
     report.fail(kDeadline, fmt::format("{} did not return within {:g} s: bound its loops and waits",
                                        report.call.data(), deadline));
