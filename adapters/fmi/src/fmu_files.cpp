@@ -163,7 +163,7 @@ FmuFiles::FmuFiles(const fs::path& file) {
     return;
   }
   const Archive archive{file};
-  const fs::path parent = fs::temp_directory_path();
+  const fs::path parent = temporary_folder();
   remove_left_folders(parent);
   std::string name;
   do {
