@@ -9,6 +9,7 @@
 #include <rths/adapters/server_check.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 #include <rths/fmi/fmu_check.hpp>
 #include <rths/plugin/conformance.hpp>
 #include <rths/plugin/python_file.hpp>
@@ -45,6 +46,7 @@ bool read_port(const char* begin, const char* end, std::uint16_t& port) {
 }  // namespace
 
 int check_plugin(const std::string& file, const std::string& config) {
+  const Interruptible interruptible;
   plugin::ConformanceSettings settings;
   const auto loaded =
       plugin::plugin_file(file, config.empty() ? "" : Config::load(config).to_toml());
@@ -54,6 +56,7 @@ int check_plugin(const std::string& file, const std::string& config) {
 }
 
 int check_fmu(const std::string& file, const std::string& config) {
+  const Interruptible interruptible;
   const Config table = config.empty() ? Config{} : Config::load(config);
   return print_findings(file + ": FMU", fmi::check_fmu(file, table));
 }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/cases/against.hpp>
+#include <rths/core/interrupted.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 #include <rths/verdict/diagnose.hpp>
@@ -57,6 +58,7 @@ diagnosis::Progress::Show shown_by(Steps& steps) {
 }  // namespace
 
 int diagnose(const DiagnoseArguments& arguments) {
+  const Interruptible interruptible;
   const diagnosis::Case c = load(arguments);
   if (arguments.plans) {
     fmt::print("{}",
@@ -71,7 +73,7 @@ int diagnose(const DiagnoseArguments& arguments) {
         fmt::format("{}: this diagnosis would replace its own case, expected another "
                     "folder for the results (--out)",
                     c.folder.string())};
-  create_folder(folder);
+  const NewFolder made{folder};
   const FolderLock lock{folder};
   std::optional<Steps> steps{
       std::in_place, 2, arguments.progress ? Steps::Silent::Nowhere : Steps::Silent::OffTerminals};

@@ -15,12 +15,15 @@
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 
 #include "command_line.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+void print_error(const std::string& text) { fmt::print(stderr, "rths: {}\n", text); }
 
 /// Values of all options; must outlive the parser.
 struct Arguments {
@@ -397,6 +400,16 @@ std::optional<int> run_hidden(const CLI::App& app, const std::vector<std::string
   return kOk;
 }
 
+// The help of the innermost command that was given.
+std::string usage_hint(const CLI::App& app) {
+  std::string command = app.get_name();
+  for (const auto* inner = &app; !inner->get_subcommands().empty();) {
+    inner = inner->get_subcommands().front();
+    command += " " + inner->get_name();
+  }
+  return fmt::format("; see {} --help", command);
+}
+
 int parse_and_run(int argc, char** argv) {
   CLI::App app{"A software SCRAMNet+ ring, and the hybrid-simulation laboratory on it."};
   app.name("rths");
@@ -417,12 +430,12 @@ int parse_and_run(int argc, char** argv) {
     check_command_names(app, words);
     app.parse(argc, argv);
   } catch (const Error& error) {
-    fmt::print(stderr, "rths: {}\n", error.what());
+    print_error(error.what());
     return kUsage;
   } catch (const CLI::ParseError& error) {
-    const bool is_help = error.get_exit_code() == 0;
-    app.exit(error);
-    return is_help ? kOk : kUsage;
+    if (error.get_exit_code() == 0) return app.exit(error);  // help or version
+    print_error(printable(error.what()) + usage_hint(app));
+    return kUsage;
   }
   return chosen();
 }
@@ -430,7 +443,7 @@ int parse_and_run(int argc, char** argv) {
 // The exit code of a command whose standard output may be lost: a full disk.
 int with_output(int code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  std::fprintf(stderr, "rths: standard output cannot be written: %s\n", std::strerror(errno));
+  print_error(std::string{"standard output cannot be written: "} + std::strerror(errno));
   return code == kOk ? kFailure : code;
 }
 
@@ -453,11 +466,17 @@ int main(int argc, char** argv) {
   try {
     rths::broker::on_lost_memory(rths::broker::OnLostMemory::Exit);
     return rths::app::with_output(rths::app::parse_and_run(argc, argv));
+  } catch (const rths::Interrupted& interrupted) {
+    rths::app::print_error(interrupted.what());
+    return rths::app::kConditionNotMet;
+  } catch (const rths::Error& error) {
+    rths::app::print_error(error.what());
+    return rths::app::kFailure;
   } catch (const std::filesystem::filesystem_error& error) {
-    std::fprintf(stderr, "rths: %s: %s\n", error.path1().c_str(), error.code().message().c_str());
+    rths::app::print_error(rths::printable(error.path1().string() + ": " + error.code().message()));
     return rths::app::kFailure;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "rths: %s\n", error.what());
+    rths::app::print_error(rths::printable(error.what()));
     return rths::app::kFailure;
   }
 }

@@ -182,6 +182,16 @@ void create_folder(const fs::path& folder) {
     throw Error{fmt::format("{}: cannot be created: {}", folder.string(), error.message())};
 }
 
+NewFolder::NewFolder(const fs::path& folder)
+    : made_{missing_folders(folder.has_filename() ? folder : folder.parent_path())} {
+  create_folder(folder);
+}
+
+NewFolder::~NewFolder() {
+  std::error_code ignored;
+  for (const auto& folder : made_) fs::remove(folder, ignored);
+}
+
 RunFolder::RunFolder(const fs::path& runs) : link_{runs / "latest"} {
   made_ = missing_folders(runs);
   folder_ = make_stamped(runs);

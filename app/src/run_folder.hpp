@@ -27,6 +27,19 @@ class FolderLock {
 /// Creates a folder and its parents. @throws Error if that fails   @setup
 void create_folder(const std::filesystem::path& folder);
 
+/// Creates a folder and its parents; the destructor removes those that it made and that are empty.
+class NewFolder {
+ public:
+  /// @throws Error if that fails   @setup
+  explicit NewFolder(const std::filesystem::path& folder);
+  ~NewFolder();
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+
+ private:
+  std::vector<std::filesystem::path> made_;  ///< innermost first
+};
+
 /// Output folder of a run, locked until it is destroyed. Results of an earlier run are lost only
 /// when the new run begins; if it does not begin, the destructor restores everything.
 class RunFolder {

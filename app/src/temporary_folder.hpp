@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
 
 namespace rths::app {
 
@@ -22,8 +23,7 @@ namespace rths::app {
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(const std::string& purpose) {
-    std::string name =
-        (std::filesystem::temp_directory_path() / ("rths-" + purpose + "-XXXXXX")).string();
+    std::string name = (temporary_folder() / ("rths-" + purpose + "-XXXXXX")).string();
     if (name.size() >= named().size() || mkdtemp(name.data()) == nullptr)
       throw Error{name + ": the folder cannot be created"};
     path_ = name;

@@ -2,6 +2,7 @@
 #include <rths/core/file.hpp>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -39,6 +40,17 @@ std::string read_file(const std::filesystem::path& file, std::uint64_t most_byte
   content.resize(static_cast<std::size_t>(stream.gcount()));
   if (stream.bad()) fail(file, std::strerror(errno));
   return content;
+}
+
+std::filesystem::path temporary_folder() {
+  std::error_code problem;
+  auto folder = std::filesystem::temp_directory_path(problem);
+  if (!problem) return folder;
+  for (const char* variable : {"TMPDIR", "TMP", "TEMP", "TEMPDIR"})
+    if (const char* named = std::getenv(variable))
+      throw Error{fmt::format("{}: no folder for temporary files: {}; the variable {} names it",
+                              named, problem.message(), variable)};
+  throw Error{fmt::format("/tmp: no folder for temporary files: {}", problem.message())};
 }
 
 }  // namespace rths

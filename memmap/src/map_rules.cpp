@@ -147,7 +147,7 @@ void check_signals(const Partition& partition, std::set<std::string>& names, Mis
 }  // namespace
 
 void Mistakes::report() const {
-  if (!lines_.empty()) throw Error{fmt::format("{}", fmt::join(lines_, "\n"))};
+  if (!lines_.empty()) throw Error{lines_};
 }
 
 void check_rules(const MapDescription& description, Mistakes& mistakes) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/report/diagnosis.hpp>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <system_error>
 
@@ -174,6 +176,8 @@ DiagnosisFiles write_diagnosis(const diagnosis::Verdict& verdict,
     files.motion = motion;
   }
   written.commit();
+  for (const char* emptied : {kImprovedFolder, kPredictionFolder})
+    rmdir((folder / emptied).c_str());  // fails if it is not empty
   return files;
 }
 

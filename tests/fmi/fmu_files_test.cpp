@@ -123,6 +123,15 @@ TEST_F(PackedFmu, ThatIsDamagedIsRefused) {
   EXPECT_EQ(left(), 0);
 }
 
+TEST_F(PackedFmu, NamesTheFolderThatIsMissing) {
+  const auto file = test::pack_fmu(test::lag_fmu(folder, 3, "correct"));
+  setenv("TMPDIR", "/no/such", 1);
+
+  EXPECT_EQ(error_of_load(file),
+            "node 'mac': /no/such: no folder for temporary files: No such file or directory; the "
+            "variable TMPDIR names it");
+}
+
 TEST_F(PackedFmu, OfAKilledProcessIsRemovedByTheNext) {
   const auto file = test::pack_fmu(test::lag_fmu(folder, 3, "correct"));
   be_killed_with(file);

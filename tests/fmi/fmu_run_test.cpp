@@ -2,6 +2,8 @@
 //
 // Hybrid tests through FMUs: the native controller and machine as FMUs give the native test, and
 // the example runs to its report.
+#include <signal.h>
+
 #include <array>
 #include <cstdio>
 #include <fstream>
@@ -18,6 +20,7 @@
 #include "plugin/native_runs.hpp"
 #include "support/process.hpp"
 #include "support/realtime_guard.hpp"
+#include "support/waiting.hpp"
 #include "test_fmu.hpp"
 
 namespace rths::fmi {
@@ -316,6 +319,24 @@ TEST(CheckOfFmuCommand, PrintsEveryRule) {
   EXPECT_NE(bad.out.find("FAIL  lifecycle    activate returned 4: fmi2Instantiate failed: wrong"),
             std::string::npos)
       << bad.out;
+}
+
+TEST(CheckOfFmuCommand, LeavesNothingWhenASignalInterruptsIt) {
+  const test::TemporaryFolder folder, temporary;
+  const auto file = test::pack_fmu(test::lag_fmu(folder, 2, "loops"));
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    test::Running check{{"/usr/bin/env", "--default-signal", "TMPDIR=" + temporary.path().string(),
+                         test::rths_command(), "check", file.string()}};
+    ASSERT_TRUE(test::comes_true([&] { return !test::children_of(check.pid()).empty(); }));
+    const int trial = test::children_of(check.pid()).front();
+    ASSERT_EQ(kill(check.pid(), signal), 0);
+    const auto ended = check.wait();
+
+    EXPECT_EQ(ended.exit_code, 1) << signal;
+    EXPECT_EQ(ended.err, "rths: interrupted\n") << signal;
+    EXPECT_TRUE(std::filesystem::is_empty(temporary.path())) << signal;
+    EXPECT_FALSE(test::is_running(trial)) << signal;
+  }
 }
 
 }  // namespace

@@ -32,6 +32,19 @@ TEST(Command, ExitsWithThreeOnWrongUsage) {
   EXPECT_EQ(run_rths({"run", "x.toml", "--set", "novalue"}).exit_code, 3);
 }
 
+TEST(Command, ReportsWrongUsageInOneLineWithTheHelpToRead) {
+  const Finished unfinished = run_rths({"map", "gen"});
+  EXPECT_EQ(unfinished.err, "rths: map is required; see rths map gen --help\n");
+  EXPECT_EQ(unfinished.out, "");
+  EXPECT_EQ(run_rths({"run", "x.toml", "--set", "\x1b[31m"}).err,
+            "rths: --set \\x1b[31m: expected key=value; see rths run --help\n");
+}
+
+TEST(Command, PrintsNoControlCharactersOfNames) {
+  EXPECT_EQ(run_rths({"check", "a\nb\x1b[31m"}).err,
+            "rths: a\\nb\\x1b[31m: cannot be read: No such file or directory\n");
+}
+
 TEST(Command, HasHelpForEverySubcommand) {
   for (const char* command : {"run", "check", "dump", "export", "who", "watch", "fault", "send",
                               "bench", "loop", "terms", "map", "report", "doctor", "clean"}) {

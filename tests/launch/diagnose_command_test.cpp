@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `rths diagnose` and its errors.
+#include <signal.h>
+
+#include <iterator>
+
 #include <gtest/gtest.h>
 
 #include "support/files.hpp"
 #include "support/process.hpp"
+#include "support/waiting.hpp"
 
 namespace rths {
 namespace {
@@ -111,6 +116,29 @@ TEST(DiagnoseCommand, NamesTheColumnsMissingInASimulation) {
   EXPECT_EQ(run.err, "rths: " + sim +
                          ": predicts no measured channel, expected columns named "
                          "force.long\n");
+}
+
+// A run that was started in the background of a script ignores SIGINT; `env` takes that back.
+TEST(DiagnoseCommand, LeavesNothingWhenASignalInterruptsIt) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const test::TemporaryFolder folder;
+    folder.write("verdict.json", "an earlier verdict");
+    for (const auto& out : {folder.path() / "new" / "results", folder.path()}) {
+      test::Running diagnosis{{"/usr/bin/env", "--default-signal", test::rths_command(), "diagnose",
+                               (test::source_tree() / "examples/diagnosis/actuator").string(),
+                               "--out", out.string()}};
+      ASSERT_TRUE(test::comes_true([&] { return std::filesystem::exists(out / ".lock"); }));
+
+      ASSERT_EQ(kill(diagnosis.pid(), signal), 0);
+      const auto ended = diagnosis.wait();
+
+      EXPECT_EQ(ended.exit_code, 1) << signal;
+      EXPECT_EQ(ended.err, "rths: interrupted\n") << signal;
+      EXPECT_EQ(ended.out, "");
+    }
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator{folder.path()}, {}), 1) << signal;
+    EXPECT_EQ(test::content_of(folder.path() / "verdict.json"), "an earlier verdict");
+  }
 }
 
 }  // namespace

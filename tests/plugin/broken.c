@@ -78,6 +78,10 @@ static double shared_position;
 __attribute__((visibility("default"))) int another_symbol(void) { return 1; }
 #endif
 
+#ifdef DESTRUCTOR_ABORTS
+__attribute__((destructor)) static void end(void) { abort(); }
+#endif
+
 static void* create(const char* config_toml, char* error, uint32_t error_size) {
 #ifdef CREATE_FAILS
   snprintf(error, error_size, "no licence found, expected one");
@@ -89,6 +93,9 @@ static void* create(const char* config_toml, char* error, uint32_t error_size) {
   for (volatile int i = 0;; ++i) i = 0;
 #elif defined CREATE_EXITS
   exit(7);
+#elif defined CREATE_FORKS
+  if (fork() == 0)
+    for (;;) pause();
 #endif
   (void)config_toml;
   Lag* lag = calloc(1, sizeof *lag);
@@ -132,10 +139,19 @@ static void wait_ms(long milliseconds) {
   nanosleep(&time, NULL);
 }
 
+/* Every `period` calls, 5 ms of the processor: in other steps of each run. */
+static int slow_every(int period) {
+  static int calls = 0;
+  const clock_t begun = clock();
+  if (++calls % period == 0)
+    while (clock() - begun < CLOCKS_PER_SEC / 200) continue;
+  return 1;
+}
+
 static rths_status step(void* self, double time_s, const double* in, double* out) {
   Lag* lag = self;
   const int is_later = ++lag->steps > LATER;
-  (void)time_s, (void)is_later;
+  (void)time_s, (void)is_later, (void)slow_every;
 #ifdef STATE_IS_SHARED
   double* position = &shared_position;
 #else
@@ -152,6 +168,10 @@ static rths_status step(void* self, double time_s, const double* in, double* out
 #elif defined STEP_IS_SLOW_ONCE
   const clock_t begun = clock();
   while (lag->steps == LATER && clock() - begun < CLOCKS_PER_SEC / 20) lag->active = 1;
+#elif defined STEP_IS_SLOW_AT_RANDOM
+  lag->active = slow_every(51);
+#elif defined STEP_IS_SLOW_IN_ONE_RUN
+  lag->active = slow_every(601);
 #elif defined STEP_ALLOCATES
   void* volatile memory = malloc(100);
   free(memory);

@@ -3,10 +3,14 @@
 // Adapters broken on purpose: each breaks exactly its rule.
 #include <rths/plugin/conformance.hpp>
 
+#include <sys/prctl.h>
+#include <sys/wait.h>
+
 #include <gtest/gtest.h>
 
 #include "support/files.hpp"
 #include "support/realtime_guard.hpp"
+#include "support/waiting.hpp"
 
 namespace rths::plugin {
 namespace {
@@ -74,6 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Broken{"step_loops", "deadline", "step 100 did not return"},
                       Broken{"step_waits", "deadline", "half of the steps"},
                       Broken{"step_is_slow_once", "deadline", "step 99 took"},
+                      Broken{"step_is_slow_at_random", "deadline", "steps of two runs took more"},
                       Broken{"step_allocates", "allocation", "step 0 used the heap 2 times"},
                       Broken{"step_allocates_later", "allocation", "step 99"},
                       Broken{"never_rests", "stop", "RTHS_DONE"},
@@ -85,17 +90,27 @@ INSTANTIATE_TEST_SUITE_P(
                       Broken{"create_exits", "crash", "create ended the process with exit code 7"},
                       Broken{"activate_aborts", "crash", "activate crashed: Aborted"},
                       Broken{"deactivate_crashes", "crash", "deactivate crashed"},
-                      Broken{"destroys_twice", "crash", "destroy crashed"}),
+                      Broken{"destroys_twice", "crash", "destroy crashed"},
+                      Broken{"destructor_aborts", "crash", "exit crashed: Aborted"}),
     [](const auto& broken) { return std::string{broken.param.file}; });
 
 TEST(Conformance, PassesACorrectAdapterByEveryRule) {
-  for (const char* name : {"correct", "earlier_minor", "later_minor"})
+  for (const char* name : {"correct", "earlier_minor", "later_minor", "step_is_slow_in_one_run"})
     for (const auto& finding : findings_of(name)) {
       const bool is_counted = finding.rule != "allocation" || test::RealTimeGuard::supported();
       if (!is_counted) continue;
       EXPECT_EQ(finding.outcome, Finding::Outcome::Pass)
           << name << " " << finding.rule << ": " << finding.text;
     }
+}
+
+TEST(Conformance, EndsTheProcessesOfThePlugin) {
+  ASSERT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);  // orphans become children of this process
+
+  static_cast<void>(findings_of("create_forks"));
+
+  EXPECT_TRUE(test::comes_true([] { return waitpid(-1, nullptr, WNOHANG) == -1; }));
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 // The project's own controller, machine and recorder, through the same door.

@@ -121,6 +121,21 @@ TEST(WriteDiagnosis, RemovesTheModelOfAnEarlierDiagnosis) {
   EXPECT_EQ(test::content_of(second.numbers), verdict_json(none_verdict()));
 }
 
+TEST(WriteDiagnosis, LeavesNoEmptyFolderOfAnEarlierDiagnosis) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"improved", "predictions"})
+    std::filesystem::create_directory(folder.path() / name);
+  folder.write("improved/case.toml", "");
+  folder.write("predictions/mine.txt", "");
+  auto verdict = none_verdict();
+  verdict.traces.clear();
+
+  static_cast<void>(write_diagnosis(verdict, folder.path()));
+
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "improved"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "predictions/mine.txt"));
+}
+
 TEST(WriteDiagnosis, WritesATableOfPredictionsForEachRecord) {
   const test::TemporaryFolder folder;
   auto verdict = missing_verdict();

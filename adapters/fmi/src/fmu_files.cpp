@@ -19,6 +19,7 @@
 
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
+#include <rths/core/interrupted.hpp>
 
 namespace rths::fmi {
 namespace {
@@ -101,6 +102,7 @@ class Archive {
     std::vector<char> buffer(1U << 16U);
     std::uint64_t all = 0;
     for (;;) {
+      stop_if_interrupted();
       const auto count = zip_fread(entry.get(), buffer.data(), buffer.size());
       if (count < 0)
         throw Error{
@@ -161,7 +163,7 @@ FmuFiles::FmuFiles(const fs::path& file) {
     return;
   }
   const Archive archive{file};
-  const fs::path parent = fs::temp_directory_path();
+  const fs::path parent = temporary_folder();
   remove_left_folders(parent);
   std::string name;
   do {
@@ -181,7 +183,7 @@ FmuFiles::FmuFiles(const fs::path& file) {
   } catch (const fs::filesystem_error& error) {
     remove();
     throw Error{fmt::format("{}: {}", file.string(), error.what())};
-  } catch (const Error&) {
+  } catch (...) {
     remove();
     throw;
   }

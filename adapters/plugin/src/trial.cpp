@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <exception>
@@ -19,6 +21,7 @@
 
 #include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 
 namespace rths::plugin {
 namespace {
@@ -42,11 +45,72 @@ void set_text(std::span<char> text, const std::string& value) {
 
 [[noreturn]] void run_child(const std::function<void(TrialReport&)>& trial, TrialReport& report) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(number, SIG_DFL);
+  setpgid(0, 0);
+  for (const int number :
+       {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM, SIGHUP, SIGQUIT})
+    std::signal(number, SIG_DFL);
   trial(report);
   report.completed = true;
-  _exit(0);
+  if (report.has_failed()) _exit(0);
+  set_text(report.call, "exit");
+  std::exit(0);  // the destructors of the library run
 }
+
+/// A report in memory that a child process shares.
+class SharedReport {
+ public:
+  SharedReport() {
+    void* memory = mmap(nullptr, sizeof(TrialReport), PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) throw Error{"no memory for the trial of a plugin"};
+    report_ = std::construct_at(static_cast<TrialReport*>(memory));
+  }
+  ~SharedReport() { munmap(report_, sizeof(TrialReport)); }
+  SharedReport(const SharedReport&) = delete;
+  SharedReport& operator=(const SharedReport&) = delete;
+  [[nodiscard]] TrialReport& operator*() const { return *report_; }
+  [[nodiscard]] TrialReport* operator->() const { return report_; }
+
+ private:
+  TrialReport* report_;
+};
+
+/// The process of a trial and those that the plugin starts: a process group, which ends with this
+/// object.
+class Child {
+ public:
+  Child(const std::function<void(TrialReport&)>& trial, TrialReport& report) {
+    std::fflush(nullptr);  // what is not written yet would be written twice
+    pid_ = fork();
+    if (pid_ == 0) run_child(trial, report);
+    if (pid_ < 0) throw Error{"no process for the trial of a plugin"};
+    setpgid(pid_, pid_);  // here, too: before the first look at it
+  }
+  ~Child() { static_cast<void>(end()); }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  [[nodiscard]] pid_t pid() const { return pid_; }
+  /// Until `end`, the process keeps its id, and so does its group.
+  [[nodiscard]] bool has_ended() const {
+    siginfo_t ended{};
+    return waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+           ended.si_pid == pid_;
+  }
+  /// Ends what still runs. @returns the status of the trial's process, as from waitpid
+  int end() {
+    if (is_reaped_) return status_;
+    kill(-pid_, SIGKILL);
+    waitpid(pid_, &status_, 0);
+    is_reaped_ = true;
+    return status_;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int status_ = 0;
+  bool is_reaped_ = false;
+};
 
 // A busy host delays the child: a call is overdue if it used the processor, or waits far too long.
 bool is_overdue(pid_t pid, double waited, double processor_time, double deadline) {
@@ -67,35 +131,32 @@ void TrialReport::fail(std::size_t rule, const std::string& text) {
   rules[rule].failed = true;
 }
 
+bool TrialReport::has_failed() const {
+  return std::any_of(rules.begin(), rules.end(), [](const auto& rule) { return rule.failed; });
+}
+
 TrialReport run_trial(const std::function<void(TrialReport&)>& trial, double deadline) {
-  void* memory =
-      mmap(nullptr, sizeof(TrialReport), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) throw Error{"no memory for the trial of a plugin"};
-  auto* shared = std::construct_at(static_cast<TrialReport*>(memory));
-  const pid_t pid = fork();
-  if (pid == 0) run_child(trial, *shared);
-  if (pid < 0) throw Error{"no process for the trial of a plugin"};
+  const SharedReport shared;
+  Child child{trial, *shared};
   const WallClock clock;
   std::array<char, 100> call{};
   TimePoint since = clock.now();
   double processor_time = 0;
-  int ending = 0;
   bool overdue = false;
-  while (waitpid(pid, &ending, WNOHANG) != pid) {
+  while (!child.has_ended()) {
+    stop_if_interrupted();
     std::this_thread::sleep_for(kTrialLook);
     if (call != shared->call) {
       call = shared->call;
       since = clock.now();
-      processor_time = processor_time_of(pid);
+      processor_time = processor_time_of(child.pid());
     }
-    if (overdue || !is_overdue(pid, to_seconds(clock.now() - since), processor_time, deadline))
-      continue;
-    overdue = true;
-    kill(pid, SIGKILL);
+    overdue = is_overdue(child.pid(), to_seconds(clock.now() - since), processor_time, deadline);
+    if (overdue) break;
   }
+  const int ending = child.end();
   TrialReport report = *shared;
-  munmap(memory, sizeof(TrialReport));
-  if (report.completed) return report;
+  if (report.completed && WIFEXITED(ending) && WEXITSTATUS(ending) == 0) return report;
   if (overdue)
     report.fail(kDeadline, fmt::format("{} did not return within {:g} s: bound its loops and waits",
                                        report.call.data(), deadline));

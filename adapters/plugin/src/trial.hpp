@@ -42,10 +42,11 @@ struct TrialReport {
   void pass(std::size_t rule, const std::string& text = "");
   /// The first failure of a rule is kept.
   void fail(std::size_t rule, const std::string& text);
+  [[nodiscard]] bool has_failed() const;
 };
 
-/// Runs a trial in a child process and returns its report. A crash fails kCrash, a call that does
-/// not return fails kDeadline.   @setup
+/// Runs a trial in a child process and returns its report. A crash fails kCrash, also one of a
+/// destructor at the end of the process; a call that does not return fails kDeadline.   @setup
 [[nodiscard]] TrialReport run_trial(const std::function<void(TrialReport&)>& trial,
                                     double deadline);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <rths/controller/target_exchange.hpp>
+#include <rths/core/interrupted.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 #include "compensator.hpp"
@@ -232,6 +233,7 @@ std::vector<double> noise_of(const std::vector<double>& signal, std::size_t reac
 }
 
 Response closed_loop(const HybridTest& test, Parts identified) {
+  stop_if_interrupted();
   if (!has(identified, Part::Numerical)) return run_with_fine_steps(test, identified);
   return SteppedRun{test, identified}.run();
 }

@@ -9,6 +9,7 @@
 
 #include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -104,6 +105,7 @@ class Minimiser {
   }
 
   bool evaluate(Point& point, bool wants_jacobian) const {
+    stop_if_interrupted();
     if (!problem_.residuals(parameters(point), point.residual,
                             wants_jacobian ? &point.jacobian : nullptr))
       return false;

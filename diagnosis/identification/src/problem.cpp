@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -111,6 +112,7 @@ std::optional<std::vector<MatrixXd>> Problem::possible_draws(const RecordData& d
   std::vector<MatrixXd> draws;
   for (const auto& drive : data.disturbed) {
     if (draws.size() == most) break;
+    stop_if_interrupted();
     if (!relation_->simulator(hypothesis, *drive)->run(hypothesis.values, {}, moved, none))
       continue;
     draws.emplace_back((drive->measured - moved) - (data.drive->measured - still));
@@ -202,6 +204,7 @@ bool Supposition::stack(const Fold::Share& share, const VectorXd& values,
 bool Supposition::evaluate(const Fold& fold, const VectorXd& values,
                            const std::vector<Index>& wanted, VectorXd& residual,
                            MatrixXd& jacobian) const {
+  stop_if_interrupted();
   Index size = 0;
   for (const auto& share : fold.shares) {
     const auto& measured = problem_->drive(share.record).measured;

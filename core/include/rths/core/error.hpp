@@ -3,17 +3,24 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace rths {
 
-/// The only exception of the project: thrown during setup, caught once, in the command.
+/// The exception of the project: thrown during setup, caught once, in the command.
 ///
-/// `what()` is a single line: place, found, expected. Several mistakes of a map are a line each.
+/// `what()` is a single line: place, found, expected. Control characters, such as those of a name
+/// in a file, are escaped: \n, \x1b. Several mistakes of a map are a line each.
 ///     throw Error{"bearing.toml:14:1: stroke_limit_m is 2.0, the machine allows 1.2"};
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Error(const std::string& line);
+  explicit Error(const std::vector<std::string>& lines);
 };
+
+/// The text with its control characters escaped, for a terminal.
+[[nodiscard]] std::string printable(std::string_view text);
 
 /// Prints the failed claim on standard error and aborts. For bugs of our own, never for input.
 [[noreturn]] void assertion_failed(const char* claim, const char* file, int line) noexcept;

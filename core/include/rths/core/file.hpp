@@ -19,4 +19,8 @@ inline constexpr std::uint64_t kMostTextBytes = 1U << 30U;
 /// @throws Error if the path is not a regular file, such as a directory, a device or a pipe  @setup
 void check_is_file(const std::filesystem::path& file);
 
+/// Folder for temporary files: TMPDIR, otherwise /tmp.
+/// @throws Error if there is no such folder   @setup
+[[nodiscard]] std::filesystem::path temporary_folder();
+
 }  // namespace rths
