@@ -91,6 +91,7 @@ class Runs:
 
     def __init__(self, rths, python, folder):
         self.rths, self.python, self.folder, self.port = rths, python, folder, 8200
+        self.out = None  # of the last run on the ring
         (folder / "bilinear.toml").write_text(BILINEAR)
 
     def on_ring(self, script, options, specimen="bilinear.toml", element='dofs = ["long", "lat"]', terms="",
@@ -104,7 +105,8 @@ class Runs:
             axes=axes, record=RECORD, specimen=specimen, terms=terms, script=script, python=self.python, port=self.port,
             arguments=", ".join(f'"{word}"' for word in ["{motion}", *words]), element=element, duration=duration,
             step=step, scale=scale))
-        subprocess.run([self.rths, "run", experiment, "--clock", "virtual", "--out", tempfile.mkdtemp(dir=self.folder)],
+        self.out = pathlib.Path(tempfile.mkdtemp(dir=self.folder))
+        subprocess.run([self.rths, "run", experiment, "--clock", "virtual", "--out", self.out],
                        check=True, stdout=subprocess.DEVNULL)
         return rows_of(response)
 
@@ -154,8 +156,7 @@ def mast(runs, p_delta):
     """The worst of displacements and rotations of the bearing, percent."""
     ring = runs.on_ring(MAST, ["ring", "{port}", "{response}"],
                         element=BEARING.format(p_delta=str(p_delta).lower()), duration=10)
-    motion = next(runs.folder.glob("*/run.opf.motion.csv"))
-    own = runs.alone(MAST, "own", "0", "{response}", motion=motion)
+    own = runs.alone(MAST, "own", "0", "{response}", motion=runs.out / "run.opf.motion.csv")
     return [nrmse_percent(ring, own, column) for column in (1, 2, 4, 5)]
 
 
