@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <optional>
 #include <sstream>
+#include <system_error>
+#include <utility>
 
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
@@ -17,6 +19,24 @@ namespace rths::app {
 namespace {
 
 constexpr const char* kImprovement = "model.improvement";
+
+// A file of this process, for as long as the object lives.
+class Draft {
+ public:
+  Draft(std::filesystem::path path, const std::string& text) : path_{std::move(path)} {
+    write_file(path_, text);
+  }
+  ~Draft() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 // Adds a file to the list of improvements of a run.
 launch::Overrides improved_by(const std::filesystem::path& fragment, launch::Overrides changes) {
@@ -36,10 +56,10 @@ budget::MismatchBudget budget_of(const std::filesystem::path& recording,
                                  const std::filesystem::path& folder, const std::string& fragment) {
   const auto experiment = load_experiment(file, changes);
   auto improved = experiment;
+  std::optional<Draft> draft;  // the results replace earlier ones when all of them are complete
   if (!fragment.empty()) {
-    const auto path = std::filesystem::absolute(folder / report::kFragmentFile);
-    write_file(path, fragment);
-    improved = load_experiment(file, improved_by(path, changes));
+    draft.emplace(std::filesystem::absolute(folder / "improved.draft.toml"), fragment);
+    improved = load_experiment(file, improved_by(draft->path(), changes));
   }
   const auto unseen = recording.parent_path() / diagnosis::kHeldOutFile;
   std::optional<recording::Reader> held_out;

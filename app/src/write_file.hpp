@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include <rths/core/error.hpp>
+#include <rths/core/replace_files.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::app {
@@ -36,21 +37,14 @@ inline void check_result_file(const std::filesystem::path& file) {
 inline void write_file(const std::filesystem::path& file, const std::string& content) {
   check_target(file);
   std::error_code error;
-  const auto is_new = !std::filesystem::exists(file, error);
-  const auto target = is_new ? file : std::filesystem::canonical(file, error);
-  const bool is_direct = !is_new && !std::filesystem::is_regular_file(target, error);
-  auto written = target;
-  if (!is_direct) written += ".part";
-  std::ofstream stream{written, std::ios::binary};
+  const bool is_there = std::filesystem::exists(file, error);
+  const auto target = is_there ? std::filesystem::canonical(file, error) : file;
+  if (!is_there || std::filesystem::is_regular_file(target, error))
+    return replace_file(target, content);
+  std::ofstream stream{target, std::ios::binary};
   stream << content;
   stream.close();
-  const bool is_complete = stream.good();
-  error.clear();
-  if (is_complete && !is_direct) std::filesystem::rename(written, target, error);
-  if (is_complete && !error) return;
-  std::error_code ignored;
-  if (!is_direct) std::filesystem::remove(written, ignored);
-  throw Error{file.string() + ": cannot be written"};
+  if (!stream) throw Error{file.string() + ": cannot be written"};
 }
 
 }  // namespace rths::app

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/replace_files.hpp>
 #include <rths/report/report.hpp>
 
-#include "write_file.hpp"
 
 namespace rths::report {
 namespace {

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/replace_files.hpp>
 #include <rths/report/diagnosis.hpp>
 
 #include "companions.hpp"
 #include "page.hpp"
-#include "write_file.hpp"
 
 namespace rths::report {
 namespace {
@@ -38,8 +38,8 @@ ReportOutcome make_report(const std::filesystem::path& folder, std::vector<Broke
   numbers["diagnosis"] = verdict_in(folder);
   const ReportOutcome outcome{folder / "report.html", folder / "report.json", summary_of(analysis),
                               is_conclusive(analysis)};
-  write_file(outcome.page, page_of(analysis, numbers));
-  write_file(outcome.numbers, numbers.dump(2) + "\n");
+  replace_file(outcome.page, page_of(analysis, numbers));
+  replace_file(outcome.numbers, numbers.dump(2) + "\n");
   return outcome;
 }
 

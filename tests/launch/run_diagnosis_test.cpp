@@ -209,6 +209,7 @@ TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
       {"diagnose", (out() / "run.h5").string(), "--out", again.path().string()}, kDeadline);
 
   ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_FALSE(std::filesystem::exists(again.path() / "improved.draft.toml"));
   Json verdict_again = json_of(again.path() / "verdict.json");
   verdict_again["seconds"] = nullptr;  // a run in virtual time does not report it
   const Json first_verdict = json_of(out() / "verdict.json");
