@@ -22,9 +22,10 @@ constexpr double kLeastFlexion = 0.5;  // of the same, under the largest force
 constexpr double kWorse = 0.02;  // of the energy of the error, or of noise, on a held-out record
 constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records,
 constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
-constexpr double kLeastFormShare = 0.05;  // as kLeastShare, of a candidate that corrects the form
-constexpr double kSeenShare = 0.25;       // of the same: seen in spite of the noise
-constexpr double kLeastShift = 0.1;       // of the time between samples
+constexpr double kLeastShareOfCorrection =
+    0.05;                            // as kLeastShare, of a candidate that corrects the form
+constexpr double kSeenShare = 0.25;  // of the same: seen in spite of the noise
+constexpr double kLeastShift = 0.1;  // of the time between samples
 
 constexpr double kTakenOver = 0.5;  // of a candidate's energy, by a form
 
@@ -153,7 +154,7 @@ class Pruning {
       if (held.with[k] - bare[k] > kWorse * std::max(bare[k], held.noise[k]))
         return fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
     const double gain = sum(bare) - sum(held.with);
-    const double least = candidate.corrects_form ? kLeastFormShare : kLeastShare;
+    const double least = candidate.corrects_form ? kLeastShareOfCorrection : kLeastShare;
     const bool is_small = gain < least * sum(held.base) && fit_share(rest) < kFitShare;
     return is_small ? fmt::format("it explains less than {:g} % of the unseen records' error",
                                   100 * least)

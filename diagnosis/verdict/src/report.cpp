@@ -252,8 +252,8 @@ void report(const Investigation& found, Verdict& verdict) {
         found.proof.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300)));
   add_evidence(found, verdict);
   for (const auto& description : found.descriptions) {
-    constexpr double kLeastFormShare = 0.02;
-    if (description.share > kLeastFormShare) verdict.descriptions.push_back(description);
+    constexpr double kLeastDescribedShare = 0.02;
+    if (description.share > kLeastDescribedShare) verdict.descriptions.push_back(description);
   }
   for (const auto& [candidate, reason] : found.withdrawn)
     verdict.limits.push_back(
