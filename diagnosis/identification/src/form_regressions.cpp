@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 
 #include <Eigen/Core>
 
@@ -134,8 +133,7 @@ class ResidualView {
  public:
   ResidualView(const Supposition& supposition, const Fold& fold)
       : supposition_{supposition}, fold_{fold} {
-    std::vector<Index> all(supposition.hypothesis().free.size());
-    std::iota(all.begin(), all.end(), Index{0});
+    const std::vector<Index> all = all_of(supposition.hypothesis());
     static_cast<void>(
         supposition.evaluate(fold, supposition.hypothesis().values, all, residual_, jacobian_));
     const Problem& problem = supposition.problem();

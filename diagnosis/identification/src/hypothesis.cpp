@@ -2,6 +2,7 @@
 #include <rths/identification/hypothesis.hpp>
 
 #include <algorithm>
+#include <numeric>
 
 namespace rths::diagnosis {
 
@@ -25,6 +26,12 @@ std::string name_of(Part part) {
 
 std::string_view last_name(std::string_view parameter) {
   return parameter.substr(parameter.rfind('.') + 1);
+}
+
+std::vector<Eigen::Index> all_of(const Hypothesis& hypothesis) {
+  std::vector<Eigen::Index> all(hypothesis.free.size());
+  std::iota(all.begin(), all.end(), Eigen::Index{0});
+  return all;
 }
 
 bool is_same(const Candidate& one, const Candidate& other) {

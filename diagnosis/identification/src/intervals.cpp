@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include <Eigen/Core>
 
@@ -43,8 +42,7 @@ struct Minimum {
   VectorXd bound;    // variance that a parameter on its bound had without it; of others 0
 
   Minimum(const Problem& problem, const Fold& fold, const Hypothesis& hypothesis) {
-    std::vector<Index> all(hypothesis.free.size());
-    std::iota(all.begin(), all.end(), Index{0});
+    const std::vector<Index> all = all_of(hypothesis);
     const Supposition supposition{problem, hypothesis};
     if (all.empty() || !supposition.evaluate(fold, hypothesis.values, all, residual, jacobian)) {
       jacobian.resize(0, 0);

@@ -2,7 +2,6 @@
 #include <rths/identification/problem.hpp>
 
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -22,12 +21,6 @@ constexpr std::size_t kFewDraws = 4;
 Progress& no_progress() {
   thread_local Progress progress;
   return progress;
-}
-
-std::vector<Index> all_of(const Hypothesis& hypothesis) {
-  std::vector<Index> all(hypothesis.free.size());
-  std::iota(all.begin(), all.end(), Index{0});
-  return all;
 }
 
 // Removes the component along a constant.

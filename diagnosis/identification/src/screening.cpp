@@ -113,8 +113,7 @@ void sort_by_gain(std::vector<Screened>& candidates) {
 std::vector<Screened> screen(const Supposition& base, const Fold& fold,
                              const std::vector<Candidate>& candidates) {
   const Hypothesis& hypothesis = base.hypothesis();
-  std::vector<Index> all(hypothesis.free.size());
-  std::iota(all.begin(), all.end(), Index{0});
+  const std::vector<Index> all = all_of(hypothesis);
   VectorXd whole;
   MatrixXd jacobian;
   std::vector<Screened> result;

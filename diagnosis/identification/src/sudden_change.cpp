@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <Eigen/Core>
 
@@ -56,8 +55,7 @@ Change best_change(const VectorXd& w, const MatrixXd& J, const Complement& compl
 void find_change(const Supposition& supposition, const Folds& folds,
                  std::vector<Description>& found) {
   const auto& hypothesis = supposition.hypothesis();
-  std::vector<Index> all(hypothesis.free.size());
-  std::iota(all.begin(), all.end(), Index{0});
+  const std::vector<Index> all = all_of(hypothesis);
   double gain = 0, excess = 0;
   std::vector<double> times;
   std::string parameter;

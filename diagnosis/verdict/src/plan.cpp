@@ -118,9 +118,7 @@ class Examination {
  public:
   Examination(const Problem& problem, Fold fold)
       : fold_{std::move(fold)}, base_{problem, problem.relation().base()} {
-    const auto count = static_cast<Index>(base_.hypothesis().free.size());
-    std::vector<Index> all(static_cast<std::size_t>(count));
-    std::iota(all.begin(), all.end(), Index{0});
+    const std::vector<Index> all = all_of(base_.hypothesis());
     MatrixXd jacobian;
     if (!base_.evaluate(fold_, base_.hypothesis().values, all, residual_, jacobian))
       throw Error{fmt::format("{}: the model as stated has no prediction ({})",

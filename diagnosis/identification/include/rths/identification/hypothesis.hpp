@@ -47,6 +47,9 @@ struct Hypothesis {
   Eigen::VectorXd values;  ///< of `free`, within their bounds
 };
 
+/// Indices of all its free parameters.
+[[nodiscard]] std::vector<Eigen::Index> all_of(const Hypothesis& hypothesis);
+
 /// A physical effect that a simulation may have left out.
 struct Candidate {
   std::string name;  ///< in the verdict: that of the kind, or with its channel: "force_gain"
