@@ -23,6 +23,7 @@ namespace rths::app {
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(const std::string& purpose) {
+    const Blocked signals;
     std::string name = (temporary_folder() / ("rths-" + purpose + "-XXXXXX")).string();
     if (name.size() >= named().size() || mkdtemp(name.data()) == nullptr)
       throw Error{name + ": the folder cannot be created"};
@@ -46,18 +47,39 @@ class TemporaryFolder {
   static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
   static constexpr std::size_t kCount = sizeof kSignals / sizeof kSignals[0];
 
+  // Delays the signals while the object lives.
+  class Blocked {
+   public:
+    Blocked() {
+      sigset_t signals;
+      sigemptyset(&signals);
+      for (const int signal : kSignals) sigaddset(&signals, signal);
+      pthread_sigmask(SIG_BLOCK, &signals, &before_);
+    }
+    ~Blocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    Blocked(const Blocked&) = delete;
+    Blocked& operator=(const Blocked&) = delete;
+
+   private:
+    sigset_t before_{};
+  };
+
   static std::array<char, PATH_MAX>& named() {
     static std::array<char, PATH_MAX> path{};
     return path;
   }
-  // A handler may not allocate, so another program removes the folder.
+  // A handler may not allocate, so another program removes the folder. Other threads may still
+  // write into it.
   static void remove_and_end(int signal) {
-    const pid_t child = _Fork();
-    if (child == 0) {
-      execl("/bin/rm", "rm", "-rf", "--", named().data(), nullptr);  // NOLINT: variadic
-      _exit(1);
+    constexpr int kAttempts = 10;
+    for (int i = 0; i < kAttempts && access(named().data(), F_OK) == 0; ++i) {
+      const pid_t child = _Fork();
+      if (child == 0) {
+        execl("/bin/rm", "rm", "-rf", "--", named().data(), nullptr);  // NOLINT: variadic
+        _exit(1);
+      }
+      if (child > 0) waitpid(child, nullptr, 0);
     }
-    if (child > 0) waitpid(child, nullptr, 0);
     struct sigaction action {};
     action.sa_handler = SIG_DFL;
     sigaction(signal, &action, nullptr);
