@@ -11,7 +11,6 @@
 #include <rths/core/replace_files.hpp>
 #include <rths/report/report.hpp>
 
-
 namespace rths::report {
 namespace {
 
