@@ -10,11 +10,13 @@
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <system_error>
 
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
+#include <rths/core/interrupted.hpp>
 
 namespace rths::app {
 
@@ -32,10 +34,12 @@ class TemporaryFolder {
     named()[name.size()] = '\0';
     struct sigaction action {};
     action.sa_handler = remove_and_end;
-    for (std::size_t i = 0; i < kCount; ++i) sigaction(kSignals[i], &action, &previous_[i]);
+    for (std::size_t i = 0; i < std::size(kEndingSignals); ++i)
+      sigaction(kEndingSignals[i], &action, &previous_[i]);
   }
   ~TemporaryFolder() {
-    for (std::size_t i = 0; i < kCount; ++i) sigaction(kSignals[i], &previous_[i], nullptr);
+    for (std::size_t i = 0; i < std::size(kEndingSignals); ++i)
+      sigaction(kEndingSignals[i], &previous_[i], nullptr);
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
@@ -44,16 +48,13 @@ class TemporaryFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:
-  static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
-  static constexpr std::size_t kCount = sizeof kSignals / sizeof kSignals[0];
-
   // Delays the signals while the object lives.
   class Blocked {
    public:
     Blocked() {
       sigset_t signals;
       sigemptyset(&signals);
-      for (const int signal : kSignals) sigaddset(&signals, signal);
+      for (const int signal : kEndingSignals) sigaddset(&signals, signal);
       pthread_sigmask(SIG_BLOCK, &signals, &before_);
     }
     ~Blocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
@@ -87,7 +88,7 @@ class TemporaryFolder {
   }
 
   std::filesystem::path path_;
-  struct sigaction previous_[kCount] = {};
+  struct sigaction previous_[std::size(kEndingSignals)] = {};
 };
 
 }  // namespace rths::app

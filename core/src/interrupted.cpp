@@ -2,6 +2,8 @@
 #include <rths/core/interrupted.hpp>
 
 #include <atomic>
+#include <cstddef>
+#include <iterator>
 
 namespace rths {
 namespace {
@@ -22,14 +24,15 @@ Interruptible::Interruptible() {
   is_interrupted = false;
   struct sigaction action {};
   action.sa_handler = note_signal;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    sigaction(kSignals[i], nullptr, &previous_[i]);
-    if (previous_[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);
+  for (std::size_t i = 0; i < std::size(kEndingSignals); ++i) {
+    sigaction(kEndingSignals[i], nullptr, &previous_[i]);
+    if (previous_[i].sa_handler != SIG_IGN) sigaction(kEndingSignals[i], &action, nullptr);
   }
 }
 
 Interruptible::~Interruptible() {
-  for (std::size_t i = 0; i < kCount; ++i) sigaction(kSignals[i], &previous_[i], nullptr);
+  for (std::size_t i = 0; i < std::size(kEndingSignals); ++i)
+    sigaction(kEndingSignals[i], &previous_[i], nullptr);
   is_interrupted = false;
 }
 

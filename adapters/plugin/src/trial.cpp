@@ -46,9 +46,8 @@ void set_text(std::span<char> text, const std::string& value) {
 [[noreturn]] void run_child(const std::function<void(TrialReport&)>& trial, TrialReport& report) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   setpgid(0, 0);
-  for (const int number :
-       {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM, SIGHUP, SIGQUIT})
-    std::signal(number, SIG_DFL);
+  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(number, SIG_DFL);
+  for (const int number : kEndingSignals) std::signal(number, SIG_DFL);
   trial(report);
   report.completed = true;
   if (report.has_failed()) _exit(0);

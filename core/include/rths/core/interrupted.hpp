@@ -2,10 +2,13 @@
 #pragma once
 
 #include <csignal>
-#include <cstddef>
 #include <exception>
+#include <iterator>
 
 namespace rths {
+
+/// Signals that ask a process to end.
+inline constexpr int kEndingSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 
 /// Ends a long computation that a signal has interrupted. It is no Error, so that code that goes on
 /// after an Error does not go on after it.
@@ -25,9 +28,7 @@ class Interruptible {
   Interruptible& operator=(const Interruptible&) = delete;
 
  private:
-  static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
-  static constexpr std::size_t kCount = sizeof kSignals / sizeof kSignals[0];
-  struct sigaction previous_[kCount] = {};
+  struct sigaction previous_[std::size(kEndingSignals)] = {};
 };
 
 /// For long computations, to be called several times per second. Costs one load.
