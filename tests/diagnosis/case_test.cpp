@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/cases/case.hpp>
 
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include "support/files.hpp"
@@ -77,6 +79,18 @@ TEST_F(CaseTest, ReadsTheModelOfTheSimulation) {
   ASSERT_EQ(model.fitted.size(), 1U);
   EXPECT_EQ(model.fitted[0].bounds->second, 9e6);
   EXPECT_TRUE(model.table.is_table("bouc_wen"));
+}
+
+TEST_F(CaseTest, IsReadFromTheWorkingDirectory) {
+  folder_.write("case.toml", kCase);
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_.path());
+  const Case c = load_case("case.toml");
+  std::filesystem::current_path(before);
+
+  EXPECT_EQ(c.records.size(), 2U);
+  EXPECT_EQ(std::filesystem::canonical(c.source.folder),
+            std::filesystem::canonical(folder_.path()));
 }
 
 TEST_F(CaseTest, TakesARateInsteadOfTime) {

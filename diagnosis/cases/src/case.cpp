@@ -181,7 +181,7 @@ Case case_of_file(const std::filesystem::path& path) {
   const std::string against = file.text("against", "");
   file.reject_unknown_keys();
   result.source.file = file;
-  result.source.folder = std::filesystem::absolute(file.resolve(""));
+  result.source.folder = std::filesystem::absolute(path).parent_path();
   return against.empty() ? result : with_prediction(std::move(result), file.resolve(against));
 }
 
