@@ -18,6 +18,7 @@ constexpr double kStiffness = 2e5, kDamping = 3e3;  // [N/m], [N·s/m]
 struct Law {
   double friction = 0, drag = 0;  // [N], [N·s²/m²]
   double range = 1e9;             // of the load cell [N]
+  double damping = kDamping;      // [N·s/m]
 };
 
 Record record_of(Use use, unsigned seed, const Law& law) {
@@ -28,13 +29,15 @@ Record record_of(Use use, unsigned seed, const Law& law) {
     side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
     before = x;
     const double force =
-        kStiffness * x + kDamping * v + law.friction * side + law.drag * std::abs(v) * v;
+        kStiffness * x + law.damping * v + law.friction * side + law.drag * std::abs(v) * v;
     return std::clamp(force, -law.range, law.range);
   };
   return test_support::record_of("", use, seed, guide, {.length = test_support::kShortLength});
 }
 
-Verdict verdict_on(const Law& longitudinal, const Law& lateral) {
+// @param damping  as the case states it: one value, or one for each axis [N·s/m]
+Verdict verdict_on(const Law& longitudinal, const Law& lateral,
+                   const std::string& damping = "2_500") {
   Case c;
   c.name = "guide on two axes";
   for (unsigned k = 0; k < 3; ++k) {
@@ -50,8 +53,10 @@ Verdict verdict_on(const Law& longitudinal, const Law& lateral) {
   c.model.kind = "platen";
   c.model.table = Config::parse(
       "[polynomial_stiffness]\nlinear_N_per_m = 210_000\n"
-      "[viscous_friction]\ncoefficient_N_s_per_m = 2_500\n"
-      "[force_offset]\nkind = \"offset\"\nchannel = \"force\"\noffset_N = 0\n",
+      "[viscous_friction]\ncoefficient_N_s_per_m = " +
+          damping +
+          "\n"
+          "[force_offset]\nkind = \"offset\"\nchannel = \"force\"\noffset_N = 0\n",
       "model");
   for (const char* name :
        {"polynomial_stiffness.linear", "viscous_friction.coefficient", "force_offset.offset"})
@@ -88,6 +93,21 @@ TEST(TwoAxes, HaveOneLoadCellThatSaturates) {
 TEST(TwoAxes, HaveTheSameLawOnBothIfTheGainIsTheSame) {
   expect(verdict_on({.drag = 3000}, {.drag = 3000}), "quadratic_drag", "");
   expect(verdict_on({.friction = 300}, {.friction = 500}), "coulomb_friction", "");
+}
+
+// Sensors' noise of 20 N leaves the damping uncertain by 1 N·s/m; one value for both axes would be
+// wrong by 2000.
+TEST(TwoAxes, HaveAParameterEachIfTheCaseStatesTwoValues) {
+  const Verdict verdict = verdict_on({.damping = 2000}, {.damping = 6000}, "[2_500, 5_000]");
+
+  EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
+  for (const auto& [name, damping] : {std::pair{"viscous_friction.long.coefficient", 2000.0},
+                                      {"viscous_friction.lat.coefficient", 6000.0}}) {
+    const auto found = std::find_if(verdict.refitted.begin(), verdict.refitted.end(),
+                                    [&](const auto& one) { return one.name == name; });
+    ASSERT_NE(found, verdict.refitted.end()) << name;
+    EXPECT_NEAR(found->after, damping, 0.01 * damping) << name;
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -78,6 +79,24 @@ FreeParameter free_parameter(const FittedParameter& fitted, const std::vector<Mo
   throw Error{"fitted: term '" + term.kind + "' has no parameter '" + name + "'"};
 }
 
+std::optional<double> stated_value(const sim::TermSettings& term, const std::string& parameter) {
+  for (const auto& [key, number] : term.parameters)
+    if (key == parameter) return number;
+  return std::nullopt;
+}
+
+// One name for both axes means a parameter of each, if the case states two values.
+std::vector<FittedParameter> by_axis(const FittedParameter& fitted,
+                                     const std::vector<ModelTerm>& terms) {
+  const auto [meant, name] = meant_by(fitted.name, terms);
+  std::vector<FittedParameter> all;
+  for (const std::size_t i : meant)
+    all.push_back({terms[i].settings.name + "." + name, fitted.bounds});
+  const bool differ = meant.size() > 1 && stated_value(terms[meant[0]].settings, name) !=
+                                              stated_value(terms[meant[1]].settings, name);
+  return differ ? all : std::vector{fitted};
+}
+
 // The terms of the model that predict a channel, and the parameters of them that were fitted.
 Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_offsets) {
   Hypothesis base;
@@ -99,9 +118,11 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
       has_free_offsets = true;
       continue;
     }
-    double value = 0;
-    base.free.push_back(free_parameter(fitted, base.terms, value));
-    values.push_back(value);
+    for (const auto& one : by_axis(fitted, base.terms)) {
+      double value = 0;
+      base.free.push_back(free_parameter(one, base.terms, value));
+      values.push_back(value);
+    }
   }
   if (has_free_offsets)
     std::erase_if(base.terms,
