@@ -98,6 +98,25 @@ TEST(Fused, UsesDisplacementAtLowAndAccelerationAtHighFrequencies) {
   EXPECT_LT((u - truth).norm(), 0.15 * (noisy - truth).norm());
 }
 
+TEST(Fused, IsAsGoodAtTheEndsOfARecordThatIsCutOutOfAMotion) {
+  const int n = 10'370;
+  const double w = 2 * std::numbers::pi;
+  VectorXd truth(n), acceleration(n);
+  for (int i = 0; i < n; ++i) {
+    const double t = i * kStep;
+    truth[i] = 0.1 * std::sin(w * t) + 0.01 * std::sin(5.3 * w * t + 1);
+    acceleration[i] = -w * w * (0.1 * std::sin(w * t) + 0.2809 * std::sin(5.3 * w * t + 1));
+  }
+  const VectorXd noisy = truth + 5e-5 * noise(n, 1);
+
+  const VectorXd u = fused(noisy, acceleration, 5, kStep);
+
+  // Of the displacement's noise, whose deviation is 5e-5: little within the record, and not more
+  // than one sample's at its ends.
+  EXPECT_LT((u - truth).norm() / std::sqrt(n), 0.2 * 5e-5);
+  EXPECT_LT((u - truth).cwiseAbs().maxCoeff(), 4 * 5e-5);
+}
+
 TEST(AutoRegression, IsFoundAgainAndWhitens) {
   AutoRegression truth{VectorXd{{1.2, -0.5}}, 0.3};
   const VectorXd x = truth.coloured(noise(50'000, 2));

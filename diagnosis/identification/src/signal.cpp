@@ -132,19 +132,74 @@ VectorXd second_rate_of(const VectorXd& x, double time_step) {
   return rate;
 }
 
+namespace {
+
+// Displacement and velocity at one end of a motion.
+struct End {
+  double u, v;
+};
+
+// From samples that are given from the end on: a line is fitted to the displacement less the double
+// integral of the acceleration.
+// @param time_step  negative if the samples run against time
+End end_of(const VectorXd& displacement, const VectorXd& acceleration, double time_step) {
+  const Index n = displacement.size();
+  const VectorXd time = VectorXd::LinSpaced(n, 0, time_step * static_cast<double>(n - 1));
+  VectorXd line = displacement;
+  double velocity = 0, integral = 0;
+  for (Index i = 1; i < n; ++i) {
+    const double mean = 0.5 * (acceleration[i - 1] + acceleration[i]);
+    integral += time_step * (velocity + 0.5 * time_step * mean);
+    velocity += time_step * mean;
+    line[i] -= integral;
+  }
+  const VectorXd about = time.array() - time.mean();
+  const double slope = about.dot(line) / about.squaredNorm();
+  return {line.mean() - slope * time.mean(), slope};
+}
+
+// The cubic that leads from one end to another in a duration.
+class Bridge {
+ public:
+  Bridge(const End& from, const End& to, double duration)
+      : from_{from},
+        square_{(3 * (to.u - from.u) / duration - 2 * from.v - to.v) / duration},
+        cube_{(from.v + to.v - 2 * (to.u - from.u) / duration) / (duration * duration)} {}
+  [[nodiscard]] double displacement(double t) const {
+    return from_.u + t * (from_.v + t * (square_ + t * cube_));
+  }
+  [[nodiscard]] double acceleration(double t) const { return 2 * square_ + 6 * t * cube_; }
+
+ private:
+  End from_;
+  double square_, cube_;
+};
+
+}  // namespace
+
 VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, double crossover,
                double time_step) {
   const Index n = displacement.size();
   if (acceleration.size() != n) throw Error{"fusing motion: the channels differ in length"};
-  // A transform is periodic: a quarter more samples lead the end back to the beginning.
+  // A transform is periodic: a quarter more samples lead the end back to the beginning, in both
+  // channels, as one motion.
   const Index margin = fast_length(n + n / 4 + 1) - n;
   VectorXd u = VectorXd::Zero(n + margin), a = VectorXd::Zero(n + margin);
   u.head(n) = displacement;
   a.head(n) = acceleration;
-  for (Index i = 0; i < margin; ++i)
-    u[n + i] =
-        0.5 * displacement[n - 1] *
-        (1 + std::cos(std::numbers::pi * static_cast<double>(i + 1) / static_cast<double>(margin)));
+  const Index near =
+      std::clamp<Index>(static_cast<Index>(1 / (crossover * time_step)), std::min<Index>(3, n), n);
+  if (near > 1) {
+    const Bridge bridge{
+        end_of(displacement.tail(near).reverse(), acceleration.tail(near).reverse(), -time_step),
+        end_of(displacement.head(near), acceleration.head(near), time_step),
+        time_step * static_cast<double>(margin + 1)};
+    for (Index i = 0; i < margin; ++i) {
+      const double time = time_step * static_cast<double>(i + 1);
+      u[n + i] = bridge.displacement(time);
+      a[n + i] = bridge.acceleration(time);
+    }
+  }
   Eigen::VectorXcd U, A;
   transformer().fwd(U, u);
   transformer().fwd(A, a);

@@ -33,7 +33,7 @@ namespace rths::diagnosis {
 
 /// Zero-phase fusion of displacement at low frequencies and acceleration at high frequencies:
 ///     U_f = U (1 − H) − A H/(2πf)²,   H = f⁴/(f⁴ + f_c⁴)
-/// Both signals begin at rest, at zero.
+/// A record may begin and end in motion.
 /// @param crossover  f_c [Hz]
 /// @returns [m]
 /// @throws Error if the lengths differ   @setup
