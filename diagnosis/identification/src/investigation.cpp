@@ -62,8 +62,8 @@ bool Investigation::is_unknown() const {
   if (proof.is_systematic() && has_line(*relation, *noise)) return true;
   // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
   // small excess counts only if it has a form, and one that noise does not have.
-  constexpr double kPlain = 0.5;        // in all records
-  constexpr double kPlainEvent = 1.25;  // in one of them
+  constexpr double kPlain = 0.5;     // in all records
+  constexpr double kPlainEvent = 1;  // in one of them
   const double rest = std::min(selection.variance_named, proof.variance()) - 1;
   return rest > kPlain || largest_variance(*this) - 1 > kPlainEvent ||
          std::any_of(descriptions.begin(), descriptions.end(), [](const Description& one) {

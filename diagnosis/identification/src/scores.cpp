@@ -6,6 +6,7 @@
 #include <random>
 
 #include <rths/core/error.hpp>
+#include <rths/identification/signal.hpp>
 
 namespace rths::diagnosis {
 
@@ -47,8 +48,21 @@ std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis,
   return minus(sums, supposition.noise_blocks(fold));
 }
 
+namespace {
+
+// Removes from each column of a difference what a shift of the signal in time explains.
+void take_out_shift(const Eigen::MatrixXd& signal, double time_step, Eigen::MatrixXd& difference) {
+  for (Eigen::Index i = 0; i < signal.cols(); ++i) {
+    const Eigen::VectorXd rate = rate_of(signal.col(i), time_step);
+    const double square = rate.squaredNorm();
+    if (square > 0) difference.col(i) -= rate * (rate.dot(difference.col(i)) / square);
+  }
+}
+
+}  // namespace
+
 double change_of(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
-                 const Fold& fold) {
+                 const Fold& fold, bool without_shift) {
   const Supposition a{problem, before}, b{problem, after};
   double change = 0, size = 0;
   for (const auto& share : fold.shares) {
@@ -59,6 +73,7 @@ double change_of(const Problem& problem, const Hypothesis& before, const Hypothe
     if (problem.relation().has_free_offsets())
       difference.rowwise() -= difference.colwise().mean().eval();
     measured.rowwise() -= measured.colwise().mean().eval();
+    if (without_shift) take_out_shift(bare, problem.drive(share.record).time_step, difference);
     change += difference.squaredNorm();
     size += measured.squaredNorm();
   }

@@ -11,7 +11,6 @@
 
 #include <rths/identification/proof.hpp>
 #include <rths/identification/scores.hpp>
-#include <rths/identification/signal.hpp>
 
 #include "acceptance.hpp"
 #include "named_model.hpp"
@@ -50,24 +49,21 @@ void drop_named(std::vector<SelectionRound>& rounds) {
   }
 }
 
-// The smallest change of a prediction that counts, over the measurement's rms. Two sensors of one
-// motion are read at unknown instants of a sample, and this may look like a fault of one of them.
-double least_change(const Problem& problem, const Fold& fold) {
-  const Relation& relation = problem.relation();
+// Whether a relation compares two sensors of one motion.
+bool compares_sensors(const Relation& relation) {
   const auto drivers = relation.drivers();
-  if (drivers.empty() || !drivers[0].starts_with("displacement.") ||
-      !relation.outputs()[0].first.starts_with("acceleration."))
-    return kMaterial;
-  double shift = 0, size = 0;
-  for (const auto& share : fold.shares) {
-    const Drive& drive = problem.drive(share.record);
-    const double half = 0.5 * problem.record(share.record).time_step;
-    for (const auto& signal : drive.measured.colwise()) {
-      shift += half * half * rate_of(signal, drive.time_step).squaredNorm();
-      size += (signal.array() - signal.mean()).square().sum();
-    }
-  }
-  return std::max(kMaterial, std::sqrt(shift / std::max(size, 1e-300)));
+  return !drivers.empty() && drivers[0].starts_with("displacement.") &&
+         relation.outputs()[0].first.starts_with("acceleration.");
+}
+
+// Whether a candidate changes the prediction by so much that it counts. Two sensors of one motion
+// are calibrated no better than to a thousandth, and read at unknown instants of a sample.
+bool is_material(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
+                 const Fold& fold) {
+  constexpr double kCalibrated = 1e-3;
+  const bool are_sensors = compares_sensors(problem.relation());
+  return change_of(problem, before, after, fold, are_sensors) >=
+         (are_sensors ? kCalibrated : kMaterial);
 }
 
 class Selector {
@@ -240,8 +236,7 @@ class Selector {
     const double least = accepted(round.base(), contenders.size() == 1);
     const std::vector<Contender> waiting = held_back(contenders, holder, least, seed_);
     if (contenders.empty() || !is_acceptable(contenders[0], least, seed_) ||
-        change_of(problem_, round.base(), contenders[0].fitted, folds_.second) <
-            least_change(problem_, folds_.second))
+        !is_material(problem_, round.base(), contenders[0].fitted, folds_.second))
       return std::nullopt;
     SelectionRound won = chosen(std::move(contenders), seed_);
     // Waiting candidates contain the chosen one as a special case, so they support it.

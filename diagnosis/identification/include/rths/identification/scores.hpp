@@ -29,8 +29,10 @@ inline constexpr int kLongFit = 12, kShortFit = 5;  ///< iterations
 inline constexpr double kMaterial = 2e-4;
 /// Root mean square difference of the predictions of two hypotheses, without free offsets, over the
 /// standard deviation of the output [-].
+/// @param without_shift  without what a shift in time explains
 [[nodiscard]] double change_of(const Problem& problem, const Hypothesis& before,
-                               const Hypothesis& after, const Fold& fold);
+                               const Hypothesis& after, const Fold& fold,
+                               bool without_shift = false);
 
 /// a − b, block by block; as long as the shorter of the two.
 [[nodiscard]] std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b);
