@@ -151,7 +151,7 @@ def _effect_row(verdict, answer, effect):
     row.update(_place_rows(verdict, answer, effect))
     cause = first_cause(verdict)
     if cause is not None and _is_right(cause, [effect]) and canonical(cause["name"]) != effect.get("term_that_describes_it"):
-        row["sizes"] = sizes.compare(effect, answer, cause["parameters"])
+        row["sizes"] = sizes.compare(effect, answer, cause)
     return row
 
 

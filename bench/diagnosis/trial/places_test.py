@@ -59,7 +59,7 @@ class Places(unittest.TestCase):
 
 class Sizes(unittest.TestCase):
     def compared(self, hidden, said):
-        return sizes.compare(hidden, answer(hidden), said)
+        return sizes.compare(hidden, answer(hidden), {"parameters": said})
 
     def test_error_is_relative_and_axes_are_kept_apart(self):
         hidden = effect("coulomb_friction",
@@ -100,6 +100,23 @@ class Sizes(unittest.TestCase):
     def test_a_slower_servo_has_a_longer_time_constant(self):
         hidden = effect("actuator_bandwidth", parameters=parameters(bandwidth_factor=0.8))
         (row,) = self.compared(hidden, {"actuator_bandwidth.time_constant": {"value": sizes.SERVO_TIME * 1.25}})
+        self.assertAlmostEqual(row["error"], 0)
+
+    def test_a_cause_on_one_axis_is_compared_with_the_size_on_that_axis(self):
+        hidden = effect("asymmetric_stiffness") | {"sizes": [{"name": "stiffness", "axis": "long", "value": -9e5, "absent": 0},
+                                                             {"name": "stiffness", "axis": "lat", "value": 1e6, "absent": 0}]}
+        said = {"title": "stiffness that differs by direction, lat axis",
+                "parameters": {"asymmetric_stiffness.stiffness": {"value": 1.1e6, "ci95": [0.9e6, 1.3e6]}}}
+        (row,) = sizes.compare(hidden, answer(hidden), said)
+        self.assertAlmostEqual(row["error"], 0.1)
+        self.assertEqual(len(sizes.compare(hidden, answer(hidden), said | {"title": "of both"})), 2)
+
+    def test_a_gain_on_one_axis_alone_is_relative_to_the_other(self):
+        hidden = effect("force_gain") | {"sizes": [{"name": "factor", "axis": "long", "value": 1.02, "absent": 1},
+                                                   {"name": "factor", "axis": "lat", "value": 0.98, "absent": 1}]}
+        said = {"title": "gain error of a sensor (force), lat axis",
+                "parameters": {"force_gain.factor": {"value": 0.98 / 1.02, "ci95": None}}}
+        (row,) = sizes.compare(hidden, answer(hidden), said)
         self.assertAlmostEqual(row["error"], 0)
 
     def test_sizes_of_a_wrong_name_are_not_compared(self):

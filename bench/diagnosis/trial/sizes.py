@@ -109,16 +109,30 @@ def _wanted(effect, answer, said):
     yield from _special(effect, answer)
 
 
-def _stated(effect, parameters):
-    """Rows of an effect whose answer names its sizes as the catalogue does."""
-    rows = []
+def _stated(effect, cause):
+    """Rows of an effect whose answer names its sizes as the catalogue does. A cause on one axis is compared there."""
+    rows, only = [], _axis_of_title(cause)
     for size in effect["sizes"]:
-        for name, row in parameters.items():
-            if name.rsplit(".", 1)[-1] != size["name"] or _axis_of(name) not in (None, size["axis"]) or row["value"] is None:
-                continue
-            rows.append(_row(name, row, size["value"], size["absent"]))
-            break
+        if only and size["axis"] not in (None, only):
+            continue
+        for name, row in cause["parameters"].items():
+            if name.rsplit(".", 1)[-1] == size["name"] and _axis_of(name) in (None, size["axis"]) and row["value"] is not None:
+                rows.append(_row(name, row, size["value"] / _gain_of_the_other(effect, size, only), size["absent"]))
+                break
     return rows
+
+
+def _axis_of_title(cause):
+    """The axis of a cause that acts on one alone: "gain error of a sensor (force), lat axis"; else None."""
+    found = re.search(r", (long|lat) axis$", cause.get("title", ""))
+    return found and found[1]
+
+
+def _gain_of_the_other(effect, size, only):
+    """A gain on one axis alone is relative to that of the other, which the fitted forces of the model have taken over."""
+    if only is None or size["absent"] != 1:
+        return 1
+    return next((other["value"] for other in effect["sizes"] if other["name"] == size["name"] and other["axis"] not in (None, only)), 1)
 
 
 def _row(name, row, expected, absent):
@@ -128,13 +142,14 @@ def _row(name, row, expected, absent):
             "covered": None if None in (low, high) else low <= expected <= high}
 
 
-def compare(effect, answer, parameters):
+def compare(effect, answer, cause):
     """Rows {name, truth, value, low, high, error, covered} of the sizes that effect and cause share.
 
-    @param parameters  of the tool's cause: {"term.parameter": {"value", "ci95", "unit"}}
+    @param cause  of the tool: its title, and its parameters {"term.parameter": {"value", "ci95", "unit"}}
     """
     if "sizes" in effect:
-        return _stated(effect, parameters)
+        return _stated(effect, cause)
+    parameters = cause["parameters"]
     said = {name.rsplit(".", 1)[-1]: row for name, row in parameters.items()}
     rows = []
     for ours, theirs, expected, absent in _wanted(effect, answer, said):
