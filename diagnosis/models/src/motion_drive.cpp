@@ -73,16 +73,25 @@ class Thinner {
  public:
   Thinner(const Record& record, const Pace& pace)
       : step_{record.time_step},
-        factor_{std::max(1, static_cast<int>(std::round(1 / (step_ * pace.model_rate))))} {}
+        factor_{std::max(1, static_cast<int>(std::round(1 / (step_ * pace.model_rate))))},
+        cutoff_{kModelCutoff / model_step()} {
+    // The record's own rate ends little above the cutoff: no filter.
+    constexpr double kEnds = 0.3;
+    const bool is_needed = pace.drive_cutoff > 0 && pace.drive_cutoff < kEnds / step_;
+    if (is_needed) cutoff_ = std::min(cutoff_, pace.drive_cutoff);
+    filters_ = factor_ > 1 || is_needed;
+  }
   [[nodiscard]] double model_step() const { return step_ * factor_; }
   [[nodiscard]] VectorXd operator()(const VectorXd& signal) const {
-    if (signal.size() == 0 || factor_ == 1) return signal;
-    return thinned(low_passed(signal, kOrder, kModelCutoff / model_step(), step_), factor_);
+    if (signal.size() == 0 || !filters_) return signal;
+    return thinned(low_passed(signal, kOrder, cutoff_, step_), factor_);
   }
 
  private:
   double step_;
   int factor_;
+  double cutoff_;
+  bool filters_;
 };
 
 struct Filtering {

@@ -21,6 +21,8 @@ struct Pace {
   double compare_rate;  ///< at most [Hz]
   /// Of a filter of motions into which no acceleration is fused [Hz]; 0: none.
   double motion_cutoff = 0;
+  /// Of the filter of all signals that drive the composition, at most [Hz]; 0: by the model's rate.
+  double drive_cutoff = 0;
 };
 
 /// Signals that drive a composition, at its rate: one number per step, empty if not recorded.
