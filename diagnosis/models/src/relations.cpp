@@ -17,8 +17,8 @@ namespace {
 
 using sim::Stage;
 
-// Steps of 2 ms integrate hysteresis and dry friction with errors below a sensor's noise. What moves
-// the specimen above 90 Hz is noise.
+// Steps of 2 ms integrate hysteresis and dry friction with errors below a sensor's noise. What
+// moves the specimen above 90 Hz is noise.
 constexpr Pace kForcePace{500, 25, 62.5, 0, 90};
 constexpr Pace kActuatorPace{500, 45, 125};
 // Above a few hertz, an accelerometer measures an acceleration better than the displacement implies
