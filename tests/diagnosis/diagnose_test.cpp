@@ -99,6 +99,39 @@ bool has_limit(const Verdict& verdict, const std::string& text) {
                      [&](const auto& limit) { return limit.find(text) != std::string::npos; });
 }
 
+// A linear specimen and its accelerometer, in records that are cut out of a motion. A filter does
+// not know what was before them.
+TEST(Diagnosis, FindsNothingMissingInRecordsThatBeginInMotion) {
+  constexpr std::size_t kCut = 1000;  // 4 s
+  Case c = case_of({});
+  c.records.clear();
+  for (const auto& [use, seed] :
+       {std::pair{Use::Fit, 1U}, {Use::HeldOut, 2U}, {Use::HeldOut, 3U}}) {
+    std::vector<double> velocity;
+    Record record = test_support::record_of("record " + std::to_string(seed), use, seed,
+                                            [&](double, double x, double v) {
+                                              velocity.push_back(v);
+                                              return kStiffness * x + kDamping * v;
+                                            },
+                                            {.length = test_support::kShortLength});
+    std::mt19937_64 random{seed};
+    std::normal_distribution<double> noise{0, 0.01};
+    Channel acceleration{"acceleration.long", "m/s2", std::vector<double>(velocity.size())};
+    for (std::size_t k = 1; k + 1 < velocity.size(); ++k)
+      acceleration.values[k] =
+          (velocity[k + 1] - velocity[k - 1]) / (2 * test_support::kStep) + noise(random);
+    record.channels.push_back(acceleration);
+    for (auto& channel : record.channels)
+      channel.values.erase(channel.values.begin(), channel.values.begin() + kCut);
+    record.quiet.reset();
+    c.records.push_back(record);
+  }
+  const Verdict verdict = diagnose(c);
+  std::printf("  %s\n", verdict.sentence.c_str());
+
+  EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
+}
+
 TEST(Diagnosis, NamesTheFilterOfItsErrorsAndChannelsThatItIgnores) {
   Case c = case_of({});
   for (auto& record : c.records)

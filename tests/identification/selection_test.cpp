@@ -117,6 +117,36 @@ TEST(Select, FindsNoFaultOfAnAccelerometerThatIsAShiftInTime) {
   EXPECT_EQ(found_by(check), std::set<std::string>{});
 }
 
+// Two candidates of one signal are tied. If the tie was decided beside a term that has been
+// withdrawn since, it is found again; a rival that has been withdrawn itself is none.
+TEST(RenewTies, FindsTheRivalsOfATermAgain) {
+  LinearRelation relation;
+  relation.stated = linear_model({"known"}, {0});
+  relation.known = {friction("one"), friction("twin")};
+  std::vector<Record> records;
+  for (const unsigned seed : {1U, 2U}) {
+    const VectorXd signal = sine_of(5, kSelectRows);
+    records.push_back(linear_record("one", Use::Fit, kSelectStep,
+                                    signal + gauss(kSelectRows, 1, seed),
+                                    {{"known", sine_of(2, kSelectRows)},
+                                     {"one.coefficient", signal},
+                                     {"twin.coefficient", signal}}));
+  }
+  Problem problem = linear_problem(relation, records);
+  const Selection selected = select(problem, two_records(), 1);
+  ASSERT_EQ(names_in(selected.rounds), std::set<std::string>{"one"});
+
+  for (const bool is_barred : {false, true}) {
+    Selection selection = selected;
+    selection.rounds[0].tied.clear();
+    const std::vector<Candidate> withdrawn{is_barred ? friction("twin") : friction("other")};
+    renew_ties(problem, two_records(), 1, withdrawn, selection);
+
+    ASSERT_EQ(names_in(selection.rounds), std::set<std::string>{"one"});
+    EXPECT_EQ(selection.rounds[0].tied.size(), is_barred ? 0U : 1U);
+  }
+}
+
 // The estimate over both records has the deviation 1/√(2 · 600); the gain of a known effect of size
 // 1 over both records is ½ · 1200 with the deviation √1200. Estimating it costs 2 [nat], because
 // each estimate is off in both senses. Four deviations.

@@ -22,7 +22,6 @@ constexpr double kSeparates = 12;       // [nat]: gain that separates two terms
 constexpr std::size_t kTried = 4;       // tests with the specimen that are scored with a refit
 constexpr std::size_t kTriedEmpty = 2;  // the same on the empty table
 constexpr std::size_t kMostRivals = 3;  // of a tie
-constexpr double kLeastShare = 0.02;    // of the unexplained energy, for a form
 constexpr double kCertain = 100;        // [standard deviations]: larger separations say no more
 
 // Distance of two predictions with this expected gain.
@@ -241,7 +240,7 @@ void cover_unknown(const std::vector<std::unique_ptr<Investigation>>& all, bool 
                    NextTest& next) {
   const auto found = std::find_if(all.rbegin(), all.rend(), [](const auto& one) {
     return one->is_unknown() && !one->descriptions.empty() &&
-           one->descriptions[0].share > kLeastShare;
+           one->descriptions[0].share > kLeastShareOfForm;
   });
   if (found == all.rend()) return;
   Proposal{**found, is_bearing}.cover((*found)->descriptions[0], next);

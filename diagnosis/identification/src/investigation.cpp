@@ -36,6 +36,14 @@ double largest_variance(const Investigation& found) {
   return largest;
 }
 
+// Of terms beside which others have been withdrawn.
+void renew_ties(Investigation& found) {
+  if (found.withdrawn.empty() || !found.is_named()) return;
+  std::vector<Candidate> withdrawn;
+  for (const auto& one : found.withdrawn) withdrawn.push_back(one.candidate);
+  renew_ties(*found.problem, found.folds, found.seed, withdrawn, found.selection);
+}
+
 // The proof of the named model on the held-out records, and the form of what remains.
 void prove(Investigation& found, Progress& progress) {
   progress.begin_stage("proof");
@@ -101,6 +109,7 @@ std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation,
     found->withdrawn.push_back(std::move(*one));
     prove(*found, progress);
   }
+  renew_ties(*found);
   return found;
 }
 

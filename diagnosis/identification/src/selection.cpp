@@ -68,8 +68,12 @@ bool is_material(const Problem& problem, const Hypothesis& before, const Hypothe
 
 class Selector {
  public:
-  Selector(Problem& problem, const Folds& folds, std::uint64_t seed)
-      : problem_{problem}, folds_{folds}, seed_{seed}, stated_{problem.relation().base()} {}
+  Selector(Problem& problem, const Folds& folds, std::uint64_t seed, Selection selection = {})
+      : problem_{problem},
+        folds_{folds},
+        seed_{seed},
+        stated_{problem.relation().base()},
+        selection_{std::move(selection)} {}
 
   Selection select() {
     fit_base();
@@ -81,6 +85,19 @@ class Selector {
     std::stable_partition(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
     selection_.named = fitted(problem_, current_, folds_.both, kLongFit);
     finish(problem_, folds_, selection_);
+    return std::move(selection_);
+  }
+
+  Selection with_new_ties(const std::vector<Candidate>& withdrawn) {
+    current_ = fitted(problem_, selection_.named, folds_.first, kShortFit);
+    for (std::size_t place = 0; place < selection_.rounds.size(); ++place) {
+      SelectionRound& round = selection_.rounds[place];
+      const Candidate holder = round.chosen.candidate;
+      auto won = comparison_at(place, withdrawn);
+      if (!won) continue;
+      keep_in_tie(*won, holder);
+      if (is_same(won->chosen.candidate, holder)) round = std::move(*won);
+    }
     return std::move(selection_);
   }
 
@@ -284,19 +301,34 @@ class Selector {
     return candidates;
   }
 
+  // A named term among its rivals in its place; nothing if it needs no comparison, or none is
+  // acceptable.
+  // @param barred  candidates that are no rivals
+  std::optional<SelectionRound> comparison_at(std::size_t place,
+                                              const std::vector<Candidate>& barred) {
+    const auto& rounds = selection_.rounds;
+    const Candidate& holder = rounds[place].chosen.candidate;
+    begin_stage("rivals of " + holder.name);
+    if (is_needed(selection_, place)) return std::nullopt;
+    const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[place]; };
+    std::vector<SelectionRound> others;
+    std::copy_if(rounds.begin(), rounds.end(), std::back_inserter(others), is_other);
+    const Hypothesis rest = with_rounds(selection_.base, rounds, is_other, current_);
+    auto rivals = left_for(rest, others);
+    std::erase_if(rivals, [&](const Candidate& rival) {
+      return std::any_of(barred.begin(), barred.end(),
+                         [&](const Candidate& one) { return is_same(one, rival); });
+    });
+    Round round{problem_, folds_, {holder, rest, current_}, rivals, seed_};
+    return winner(round, &holder);
+  }
+
   // Compares a named term with its rivals in its place. @returns false if a rival replaces it
   // @param holds_ties  whether a rival that gains less does not replace it in a tie
   bool defend(std::size_t place, bool holds_ties = true) {
     auto& rounds = selection_.rounds;
     const Candidate holder = rounds[place].chosen.candidate;
-    begin_stage("rivals of " + holder.name);
-    if (is_needed(selection_, place)) return true;
-    const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[place]; };
-    std::vector<SelectionRound> others;
-    std::copy_if(rounds.begin(), rounds.end(), std::back_inserter(others), is_other);
-    const Hypothesis rest = with_rounds(selection_.base, rounds, is_other, current_);
-    Round round{problem_, folds_, {holder, rest, current_}, left_for(rest, others), seed_};
-    auto won = winner(round, &holder);
+    auto won = comparison_at(place, {});
     if (!won) return true;
     if (holds_ties) keep_in_tie(*won, holder);
     rounds[place] = std::move(*won);
@@ -358,6 +390,11 @@ class Selector {
 
 Selection select(Problem& problem, const Folds& folds, std::uint64_t seed) {
   return Selector{problem, folds, seed}.select();
+}
+
+void renew_ties(Problem& problem, const Folds& folds, std::uint64_t seed,
+                const std::vector<Candidate>& withdrawn, Selection& selection) {
+  selection = Selector{problem, folds, seed, selection}.with_new_ties(withdrawn);
 }
 
 }  // namespace rths::diagnosis

@@ -132,6 +132,17 @@ VectorXd predicted_channel(const Record& record, const MotionChannels& channels,
   return signal;
 }
 
+// Time at the start that the filter of the comparison spoils, since it does not know what was
+// before [s]: none if the record begins at rest.
+double spoilt_start(const Record& record, double cutoff) {
+  constexpr double kPeriods = 2;  // of the cutoff
+  if (cutoff <= 0) return 0;
+  const double spoilt = kPeriods / cutoff;
+  const bool begins_at_rest =
+      record.quiet && static_cast<double>(record.quiet->first) * record.time_step < spoilt;
+  return begins_at_rest ? 0 : spoilt;
+}
+
 // Rows that the gaps of a record spoil, also through the filter of the comparison.
 Eigen::ArrayXd present_rows(const Record& record, const MotionDrive& drive) {
   constexpr double kSpread = 0.1;  // of the filter [s]
@@ -195,8 +206,9 @@ std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChan
   const auto spoilt =
       static_cast<Index>(std::min(kSpoiltTime, kSpoiltShare * length) / drive->time_step);
   drive->all_rows = std::max<Index>(1, rows - spoilt);
-  drive->first_row = std::min<Index>(
-      static_cast<Index>(std::ceil(record.settle / drive->time_step)), drive->all_rows - 1);
+  const double settled = std::max(record.settle, spoilt_start(record, drive->cutoff));
+  drive->first_row = std::min<Index>(static_cast<Index>(std::ceil(settled / drive->time_step)),
+                                     drive->all_rows - 1);
   drive->present = present_rows(record, *drive);
   drive->measured.resize(drive->all_rows, static_cast<Index>(axes.size()));
   drive->displacement.resize(drive->all_rows, static_cast<Index>(axes.size()));

@@ -251,10 +251,8 @@ void report(const Investigation& found, Verdict& verdict) {
         round, estimates,
         found.proof.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300)));
   add_evidence(found, verdict);
-  for (const auto& description : found.descriptions) {
-    constexpr double kLeastDescribedShare = 0.02;
-    if (description.share > kLeastDescribedShare) verdict.descriptions.push_back(description);
-  }
+  for (const auto& description : found.descriptions)
+    if (description.share > kLeastShareOfForm) verdict.descriptions.push_back(description);
   for (const auto& [candidate, reason] : found.withdrawn)
     verdict.limits.push_back(
         fmt::format("{} was selected and is not named: {}.", candidate.title, reason));

@@ -22,6 +22,9 @@ struct Description {
   Over over = Over::State;
 };
 
+/// A form that explains a smaller share of the residual is not reported: any data have one [-].
+inline constexpr double kLeastShareOfForm = 0.12;
+
 /// Describes the form of a residual that no term explains: curves and surfaces over recorded or
 /// predicted quantities, a lasting sine, held samples, a sudden change. Best first, by the share of
 /// the energy beyond the noise that each explains. Curves, surfaces and sines are fitted to one

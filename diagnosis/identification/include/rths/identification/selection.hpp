@@ -54,6 +54,11 @@ struct Selection {
 /// its rivals in the final model. Renews the problem's noise at the result.
 [[nodiscard]] Selection select(Problem& problem, const Folds& folds, std::uint64_t seed);
 
+/// Compares each named term again with its rivals, after others were withdrawn, and renews its
+/// ties. No term is replaced.
+void renew_ties(Problem& problem, const Folds& folds, std::uint64_t seed,
+                const std::vector<Candidate>& withdrawn, Selection& selection);
+
 /// Returns true if another accepted candidate changes a term of the one at a place.
 [[nodiscard]] bool is_needed(const Selection& selection, std::size_t place);
 /// The named model without one accepted candidate, fitted to both folds.
