@@ -67,14 +67,10 @@ int diagnose(const DiagnoseArguments& arguments) {
   }
   std::filesystem::path folder = arguments.out;
   if (folder.empty()) folder = std::filesystem::path{"out/diagnosis"} / folder_name(c);
-  if (std::filesystem::weakly_canonical(c.folder) ==
-      std::filesystem::weakly_canonical(folder / report::kImprovedFolder))
-    throw Error{
-        fmt::format("{}: this diagnosis would replace its own case, expected another "
-                    "folder for the results (--out)",
-                    c.folder.string())};
+  report::refuse_inputs_in(folder, c.source.inputs);
   const NewFolder made{folder};
   const FolderLock lock{folder};
+  report::refuse_foreign_files_in(folder);
   std::optional<Steps> steps{
       std::in_place, 2, arguments.progress ? Steps::Silent::Nowhere : Steps::Silent::OffTerminals};
   steps->begin("the diagnosis");

@@ -41,7 +41,7 @@ constexpr const char* kResults[] = {report::kRunFile,
                                     report::kFragmentFile,
                                     report::kImprovedFolder,
                                     report::kPredictionFolder,
-                                    "next_test.csv",
+                                    report::kMotionFile,
                                     "report.html",
                                     "report.json"};
 

@@ -48,6 +48,14 @@ void check_range(const Config& config, const std::string& key, T value, T low, T
     config.fail(key, fmt::format("{} is {}, expected {} to {}", key, value, low, high));
 }
 
+void add_texts(const ConfigValue& value, std::vector<std::string>& texts) {
+  if (const auto* text = std::get_if<std::string>(&value.value)) texts.push_back(*text);
+  if (const auto* items = std::get_if<ConfigValue::Array>(&value.value))
+    for (const auto& item : *items) add_texts(item, texts);
+  if (const auto* table = std::get_if<ConfigValue::Table>(&value.value))
+    for (const auto& [key, item] : *table) add_texts(item, texts);
+}
+
 void check_sizes(const std::string& key, const ConfigValue& value, double smallest,
                  double largest) {
   if (const auto* number = std::get_if<double>(&value.value)) {
@@ -288,6 +296,17 @@ std::string Config::where(const std::string& key) const {
 std::filesystem::path Config::resolve(const std::string& relative) const {
   const std::filesystem::path path{relative};
   return path.is_absolute() ? path : directory_ / path;
+}
+
+std::vector<std::filesystem::path> Config::named_files() const {
+  std::vector<std::string> texts;
+  for (const auto& [key, value] : table_) add_texts(value, texts);
+  std::vector<std::filesystem::path> files;
+  std::error_code problem;
+  for (const auto& text : texts)
+    if (auto file = resolve(text); std::filesystem::is_regular_file(file, problem))
+      files.push_back(std::move(file));
+  return files;
 }
 
 void Config::fail(const std::string& key, const std::string& message) const {

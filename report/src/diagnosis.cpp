@@ -11,6 +11,8 @@
 #include <rths/core/replace_files.hpp>
 #include <rths/report/report.hpp>
 
+#include "result_folder.hpp"
+
 namespace rths::report {
 namespace {
 
@@ -50,9 +52,9 @@ std::string file_name_of(const std::string& record) {
 std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
   const diagnosis::Trace& first = *traces[0];
   std::string text = fmt::format(
-      "# {} ({}). before, after: predictions fitted without and with the named terms; residual:\n"
+      "# {} ({}{}\n"
       "# measured - after; noise: standard deviation of the noise of the residual.\n# {}\n",
-      first.record, first.use,
+      first.record, first.use, kTableMark,
       first.cutoff > 0
           ? fmt::format("All columns passed a low-pass filter at {:.4g} Hz.", first.cutoff)
           : "No filter.");
@@ -82,8 +84,8 @@ std::vector<fs::path> write_predictions(const diagnosis::Verdict& verdict, const
   }
   std::error_code error;
   for (const auto& entry : fs::directory_iterator{folder, error}) {
-    if (entry.path().extension() == ".csv") written.remove(entry.path());
-    if (entry.path().extension() == ".part") fs::remove(entry.path(), error);  // of a killed run
+    if (is_prediction(entry.path())) written.remove(entry.path());
+    if (is_draft(entry.path())) fs::remove(entry.path(), error);
   }
   if (records.empty()) return {};
   fs::create_directories(folder);
@@ -91,7 +93,10 @@ std::vector<fs::path> write_predictions(const diagnosis::Verdict& verdict, const
   for (const auto& [record, traces] : records) {
     const std::string name = file_name_of(record);
     fs::path file = folder / (name + ".csv");
-    for (int count = 2; std::find(files.begin(), files.end(), file) != files.end(); ++count)
+    const auto is_taken = [&] {
+      return std::find(files.begin(), files.end(), file) != files.end() || is_foreign(file);
+    };
+    for (int count = 2; is_taken(); ++count)
       file = folder / fmt::format("{} ({}).csv", name, count);
     written.add(file, table_of(traces));
     files.push_back(file);
@@ -152,18 +157,18 @@ DiagnosisFiles write_diagnosis(const diagnosis::Verdict& verdict,
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw Error{folder.string() + ": cannot create the folder: " + error.message()};
-  const bool is_of_run = std::filesystem::exists(folder / kRunFile);
   DiagnosisFiles files;
-  files.page = folder / (is_of_run ? kDiagnosisPage : "report.html");
+  files.page = page_in(folder);
   files.numbers = folder / kVerdictFile;
   Replacements written;
-  const auto fragment = folder / kFragmentFile, motion = folder / "next_test.csv";
+  const auto fragment = folder / kFragmentFile, motion = folder / kMotionFile;
   // Proposals of an earlier diagnosis must not remain beside a verdict without any.
   for (const auto& file : {fragment, motion, folder / kImprovedFolder / kImprovedCase,
                            folder / kImprovedFolder / kImprovedExperiment})
     written.remove(file);
-  written.add(files.page, verdict_page(verdict));
+  // First, so that a commit that is cut off leaves a folder with a verdict.
   written.add(files.numbers, verdict_json(verdict));
+  written.add(files.page, verdict_page(verdict));
   if (!verdict.fragment.empty()) {
     written.add(fragment, verdict.fragment);
     files.fragment = fragment;

@@ -260,6 +260,17 @@ TEST(Config, LimitsTheSizesOfItsNumbers) {
             "lab.toml:2:5: b is 1e-10, expected 0 or a size from 1e-09 to 1000000000");
 }
 
+TEST(Config, FindsTheFilesThatItsTextsName) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"a", "b", "c"}) folder.write(name, "");
+  const auto file = folder.write("x.toml",
+                                 "k = \"a\"\nn = 1\nlost = \"none\"\nd = \".\"\n"
+                                 "[t]\nl = [\"b\"]\n[[u]]\nv = \"c\"\n");
+
+  EXPECT_EQ(Config::load(file).named_files(),
+            (std::vector{folder.path() / "a", folder.path() / "b", folder.path() / "c"}));
+}
+
 TEST(Config, StartsPathsInAnotherFolder) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("a.toml", "folder = \"../b\"\nfile = \"x\"\n");

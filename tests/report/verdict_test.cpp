@@ -167,6 +167,29 @@ TEST(WriteDiagnosis, WritesATableOfPredictionsForEachRecord) {
   EXPECT_FALSE(std::filesystem::exists(files.predictions[1])) << "of an earlier diagnosis";
 }
 
+TEST(WriteDiagnosis, KeepsTablesThatItHasNotWritten) {
+  const test::TemporaryFolder folder;
+  const auto verdict = missing_verdict();
+  const auto first = write_diagnosis(verdict, folder.path());
+  const auto& table = first.predictions.at(0);
+  const auto numbered = table.parent_path() / (table.stem().string() + " (2).csv");
+  std::filesystem::rename(table, table.parent_path() / "old.csv");
+  folder.write("predictions/" + table.filename().string(), "mine");
+  folder.write("predictions/mine.csv", "mine");
+  folder.write("predictions/mine.part", "mine");
+  std::filesystem::create_symlink("nowhere", table.parent_path() / "link.csv");
+
+  const auto second = write_diagnosis(verdict, folder.path());
+
+  EXPECT_EQ(second.predictions.at(0), numbered);
+  for (const auto& file :
+       {table, table.parent_path() / "mine.csv", table.parent_path() / "mine.part"})
+    EXPECT_EQ(test::content_of(file), "mine") << file;
+  EXPECT_TRUE(std::filesystem::is_symlink(table.parent_path() / "link.csv"));
+  EXPECT_FALSE(std::filesystem::exists(table.parent_path() / "old.csv"));
+  EXPECT_EQ(write_diagnosis(verdict, folder.path()).predictions.at(0), numbered);
+}
+
 TEST(WriteDiagnosis, WritesTheMotionOfTheNextTest) {
   const test::TemporaryFolder folder;
   auto verdict = missing_verdict();

@@ -136,6 +136,7 @@ Case with_prediction(Case c, const std::filesystem::path& simulation) {
     c.model = {};
     c.source.file = c.source.file.without("model");
   }
+  c.source.inputs.push_back(simulation);
   c.source.file.put("against", std::filesystem::proximate(simulation, c.source.folder).string());
   return c;
 }

@@ -137,11 +137,10 @@ Model read_model(const Config& table) {
 
 namespace {
 
-std::vector<Record> read_records(const Config& file) {
+std::vector<Record> read_records(const Config& file, Files& files) {
   const Config channels = file.table_or_empty("channels");
   const auto tables = file.tables("record");
   std::vector<Record> records;
-  Files files;
   for (const auto& table : tables) records.push_back(read_record(table, channels, files));
   name(records, tables);
   const auto is_fit = [](const Record& record) { return record.use == Use::Fit; };
@@ -167,7 +166,8 @@ Case case_of_file(const std::filesystem::path& path) {
     file.fail("format", fmt::format("format is {}, this program reads {}", format, kCaseFormat));
   const bool is_of_run = file.has("run");
   Case result = is_of_run ? case_with_run(file) : Case{};
-  if (!is_of_run) result.records = read_records(file);
+  Files files;
+  if (!is_of_run) result.records = read_records(file, files);
   result.folder = path.has_parent_path() ? path.parent_path() : ".";
   result.name = file.text("name", result.folder.filename().string());
   if (!is_of_run || file.has("model")) result.model = read_model(file.table_or_empty("model"));
@@ -181,6 +181,8 @@ Case case_of_file(const std::filesystem::path& path) {
   const std::string against = file.text("against", "");
   file.reject_unknown_keys();
   result.source.file = file;
+  for (const auto& inputs : {std::vector{path}, files.paths(), file.named_files()})
+    result.source.inputs.insert(result.source.inputs.end(), inputs.begin(), inputs.end());
   result.source.folder = std::filesystem::absolute(path).parent_path();
   return against.empty() ? result : with_prediction(std::move(result), file.resolve(against));
 }

@@ -166,6 +166,8 @@ void take_experiment(const Reader& run, CaseSource& source) {
       experiment.set(line.substr(0, equals), line.substr(equals + 1));
   source.experiment = experiment.in_its_folder();
   source.experiment_folder = source.experiment.resolve("");
+  source.inputs = source.experiment.named_files();
+  source.inputs.emplace_back(path->second);
 }
 
 }  // namespace
@@ -184,8 +186,10 @@ Case case_of_run(const std::filesystem::path& file) {
   if (held_out != file && std::filesystem::exists(held_out))
     of_file(held_out, [&] {
       result.records.push_back(record_of(Reader{held_out}, kHeldOutFile, Use::HeldOut));
+      result.source.inputs.push_back(held_out);
     });
   if (fastest(result) / kUsualRate > kFurthest) result.comparison.model_rate = kFineRate;
+  result.source.inputs.push_back(file);
   result.source.folder = std::filesystem::absolute(file).parent_path();
   result.source.file = Config{}.in_folder(result.source.folder);
   result.source.file.set("format", std::to_string(kCaseFormat));

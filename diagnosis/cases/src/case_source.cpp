@@ -96,6 +96,12 @@ const Table& Files::at(const std::filesystem::path& file) {
   return tables_.emplace(file, Table::load(file)).first->second;
 }
 
+std::vector<std::filesystem::path> Files::paths() const {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& [path, table] : tables_) paths.push_back(path);
+  return paths;
+}
+
 std::vector<double> Files::column(const Config& table, const Source& source,
                                   const std::filesystem::path& file, Trouble& trouble) {
   return table.placed(source.key, [&] {

@@ -51,6 +51,8 @@ class Files {
   /// @throws Error with the position of the source's key   @setup
   [[nodiscard]] std::vector<double> column(const Config& table, const Source& source,
                                            const std::filesystem::path& file, Trouble& trouble);
+  /// The files that were read.
+  [[nodiscard]] std::vector<std::filesystem::path> paths() const;
 
  private:
   std::map<std::filesystem::path, recording::Table> tables_;

@@ -83,6 +83,9 @@ class Config {
   [[nodiscard]] const std::string& where() const { return where_; }
   /// A path of this table as a full path: relative paths start at the folder of the TOML file.
   [[nodiscard]] std::filesystem::path resolve(const std::string& relative) const;
+  /// The files that exist among the texts of this table and of the tables in it, as full paths. No
+  /// key counts as read.
+  [[nodiscard]] std::vector<std::filesystem::path> named_files() const;
   /// @throws Error "where(key): message"
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
   /// Returns the result of `make`. Adds the position of `key` to an error that `make` throws.

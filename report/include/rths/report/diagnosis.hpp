@@ -30,6 +30,9 @@ inline constexpr const char* kImprovedExperiment = "experiment.toml";
 /// Folder of the tables of measurements and predictions, in the folder of a verdict.
 inline constexpr const char* kPredictionFolder = "predictions";
 
+/// The motion of the proposed next test.
+inline constexpr const char* kMotionFile = "next_test.csv";
+
 /// Files of a written verdict, all in one folder.
 struct DiagnosisFiles {
   std::filesystem::path page;                       ///< report.html, or diagnosis.html
@@ -50,8 +53,17 @@ struct DiagnosisFiles {
 /// A verdict as one self-contained page that needs no network.
 [[nodiscard]] std::string verdict_page(const diagnosis::Verdict& verdict);
 
+/// @throws Error if a diagnosis into the folder would replace one of the files, also through a
+///   symbolic link, or if the file is inside its `predictions` or `improved`   @setup
+void refuse_inputs_in(const std::filesystem::path& folder,
+                      const std::vector<std::filesystem::path>& inputs);
+/// @throws Error if the folder has files named like those of a diagnosis, but no verdict of an
+///   earlier one   @setup
+void refuse_foreign_files_in(const std::filesystem::path& folder);
+
 /// Writes all files of a verdict into a folder, which it creates if needed. Files of an earlier
-/// diagnosis are replaced.
+/// diagnosis are replaced. Other files in `predictions` and `improved` are kept; a table whose name
+/// is taken by one of them gets a number.
 /// @throws Error if a file cannot be written   @setup
 DiagnosisFiles write_diagnosis(const diagnosis::Verdict& verdict,
                                const std::filesystem::path& folder);

@@ -53,6 +53,8 @@ struct CaseSource {
   std::filesystem::path experiment_folder;  ///< where relative paths of `experiment` start
   /// The laboratory of `experiment` is the improved simulation itself.
   bool has_improved_laboratory = false;
+  /// Everything that was read: the case file, recordings, predictions, files that these name.
+  std::vector<std::filesystem::path> inputs;
 };
 
 /// Recordings, and a model that does not explain them.
