@@ -5,8 +5,10 @@
 #include <hdf5.h>
 #include <matio.h>
 
+#include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "support/files.hpp"
@@ -126,6 +128,48 @@ TEST_F(RecordTest, RefusesAQuietSectionOutsideTheRecord) {
   EXPECT_EQ(error(std::string{kFit} + "quiet_s = [0.02, 0.025]\n"),
             "case.toml:10:11: quiet_s is 0.02 to 0.025 s, expected at least two samples of 0.01 s");
   EXPECT_EQ(load(std::string{kFit} + "quiet_s = [0, 0.05]\n").records[0].quiet->second, 5U);
+}
+
+// Displacement, axis at rest, and force at 100 Hz. The motion begins at 2 s; at rest there is noise
+// in steps of 0.01 mm, and a hum of the force.
+std::string test_with_rest() {
+  std::string text = "t,u,w,F\n";
+  for (int i = 0; i < 600; ++i) {
+    const double t = i * 0.01, noise = 0.01 * (i * 37 % 11 / 5 - 1);
+    const double u = t < 2 ? 0 : 10 * (t - 2) * std::sin(4 * (t - 2));
+    text += fmt::format("{:.2f},{:.2f},{:.2f},{:.4f}\n", t, u + noise, -noise,
+                        2 * u + 0.3 * std::sin(2 * t));
+  }
+  return text;
+}
+
+TEST_F(RecordTest, RefusesAQuietSectionThatMoves) {
+  folder_.write("log.csv", test_with_rest());
+  const std::string channels = std::string{kChannels} + "displacement.lat = \"w [mm]\"\n";
+
+  EXPECT_NO_THROW(static_cast<void>(load(std::string{kFit} + "quiet_s = [0, 1.9]\n", channels)));
+  EXPECT_EQ(
+      error(std::string{kFit} + "quiet_s = [4, 5]\n", channels),
+      "case.toml:11:11: displacement.long moves in quiet_s of log.csv: its standard deviation "
+      "is 0.0172 m, expected below 0.00643 m, half of that in motion");
+  // The ramp is slow, so the section varies little.
+  EXPECT_EQ(
+      error(std::string{kFit} + "quiet_s = [0, 2.4]\n", channels),
+      "case.toml:11:11: displacement.long is not at rest in all of quiet_s of log.csv: its "
+      "standard deviation is 0.00131 m from 1.92 to 2.4 s, expected at most 4 times the usual "
+      "6.37e-06 m");
+}
+
+TEST_F(RecordTest, TakesAConstantOrCoarseChannelForOneAtRest) {
+  std::string text = "t,u,F\n";
+  for (int i = 0; i < 600; ++i) {
+    const double u = i < 200 ? 0 : 10 * std::sin(0.04 * (i - 200));
+    const double flips = i == 180 || i == 190 ? 1 : 0;  // of the last bit
+    text += fmt::format("{:.2f},{:.2f},{:.0f}\n", i * 0.01, u, u + flips);
+  }
+  folder_.write("log.csv", text);
+
+  EXPECT_NO_THROW(static_cast<void>(load(std::string{kFit} + "quiet_s = [0, 2]\n")));
 }
 
 TEST_F(RecordTest, RefusesTimeThatDoesNotIncrease) {
