@@ -41,9 +41,10 @@ class RecordTest : public ::testing::Test {
 };
 
 TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
-  const Case c = load(std::string{kFit} + "span_s = [0, 0.02]\n" +
-                      "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nspan_s = [0.02, 1]\n" +
-                      "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nname = \"all of it\"\n");
+  const Case c =
+      load(std::string{kFit} + "span_s = [0, 0.02]\n" +
+           "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nspan_s = [0.02, 1]\n" +
+           "[[record]]\nfile = \"log.csv\"\nuse = \"fit\"\nspan_s = [0, 0.01]\nname = \"short\"\n");
 
   ASSERT_EQ(c.records.size(), 3U);
   EXPECT_EQ(c.records[0].name, "log.csv");
@@ -51,8 +52,24 @@ TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
   EXPECT_EQ(c.records[1].name, "log.csv (2)");
   EXPECT_EQ(c.records[1].find("force.long")->values, (Values{30e3, 40e3, 50e3}));
   EXPECT_EQ(c.records[1].start, 0.02);
-  EXPECT_EQ(c.records[2].name, "all of it");
-  EXPECT_EQ(c.records[2].samples(), 5U);
+  EXPECT_EQ(c.records[2].name, "short");
+  EXPECT_EQ(c.records[2].samples(), 2U);
+}
+
+// A proof on fitted data is none.
+TEST_F(RecordTest, RefusesAFileThatIsFittedAndHeldOut) {
+  const std::string held_out = "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\n";
+
+  EXPECT_EQ(error(std::string{kFit} + held_out),
+            "case.toml:11:8: log.csv is also a record to fit, from 0 to 0.04 s, expected sections "
+            "that do not overlap (span_s) or another file: data that were fitted prove nothing");
+  EXPECT_NE(error(std::string{kFit} + "span_s = [0, 0.03]\n" + held_out + "span_s = [0.01, 1]\n")
+                .find("is also a record to fit, from 0.01 to 0.03 s"),
+            std::string::npos);
+  // Another specimen of the same test.
+  EXPECT_EQ(load(std::string{kFit} + held_out + "[record.channels]\nforce.long = \"t [kN]\"\n")
+                .records.size(),
+            2U);
 }
 
 // A bearing keeps its damage between two sections of a file. The state of a free-running model at

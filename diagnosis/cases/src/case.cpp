@@ -118,6 +118,7 @@ std::vector<Record> read_records(const Config& file) {
   const auto is_fit = [](const Record& record) { return record.use == Use::Fit; };
   if (std::none_of(records.begin(), records.end(), is_fit))
     file.fail("record", "no [[record]] has use = \"fit\"");
+  refuse_overlap(records, tables);
   refuse_motion_at_rest(records, tables);
   return records;
 }
