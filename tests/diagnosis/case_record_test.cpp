@@ -315,12 +315,29 @@ TEST_F(RecordTest, ResamplesUnequallySpacedSamples) {
   ASSERT_EQ(record.samples(), 9U);
   EXPECT_NEAR(record.find("force.long")->values[3], 1500, 1e-9);
   EXPECT_NEAR(record.find("displacement.long")->values[7], 4e-3, 1e-12);
-  EXPECT_NE(error(kFit).find("row 3 is at 0.025 s, expected 0.02 s: samples are not equally "
-                             "spaced; give rate_Hz instead"),
+  EXPECT_TRUE(record.gaps.empty());
+  EXPECT_NE(error(kFit).find("row 3 is at 0.025 s, 0.015 s after row 2 at 0.01 s, expected 0.01 s"),
             std::string::npos);
   folder_.write("log.csv", "t,u,F\n0,0,0\n0.01,1,1\n0.01,2,2\n");
   EXPECT_NE(error(std::string{kFit} + "resample_Hz = 200\n").find("time must increase"),
             std::string::npos);
+}
+
+// 100 Hz without the rows from 0.3 to 0.4 s, and without one row.
+TEST_F(RecordTest, NamesAGapAndDoesNotCompareItWhenResampled) {
+  std::string text = "t,u,F\n";
+  for (int i = 0; i < 100; ++i)
+    if (i != 60 && (i <= 30 || i >= 40)) text += fmt::format("{:.2f},{},{}\n", i * 0.01, i, i);
+  folder_.write("log.csv", text);
+
+  EXPECT_EQ(
+      error(kFit),
+      "log.csv: row 32 is at 0.4 s, 0.1 s after row 31 at 0.3 s, expected 0.01 s: samples are "
+      "not equally spaced; give one record to each section (span_s), or resample_Hz, or "
+      "rate_Hz instead of time if only the time stamps are wrong");
+  const Record record = load(std::string{kFit} + "resample_Hz = 200\n").records[0];
+  ASSERT_EQ(record.gaps.size(), 1U);
+  EXPECT_EQ(record.gaps[0], (std::pair<std::size_t, std::size_t>{60, 80}));
 }
 
 TEST_F(RecordTest, ReadsTheSettlingTime) {

@@ -163,10 +163,11 @@ TEST_F(CaseTest, RefusesNumbersWhoseSquaresAreNot) {
 TEST_F(CaseTest, RefusesSamplesThatAreNotEquallySpaced) {
   folder_.write("other.csv", "t,u,F,F_sim\n0,0,0,0\n0.01,1,4,5\n0.025,2,8,9\n0.03,3,1,1\n");
 
-  EXPECT_NE(test::error_of([&] {
-              static_cast<void>(load());
-            }).find("row 3 is at 0.025 s, expected 0.02 s: samples are not equally spaced"),
-            std::string::npos);
+  EXPECT_NE(
+      test::error_of([&] { static_cast<void>(load()); })
+          .find("row 3 is at 0.025 s, 0.015 s after row 2 at 0.01 s, expected 0.01 s: samples are "
+                "not equally spaced; give one record to each section (span_s), or resample_Hz"),
+      std::string::npos);
 }
 
 }  // namespace

@@ -35,6 +35,26 @@ void require_finite(const Raw& raw) {
     require_finite(raw.channels[i].values, raw.troubles[i], raw.channels[i].role, raw.file);
 }
 
+// The first step that differs from the usual one; the expected time of a row, if steps drift.
+[[noreturn]] void fail_spacing(const Raw& raw, std::size_t row, double expected) {
+  const auto& time = raw.time;
+  const double usual = median_step(time);
+  std::string found = fmt::format("{:.10g} s, expected {:.10g} s", time[row], expected);
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    const double step = time[i] - time[i - 1];
+    if (std::abs(step - usual) <= kTimeTolerance * usual + kPrintedTime) continue;
+    row = i;
+    found = fmt::format("{:.10g} s, {:.6g} s after row {} at {:.10g} s, expected {:.6g} s", time[i],
+                        step, i, time[i - 1], usual);
+    break;
+  }
+  throw Error{
+      fmt::format("{}: row {} is at {}: samples are not equally spaced; give one record to "
+                  "each section (span_s), or resample_Hz, or rate_Hz instead of time if "
+                  "only the time stamps are wrong",
+                  raw.file, row + 1, found)};
+}
+
 // Time stamps must be equally spaced, within the resolution of printed decimals.
 void take_spacing(const Raw& raw, Record& record) {
   const auto& time = raw.time;
@@ -48,11 +68,7 @@ void take_spacing(const Raw& raw, Record& record) {
   for (std::size_t i = 0; i < time.size(); ++i) {
     const double expected = record.start + static_cast<double>(i) * record.time_step;
     if (std::abs(time[i] - expected) > kTimeTolerance * record.time_step + kPrintedTime)
-      throw Error{
-          fmt::format("{}: row {} is at {:.10g} s, expected {:.10g} s: samples are not equally "
-                      "spaced; give rate_Hz "
-                      "instead of time if only the time stamps are wrong, or resample_Hz",
-                      raw.file, i + 1, time[i], expected)};
+      fail_spacing(raw, i, expected);
   }
 }
 
@@ -131,6 +147,7 @@ Record read_record(const Config& table, const Config& channels, Files& files) {
     resample(raw, table.number_in("resample_Hz", kLowestRate, kHighestRate));
   take_spacing(raw, record);
   record.channels = std::move(raw.channels);
+  record.gaps = std::move(raw.gaps);
   read_quiet(table, record);
   read_settle(table, record);
   table.reject_unknown_keys();
