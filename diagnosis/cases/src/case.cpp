@@ -108,12 +108,19 @@ Model read_model(const Config& table) {
 
 namespace {
 
+// The displacement of a user's own system may be anything.
+bool is_of_machine(const Config& file) {
+  const auto kind = model_kind(file.table_or_empty("model").text("kind", "data"));
+  return kind && is_composition(*kind);
+}
+
 std::vector<Record> read_records(const Config& file) {
   const Config channels = file.table_or_empty("channels");
   const auto tables = file.tables("record");
   std::vector<Record> records;
   Files files;
-  for (const auto& table : tables) records.push_back(read_record(table, channels, files));
+  for (const auto& table : tables)
+    records.push_back(read_record(table, channels, files, is_of_machine(file)));
   name(records, tables);
   const auto is_fit = [](const Record& record) { return record.use == Use::Fit; };
   if (std::none_of(records.begin(), records.end(), is_fit))

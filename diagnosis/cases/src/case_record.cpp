@@ -125,9 +125,50 @@ Config channels_of(const Config& table, const Config& channels) {
   return channels.overlaid(own);
 }
 
+// At the key of a role, which may be in a nested table: displacement.long.
+[[noreturn]] void fail_at(const Config& channels, const std::string& role,
+                          const std::string& what) {
+  const auto dot = role.find('.');
+  if (channels.has(role) || dot == std::string::npos) channels.fail(role, what);
+  fail_at(channels.table(role.substr(0, dot)), role.substr(dot + 1), what);
+}
+
+// Other axes may be recorded beside these.
+void require_axis(const Raw& raw, const Config& channels) {
+  for (const std::string family : {"command.", "displacement.", "force."}) {
+    const Channel* other = nullptr;
+    bool is_known = false;
+    for (const auto& channel : raw.channels) {
+      if (!channel.role.starts_with(family)) continue;
+      const std::string axis = channel.role.substr(family.size());
+      is_known = is_known || axis == "long" || axis == "lat" || axis == "vertical";
+      other = &channel;
+    }
+    if (other != nullptr && !is_known)
+      fail_at(channels, other->role,
+              fmt::format("the model has no axis of '{}', expected {}long or {}lat", other->role,
+                          family, family));
+  }
+}
+
+void refuse_far_motion(const Raw& raw, const Config& channels) {
+  constexpr double kReach = 10;  // [m]: no machine moves further
+  for (const auto& channel : raw.channels) {
+    const bool is_position =
+        channel.role.starts_with("displacement.") || channel.role.starts_with("command.");
+    if (!is_position || channel.unit != "m") continue;
+    double most = 0;
+    for (const double value : channel.values) most = std::max(most, std::abs(value));
+    if (most > kReach)
+      fail_at(channels, channel.role,
+              fmt::format("{} reaches {:.3g} m in {}, expected at most {} m: check its unit",
+                          channel.role, most, raw.file, kReach));
+  }
+}
+
 }  // namespace
 
-Record read_record(const Config& table, const Config& channels, Files& files) {
+Record read_record(const Config& table, const Config& channels, Files& files, bool is_machine) {
   const Config own = channels_of(table, channels);
   const std::string file = table.placed("file", [&] {
     const auto path = table.resolve(table.text("file"));
@@ -143,6 +184,10 @@ Record read_record(const Config& table, const Config& channels, Files& files) {
     table.placed("span_s", [&] { cut_out(raw, span[0], span[1]); });
   }
   require_finite(raw);
+  if (is_machine) {
+    require_axis(raw, own);
+    refuse_far_motion(raw, own);
+  }
   if (table.has("resample_Hz"))
     resample(raw, table.number_in("resample_Hz", kLowestRate, kHighestRate));
   take_spacing(raw, record);
