@@ -2,6 +2,7 @@
 #include <rths/recording/table.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
@@ -34,6 +35,22 @@ const std::vector<double>& Table::column(const std::string& name) const {
   return column.values;
 }
 
+namespace {
+
+// The column that is probably meant, and the first of those that there are.
+std::string hint_for(const std::string& name, std::vector<std::string> known) {
+  constexpr std::size_t kMost = 20;
+  std::string hint = did_you_mean(name, known);
+  for (const auto& other : known)
+    if (other.starts_with(name + " [")) hint = fmt::format(" (its unit differs in '{}')", other);
+  const std::size_t count = known.size();
+  known.resize(std::min(count, kMost));
+  return fmt::format("{}, expected one of {}{}", hint, fmt::join(known, ", "),
+                     count > kMost ? fmt::format(" and {} others", count - kMost) : "");
+}
+
+}  // namespace
+
 const Table::Column& Table::found(const std::string& name) const {
   if (name.size() > 1 && name[0] == '#') {
     const auto position = std::strtoul(name.c_str() + 1, nullptr, 10);
@@ -46,7 +63,8 @@ const Table::Column& Table::found(const std::string& name) const {
     if (column.name == name) return column;
     known.push_back(column.name);
   }
-  throw Error{fmt::format("{}: there is no column '{}'{}", file_, name, did_you_mean(name, known))};
+  throw Error{
+      fmt::format("{}: there is no column '{}'{}", file_, name, hint_for(name, std::move(known)))};
 }
 
 }  // namespace rths::recording

@@ -5,8 +5,10 @@
 #include <hdf5.h>
 #include <matio.h>
 
+#include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "support/files.hpp"
@@ -39,9 +41,10 @@ class RecordTest : public ::testing::Test {
 };
 
 TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
-  const Case c = load(std::string{kFit} + "span_s = [0, 0.02]\n" +
-                      "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nspan_s = [0.02, 1]\n" +
-                      "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nname = \"all of it\"\n");
+  const Case c =
+      load(std::string{kFit} + "span_s = [0, 0.02]\n" +
+           "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nspan_s = [0.02, 1]\n" +
+           "[[record]]\nfile = \"log.csv\"\nuse = \"fit\"\nspan_s = [0, 0.01]\nname = \"short\"\n");
 
   ASSERT_EQ(c.records.size(), 3U);
   EXPECT_EQ(c.records[0].name, "log.csv");
@@ -49,8 +52,24 @@ TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
   EXPECT_EQ(c.records[1].name, "log.csv (2)");
   EXPECT_EQ(c.records[1].find("force.long")->values, (Values{30e3, 40e3, 50e3}));
   EXPECT_EQ(c.records[1].start, 0.02);
-  EXPECT_EQ(c.records[2].name, "all of it");
-  EXPECT_EQ(c.records[2].samples(), 5U);
+  EXPECT_EQ(c.records[2].name, "short");
+  EXPECT_EQ(c.records[2].samples(), 2U);
+}
+
+// A proof on fitted data is none.
+TEST_F(RecordTest, RefusesAFileThatIsFittedAndHeldOut) {
+  const std::string held_out = "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\n";
+
+  EXPECT_EQ(error(std::string{kFit} + held_out),
+            "case.toml:11:8: log.csv is also a record to fit, from 0 to 0.04 s, expected sections "
+            "that do not overlap (span_s) or another file: data that were fitted prove nothing");
+  EXPECT_NE(error(std::string{kFit} + "span_s = [0, 0.03]\n" + held_out + "span_s = [0.01, 1]\n")
+                .find("is also a record to fit, from 0.01 to 0.03 s"),
+            std::string::npos);
+  // Another specimen of the same test.
+  EXPECT_EQ(load(std::string{kFit} + held_out + "[record.channels]\nforce.long = \"t [kN]\"\n")
+                .records.size(),
+            2U);
 }
 
 // A bearing keeps its damage between two sections of a file. The state of a free-running model at
@@ -126,6 +145,48 @@ TEST_F(RecordTest, RefusesAQuietSectionOutsideTheRecord) {
   EXPECT_EQ(error(std::string{kFit} + "quiet_s = [0.02, 0.025]\n"),
             "case.toml:10:11: quiet_s is 0.02 to 0.025 s, expected at least two samples of 0.01 s");
   EXPECT_EQ(load(std::string{kFit} + "quiet_s = [0, 0.05]\n").records[0].quiet->second, 5U);
+}
+
+// Displacement, axis at rest, and force at 100 Hz. The motion begins at 2 s; at rest there is noise
+// in steps of 0.01 mm, and a hum of the force.
+std::string test_with_rest() {
+  std::string text = "t,u,w,F\n";
+  for (int i = 0; i < 600; ++i) {
+    const double t = i * 0.01, noise = 0.01 * (i * 37 % 11 / 5 - 1);
+    const double u = t < 2 ? 0 : 10 * (t - 2) * std::sin(4 * (t - 2));
+    text += fmt::format("{:.2f},{:.2f},{:.2f},{:.4f}\n", t, u + noise, -noise,
+                        2 * u + 0.3 * std::sin(2 * t));
+  }
+  return text;
+}
+
+TEST_F(RecordTest, RefusesAQuietSectionThatMoves) {
+  folder_.write("log.csv", test_with_rest());
+  const std::string channels = std::string{kChannels} + "displacement.lat = \"w [mm]\"\n";
+
+  EXPECT_NO_THROW(static_cast<void>(load(std::string{kFit} + "quiet_s = [0, 1.9]\n", channels)));
+  EXPECT_EQ(
+      error(std::string{kFit} + "quiet_s = [4, 5]\n", channels),
+      "case.toml:11:11: displacement.long moves in quiet_s of log.csv: its standard deviation "
+      "is 0.0172 m, expected below 0.00643 m, half of that in motion");
+  // The ramp is slow, so the section varies little.
+  EXPECT_EQ(
+      error(std::string{kFit} + "quiet_s = [0, 2.4]\n", channels),
+      "case.toml:11:11: displacement.long is not at rest in all of quiet_s of log.csv: its "
+      "standard deviation is 0.00131 m from 1.92 to 2.4 s, expected at most 4 times the usual "
+      "6.37e-06 m");
+}
+
+TEST_F(RecordTest, TakesAConstantOrCoarseChannelForOneAtRest) {
+  std::string text = "t,u,F\n";
+  for (int i = 0; i < 600; ++i) {
+    const double u = i < 200 ? 0 : 10 * std::sin(0.04 * (i - 200));
+    const double flips = i == 180 || i == 190 ? 1 : 0;  // of the last bit
+    text += fmt::format("{:.2f},{:.2f},{:.0f}\n", i * 0.01, u, u + flips);
+  }
+  folder_.write("log.csv", text);
+
+  EXPECT_NO_THROW(static_cast<void>(load(std::string{kFit} + "quiet_s = [0, 2]\n")));
 }
 
 TEST_F(RecordTest, RefusesTimeThatDoesNotIncrease) {
@@ -254,12 +315,29 @@ TEST_F(RecordTest, ResamplesUnequallySpacedSamples) {
   ASSERT_EQ(record.samples(), 9U);
   EXPECT_NEAR(record.find("force.long")->values[3], 1500, 1e-9);
   EXPECT_NEAR(record.find("displacement.long")->values[7], 4e-3, 1e-12);
-  EXPECT_NE(error(kFit).find("row 3 is at 0.025 s, expected 0.02 s: samples are not equally "
-                             "spaced; give rate_Hz instead"),
+  EXPECT_TRUE(record.gaps.empty());
+  EXPECT_NE(error(kFit).find("row 3 is at 0.025 s, 0.015 s after row 2 at 0.01 s, expected 0.01 s"),
             std::string::npos);
   folder_.write("log.csv", "t,u,F\n0,0,0\n0.01,1,1\n0.01,2,2\n");
   EXPECT_NE(error(std::string{kFit} + "resample_Hz = 200\n").find("time must increase"),
             std::string::npos);
+}
+
+// 100 Hz without the rows from 0.3 to 0.4 s, and without one row.
+TEST_F(RecordTest, NamesAGapAndDoesNotCompareItWhenResampled) {
+  std::string text = "t,u,F\n";
+  for (int i = 0; i < 100; ++i)
+    if (i != 60 && (i <= 30 || i >= 40)) text += fmt::format("{:.2f},{},{}\n", i * 0.01, i, i);
+  folder_.write("log.csv", text);
+
+  EXPECT_EQ(
+      error(kFit),
+      "log.csv: row 32 is at 0.4 s, 0.1 s after row 31 at 0.3 s, expected 0.01 s: samples are "
+      "not equally spaced; give one record to each section (span_s), or resample_Hz, or "
+      "rate_Hz instead of time if only the time stamps are wrong");
+  const Record record = load(std::string{kFit} + "resample_Hz = 200\n").records[0];
+  ASSERT_EQ(record.gaps.size(), 1U);
+  EXPECT_EQ(record.gaps[0], (std::pair<std::size_t, std::size_t>{60, 80}));
 }
 
 TEST_F(RecordTest, ReadsTheSettlingTime) {

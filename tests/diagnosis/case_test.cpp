@@ -111,12 +111,41 @@ TEST_F(CaseTest, ReportsThePositionOfErrors) {
       0U);
   EXPECT_NE(error_with("\"u [mm]\"", "\"v [mm]\"").find("there is no column 'v'"),
             std::string::npos);
+  EXPECT_NE(error_with("\"u [mm]\"", "\"v [mm]\"").find(", expected one of t, u, F, F_sim"),
+            std::string::npos);
+  EXPECT_EQ(error_with("displacement.long", "displacement.x"),
+            "case.toml:12:18: the model has no axis of 'displacement.x', expected "
+            "displacement.long or displacement.lat");
   EXPECT_EQ(error_with("\"held_out\"", "\"unseen\""),
             "case.toml:9:7: use is 'unseen', expected fit, held_out or reference");
   EXPECT_EQ(error_with("\"bearing\"", "\"spring\"").find("case.toml:16:8: there is no model of"),
             0U);
   EXPECT_EQ(error_with("use = \"fit\"", "use = \"reference\""),
             "case.toml:3:1: no [[record]] has use = \"fit\"");
+}
+
+// Millimetres that are declared as metres.
+TEST_F(CaseTest, RefusesAMotionThatNoMachineReaches) {
+  folder_.write("other.csv", "t,u,F,F_sim\n0,0,0,0\n0.01,-50,4,5\n0.02,2,8,9\n");
+  const std::string file = (folder_.path() / "other.csv").string();
+  std::string toml = kCase;
+  toml.replace(toml.find("u [mm]"), 6, "u [m]");
+
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(load(toml)); }),
+            (folder_.path() / "case.toml").string() + ":12:21: displacement.long reaches 50 m in " +
+                file + ", expected at most 10 m: check its unit");
+  const auto model = toml.find("kind");
+  toml.replace(model, toml.find("[noise]") - model, "kind = \"data\"\n");
+  EXPECT_EQ(load(toml).records[1].find("displacement.long")->values[1], -50);
+}
+
+TEST_F(CaseTest, NamesTheColumnWithAnotherUnit) {
+  folder_.write("fit.csv", "t,u [cm],F,F_sim\n0,0,0,0\n0.01,1,4,5\n");
+
+  EXPECT_NE(error_with("F_sim [kN]", "F_sim [N]")
+                .find("there is no column 'u' (its unit differs in 'u [cm]'), expected one of t, "
+                      "u [cm], F, F_sim"),
+            std::string::npos);
 }
 
 TEST_F(CaseTest, SaysWhichBoundsItFound) {
@@ -163,10 +192,11 @@ TEST_F(CaseTest, RefusesNumbersWhoseSquaresAreNot) {
 TEST_F(CaseTest, RefusesSamplesThatAreNotEquallySpaced) {
   folder_.write("other.csv", "t,u,F,F_sim\n0,0,0,0\n0.01,1,4,5\n0.025,2,8,9\n0.03,3,1,1\n");
 
-  EXPECT_NE(test::error_of([&] {
-              static_cast<void>(load());
-            }).find("row 3 is at 0.025 s, expected 0.02 s: samples are not equally spaced"),
-            std::string::npos);
+  EXPECT_NE(
+      test::error_of([&] { static_cast<void>(load()); })
+          .find("row 3 is at 0.025 s, 0.015 s after row 2 at 0.01 s, expected 0.01 s: samples are "
+                "not equally spaced; give one record to each section (span_s), or resample_Hz"),
+      std::string::npos);
 }
 
 }  // namespace

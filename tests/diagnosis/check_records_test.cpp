@@ -68,6 +68,17 @@ TEST(CheckedRecords, HaveAnOutputThatVaries) {
   }
 }
 
+TEST(CheckedRecords, HaveAMotionThatVaries) {
+  for (const std::size_t record : {0U, 1U}) {
+    Case c = guide();
+    fill(c.records[record], "displacement.long", 0.02);
+
+    EXPECT_EQ(error_of(c), c.records[record].name +
+                               ": displacement.long is constant, expected a channel that varies: "
+                               "it drives the model");
+  }
+}
+
 // The errors of both axes are divided by the standard deviation of both.
 TEST(CheckedRecords, MayHaveOneAxisAtRest) {
   Case c = guide();

@@ -68,8 +68,12 @@ void cut(Record& record, double from, double to) {
     channel.values = {channel.values.begin() + static_cast<std::ptrdiff_t>(begin),
                       channel.values.begin() + static_cast<std::ptrdiff_t>(end)};
   record.start += first * record.time_step;
-  if (!record.quiet) return;
   const auto moved = [&](std::size_t sample) { return std::clamp(sample, begin, end) - begin; };
+  std::erase_if(record.gaps,
+                [&](const auto& gap) { return gap.second <= begin || gap.first + 1 >= end; });
+  for (auto& gap : record.gaps)
+    gap = {moved(gap.first), std::min(moved(gap.second), end - begin - 1)};
+  if (!record.quiet) return;
   record.quiet = {moved(record.quiet->first), moved(record.quiet->second)};
   if (record.quiet->first == record.quiet->second) record.quiet.reset();
 }

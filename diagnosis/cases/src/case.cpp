@@ -11,6 +11,7 @@
 #include "case_history.hpp"
 #include "case_of_run.hpp"
 #include "case_record.hpp"
+#include "case_rest.hpp"
 #include "roles.hpp"
 
 namespace rths::diagnosis {
@@ -91,36 +92,6 @@ void name(std::vector<Record>& records, const std::vector<Config>& tables) {
   }
 }
 
-// Distance from the smallest to the largest value of a channel in some samples; 0: not recorded.
-double range_of(const Record& record, const std::string& role, std::size_t from, std::size_t to) {
-  const Channel* channel = record.find(role);
-  if (channel == nullptr || from >= to) return 0;
-  const auto begin = channel->values.begin();
-  const auto [least, most] = std::minmax_element(begin + static_cast<std::ptrdiff_t>(from),
-                                                 begin + static_cast<std::ptrdiff_t>(to));
-  return *most - *least;
-}
-
-// All motion of a reference record would count as noise.
-void refuse_motion(const Record& reference, const Config& table,
-                   const std::vector<Record>& records) {
-  constexpr double kMostShare = 0.1;  // of the motion of the test
-  for (const auto& channel : reference.channels) {
-    if (!channel.role.starts_with("displacement.")) continue;
-    double tested = 0;
-    for (const auto& record : records)
-      if (record.use != Use::Reference)
-        tested = std::max(tested, range_of(record, channel.role, 0, record.samples()));
-    const auto [from, to] = *reference.quiet;
-    const double range = range_of(reference, channel.role, from, to);
-    if (tested > 0 && range > kMostShare * tested)
-      table.fail(table.has("quiet_s") ? "quiet_s" : "use",
-                 fmt::format("{} moves by {:.3g} m in {}, expected no motion: the record is used "
-                             "to measure the noise; quiet_s = [from, to] selects a section at rest",
-                             channel.role, range, reference.name));
-  }
-}
-
 }  // namespace
 
 Model read_model(const Config& table) {
@@ -137,17 +108,24 @@ Model read_model(const Config& table) {
 
 namespace {
 
+// The displacement of a user's own system may be anything.
+bool is_of_machine(const Config& file) {
+  const auto kind = model_kind(file.table_or_empty("model").text("kind", "data"));
+  return kind && is_composition(*kind);
+}
+
 std::vector<Record> read_records(const Config& file, Files& files) {
   const Config channels = file.table_or_empty("channels");
   const auto tables = file.tables("record");
   std::vector<Record> records;
-  for (const auto& table : tables) records.push_back(read_record(table, channels, files));
+  for (const auto& table : tables)
+    records.push_back(read_record(table, channels, files, is_of_machine(file)));
   name(records, tables);
   const auto is_fit = [](const Record& record) { return record.use == Use::Fit; };
   if (std::none_of(records.begin(), records.end(), is_fit))
     file.fail("record", "no [[record]] has use = \"fit\"");
-  for (std::size_t i = 0; i < tables.size(); ++i)
-    if (records[i].use == Use::Reference) refuse_motion(records[i], tables[i], records);
+  refuse_overlap(records, tables);
+  refuse_motion_at_rest(records, tables);
   return records;
 }
 

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
+
+#include <fmt/format.h>
 
 namespace rths::diagnosis {
 namespace {
@@ -44,7 +47,40 @@ void prepend(const Record& past, std::size_t count, Record& record) {
   record.settle += length;
 }
 
+bool have_same_source(const Config& one, const Config& other) {
+  const auto file = [](const Config& table) { return table.resolve(table.text("file")); };
+  const auto channels = [](const Config& table) {
+    return table.table_or_empty("channels").to_toml();
+  };
+  std::error_code problem;
+  return std::filesystem::equivalent(file(one), file(other), problem) &&
+         channels(one) == channels(other);
+}
+
+double end_of(const Record& record) {
+  return record.start + static_cast<double>(record.samples() - 1) * record.time_step;
+}
+
 }  // namespace
+
+void refuse_overlap(const std::vector<Record>& records, const std::vector<Config>& tables) {
+  for (std::size_t i = 0; i < records.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const Record &earlier = records[k], &later = records[i];
+      const bool is_proof =
+          earlier.use != later.use && earlier.use != Use::Reference && later.use != Use::Reference;
+      if (!is_proof || !have_same_source(tables[k], tables[i])) continue;
+      const double from = std::max(earlier.start, later.start);
+      const double to = std::min(end_of(earlier), end_of(later));
+      // Sections that adjoin share a sample.
+      if (to - from <= 1.5 * std::max(earlier.time_step, later.time_step)) continue;
+      tables[i].fail("file", fmt::format("{} is also a record to {}, from {:.6g} to {:.6g} s, "
+                                         "expected sections that do not overlap (span_s) or "
+                                         "another file: data that were fitted prove nothing",
+                                         tables[i].text("file"),
+                                         earlier.use == Use::Fit ? "fit" : "hold out", from, to));
+    }
+}
 
 void join_sections(std::vector<Record>& records, const std::vector<Config>& tables) {
   std::vector<std::size_t> order(records.size());

@@ -13,4 +13,7 @@ namespace rths::diagnosis {
 /// @param tables  of the records, in their order: [[record]]
 void join_sections(std::vector<Record>& records, const std::vector<Config>& tables);
 
+/// @throws Error with the position of a file that is fitted and held out at the same time   @setup
+void refuse_overlap(const std::vector<Record>& records, const std::vector<Config>& tables);
+
 }  // namespace rths::diagnosis

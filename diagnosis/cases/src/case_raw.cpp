@@ -2,6 +2,7 @@
 #include "case_raw.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -121,10 +122,38 @@ void require_increase(const Raw& raw, std::size_t row) {
                             row + 1, raw.time[row], raw.time[row - 1])};
 }
 
+double median_step(const std::vector<double>& time) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+namespace {
+
+// The resampled samples before and behind each gap in the old ones.
+std::vector<std::pair<std::size_t, std::size_t>> gaps_of(const std::vector<double>& time,
+                                                         double rate, std::size_t count) {
+  constexpr double kShortest = 5;  // samples
+  const double shortest = (1 + 1e-6) * kShortest * median_step(time);
+  std::vector<std::pair<std::size_t, std::size_t>> gaps;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    if (time[i] - time[i - 1] <= shortest) continue;
+    const auto last = static_cast<std::size_t>((time[i - 1] - time.front()) * rate);
+    const auto next = static_cast<std::size_t>(std::ceil((time[i] - time.front()) * rate));
+    gaps.emplace_back(last, std::min(next, count - 1));
+  }
+  return gaps;
+}
+
+}  // namespace
+
 void resample(Raw& raw, double rate) {
   const auto old = raw.time;
   for (std::size_t i = 1; i < old.size(); ++i) require_increase(raw, i);
   const auto count = static_cast<std::size_t>((old.back() - old.front()) * rate + 1e-9) + 1;
+  raw.gaps = gaps_of(old, rate, count);
   raw.time.resize(count);
   std::vector<std::pair<std::size_t, double>> weights(count);  // sample before, share of the next
   for (std::size_t k = 0, i = 0; k < count; ++k) {

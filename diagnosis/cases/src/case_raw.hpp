@@ -22,6 +22,7 @@ struct Raw {
   Trouble time_trouble;                                   ///< of `time`
   std::vector<Trouble> troubles;                          ///< of each channel
   std::vector<std::pair<std::size_t, double>> constants;  ///< channel, its value [SI]
+  std::vector<std::pair<std::size_t, std::size_t>> gaps;  ///< as in Record, of resampled data
 };
 
 /// Reads the channels that a record names.
@@ -35,7 +36,10 @@ void cut_out(Raw& raw, double from, double to);
 /// @throws Error if a time stamp is not after the one before it   @setup
 void require_increase(const Raw& raw, std::size_t row);
 
-/// Resamples at equal spacing by linear interpolation.
+/// The usual distance of two time stamps [s].
+[[nodiscard]] double median_step(const std::vector<double>& time);
+
+/// Resamples at equal spacing by linear interpolation. Notes gaps of more than five samples.
 /// @param rate  [Hz]   @throws Error if time does not increase   @setup
 void resample(Raw& raw, double rate);
 

@@ -35,6 +35,26 @@ void require_finite(const Raw& raw) {
     require_finite(raw.channels[i].values, raw.troubles[i], raw.channels[i].role, raw.file);
 }
 
+// The first step that differs from the usual one; the expected time of a row, if steps drift.
+[[noreturn]] void fail_spacing(const Raw& raw, std::size_t row, double expected) {
+  const auto& time = raw.time;
+  const double usual = median_step(time);
+  std::string found = fmt::format("{:.10g} s, expected {:.10g} s", time[row], expected);
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    const double step = time[i] - time[i - 1];
+    if (std::abs(step - usual) <= kTimeTolerance * usual + kPrintedTime) continue;
+    row = i;
+    found = fmt::format("{:.10g} s, {:.6g} s after row {} at {:.10g} s, expected {:.6g} s", time[i],
+                        step, i, time[i - 1], usual);
+    break;
+  }
+  throw Error{
+      fmt::format("{}: row {} is at {}: samples are not equally spaced; give one record to "
+                  "each section (span_s), or resample_Hz, or rate_Hz instead of time if "
+                  "only the time stamps are wrong",
+                  raw.file, row + 1, found)};
+}
+
 // Time stamps must be equally spaced, within the resolution of printed decimals.
 void take_spacing(const Raw& raw, Record& record) {
   const auto& time = raw.time;
@@ -48,11 +68,7 @@ void take_spacing(const Raw& raw, Record& record) {
   for (std::size_t i = 0; i < time.size(); ++i) {
     const double expected = record.start + static_cast<double>(i) * record.time_step;
     if (std::abs(time[i] - expected) > kTimeTolerance * record.time_step + kPrintedTime)
-      throw Error{
-          fmt::format("{}: row {} is at {:.10g} s, expected {:.10g} s: samples are not equally "
-                      "spaced; give rate_Hz "
-                      "instead of time if only the time stamps are wrong, or resample_Hz",
-                      raw.file, i + 1, time[i], expected)};
+      fail_spacing(raw, i, expected);
   }
 }
 
@@ -109,9 +125,50 @@ Config channels_of(const Config& table, const Config& channels) {
   return channels.overlaid(own);
 }
 
+// At the key of a role, which may be in a nested table: displacement.long.
+[[noreturn]] void fail_at(const Config& channels, const std::string& role,
+                          const std::string& what) {
+  const auto dot = role.find('.');
+  if (channels.has(role) || dot == std::string::npos) channels.fail(role, what);
+  fail_at(channels.table(role.substr(0, dot)), role.substr(dot + 1), what);
+}
+
+// Other axes may be recorded beside these.
+void require_axis(const Raw& raw, const Config& channels) {
+  for (const std::string family : {"command.", "displacement.", "force."}) {
+    const Channel* other = nullptr;
+    bool is_known = false;
+    for (const auto& channel : raw.channels) {
+      if (!channel.role.starts_with(family)) continue;
+      const std::string axis = channel.role.substr(family.size());
+      is_known = is_known || axis == "long" || axis == "lat" || axis == "vertical";
+      other = &channel;
+    }
+    if (other != nullptr && !is_known)
+      fail_at(channels, other->role,
+              fmt::format("the model has no axis of '{}', expected {}long or {}lat", other->role,
+                          family, family));
+  }
+}
+
+void refuse_far_motion(const Raw& raw, const Config& channels) {
+  constexpr double kReach = 10;  // [m]: no machine moves further
+  for (const auto& channel : raw.channels) {
+    const bool is_position =
+        channel.role.starts_with("displacement.") || channel.role.starts_with("command.");
+    if (!is_position || channel.unit != "m") continue;
+    double most = 0;
+    for (const double value : channel.values) most = std::max(most, std::abs(value));
+    if (most > kReach)
+      fail_at(channels, channel.role,
+              fmt::format("{} reaches {:.3g} m in {}, expected at most {} m: check its unit",
+                          channel.role, most, raw.file, kReach));
+  }
+}
+
 }  // namespace
 
-Record read_record(const Config& table, const Config& channels, Files& files) {
+Record read_record(const Config& table, const Config& channels, Files& files, bool is_machine) {
   const Config own = channels_of(table, channels);
   const std::string file = table.placed("file", [&] {
     const auto path = table.resolve(table.text("file"));
@@ -127,10 +184,15 @@ Record read_record(const Config& table, const Config& channels, Files& files) {
     table.placed("span_s", [&] { cut_out(raw, span[0], span[1]); });
   }
   require_finite(raw);
+  if (is_machine) {
+    require_axis(raw, own);
+    refuse_far_motion(raw, own);
+  }
   if (table.has("resample_Hz"))
     resample(raw, table.number_in("resample_Hz", kLowestRate, kHighestRate));
   take_spacing(raw, record);
   record.channels = std::move(raw.channels);
+  record.gaps = std::move(raw.gaps);
   read_quiet(table, record);
   read_settle(table, record);
   table.reject_unknown_keys();

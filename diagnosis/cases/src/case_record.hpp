@@ -9,7 +9,9 @@ namespace rths::diagnosis {
 
 /// Reads one [[record]].
 /// @param channels  [channels] of the case; the record's own keys override it
+/// @param is_machine  the axes are those of a test machine, and no displacement is beyond its reach
 /// @throws Error with the position in case.toml or in the recording   @setup
-[[nodiscard]] Record read_record(const Config& table, const Config& channels, Files& files);
+[[nodiscard]] Record read_record(const Config& table, const Config& channels, Files& files,
+                                 bool is_machine);
 
 }  // namespace rths::diagnosis

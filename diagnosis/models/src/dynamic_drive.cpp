@@ -60,6 +60,9 @@ std::unique_ptr<DynamicDrive> dynamic_drive(const DynamicModel& model, const Hyp
     drive->velocity.col(i) = rate_of(drive->measured.col(i), record.time_step);
   }
   drive->displacement = drive->measured;
+  if (!record.gaps.empty()) drive->present = Eigen::ArrayXd::Ones(drive->rows());
+  for (const auto& [last, next] : record.gaps)
+    drive->present.segment(static_cast<Index>(last), static_cast<Index>(next - last + 1)).setZero();
   for (const auto& role : model.inputs) {
     const Channel& channel = channel_of(record, role);
     drive->signals.inputs.push_back(channel.values);

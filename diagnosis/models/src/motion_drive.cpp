@@ -24,6 +24,7 @@ constexpr double kModelCutoff = 0.36;   // of the model's rate: below half of it
 constexpr double kLowestCrossover = 2;  // between displacement and acceleration [Hz]
 constexpr double kSpoiltTime = 1;       // at the end, by filters and fusing [s]
 constexpr double kSpoiltShare = 0.02;   // of the record, at most
+constexpr double kSpoiltPeriods = 2;    // of the comparison's cutoff, where the record has an edge
 
 VectorXd column(const Record& record, const std::string& role) {
   const Channel* channel = record.find(role);
@@ -135,9 +136,8 @@ VectorXd predicted_channel(const Record& record, const MotionChannels& channels,
 // Time at the start that the filter of the comparison spoils, since it does not know what was
 // before [s]: none if the record begins at rest.
 double spoilt_start(const Record& record, double cutoff) {
-  constexpr double kPeriods = 2;  // of the cutoff
   if (cutoff <= 0) return 0;
-  const double spoilt = kPeriods / cutoff;
+  const double spoilt = kSpoiltPeriods / cutoff;
   const bool begins_at_rest =
       record.quiet && static_cast<double>(record.quiet->first) * record.time_step < spoilt;
   return begins_at_rest ? 0 : spoilt;
@@ -145,15 +145,17 @@ double spoilt_start(const Record& record, double cutoff) {
 
 // Rows that the gaps of a record spoil, also through the filter of the comparison.
 Eigen::ArrayXd present_rows(const Record& record, const MotionDrive& drive) {
-  constexpr double kSpread = 0.1;  // of the filter [s]
+  constexpr double kLeastSpread = 0.1;  // of filters [s]
   if (record.gaps.empty()) return {};
+  const double spread =
+      std::max(kLeastSpread, drive.cutoff > 0 ? kSpoiltPeriods / drive.cutoff : 0);
   Eigen::ArrayXd present = Eigen::ArrayXd::Ones(drive.all_rows);
   const auto row_at = [&](double time) {
     return std::clamp<Index>(static_cast<Index>(time / drive.time_step), 0, drive.all_rows - 1);
   };
   for (const auto& [last, next] : record.gaps) {
-    const Index from = row_at(static_cast<double>(last) * record.time_step - kSpread);
-    const Index to = row_at(static_cast<double>(next) * record.time_step + kSpread);
+    const Index from = row_at(static_cast<double>(last) * record.time_step - spread);
+    const Index to = row_at(static_cast<double>(next) * record.time_step + spread);
     present.segment(from, to - from + 1).setZero();
   }
   return present;

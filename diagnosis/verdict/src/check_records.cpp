@@ -58,6 +58,22 @@ void check_rows(const Drive& drive, const Record& record, const Relation& relati
                     record.name, relation.name(), rows, drive.time_step, kFewestRows)};
 }
 
+bool is_constant(const Eigen::VectorXd& values) {
+  return values.maxCoeff() - values.minCoeff() <= kRoundOff * values.cwiseAbs().maxCoeff();
+}
+
+// One axis may be at rest. A free run has a state of its own at its start, and then needs no input.
+void check_drivers(const Record& record, const Relation& relation) {
+  const auto drivers = relation.drivers();
+  if (relation.runs_freely() || drivers.empty()) return;
+  for (const auto& role : drivers)
+    if (const Channel* driver = record.find(role); driver && !is_constant(values_of(*driver)))
+      return;
+  throw Error{fmt::format("{}: {} {} constant, expected a channel that varies: it drives the model",
+                          record.name, fmt::join(drivers, " and "),
+                          drivers.size() == 1 ? "is" : "are")};
+}
+
 // Errors are divided by the standard deviation of the outputs.
 void check_variation(const Drive& drive, const Record& record, const Relation& relation) {
   std::vector<std::string> constant;
@@ -87,6 +103,7 @@ void check_outputs(const Relation& relation, const std::vector<const Record*>& r
   double fitted = 0;
   for (const Record* record : records) {
     const auto drive = relation.prepare(*record);
+    check_drivers(*record, relation);
     check_rows(*drive, *record, relation);
     check_variation(*drive, *record, relation);
     if (record->use == Use::Fit)

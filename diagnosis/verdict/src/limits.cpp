@@ -11,7 +11,7 @@
 namespace rths::diagnosis {
 namespace {
 
-constexpr double kFurthest = 20;  // [m]: no test machine moves further
+constexpr double kFurthest = 3;  // [m]: hardly any test machine moves further
 
 std::string gaps_in(const Record& record) {
   std::size_t samples = 0;
@@ -74,7 +74,7 @@ std::string unused_channels(const Case& c) {
                      fmt::join(unused, ", "));
 }
 
-// A displacement that no machine reaches is probably in another unit.
+// A displacement that hardly any machine reaches may be in another unit.
 std::vector<std::string> doubtful_units(const Case& c) {
   std::vector<std::string> doubts;
   for (const Record* record : moving_records(c))
