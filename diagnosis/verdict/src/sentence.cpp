@@ -43,7 +43,8 @@ std::string errors_of(const Verdict& verdict) {
     if (score.use == "held_out") unseen.push_back(&score);
   if (unseen.empty()) return "no record was held out to prove it";
   const auto changes = [](double before, double after) {
-    return fmt::format("{} from {} to {}", after <= before ? "falls" : "rises", percent(before),
+    if (percent(before) == percent(after)) return "stays at " + percent(after);
+    return fmt::format("{} from {} to {}", after < before ? "falls" : "rises", percent(before),
                        percent(after));
   };
   if (unseen.size() == 1)
