@@ -35,6 +35,21 @@ std::string share_text(double share) {
   return fmt::format("{:.1f} %", 100 * share);
 }
 
+// "from 26.3 % to 0.84 %", or "at 0.84 %"
+std::string course(double before, double after) {
+  return percent(before) == percent(after)
+             ? "at " + percent(after)
+             : fmt::format("from {} to {}", percent(before), percent(after));
+}
+
+// "falls from 26.3 % to 0.84 %", or "stays at 0.84 %"
+std::string change(double before, double after) {
+  const char* verb = percent(before) == percent(after) ? "stays"
+                     : after < before                  ? "falls"
+                                                       : "rises";
+  return fmt::format("{} {}", verb, course(before, after));
+}
+
 // "on the unseen record R the error falls from 26.3 % to 0.84 % (99.9 % of the unexplained energy)"
 std::string errors_of(const Verdict& verdict) {
   constexpr std::size_t kMostListed = 3;
@@ -42,27 +57,22 @@ std::string errors_of(const Verdict& verdict) {
   for (const auto& score : verdict.fit)
     if (score.use == "held_out") unseen.push_back(&score);
   if (unseen.empty()) return "no record was held out to prove it";
-  const auto changes = [](double before, double after) {
-    if (percent(before) == percent(after)) return "stays at " + percent(after);
-    return fmt::format("{} from {} to {}", after < before ? "falls" : "rises", percent(before),
-                       percent(after));
-  };
   if (unseen.size() == 1)
     return fmt::format("on the unseen record {} the error {}", unseen[0]->record,
-                       changes(unseen[0]->nrmse_before, unseen[0]->nrmse_after));
+                       change(unseen[0]->nrmse_before, unseen[0]->nrmse_after));
   std::string each;
   if (unseen.size() <= kMostListed) {
     for (const auto* score : unseen)
       each += fmt::format("{}{} {}", each.empty() ? "" : ", ", score->record,
-                          changes(score->nrmse_before, score->nrmse_after));
+                          change(score->nrmse_before, score->nrmse_after));
     return "on the unseen records the error of " + each;
   }
   const auto worst = *std::max_element(
       unseen.begin(), unseen.end(),
       [](const auto* a, const auto* b) { return a->nrmse_after < b->nrmse_after; });
   return fmt::format("on {} unseen records the error {}, at worst {} ({})", unseen.size(),
-                     changes(verdict.proof.before, verdict.proof.after),
-                     changes(worst->nrmse_before, worst->nrmse_after).substr(6), worst->record);
+                     change(verdict.proof.before, verdict.proof.after),
+                     course(worst->nrmse_before, worst->nrmse_after), worst->record);
 }
 
 // "what is left is 31 times the sensors' noise, and systematic"
