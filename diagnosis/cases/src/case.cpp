@@ -118,8 +118,9 @@ std::vector<Record> read_records(const Config& file, Files& files) {
   const Config channels = file.table_or_empty("channels");
   const auto tables = file.tables("record");
   std::vector<Record> records;
+  const bool is_machine = is_of_machine(file);
   for (const auto& table : tables)
-    records.push_back(read_record(table, channels, files, is_of_machine(file)));
+    records.push_back(read_record(table, channels, files, is_machine));
   name(records, tables);
   const auto is_fit = [](const Record& record) { return record.use == Use::Fit; };
   if (std::none_of(records.begin(), records.end(), is_fit))

@@ -11,6 +11,8 @@
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
 
+#include "case_raw.hpp"
+
 namespace rths::diagnosis {
 namespace {
 
@@ -76,14 +78,13 @@ std::optional<std::pair<std::size_t, std::size_t>> quiet_stretch(const NodeTicks
 
 // Ticks without a row. The interpolation of short gaps is far below the comparison's bandwidth.
 std::vector<std::pair<std::size_t, std::size_t>> gaps_of(const NodeTicks& ticks) {
-  constexpr std::size_t kShortest = 5;  // ticks
   std::vector<std::pair<std::size_t, std::size_t>> gaps;
   std::size_t last = 0;
   for (const double value : ticks.counter()) {
     const auto count = static_cast<std::size_t>(std::lround(std::max(0.0, value)));
     if (count <= last) continue;
     if (count > ticks.count()) break;
-    if (last > 0 && count - last > kShortest) gaps.emplace_back(last - 1, count - 1);
+    if (last > 0 && count - last > kBridged) gaps.emplace_back(last - 1, count - 1);
     last = count;
   }
   return gaps;

@@ -135,8 +135,7 @@ namespace {
 // The resampled samples before and behind each gap in the old ones.
 std::vector<std::pair<std::size_t, std::size_t>> gaps_of(const std::vector<double>& time,
                                                          double rate, std::size_t count) {
-  constexpr double kShortest = 5;  // samples
-  const double shortest = (1 + 1e-6) * kShortest * median_step(time);
+  const double shortest = (1 + 1e-6) * double{kBridged} * median_step(time);
   std::vector<std::pair<std::size_t, std::size_t>> gaps;
   for (std::size_t i = 1; i < time.size(); ++i) {
     if (time[i] - time[i - 1] <= shortest) continue;

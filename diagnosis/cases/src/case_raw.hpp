@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,9 @@ struct Raw {
   std::vector<std::pair<std::size_t, double>> constants;  ///< channel, its value [SI]
   std::vector<std::pair<std::size_t, std::size_t>> gaps;  ///< as in Record, of resampled data
 };
+
+/// Samples of the longest gap whose interpolated values are compared as if they were recorded.
+inline constexpr std::size_t kBridged = 5;
 
 /// Reads the channels that a record names.
 /// @throws Error with the position of a channel that cannot be read   @setup
