@@ -23,7 +23,7 @@ function(rths_long program label expression)
 endfunction()
 
 # Diagnoses of whole runs. The default run has those of the main example.
-rths_long(rths_diagnosed_run_test system "^(VerticalCoupling|RunDiagnosis\\.Compares|DetunedTracking\\.Raises)")
+rths_long(rths_diagnosed_run_test system "^(VerticalCoupling|RunDiagnosis\\.(Compares|NamesNoSensor)|DetunedTracking\\.Raises)")
 rths_long(rths_diagnosed_run_test system "^DiagnosedRun\\.(GivesTheSameBytes|IsDiagnosedAgain)")
 rths_long(rths_command_test system "^(CaseOfARun\\.IsExplained|FirstContact\\.ShowsTheStepsOfADiagnosis)")
 rths_long(rths_command_test system "^Rates/Rate\\..*/10")
@@ -81,7 +81,7 @@ rths_tests(rths_real_data_test "^RealData\\." TIMEOUT 900)
 rths_tests(rths_dds_test "^Gateways\\.LoseNothing" TIMEOUT 900)
 rths_tests(rths_bridge_test "^TwoHosts\\.Converge|^VendorHosts" TIMEOUT 1800)
 rths_tests(rths_several_hosts_test "InVirtualTime" TIMEOUT 900)
-rths_tests(rths_diagnosed_run_test "." TIMEOUT 400)
+rths_tests(rths_diagnosed_run_test "." TIMEOUT 700)
 
 # Thousands of deaths with RTHS_LONG=1, several times slower under sanitizers.
 rths_tests(rths_broker_test "KillsOf" TIMEOUT 900)

@@ -26,14 +26,21 @@ namespace {
 using Json = nlohmann::json;
 using test::json_of;
 
-std::string example() { return (test::source_tree() / "examples/srmd_lprb_2d.toml").string(); }
+constexpr const char* kExample = "srmd_lprb_2d.toml";
+constexpr const char* kDemo = "srmd_platen_2d.toml";
+
+std::string example(const std::string& file = kExample) {
+  return (test::source_tree() / "examples" / file).string();
+}
 
 // A whole run and its diagnosis, while other tests share the processors [s].
 constexpr int kDeadline = 300;
 
 test::Finished run_example(const std::filesystem::path& out,
-                           const std::vector<std::string>& options = {}, int seconds = kDeadline) {
-  std::vector<std::string> arguments{"run", example(), "--clock", "virtual", "--out", out.string()};
+                           const std::vector<std::string>& options = {}, int seconds = kDeadline,
+                           const std::string& file = kExample) {
+  std::vector<std::string> arguments{"run",     example(file), "--clock",
+                                     "virtual", "--out",       out.string()};
   arguments.insert(arguments.end(), options.begin(), options.end());
   return test::run_rths(arguments, seconds);
 }
@@ -116,6 +123,19 @@ TEST(RunDiagnosis, ComparesEveryCauseWithItsRivalsInTheFinalModel) {
     ASSERT_EQ(run.exit_code, 0) << run.err;
     expect_honest(json_of(folder.path() / "verdict.json"), seed);
   }
+}
+
+// The sensors of the demo have filters: the accelerometer shows 0.2 % less than the displacement.
+TEST(RunDiagnosis, NamesNoSensorInTheDemo) {
+  const test::TemporaryFolder folder;
+
+  const auto run = run_example(folder.path(), {"--set", "seed=13"}, 2 * kDeadline, kDemo);
+
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json verdict = json_of(folder.path() / "verdict.json");
+  expect_honest(verdict, 13);
+  for (const auto& cause : verdict["causes"])
+    EXPECT_NE(cause["part"], "sensor") << verdict["sentence"];
 }
 
 TEST_F(DiagnosedRun, ProvesItOnTheSecondEarthquake) {
