@@ -197,6 +197,25 @@ TEST(MayBeAbsent, IsFalseWithoutASize) {
                              Eigen::MatrixXd::Constant(1, 1, 1)));
 }
 
+// y = c x + f max(x, 0) + b min(x, 0): the same as c + 1, f - 1 and b - 1, so that only f - b is
+// determined. With ‖max(x, 0)‖² = 200, its deviation is 0.5 (2/200)^½ = 0.05.
+TEST(MayBeAbsent, KnowsADifferenceWithoutKnowingTheSizes) {
+  const VectorXd x = sine_of(3, kIntervalRows), forward = x.cwiseMax(0), back = x.cwiseMin(0);
+  Candidate halves = friction("x");
+  halves.frees.push_back(size_parameter("y"));
+  for (const auto& [backward, is_absent] : {std::pair{1.01, false}, {0.03, true}}) {
+    const LinearRelation relation = relation_of_intervals();
+    const std::vector<Record> records{
+        linear_record("record", Use::Fit, kIntervalStep, x + 0.01 * forward + backward * back,
+                      {{"whole", x}, {"x.coefficient", forward}, {"y", back}})};
+    const Problem problem = linear_problem(relation, records);
+    const Hypothesis fitted = linear_model({"whole", "x.coefficient", "y"}, {1, 0.01, backward});
+
+    const auto covariance = covariance_of(problem, whole({0}), fitted);
+    EXPECT_EQ(may_be_absent(halves, fitted, covariance), is_absent) << backward;
+  }
+}
+
 /// y = x + (0.8 x + 0.6 z) of two correlated signals, ‖x‖² = 400.
 struct Correlated {
   LinearRelation relation = relation_of_intervals();

@@ -60,6 +60,11 @@ struct Minimum {
     if ((bound.array() > 0).any()) inverse = inverse_of_normal(jacobian);
   }
   [[nodiscard]] bool exists() const { return jacobian.size() > 0; }
+  // Whether the other parameters can cause all of the effect of one.
+  [[nodiscard]] bool is_undetermined(Index i) const {
+    constexpr double kLargestInflation = 1e6;  // of its variance, by the others
+    return inverse(i, i) * jacobian.col(i).squaredNorm() > kLargestInflation;
+  }
   // One Gauss-Newton step.
   [[nodiscard]] VectorXd step(const VectorXd& rows) const {
     return -inverse * (jacobian.transpose() * rows);
@@ -104,12 +109,14 @@ VectorXd bias(const Problem& problem, const Fold& fold, const Hypothesis& fitted
 }
 
 // Standard deviations of the parameters if the prediction has an error that is equally likely up to
-// kMaterial and of the form of each parameter's own effect, with the others fitted again.
+// kMaterial and of the form of each parameter's own effect, with the others fitted again. Zero for
+// a parameter without an effect of its own, which has the variance of the ridge.
 VectorXd systematic(const Problem& problem, const Fold& fold, const Hypothesis& fitted,
                     const Minimum& minimum) {
   constexpr double kLargestMove = 0.1;  // of a scale
   VectorXd result = VectorXd::Zero(minimum.inverse.rows());
   for (Index i = 0; i < result.size(); ++i) {
+    if (minimum.is_undetermined(i)) continue;
     VectorXd way = minimum.inverse.col(i);
     way *= kLargestMove / std::max(way.cwiseAbs().maxCoeff(), 1e-300);
     Hypothesis moved = fitted;
