@@ -125,7 +125,7 @@ TEST(RunDiagnosis, ComparesEveryCauseWithItsRivalsInTheFinalModel) {
   }
 }
 
-// The sensors of the demo have filters: the accelerometer shows 0.2 % less than the displacement.
+// The accelerometer of the demo has a filter of 100 Hz, which takes about 0.2 % from the motion.
 TEST(RunDiagnosis, NamesNoSensorInTheDemo) {
   const test::TemporaryFolder folder;
 

@@ -57,8 +57,7 @@ bool compares_sensors(const Relation& relation) {
 }
 
 // Whether a candidate changes the prediction by so much that it counts. Two sensors of one motion
-// are read at unknown instants of a sample, and agree no better than to half a percent: that is how
-// well they are calibrated, and a lag of 1.5 ms alone takes 0.4 % from a sine of 10 Hz.
+// are read at unknown instants, and calibrated to half a percent; a lag of 1.5 ms takes as much.
 bool is_material(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
                  const Fold& fold) {
   constexpr double kCalibrated = 5e-3;
