@@ -67,6 +67,19 @@ TEST_F(Screening, CombinesTheParametersOfACandidate) {
   EXPECT_NEAR(gain(both), kWhole, 1e-9 * kWhole);
 }
 
+// A parameter in N/m³ of a motion of a millimetre has such a small signature per unit.
+TEST_F(Screening, DoesNotDependOnTheUnitOfAParameter) {
+  const VectorXd a = sine_of(3, kScreenRows), b = sine_of(5, kScreenRows);
+  const std::vector<Record> one{linear_record("one", Use::Fit, 0.05, 3 * a + 2 * b,
+                                              {{"a", a}, {"b.coefficient", 1e-15 * b}})};
+  const Problem its = linear_problem(relation, one);
+
+  const auto result =
+      screen(Supposition{its, linear_model({"a"}, {3})}, whole({0}), {friction("b")});
+
+  EXPECT_NEAR(result[0].gain, kWhole, 1e-9 * kWhole);
+}
+
 // A size of at least zero.
 TEST_F(Screening, GainsNothingWithTheWrongSign) {
   const auto gain_if = [&](double size) {

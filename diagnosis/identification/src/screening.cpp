@@ -17,6 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kRankCut = 1e-6;  // of the largest singular value of columns of unit length
+constexpr double kOwn = 1e-7;      // least part of a column that no other explains
 
 constexpr double kUnbounded = 1e300;
 constexpr double kUnknown = -1;  // gain that only a fit can show: counts as the best
@@ -26,12 +27,16 @@ struct Score {
   VectorXd start;
 };
 
-// The gain of the best combination of columns; 0 if a single parameter would leave its bound `low`.
-double gain_of(const MatrixXd& columns, const VectorXd& residual, double absent, double low) {
+// The gain of the best combination of columns, beyond the base's parameters; 0 if a single
+// parameter would leave its bound `low`.
+double gain_of(MatrixXd columns, const Complement& complement, const VectorXd& residual,
+               double absent, double low) {
+  const VectorXd whole = columns.colwise().norm();
+  for (Index i = 0; i < columns.cols(); ++i) complement.take_out(columns.col(i));
   const VectorXd length = columns.colwise().norm();
   std::vector<Index> used;
   for (Index i = 0; i < columns.cols(); ++i)
-    if (length[i] > 1e-9 * residual.norm()) used.push_back(i);
+    if (length[i] > kOwn * whole[i]) used.push_back(i);
   if (used.empty()) return 0;
   const MatrixXd unit = columns(Eigen::all, used) * length(used).cwiseInverse().asDiagonal();
   const VectorXd weights = algebra::solve_least_squares(unit, residual);
@@ -87,15 +92,14 @@ std::optional<double> gain_at(const BaseResidual& residual, const Candidate& can
   MatrixXd columns;
   if (!beside.evaluate(residual.fold, beside.hypothesis().values, added, there, columns))
     return std::nullopt;
-  for (Index i = 0; i < columns.cols(); ++i) residual.complement.take_out(columns.col(i));
   const double low = candidate.frees[0].low;
   const double absent = candidate.adds.empty() ? start[0] : std::max(0.0, low);
-  const double gain = gain_of(columns, residual.rest, absent, low == 0 ? low : -kUnbounded);
+  const double gain = gain_of(std::move(columns), residual.complement, residual.rest, absent,
+                              low == 0 ? low : -kUnbounded);
   if (!(low > 0)) return gain;
   // An effect with a threshold has no slope at its absence, so the whole effect is tried as well.
-  MatrixXd whole_effect = there - residual.whole;
-  residual.complement.take_out(whole_effect.col(0));
-  return std::max(gain, gain_of(whole_effect, residual.rest, 0, -kUnbounded));
+  return std::max(
+      gain, gain_of(there - residual.whole, residual.complement, residual.rest, 0, -kUnbounded));
 }
 
 // Hidden candidates count as the best.
