@@ -167,6 +167,12 @@ Hypothesis linear_model(const std::vector<std::string>& parameters,
   return model;
 }
 
+Fold whole(const std::vector<std::size_t>& records) {
+  Fold fold;
+  for (const std::size_t record : records) fold.shares.push_back({record, {}});
+  return fold;
+}
+
 Folds two_records() { return {whole({0}), whole({1}), whole({0, 1})}; }
 
 }  // namespace rths::diagnosis

@@ -79,6 +79,8 @@ using Inputs = std::map<std::string, Eigen::MatrixXd>;  ///< by parameter: rows 
 /// A hypothesis without terms, of these parameters at these values.
 [[nodiscard]] Hypothesis linear_model(const std::vector<std::string>& parameters,
                                       const std::vector<double>& values);
+/// All rows of some records.
+[[nodiscard]] Fold whole(const std::vector<std::size_t>& records);
 /// The first record fits, the second scores.
 [[nodiscard]] Folds two_records();
 

@@ -99,6 +99,22 @@ TEST(Supposition, DoesNotCompareRowsBeforeTheFirst) {
   EXPECT_DOUBLE_EQ((Supposition{problem, relation.stated}.variance(whole({0}))), 9);
 }
 
+TEST(Supposition, DoesNotCompareRowsInGaps) {
+  LinearRelation relation;
+  VectorXd y = VectorXd::Constant(96, 3);
+  y.segment(40, 16).setConstant(100);
+  std::vector<Record> records{linear_record("one", Use::Fit, kEighth, y, {})};
+  records[0].gaps = {{40, 56}};
+  const Problem problem = linear_problem(relation, records);
+  const Supposition supposition{problem, relation.stated};
+  const Fold all = compared(problem, {0});
+
+  EXPECT_EQ(observations(problem, all), 80);
+  EXPECT_DOUBLE_EQ(supposition.variance(all), 9);
+  EXPECT_EQ(supposition.whitened(0).col(0).segment(40, 16).cwiseAbs().maxCoeff(), 0);
+  EXPECT_EQ(problem.drive(0).compared_rows(y), MatrixXd::Constant(80, 1, 3));
+}
+
 TEST(Supposition, HasNoOffsetIfThatIsFree) {
   LinearRelation relation;
   relation.offsets = true;

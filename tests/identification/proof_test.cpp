@@ -123,15 +123,17 @@ class ProofOfTwoRecords : public ::testing::Test {
     x << sine_of(3, 400), unit * sine_of(4, 400);
     z << sine_of(7, 400), unit * sine_of(9, 400);
     MatrixXd first = 3 * x + 4 * z;
-    first.col(0).array() += 7;  // an offset is no error
+    first.col(0).array() += kOffset;
     return {linear_record("first", Use::Fit, kProofStep, first, {{"x", x}}),
             linear_record("second", Use::HeldOut, kProofStep, 3 * x, {{"x", x}})};
   }
   static LinearRelation relation_in(const std::string& unit, double size) {
     LinearRelation relation{{"N", unit}};
     relation.deviation = {0.5, 0.5 * size};
+    relation.offsets = true;
     return relation;
   }
+  static constexpr double kOffset = 7;  // of the first output of the first record
 
   Selection selection;
 };
@@ -196,6 +198,63 @@ TEST_F(ProofOfTwoRecords, DoesNotDependOnTheUnitOfAnOutput) {
   EXPECT_NEAR(error_in("m", 1e-6), error_in("m", 1), 1e-12);
   // The same unit: the larger output counts more. Here both have the same relative error.
   EXPECT_NEAR(error_in("N", 1e-6), std::sqrt(1.0 + 16) / 5, 1e-12);
+}
+
+// Mean squares of the two outputs: 16 not explained of 25, and the offset.
+TEST_F(ProofOfTwoRecords, CountsAnOffsetThatIsNotFree) {
+  const auto records = records_in(1);
+  LinearRelation relation = relation_in("N", 1);
+  relation.offsets = false;
+  const Problem problem = linear_problem(relation, records);
+
+  const double error = nrmse(Supposition{problem, selection.named}, 0);
+
+  EXPECT_NEAR(error, std::sqrt((2 * 16 + kOffset * kOffset) / (2 * 25)), 1e-12);
+}
+
+/// y = x, but for a wrong value in each row of a gap.
+class ProofOfARecordWithAGap : public ::testing::Test {
+ protected:
+  static constexpr Index kRows = 400;
+  static std::vector<Record> record_with_gap() {
+    VectorXd y = sine_of(4, kRows);
+    y.segment(100, 100).setConstant(50);
+    std::vector<Record> records{
+        linear_record("one", Use::Fit, kProofStep, y, {{"x", sine_of(4, kRows)}})};
+    records[0].gaps = {{100, 200}};
+    return records;
+  }
+  const std::vector<Record> records = record_with_gap();
+  const LinearRelation relation;
+  const Problem problem = linear_problem(relation, records);
+};
+
+TEST_F(ProofOfARecordWithAGap, DoesNotCompareIt) {
+  Selection selection;
+  selection.base = linear_model({"x"}, {0});
+  selection.named = linear_model({"x"}, {1});
+
+  const Proof proof = proof_of(problem, selection, true);
+
+  // The gap is a whole period, so that the other rows have the mean square 1.
+  EXPECT_NEAR(proof.before, 1, 1e-12);
+  EXPECT_NEAR(proof.after, 0, 1e-12);
+  EXPECT_NEAR(proof.records[0].variance_before, 1, 1e-9);
+  EXPECT_NEAR(proof.variance(), 0, 1e-9);
+}
+
+TEST(Whiteness, IsOfTheComparedRows) {
+  const LinearRelation relation;
+  std::vector<Record> records{
+      linear_record("one", Use::Fit, kProofStep, first_order(0.5, 4000, 1), {})};
+  records[0].settle = 3600 * kProofStep;
+  const Problem problem = linear_problem(relation, records);
+
+  const Whiteness last = whiteness_of(Supposition{problem, relation.stated}, 0);
+
+  EXPECT_NEAR(last.bound, 1.96 / std::sqrt(400.0), 1e-12);
+  // Bartlett (1946), four deviations of (1 - ρ²)/n.
+  EXPECT_NEAR(last.correlation[0], 0.5, 4 * std::sqrt(0.75 / 400));
 }
 
 TEST_F(ProofOfTwoRecords, HasNoErrorWithoutAPrediction) {

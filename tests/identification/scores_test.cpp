@@ -12,6 +12,7 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr std::size_t kResamples = 400;
+constexpr Eigen::Index kChangeRows = 400;
 
 double mean_of(const std::vector<double>& values) {
   return sum(values) / static_cast<double>(values.size());
@@ -69,6 +70,25 @@ TEST(Scores, DoNotPreferASlopeThatReactsLessToTheNoiseOfItsInput) {
   EXPECT_LT(blocks(attenuated), blocks(b));
   for (const double slope : {attenuated, b, 1.1 * b})
     EXPECT_NEAR(score(slope), n * std::pow((b - slope) / (b * d), 2) / 2, 1e-6 * n) << slope;
+}
+
+// The first output changes by a tenth of its size, the second not at all.
+TEST(ChangeOf, CountsOutputsOfDifferentUnitsAlike) {
+  const auto change_in = [](const std::string& unit, double size) {
+    Eigen::MatrixXd measured(kChangeRows, 2), first(kChangeRows, 2);
+    measured << sine_of(3, kChangeRows), size * sine_of(5, kChangeRows);
+    first << 0.1 * sine_of(3, kChangeRows), Eigen::VectorXd::Zero(kChangeRows);
+    const LinearRelation relation{{"N", unit}};
+    const std::vector<Record> records{
+        linear_record("one", Use::Fit, 0.05, measured, {{"x", first}})};
+    const Problem problem = linear_problem(relation, records);
+    return change_of(problem, linear_model({"x"}, {0}), linear_model({"x"}, {1}), whole({0}));
+  };
+
+  EXPECT_NEAR(change_in("N", 1), 0.1 / std::sqrt(2), 1e-12);
+  EXPECT_NEAR(change_in("N", 7), 0.1 / std::sqrt(1 + 49), 1e-12);
+  for (const double size : {1e-3, 1.0, 1e3})
+    EXPECT_NEAR(change_in("m", size), 0.1 / std::sqrt(2), 1e-12);
 }
 
 TEST(Quantile, IsTheValueAtTheShareOfTheRank) {

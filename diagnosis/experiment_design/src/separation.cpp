@@ -140,7 +140,8 @@ const VectorXd& Side::residual(std::size_t test) {
   if (known != residuals_.end()) return known->second;
   VectorXd& residual = residuals_[test];
   MatrixXd none;
-  if (!on(test).evaluate(whole({test}), on(test).hypothesis().values, {}, residual, none))
+  if (!on(test).evaluate(compared(tests_->problem, {test}), on(test).hypothesis().values, {},
+                         residual, none))
     residual.resize(0);
   return residual;
 }
@@ -153,7 +154,8 @@ const MatrixXd& Side::jacobian(std::size_t test) {
   jacobian = MatrixXd::Zero(residual(test).size(), hypothesis_.values.size());
   VectorXd residual;
   MatrixXd columns;
-  if (on(test).evaluate(whole({test}), there.values, all(there), residual, columns))
+  if (on(test).evaluate(compared(tests_->problem, {test}), there.values, all(there), residual,
+                        columns))
     jacobian(Eigen::all, positions(there, hypothesis_)) = columns * scales(there).asDiagonal();
   return jacobian;
 }

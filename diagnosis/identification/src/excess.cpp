@@ -167,11 +167,11 @@ double median(VectorXd x) {
 class Whitening {
  public:
   explicit Whitening(const Problem& problem)
-      : first_row_{problem.drive(0).first_row},
+      : compared_{problem.drive(0).compared()},
         deviation_{problem.noise(0).deviation()},
         length_{fast_length(deviation_.rows())} {
     if (!problem.has_colour()) return;
-    const double rows = static_cast<double>(deviation_.rows() - first_row_);
+    const double rows = compared_.sum();
     const double draws = static_cast<double>(problem.draws(0).size());
     for (Index output = 0; output < deviation_.cols(); ++output) {
       VectorXd density = VectorXd::Zero(length_);
@@ -196,8 +196,7 @@ class Whitening {
                                   .eval());
       white.col(output) = back.head(white.rows());
     }
-    // Rows before the first one are not known.
-    white.topRows(first_row_).setZero();
+    white.array().colwise() *= compared_;
     return white;
   }
 
@@ -207,14 +206,13 @@ class Whitening {
 
   [[nodiscard]] Eigen::VectorXcd transformed(const VectorXd& signal, Index output) const {
     VectorXd scaled = VectorXd::Zero(length_);
-    scaled.head(signal.size()) = signal.cwiseQuotient(deviation_.col(output));
-    scaled.head(first_row_).setZero();
+    scaled.head(signal.size()) = compared_ * signal.cwiseQuotient(deviation_.col(output)).array();
     Eigen::VectorXcd bins;
     transformer().fwd(bins, scaled);
     return bins;
   }
 
-  Index first_row_;
+  Eigen::ArrayXd compared_;
   MatrixXd deviation_;
   Index length_;                      // of transforms
   std::vector<VectorXd> amplitudes_;  // of every output, by frequency; none if not known
@@ -228,7 +226,7 @@ std::vector<MatrixXd> white_noise(const Drive& drive, std::size_t draws) {
   for (std::size_t i = 0; i < draws; ++i) {
     noise.push_back(
         MatrixXd::NullaryExpr(drive.rows(), drive.measured.cols(), [&] { return normal(random); }));
-    noise.back().topRows(drive.first_row).setZero();
+    noise.back().array().colwise() *= drive.compared();
   }
   return noise;
 }

@@ -32,7 +32,7 @@ double largest_variance(const Investigation& found) {
   const Supposition named{*found.problem, found.selection.named};
   double largest = found.proof.variance();
   for (std::size_t i = 0; i < found.problem->records(); ++i)
-    largest = std::max(largest, named.variance(whole({i})));
+    largest = std::max(largest, named.variance(compared(*found.problem, {i})));
   return largest;
 }
 

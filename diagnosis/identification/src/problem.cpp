@@ -31,8 +31,7 @@ void take_out(const VectorXd& constant, Eigen::Ref<VectorXd> x) {
 
 // Removes the mean of the compared rows of each output.
 void take_out_offsets(const Drive& drive, MatrixXd& residual) {
-  const Index compared = residual.rows() - drive.first_row;
-  residual.rowwise() -= residual.bottomRows(compared).colwise().mean().eval();
+  residual.rowwise() -= drive.compared_rows(residual).colwise().mean().eval();
 }
 
 // Appends the rows of a ridge to a residual and its derivatives.
@@ -159,7 +158,7 @@ MatrixXd Supposition::whitened(std::size_t record) const {
   const Drive& drive = problem_->drive(record);
   VectorXd residual;
   MatrixXd none;
-  if (!evaluate(whole({record}), hypothesis_.values, {}, residual, none))
+  if (!evaluate(compared(*problem_, {record}), hypothesis_.values, {}, residual, none))
     throw Error{fmt::format("{}: the model has no prediction", problem_->record(record).name)};
   return Eigen::Map<const MatrixXd>(residual.data(), drive.rows(), drive.measured.cols());
 }
@@ -325,9 +324,10 @@ double observations(const Problem& problem, const Fold& fold) {
   return count;
 }
 
-Fold whole(const std::vector<std::size_t>& records) {
+Fold compared(const Problem& problem, const std::vector<std::size_t>& records) {
   Fold fold;
-  for (const std::size_t record : records) fold.shares.push_back({record, {}});
+  for (const std::size_t record : records)
+    fold.shares.push_back({record, problem.drive(record).present});
   return fold;
 }
 

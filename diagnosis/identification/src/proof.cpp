@@ -14,33 +14,25 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Energy of the compared rows about their mean, by output.
-ArrayXd energy_of(const MatrixXd& signal, const Drive& drive) {
-  MatrixXd rows = signal.bottomRows(drive.rows() - drive.first_row);
-  rows.rowwise() -= rows.colwise().mean().eval();
-  return rows.colwise().squaredNorm().transpose();
+// Energy of the compared rows, by output. Free offsets are no error.
+ArrayXd error_energy(const Relation& relation, const Drive& drive, const MatrixXd& error) {
+  return energy_of(drive.compared_rows(error), relation.has_free_offsets());
 }
 
-// Energy of an error over that of the measurement.
-double share_of(const ArrayXd& error, const ArrayXd& measured, bool one_unit) {
-  return one_unit ? error.sum() / measured.sum() : (error / measured).mean();
+ArrayXd measured_energy(const Drive& drive) {
+  return energy_of(drive.compared_rows(drive.measured), true);
 }
 
 }  // namespace
-
-bool have_one_unit(const Relation& relation) {
-  const auto& outputs = relation.outputs();
-  return std::all_of(outputs.begin(), outputs.end(),
-                     [&](const auto& output) { return output.second == outputs[0].second; });
-}
 
 double nrmse(const Supposition& supposition, std::size_t record) {
   const MatrixXd prediction = supposition.prediction(record);
   const Problem& problem = supposition.problem();
   const Drive& drive = problem.drive(record);
   if (prediction.size() == 0) return std::nan("");
-  return std::sqrt(share_of(energy_of(drive.measured - prediction, drive),
-                            energy_of(drive.measured, drive), have_one_unit(problem.relation())));
+  const Relation& relation = problem.relation();
+  return relative_size(relation, error_energy(relation, drive, drive.measured - prediction),
+                       measured_energy(drive));
 }
 
 double nrmse_of_noise(const Problem& problem, std::size_t record) {
@@ -48,16 +40,15 @@ double nrmse_of_noise(const Problem& problem, std::size_t record) {
   const auto& draws = problem.draws(record);
   ArrayXd noise = ArrayXd::Zero(drive.measured.cols());
   for (const auto& draw : draws)
-    noise += energy_of(draw, drive) / static_cast<double>(draws.size());
-  return std::sqrt(
-      share_of(noise, energy_of(drive.measured, drive), have_one_unit(problem.relation())));
+    noise += error_energy(problem.relation(), drive, draw) / static_cast<double>(draws.size());
+  return relative_size(problem.relation(), noise, measured_energy(drive));
 }
 
 namespace {
 
 RecordScore score_of(const Problem& problem, const Selection& selection, std::size_t record) {
   const Supposition before{problem, selection.base}, after{problem, selection.named};
-  const Fold fold = whole({record});
+  const Fold fold = compared(problem, {record});
   RecordScore score;
   score.record = problem.record(record).name;
   score.nrmse_before = nrmse(before, record);
@@ -86,11 +77,12 @@ std::vector<RecordScore> scores_of(const Problem& problem, const Selection& sele
 Whiteness whiteness_of(const Supposition& named, std::size_t record) {
   constexpr Index kLags = 20;
   const MatrixXd white = named.whitened(record);
+  const ArrayXd weight = named.problem().drive(record).compared();
   VectorXd correlation = VectorXd::Zero(kLags);
   double portmanteau = 0;
-  const auto n = static_cast<double>(white.rows());
+  const double n = weight.sum();
   for (Index output = 0; output < white.cols(); ++output) {
-    const VectorXd x = white.col(output).array() - white.col(output).mean();
+    const VectorXd x = weight * (white.col(output).array() - white.col(output).sum() / n);
     const double square = std::max(x.squaredNorm(), 1e-300);
     double q = 0;
     for (Index lag = 1; lag <= kLags && lag < x.size(); ++lag) {
@@ -120,7 +112,7 @@ Proof proof_of(const Problem& problem, const Selection& selection, bool is_held_
     proof.whiteness = whiteness_of(Supposition{problem, selection.named}, i);
     proof.is_white = proof.is_white && proof.whiteness.is_white;
     const Drive& drive = problem.drive(i);
-    const double weight = one_unit ? energy_of(drive.measured, drive).sum() : 1;
+    const double weight = one_unit ? measured_energy(drive).sum() : 1;
     const RecordScore& score = proof.records[i];
     all += weight;
     proof.before += weight * score.nrmse_before * score.nrmse_before;

@@ -48,6 +48,22 @@ std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis,
   return minus(sums, supposition.noise_blocks(fold));
 }
 
+bool have_one_unit(const Relation& relation) {
+  const auto& outputs = relation.outputs();
+  return std::all_of(outputs.begin(), outputs.end(),
+                     [&](const auto& output) { return output.second == outputs[0].second; });
+}
+
+Eigen::ArrayXd energy_of(Eigen::MatrixXd signal, bool about_mean) {
+  if (about_mean) signal.rowwise() -= signal.colwise().mean().eval();
+  return signal.colwise().squaredNorm().transpose();
+}
+
+double relative_size(const Relation& relation, const Eigen::ArrayXd& energy,
+                     const Eigen::ArrayXd& of) {
+  return std::sqrt(have_one_unit(relation) ? energy.sum() / of.sum() : (energy / of).mean());
+}
+
 namespace {
 
 // Removes from each column of a difference what a shift of the signal in time explains.
@@ -64,20 +80,19 @@ void take_out_shift(const Eigen::MatrixXd& signal, double time_step, Eigen::Matr
 double change_of(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
                  const Fold& fold, bool without_shift) {
   const Supposition a{problem, before}, b{problem, after};
-  double change = 0, size = 0;
+  const auto outputs = static_cast<Eigen::Index>(problem.relation().outputs().size());
+  Eigen::ArrayXd change = Eigen::ArrayXd::Zero(outputs),
+                 size = Eigen::ArrayXd::Constant(outputs, 1e-300);
   for (const auto& share : fold.shares) {
     const Eigen::MatrixXd with = b.prediction(share.record), bare = a.prediction(share.record);
     if (with.size() == 0 || bare.size() == 0) continue;
+    const Drive& drive = problem.drive(share.record);
     Eigen::MatrixXd difference = with - bare;
-    Eigen::MatrixXd measured = problem.drive(share.record).measured;
-    if (problem.relation().has_free_offsets())
-      difference.rowwise() -= difference.colwise().mean().eval();
-    measured.rowwise() -= measured.colwise().mean().eval();
-    if (without_shift) take_out_shift(bare, problem.drive(share.record).time_step, difference);
-    change += difference.squaredNorm();
-    size += measured.squaredNorm();
+    if (without_shift) take_out_shift(bare, drive.time_step, difference);
+    change += energy_of(drive.compared_rows(difference), problem.relation().has_free_offsets());
+    size += energy_of(drive.compared_rows(drive.measured), true);
   }
-  return std::sqrt(change / std::max(size, 1e-300));
+  return relative_size(problem.relation(), change, size);
 }
 
 std::vector<double> resampled_sums(const std::vector<double>& blocks, std::uint64_t seed) {

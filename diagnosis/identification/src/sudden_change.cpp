@@ -60,15 +60,16 @@ void find_change(const Supposition& supposition, const Folds& folds,
   std::vector<double> times;
   std::string parameter;
   for (const auto& share : folds.both.shares) {
+    const Fold one = compared(supposition.problem(), {share.record});
     VectorXd w;
     MatrixXd J;
-    if (!supposition.evaluate(whole({share.record}), hypothesis.values, all, w, J)) return;
+    if (!supposition.evaluate(one, hypothesis.values, all, w, J)) return;
     const Complement complement{J};
     complement.take_out(w);
     const Change best = best_change(w, J, complement, supposition.problem().drive(share.record),
                                     hypothesis, parameter);
     gain += best.explained;
-    excess += w.squaredNorm() - static_cast<double>(w.size());
+    excess += w.squaredNorm() - observations(supposition.problem(), one);
     times.push_back(best.time);
   }
   if (times.size() < 2) return;

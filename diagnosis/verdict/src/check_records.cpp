@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-#include <rths/identification/proof.hpp>
+#include <rths/identification/scores.hpp>
 
 namespace rths::diagnosis {
 namespace {

@@ -116,7 +116,7 @@ bool is_compared(const Drive& drive, Index row) {
 double shift_of(const Investigation& found, const Drive& drive, const MatrixXd& prediction,
                 Index output) {
   return found.relation->has_free_offsets()
-             ? (drive.measured.col(output) - prediction.col(output)).mean()
+             ? drive.compared_rows(drive.measured - prediction).col(output).mean()
              : 0.0;
 }
 

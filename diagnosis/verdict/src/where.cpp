@@ -170,7 +170,7 @@ Where where_of(const Investigation& found, const MapRange& range) {
   const Drive& drive = problem.drive(0);
   const Seen seen = [&] {
     if (!found.is_named() || found.has_remainder())
-      return seen_at(problem, fitted(problem, unnamed, whole({0}), kFit));
+      return seen_at(problem, fitted(problem, unnamed, compared(problem, {0}), kFit));
     // The contribution of terms that explain all has no noise.
     Hypothesis bare = unnamed;
     take_values(selection.named, bare);

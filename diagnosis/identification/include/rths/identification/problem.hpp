@@ -98,7 +98,8 @@ class Supposition {
 
   /// Prediction for a record at the hypothesis' values, rows × outputs; empty if there is none.
   [[nodiscard]] Eigen::MatrixXd prediction(std::size_t record) const;
-  /// Whitened residual of a record, without its offset if that is free: rows × outputs.
+  /// Whitened residual of a record, without its offset if that is free: rows × outputs. Rows that
+  /// are not compared are zero.
   [[nodiscard]] Eigen::MatrixXd whitened(std::size_t record) const;
   /// Residual and its derivatives, stacked over the shares of a fold, outputs and rows.
   /// @returns false if there is no prediction
@@ -132,7 +133,7 @@ class Supposition {
 
 /// Number of compared samples of a fold: rows times outputs.
 [[nodiscard]] double observations(const Problem& problem, const Fold& fold);
-/// All rows of some records.
-[[nodiscard]] Fold whole(const std::vector<std::size_t>& records);
+/// All compared rows of some records.
+[[nodiscard]] Fold compared(const Problem& problem, const std::vector<std::size_t>& records);
 
 }  // namespace rths::diagnosis

@@ -9,7 +9,7 @@
 namespace rths::diagnosis {
 
 /// Prediction errors of a record: root mean squares over the standard deviation of the measurement.
-/// Both pass the same filter; offsets are removed.
+/// Both pass the same filter; free offsets are removed.
 struct RecordScore {
   std::string record;
   std::string use;                                 ///< "fit", "scored" in the selection, "held_out"
@@ -20,12 +20,8 @@ struct RecordScore {
   double variance_before = 0, variance_after = 0;  ///< of the whitened residual; 1: noise [-]
 };
 
-/// Whether the outputs have one unit: then the standard deviation of all of them scales the error,
-/// otherwise each output has its own.
-[[nodiscard]] bool have_one_unit(const Relation& relation);
-
 /// Error of a hypothesis on a record: root mean square over the standard deviation of the
-/// measurement, offset removed. Outputs of different units count alike.
+/// measurement, a free offset removed. Outputs of different units count alike.
 /// @returns NaN if there is no prediction
 [[nodiscard]] double nrmse(const Supposition& supposition, std::size_t record);
 

@@ -36,6 +36,10 @@ class Drive {
   Eigen::Index first_row = 0;  ///< first compared row: before it the state is unknown
 
   [[nodiscard]] Eigen::Index rows() const { return measured.rows(); }
+  /// By row: 1 if it is compared, else 0.
+  [[nodiscard]] Eigen::ArrayXd compared() const;
+  /// The compared rows of a signal.
+  [[nodiscard]] Eigen::MatrixXd compared_rows(const Eigen::MatrixXd& signal) const;
 };
 
 /// A hypothesis, prepared to run on one record.

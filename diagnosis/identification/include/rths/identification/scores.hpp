@@ -24,11 +24,22 @@ inline constexpr int kLongFit = 12, kShortFit = 5;  ///< iterations
 [[nodiscard]] std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis,
                                          const Fold& fold);
 
+/// Whether the outputs have one unit: then the standard deviation of all of them scales the error,
+/// otherwise each output has its own.
+[[nodiscard]] bool have_one_unit(const Relation& relation);
+/// Sum of squares of each column.
+[[nodiscard]] Eigen::ArrayXd energy_of(Eigen::MatrixXd signal, bool about_mean);
+/// Root mean square of the outputs over that of another signal [-]. Outputs of different units
+/// count alike.
+/// @param energy  of the outputs   @param of  energy of the other signal
+[[nodiscard]] double relative_size(const Relation& relation, const Eigen::ArrayXd& energy,
+                                   const Eigen::ArrayXd& of);
+
 /// Smallest change of a prediction that counts, see change_of: integration, filters and sampling
 /// may cause as much.
 inline constexpr double kMaterial = 2e-4;
 /// Root mean square difference of the predictions of two hypotheses, without free offsets, over the
-/// standard deviation of the output [-].
+/// standard deviation of the output [-]. Outputs of different units count alike.
 /// @param without_shift  without what a shift in time explains
 [[nodiscard]] double change_of(const Problem& problem, const Hypothesis& before,
                                const Hypothesis& after, const Fold& fold,
