@@ -76,6 +76,30 @@ class Oscillator : public ::testing::Test {
   std::unique_ptr<Relation> relation_;
 };
 
+// The recorded input lacks a pulse in a gap from 5 to 5.5 s. What it causes decays with exp(-2 t).
+TEST_F(Oscillator, IsNotComparedUntilItHasForgottenTheInputsOfAGap) {
+  std::vector<double> u(2000), recorded;
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = 40 * std::sin(0.07 * static_cast<double>(i));
+  recorded = u;
+  for (std::size_t i = 501; i < 550; ++i) u[i] += 40;
+  with(recorded, answer(u, [](double, double) { return 0.0; }));
+  Record record = case_.records[0];
+  record.gaps = {{500, 550}};
+
+  const auto drive = relation_->prepare(record);
+
+  const MatrixXd error =
+      (drive->measured - test_support::prediction(*relation_, relation_->base(), record))
+          .cwiseAbs();
+  const double largest = drive->measured.cwiseAbs().maxCoeff();
+  EXPECT_GT(error.maxCoeff(), 0.3 * largest);
+  EXPECT_LT(drive->compared_rows(error).maxCoeff(), 1.1e-3 * largest);
+  EXPECT_EQ(drive->present.head(500).minCoeff(), 1);
+  // ln(1000)/2 = 3.5 s, and what the pulse exceeds the static displacement.
+  EXPECT_EQ(drive->present.tail(2000 - 950).minCoeff(), 1);
+  EXPECT_EQ(drive->present.segment(500, 300).maxCoeff(), 0);
+}
+
 TEST_F(Oscillator, HasTheStepResponseOfTheClosedForm) {
   const std::vector<double> u(500, 40.0);
   std::vector<double> y;

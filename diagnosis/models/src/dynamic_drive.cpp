@@ -16,10 +16,12 @@ namespace rths::diagnosis {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kStartShare = 0.1;      // of a record: determines its first state
 constexpr double kDiverged = 1e6;        // of the largest measurement
+constexpr double kForgotten = 1e-3;      // of the largest measurement
 constexpr double kRateTolerance = 1e-3;  // of a sampled system's time step
 
 // The state that fits the settling time, or if there is none the beginning of the record.
@@ -28,6 +30,40 @@ VectorXd start_of(const DynamicModel& model, const Hypothesis& base, const Dynam
   const auto most = static_cast<Index>(kStartShare * static_cast<double>(drive.rows()));
   const Index rows = drive.first_row > 0 ? drive.first_row : most;
   return run.start(base.values, drive.measured, std::clamp<Index>(rows, 1, drive.rows()));
+}
+
+// Last row at which the model as stated still remembers a change of its inputs in a gap.
+Index last_remembered(const DynamicModel& model, const Hypothesis& base, const DynamicDrive& drive,
+                      std::pair<std::size_t, std::size_t> gap) {
+  DynamicSignals other = drive.signals;
+  for (auto& input : other.inputs) {
+    const double size = VectorXd::Map(input.data(), std::ssize(input)).cwiseAbs().maxCoeff();
+    for (std::size_t row = gap.first + 1; row < gap.second; ++row) input[row] += size;
+  }
+  const auto run = [&](const DynamicSignals& signals, MatrixXd& prediction) {
+    std::vector<MatrixXd> none;
+    return DynamicSimulator{model, base, nullptr, drive.time_step, signals}.run(base.values, {},
+                                                                                prediction, none);
+  };
+  MatrixXd with, without;
+  Index row = drive.rows() - 1;
+  if (!run(other, with) || !run(drive.signals, without)) return row;
+  const auto least = kForgotten * drive.measured.cwiseAbs().colwise().maxCoeff().array();
+  while (row > static_cast<Index>(gap.second) &&
+         ((with - without).row(row).cwiseAbs().array() <= least).all())
+    --row;
+  return row;
+}
+
+// By row: 0 in the gaps of a record and behind them until the model has forgotten the lost inputs.
+Eigen::ArrayXd present_rows(const DynamicModel& model, const Hypothesis& base, const Record& record,
+                            const DynamicDrive& drive) {
+  Eigen::ArrayXd present = Eigen::ArrayXd::Ones(drive.rows());
+  for (const auto& gap : record.gaps) {
+    const auto first = static_cast<Index>(gap.first);
+    present.segment(first, last_remembered(model, base, drive, gap) - first + 1).setZero();
+  }
+  return present;
 }
 
 }  // namespace
@@ -60,9 +96,6 @@ std::unique_ptr<DynamicDrive> dynamic_drive(const DynamicModel& model, const Hyp
     drive->velocity.col(i) = rate_of(drive->measured.col(i), record.time_step);
   }
   drive->displacement = drive->measured;
-  if (!record.gaps.empty()) drive->present = Eigen::ArrayXd::Ones(drive->rows());
-  for (const auto& [last, next] : record.gaps)
-    drive->present.segment(static_cast<Index>(last), static_cast<Index>(next - last + 1)).setZero();
   for (const auto& role : model.inputs) {
     const Channel& channel = channel_of(record, role);
     drive->signals.inputs.push_back(channel.values);
@@ -71,6 +104,7 @@ std::unique_ptr<DynamicDrive> dynamic_drive(const DynamicModel& model, const Hyp
   const double largest = drive->measured.cwiseAbs().maxCoeff();
   drive->signals.limit = kDiverged * (largest > 0 ? largest : 1);
   if (model.has_free_start) drive->signals.start_state = start_of(model, base, *drive);
+  if (!record.gaps.empty()) drive->present = present_rows(model, base, record, *drive);
   return drive;
 }
 
