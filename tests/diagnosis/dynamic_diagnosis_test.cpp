@@ -285,5 +285,42 @@ INSTANTIATE_TEST_SUITE_P(
                       LeftOut{"overflow", {"overflow at output.y"}, {}, overflown}),
     name_of);
 
+// A gain error of a motion between 55 and 75 Hz: two third octaves hold it, [45.3, 57.0] to
+// [57.0, 71.8] and [71.8, 90.5] Hz.
+TEST(Place, CoversAllFrequenciesOfARecord) {
+  constexpr double kFastStep = 0.002;
+  constexpr std::size_t kSamples = 2500, kStill = 500;
+  test_support::CaseFolder folder;
+  for (const unsigned seed : {1U, 2U}) {
+    auto simulated = test_support::random_signal(seed, kSamples, kFastStep, 55, 75, 1);
+    std::fill_n(simulated.begin(), kStill, 0.0);
+    auto measured = test_support::noise(seed + 10, kSamples, 0.01);
+    for (std::size_t i = 0; i < kSamples; ++i) measured[i] += 1.1 * simulated[i];
+    folder.write(seed == 1 ? "fit.csv" : "held.csv", {{"y", measured}, {"simulated", simulated}});
+  }
+
+  const Verdict verdict = diagnose(folder.load(R"(format = 1
+[[record]]
+file = "fit.csv"
+use = "fit"
+quiet_s = [0, 1]
+[[record]]
+file = "held.csv"
+use = "held_out"
+[channels]
+rate_Hz = 500
+output.y = "y [V]"
+predicted.output.y = "simulated [V]"
+[model]
+kind = "data"
+)"));
+
+  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
+  EXPECT_EQ(verdict.causes[0].name, "gain");
+  ASSERT_FALSE(verdict.where.bands.empty());
+  EXPECT_GT(verdict.where.bands.front().first, 45);
+  EXPECT_LT(verdict.where.bands.back().second, 91);
+}
+
 }  // namespace
 }  // namespace rths::diagnosis

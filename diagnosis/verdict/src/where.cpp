@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 
 constexpr double kCellTime = 0.256;  // [s]; of a cell in noise, at least
 constexpr double kTimeCells = 100;   // of a record
+constexpr double kHighest = 0.45;    // of the sampling rate: highest third octave
 constexpr int kStateCells = 9;       // along displacement and along velocity
 constexpr std::size_t kDraws = 24;   // of the noise
 constexpr int kFit = 5;              // iterations
@@ -72,7 +73,7 @@ void map_time(const Seen& seen, const Drive& drive, Where& where) {
 // Maps frequency, and weights each third octave by its fraction that is not noise (Wiener 1949), so
 // that the noise hides less of the mismatch. @returns the weighted residual
 Seen map_frequency(const Seen& seen, const Drive& drive, Where& where) {
-  const std::vector<double> edges = third_octaves(std::min(26.0, 0.45 / drive.time_step));
+  const std::vector<double> edges = third_octaves(kHighest / drive.time_step);
   const Bands bands{edges, drive};
   const Cells cells{seen, [&](const MatrixXd& signal) { return bands.energies(signal); }};
   where.bands = joined(cells.place(), edges);
