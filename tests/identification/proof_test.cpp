@@ -123,17 +123,15 @@ class ProofOfTwoRecords : public ::testing::Test {
     x << sine_of(3, 400), unit * sine_of(4, 400);
     z << sine_of(7, 400), unit * sine_of(9, 400);
     MatrixXd first = 3 * x + 4 * z;
-    first.col(0).array() += kOffset;
+    first.col(0).array() += 7;  // an offset is no error
     return {linear_record("first", Use::Fit, kProofStep, first, {{"x", x}}),
             linear_record("second", Use::HeldOut, kProofStep, 3 * x, {{"x", x}})};
   }
   static LinearRelation relation_in(const std::string& unit, double size) {
     LinearRelation relation{{"N", unit}};
     relation.deviation = {0.5, 0.5 * size};
-    relation.offsets = true;
     return relation;
   }
-  static constexpr double kOffset = 7;  // of the first output of the first record
 
   Selection selection;
 };
@@ -192,7 +190,7 @@ TEST_F(ProofOfTwoRecords, DoesNotDependOnTheUnitOfAnOutput) {
     const auto records = records_in(size);
     const LinearRelation relation = relation_in(unit, size);
     const Problem problem = linear_problem(relation, records);
-    return nrmse(Supposition{problem, model}, 0);
+    return nrmse({problem, model}, 0, zeros_of({problem, model}));
   };
 
   EXPECT_NEAR(error_in("m", 1e-6), error_in("m", 1), 1e-12);
@@ -200,16 +198,23 @@ TEST_F(ProofOfTwoRecords, DoesNotDependOnTheUnitOfAnOutput) {
   EXPECT_NEAR(error_in("N", 1e-6), std::sqrt(1.0 + 16) / 5, 1e-12);
 }
 
-// Mean squares of the two outputs: 16 not explained of 25, and the offset.
-TEST_F(ProofOfTwoRecords, CountsAnOffsetThatIsNotFree) {
-  const auto records = records_in(1);
-  LinearRelation relation = relation_in("N", 1);
-  relation.offsets = false;
+// y = 3 x + 2, and a zero of 5 that neither model has.
+TEST_F(ProofOfTwoRecords, CountsAnOffsetThatIsAnEffect) {
+  const VectorXd x = sine_of(3, 400), one = VectorXd::Ones(400);
+  LinearRelation relation;
+  const std::vector<Record> records{linear_record("one", Use::HeldOut, kProofStep,
+                                                  3 * x + (2 + 5) * one, {{"x", x}, {"c", one}})};
   const Problem problem = linear_problem(relation, records);
+  selection.named = linear_model({"x", "c"}, {3, 2});
+  selection.base = linear_model({"x"}, {3});
+  const auto score_if_free = [&](bool is_free) {
+    relation.offsets = is_free;
+    return scores_of(problem, selection, true)[0];
+  };
 
-  const double error = nrmse(Supposition{problem, selection.named}, 0);
-
-  EXPECT_NEAR(error, std::sqrt((2 * 16 + kOffset * kOffset) / (2 * 25)), 1e-12);
+  EXPECT_NEAR(score_if_free(false).nrmse_before, 2.0 / 3, 1e-12);
+  EXPECT_NEAR(score_if_free(false).nrmse_after, 0, 1e-12);
+  EXPECT_NEAR(score_if_free(true).nrmse_before, 0, 1e-12);
 }
 
 /// y = x, but for a wrong value in each row of a gap.
@@ -263,7 +268,7 @@ TEST_F(ProofOfTwoRecords, HasNoErrorWithoutAPrediction) {
   const Problem problem = linear_problem(relation, records);
   relation.has_prediction = false;
 
-  EXPECT_TRUE(std::isnan(nrmse(Supposition{problem, selection.named}, 0)));
+  EXPECT_TRUE(std::isnan(nrmse({problem, selection.named}, 0, Zeros(2))));
 }
 
 }  // namespace

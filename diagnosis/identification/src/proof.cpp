@@ -14,25 +14,35 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Energy of the compared rows, by output. Free offsets are no error.
-ArrayXd error_energy(const Relation& relation, const Drive& drive, const MatrixXd& error) {
-  return energy_of(drive.compared_rows(error), relation.has_free_offsets());
-}
-
-ArrayXd measured_energy(const Drive& drive) {
-  return energy_of(drive.compared_rows(drive.measured), true);
+// Energy of the compared rows about their mean, by output.
+ArrayXd energy_about_mean(const Drive& drive, const MatrixXd& signal) {
+  return energy_of(drive.compared_rows(signal), true);
 }
 
 }  // namespace
 
-double nrmse(const Supposition& supposition, std::size_t record) {
+Zeros zeros_of(const Supposition& named) {
+  const Problem& problem = named.problem();
+  Zeros zeros(problem.records());
+  for (std::size_t i = 0; i < zeros.size(); ++i) {
+    const MatrixXd prediction = named.prediction(i);
+    const Drive& drive = problem.drive(i);
+    if (prediction.size() > 0 && !problem.relation().has_free_offsets())
+      zeros[i] = drive.compared_rows(drive.measured - prediction).colwise().mean();
+  }
+  return zeros;
+}
+
+double nrmse(const Supposition& supposition, std::size_t record, const Zeros& zeros) {
   const MatrixXd prediction = supposition.prediction(record);
   const Problem& problem = supposition.problem();
   const Drive& drive = problem.drive(record);
   if (prediction.size() == 0) return std::nan("");
-  const Relation& relation = problem.relation();
-  return relative_size(relation, error_energy(relation, drive, drive.measured - prediction),
-                       measured_energy(drive));
+  MatrixXd error = drive.compared_rows(drive.measured - prediction);
+  const bool has_zero = zeros[record].size() > 0;
+  if (has_zero) error.rowwise() -= zeros[record];
+  return relative_size(problem.relation(), energy_of(std::move(error), !has_zero),
+                       energy_about_mean(drive, drive.measured));
 }
 
 double nrmse_of_noise(const Problem& problem, std::size_t record) {
@@ -40,20 +50,21 @@ double nrmse_of_noise(const Problem& problem, std::size_t record) {
   const auto& draws = problem.draws(record);
   ArrayXd noise = ArrayXd::Zero(drive.measured.cols());
   for (const auto& draw : draws)
-    noise += error_energy(problem.relation(), drive, draw) / static_cast<double>(draws.size());
-  return relative_size(problem.relation(), noise, measured_energy(drive));
+    noise += energy_about_mean(drive, draw) / static_cast<double>(draws.size());
+  return relative_size(problem.relation(), noise, energy_about_mean(drive, drive.measured));
 }
 
 namespace {
 
-RecordScore score_of(const Problem& problem, const Selection& selection, std::size_t record) {
-  const Supposition before{problem, selection.base}, after{problem, selection.named};
+RecordScore score_of(const Supposition& before, const Supposition& after, const Zeros& zeros,
+                     std::size_t record) {
+  const Problem& problem = after.problem();
   const Fold fold = compared(problem, {record});
   RecordScore score;
   score.record = problem.record(record).name;
-  score.nrmse_before = nrmse(before, record);
-  score.nrmse_after = nrmse(after, record);
-  score.nrmse_stated = nrmse(Supposition{problem, problem.relation().base()}, record);
+  score.nrmse_before = nrmse(before, record, zeros);
+  score.nrmse_after = nrmse(after, record, zeros);
+  score.nrmse_stated = nrmse({problem, problem.relation().base()}, record, zeros);
   score.noise_floor = nrmse_of_noise(problem, record);
   score.variance_before = before.variance(fold);
   score.variance_after = after.variance(fold);
@@ -64,9 +75,11 @@ RecordScore score_of(const Problem& problem, const Selection& selection, std::si
 
 std::vector<RecordScore> scores_of(const Problem& problem, const Selection& selection,
                                    bool is_proof) {
+  const Supposition before{problem, selection.base}, after{problem, selection.named};
+  const Zeros zeros = zeros_of(after);
   std::vector<RecordScore> scores;
   for (std::size_t i = 0; i < problem.records(); ++i) {
-    scores.push_back(score_of(problem, selection, i));
+    scores.push_back(score_of(before, after, zeros, i));
     scores.back().use = is_proof                                ? "held_out"
                         : problem.record(i).use == Use::HeldOut ? "scored"
                                                                 : "fit";
@@ -112,7 +125,7 @@ Proof proof_of(const Problem& problem, const Selection& selection, bool is_held_
     proof.whiteness = whiteness_of(Supposition{problem, selection.named}, i);
     proof.is_white = proof.is_white && proof.whiteness.is_white;
     const Drive& drive = problem.drive(i);
-    const double weight = one_unit ? measured_energy(drive).sum() : 1;
+    const double weight = one_unit ? energy_about_mean(drive, drive.measured).sum() : 1;
     const RecordScore& score = proof.records[i];
     all += weight;
     proof.before += weight * score.nrmse_before * score.nrmse_before;

@@ -192,12 +192,13 @@ class Pruning {
   }
 
   // Squares of NRMSE; infinite where there is no prediction.
-  [[nodiscard]] static std::vector<double> errors(const Problem& problem,
-                                                  const Hypothesis& hypothesis) {
+  [[nodiscard]] std::vector<double> errors(const Problem& problem,
+                                           const Hypothesis& hypothesis) const {
     std::vector<double> all;
+    const Zeros zeros = zeros_of({problem, selection_.named});
     const Supposition supposition{problem, hypothesis};
     for (std::size_t i = 0; i < problem.records(); ++i) {
-      const double error = nrmse(supposition, i);
+      const double error = nrmse(supposition, i, zeros);
       all.push_back(std::isfinite(error) ? error * error : 1e300);
     }
     return all;

@@ -187,13 +187,19 @@ void add_traces(const Investigation& found, const Problem& problem, std::size_t 
   }
 }
 
+double held_out_error(const Investigation& found, const Hypothesis& hypothesis,
+                      std::size_t record) {
+  const Zeros zeros = zeros_of({*found.held_out, found.selection.named});
+  return nrmse({*found.held_out, hypothesis}, record, zeros);
+}
+
 // Error of a rival on a record of the proof, after a refit; none if it has no prediction there.
 std::optional<double> error_of_rival(const Investigation& found, const Contender& rival,
                                      std::size_t record) {
   Supposition other{*found.problem, rival.fitted};
   try {
     other.set_values(other.fit(found.folds.both, 6).parameters);
-    return nrmse(Supposition{*found.held_out, other.hypothesis()}, record);
+    return held_out_error(found, other.hypothesis(), record);
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -210,8 +216,8 @@ void ablate(const Investigation& found, std::size_t record, Verdict& verdict) {
     verdict.ablation.push_back(
         {fmt::format("{} instead of {}", rival->candidate.name, first.chosen.candidate.name),
          *error});
-  verdict.ablation.push_back({"without the named causes",
-                              nrmse(Supposition{*found.held_out, found.selection.base}, record)});
+  verdict.ablation.push_back(
+      {"without the named causes", held_out_error(found, found.selection.base, record)});
 }
 
 void add_proof(const Investigation& found, const Reduced& reduced, Verdict& verdict) {
@@ -230,7 +236,7 @@ void add_proof(const Investigation& found, const Reduced& reduced, Verdict& verd
   if (found.is_named()) ablate(found, last, verdict);
   for (const auto& [name, hypothesis] : reduced)
     verdict.ablation.push_back(
-        {"without " + name + " alone", nrmse(Supposition{*found.held_out, hypothesis}, last)});
+        {"without " + name + " alone", held_out_error(found, hypothesis, last)});
 }
 
 }  // namespace

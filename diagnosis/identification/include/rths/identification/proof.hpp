@@ -9,7 +9,7 @@
 namespace rths::diagnosis {
 
 /// Prediction errors of a record: root mean squares over the standard deviation of the measurement.
-/// Both pass the same filter; free offsets are removed.
+/// Both pass the same filter; the zeros of the named model are removed.
 struct RecordScore {
   std::string record;
   std::string use;                                 ///< "fit", "scored" in the selection, "held_out"
@@ -20,10 +20,16 @@ struct RecordScore {
   double variance_before = 0, variance_after = 0;  ///< of the whitened residual; 1: noise [-]
 };
 
+/// Zero of each output in each record, by record: the mean error of the named model, which a sensor
+/// may have and is no error. An effect that is an offset counts, because all models have the same
+/// zeros. Empty where offsets are free: then each model has its own.
+using Zeros = std::vector<Eigen::RowVectorXd>;
+[[nodiscard]] Zeros zeros_of(const Supposition& named);
+
 /// Error of a hypothesis on a record: root mean square over the standard deviation of the
-/// measurement, a free offset removed. Outputs of different units count alike.
+/// measurement. Outputs of different units count alike.
 /// @returns NaN if there is no prediction
-[[nodiscard]] double nrmse(const Supposition& supposition, std::size_t record);
+[[nodiscard]] double nrmse(const Supposition& supposition, std::size_t record, const Zeros& zeros);
 
 /// The error that the sensors' noise alone causes, in the same unit.
 [[nodiscard]] double nrmse_of_noise(const Problem& problem, std::size_t record);
