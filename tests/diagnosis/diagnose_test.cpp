@@ -99,6 +99,30 @@ bool has_limit(const Verdict& verdict, const std::string& text) {
                      [&](const auto& limit) { return limit.find(text) != std::string::npos; });
 }
 
+// A linear specimen and its accelerometer. Sines at 7.3 Hz disturb the force and at 4.1 Hz the
+// acceleration, in motion.
+Record record_with_accelerometer(Use use, unsigned seed, double of_force, double of_acceleration) {
+  std::vector<double> velocity, shaking;
+  Record record = test_support::record_of(
+      "record " + std::to_string(seed), use, seed,
+      [&](double t, double x, double v) {
+        const double moves = t < test_support::kQuiet ? 0 : 1;
+        velocity.push_back(v);
+        shaking.push_back(moves * of_acceleration * std::sin(2 * std::numbers::pi * 4.1 * t));
+        return kStiffness * x + kDamping * v +
+               moves * of_force * std::sin(2 * std::numbers::pi * 7.3 * t);
+      },
+      {.length = test_support::kShortLength});
+  std::mt19937_64 random{seed};
+  std::normal_distribution<double> noise{0, 0.01};
+  Channel acceleration{"acceleration.long", "m/s2", std::vector<double>(velocity.size())};
+  for (std::size_t k = 1; k + 1 < velocity.size(); ++k)
+    acceleration.values[k] = (velocity[k + 1] - velocity[k - 1]) / (2 * test_support::kStep) +
+                             noise(random) + shaking[k];
+  record.channels.push_back(acceleration);
+  return record;
+}
+
 // A linear specimen and its accelerometer, in records that are cut out of a motion. A filter does
 // not know what was before them.
 TEST(Diagnosis, FindsNothingMissingInRecordsThatBeginInMotion) {
@@ -107,20 +131,7 @@ TEST(Diagnosis, FindsNothingMissingInRecordsThatBeginInMotion) {
   c.records.clear();
   for (const auto& [use, seed] :
        {std::pair{Use::Fit, 1U}, {Use::HeldOut, 2U}, {Use::HeldOut, 3U}}) {
-    std::vector<double> velocity;
-    Record record = test_support::record_of("record " + std::to_string(seed), use, seed,
-                                            [&](double, double x, double v) {
-                                              velocity.push_back(v);
-                                              return kStiffness * x + kDamping * v;
-                                            },
-                                            {.length = test_support::kShortLength});
-    std::mt19937_64 random{seed};
-    std::normal_distribution<double> noise{0, 0.01};
-    Channel acceleration{"acceleration.long", "m/s2", std::vector<double>(velocity.size())};
-    for (std::size_t k = 1; k + 1 < velocity.size(); ++k)
-      acceleration.values[k] =
-          (velocity[k + 1] - velocity[k - 1]) / (2 * test_support::kStep) + noise(random);
-    record.channels.push_back(acceleration);
+    Record record = record_with_accelerometer(use, seed, 0, 0);
     for (auto& channel : record.channels)
       channel.values.erase(channel.values.begin(), channel.values.begin() + kCut);
     record.quiet.reset();
@@ -130,6 +141,25 @@ TEST(Diagnosis, FindsNothingMissingInRecordsThatBeginInMotion) {
   std::printf("  %s\n", verdict.sentence.c_str());
 
   EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
+}
+
+// Two relations have a residual without a name. The first of them is shown.
+TEST(Diagnosis, QuotesTheFormOfTheResidualThatItShows) {
+  Case c = case_of({});
+  c.records.clear();
+  for (const auto& [use, seed] : {std::pair{Use::Fit, 1U}, {Use::HeldOut, 2U}, {Use::HeldOut, 3U}})
+    c.records.push_back(record_with_accelerometer(use, seed, 400, 0.2));
+
+  const Verdict verdict = diagnose(c);
+
+  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  EXPECT_EQ(verdict.where.channel, "acceleration.long");
+  EXPECT_NE(verdict.sentence.find("external periodic force at 4.1"), std::string::npos)
+      << verdict.sentence;
+  EXPECT_TRUE(std::any_of(verdict.descriptions.begin(), verdict.descriptions.end(),
+                          [](const Description& one) {
+                            return one.form.starts_with("external periodic force at 7.3");
+                          }));
 }
 
 TEST(Diagnosis, NamesTheFilterOfItsErrorsAndChannelsThatItIgnores) {
