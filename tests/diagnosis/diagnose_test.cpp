@@ -162,6 +162,25 @@ TEST(Diagnosis, QuotesTheFormOfTheResidualThatItShows) {
                           }));
 }
 
+// The held-out records visit larger states than the first. The comparison's filter passes the
+// motion, which ends near 1.1 Hz, but for a thousandth.
+TEST(Diagnosis, LimitsItselfToTheStatesOfAllRecords) {
+  Case c = case_of({});
+  for (auto& channel : c.records[2].channels)
+    for (double& value : channel.values) value *= 1.5;
+  double most = 0;
+  for (const auto& record : c.records)
+    for (const double u : record.channels[0].values) most = std::max(most, std::abs(u));
+
+  const Verdict verdict = diagnose(c);
+
+  const std::string begin = "motion to force: states beyond ";
+  const auto limit = std::find_if(verdict.limits.begin(), verdict.limits.end(),
+                                  [&](const auto& one) { return one.starts_with(begin); });
+  ASSERT_NE(limit, verdict.limits.end());
+  EXPECT_NEAR(std::stod(limit->substr(begin.size())) / most, 1, 1e-2);
+}
+
 TEST(Diagnosis, NamesTheFilterOfItsErrorsAndChannelsThatItIgnores) {
   Case c = case_of({});
   for (auto& record : c.records)

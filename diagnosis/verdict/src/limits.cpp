@@ -102,11 +102,11 @@ std::string filter_of(const Investigation& found) {
                                         found.relation->name(), rate);
 }
 
-// The largest states of the first record, once for each name.
-void add_visited(const Investigation& found, Verdict& verdict) {
-  const Drive& drive = found.problem->drive(0);
+// Largest displacement and velocity, by name of the state.
+using Largest = std::vector<std::pair<StateName, std::pair<double, double>>>;
+
+void add_largest(const Drive& drive, Largest& largest) {
   if (drive.displacement.size() == 0) return;
-  std::vector<std::pair<StateName, std::pair<double, double>>> largest;
   for (std::size_t i = 0; i < drive.state_names.size(); ++i) {
     const auto output = static_cast<Eigen::Index>(i);
     const double u = drive.displacement.col(output).cwiseAbs().maxCoeff();
@@ -119,6 +119,14 @@ void add_visited(const Investigation& found, Verdict& verdict) {
     else
       known->second = {std::max(known->second.first, u), std::max(known->second.second, v)};
   }
+}
+
+// The largest states of all records, once for each name.
+void add_visited(const Investigation& found, Verdict& verdict) {
+  Largest largest;
+  for (const Problem* problem : {found.problem.get(), found.held_out.get()})
+    for (std::size_t i = 0; problem != nullptr && i < problem->records(); ++i)
+      add_largest(problem->drive(i), largest);
   for (const auto& [state, most] : largest)
     verdict.limits.push_back(fmt::format(
         "{}: states beyond {:.3g} {} and {:.3g} {}/s of {} were never visited.",
