@@ -225,6 +225,7 @@ TEST(Diagnosis, NamesFrictionAndProvesItOnTheUnseenRecord) {
   ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
   EXPECT_EQ(verdict.causes[0].name, "coulomb_friction");
   EXPECT_EQ(verdict.where.part, Part::Machine);
+  EXPECT_DOUBLE_EQ(verdict.causes[0].explained, verdict.proof.explained);
   const Estimate& force = verdict.causes[0].parameters[0];
   EXPECT_NEAR(force.value, 300, 10);
   EXPECT_LT(force.low, 300);
@@ -243,11 +244,26 @@ TEST(Diagnosis, DescribesAnUnknownEffect) {
   ASSERT_FALSE(verdict.descriptions.empty());
   EXPECT_EQ(verdict.descriptions[0].form.rfind("external periodic force at 7.3", 0), 0U)
       << verdict.descriptions[0].form;
+  EXPECT_NE(verdict.sentence.find("on a record that it was not fitted to"), std::string::npos)
+      << verdict.sentence;
   // An external force is visible without motion.
   EXPECT_EQ(verdict.next_test.rfind("no motion", 0), 0U) << verdict.next_test;
   ASSERT_EQ(verdict.next_motion.channels.size(), 1U);
   const auto& still = verdict.next_motion.channels[0].second;
   EXPECT_TRUE(std::all_of(still.begin(), still.end(), [](double u) { return u == 0; }));
+}
+
+// With one held-out record, halves of the fitted one score each other.
+TEST(Diagnosis, SaysThatAFormExplainsPiecesOfItsOwnRecord) {
+  Case c = case_of({.ripple = 200});
+  c.records.erase(c.records.begin() + 1);
+
+  const Verdict verdict = diagnose(c);
+
+  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  EXPECT_NE(verdict.sentence.find("on pieces of the records that it was not fitted to"),
+            std::string::npos)
+      << verdict.sentence;
 }
 
 TEST(Diagnosis, SaysUnknownWhenTheTermIsExcluded) {
@@ -294,6 +310,7 @@ TEST(Diagnosis, NamesAStopBehindAGap) {
   EXPECT_EQ(cause.name, "gap_contact");
   EXPECT_EQ(cause.alternatives[0].name, "large_strain_stiffening");
   EXPECT_NEAR(cause.alternatives[0].share, 1, 1e-3);
+  EXPECT_GE(cause.confidence, 1 / (1 + static_cast<double>(cause.alternatives.size())));
   for (const auto& parameter : cause.parameters) {
     const bool is_gap = parameter.name == "gap_contact.gap";
     EXPECT_NEAR(parameter.value, is_gap ? 0.06 : 3e5, is_gap ? 6e-4 : 6e3) << parameter.name;
