@@ -274,6 +274,27 @@ TEST(VaryingNoise, EqualisesASizeThatChanges) {
   EXPECT_NEAR(white.segment(650, 500).squaredNorm() / 500, 1, error);
 }
 
+// A triangle of weights, also at the ends and beside a signal that is a million times as large: the
+// sums have only positive parts, so that each has a relative error of a few round-offs.
+TEST(VaryingNoise, HasASizeThatIsSmoothedByATriangle) {
+  for (const Index half : {1, 4, 25, 90}) {
+    VectorXd draw = gauss(70, 1, 3);
+    draw.segment(20, 10) *= 1e6;
+
+    const VectorXd deviation = VaryingNoise{{draw}, half, 70, 0}.deviation();
+
+    for (Index i = 0; i < draw.size(); ++i) {
+      double sum = 0, weights = 0;
+      for (Index k = std::max<Index>(0, i - half); k < std::min<Index>(70, i + half + 1); ++k) {
+        const double weight = 1 - std::abs(double(k - i)) / double(half + 1);
+        sum += weight * draw[k] * draw[k];
+        weights += weight;
+      }
+      EXPECT_NEAR(deviation[i] / std::sqrt(sum / weights), 1, 1e-13) << half << " " << i;
+    }
+  }
+}
+
 TEST(VaryingNoise, OfOneSizeDividesByIt) {
   const VaryingNoise noise{50, 4};
 

@@ -89,19 +89,29 @@ struct Rest {
   }
 };
 
+// Sums of `width` neighbours, from running sums over blocks of that width, so that nothing is
+// subtracted: a small signal beside a large one keeps its digits.
+VectorXd running_sums(const VectorXd& x, Index width) {
+  VectorXd from_begin = x, to_end = x;  // of the block
+  for (Index i = 1; i < x.size(); ++i)
+    if (i % width != 0) from_begin[i] += from_begin[i - 1];
+  for (Index i = x.size() - 2; i >= 0; --i)
+    if ((i + 1) % width != 0) to_end[i] += to_end[i + 1];
+  VectorXd sums(x.size() - width + 1);
+  for (Index i = 0; i < sums.size(); ++i)
+    sums[i] = i % width == 0 ? to_end[i] : to_end[i] + from_begin[i + width - 1];
+  return sums;
+}
+
+// Sums of weights 1 - |k|/(half + 1), times half + 1: two running means make a triangle.
+VectorXd triangle_sums(const VectorXd& x, Index half) {
+  VectorXd padded = VectorXd::Zero(x.size() + 2 * half);
+  padded.segment(half, x.size()) = x;
+  return running_sums(running_sums(padded, half + 1), half + 1);
+}
+
 VectorXd smoothed(const VectorXd& x, Index half) {
-  VectorXd result(x.size());
-  for (Index i = 0; i < x.size(); ++i) {
-    double sum = 0, weights = 0;
-    for (Index k = std::max<Index>(0, i - half); k <= std::min(x.size() - 1, i + half); ++k) {
-      const double weight =
-          1 - static_cast<double>(std::abs(k - i)) / static_cast<double>(half + 1);
-      sum += weight * x[k];
-      weights += weight;
-    }
-    result[i] = sum / weights;
-  }
-  return result;
+  return triangle_sums(x, half).cwiseQuotient(triangle_sums(VectorXd::Ones(x.size()), half));
 }
 
 VectorXd variance_of(const std::vector<VectorXd>& draws) {
