@@ -143,6 +143,21 @@ TEST(Diagnosis, FindsNothingMissingInRecordsThatBeginInMotion) {
   EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
 }
 
+TEST(Diagnosis, NamesARestThatIsSampledFasterThanTheMotion) {
+  Case c = case_of({});
+  const std::string limit = "still is at rest at 1000 Hz, and fit moves at 250 Hz";
+
+  EXPECT_FALSE(has_limit(diagnose(c), "is at rest at"));
+
+  Record still = c.records[0];
+  still.name = "still";
+  still.use = Use::Reference;
+  still.time_step /= 4;
+  for (auto& channel : still.channels) channel.values.resize(still.quiet->second);
+  c.records.push_back(still);
+  EXPECT_TRUE(has_limit(diagnose(c), limit));
+}
+
 // Two relations have a residual without a name. The first of them is shown.
 TEST(Diagnosis, QuotesTheFormOfTheResidualThatItShows) {
   Case c = case_of({});

@@ -20,6 +20,19 @@ std::string gaps_in(const Record& record) {
                      record.gaps.size(), static_cast<double>(samples) * record.time_step);
 }
 
+// A section at rest that is sampled faster than a record in motion; empty: there is none.
+std::string faster_at_rest(const Case& c) {
+  constexpr double kEqual = 1e-3;
+  for (const auto& rest : c.records)
+    for (const Record* moving : moving_records(c))
+      if (rest.quiet && rest.time_step < (1 - kEqual) * moving->time_step)
+        return fmt::format(
+            "{} is at rest at {:.4g} Hz, and {} moves at {:.4g} Hz: the noise has one density per "
+            "Hz, as behind one anti-aliasing filter.",
+            rest.name, 1 / rest.time_step, moving->name, 1 / moving->time_step);
+  return "";
+}
+
 std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
 
 bool has_family(const Record& record, const std::string& family) {
@@ -216,6 +229,8 @@ void add_limits(const Case& c, const SensorNoise& noise,
   verdict.limits.push_back("Source of the noise: " + noise.source() + ".");
   for (const auto& line : noise.lines())
     verdict.limits.push_back(line + ": it counts as an effect, not as noise.");
+  if (const std::string faster = faster_at_rest(c); noise.was_seen_at_rest() && !faster.empty())
+    verdict.limits.push_back(faster);
   if (!noise.was_seen_at_rest()) {
     verdict.noise_remedy = remedy_for_noise(c);
     verdict.limits.push_back(
