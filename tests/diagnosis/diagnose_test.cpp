@@ -99,6 +99,30 @@ bool has_limit(const Verdict& verdict, const std::string& text) {
                      [&](const auto& limit) { return limit.find(text) != std::string::npos; });
 }
 
+// A linear specimen and its accelerometer. Sines at 7.3 Hz disturb the force and at 4.1 Hz the
+// acceleration, in motion.
+Record record_with_accelerometer(Use use, unsigned seed, double of_force, double of_acceleration) {
+  std::vector<double> velocity, shaking;
+  Record record = test_support::record_of(
+      "record " + std::to_string(seed), use, seed,
+      [&](double t, double x, double v) {
+        const double moves = t < test_support::kQuiet ? 0 : 1;
+        velocity.push_back(v);
+        shaking.push_back(moves * of_acceleration * std::sin(2 * std::numbers::pi * 4.1 * t));
+        return kStiffness * x + kDamping * v +
+               moves * of_force * std::sin(2 * std::numbers::pi * 7.3 * t);
+      },
+      {.length = test_support::kShortLength});
+  std::mt19937_64 random{seed};
+  std::normal_distribution<double> noise{0, 0.01};
+  Channel acceleration{"acceleration.long", "m/s2", std::vector<double>(velocity.size())};
+  for (std::size_t k = 1; k + 1 < velocity.size(); ++k)
+    acceleration.values[k] = (velocity[k + 1] - velocity[k - 1]) / (2 * test_support::kStep) +
+                             noise(random) + shaking[k];
+  record.channels.push_back(acceleration);
+  return record;
+}
+
 // A linear specimen and its accelerometer, in records that are cut out of a motion. A filter does
 // not know what was before them.
 TEST(Diagnosis, FindsNothingMissingInRecordsThatBeginInMotion) {
@@ -107,20 +131,7 @@ TEST(Diagnosis, FindsNothingMissingInRecordsThatBeginInMotion) {
   c.records.clear();
   for (const auto& [use, seed] :
        {std::pair{Use::Fit, 1U}, {Use::HeldOut, 2U}, {Use::HeldOut, 3U}}) {
-    std::vector<double> velocity;
-    Record record = test_support::record_of("record " + std::to_string(seed), use, seed,
-                                            [&](double, double x, double v) {
-                                              velocity.push_back(v);
-                                              return kStiffness * x + kDamping * v;
-                                            },
-                                            {.length = test_support::kShortLength});
-    std::mt19937_64 random{seed};
-    std::normal_distribution<double> noise{0, 0.01};
-    Channel acceleration{"acceleration.long", "m/s2", std::vector<double>(velocity.size())};
-    for (std::size_t k = 1; k + 1 < velocity.size(); ++k)
-      acceleration.values[k] =
-          (velocity[k + 1] - velocity[k - 1]) / (2 * test_support::kStep) + noise(random);
-    record.channels.push_back(acceleration);
+    Record record = record_with_accelerometer(use, seed, 0, 0);
     for (auto& channel : record.channels)
       channel.values.erase(channel.values.begin(), channel.values.begin() + kCut);
     record.quiet.reset();
@@ -130,6 +141,59 @@ TEST(Diagnosis, FindsNothingMissingInRecordsThatBeginInMotion) {
   std::printf("  %s\n", verdict.sentence.c_str());
 
   EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
+}
+
+TEST(Diagnosis, NamesARestThatIsSampledFasterThanTheMotion) {
+  Case c = case_of({});
+  const std::string limit = "still is at rest at 1000 Hz, and fit moves at 250 Hz";
+
+  EXPECT_FALSE(has_limit(diagnose(c), "is at rest at"));
+
+  Record still = c.records[0];
+  still.name = "still";
+  still.use = Use::Reference;
+  still.time_step /= 4;
+  for (auto& channel : still.channels) channel.values.resize(still.quiet->second);
+  c.records.push_back(still);
+  EXPECT_TRUE(has_limit(diagnose(c), limit));
+}
+
+// Two relations have a residual without a name. The first of them is shown.
+TEST(Diagnosis, QuotesTheFormOfTheResidualThatItShows) {
+  Case c = case_of({});
+  c.records.clear();
+  for (const auto& [use, seed] : {std::pair{Use::Fit, 1U}, {Use::HeldOut, 2U}, {Use::HeldOut, 3U}})
+    c.records.push_back(record_with_accelerometer(use, seed, 400, 0.2));
+
+  const Verdict verdict = diagnose(c);
+
+  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  EXPECT_EQ(verdict.where.channel, "acceleration.long");
+  EXPECT_NE(verdict.sentence.find("external periodic force at 4.1"), std::string::npos)
+      << verdict.sentence;
+  EXPECT_TRUE(std::any_of(verdict.descriptions.begin(), verdict.descriptions.end(),
+                          [](const Description& one) {
+                            return one.form.starts_with("external periodic force at 7.3");
+                          }));
+}
+
+// The held-out records visit larger states than the first. The comparison's filter passes the
+// motion, which ends near 1.1 Hz, but for a thousandth.
+TEST(Diagnosis, LimitsItselfToTheStatesOfAllRecords) {
+  Case c = case_of({});
+  for (auto& channel : c.records[2].channels)
+    for (double& value : channel.values) value *= 1.5;
+  double most = 0;
+  for (const auto& record : c.records)
+    for (const double u : record.channels[0].values) most = std::max(most, std::abs(u));
+
+  const Verdict verdict = diagnose(c);
+
+  const std::string begin = "motion to force: states beyond ";
+  const auto limit = std::find_if(verdict.limits.begin(), verdict.limits.end(),
+                                  [&](const auto& one) { return one.starts_with(begin); });
+  ASSERT_NE(limit, verdict.limits.end());
+  EXPECT_NEAR(std::stod(limit->substr(begin.size())) / most, 1, 1e-2);
 }
 
 TEST(Diagnosis, NamesTheFilterOfItsErrorsAndChannelsThatItIgnores) {
@@ -176,6 +240,7 @@ TEST(Diagnosis, NamesFrictionAndProvesItOnTheUnseenRecord) {
   ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
   EXPECT_EQ(verdict.causes[0].name, "coulomb_friction");
   EXPECT_EQ(verdict.where.part, Part::Machine);
+  EXPECT_DOUBLE_EQ(verdict.causes[0].explained, verdict.proof.explained);
   const Estimate& force = verdict.causes[0].parameters[0];
   EXPECT_NEAR(force.value, 300, 10);
   EXPECT_LT(force.low, 300);
@@ -194,11 +259,26 @@ TEST(Diagnosis, DescribesAnUnknownEffect) {
   ASSERT_FALSE(verdict.descriptions.empty());
   EXPECT_EQ(verdict.descriptions[0].form.rfind("external periodic force at 7.3", 0), 0U)
       << verdict.descriptions[0].form;
+  EXPECT_NE(verdict.sentence.find("on a record that it was not fitted to"), std::string::npos)
+      << verdict.sentence;
   // An external force is visible without motion.
   EXPECT_EQ(verdict.next_test.rfind("no motion", 0), 0U) << verdict.next_test;
   ASSERT_EQ(verdict.next_motion.channels.size(), 1U);
   const auto& still = verdict.next_motion.channels[0].second;
   EXPECT_TRUE(std::all_of(still.begin(), still.end(), [](double u) { return u == 0; }));
+}
+
+// With one held-out record, halves of the fitted one score each other.
+TEST(Diagnosis, SaysThatAFormExplainsPiecesOfItsOwnRecord) {
+  Case c = case_of({.ripple = 200});
+  c.records.erase(c.records.begin() + 1);
+
+  const Verdict verdict = diagnose(c);
+
+  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  EXPECT_NE(verdict.sentence.find("on pieces of the records that it was not fitted to"),
+            std::string::npos)
+      << verdict.sentence;
 }
 
 TEST(Diagnosis, SaysUnknownWhenTheTermIsExcluded) {
@@ -245,6 +325,7 @@ TEST(Diagnosis, NamesAStopBehindAGap) {
   EXPECT_EQ(cause.name, "gap_contact");
   EXPECT_EQ(cause.alternatives[0].name, "large_strain_stiffening");
   EXPECT_NEAR(cause.alternatives[0].share, 1, 1e-3);
+  EXPECT_GE(cause.confidence, 1 / (1 + static_cast<double>(cause.alternatives.size())));
   for (const auto& parameter : cause.parameters) {
     const bool is_gap = parameter.name == "gap_contact.gap";
     EXPECT_NEAR(parameter.value, is_gap ? 0.06 : 3e5, is_gap ? 6e-4 : 6e3) << parameter.name;

@@ -15,6 +15,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test_support::Columns;
 
 constexpr double kKindsStep = 0.01;
 
@@ -135,8 +136,8 @@ damping = [[10, -2], [-2, 2]]
   EXPECT_EQ(relation_->candidates(relation_->base()).front().adds[0].component, "spring.1");
 }
 
-// A displaced base is equivalent to an accelerated one, in absolute and in relative motion.
-TEST_F(Kinds, ADisplacedBaseHasTheResponseOfAnAcceleratedBase) {
+// A motion of the ground that begins at rest, and its acceleration: closed forms.
+Columns ground_motion() {
   std::vector<double> ground, acceleration;
   for (std::size_t i = 0; i < 1500; ++i) {
     const double t = static_cast<double>(i) * kKindsStep, w = 2 * std::numbers::pi * 1.3;
@@ -146,7 +147,12 @@ TEST_F(Kinds, ADisplacedBaseHasTheResponseOfAnAcceleratedBase) {
     acceleration.push_back(bend * std::sin(w * t) + 2 * rate * w * std::cos(w * t) -
                            swell * w * w * std::sin(w * t));
   }
-  folder_.write("fit.csv", {{"g", ground}, {"a", acceleration}, {"y", ground}});
+  return {{"g", ground}, {"a", acceleration}, {"y", ground}};
+}
+
+// A displaced base is equivalent to an accelerated one, in absolute and in relative motion.
+TEST_F(Kinds, ADisplacedBaseHasTheResponseOfAnAcceleratedBase) {
+  folder_.write("fit.csv", ground_motion());
   const std::string model = kMassOnSpring + R"([model.outputs]
 "output.y" = "deformation.1"
 [model.inputs]
@@ -161,6 +167,36 @@ TEST_F(Kinds, ADisplacedBaseHasTheResponseOfAnAcceleratedBase) {
 
   // Linear interpolation between samples: (ω Δt)²/12 = 6e-4 of the force.
   EXPECT_LT(test_support::relative_error(displaced, accelerated), 3e-3);
+}
+
+// The absolute motion is the relative one and the ground's, whatever springs are listed. Half of
+// the stiffness to the ground belongs to no connection, and the mass damps motion relative to it.
+TEST_F(Kinds, ADisplacedBaseDrivesAStructureByAllOfItsMatrices) {
+  Columns columns = ground_motion();
+  folder_.write("fit.csv", columns);
+  const std::string channels = "output.floor = \"y [m]\"\noutput.roof = \"y [m]\"\n";
+  const std::string model = R"(
+[model]
+kind = "structure"
+mass = [[2.0, 0], [0, 1.0]]
+stiffness = [[1400, -500], [-500, 700]]
+rayleigh = [1.5, 0.002]
+[[model.spring]]
+between = [1, 2]
+[model.outputs]
+"output.floor" = "displacement.1"
+"output.roof" = "displacement.2"
+[model.inputs]
+)";
+
+  const MatrixXd absolute = answer(records("displacement.long = \"g [m]\"\n" + channels) + model +
+                                   "\"displacement.long\" = \"base_displacement\"\n");
+  MatrixXd relative = answer(records("acceleration.long = \"a [m/s2]\"\n" + channels) + model +
+                             "\"acceleration.long\" = \"base_acceleration\"\n");
+  relative.colwise() += VectorXd::Map(columns["g"].data(), relative.rows());
+
+  // Linear interpolation between samples: (ω Δt)²/12 = 6e-4 of the force.
+  EXPECT_LT(test_support::relative_error(absolute, relative), 3e-3);
 }
 
 TEST_F(Kinds, ASystemInDiscreteTimeIsItsRecursion) {

@@ -11,6 +11,7 @@
 
 #include <rths/identification/pruning.hpp>
 
+#include "form_search.hpp"
 #include "identification/linear_relation.hpp"
 
 namespace rths::diagnosis {
@@ -189,6 +190,30 @@ TEST_F(Forms, NameSamplesThatAreHeld) {
   EXPECT_EQ(found[0].form, "held samples");
   EXPECT_GT(found[0].share, 0.9);
   EXPECT_LE(found[0].share, 1.05);
+}
+
+// Also if they are longer than the longest piece that is tried, as several pieces.
+TEST(HeldSamples, OfALongRecordAreFound) {
+  constexpr Index kRows = 60'000;
+  const VectorXd motion = sine_of(31, kRows);
+  for (const Index length : {900, 1150}) {
+    LinearRelation relation;
+    relation.stated = linear_model({"stiffness"}, {3});
+    relation.deviation = {0.02};
+    VectorXd force = 3 * motion;
+    for (Index begin = 2000; begin + length < kRows; begin += 9000)
+      force.segment(begin, length).setConstant(force[begin - 1]);
+    std::vector<Record> records{linear_record(
+        "record", Use::Fit, 1e-3, force + 0.02 * gauss(kRows, 1, 1), {{"stiffness", motion}})};
+    const Problem problem = linear_problem(relation, records);
+    std::vector<Description> found;
+
+    find_held_samples(Supposition{problem, relation.stated}, {{}, {}, whole({0})}, found);
+
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_GT(found[0].share, 0.9) << length;
+    EXPECT_LE(found[0].share, 1) << length;
+  }
 }
 
 TEST_F(Forms, DoNotTakeASaturatedSensorForHeldSamples) {

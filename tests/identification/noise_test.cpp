@@ -46,14 +46,17 @@ TEST(SensorNoise, IsThatOfQuietIntervals) {
 }
 
 // Noise of deviation 1 and a sine of deviation 2 and 3.1 Hz, with other phases in each record.
-Record record_with_line(double phase, unsigned seed, double frequency = 3.1) {
-  VectorXd force = gauss(400, 1, seed);
-  for (Index i = 0; i < force.size(); ++i)
+Record record_with_line(double phase, unsigned seed, double frequency = 3.1,
+                        double time_step = kNoiseStep) {
+  const auto samples = static_cast<Index>(std::lround(400 * kNoiseStep / time_step));
+  VectorXd force = gauss(samples, 1, seed);
+  for (Index i = 0; i < samples; ++i)
     force[i] +=
         2 * std::numbers::sqrt2 *
-        std::sin(2 * std::numbers::pi * frequency * kNoiseStep * static_cast<double>(i) + phase);
+        std::sin(2 * std::numbers::pi * frequency * time_step * static_cast<double>(i) + phase);
   Record record = record_of_channels({channel_of("force.long", force)});
-  record.quiet = {0, 400};
+  record.time_step = time_step;
+  record.quiet = {0, static_cast<std::size_t>(samples)};
   return record;
 }
 
@@ -75,6 +78,54 @@ TEST(SensorNoise, KeepsALineOfOneRestOrOfDifferentFrequencies) {
   for (const SensorNoise& noise : {SensorNoise{{&one}, {}}, SensorNoise{{&one, &other}, {}}}) {
     EXPECT_NEAR(noise.deviation("force") / std::sqrt(5.0), 1, 3 / std::sqrt(2.0 * 400));
     EXPECT_TRUE(noise.lines().empty());
+  }
+}
+
+// White noise of deviation 1 at rest, at 1 kHz, of density 2 Δt. A record at 100 Hz sees a tenth of
+// its band: its samples have the variance 1/10, whichever record comes first. The error of a mean
+// square of n samples is √(2/n); the smoothed spectrum is allowed as much again.
+TEST(SensorNoise, HasOneDensityAtEverySamplingRate) {
+  constexpr Index kRest = 20'000, kMoving = 4000;
+  Record rest = record_of_channels({channel_of("force.long", gauss(kRest, 1, 1))});
+  rest.time_step = kNoiseStep / 10;
+  rest.quiet = {0, kRest};
+  const Record moving = record_of_channels({channel_of("force.long", 50 * sine_of(4, kMoving))});
+
+  for (const auto& records :
+       {std::vector<const Record*>{&rest, &moving}, std::vector<const Record*>{&moving, &rest}}) {
+    std::mt19937_64 random{1};
+    const SensorNoise noise{records, {}};
+    const VectorXd drawn = values_of(noise.generator_like(moving).draw(random).channels[0]);
+
+    EXPECT_NEAR(drawn.squaredNorm() / kMoving / 0.1, 1, 6 * std::sqrt(2.0 / kMoving));
+  }
+}
+
+TEST(SensorNoise, HasNoLineThatRestsOfDifferentRatesShare) {
+  const Record one = record_with_line(0.4, 1);
+  const Record other = record_with_line(2, 2, 3.1, kNoiseStep / 4);
+
+  for (const SensorNoise& noise :
+       {SensorNoise{{&one, &other}, {}}, SensorNoise{{&other, &one}, {}}}) {
+    EXPECT_NEAR(noise.deviation("force"), 1, 3 / std::sqrt(2.0 * 2000));
+    ASSERT_EQ(noise.lines().size(), 1U);
+    EXPECT_EQ(noise.lines()[0].substr(0, 35), "force.long has a sine of 3.10 Hz at");
+  }
+}
+
+TEST(SensorNoise, HasTheStatedDeviationAtEverySamplingRate) {
+  constexpr Index kSamples = 5000;
+  const VectorXd x = sine_of(4, kSamples);
+  Record slow = record_of_channels({channel_of("force.long", x)});
+  Record fast = slow;
+  fast.time_step = kNoiseStep / 10;
+  const SensorNoise noise{{&slow, &fast}, {{"force.long", 3}}};
+
+  for (const Record* record : {&slow, &fast}) {
+    std::mt19937_64 random{1};
+    const VectorXd drawn = values_of(noise.generator_like(*record).draw(random).channels[0]);
+
+    EXPECT_NEAR(std::sqrt(drawn.squaredNorm() / kSamples) / 3, 1, 3 / std::sqrt(2.0 * kSamples));
   }
 }
 
@@ -221,6 +272,27 @@ TEST(VaryingNoise, EqualisesASizeThatChanges) {
   const double error = 3 * std::sqrt(2.0 / 500 + 2.0 / 800);
   EXPECT_NEAR(white.segment(50, 500).squaredNorm() / 500, 1, error);
   EXPECT_NEAR(white.segment(650, 500).squaredNorm() / 500, 1, error);
+}
+
+// A triangle of weights, also at the ends and beside a signal that is a million times as large: the
+// sums have only positive parts, so that each has a relative error of a few round-offs.
+TEST(VaryingNoise, HasASizeThatIsSmoothedByATriangle) {
+  for (const Index half : {1, 4, 25, 90}) {
+    VectorXd draw = gauss(70, 1, 3);
+    draw.segment(20, 10) *= 1e6;
+
+    const VectorXd deviation = VaryingNoise{{draw}, half, 70, 0}.deviation();
+
+    for (Index i = 0; i < draw.size(); ++i) {
+      double sum = 0, weights = 0;
+      for (Index k = std::max<Index>(0, i - half); k < std::min<Index>(70, i + half + 1); ++k) {
+        const double weight = 1 - std::abs(double(k - i)) / double(half + 1);
+        sum += weight * draw[k] * draw[k];
+        weights += weight;
+      }
+      EXPECT_NEAR(deviation[i] / std::sqrt(sum / weights), 1, 1e-13) << half << " " << i;
+    }
+  }
 }
 
 TEST(VaryingNoise, OfOneSizeDividesByIt) {

@@ -71,6 +71,18 @@ TEST(Supposition, SumsHalfSquaresOfEverySecond) {
   }
 }
 
+// Also of rows so far apart that a second has fewer.
+TEST(Supposition, HasBlocksOfEightRowsAtLeast) {
+  const LinearRelation relation;
+  const std::vector<Record> records{
+      linear_record("one", Use::Fit, 0.5, VectorXd::Constant(64, 3), {})};
+  const Problem problem = linear_problem(relation, records);
+
+  const auto blocks = Supposition{problem, relation.stated}.blocks(whole({0}));
+
+  EXPECT_EQ(blocks, std::vector<double>(8, 36));
+}
+
 TEST(Supposition, HasNoBlocksOutsideItsFold) {
   LinearRelation relation;
   const std::vector<Record> records{

@@ -161,8 +161,14 @@ TEST(SecondRate, IsExactForACubic) {
   EXPECT_LT((found - expected).segment(1, 48).cwiseAbs().maxCoeff(), 1e-6);
 }
 
+NoiseSpectrum spectrum_of(const std::vector<VectorXd>& signals) {
+  std::vector<Stretch> stretches;
+  for (const auto& signal : signals) stretches.push_back({signal, kStep});
+  return NoiseSpectrum{stretches};
+}
+
 TEST(NoiseSpectrum, IsFlatForWhiteNoise) {
-  const NoiseSpectrum spectrum{{noise(4000, 1), noise(4000, 2)}, kStep};
+  const NoiseSpectrum spectrum = spectrum_of({noise(4000, 1), noise(4000, 2)});
 
   // One-sided, of variance 1: 2 Δt. Three deviations: a third octave at 40 Hz has 50 degrees of
   // freedom.
@@ -177,7 +183,7 @@ TEST(NoiseSpectrum, GeneratesNoiseOfItsOwnDensity) {
     for (int i = 1; i < samples; ++i) x[i] += 0.95 * x[i - 1];
     return x;
   };
-  const NoiseSpectrum spectrum{{red(4000, 1), red(4000, 2), red(4000, 3)}, kStep};
+  const NoiseSpectrum spectrum = spectrum_of({red(4000, 1), red(4000, 2), red(4000, 3)});
   std::mt19937 random{7};
   std::normal_distribution<double> normal;
 
@@ -204,7 +210,7 @@ TEST(NoiseSpectrum, KeepsALineAmongFewBins) {
   constexpr int kSamples = 2000;
   const VectorXd line =
       5 * VectorXd::LinSpaced(kSamples, 0, 12 * 2 * std::numbers::pi).array().sin();
-  const NoiseSpectrum spectrum{{line + noise(kSamples, 3)}, kStep};
+  const NoiseSpectrum spectrum = spectrum_of({line + noise(kSamples, 3)});
 
   EXPECT_NEAR(variance_of_draw(spectrum, 60 * kSamples) / (25.0 / 2 + 1), 1, 0.35);
 }
@@ -214,7 +220,7 @@ TEST(NoiseSpectrum, DoesNotRiseBelowAShortStretchOfWhiteNoise) {
   double rise = 0;
   constexpr int kTrials = 40;
   for (unsigned seed = 0; seed < kTrials; ++seed) {
-    const NoiseSpectrum spectrum{{noise(500, 100 + seed)}, kStep};
+    const NoiseSpectrum spectrum = spectrum_of({noise(500, 100 + seed)});
     rise += spectrum.density(0.2 / (500 * kStep)) / (2 * kStep) / kTrials;
   }
   // The mean of 40 estimates from about 3 bins each scatters by a tenth.
@@ -225,7 +231,7 @@ TEST(NoiseSpectrum, DoesNotRiseBelowAShortStretchOfWhiteNoise) {
 TEST(NoiseSpectrum, RisesBelowAShortStretchOfDrift) {
   VectorXd walk = noise(4000, 5);
   for (int i = 1; i < walk.size(); ++i) walk[i] += walk[i - 1];
-  const NoiseSpectrum spectrum{{walk}, kStep};
+  const NoiseSpectrum spectrum = spectrum_of({walk});
   const double lowest = 1.5 / (4000 * kStep);
 
   EXPECT_NEAR(spectrum.density(lowest / 2) / spectrum.density(lowest), 2, 0.05);

@@ -12,6 +12,19 @@ double excess_on(const Supposition& supposition, const Fold& fold) {
          std::max(kLeastExcess, supposition.variance(fold) - 1);
 }
 
+namespace {
+
+bool share_a_record(const Folds& folds) {
+  const auto& first = folds.first.shares;
+  return std::any_of(first.begin(), first.end(), [&](const Fold::Share& one) {
+    const auto& second = folds.second.shares;
+    return std::any_of(second.begin(), second.end(),
+                       [&](const Fold::Share& other) { return other.record == one.record; });
+  });
+}
+
+}  // namespace
+
 std::vector<Description> describe(const Supposition& supposition, const Folds& folds) {
   std::vector<Description> found;
   const Problem& problem = supposition.problem();
@@ -26,6 +39,7 @@ std::vector<Description> describe(const Supposition& supposition, const Folds& f
     find_held_samples(supposition, folds, found);
   }
   find_change(supposition, folds, found);
+  for (auto& one : found) one.is_of_pieces = share_a_record(folds);
   // A surface contains every curve over one of its arguments, so it must explain more than the
   // curve.
   const auto worth = [](const Description& one) {

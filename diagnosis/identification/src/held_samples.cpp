@@ -14,6 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kLongestHold = 0.02;  // of the record
+constexpr Index kMostRows = 1000;      // of a piece: a longer hold is several
 constexpr double kMostHeld = 0.25;     // of the record: samples are lost now and then
 constexpr double kMostScatter = 9;     // in a hold, over the variance of the noise: 3 deviations
 constexpr Index kShortestHold = 2;     // [rows]
@@ -45,6 +46,11 @@ class Scatter {
   std::vector<Sums> sums_{{0, 0, 0}};
 };
 
+Index longest_hold(Index rows) {
+  return std::clamp(static_cast<Index>(kLongestHold * static_cast<double>(rows)), kShortestHold,
+                    kMostRows);
+}
+
 struct Hold {
   Index begin, end;  // rows that repeat the one before `begin`
 };
@@ -57,8 +63,7 @@ std::vector<Hold> holds_of(const VectorXd& measured, const VectorXd& prediction,
                            const VectorXd& deviation, double price, Index first) {
   const Scatter held{measured, deviation}, moving{measured - prediction, deviation};
   const Index rows = measured.size();
-  const auto longest =
-      std::max(kShortestHold, static_cast<Index>(kLongestHold * static_cast<double>(rows)));
+  const Index longest = longest_hold(rows);
   // Best total of the rows before each row, and where its last hold begins.
   VectorXd best = VectorXd::Zero(rows + 1);
   std::vector<Index> begin(static_cast<std::size_t>(rows + 1), -1);
@@ -125,7 +130,8 @@ void find_held_samples(const Supposition& supposition, const Folds& folds,
     const ResidualNoise& noise = problem.noise(share.record);
     const MatrixXd predictions = supposition.prediction(share.record);
     const auto rows = static_cast<double>(drive.rows());
-    const double price = std::log(rows * kLongestHold * rows);  // of one of all possible holds
+    const double lengths = std::min(kLongestHold * rows, static_cast<double>(kMostRows));
+    const double price = std::log(rows * lengths);  // of one of all possible holds
     for (Index output = 0; output < drive.measured.cols(); ++output) {
       const VectorXd measured = drive.measured.col(output), prediction = predictions.col(output);
       const auto holds =

@@ -20,9 +20,11 @@ constexpr std::size_t kLeastStretches = 2;
 constexpr Index kLeastSamples = 50;       // of a stretch: a sine explains little of fewer by chance
 constexpr double kLeastCycles = 2;        // in the shortest stretch: fewer may be drift
 constexpr double kLeastLineShare = 0.25;  // of the energy of every stretch
-constexpr Index kPadding = 4;             // of transforms, over the longest stretch
+constexpr double kPadding = 4;            // of transforms, over the longest stretch
+constexpr double kBinRoundOff = 1e-9;     // of a number of bins
 
-VectorXd without_sine(const VectorXd& x, double frequency, double time_step) {
+VectorXd without_sine(const Stretch& stretch, double frequency) {
+  const auto& [x, time_step] = stretch;
   const VectorXd phase = VectorXd::LinSpaced(x.size(), 0, static_cast<double>(x.size() - 1)) *
                          (2 * std::numbers::pi * frequency * time_step);
   MatrixXd waves(x.size(), 3);
@@ -31,28 +33,43 @@ VectorXd without_sine(const VectorXd& x, double frequency, double time_step) {
 }
 
 // Smallest share of a sine in the energy of the stretches.
-double share_of(const std::vector<VectorXd>& stretches, double frequency, double time_step) {
+double share_of(const std::vector<Stretch>& stretches, double frequency) {
   double least = 1;
-  for (const auto& x : stretches)
-    least = std::min(least, 1 - without_sine(x, frequency, time_step).squaredNorm() /
-                                    std::max(x.squaredNorm(), 1e-300));
+  for (const auto& stretch : stretches)
+    least = std::min(least, 1 - without_sine(stretch, frequency).squaredNorm() /
+                                    std::max(stretch.samples.squaredNorm(), 1e-300));
   return least;
 }
 
-// Frequency of the highest mean of the periodograms, each over the energy of its stretch.
-double highest(const std::vector<VectorXd>& stretches, Index length, double least_frequency,
-               double time_step) {
-  VectorXd sum = VectorXd::Zero(length / 2);
-  for (const auto& x : stretches) {
-    VectorXd padded = VectorXd::Zero(length);
+double duration_of(const Stretch& stretch) {
+  return static_cast<double>(stretch.samples.size()) * stretch.time_step;
+}
+
+// Length of the transform of a stretch that resolves a duration.
+Index length_for(double duration, const Stretch& stretch) {
+  return fast_length(static_cast<Index>(std::llround(kPadding * duration / stretch.time_step)));
+}
+
+// Frequency of the highest mean of the periodograms, each over the energy of its stretch, on a grid
+// that all of them reach.   @param step  of the grid [Hz]
+double highest(const std::vector<Stretch>& stretches, double longest, double least_frequency,
+               double step) {
+  double coarsest = 0;
+  for (const auto& stretch : stretches) coarsest = std::max(coarsest, stretch.time_step);
+  VectorXd sum = VectorXd::Zero(static_cast<Index>(0.5 / coarsest / step + kBinRoundOff));
+  for (const auto& stretch : stretches) {
+    const auto& [x, time_step] = stretch;
+    VectorXd padded = VectorXd::Zero(length_for(longest, stretch));
     padded.head(x.size()) = x;
     Eigen::VectorXcd bins;
     transformer().fwd(bins, padded);
-    sum += bins.head(length / 2).cwiseAbs2() / std::max(x.squaredNorm(), 1e-300);
+    const double per_step = step * static_cast<double>(padded.size()) * time_step;  // 1 at one rate
+    for (Index k = 0; k < sum.size(); ++k)
+      sum[k] += std::norm(bins[std::llround(static_cast<double>(k) * per_step)]) /
+                std::max(x.squaredNorm(), 1e-300);
   }
-  const double step = 1 / (static_cast<double>(length) * time_step);
   const auto first =
-      std::min(static_cast<Index>(std::ceil(least_frequency / step)), length / 2 - 1);
+      std::min(static_cast<Index>(std::ceil(least_frequency / step)), sum.size() - 1);
   Index at = 0;
   sum.tail(sum.size() - first).maxCoeff(&at);
   return static_cast<double>(first + at) * step;
@@ -60,23 +77,27 @@ double highest(const std::vector<VectorXd>& stretches, Index length, double leas
 
 }  // namespace
 
-double remove_line(std::vector<VectorXd>& stretches, double time_step) {
+double remove_line(std::vector<Stretch>& stretches) {
   if (stretches.size() < kLeastStretches) return 0;
-  const auto [shortest, longest] =
-      std::minmax_element(stretches.begin(), stretches.end(),
-                          [](const VectorXd& a, const VectorXd& b) { return a.size() < b.size(); });
-  if (shortest->size() < kLeastSamples) return 0;
-  const double duration = static_cast<double>(shortest->size()) * time_step;
-  const Index length = fast_length(kPadding * longest->size());
-  const double near = highest(stretches, length, kLeastCycles / duration, time_step);
+  const auto is_short = [](const Stretch& stretch) {
+    return stretch.samples.size() < kLeastSamples;
+  };
+  if (std::any_of(stretches.begin(), stretches.end(), is_short)) return 0;
+  const auto [shortest, longest] = std::minmax_element(
+      stretches.begin(), stretches.end(),
+      [](const Stretch& a, const Stretch& b) { return duration_of(a) < duration_of(b); });
+  const double duration = duration_of(*longest);
+  const double step =
+      1 / (static_cast<double>(length_for(duration, *longest)) * longest->time_step);
+  const double near = highest(stretches, duration, kLeastCycles / duration_of(*shortest), step);
   double best = 0, frequency = 0;
   for (int k = -4; k <= 4; ++k) {
-    const double tried = near + k / 8.0 / (static_cast<double>(length) * time_step);
-    const double share = share_of(stretches, tried, time_step);
+    const double tried = near + k / 8.0 * step;
+    const double share = share_of(stretches, tried);
     if (share > best) best = share, frequency = tried;
   }
   if (best < kLeastLineShare) return 0;
-  for (auto& x : stretches) x = without_sine(x, frequency, time_step);
+  for (auto& stretch : stretches) stretch.samples = without_sine(stretch, frequency);
   return frequency;
 }
 

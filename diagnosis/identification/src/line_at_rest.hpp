@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include <Eigen/Core>
+#include <rths/identification/signal.hpp>
 
 namespace rths::diagnosis {
 
@@ -12,6 +12,6 @@ namespace rths::diagnosis {
 /// noise, but a pump or a fan is heard at rest.
 /// @param stretches  with zero mean
 /// @returns its frequency [Hz]; 0: there is none
-double remove_line(std::vector<Eigen::VectorXd>& stretches, double time_step);
+double remove_line(std::vector<Stretch>& stretches);
 
 }  // namespace rths::diagnosis

@@ -67,19 +67,19 @@ std::string family_of(const std::string& role) { return role.substr(0, role.find
 
 // Samples of a channel at rest.
 struct Rest {
-  std::vector<VectorXd> stretches;
+  std::vector<Stretch> stretches;
   double square = 0, samples = 0;
 
-  void add(const VectorXd& stretch) {
-    stretches.push_back(stretch.array() - stretch.mean());
-    square += stretches.back().squaredNorm();
+  void add(const VectorXd& stretch, double time_step) {
+    stretches.push_back({stretch.array() - stretch.mean(), time_step});
+    square += stretches.back().samples.squaredNorm();
     samples += static_cast<double>(stretch.size());
   }
   // The frequency of a sine that is no noise; 0: there was none.
-  double take_out_line(double time_step) {
-    const double frequency = remove_line(stretches, time_step);
+  double take_out_line() {
+    const double frequency = remove_line(stretches);
     square = 0;
-    for (const auto& stretch : stretches) square += stretch.squaredNorm();
+    for (const auto& stretch : stretches) square += stretch.samples.squaredNorm();
     return frequency;
   }
   [[nodiscard]] double deviation() const { return samples > 0 ? std::sqrt(square / samples) : 0; }
@@ -89,19 +89,29 @@ struct Rest {
   }
 };
 
+// Sums of `width` neighbours, from running sums over blocks of that width, so that nothing is
+// subtracted: a small signal beside a large one keeps its digits.
+VectorXd running_sums(const VectorXd& x, Index width) {
+  VectorXd from_begin = x, to_end = x;  // of the block
+  for (Index i = 1; i < x.size(); ++i)
+    if (i % width != 0) from_begin[i] += from_begin[i - 1];
+  for (Index i = x.size() - 2; i >= 0; --i)
+    if ((i + 1) % width != 0) to_end[i] += to_end[i + 1];
+  VectorXd sums(x.size() - width + 1);
+  for (Index i = 0; i < sums.size(); ++i)
+    sums[i] = i % width == 0 ? to_end[i] : to_end[i] + from_begin[i + width - 1];
+  return sums;
+}
+
+// Sums of weights 1 - |k|/(half + 1), times half + 1: two running means make a triangle.
+VectorXd triangle_sums(const VectorXd& x, Index half) {
+  VectorXd padded = VectorXd::Zero(x.size() + 2 * half);
+  padded.segment(half, x.size()) = x;
+  return running_sums(running_sums(padded, half + 1), half + 1);
+}
+
 VectorXd smoothed(const VectorXd& x, Index half) {
-  VectorXd result(x.size());
-  for (Index i = 0; i < x.size(); ++i) {
-    double sum = 0, weights = 0;
-    for (Index k = std::max<Index>(0, i - half); k <= std::min(x.size() - 1, i + half); ++k) {
-      const double weight =
-          1 - static_cast<double>(std::abs(k - i)) / static_cast<double>(half + 1);
-      sum += weight * x[k];
-      weights += weight;
-    }
-    result[i] = sum / weights;
-  }
-  return result;
+  return triangle_sums(x, half).cwiseQuotient(triangle_sums(VectorXd::Ones(x.size()), half));
 }
 
 VectorXd variance_of(const std::vector<VectorXd>& draws) {
@@ -141,7 +151,8 @@ std::map<std::string, Rest> rest_of(const std::vector<const Record*>& records) {
   for (const Record* record : records)
     for (const auto& channel : record->channels)
       if (is_measured(channel.role) && record->quiet)
-        at_rest[channel.role].add(stretch_of(channel, record->quiet->first, record->quiet->second));
+        at_rest[channel.role].add(stretch_of(channel, record->quiet->first, record->quiet->second),
+                                  record->time_step);
   return at_rest;
 }
 
@@ -152,26 +163,27 @@ bool is_seen(const std::map<std::string, Rest>& at_rest, const std::string& role
 
 // Stretches of all sensors of a family, divided by their deviations. Sensors of one family differ
 // only in size, so that together they determine the colour better.
-using Families = std::map<std::string, std::vector<VectorXd>>;
+using Families = std::map<std::string, std::vector<Stretch>>;
 Families families_of(const std::map<std::string, Rest>& at_rest) {
   Families families;
   for (const auto& [role, rest] : at_rest)
-    for (const auto& stretch : rest.stretches)
-      if (rest.deviation() > 0) families[family_of(role)].push_back(stretch / rest.deviation());
+    for (const auto& [samples, time_step] : rest.stretches)
+      if (rest.deviation() > 0)
+        families[family_of(role)].push_back({samples / rest.deviation(), time_step});
   return families;
 }
 
-NoiseSpectrum spectrum_at_rest(const Rest& rest, const std::string& role, const Families& families,
-                               double time_step) {
+NoiseSpectrum spectrum_at_rest(const Rest& rest, const std::string& role,
+                               const Families& families) {
   if (!(rest.deviation() > 0)) return {};
-  return NoiseSpectrum{families.at(family_of(role)), time_step}.scaled(rest.deviation());
+  return NoiseSpectrum{families.at(family_of(role))}.scaled(rest.deviation());
 }
 
 NoiseSpectrum spectrum_in_motion(const Channel& channel, double time_step) {
   return {std::min(jitter_of(channel), floor_of(channel, time_step)), time_step};
 }
 
-// By role of a measured channel, from the first record that has it.
+// By role of a measured channel: at rest, or else from the first record that has it.
 std::map<std::string, NoiseSpectrum> spectra_of(const std::vector<const Record*>& records,
                                                 const std::map<std::string, Rest>& at_rest) {
   const auto families = families_of(at_rest);
@@ -179,10 +191,10 @@ std::map<std::string, NoiseSpectrum> spectra_of(const std::vector<const Record*>
   for (const Record* record : records)
     for (const auto& channel : record->channels)
       if (is_measured(channel.role) && !by_role.contains(channel.role))
-        by_role[channel.role] = is_seen(at_rest, channel.role)
-                                    ? spectrum_at_rest(at_rest.at(channel.role), channel.role,
-                                                       families, record->time_step)
-                                    : spectrum_in_motion(channel, record->time_step);
+        by_role[channel.role] =
+            is_seen(at_rest, channel.role)
+                ? spectrum_at_rest(at_rest.at(channel.role), channel.role, families)
+                : spectrum_in_motion(channel, record->time_step);
   return by_role;
 }
 
@@ -194,7 +206,7 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
     : added_{added} {
   auto at_rest = rest_of(records);
   for (auto& [role, rest] : at_rest)
-    if (const double frequency = rest.take_out_line(records[0]->time_step); frequency > 0)
+    if (const double frequency = rest.take_out_line(); frequency > 0)
       lines_.push_back(fmt::format("{} has a sine of {:.2f} Hz at rest", role, frequency));
   by_role_ = spectra_of(records, at_rest);
   was_seen_at_rest_ = std::any_of(by_role_.begin(), by_role_.end(),
@@ -203,7 +215,7 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
                               : "differences between samples that motion cannot cause";
   if (was_seen_at_rest_) return;
   for (const auto& [role, deviation] : stated) {
-    by_role_[role] = NoiseSpectrum{deviation, records[0]->time_step};
+    stated_[role] = deviation;
     source_ = "the standard deviations stated in the case";
   }
 }
@@ -211,7 +223,10 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
 double SensorNoise::deviation(const std::string& family) const {
   double most = 0;
   for (const auto& [role, spectrum] : by_role_)
-    if (family_of(role) == family) most = std::max(most, spectrum.deviation());
+    if (family_of(role) == family && !stated_.contains(role))
+      most = std::max(most, spectrum.deviation());
+  for (const auto& [role, deviation] : stated_)
+    if (family_of(role) == family) most = std::max(most, deviation);
   return most;
 }
 
@@ -220,10 +235,14 @@ NoiseGenerator SensorNoise::generator_like(const Record& record) const {
   generator.empty_ = record;
   for (auto& channel : generator.empty_.channels) {
     NoiseGenerator::Drawn drawn;
+    const auto samples = static_cast<Index>(channel.values.size());
+    const auto stated = stated_.find(channel.role);
     const auto known = by_role_.find(channel.role);
-    if (known != by_role_.end())
+    if (stated != stated_.end())
       drawn.generator =
-          known->second.generator(static_cast<Index>(channel.values.size()), record.time_step);
+          NoiseSpectrum{stated->second, record.time_step}.generator(samples, record.time_step);
+    else if (known != by_role_.end())
+      drawn.generator = known->second.generator(samples, record.time_step);
     for (const auto& [role, deviation] : added_)
       if (role == channel.role) drawn.white.push_back(deviation);
     generator.drawn_.push_back(std::move(drawn));

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Core>
@@ -22,14 +23,15 @@ constexpr double kBandsPerOctave = 3;
 constexpr double kMostRise = 3;  // of the density towards low frequencies, over the first band's
 
 // Adds the periodogram of one stretch to sums over bands.
-void add_periodogram(const VectorXd& stretch, double time_step, std::vector<double>& sums,
+void add_periodogram(const Stretch& stretch, std::vector<double>& sums,
                      std::vector<double>& frequencies, std::vector<double>& counts, double lowest) {
-  const Index n = stretch.size();
+  const auto& [samples, time_step] = stretch;
+  const Index n = samples.size();
   VectorXd weight(n);
   for (Index i = 0; i < n; ++i)
     weight[i] = 0.5 * (1 - std::cos(2 * std::numbers::pi * (static_cast<double>(i) + 0.5) /
                                     static_cast<double>(n)));
-  const VectorXd x = (stretch.array() - stretch.mean()) * weight.array();
+  const VectorXd x = (samples.array() - samples.mean()) * weight.array();
   const Index length = fast_length(n);
   VectorXd padded = VectorXd::Zero(length);
   padded.head(n) = x;
@@ -121,24 +123,27 @@ double slope_of(const std::vector<double>& frequency, const std::vector<double>&
 NoiseSpectrum::NoiseSpectrum(double deviation, double time_step)
     : frequency_{1}, density_{2 * deviation * deviation * time_step}, deviation_{deviation} {}
 
-NoiseSpectrum::NoiseSpectrum(const std::vector<VectorXd>& stretches, double time_step) {
-  Index longest = 0;
-  double square = 0, samples = 0;
-  for (const auto& stretch : stretches) {
-    longest = std::max(longest, stretch.size());
-    square += (stretch.array() - stretch.mean()).square().sum();
-    samples += static_cast<double>(stretch.size());
+NoiseSpectrum::NoiseSpectrum(const std::vector<Stretch>& stretches) {
+  Index most = 0;
+  double longest = 0, least_step = std::numeric_limits<double>::infinity();
+  double square = 0, count = 0;
+  for (const auto& [samples, time_step] : stretches) {
+    most = std::max(most, samples.size());
+    longest = std::max(longest, static_cast<double>(samples.size()) * time_step);
+    least_step = std::min(least_step, time_step);
+    square += (samples.array() - samples.mean()).square().sum();
+    count += static_cast<double>(samples.size());
   }
-  deviation_ = std::sqrt(square / std::max(samples, 1.0));
-  if (longest < 16) throw Error{"noise model: too few samples at rest"};
+  deviation_ = std::sqrt(square / std::max(count, 1.0));
+  if (most < 16) throw Error{"noise model: too few samples at rest"};
   // The main lobe of the window spans two bins: below, removing the mean distorts the density.
-  const double lowest = 1.5 / (static_cast<double>(longest) * time_step);
+  const double lowest = 1.5 / longest;
   const auto bands =
-      static_cast<std::size_t>(kBandsPerOctave * std::log2(0.5 / time_step / lowest)) + 1;
+      static_cast<std::size_t>(kBandsPerOctave * std::log2(0.5 / least_step / lowest)) + 1;
   std::vector<double> sums(bands), frequencies(bands), counts(bands);
   for (const auto& stretch : stretches)
-    if (stretch.size() >= longest / 2)
-      add_periodogram(stretch, time_step, sums, frequencies, counts, lowest);
+    if (stretch.samples.size() >= std::llround(longest / stretch.time_step) / 2)
+      add_periodogram(stretch, sums, frequencies, counts, lowest);
   std::vector<double> kept;
   for (std::size_t i = 0; i < bands; ++i) {
     if (counts[i] == 0) continue;

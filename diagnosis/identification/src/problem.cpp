@@ -264,7 +264,8 @@ std::vector<double> block_sums(const Problem& problem, const Fold& fold, const V
     const Index rows = drive.rows(), outputs = drive.measured.cols();
     const double length = static_cast<double>(rows) * drive.time_step;
     // Short records are divided into some tens of blocks, for resampling.
-    const double seconds = std::clamp(length / 30, 8 * drive.time_step, kBlock);
+    const double least = 8 * drive.time_step;
+    const double seconds = std::clamp(length / 30, least, std::max(least, kBlock));
     const auto size = std::max<Index>(1, static_cast<Index>(seconds / drive.time_step));
     for (Index row = 0; row < rows; row += size) {
       const Index count = std::min(size, rows - row);

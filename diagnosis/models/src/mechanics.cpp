@@ -105,9 +105,11 @@ VectorXd put_inputs(const Mechanics& mechanics, const MatrixXd& inverse_mass,
         const double share = ground_share(mechanics.springs[static_cast<std::size_t>(i)]);
         system.q(i, input) = share;
         system.s(i, input + 1) = share;
-        system.b.col(input).tail(n) += system.e.col(i).tail(n) * (share * system.stiffness[i]);
-        system.b.col(input + 1).tail(n) += system.e.col(i).tail(n) * (share * system.damping[i]);
       }
+      // M⁻¹ K u and M⁻¹ C v of the structure that moves with the ground: also of couplings that no
+      // connection lists.
+      system.b.col(input).tail(n) -= system.a.bottomLeftCorner(n, n) * mechanics.influence;
+      system.b.col(input + 1).tail(n) -= system.a.bottomRightCorner(n, n) * mechanics.influence;
     }
   }
   return base;

@@ -197,11 +197,19 @@ void put_first(const Investigation& shown, std::vector<Cause>& causes) {
   });
 }
 
-// The relation that is shown comes last.
+// The relation that is shown comes last, since what there is once is its own. Its evidence and its
+// forms come first.
 void report_all(const Investigations& all, const Investigation& shown, Verdict& verdict) {
-  for (const auto& found : all)
-    if (found.get() != &shown && (found->is_named() || found->is_unknown()))
-      report(*found, verdict);
+  add_evidence(shown, verdict);
+  add_descriptions(shown, verdict);
+  // The first form of an unknown residual is taken for the best of it.
+  const bool has_no_form = shown.is_unknown() && verdict.descriptions.empty();
+  for (const auto& found : all) {
+    if (found.get() == &shown || (!found->is_named() && !found->is_unknown())) continue;
+    add_evidence(*found, verdict);
+    if (!has_no_form) add_descriptions(*found, verdict);
+    report(*found, verdict);
+  }
   report(shown, verdict);
 }
 

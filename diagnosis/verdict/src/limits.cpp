@@ -20,6 +20,19 @@ std::string gaps_in(const Record& record) {
                      record.gaps.size(), static_cast<double>(samples) * record.time_step);
 }
 
+// A section at rest that is sampled faster than a record in motion; empty: there is none.
+std::string faster_at_rest(const Case& c) {
+  constexpr double kEqual = 1e-3;
+  for (const auto& rest : c.records)
+    for (const Record* moving : moving_records(c))
+      if (rest.quiet && rest.time_step < (1 - kEqual) * moving->time_step)
+        return fmt::format(
+            "{} is at rest at {:.4g} Hz, and {} moves at {:.4g} Hz: the noise has one density per "
+            "Hz, as behind one anti-aliasing filter.",
+            rest.name, 1 / rest.time_step, moving->name, 1 / moving->time_step);
+  return "";
+}
+
 std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
 
 bool has_family(const Record& record, const std::string& family) {
@@ -102,11 +115,11 @@ std::string filter_of(const Investigation& found) {
                                         found.relation->name(), rate);
 }
 
-// The largest states of the first record, once for each name.
-void add_visited(const Investigation& found, Verdict& verdict) {
-  const Drive& drive = found.problem->drive(0);
+// Largest displacement and velocity, by name of the state.
+using Largest = std::vector<std::pair<StateName, std::pair<double, double>>>;
+
+void add_largest(const Drive& drive, Largest& largest) {
   if (drive.displacement.size() == 0) return;
-  std::vector<std::pair<StateName, std::pair<double, double>>> largest;
   for (std::size_t i = 0; i < drive.state_names.size(); ++i) {
     const auto output = static_cast<Eigen::Index>(i);
     const double u = drive.displacement.col(output).cwiseAbs().maxCoeff();
@@ -119,6 +132,14 @@ void add_visited(const Investigation& found, Verdict& verdict) {
     else
       known->second = {std::max(known->second.first, u), std::max(known->second.second, v)};
   }
+}
+
+// The largest states of all records, once for each name.
+void add_visited(const Investigation& found, Verdict& verdict) {
+  Largest largest;
+  for (const Problem* problem : {found.problem.get(), found.held_out.get()})
+    for (std::size_t i = 0; problem != nullptr && i < problem->records(); ++i)
+      add_largest(problem->drive(i), largest);
   for (const auto& [state, most] : largest)
     verdict.limits.push_back(fmt::format(
         "{}: states beyond {:.3g} {} and {:.3g} {}/s of {} were never visited.",
@@ -208,6 +229,8 @@ void add_limits(const Case& c, const SensorNoise& noise,
   verdict.limits.push_back("Source of the noise: " + noise.source() + ".");
   for (const auto& line : noise.lines())
     verdict.limits.push_back(line + ": it counts as an effect, not as noise.");
+  if (const std::string faster = faster_at_rest(c); noise.was_seen_at_rest() && !faster.empty())
+    verdict.limits.push_back(faster);
   if (!noise.was_seen_at_rest()) {
     verdict.noise_remedy = remedy_for_noise(c);
     verdict.limits.push_back(

@@ -65,20 +65,6 @@ std::vector<Refitted> refitted_of(const Investigation& found) {
   return refitted;
 }
 
-void add_evidence(const Investigation& found, Verdict& verdict) {
-  const double n = observations(*found.problem, found.folds.both);
-  const auto add = [&](const Contender& contender) {
-    if (verdict.evidence.size() >= kMostEvidence || contender.gain <= 0) return;
-    verdict.evidence.push_back({contender.candidate.name, contender.candidate.title,
-                                contender.gain / n, contender.low / n, contender.high / n});
-  };
-  const Selection& selection = found.selection;
-  std::vector<Contender> all = selection.rounds.empty() ? selection.last : selection.first;
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
-  for (const auto& contender : all) add(contender);
-}
-
 // The final model without one of its causes, fitted again; by the name of the cause.
 using Reduced = std::vector<std::pair<std::string, Hypothesis>>;
 Reduced reduced_models(const Investigation& found) {
@@ -241,6 +227,25 @@ void add_proof(const Investigation& found, const Reduced& reduced, Verdict& verd
 
 }  // namespace
 
+void add_evidence(const Investigation& found, Verdict& verdict) {
+  const double n = observations(*found.problem, found.folds.both);
+  const auto add = [&](const Contender& contender) {
+    if (verdict.evidence.size() >= kMostEvidence || contender.gain <= 0) return;
+    verdict.evidence.push_back({contender.candidate.name, contender.candidate.title,
+                                contender.gain / n, contender.low / n, contender.high / n});
+  };
+  const Selection& selection = found.selection;
+  std::vector<Contender> all = selection.rounds.empty() ? selection.last : selection.first;
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
+  for (const auto& contender : all) add(contender);
+}
+
+void add_descriptions(const Investigation& found, Verdict& verdict) {
+  for (const auto& description : found.descriptions)
+    if (description.share > kLeastShareOfForm) verdict.descriptions.push_back(description);
+}
+
 void report(const Investigation& found, Verdict& verdict) {
   const Selection& selection = found.selection;
   double total = 0;
@@ -256,9 +261,6 @@ void report(const Investigation& found, Verdict& verdict) {
     verdict.causes.push_back(cause_of(
         round, estimates,
         found.proof.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300)));
-  add_evidence(found, verdict);
-  for (const auto& description : found.descriptions)
-    if (description.share > kLeastShareOfForm) verdict.descriptions.push_back(description);
   for (const auto& [candidate, reason] : found.withdrawn)
     verdict.limits.push_back(
         fmt::format("{} was selected and is not named: {}.", candidate.title, reason));

@@ -5,7 +5,15 @@
 
 namespace rths::diagnosis {
 
-/// Adds the findings of an investigation to a verdict: causes, scores, evidence, proof, traces.
+/// Adds the gains of an investigation's candidates to a verdict, behind those of others. There is
+/// room for ten.
+void add_evidence(const Investigation& found, Verdict& verdict);
+
+/// Adds the forms of an investigation's residual to a verdict, behind those of others.
+void add_descriptions(const Investigation& found, Verdict& verdict);
+
+/// Adds the other findings of an investigation to a verdict: causes, limits, scores, proof, traces.
+/// Scores, refitted parameters, proof and traces replace those of others.
 void report(const Investigation& found, Verdict& verdict);
 
 /// The verdict in one sentence.

@@ -148,10 +148,11 @@ std::string missing_sentence(const Verdict& verdict) {
 }
 
 std::string form_text(const Description& best) {
-  const bool is_of_each_record = best.over == Description::Over::Records;
+  const char* where = best.over == Description::Over::Records ? ""
+                      : best.is_of_pieces ? " on pieces of the records that it was not fitted to"
+                                          : " on a record that it was not fitted to";
   return fmt::format("its best form is {}, which explains {:.0f} % of it{}", best.form,
-                     100 * best.share,
-                     is_of_each_record ? "" : " on a record that it was not fitted to");
+                     100 * best.share, where);
 }
 
 std::string unknown_sentence(const Verdict& verdict) {

@@ -11,15 +11,16 @@ namespace rths::diagnosis {
 /// Form of an unknown effect: the mean residual over the variable that it depends on.
 struct Description {
   std::string form;     ///< "f(u)", "sgn(v) g(u)", "external periodic force"
-  double share = 0;     ///< of the energy beyond the noise, explained on another record [-]
+  double share = 0;     ///< of the energy beyond the noise, explained on the other fold [-]
   std::string x_label;  ///< variable of the curve, with its unit
   std::vector<double> x, y, band;  ///< curve [unit of the output] and its standard deviation
   enum class Over {
-    State,   ///< fitted to one record, and explains another
+    State,   ///< fitted to one fold, and explains the other
     Time,    ///< the same, but noise has tones and rounding errors drift, too
     Records  ///< found on each record
   };
   Over over = Over::State;
+  bool is_of_pieces = false;  ///< the folds are pieces of the same records
 };
 
 /// A form that explains a smaller share of the residual is not reported: any data have one [-].

@@ -32,6 +32,8 @@ class SensorNoise {
  public:
   /// Estimates the noise from quiet intervals and reference records; else takes the deviations in
   /// case.toml; else estimates it from differences between samples that motion cannot cause.
+  /// Estimated noise has one spectral density per Hz at every sampling rate; stated noise is white
+  /// and has its deviation at every rate.
   /// @param added  white noise that is present only in motion, by role: rounding
   SensorNoise(const std::vector<const Record*>& records,
               const std::vector<std::pair<std::string, double>>& stated,
@@ -48,6 +50,7 @@ class SensorNoise {
 
  private:
   std::map<std::string, NoiseSpectrum> by_role_;
+  std::map<std::string, double> stated_;  ///< deviations, where the noise was not seen at rest
   std::vector<std::pair<std::string, double>> added_;
   bool was_seen_at_rest_ = false;
   std::string source_;

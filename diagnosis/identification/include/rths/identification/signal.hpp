@@ -74,6 +74,12 @@ struct Spectrum {
 [[nodiscard]] double noise_begins(const std::vector<Eigen::VectorXd>& signals,
                                   const std::vector<Eigen::VectorXd>& at_rest, double time_step);
 
+/// Successive samples.
+struct Stretch {
+  Eigen::VectorXd samples;
+  double time_step = 0;  ///< [s]
+};
+
 /// Spectral density of short stretches of one process, in bands that widen with frequency. Narrow
 /// low bands resolve drift; wide high bands smooth broadband noise. Below the first band the
 /// density rises as 1/f, up to threefold.
@@ -82,8 +88,9 @@ class NoiseSpectrum {
   NoiseSpectrum() = default;
   /// White noise of this standard deviation.
   NoiseSpectrum(double deviation, double time_step);
-  /// Hann windows, means removed. @throws Error if the stretches are shorter than 16 samples
-  NoiseSpectrum(const std::vector<Eigen::VectorXd>& stretches, double time_step);
+  /// Hann windows, means removed. Stretches of different time steps share the bands below the
+  /// Nyquist frequency of both. @throws Error if the stretches are shorter than 16 samples
+  explicit NoiseSpectrum(const std::vector<Stretch>& stretches);
 
   [[nodiscard]] double density(double frequency) const;          ///< one-sided [unit²/Hz]
   [[nodiscard]] double deviation() const { return deviation_; }  ///< standard [unit]

@@ -26,7 +26,7 @@ enum class Outcome {
 /// A term that the records cannot distinguish from the named one.
 struct Alternative {
   std::string name, title;
-  double share = 0;  ///< its gain on records it was not fitted to, over the named term's gain [-]
+  double share = 0;  ///< its gain on rows it was not fitted to, over the named term's gain [-]
   std::string test;  ///< that would separate the two; empty: no known test does
   double sigma = 0;  ///< separation in that test [standard deviations]
 };
@@ -38,8 +38,10 @@ struct Cause {
   Part part = Part::Machine;
   bool is_rule = false;   ///< replaces the model's rule of hysteresis instead of adding a term
   std::string channel;    ///< role in which it appears: "force", "displacement"
-  double confidence = 0;  ///< share of resampled records in which it is the best term [-]
-  double explained = 0;   ///< share of the energy beyond the noise [-]
+  double confidence = 0;  ///< share of resampled records in which it is the best term [-]; 0.99 at
+                          ///< least without alternatives, 1/(1 + n) at least with n of them
+  double explained = 0;   ///< of the energy beyond the noise: the share of all causes, divided in
+                          ///< proportion to their gains [-]
   std::vector<Estimate> parameters;
   std::vector<Alternative> alternatives;
 };
