@@ -43,12 +43,14 @@ def read_options():
     parser.add_argument("--out", type=pathlib.Path, help="default: out/bench/diagnosis-SEED")
     parser.add_argument("--data", type=pathlib.Path, default=pathlib.Path("../shared/data"), help="recordings and motions")
     parser.add_argument("--no-peers", action="store_true", help="the diagnosis alone")
+    parser.add_argument("--peer-cases", type=int, help="the peers get only so many cases, the first; default: all")
     parser.add_argument("--require", type=float, help="fails if a smaller share of the detectable cases is right")
     parser.add_argument("--jobs", type=int, default=len(laboratory.cores()))
     parser.add_argument("--rths", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.cases < 1:
-        parser.error("--cases: expected at least 1")
+    for name, count in (("--cases", options.cases), ("--peer-cases", options.peer_cases)):
+        if count is not None and count < 1:
+            parser.error(f"{name}: expected at least 1")
     options.commit = commit()
     if options.seed is None:
         if options.commit == "unknown":
@@ -65,8 +67,8 @@ def commit():
     git = ["git", "-c", "safe.directory=*", "-C", str(HERE)]
     try:
         known = subprocess.run([*git, "rev-parse", "--short=12", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
-        clean = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", ".", ":!benchmarks/results", ":!*.md"], check=False,
-                               cwd=HERE).returncode == 0
+        of_code = [":/", ":(top,exclude)benchmarks/results", ":(top,exclude,glob)**/*.md"]
+        clean = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", *of_code], check=False).returncode == 0
         return known + ("" if clean else "-dirty")
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
@@ -85,6 +87,23 @@ def planned(options):
     if not options.family:
         sys.exit("no family is left, expected one with data")
     return [(options.family[k % len(options.family)], k // len(options.family)) for k in range(options.cases)]
+
+
+def keep_makers(options):
+    """SHA-256 of the programs that make and score the cases. Ends the run if --out has cases of others."""
+    generator = options.rths.parent / "trial_generator"
+    makers = {"scripts": laboratory.digest(*sorted(HERE.glob("*.py")))}
+    if "own" in options.family and generator.is_file():
+        makers["trial_generator"] = laboratory.digest(generator)
+    if "laboratory" in options.family:
+        makers["rths"] = laboratory.digest(options.rths)
+    options.out.mkdir(parents=True, exist_ok=True)
+    kept = options.out / "makers.json"
+    known = json.loads(kept.read_text()) if kept.is_file() else {}
+    for name, digest in makers.items():
+        if known.get(name, digest) != digest:
+            sys.exit(f"{options.out}: its cases were made with other {name}, expected the same, or another --out")
+    kept.write_text(json.dumps(known | makers, indent=1) + "\n")
 
 
 def make_cases(options, plan):
@@ -189,24 +208,36 @@ def main():
     plan = planned(options)
     print(f"seed {options.seed} (commit {options.commit}), {len(plan)} cases of {', '.join(options.family)}\n{options.out}",
           flush=True)
+    keep_makers(options)
     failed = make_cases(options, plan)
     sealed, whole = seal(options, plan)
     rows = diagnose(options, sealed)
     table = by_family_and_tier(rows)
     print("\n" + text_of(table))
-    rivals = {}
-    for name in () if options.no_peers else peers.METHODS:
-        theirs = peers.scored(name, options.out, sealed, options.jobs)
-        rivals[name] = by_family_and_tier(theirs)
-        print(f"\n{name}\n" + text_of(rivals[name]))
+    rivals = {} if options.no_peers else compared(options, plan, sealed, rows)
     if options.json:
         result = {"commit": options.commit, "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
                   "machine": machine(), "command": laboratory.digest(options.rths), "seed": options.seed,
                   "sealed_sha256": whole, "answers_sha256": sealed, "not_made": dict(failed), "families": table,
-                  "peers": rivals, "rows": rows}
+                  "rows": rows} | rivals
         options.json.parent.mkdir(parents=True, exist_ok=True)
         options.json.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n")
     return exit_code(rows, failed, options.require)
+
+
+def compared(options, plan, sealed, rows):
+    """Quantities of the peers and of the tool on the peers' cases; `within`: with effects of the peers' library alone."""
+    first = [name_of(*one) for one in plan[:options.peer_cases] if name_of(*one) in sealed]
+    own = [row for row in rows if row["case"] in first]
+    result = {"peers_cases": len(first), "peers_own": by_family_and_tier(own), "peers": {}, "peers_within": {}}
+    for name in peers.METHODS:
+        theirs = peers.scored(name, options.out, first, options.jobs)
+        within = [row for row in theirs if row["in_library"]]
+        result["peers"][name] = by_family_and_tier(theirs)
+        result["peers_within"][name] = by_family_and_tier(within)
+        print(f"\n{name}\n" + text_of(result["peers"][name]))
+    known = {row["case"] for row in within}  # the library is one for both
+    return result | {"peers_own_within": by_family_and_tier([row for row in own if row["case"] in known])}
 
 
 def exit_code(rows, failed, required):

@@ -48,7 +48,7 @@ def without_rules(verdict):
     return {**verdict, "causes": causes, "verdict": "none" if is_all else verdict["verdict"]}
 
 
-def _right_names(effects):
+def right_names(effects):
     """Names that count as right: the effects, other names of them and the terms that describe them."""
     names = {effect["name"] for effect in effects} | {name for effect in effects for name in effect.get("also", [])}
     names |= {effect["term_that_describes_it"] for effect in effects if "term_that_describes_it" in effect}
@@ -57,7 +57,7 @@ def _right_names(effects):
 
 def _is_right(cause, effects):
     """Whether a cause is one of the effects, in its component if the answer states one."""
-    return any(canonical(cause["name"]) in _right_names([effect])
+    return any(canonical(cause["name"]) in right_names([effect])
                and effect.get("component") in (None, cause.get("channel"), *_components(cause)) for effect in effects)
 
 
@@ -68,7 +68,7 @@ def _components(cause):
 
 def spurious_names(verdict, effects):
     """Names of absent effects. In an indistinguishable case, a tie with the effect does not count."""
-    right = _right_names(effects)
+    right = right_names(effects)
     may_tie = any(not effect["truth"]["distinguishable"] for effect in effects)
     return [cause["name"] for cause in verdict["causes"]
             if not _is_right(cause, effects)
@@ -87,13 +87,13 @@ def is_right_in_tie(verdict, effects):
         return False
     tie = names_of_tie(cause)
     is_tie_reported = len(tie) > 1 or all(effect["truth"]["distinguishable"] for effect in effects)
-    return is_tie_reported and bool(_right_names(effects) & set(tie))
+    return is_tie_reported and bool(right_names(effects) & set(tie))
 
 
 def _is_named(verdict, effect):
     """Whether a cause is the effect, or is tied with it where it is not distinguishable."""
     is_clear = effect["truth"]["distinguishable"]
-    return any(_is_right(cause, [effect]) or not is_clear and _right_names([effect]) & set(names_of_tie(cause))
+    return any(_is_right(cause, [effect]) or not is_clear and right_names([effect]) & set(names_of_tie(cause))
                for cause in verdict["causes"])
 
 

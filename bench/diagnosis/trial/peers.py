@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two published selections of terms on the same cases, with a library of the same effects.
+"""Two published selections of terms on the same cases, with a library of the trial's effects on measured signals.
 
 SINDy: sequentially thresholded least squares (Brunton, Proctor & Kutz 2016, PNAS 113, 3932). The threshold is the one
 with the smallest error on the second record. FROLS: forward regression by orthogonal least squares, ranked by the error
@@ -13,7 +13,8 @@ import time
 
 import numpy as np
 
-from judge import NO_VERDICT, judge
+from judge import NO_VERDICT, judge, right_names
+from names import canonical
 from peer_problem import problem_of
 from whitening import basis, outside
 
@@ -88,9 +89,18 @@ def frols(problem):
 METHODS = {"sindy": stlsq, "frols": frols}
 
 
-def verdict_of(folder, method):
-    """What a peer says of a case, in the form of the tool's verdict."""
-    problem = problem_of(folder)
+def names_in(problem):
+    """Names and components of the columns that a peer may choose."""
+    return sorted({(canonical(column.name), column.component) for column in problem.library}, key=str) if problem else []
+
+
+def is_in_library(effect, known):
+    """Whether a column is named as an effect is, in its component."""
+    return any(name in right_names([effect]) and effect.get("component") in (None, component) for name, component in known)
+
+
+def verdict_of(problem, method):
+    """What a peer says of a case, in the form of the tool's verdict; abstains without a problem."""
     if problem is None:
         return NO_VERDICT | {"verdict": "unknown"}
     regression = Regression(problem)
@@ -134,9 +144,13 @@ def _one(task):
         said = json.loads(kept.read_text())
     else:
         begun = time.process_time()
-        verdict = verdict_of(out / "cases" / case, METHODS[name])
-        said = {"verdict": verdict, "cpu_s": time.process_time() - begun}
+        problem = problem_of(out / "cases" / case)
+        verdict = verdict_of(problem, METHODS[name])
+        said = {"verdict": verdict, "cpu_s": time.process_time() - begun, "library": names_in(problem)}
         kept.parent.mkdir(parents=True, exist_ok=True)
         kept.write_text(json.dumps(said) + "\n")
     answer = json.loads((out / "answers" / f"{case}.json").read_text())
-    return judge(said["verdict"], answer) | {"cpu_s": said["cpu_s"], "iou": None}  # a peer states no place
+    known = {tuple(column) for column in said["library"]}
+    in_library = all(is_in_library(effect, known) for effect in answer["effects"])
+    # A peer states no place.
+    return judge(said["verdict"], answer) | {"cpu_s": said["cpu_s"], "iou": None, "in_library": in_library}
