@@ -349,6 +349,16 @@ TEST_F(RecordTest, ReadsTheSettlingTime) {
 TEST_F(RecordTest, ReadsTheRangeOfTheMap) {
   const std::string map = "[map]\ndisplacement_m = 0.5\n";
 
+TEST_F(RecordTest, RefusesToResampleOneSampleOrToTooMany) {
+  EXPECT_EQ(error(std::string{kFit} + "resample_Hz = 1e9\n"),
+            "case.toml:10:15: resampling 0.04 s at 1e+09 Hz makes 4e+07 samples, expected at most "
+            "20000000");
+  folder_.write("log.csv", "t,u,F\n0,0,10\n");
+  for (const char* resampled : {"", "resample_Hz = 200\n"})
+    EXPECT_EQ(error(std::string{kFit} + resampled),
+              "log.csv: found 1 samples, expected at least two");
+}
+
   const MapRange range = load(kFit + map).map;
 
   EXPECT_EQ(range.displacement, 0.5);

@@ -55,10 +55,15 @@ void require_finite(const Raw& raw) {
                   raw.file, row + 1, found)};
 }
 
+void require_two_samples(const Raw& raw) {
+  if (raw.time.size() < 2)
+    throw Error{
+        fmt::format("{}: found {} samples, expected at least two", raw.file, raw.time.size())};
+}
+
 // Time stamps must be equally spaced, within the resolution of printed decimals.
 void take_spacing(const Raw& raw, Record& record) {
   const auto& time = raw.time;
-  if (time.size() < 2) throw Error{fmt::format("{}: fewer than two samples", raw.file)};
   record.start = time.front();
   record.time_step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
   for (std::size_t i = 1; i < time.size(); ++i) require_increase(raw, i);
@@ -78,6 +83,18 @@ std::vector<double> span_of(const Config& table, const std::string& key) {
     table.fail(
         key, fmt::format("{} is [{}], expected [from, to], from < to", key, fmt::join(span, ", ")));
   return span;
+}
+
+void resample(const Config& table, Raw& raw) {
+  constexpr double kMostResampled = 20'000'000;  // samples: 16 channels fit into 3 GB
+  const double rate = table.number_in("resample_Hz", kLowestRate, kHighestRate);
+  const double count = (raw.time.back() - raw.time.front()) * rate;
+  if (count > kMostResampled)
+    table.fail("resample_Hz",
+               fmt::format("resampling {:.6g} s at {:g} Hz makes {:.3g} samples, "
+                           "expected at most {:.0f}",
+                           raw.time.back() - raw.time.front(), rate, count, kMostResampled));
+  resample(raw, rate);
 }
 
 Use read_use(const Config& table) {
@@ -188,8 +205,8 @@ Record read_record(const Config& table, const Config& channels, Files& files, bo
     require_axis(raw, own);
     refuse_far_motion(raw, own);
   }
-  if (table.has("resample_Hz"))
-    resample(raw, table.number_in("resample_Hz", kLowestRate, kHighestRate));
+  require_two_samples(raw);
+  if (table.has("resample_Hz")) resample(table, raw);
   take_spacing(raw, record);
   record.channels = std::move(raw.channels);
   record.gaps = std::move(raw.gaps);
