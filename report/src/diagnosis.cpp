@@ -35,6 +35,15 @@ std::string table_of(const diagnosis::TestMotion& motion) {
   return text;
 }
 
+// The start of a text in UTF-8, which has room for an ending in a file name of 255 bytes.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kMostBytes = 200;
+  std::size_t end = std::min(text.size(), kMostBytes);
+  const auto continues = [&] { return (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U; };
+  while (end > 0 && end < text.size() && continues()) --end;
+  return text.substr(0, end);
+}
+
 // "monday 03" for "rig/monday 03.csv": a file name, without the ending of another table.
 std::string file_name_of(const std::string& record) {
   std::string name = record;
@@ -45,7 +54,7 @@ std::string file_name_of(const std::string& record) {
     }
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c == '/' || c < ' '; }, '_');
-  return name.starts_with('.') ? "_" + name : name;
+  return shortened(name.starts_with('.') ? "_" + name : name);
 }
 
 // Measurement and predictions of a record; the traces are those of its outputs.
@@ -54,7 +63,7 @@ std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
   std::string text = fmt::format(
       "# {} ({}{}\n"
       "# measured - after; noise: standard deviation of the noise of the residual.\n# {}\n",
-      first.record, first.use, kTableMark,
+      shortened(first.record), first.use, kTableMark,
       first.cutoff > 0
           ? fmt::format("All columns passed a low-pass filter at {:.4g} Hz.", first.cutoff)
           : "No filter.");

@@ -167,6 +167,21 @@ TEST(WriteDiagnosis, WritesATableOfPredictionsForEachRecord) {
   EXPECT_FALSE(std::filesystem::exists(files.predictions[1])) << "of an earlier diagnosis";
 }
 
+TEST(WriteDiagnosis, CutsTheFileNamesOfLongRecords) {
+  const test::TemporaryFolder folder;
+  auto verdict = missing_verdict();
+  std::string start(199, 'a');
+  verdict.traces[0].record = start + "ééé" + std::string(1000, 'b');
+  verdict.traces[1].record = start + "ééé" + std::string(1000, 'c');
+
+  const auto files = write_diagnosis(verdict, folder.path());
+
+  ASSERT_EQ(files.predictions.size(), 2U);
+  EXPECT_EQ(files.predictions[0], folder.path() / ("predictions/" + start + ".csv"));
+  EXPECT_EQ(files.predictions[1], folder.path() / ("predictions/" + start + " (2).csv"));
+  EXPECT_EQ(write_diagnosis(verdict, folder.path()).predictions, files.predictions);
+}
+
 TEST(WriteDiagnosis, KeepsTablesThatItHasNotWritten) {
   const test::TemporaryFolder folder;
   const auto verdict = missing_verdict();
