@@ -35,12 +35,13 @@ post_yield_stiffness_N_per_m = 4e6
 "force.long" = "2.5 [kN]"
 )";
 constexpr const char* kLog = "t,u,F,F_sim\n0,0,0,0\n0.01,1,4,5\n0.02,2,8,9\n0.03,3,12,13\n";
+constexpr const char* kOtherLog = "t,u,F,F_sim\n0,0,0,0\n0.01,1,4,5\n0.02,2,7,9\n0.03,3,12,13\n";
 
 class CaseTest : public ::testing::Test {
  protected:
   CaseTest() {
     folder_.write("fit.csv", kLog);
-    folder_.write("other.csv", kLog);
+    folder_.write("other.csv", kOtherLog);
   }
   Case load(const std::string& toml = kCase) {
     folder_.write("case.toml", toml);
