@@ -94,6 +94,22 @@ TEST_F(CaseTest, IsReadFromTheWorkingDirectory) {
             std::filesystem::canonical(folder_.path()));
 }
 
+// The improved case has another folder, with the same recordings.
+TEST_F(CaseTest, KnowsTheFolderThatItsPathsStartAt) {
+  std::filesystem::create_directory(folder_.path() / "data");
+  folder_.write("data/fit.csv", kLog);
+  folder_.write("data/other.csv", kOtherLog);
+  folder_.write("data/simulated.csv", "time,force.long\n0,0\n0.03,12\n");
+  const std::string toml = std::string{"folder = \"data\"\n"} + kCase;
+
+  const Case whole = load(toml);
+  const Case predicted = load("against = \"simulated.csv\"\n" + toml);
+
+  EXPECT_EQ(std::filesystem::canonical(whole.source.folder),
+            std::filesystem::canonical(folder_.path() / "data"));
+  EXPECT_EQ(predicted.source.file.text("against"), "simulated.csv");
+}
+
 TEST_F(CaseTest, TakesARateInsteadOfTime) {
   std::string toml = kCase;
   toml.replace(toml.find("time = \"t [s]\""), 14, "rate_Hz = 100 ");

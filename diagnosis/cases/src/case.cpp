@@ -162,7 +162,7 @@ Case case_of_file(const std::filesystem::path& path) {
   result.source.file = file;
   for (const auto& inputs : {std::vector{path}, files.paths(), file.named_files()})
     result.source.inputs.insert(result.source.inputs.end(), inputs.begin(), inputs.end());
-  result.source.folder = std::filesystem::absolute(path).parent_path();
+  result.source.folder = std::filesystem::absolute(file.resolve("."));
   return against.empty() ? result : with_prediction(std::move(result), file.resolve(against));
 }
 
