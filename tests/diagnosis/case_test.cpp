@@ -110,6 +110,27 @@ TEST_F(CaseTest, KnowsTheFolderThatItsPathsStartAt) {
   EXPECT_EQ(predicted.source.file.text("against"), "simulated.csv");
 }
 
+TEST_F(CaseTest, HasTheNameOfItsFolder) {
+  std::string toml = kCase;
+  toml.erase(toml.find("name"), std::string{"name = \"workshop\"\n"}.size());
+  folder_.write("case.toml", toml);
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_.path());
+  const Case here = load_case("."), file = load_case("case.toml");
+  std::filesystem::current_path(before);
+
+  EXPECT_EQ(here.name, folder_.path().filename());
+  EXPECT_EQ(file.name, folder_.path().filename());
+  EXPECT_EQ(load(toml).name, folder_.path().filename());
+}
+
+TEST_F(CaseTest, RefusesAnEmptyName) {
+  EXPECT_EQ(error_with("workshop", ""),
+            "case.toml:2:8: name is empty, expected at least one character");
+  EXPECT_EQ(error_with("use = \"fit\"", "use = \"fit\"\nname = \"\""),
+            "case.toml:6:8: name is empty, expected at least one character");
+}
+
 TEST_F(CaseTest, TakesARateInsteadOfTime) {
   std::string toml = kCase;
   toml.replace(toml.find("time = \"t [s]\""), 14, "rate_Hz = 100 ");

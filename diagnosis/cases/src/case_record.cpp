@@ -185,6 +185,13 @@ void refuse_far_motion(const Raw& raw, const Config& channels) {
 
 }  // namespace
 
+std::string name_in(const Config& table, const std::string& usual) {
+  std::string name = table.text("name", usual);
+  if (table.has("name") && name.empty())
+    table.fail("name", "name is empty, expected at least one character");
+  return name;
+}
+
 Record read_record(const Config& table, const Config& channels, Files& files, bool is_machine) {
   const Config own = channels_of(table, channels);
   const std::string file = table.placed("file", [&] {
@@ -194,7 +201,7 @@ Record read_record(const Config& table, const Config& channels, Files& files, bo
   });
   Raw raw = read_raw(own, files, file);
   Record record;
-  record.name = table.text("name", std::filesystem::path{file}.filename().string());
+  record.name = name_in(table, std::filesystem::path{file}.filename().string());
   record.use = read_use(table);
   if (table.has("span_s")) {
     const auto span = span_of(table, "span_s");
