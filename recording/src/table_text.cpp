@@ -207,6 +207,8 @@ class TextReader {
 
 Columns read_text_columns(const std::filesystem::path& file) {
   const std::string text = read_file(file, kMostTextBytes);
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    throw Error{fmt::format("{}: found text in UTF-16, expected UTF-8", file.string())};
   TextReader reader{file};
   std::string_view rest{text};
   while (!rest.empty()) {

@@ -83,6 +83,11 @@ TEST_F(TableTest, SkipsLinesAboveAndBelowTheNames) {
   EXPECT_EQ(table.column("u"), (Values{1, 2}));
 }
 
+TEST_F(TableTest, RefusesUtf16) {
+  for (const std::string mark : {"\xFF\xFE", "\xFE\xFF"})
+    EXPECT_EQ(error(mark + "t,u\n0,1\n"), "log.csv: found text in UTF-16, expected UTF-8");
+}
+
 TEST_F(TableTest, RefusesDecimalCommas) {
   const auto expect = [&](const std::string& text, int line, const std::string& cell) {
     EXPECT_EQ(error(text), "log.csv:" + std::to_string(line) + ": '" + cell +
