@@ -57,6 +57,21 @@ const Plan::Effect& effect(const Plan& plan, const std::string& name) {
   return *found;
 }
 
+bool has_limit(const std::vector<std::string>& limits, const std::string& start) {
+  return std::any_of(limits.begin(), limits.end(),
+                     [&](const std::string& limit) { return limit.starts_with(start); });
+}
+
+TEST(Plan, SaysThatASectionAtRestIsTooShort) {
+  Case c = with_friction(0);
+  const std::string line = "quiet_s has 99 samples, expected at least 100 in all: it is not used.";
+  for (auto& record : c.records) record.quiet = {0, 33};
+
+  EXPECT_TRUE(has_limit(plan(c, {}).limits, line));
+  c.records[0].quiet = {0, 34};
+  EXPECT_FALSE(has_limit(plan(c, {}).limits, "quiet_s has"));
+}
+
 TEST(Plan, SaysHowRecordsAreUsed) {
   const Plan plan = diagnosis::plan(with_friction(0));
 

@@ -74,6 +74,16 @@ std::string unused_channels(const Case& c) {
                      fmt::join(unused, ", "));
 }
 
+// Sections at rest that are too short for the noise; empty: none.
+std::string short_rest(const Case& c) {
+  std::size_t samples = 0;
+  for (const auto& record : c.records)
+    if (record.quiet) samples += record.quiet->second - record.quiet->first;
+  if (samples == 0 || static_cast<double>(samples) >= kFewestAtRest) return "";
+  return fmt::format("quiet_s has {} samples, expected at least {} in all: it is not used.",
+                     samples, kFewestAtRest);
+}
+
 // A displacement that hardly any machine reaches may be in another unit.
 std::vector<std::string> doubtful_units(const Case& c) {
   std::vector<std::string> doubts;
@@ -183,6 +193,7 @@ std::vector<std::string> limits_of_channels(const Case& c) {
     if (lacks("command"))
       limits.emplace_back("No command was recorded: actuators were not checked.");
   }
+  if (const std::string rest = short_rest(c); !rest.empty()) limits.push_back(rest);
   if (const std::string unused = unused_channels(c); !unused.empty()) limits.push_back(unused);
   for (auto& doubt : doubtful_units(c)) limits.push_back(std::move(doubt));
   return limits;
