@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "check_records.hpp"
+
 namespace rths::diagnosis {
 namespace {
 
@@ -82,6 +84,16 @@ std::string short_rest(const Case& c) {
   if (samples == 0 || static_cast<double>(samples) >= kFewestAtRest) return "";
   return fmt::format("quiet_s has {} samples, expected at least {} in all: it is not used.",
                      samples, kFewestAtRest);
+}
+
+// Friction and strength follow the compression.
+std::vector<std::string> loads_in_tension(const Case& c) {
+  std::vector<std::string> loads;
+  if (c.model.kind != "platen") return loads;
+  for (const Record* record : moving_records(c))
+    if (const std::string text = tension_in(*record); !text.empty())
+      loads.push_back(fmt::format("{}: {}.", record->name, text));
+  return loads;
 }
 
 // A displacement that hardly any machine reaches may be in another unit.
@@ -194,6 +206,7 @@ std::vector<std::string> limits_of_channels(const Case& c) {
       limits.emplace_back("No command was recorded: actuators were not checked.");
   }
   if (const std::string rest = short_rest(c); !rest.empty()) limits.push_back(rest);
+  for (auto& load : loads_in_tension(c)) limits.push_back(std::move(load));
   if (const std::string unused = unused_channels(c); !unused.empty()) limits.push_back(unused);
   for (auto& doubt : doubtful_units(c)) limits.push_back(std::move(doubt));
   return limits;
