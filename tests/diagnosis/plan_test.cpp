@@ -62,6 +62,20 @@ bool has_limit(const std::vector<std::string>& limits, const std::string& start)
                      [&](const std::string& limit) { return limit.starts_with(start); });
 }
 
+TEST(Plan, DoubtsTheSignOfAnOutputThatOpposesThePrediction) {
+  const std::string doubt = "second: force.long opposes the prediction of the stated model (correl";
+  Case c = with_friction(0);
+  EXPECT_FALSE(has_limit(plan(c, {}).limits, doubt));
+
+  for (auto& channel : c.records[1].channels)
+    if (channel.role == "force.long")
+      for (double& value : channel.values) value = -value;
+
+  EXPECT_TRUE(has_limit(plan(c, {}).limits, doubt));
+  EXPECT_FALSE(has_limit(plan(c, {}).limits, "fit: force.long opposes"));
+  EXPECT_TRUE(has_limit(diagnose(c).limits, doubt));
+}
+
 TEST(Plan, SaysThatASectionAtRestIsTooShort) {
   Case c = with_friction(0);
   const std::string line = "quiet_s has 99 samples, expected at least 100 in all: it is not used.";

@@ -22,6 +22,10 @@ std::string gaps_in(const Record& record) {
                      record.gaps.size(), static_cast<double>(samples) * record.time_step);
 }
 
+Eigen::MatrixXd centred(const Eigen::MatrixXd& columns) {
+  return columns.rowwise() - columns.colwise().mean();
+}
+
 std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
 
 bool has_family(const Record& record, const std::string& family) {
@@ -212,6 +216,31 @@ std::vector<std::string> limits_of_channels(const Case& c) {
   return limits;
 }
 
+std::vector<std::string> opposed_outputs(const Relation& relation,
+                                         const std::vector<const Record*>& records) {
+  constexpr double kOpposed = -0.5;  // correlation
+  std::vector<std::string> opposed;
+  for (const Record* record : records) {
+    const auto drive = relation.prepare(*record);
+    Eigen::MatrixXd prediction;
+    std::vector<Eigen::MatrixXd> none;
+    if (!relation.simulator(relation.base(), *drive)
+             ->run(relation.base().values, {}, prediction, none))
+      continue;
+    const Eigen::MatrixXd stated = centred(drive->compared_rows(prediction));
+    const Eigen::MatrixXd measured = centred(drive->compared_rows(drive->measured));
+    for (Eigen::Index i = 0; i < measured.cols(); ++i) {
+      const double correlation = stated.col(i).normalized().dot(measured.col(i).normalized());
+      if (correlation < kOpposed)
+        opposed.push_back(fmt::format(
+            "{}: {} opposes the prediction of the stated model (correlation {:.2f}): is its sign "
+            "right? \"-column [unit]\" in [channels] reverses it.",
+            record->name, relation.outputs()[static_cast<std::size_t>(i)].first, correlation));
+    }
+  }
+  return opposed;
+}
+
 std::string remedy_for_noise(const Case& c) {
   constexpr double kPerSecond = 100;  // resolution of the proposal
   for (const Record* record : moving_records(c))
@@ -247,6 +276,8 @@ void add_limits(const Case& c, const SensorNoise& noise,
   for (const auto& found : all) {
     verdict.limits.push_back(filter_of(*found));
     add_visited(*found, verdict);
+    for (auto& opposed : opposed_outputs(*found->relation, moving_records(c)))
+      verdict.limits.push_back(std::move(opposed));
   }
 }
 
