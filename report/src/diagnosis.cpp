@@ -11,6 +11,7 @@
 #include <rths/core/replace_files.hpp>
 #include <rths/report/report.hpp>
 
+#include "instants.hpp"
 #include "result_folder.hpp"
 
 namespace rths::report {
@@ -57,6 +58,8 @@ std::string file_name_of(const std::string& record) {
   return shortened(name.starts_with('.') ? "_" + name : name);
 }
 
+constexpr int kDigits = 8;  // of the numbers of a table
+
 // Measurement and predictions of a record; the traces are those of its outputs.
 std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
   const diagnosis::Trace& first = *traces[0];
@@ -72,8 +75,12 @@ std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
     for (const char* column : {"measured", "before", "after", "residual", "noise"})
       text += fmt::format(",{} {} [{}]", trace->channel, column, trace->unit);
   text += '\n';
+  const int digits =
+      first.time.size() < 2
+          ? kDigits
+          : digits_of_instants(first.time.back(), first.time[1] - first.time[0], kDigits);
   for (std::size_t i = 0; i < first.time.size(); ++i) {
-    text += fmt::format("{:.8g}", first.time[i]);
+    text += fmt::format("{:.{}g}", first.time[i], digits);
     for (const auto* t : traces)
       text += fmt::format(",{:.8g},{:.8g},{:.8g},{:.8g},{:.8g}", t->measured[i], t->before[i],
                           t->after[i], t->measured[i] - t->after[i], t->noise[i]);

@@ -86,6 +86,19 @@ TEST(Plan, SaysThatASectionAtRestIsTooShort) {
   EXPECT_FALSE(has_limit(plan(c, {}).limits, "quiet_s has"));
 }
 
+// Seconds since 1970.
+TEST(Plan, ProposesASectionAtRestByTheClock) {
+  Case c = with_friction(0);
+  for (auto& record : c.records) {
+    record.quiet.reset();
+    record.start = 1.7e9;
+  }
+
+  const std::string remedy = plan(c, {}).noise_remedy;
+
+  EXPECT_NE(remedy.find("quiet_s = [1700000000, 1700000002."), std::string::npos) << remedy;
+}
+
 TEST(Plan, SaysHowRecordsAreUsed) {
   const Plan plan = diagnosis::plan(with_friction(0));
 

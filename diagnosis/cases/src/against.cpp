@@ -73,8 +73,9 @@ void cut(Record& record, double from, double to) {
   const double first = std::max(0.0, std::ceil(at(from - slack)));
   const double last = std::min(last_sample, std::floor(at(to + slack)));
   if (last - first < 1)
-    throw Error{fmt::format("covers {:g} to {:g} s, expected an overlap with {:g} to {:g} s", from,
-                            to, record.start, record.start + last_sample * record.time_step)};
+    throw Error{
+        fmt::format("covers {:.13g} to {:.13g} s, expected an overlap with {:.13g} to {:.13g} s",
+                    from, to, record.start, record.start + last_sample * record.time_step)};
   const auto begin = static_cast<std::size_t>(first), end = static_cast<std::size_t>(last) + 1;
   for (auto& channel : record.channels)
     channel.values = {channel.values.begin() + static_cast<std::ptrdiff_t>(begin),

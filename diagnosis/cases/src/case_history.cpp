@@ -95,7 +95,7 @@ void refuse_overlap(const std::vector<Record>& records, const std::vector<Config
       const double to = std::min(end_of(earlier), end_of(later));
       // Sections that adjoin share a sample.
       if (to - from <= 1.5 * std::max(earlier.time_step, later.time_step)) continue;
-      tables[i].fail("file", fmt::format("{} is also a record to {}, from {:.6g} to {:.6g} s, "
+      tables[i].fail("file", fmt::format("{} is also a record to {}, from {:.13g} to {:.13g} s, "
                                          "expected sections that do not overlap (span_s) or "
                                          "another file: {}",
                                          tables[i].text("file"), words_of(earlier.use), from, to,

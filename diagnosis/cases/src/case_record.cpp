@@ -39,12 +39,12 @@ void require_finite(const Raw& raw) {
 [[noreturn]] void fail_spacing(const Raw& raw, std::size_t row, double expected) {
   const auto& time = raw.time;
   const double usual = median_step(time);
-  std::string found = fmt::format("{:.10g} s, expected {:.10g} s", time[row], expected);
+  std::string found = fmt::format("{:.13g} s, expected {:.13g} s", time[row], expected);
   for (std::size_t i = 1; i < time.size(); ++i) {
     const double step = time[i] - time[i - 1];
     if (std::abs(step - usual) <= kTimeTolerance * usual + kPrintedTime) continue;
     row = i;
-    found = fmt::format("{:.10g} s, {:.6g} s after row {} at {:.10g} s, expected {:.6g} s", time[i],
+    found = fmt::format("{:.13g} s, {:.6g} s after row {} at {:.13g} s, expected {:.6g} s", time[i],
                         step, i, time[i - 1], usual);
     break;
   }
@@ -119,8 +119,8 @@ void read_quiet(const Config& table, Record& record) {
   const double last = first + static_cast<double>(record.samples() - 1) * record.time_step;
   const double slack = record.time_step + kPrintedTime;
   if (span[0] < first - slack || span[1] > last + slack)
-    table.fail("quiet_s", fmt::format("quiet_s is {} to {} s, expected times within {:.10g} to "
-                                      "{:.10g} s, which the record covers",
+    table.fail("quiet_s", fmt::format("quiet_s is {} to {} s, expected times within {:.13g} to "
+                                      "{:.13g} s, which the record covers",
                                       span[0], span[1], first, last));
   record.quiet = {sample(span[0]), sample(span[1])};
   if (record.quiet->first + 2 > record.quiet->second)

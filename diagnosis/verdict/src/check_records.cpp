@@ -33,7 +33,7 @@ void check_sizes(const Channel& channel, const Record& record) {
   for (std::size_t i = 0; i < channel.values.size(); ++i) {
     const double value = channel.values[i];
     if (!(std::abs(value) <= kLargest))
-      throw Error{fmt::format("{}: {} is {:g} {} in sample {}, at {:.10g} s, expected {:g} to {:g}",
+      throw Error{fmt::format("{}: {} is {:g} {} in sample {}, at {:.13g} s, expected {:g} to {:g}",
                               record.name, channel.role, value, channel.unit, i + 1,
                               record.start + static_cast<double>(i) * record.time_step, -kLargest,
                               kLargest)};

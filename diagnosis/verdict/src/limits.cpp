@@ -246,7 +246,8 @@ std::string remedy_for_noise(const Case& c) {
   for (const Record* record : moving_records(c))
     if (const auto rest = apparent_rest(*record))
       return fmt::format(
-          "{0} seems to be at rest from {1:g} to {2:g} s: if it is, quiet_s = [{1:g}, {2:g}] in "
+          "{0} seems to be at rest from {1:.13g} to {2:.13g} s: if it is, quiet_s = [{1:.13g}, "
+          "{2:.13g}] in "
           "its "
           "[[record]] measures the noise",
           record->name, std::ceil(kPerSecond * rest->first) / kPerSecond,
