@@ -101,7 +101,7 @@ std::vector<std::string_view> split_except_commas(std::string_view line) {
 bool separates_halves(std::string_view line) {
   const auto parts = cells(line, ',');
   return has_decimal_comma(line) && !std::all_of(parts.begin(), parts.end(), [](auto cell) {
-           return number(cell).has_value();
+           return cell.empty() || number(cell).has_value();
          });
 }
 
@@ -110,6 +110,16 @@ struct Line {
   std::string_view content;
 };
 
+bool has_number(const std::vector<std::string_view>& row) {
+  return std::any_of(row.begin(), row.end(), [](auto cell) { return number(cell).has_value(); });
+}
+
+bool is_text(std::string_view cell) { return !cell.empty() && !number(cell).has_value(); }
+
+bool has_text(const std::vector<std::string_view>& row) {
+  return std::any_of(row.begin(), row.end(), is_text);
+}
+
 // True if at least half of the cells are numbers. The lines above the first such line hold names,
 // units and other text of the logger.
 bool is_row(const std::vector<std::string_view>& row) {
@@ -117,6 +127,9 @@ bool is_row(const std::vector<std::string_view>& row) {
       std::count_if(row.begin(), row.end(), [](auto cell) { return number(cell).has_value(); });
   return numbers > 0 && 2 * numbers >= static_cast<std::ptrdiff_t>(row.size());
 }
+
+// More lines with a text and a number are rows: a diagnosis needs more samples.
+constexpr std::size_t kMostHeadings = 20;
 
 class TextReader {
  public:
@@ -127,10 +140,15 @@ class TextReader {
     if (line_ == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
     const std::string_view content = trimmed(line);
     if (content.empty() || content.front() == '#' || content.front() == '%') return;
+    if (!columns.empty() && is_heading(content)) {
+      above_.insert(above_.end(), headings_.begin(), headings_.end());
+      headings_.clear();
+      columns.clear();
+    }
     if (columns.empty())
       begin(content);
     else
-      add_row(cells(content, separator_));
+      add_row(cells(content, separator_), content);
   }
   [[nodiscard]] bool has_names_only() const { return columns.empty() && !above_.empty(); }
 
@@ -146,19 +164,32 @@ class TextReader {
       above_.push_back({line_, line});
       return;
     }
-    name_columns(first.size());
-    add_row(first);
+    name_columns(first);
+    add_row(first, line);
+  }
+
+  // Whether the lines so far, which seemed to be rows, stand above the names: "Sample rate,100".
+  [[nodiscard]] bool is_heading(std::string_view line) const {
+    if (headings_.empty() || headings_.size() != columns[0].values.size()) return false;
+    const auto row = cells(line, separator_);
+    return row.size() != columns.size() || std::all_of(row.begin(), row.end(), is_text);
   }
 
   // Names are in the topmost of the adjacent lines above with the same number of cells; lines below
-  // it hold units.
-  void name_columns(std::size_t count) {
+  // it hold units. Empty cells at the end of the first row need no name.
+  void name_columns(const std::vector<std::string_view>& first) {
+    const std::size_t count = first.size();
+    const auto last =
+        std::find_if(first.rbegin(), first.rend(), [](auto cell) { return !cell.empty(); });
+    auto fewest = static_cast<std::size_t>(first.rend() - last);
     std::vector<std::string_view> names;
     std::size_t line = line_;
     for (auto above = above_.rbegin(); above != above_.rend(); ++above) {
       const auto row = cells(above->content, separator_);
-      if (row.size() != count) break;
+      if (row.size() < fewest || row.size() > count || (!names.empty() && has_number(row))) break;
       names = row;
+      fewest = row.size();
+      names.resize(count);
       line = above->number;
     }
     for (std::size_t i = 0; i < count; ++i)
@@ -168,8 +199,9 @@ class TextReader {
 
   void reject_same_names(std::size_t line) const {
     for (auto column = columns.begin(); column != columns.end(); ++column)
-      if (std::any_of(columns.begin(), column,
-                      [&](const auto& other) { return other.name == column->name; }))
+      if (!column->name.empty() && std::any_of(columns.begin(), column, [&](const auto& other) {
+            return other.name == column->name;
+          }))
         throw Error{fmt::format("{}:{}: two columns are named '{}', expected different names",
                                 file_, line, column->name)};
   }
@@ -179,7 +211,10 @@ class TextReader {
                             file_, line_, text)};
   }
 
-  void add_row(const std::vector<std::string_view>& row) {
+  void add_row(const std::vector<std::string_view>& row, std::string_view line) {
+    const bool may_be_heading =
+        headings_.size() == columns[0].values.size() && headings_.size() < kMostHeadings;
+    if (may_be_heading && has_text(row)) headings_.push_back({line_, line});
     if (separator_ == ',' && are_halves(row))
       fail_on_commas(fmt::format("{}", fmt::join(row, ",")));
     if (row.size() != columns.size())
@@ -199,6 +234,7 @@ class TextReader {
 
   std::string file_;
   std::vector<Line> above_;
+  std::vector<Line> headings_;  // rows with a text, until there are more rows
   std::size_t line_ = 0;
   char separator_ = ',';
 };
@@ -207,6 +243,8 @@ class TextReader {
 
 Columns read_text_columns(const std::filesystem::path& file) {
   const std::string text = read_file(file, kMostTextBytes);
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    throw Error{fmt::format("{}: found text in UTF-16, expected UTF-8", file.string())};
   TextReader reader{file};
   std::string_view rest{text};
   while (!rest.empty()) {

@@ -11,6 +11,7 @@
 #include <rths/core/replace_files.hpp>
 #include <rths/report/report.hpp>
 
+#include "instants.hpp"
 #include "result_folder.hpp"
 
 namespace rths::report {
@@ -35,6 +36,15 @@ std::string table_of(const diagnosis::TestMotion& motion) {
   return text;
 }
 
+// The start of a text in UTF-8, which has room for an ending in a file name of 255 bytes.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kMostBytes = 200;
+  std::size_t end = std::min(text.size(), kMostBytes);
+  const auto continues = [&] { return (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U; };
+  while (end > 0 && end < text.size() && continues()) --end;
+  return text.substr(0, end);
+}
+
 // "monday 03" for "rig/monday 03.csv": a file name, without the ending of another table.
 std::string file_name_of(const std::string& record) {
   std::string name = record;
@@ -45,8 +55,10 @@ std::string file_name_of(const std::string& record) {
     }
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c == '/' || c < ' '; }, '_');
-  return name.starts_with('.') ? "_" + name : name;
+  return shortened(name.starts_with('.') ? "_" + name : name);
 }
+
+constexpr int kDigits = 8;  // of the numbers of a table
 
 // Measurement and predictions of a record; the traces are those of its outputs.
 std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
@@ -54,7 +66,7 @@ std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
   std::string text = fmt::format(
       "# {} ({}{}\n"
       "# measured - after; noise: standard deviation of the noise of the residual.\n# {}\n",
-      first.record, first.use, kTableMark,
+      shortened(first.record), first.use, kTableMark,
       first.cutoff > 0
           ? fmt::format("All columns passed a low-pass filter at {:.4g} Hz.", first.cutoff)
           : "No filter.");
@@ -63,8 +75,12 @@ std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
     for (const char* column : {"measured", "before", "after", "residual", "noise"})
       text += fmt::format(",{} {} [{}]", trace->channel, column, trace->unit);
   text += '\n';
+  const int digits =
+      first.time.size() < 2
+          ? kDigits
+          : digits_of_instants(first.time.back(), first.time[1] - first.time[0], kDigits);
   for (std::size_t i = 0; i < first.time.size(); ++i) {
-    text += fmt::format("{:.8g}", first.time[i]);
+    text += fmt::format("{:.{}g}", first.time[i], digits);
     for (const auto* t : traces)
       text += fmt::format(",{:.8g},{:.8g},{:.8g},{:.8g},{:.8g}", t->measured[i], t->before[i],
                           t->after[i], t->measured[i] - t->after[i], t->noise[i]);

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <rths/report/diagnosis.hpp>
 
@@ -9,6 +13,35 @@
 
 namespace rths::report {
 namespace {
+
+constexpr double kFarFromZero = 1e5;  // [s]: single precision resolves 8 ms there
+
+void shift(std::vector<double>& times, double by) {
+  for (double& time : times) time += by;
+}
+
+// The verdict for a page: instants far from zero, such as those since 1970, begin with the record.
+diagnosis::Verdict with_near_times(const diagnosis::Verdict& verdict) {
+  diagnosis::Verdict near = verdict;
+  std::vector<std::string> starts;
+  const std::string* record = nullptr;  // the traces of a record follow each other
+  for (auto& trace : near.traces) {
+    if (trace.time.empty() || std::abs(trace.time.front()) < kFarFromZero) continue;
+    const double start = trace.time.front();
+    shift(trace.time, -start);
+    if (record != nullptr && *record == trace.record) continue;
+    record = &trace.record;
+    starts.push_back(fmt::format("{:.13g} s in {}", start, trace.record));
+    if (trace.record != near.where.record) continue;
+    for (auto& [from, to] : near.where.intervals) from -= start, to -= start;
+    for (auto& profile : near.where.profiles)
+      if (profile.name == "time") shift(profile.edges, -start);
+  }
+  if (!starts.empty())
+    near.limits.push_back(
+        fmt::format("The times of this page begin at {}.", fmt::join(starts, ", ")));
+  return near;
+}
 
 // Points of a curve: more than a screen can show. Many curves share the limit of a page.
 constexpr std::size_t kMostTracePoints = 6000, kMostPointsOfAll = 40'000;
@@ -65,7 +98,8 @@ std::vector<const diagnosis::Trace*> shown_traces(const diagnosis::Verdict& verd
 
 }  // namespace
 
-std::string verdict_page(const diagnosis::Verdict& verdict) {
+std::string verdict_page(const diagnosis::Verdict& given) {
+  const diagnosis::Verdict verdict = with_near_times(given);
   Json data;
   data["verdict"] = verdict_numbers(verdict);
   data["responses"] = response_data(verdict);

@@ -110,8 +110,7 @@ bool is_draft(const fs::path& file) {
 
 bool is_foreign(const fs::path& table) {
   std::error_code problem;
-  return fs::symlink_status(table, problem).type() != fs::file_type::not_found &&
-         !is_prediction(table);
+  return fs::exists(fs::symlink_status(table, problem)) && !is_prediction(table);
 }
 
 void refuse_inputs_in(const fs::path& folder, const std::vector<fs::path>& inputs) {

@@ -6,6 +6,8 @@
 
 #include <rths/report/diagnosis.hpp>
 
+#include "instants.hpp"
+
 namespace rths::report {
 namespace {
 
@@ -14,10 +16,10 @@ using diagnosis::Verdict;
 constexpr int kDigits = 8;  // significant
 
 // JSON cannot represent NaN and infinity: they become null.
-Json number(double value) {
+Json number(double value, int digits = kDigits) {
   if (!std::isfinite(value)) return nullptr;
   if (value == 0) return 0.0;
-  const int decimals = kDigits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
+  const int decimals = digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
   // Powers of ten are exact up to this one; beyond, rounding would add errors.
   constexpr int kExact = 22;
   if (std::abs(decimals) > kExact) return value;
@@ -25,10 +27,21 @@ Json number(double value) {
   return decimals >= 0 ? std::round(value * scale) / scale : std::round(value / scale) * scale;
 }
 
-Json numbers(const std::vector<double>& values) {
+Json numbers(const std::vector<double>& values, int digits = kDigits) {
   Json list = Json::array();
-  for (const double value : values) list.push_back(number(value));
+  for (const double value : values) list.push_back(number(value, digits));
   return list;
+}
+
+// A hundredth of the distance between instants is visible.
+int digits_of_times(double from, double to) {
+  constexpr double kShare = 0.01;
+  return digits_of_instants(to, kShare * (to - from), kDigits);
+}
+
+Json time_interval(const std::pair<double, double>& pair) {
+  const int digits = digits_of_times(pair.first, pair.second);
+  return Json::array({number(pair.first, digits), number(pair.second, digits)});
 }
 
 Json interval(const std::pair<double, double>& pair) {
@@ -52,9 +65,12 @@ Json state_json(const diagnosis::StateCell& cell) {
 }
 
 Json profile_json(const diagnosis::Profile& profile) {
+  const bool is_time = profile.name == "time" && profile.edges.size() > 1;
+  const int digits =
+      is_time ? digits_of_times(profile.edges.rbegin()[1], profile.edges.back()) : kDigits;
   return {{"name", profile.name},
           {"unit", profile.unit},
-          {"edges", numbers(profile.edges)},
+          {"edges", numbers(profile.edges, digits)},
           {"share", numbers(profile.share)}};
 }
 
@@ -63,7 +79,7 @@ Json where_json(const diagnosis::Where& where) {
           {"channel", where.channel},
           {"record", where.record},
           {"of", where.is_of_named ? "named terms" : "residual"},
-          {"intervals_s", each(where.intervals, interval)},
+          {"intervals_s", each(where.intervals, time_interval)},
           {"band_Hz", each(where.bands, interval)},
           {"state", each(where.states, state_json)},
           {"state_map", each(where.state_map, state_json)},

@@ -8,6 +8,7 @@
 
 #include <rths/report/diagnosis.hpp>
 
+#include "instants.hpp"
 #include "numbers.hpp"
 
 namespace rths::report {
@@ -17,12 +18,23 @@ using diagnosis::Verdict;
 
 constexpr std::size_t kMostIntervals = 4;  // shown of each kind; verdict.json has all
 
+// Four digits, or as many as tell the ends of an interval apart.
+int digits_of(const std::vector<std::pair<double, double>>& intervals) {
+  constexpr int kUsual = 4;
+  constexpr double kShare = 10;  // of an interval: with four digits an error of a thousandth
+  int digits = kUsual;
+  for (const auto& [from, to] : intervals)
+    digits = std::max(digits, digits_of_instants(to, kShare * (to - from), kUsual));
+  return digits;
+}
+
 std::string intervals_text(const std::vector<std::pair<double, double>>& intervals,
                            const char* unit) {
+  const int digits = digits_of(intervals);
   std::string text;
   for (std::size_t i = 0; i < std::min(intervals.size(), kMostIntervals); ++i)
-    text +=
-        fmt::format("{}{:.4g} to {:.4g}", i ? ", " : "", intervals[i].first, intervals[i].second);
+    text += fmt::format("{}{:.{}g} to {:.{}g}", i ? ", " : "", intervals[i].first, digits,
+                        intervals[i].second, digits);
   if (text.empty()) return text;
   if (intervals.size() > kMostIntervals)
     text += fmt::format(" and {} more", intervals.size() - kMostIntervals);

@@ -94,5 +94,24 @@ TEST_F(AgainstTest, ReportsErrorsInTheSimulation) {
             "covers 5 to 6 s, expected an overlap with 0 to 1 s");
 }
 
+TEST_F(AgainstTest, NamesTheLineOfAMissingNumber) {
+  const auto error = [&](const std::string& csv) {
+    const auto file = simulation(csv);
+    const auto message =
+        test::error_of([&] { static_cast<void>(with_prediction(measured(), file)); });
+    return message.substr(message.find("sim.csv"));
+  };
+
+  EXPECT_EQ(error("time,force.long\n0,0\n0.5,nan\n1,1\n"),
+            "sim.csv:3: found 'nan' in column 'force.long', expected a finite number");
+  EXPECT_EQ(error("time,force.long\n0,0\n,1\n1,1\n"),
+            "sim.csv:3: found '' in column 'time', expected a finite number");
+  // After the end of the record.
+  EXPECT_EQ(with_prediction(measured(), simulation("time,force.long\n0,0\n1,1\n2,1\n3,nan\n"))
+                .records[0]
+                .samples(),
+            11U);
+}
+
 }  // namespace
 }  // namespace rths::diagnosis

@@ -43,14 +43,14 @@ class RecordTest : public ::testing::Test {
 TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
   const Case c =
       load(std::string{kFit} + "span_s = [0, 0.02]\n" +
-           "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nspan_s = [0.02, 1]\n" +
-           "[[record]]\nfile = \"log.csv\"\nuse = \"fit\"\nspan_s = [0, 0.01]\nname = \"short\"\n");
+           "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\nspan_s = [0.02, 0.03]\n" +
+           "[[record]]\nfile = \"log.csv\"\nuse = \"fit\"\nspan_s = [0.03, 1]\nname = \"short\"\n");
 
   ASSERT_EQ(c.records.size(), 3U);
   EXPECT_EQ(c.records[0].name, "log.csv");
   EXPECT_EQ(c.records[0].samples(), 3U);
   EXPECT_EQ(c.records[1].name, "log.csv (2)");
-  EXPECT_EQ(c.records[1].find("force.long")->values, (Values{30e3, 40e3, 50e3}));
+  EXPECT_EQ(c.records[1].find("force.long")->values, (Values{30e3, 40e3}));
   EXPECT_EQ(c.records[1].start, 0.02);
   EXPECT_EQ(c.records[2].name, "short");
   EXPECT_EQ(c.records[2].samples(), 2U);
@@ -70,6 +70,32 @@ TEST_F(RecordTest, RefusesAFileThatIsFittedAndHeldOut) {
   EXPECT_EQ(load(std::string{kFit} + held_out + "[record.channels]\nforce.long = \"t [kN]\"\n")
                 .records.size(),
             2U);
+}
+
+TEST_F(RecordTest, RefusesSamplesThatAreComparedTwice) {
+  const std::string held_out = "[[record]]\nfile = \"log.csv\"\nuse = \"held_out\"\n";
+  const std::string reason =
+      ", expected sections that do not overlap (span_s) or another file: samples that are compared "
+      "twice count too much";
+
+  EXPECT_EQ(error(std::string{kFit} + kFit),
+            "case.toml:11:8: log.csv is also a record to fit, from 0 to 0.04 s" + reason);
+  EXPECT_EQ(error(std::string{kFit} + "span_s = [0, 0.01]\n" + held_out +
+                  "span_s = [0.01, 0.04]\n" + held_out + "span_s = [0.02, 0.04]\n"),
+            "case.toml:16:8: log.csv is also a record to hold out, from 0.02 to 0.04 s" + reason);
+}
+
+TEST_F(RecordTest, RefusesACopyOfAnotherRecord) {
+  folder_.write("copy.csv", "time,u,F\n5,0,10\n5.01,1,20\n5.02,2,30\n5.03,3,40\n5.04,4,50\n");
+  const std::string copy = std::string{kFit} +
+                           "[[record]]\nfile = \"copy.csv\"\nuse = \"held_out\"\n"
+                           "[record.channels]\ntime = \"time [s]\"\n";
+
+  EXPECT_EQ(error(copy),
+            "case.toml:11:8: copy.csv has the values of log.csv, a record to fit, in each channel, "
+            "expected another test: data that were fitted prove nothing");
+  // Another specimen of the same test.
+  EXPECT_EQ(load(copy + "force.long = \"-F [kN]\"\n").records.size(), 2U);
 }
 
 // A bearing keeps its damage between two sections of a file. The state of a free-running model at
@@ -321,6 +347,16 @@ TEST_F(RecordTest, ResamplesUnequallySpacedSamples) {
   folder_.write("log.csv", "t,u,F\n0,0,0\n0.01,1,1\n0.01,2,2\n");
   EXPECT_NE(error(std::string{kFit} + "resample_Hz = 200\n").find("time must increase"),
             std::string::npos);
+}
+
+TEST_F(RecordTest, RefusesToResampleOneSampleOrToTooMany) {
+  EXPECT_EQ(error(std::string{kFit} + "resample_Hz = 1e9\n"),
+            "case.toml:10:15: resampling 0.04 s at 1e+09 Hz makes 4e+07 samples, expected at most "
+            "20000000");
+  folder_.write("log.csv", "t,u,F\n0,0,10\n");
+  for (const char* resampled : {"", "resample_Hz = 200\n"})
+    EXPECT_EQ(error(std::string{kFit} + resampled),
+              "log.csv: found 1 samples, expected at least two");
 }
 
 // 100 Hz without the rows from 0.3 to 0.4 s, and without one row.

@@ -35,12 +35,13 @@ post_yield_stiffness_N_per_m = 4e6
 "force.long" = "2.5 [kN]"
 )";
 constexpr const char* kLog = "t,u,F,F_sim\n0,0,0,0\n0.01,1,4,5\n0.02,2,8,9\n0.03,3,12,13\n";
+constexpr const char* kOtherLog = "t,u,F,F_sim\n0,0,0,0\n0.01,1,4,5\n0.02,2,7,9\n0.03,3,12,13\n";
 
 class CaseTest : public ::testing::Test {
  protected:
   CaseTest() {
     folder_.write("fit.csv", kLog);
-    folder_.write("other.csv", kLog);
+    folder_.write("other.csv", kOtherLog);
   }
   Case load(const std::string& toml = kCase) {
     folder_.write("case.toml", toml);
@@ -91,6 +92,43 @@ TEST_F(CaseTest, IsReadFromTheWorkingDirectory) {
   EXPECT_EQ(c.records.size(), 2U);
   EXPECT_EQ(std::filesystem::canonical(c.source.folder),
             std::filesystem::canonical(folder_.path()));
+}
+
+// The improved case has another folder, with the same recordings.
+TEST_F(CaseTest, KnowsTheFolderThatItsPathsStartAt) {
+  std::filesystem::create_directory(folder_.path() / "data");
+  folder_.write("data/fit.csv", kLog);
+  folder_.write("data/other.csv", kOtherLog);
+  folder_.write("data/simulated.csv", "time,force.long\n0,0\n0.03,12\n");
+  const std::string toml = std::string{"folder = \"data\"\n"} + kCase;
+
+  const Case whole = load(toml);
+  const Case predicted = load("against = \"simulated.csv\"\n" + toml);
+
+  EXPECT_EQ(std::filesystem::canonical(whole.source.folder),
+            std::filesystem::canonical(folder_.path() / "data"));
+  EXPECT_EQ(predicted.source.file.text("against"), "simulated.csv");
+}
+
+TEST_F(CaseTest, HasTheNameOfItsFolder) {
+  std::string toml = kCase;
+  toml.erase(toml.find("name"), std::string{"name = \"workshop\"\n"}.size());
+  folder_.write("case.toml", toml);
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_.path());
+  const Case here = load_case("."), file = load_case("case.toml");
+  std::filesystem::current_path(before);
+
+  EXPECT_EQ(here.name, folder_.path().filename());
+  EXPECT_EQ(file.name, folder_.path().filename());
+  EXPECT_EQ(load(toml).name, folder_.path().filename());
+}
+
+TEST_F(CaseTest, RefusesAnEmptyName) {
+  EXPECT_EQ(error_with("workshop", ""),
+            "case.toml:2:8: name is empty, expected at least one character");
+  EXPECT_EQ(error_with("use = \"fit\"", "use = \"fit\"\nname = \"\""),
+            "case.toml:6:8: name is empty, expected at least one character");
 }
 
 TEST_F(CaseTest, TakesARateInsteadOfTime) {

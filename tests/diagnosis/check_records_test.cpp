@@ -117,6 +117,33 @@ TEST(CheckedRecords, HaveEachOutputOfAnotherUnitVary) {
             "deviation scales the error");
 }
 
+// Fifteen tonnes on a specimen, and an empty table.
+TEST(CheckedRecords, HaveCompressionAsPositive) {
+  constexpr double kLoad = -1.5e5;
+  const std::string tension =
+      "vertical_force is negative in the mean (-1.5e+05 N), expected compression as positive "
+      "(\"-column [unit]\" in [channels] reverses the sign)";
+  Case c = guide();
+  for (auto& record : c.records)
+    record.channels.push_back(
+        {"vertical_force", "N", std::vector<double>(record.samples(), -kLoad)});
+  const auto limits = [&] { return plan(c, {}).limits; };
+  const auto count = [&](const std::string& line) {
+    const auto all = limits();
+    return std::count(all.begin(), all.end(), line);
+  };
+
+  EXPECT_EQ(count("unseen.csv: " + tension + "."), 0);
+  fill(c.records[1], "vertical_force", kLoad);
+  EXPECT_EQ(count("unseen.csv: " + tension + "."), 1);
+  c.model.kind = "bearing";
+  EXPECT_EQ(error_of(c), "unseen.csv: " + tension);
+  // Noise of an empty load cell.
+  fill(c.records[1], "vertical_force", -1);
+  values_in(c.records[1], "vertical_force")[5] = 3;
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(plan(c, {})); }), "");
+}
+
 TEST(CheckedRecords, HaveEnoughSamples) {
   Case c = guide();
   shorten(c.records[1], 4);

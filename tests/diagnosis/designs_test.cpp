@@ -3,8 +3,13 @@
 #include "diagnosis/experiment_design/src/designs.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <rths/identification/signal.hpp>
 
 #include "identification/linear_relation.hpp"
 
@@ -62,6 +67,73 @@ TEST(Designs, KeepASpecimenThatCannotBeRemoved) {
   EXPECT_GT(designs.size(), 5U);
   EXPECT_TRUE(std::none_of(designs.begin(), designs.end(),
                            [](const Design& design) { return design.is_empty; }));
+}
+
+// Largest value, rate and second rate of a channel.
+Eigen::Array3d largest(const Record& record, const std::string& role) {
+  const VectorXd x = values_of(*record.find(role));
+  const VectorXd rate = rate_of(x, record.time_step);
+  return {x.cwiseAbs().maxCoeff(), rate.cwiseAbs().maxCoeff(),
+          rate_of(rate, record.time_step).cwiseAbs().maxCoeff()};
+}
+
+bool is_any_of(const std::string& text, std::initializer_list<const char*> starts) {
+  return std::any_of(starts.begin(), starts.end(),
+                     [&](const char* start) { return text.starts_with(start); });
+}
+
+// The second axis moves a twentieth of the first, at twice its frequency.
+std::vector<Record> two_axes_record(double period) {
+  Record record = linear_record("fit", Use::Fit, kStep, sine_of(20, kRows), {});
+  VectorXd u(kRows), w(kRows);
+  for (Index k = 0; k < kRows; ++k) {
+    const double phase = 2 * std::numbers::pi * static_cast<double>(k) * kStep / period;
+    u[k] = 0.1 * std::sin(phase);
+    w[k] = 0.005 * std::sin(2 * phase);
+  }
+  record.channels.push_back({"displacement.long", "m", {u.begin(), u.end()}});
+  record.channels.push_back({"displacement.lat", "m", {w.begin(), w.end()}});
+  return {record};
+}
+
+TEST(Designs, StayWithinTheReachOfTheMachine) {
+  LinearRelation relation;
+  relation.driven_by = {"displacement.long", "displacement.lat"};
+  for (const double period : {0.2, 2.0, 10.0, 60.0, 500.0}) {
+    const auto records = two_axes_record(period);
+
+    const auto designs = designs_for(linear_problem(relation, records), false);
+
+    // The filter of the comparison takes a little of the recorded motion.
+    constexpr double kFiltered = 1.001;
+    EXPECT_GT(designs.size(), 10U) << period;
+    int both = 0;
+    for (const auto& design : designs) {
+      both += design.text.find("in both axes") != std::string::npos ? 1 : 0;
+      for (const auto& driver : relation.driven_by) {
+        const Eigen::Array3d share = largest(design.record, driver) / largest(records[0], driver);
+        const std::string text =
+            fmt::format("{}, {} of a period of {} s", design.text, driver, period);
+        EXPECT_LE(share[0], kFiltered * kReach) << text;
+        EXPECT_LE(share[1], kFiltered * kReach) << text;
+        // The velocity of these jumps.
+        if (!is_any_of(design.text, {"triangle", "quasi-static", "ramps"})) {
+          EXPECT_LE(share[2], kFiltered * kReach) << text;
+        }
+      }
+    }
+    EXPECT_EQ(both, 2) << period;
+  }
+}
+
+TEST(Designs, MoveNoAxisThatWasAtRest) {
+  LinearRelation relation;
+  relation.driven_by = {"displacement.long", "displacement.lat"};
+  auto records = two_axes_record(2);
+  for (double& value : records[0].channels.back().values) value *= 1e-3;
+
+  for (const auto& design : designs_for(linear_problem(relation, records), false))
+    EXPECT_EQ(design.text.find("in both axes"), std::string::npos) << design.text;
 }
 
 }  // namespace

@@ -57,6 +57,48 @@ const Plan::Effect& effect(const Plan& plan, const std::string& name) {
   return *found;
 }
 
+bool has_limit(const std::vector<std::string>& limits, const std::string& start) {
+  return std::any_of(limits.begin(), limits.end(),
+                     [&](const std::string& limit) { return limit.starts_with(start); });
+}
+
+TEST(Plan, DoubtsTheSignOfAnOutputThatOpposesThePrediction) {
+  const std::string doubt = "second: force.long opposes the prediction of the stated model (correl";
+  Case c = with_friction(0);
+  EXPECT_FALSE(has_limit(plan(c, {}).limits, doubt));
+
+  for (auto& channel : c.records[1].channels)
+    if (channel.role == "force.long")
+      for (double& value : channel.values) value = -value;
+
+  EXPECT_TRUE(has_limit(plan(c, {}).limits, doubt));
+  EXPECT_FALSE(has_limit(plan(c, {}).limits, "fit: force.long opposes"));
+  EXPECT_TRUE(has_limit(diagnose(c).limits, doubt));
+}
+
+TEST(Plan, SaysThatASectionAtRestIsTooShort) {
+  Case c = with_friction(0);
+  const std::string line = "quiet_s has 99 samples, expected at least 100 in all: it is not used.";
+  for (auto& record : c.records) record.quiet = {0, 33};
+
+  EXPECT_TRUE(has_limit(plan(c, {}).limits, line));
+  c.records[0].quiet = {0, 34};
+  EXPECT_FALSE(has_limit(plan(c, {}).limits, "quiet_s has"));
+}
+
+// Seconds since 1970.
+TEST(Plan, ProposesASectionAtRestByTheClock) {
+  Case c = with_friction(0);
+  for (auto& record : c.records) {
+    record.quiet.reset();
+    record.start = 1.7e9;
+  }
+
+  const std::string remedy = plan(c, {}).noise_remedy;
+
+  EXPECT_NE(remedy.find("quiet_s = [1700000000, 1700000002."), std::string::npos) << remedy;
+}
+
 TEST(Plan, SaysHowRecordsAreUsed) {
   const Plan plan = diagnosis::plan(with_friction(0));
 

@@ -83,6 +83,39 @@ TEST_F(TableTest, SkipsLinesAboveAndBelowTheNames) {
   EXPECT_EQ(table.column("u"), (Values{1, 2}));
 }
 
+TEST_F(TableTest, SkipsLinesWithANumberAboveTheNames) {
+  for (const std::string heading :
+       {"Sample rate,100\n", "DAQ 3\n", "Operator,Smith\nSample rate,100\nChannels,2\n\n"}) {
+    const Table table = load(heading + "t,u,day\ns,mm,-\n0,1,Mon\n0.1,2,Mon\n");
+
+    EXPECT_EQ(table.column("t"), (Values{0, 0.1})) << heading;
+    EXPECT_EQ(table.column("u"), (Values{1, 2})) << heading;
+  }
+  const Table pair = load("Sample rate,100\nt,u\n0,1\n0.1,2\n");
+  EXPECT_EQ(pair.column("t"), (Values{0, 0.1}));
+  // A row with a text is a row.
+  EXPECT_EQ(load("t,u,day\n0,1,Mon\n0.1,,Mon\n").column("t"), (Values{0, 0.1}));
+  EXPECT_EQ(load("t,u,day\n0,1,Mon\n,,Mon\n").column_with_gaps("u").size(), 2U);
+}
+
+// A logger ends each line with a separator, or leaves a cell empty.
+TEST_F(TableTest, ReadsEmptyCellsOfTheFirstRow) {
+  for (const std::string names : {"t,u,,\n", "t,u\n", "Operator,Smith\nt,u,,\n"}) {
+    const Table trailing = load(names + "0.0,1.5,,\n0.1,2.5,,\n");
+
+    EXPECT_EQ(trailing.column("u"), (Values{1.5, 2.5}));
+    EXPECT_EQ(trailing.columns().size(), 4U);
+  }
+  const Table hole = load("t,u,F\n0,,5\n1,2,6\n");
+  EXPECT_EQ(hole.column("F"), (Values{5, 6}));
+  EXPECT_TRUE(std::isnan(hole.column_with_gaps("u")[0]));
+}
+
+TEST_F(TableTest, RefusesUtf16) {
+  for (const std::string mark : {"\xFF\xFE", "\xFE\xFF"})
+    EXPECT_EQ(error(mark + "t,u\n0,1\n"), "log.csv: found text in UTF-16, expected UTF-8");
+}
+
 TEST_F(TableTest, RefusesDecimalCommas) {
   const auto expect = [&](const std::string& text, int line, const std::string& cell) {
     EXPECT_EQ(error(text), "log.csv:" + std::to_string(line) + ": '" + cell +

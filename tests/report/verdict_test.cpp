@@ -106,6 +106,32 @@ TEST(VerdictSummary, ListsErrorsWithTheNoiseFloor) {
   EXPECT_NE(text.find("or        load_dep_friction (97 % of the gain)"), std::string::npos);
 }
 
+// Seconds since 1970.
+TEST(WriteDiagnosis, TellsTheInstantsOfAClockApart) {
+  constexpr double kStart = 1.7e9;
+  const test::TemporaryFolder folder;
+  auto verdict = missing_verdict();
+  for (auto& trace : verdict.traces)
+    for (double& time : trace.time) time += kStart;
+  verdict.where.record = verdict.traces[0].record;
+  verdict.where.intervals = {{kStart + 2.25, kStart + 2.75}};
+
+  const auto files = write_diagnosis(verdict, folder.path());
+
+  EXPECT_NE(verdict_summary(verdict).find("; 1700000002.2 to 1700000002.8 s"), std::string::npos)
+      << verdict_summary(verdict);
+  const auto numbers = nlohmann::json::parse(test::content_of(files.numbers));
+  EXPECT_EQ(numbers["where"]["intervals_s"][0][1], kStart + 2.75);
+  const auto table = recording::Table::load(files.predictions[0]);
+  const auto &written = table.column("time [s]"), &time = verdict.traces[0].time;
+  ASSERT_EQ(written.size(), time.size());
+  for (std::size_t i = 0; i < time.size(); ++i) EXPECT_NEAR(written[i], time[i], 2e-3);
+  const std::string page = verdict_page(verdict);
+  EXPECT_NE(page.find("The times of this page begin at 17000000"), std::string::npos);
+  EXPECT_NE(page.find("\"intervals_s\":[[2.2"), std::string::npos);
+  EXPECT_EQ(verdict_page(missing_verdict()).find("The times of this page"), std::string::npos);
+}
+
 TEST(WriteDiagnosis, RemovesTheModelOfAnEarlierDiagnosis) {
   const test::TemporaryFolder folder;
   const auto out = folder.path() / "a/b";
@@ -165,6 +191,21 @@ TEST(WriteDiagnosis, WritesATableOfPredictionsForEachRecord) {
   verdict.traces.pop_back();
   EXPECT_EQ(write_diagnosis(verdict, folder.path()).predictions.size(), 1U);
   EXPECT_FALSE(std::filesystem::exists(files.predictions[1])) << "of an earlier diagnosis";
+}
+
+TEST(WriteDiagnosis, CutsTheFileNamesOfLongRecords) {
+  const test::TemporaryFolder folder;
+  auto verdict = missing_verdict();
+  std::string start(199, 'a');
+  verdict.traces[0].record = start + "ééé" + std::string(1000, 'b');
+  verdict.traces[1].record = start + "ééé" + std::string(1000, 'c');
+
+  const auto files = write_diagnosis(verdict, folder.path());
+
+  ASSERT_EQ(files.predictions.size(), 2U);
+  EXPECT_EQ(files.predictions[0], folder.path() / ("predictions/" + start + ".csv"));
+  EXPECT_EQ(files.predictions[1], folder.path() / ("predictions/" + start + " (2).csv"));
+  EXPECT_EQ(write_diagnosis(verdict, folder.path()).predictions, files.predictions);
 }
 
 TEST(WriteDiagnosis, KeepsTablesThatItHasNotWritten) {

@@ -34,17 +34,29 @@ std::vector<std::string> names_of(const std::string& role) {
   return names;
 }
 
-const std::vector<double>* column_of(const Table& table, const std::string& role) {
+using Column = Table::Column;
+
+const Column* column_of(const Table& table, const std::string& role) {
   for (const auto& name : names_of(role))
     for (const auto& column : table.columns())
-      if (column.name == name) return &column.values;
+      if (column.name == name) return &column;
   return nullptr;
+}
+
+void require_finite(const std::vector<double>& values, const Column& column,
+                    const std::string& file) {
+  if (std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) return;
+  throw Error{
+      column.trouble.empty()
+          ? fmt::format("{}: '{}' is not finite in each row, expected numbers", file, column.name)
+          : column.trouble};
 }
 
 const std::vector<double>& time_of(const Table& table, const std::string& file) {
   for (const auto& column : table.columns()) {
     if (column.name != "time") continue;
     const auto& time = column.values;
+    require_finite(time, column, file);
     if (time.size() < 2 ||
         std::adjacent_find(time.begin(), time.end(), std::greater_equal<>{}) != time.end())
       throw Error{file + ": 'time' does not increase from row to row"};
@@ -61,8 +73,9 @@ void cut(Record& record, double from, double to) {
   const double first = std::max(0.0, std::ceil(at(from - slack)));
   const double last = std::min(last_sample, std::floor(at(to + slack)));
   if (last - first < 1)
-    throw Error{fmt::format("covers {:g} to {:g} s, expected an overlap with {:g} to {:g} s", from,
-                            to, record.start, record.start + last_sample * record.time_step)};
+    throw Error{
+        fmt::format("covers {:.13g} to {:.13g} s, expected an overlap with {:.13g} to {:.13g} s",
+                    from, to, record.start, record.start + last_sample * record.time_step)};
   const auto begin = static_cast<std::size_t>(first), end = static_cast<std::size_t>(last) + 1;
   for (auto& channel : record.channels)
     channel.values = {channel.values.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -102,10 +115,11 @@ void add_predictions(Record& record, const Table& table, const std::vector<doubl
     if (is_prediction(channel)) continue;
     roles += (roles.empty() ? "" : ", ") + channel.role;
     // A command is an input of the test, not a prediction.
-    const auto* values = column_of(table, channel.role);
-    if (values == nullptr || channel.role.rfind("command.", 0) == 0) continue;
+    const auto* column = column_of(table, channel.role);
+    if (column == nullptr || channel.role.rfind("command.", 0) == 0) continue;
     predictions.push_back(
-        {kPrefix + channel.role, channel.unit, at_times_of(record, time, *values)});
+        {kPrefix + channel.role, channel.unit, at_times_of(record, time, column->values)});
+    require_finite(predictions.back().values, *column, file);
   }
   if (predictions.empty())
     throw Error{

@@ -138,6 +138,12 @@ Case case_with_run(const Config& file) {
   return result;
 }
 
+// Also of "." and "..".
+std::string name_of_folder(const std::filesystem::path& folder) {
+  const auto whole = (std::filesystem::absolute(folder) / "").lexically_normal().parent_path();
+  return whole.filename().string();
+}
+
 Case case_of_file(const std::filesystem::path& path) {
   const Config file = Config::load(path).in_its_folder();
   const std::int64_t format = file.integer("format");
@@ -148,7 +154,7 @@ Case case_of_file(const std::filesystem::path& path) {
   Files files;
   if (!is_of_run) result.records = read_records(file, files);
   result.folder = path.has_parent_path() ? path.parent_path() : ".";
-  result.name = file.text("name", result.folder.filename().string());
+  result.name = name_in(file, name_of_folder(result.folder));
   if (!is_of_run || file.has("model")) result.model = read_model(file.table_or_empty("model"));
   // The state of a free-running model at the start of a section is its own affair: `initial`.
   if (!is_of_run && is_composition(result.model.kind))
@@ -162,7 +168,7 @@ Case case_of_file(const std::filesystem::path& path) {
   result.source.file = file;
   for (const auto& inputs : {std::vector{path}, files.paths(), file.named_files()})
     result.source.inputs.insert(result.source.inputs.end(), inputs.begin(), inputs.end());
-  result.source.folder = std::filesystem::absolute(path).parent_path();
+  result.source.folder = std::filesystem::absolute(file.resolve("."));
   return against.empty() ? result : with_prediction(std::move(result), file.resolve(against));
 }
 

@@ -47,14 +47,31 @@ void prepend(const Record& past, std::size_t count, Record& record) {
   record.settle += length;
 }
 
-bool have_same_source(const Config& one, const Config& other) {
+bool have_same_file(const Config& one, const Config& other) {
   const auto file = [](const Config& table) { return table.resolve(table.text("file")); };
+  std::error_code problem;
+  return std::filesystem::equivalent(file(one), file(other), problem);
+}
+
+bool have_same_source(const Config& one, const Config& other) {
   const auto channels = [](const Config& table) {
     return table.table_or_empty("channels").to_toml();
   };
-  std::error_code problem;
-  return std::filesystem::equivalent(file(one), file(other), problem) &&
-         channels(one) == channels(other);
+  return have_same_file(one, other) && channels(one) == channels(other);
+}
+
+bool have_same_values(const Record& one, const Record& other) {
+  return have_same_channels(one, other) &&
+         std::equal(one.channels.begin(), one.channels.end(), other.channels.begin(),
+                    [](const Channel& a, const Channel& b) { return a.values == b.values; });
+}
+
+const char* words_of(Use use) { return use == Use::Fit ? "fit" : "hold out"; }
+
+// Why two records may not have the same samples.
+const char* reason_against(const Record& one, const Record& other) {
+  return one.use == other.use ? "samples that are compared twice count too much"
+                              : "data that were fitted prove nothing";
 }
 
 double end_of(const Record& record) {
@@ -67,18 +84,22 @@ void refuse_overlap(const std::vector<Record>& records, const std::vector<Config
   for (std::size_t i = 0; i < records.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
       const Record &earlier = records[k], &later = records[i];
-      const bool is_proof =
-          earlier.use != later.use && earlier.use != Use::Reference && later.use != Use::Reference;
-      if (!is_proof || !have_same_source(tables[k], tables[i])) continue;
+      if (earlier.use == Use::Reference || later.use == Use::Reference) continue;
+      if (!have_same_file(tables[k], tables[i]) && have_same_values(earlier, later))
+        tables[i].fail("file", fmt::format("{} has the values of {}, a record to {}, in each "
+                                           "channel, expected another test: {}",
+                                           tables[i].text("file"), earlier.name,
+                                           words_of(earlier.use), reason_against(earlier, later)));
+      if (!have_same_source(tables[k], tables[i])) continue;
       const double from = std::max(earlier.start, later.start);
       const double to = std::min(end_of(earlier), end_of(later));
       // Sections that adjoin share a sample.
       if (to - from <= 1.5 * std::max(earlier.time_step, later.time_step)) continue;
-      tables[i].fail("file", fmt::format("{} is also a record to {}, from {:.6g} to {:.6g} s, "
+      tables[i].fail("file", fmt::format("{} is also a record to {}, from {:.13g} to {:.13g} s, "
                                          "expected sections that do not overlap (span_s) or "
-                                         "another file: data that were fitted prove nothing",
-                                         tables[i].text("file"),
-                                         earlier.use == Use::Fit ? "fit" : "hold out", from, to));
+                                         "another file: {}",
+                                         tables[i].text("file"), words_of(earlier.use), from, to,
+                                         reason_against(earlier, later)));
     }
 }
 

@@ -39,12 +39,12 @@ void require_finite(const Raw& raw) {
 [[noreturn]] void fail_spacing(const Raw& raw, std::size_t row, double expected) {
   const auto& time = raw.time;
   const double usual = median_step(time);
-  std::string found = fmt::format("{:.10g} s, expected {:.10g} s", time[row], expected);
+  std::string found = fmt::format("{:.13g} s, expected {:.13g} s", time[row], expected);
   for (std::size_t i = 1; i < time.size(); ++i) {
     const double step = time[i] - time[i - 1];
     if (std::abs(step - usual) <= kTimeTolerance * usual + kPrintedTime) continue;
     row = i;
-    found = fmt::format("{:.10g} s, {:.6g} s after row {} at {:.10g} s, expected {:.6g} s", time[i],
+    found = fmt::format("{:.13g} s, {:.6g} s after row {} at {:.13g} s, expected {:.6g} s", time[i],
                         step, i, time[i - 1], usual);
     break;
   }
@@ -55,10 +55,15 @@ void require_finite(const Raw& raw) {
                   raw.file, row + 1, found)};
 }
 
+void require_two_samples(const Raw& raw) {
+  if (raw.time.size() < 2)
+    throw Error{
+        fmt::format("{}: found {} samples, expected at least two", raw.file, raw.time.size())};
+}
+
 // Time stamps must be equally spaced, within the resolution of printed decimals.
 void take_spacing(const Raw& raw, Record& record) {
   const auto& time = raw.time;
-  if (time.size() < 2) throw Error{fmt::format("{}: fewer than two samples", raw.file)};
   record.start = time.front();
   record.time_step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
   for (std::size_t i = 1; i < time.size(); ++i) require_increase(raw, i);
@@ -78,6 +83,18 @@ std::vector<double> span_of(const Config& table, const std::string& key) {
     table.fail(
         key, fmt::format("{} is [{}], expected [from, to], from < to", key, fmt::join(span, ", ")));
   return span;
+}
+
+void resample(const Config& table, Raw& raw) {
+  constexpr double kMostResampled = 20'000'000;  // samples: 16 channels fit into 3 GB
+  const double rate = table.number_in("resample_Hz", kLowestRate, kHighestRate);
+  const double count = (raw.time.back() - raw.time.front()) * rate;
+  if (count > kMostResampled)
+    table.fail("resample_Hz",
+               fmt::format("resampling {:.6g} s at {:g} Hz makes {:.3g} samples, "
+                           "expected at most {:.0f}",
+                           raw.time.back() - raw.time.front(), rate, count, kMostResampled));
+  resample(raw, rate);
 }
 
 Use read_use(const Config& table) {
@@ -102,8 +119,8 @@ void read_quiet(const Config& table, Record& record) {
   const double last = first + static_cast<double>(record.samples() - 1) * record.time_step;
   const double slack = record.time_step + kPrintedTime;
   if (span[0] < first - slack || span[1] > last + slack)
-    table.fail("quiet_s", fmt::format("quiet_s is {} to {} s, expected times within {:.10g} to "
-                                      "{:.10g} s, which the record covers",
+    table.fail("quiet_s", fmt::format("quiet_s is {} to {} s, expected times within {:.13g} to "
+                                      "{:.13g} s, which the record covers",
                                       span[0], span[1], first, last));
   record.quiet = {sample(span[0]), sample(span[1])};
   if (record.quiet->first + 2 > record.quiet->second)
@@ -168,6 +185,13 @@ void refuse_far_motion(const Raw& raw, const Config& channels) {
 
 }  // namespace
 
+std::string name_in(const Config& table, const std::string& usual) {
+  std::string name = table.text("name", usual);
+  if (table.has("name") && name.empty())
+    table.fail("name", "name is empty, expected at least one character");
+  return name;
+}
+
 Record read_record(const Config& table, const Config& channels, Files& files, bool is_machine) {
   const Config own = channels_of(table, channels);
   const std::string file = table.placed("file", [&] {
@@ -177,7 +201,7 @@ Record read_record(const Config& table, const Config& channels, Files& files, bo
   });
   Raw raw = read_raw(own, files, file);
   Record record;
-  record.name = table.text("name", std::filesystem::path{file}.filename().string());
+  record.name = name_in(table, std::filesystem::path{file}.filename().string());
   record.use = read_use(table);
   if (table.has("span_s")) {
     const auto span = span_of(table, "span_s");
@@ -188,8 +212,8 @@ Record read_record(const Config& table, const Config& channels, Files& files, bo
     require_axis(raw, own);
     refuse_far_motion(raw, own);
   }
-  if (table.has("resample_Hz"))
-    resample(raw, table.number_in("resample_Hz", kLowestRate, kHighestRate));
+  require_two_samples(raw);
+  if (table.has("resample_Hz")) resample(table, raw);
   take_spacing(raw, record);
   record.channels = std::move(raw.channels);
   record.gaps = std::move(raw.gaps);

@@ -7,6 +7,9 @@
 
 namespace rths::diagnosis {
 
+/// The key `name` of a table; without it `usual`.   @throws Error if it is empty   @setup
+[[nodiscard]] std::string name_in(const Config& table, const std::string& usual);
+
 /// Reads one [[record]].
 /// @param channels  [channels] of the case; the record's own keys override it
 /// @param is_machine  the axes are those of a test machine, and no displacement is beyond its reach

@@ -85,7 +85,7 @@ void refuse_uneven(const Section& whole, double in_motion, const Config& table) 
   table.fail(
       "quiet_s",
       fmt::format("{} is not at rest in all of quiet_s of {}: its standard deviation is {:.3g} {} "
-                  "from {:.6g} to {:.6g} s, expected at most {} times the usual {:.3g} {}",
+                  "from {:.13g} to {:.13g} s, expected at most {} times the usual {:.3g} {}",
                   channel.role, whole.record->name, largest, channel.unit,
                   loudest.time_at(loudest.from), loudest.time_at(loudest.to), kMostRatio, usual,
                   channel.unit));

@@ -29,11 +29,15 @@ constexpr double kFewestPeriods = 4;       // of a sine in a test
 constexpr double kCutoffShare =
     0.15;  // of the row rate: the comparison filters out higher frequencies
 constexpr double kSmoothShare = 0.36;  // of the row rate: keeps noise out of the rates
+constexpr double kFilterEnd = 6;       // periods of the cutoff, at each end of a record
 constexpr double kHoldTime = 4;        // [s]
 constexpr double kSteadyShare = 0.02;  // of its mean: a channel that varies less is held constant
 constexpr double kHeldShare = 0.3;     // of its mean: change of such a channel
 constexpr double kQuasiStatic = 0.02;  // of the largest rate
 constexpr double kCircleRadius = 0.7;  // of the largest displacement
+constexpr double kOvershoot = 1.05;    // of the acceleration of a sine, while its amplitude changes
+constexpr double kRoundOff = 1e-6;     // relative
+constexpr double kLeastAxis = 0.01;    // of the other axis' displacement: less is hardly a motion
 
 std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
 std::string axis_name_of(const std::string& role) { return role.substr(role.find('.') + 1); }
@@ -71,14 +75,33 @@ Visited visited_by(const Problem& problem, const std::string& role) {
                                       : 0.0;
     x.array() -= level;
     const double cutoff = kSmoothShare / problem.drive(i).time_step;
-    if (cutoff < 0.4 / record.time_step) x = low_passed(x, 4, cutoff, record.time_step);
-    most.amplitude = std::max(most.amplitude, x.cwiseAbs().maxCoeff());
+    const bool is_filtered = cutoff < 0.4 / record.time_step;
+    if (is_filtered) x = low_passed(x, 4, cutoff, record.time_step);
+    // A filter swings at the ends of a motion that is cut.
+    const auto end = is_filtered ? static_cast<Index>(kFilterEnd / cutoff / record.time_step) : 0;
+    const Index margin = std::min(end, x.size() / 4), length = x.size() - 2 * margin;
     const VectorXd rate = rate_of(x, record.time_step);
-    most.rate = std::max(most.rate, rate.cwiseAbs().maxCoeff());
-    most.second_rate =
-        std::max(most.second_rate, rate_of(rate, record.time_step).cwiseAbs().maxCoeff());
+    const VectorXd second_rate = rate_of(rate, record.time_step);
+    const auto largest = [&](const VectorXd& values) {
+      return values.segment(margin, length).cwiseAbs().maxCoeff();
+    };
+    most.amplitude = std::max(most.amplitude, largest(x));
+    most.rate = std::max(most.rate, largest(rate));
+    most.second_rate = std::max(most.second_rate, largest(second_rate));
   }
   return most;
+}
+
+bool is_at_most(const VectorXd& values, double most) {
+  return values.cwiseAbs().maxCoeff() <= (1 + kRoundOff) * most;
+}
+
+bool has_reached(const VectorXd& motion, const Visited& limit, double time_step) {
+  return is_at_most(motion, limit.amplitude) && is_at_most(rate_of(motion, time_step), limit.rate);
+}
+
+bool has_accelerated(const VectorXd& motion, const Visited& limit, double time_step) {
+  return is_at_most(rate_of(rate_of(motion, time_step), time_step), limit.second_rate);
 }
 
 // Makes records like those of a problem, with other motions.
@@ -87,17 +110,17 @@ class Laboratory {
   explicit Laboratory(const Problem& problem)
       : problem_{problem}, like_{problem.record(0)}, drivers_{problem.relation().drivers()} {
     if (drivers_.empty()) return;
-    const Visited most = visited_by(problem, drivers_[0]);
-    amplitude_ = kReach * most.amplitude;
-    rate_ = kReach * most.rate;
-    second_rate_ = kReach * most.second_rate;
+    for (const auto& driver : drivers_) {
+      const Visited most = visited_by(problem, driver);
+      limits_.push_back({kReach * most.amplitude, kReach * most.rate, kReach * most.second_rate});
+    }
     // The rate of the model on the records: predictions need no more.
     time_.step = std::max(like_.time_step, problem.drive(0).time_step / 4);
     set_duration(kUsualDuration, kMostRows);
   }
 
   [[nodiscard]] std::vector<Design> designs(bool is_removable) {
-    if (!(amplitude_ > 0) || !(rate_ > 0)) return {};
+    if (drivers_.empty() || !(limits_[0].amplitude > 0) || !(limits_[0].rate > 0)) return {};
     add_sines();
     add_constant_velocities();
     add_mixed();
@@ -106,7 +129,7 @@ class Laboratory {
     add_levels();
     add_repeats();
     set_duration(kLongDuration, kMostRowsOfLong);
-    const double slow = frequency_at(0.3 * amplitude_, 0.2 * rate_);
+    const double slow = frequency_at(amplitude(0.3), 0.2 * limits_[0].rate);
     add(fmt::format("sine of {:.3g} Hz, ±{}", slow, size(0.3)), sine(time_, amplitude(0.3), slow));
     return std::move(designs_);
   }
@@ -114,28 +137,39 @@ class Laboratory {
  private:
   void set_duration(double seconds, double most) {
     const double row = problem_.drive(0).time_step;
-    time_.duration = std::min(std::max(seconds, kFewestRows * row), most * row);
+    // A slow system needs a long test.
+    const double periods = kFewestPeriods / fastest_at(amplitude(1)) / (1 - kRestShare);
+    time_.duration = std::min(std::max({seconds, kFewestRows * row, periods}), most * row);
     time_.rest = kRestShare * time_.duration;
   }
 
-  [[nodiscard]] double amplitude(double share) const { return two_digits(share * amplitude_); }
-  [[nodiscard]] std::string size(double share) const {
-    return quantity(amplitude(share), like_.find(drivers_[0])->unit);
+  [[nodiscard]] double amplitude(double share, std::size_t driver = 0) const {
+    return two_digits(share * limits_[driver].amplitude);
   }
-  // Frequency of a sine with this amplitude and rate. Limits: the acceleration that the machine has
-  // reached, a minimum number of periods, and the bandwidth of the comparison.
+  [[nodiscard]] std::string size(double share, std::size_t driver = 0) const {
+    return quantity(amplitude(share, driver), like_.find(drivers_[driver])->unit);
+  }
+  // Frequency of a sine with this amplitude at the limits of rate and acceleration.
+  [[nodiscard]] double fastest_at(double amplitude, std::size_t driver = 0) const {
+    const Visited& limit = limits_[driver];
+    return std::min(limit.rate / amplitude,
+                    std::sqrt(limit.second_rate / (kOvershoot * amplitude))) /
+           (2 * std::numbers::pi);
+  }
+  // Frequency of a sine with this amplitude and rate. Limits: a minimum number of periods, the rate
+  // and acceleration that the machine has reached, and the bandwidth of the comparison.
   [[nodiscard]] double frequency_at(double amplitude, double rate) const {
-    const double wanted =
-        std::min(rate / amplitude, std::sqrt(second_rate_ / amplitude)) / (2 * std::numbers::pi);
-    return two_digits(std::clamp(wanted, kFewestPeriods / time_.moving(),
-                                 kCutoffShare / problem_.drive(0).time_step));
+    const double wanted = rate / amplitude / (2 * std::numbers::pi);
+    return two_digits(
+        std::min({std::max(wanted, kFewestPeriods / time_.moving()), fastest_at(amplitude),
+                  kCutoffShare / problem_.drive(0).time_step}));
   }
 
   void add_sines() {
     for (const double share : {1.0, 0.3, 0.1}) {
       double last = 0;
       for (const double pace : {1.0, 0.2, 0.04}) {
-        const double frequency = frequency_at(amplitude(share), pace * rate_);
+        const double frequency = frequency_at(amplitude(share), pace * limits_[0].rate);
         if (frequency == last) continue;
         last = frequency;
         add(fmt::format("sine of {:.3g} Hz, ±{}", frequency, size(share)),
@@ -147,28 +181,28 @@ class Laboratory {
   void add_constant_velocities() {
     const std::string unit = like_.find(drivers_[0])->unit;
     for (const double pace : {0.5, 0.1, kQuasiStatic}) {
-      const double velocity = two_digits(pace * rate_);
+      const double velocity = two_digits(pace * limits_[0].rate);
       if (time_.moving() * velocity < 4 * amplitude(1)) continue;
       const char* name = pace == kQuasiStatic ? "quasi-static push with reversals" : "triangle";
-      add(fmt::format("{} at {}, ±{}", name, quantity(velocity, unit + "/s"), size(1)),
-          triangle(time_, amplitude(1), velocity));
+      add_with_corners(fmt::format("{} at {}, ±{}", name, quantity(velocity, unit + "/s"), size(1)),
+                       triangle(time_, amplitude(1), velocity));
     }
-    const double velocity = two_digits(0.5 * rate_);
+    const double velocity = two_digits(0.5 * limits_[0].rate);
     const double hold = std::min(kHoldTime, time_.moving() / 6);
-    add(fmt::format("ramps at {} to ±{}, held for {:.3g} s", quantity(velocity, unit + "/s"),
-                    size(1), hold),
-        ramps_and_holds(time_, amplitude(1), velocity, hold));
+    add_with_corners(fmt::format("ramps at {} to ±{}, held for {:.3g} s",
+                                 quantity(velocity, unit + "/s"), size(1), hold),
+                     ramps_and_holds(time_, amplitude(1), velocity, hold));
   }
 
   void add_mixed() {
-    const double half = frequency_at(amplitude(1), 0.5 * rate_),
-                 full = frequency_at(amplitude(1), rate_);
+    const double half = frequency_at(amplitude(1), 0.5 * limits_[0].rate),
+                 full = frequency_at(amplitude(1), limits_[0].rate);
     constexpr int kSteps = 5, kBursts = 3;
     add(fmt::format("sine of {:.3g} Hz, amplitude rising in {} steps to ±{}", half, kSteps,
                     size(1)),
         staircase(time_, amplitude(1), half, kSteps));
     for (const double share : {0.3, 0.1}) {
-      const double to = frequency_at(amplitude(share), rate_), from = two_digits(to / 20);
+      const double to = frequency_at(amplitude(share), limits_[0].rate), from = two_digits(to / 20);
       add(fmt::format("sine sweep from {:.3g} to {:.3g} Hz, ±{}", from, to, size(share)),
           sweep(time_, amplitude(share), from, to));
     }
@@ -186,11 +220,13 @@ class Laboratory {
       double reach = kReach / 2 * (x.maxCoeff() - x.minCoeff());
       const double mean = x.mean();
       if (reach < kSteadyShare * std::abs(mean)) reach = kHeldShare * std::abs(mean);
-      const double frequency = frequency_at(amplitude(0.8), 0.5 * rate_);
-      add(fmt::format("sine of {:.3g} Hz, ±{}, at {} of {}, {} and {}", frequency, size(0.8),
-                      channel.role, quantity(mean - reach, channel.unit),
-                      quantity(mean, channel.unit), quantity(mean + reach, channel.unit)),
-          sine(time_, amplitude(0.8), frequency));
+      const double frequency = frequency_at(amplitude(0.8), 0.5 * limits_[0].rate);
+      const bool is_added =
+          add(fmt::format("sine of {:.3g} Hz, ±{}, at {} of {}, {} and {}", frequency, size(0.8),
+                          channel.role, quantity(mean - reach, channel.unit),
+                          quantity(mean, channel.unit), quantity(mean + reach, channel.unit)),
+              sine(time_, amplitude(0.8), frequency));
+      if (!is_added) continue;
       if (Channel* level = channel_of(designs_.back().record, channel.role))
         for (Index k = 0; k < time_.samples(); ++k) {
           const double third =
@@ -203,14 +239,19 @@ class Laboratory {
   void add_second_axis() {
     if (drivers_.size() < 2 || family_of(drivers_[0]) != family_of(drivers_[1])) return;
     if (family_of(drivers_[0]) == "input") return;  // not necessarily axes
-    const double frequency = frequency_at(amplitude(kCircleRadius), 0.5 * rate_);
+    const double first = amplitude(kCircleRadius), second = amplitude(kCircleRadius, 1);
+    if (!(second > kLeastAxis * first)) return;
+    const double frequency =
+        two_digits(std::min(frequency_at(first, 0.5 * limits_[0].rate), fastest_at(second, 1)));
     const double quarter = std::numbers::pi / 2;
-    add(fmt::format("circle of {} in both axes, {:.3g} Hz", size(kCircleRadius), frequency),
-        sine(time_, amplitude(kCircleRadius), frequency),
-        sine(time_, amplitude(kCircleRadius), frequency, quarter));
-    add(fmt::format("sine of {:.3g} Hz, ±{} in both axes", frequency, size(kCircleRadius)),
-        sine(time_, amplitude(kCircleRadius), frequency),
-        sine(time_, amplitude(kCircleRadius), frequency));
+    const std::string sizes = second == first
+                                  ? size(kCircleRadius)
+                                  : size(kCircleRadius) + " and " + size(kCircleRadius, 1);
+    add(fmt::format("{} of {} in both axes, {:.3g} Hz", second == first ? "circle" : "ellipse",
+                    sizes, frequency),
+        sine(time_, first, frequency), sine(time_, second, frequency, quarter));
+    add(fmt::format("sine of {:.3g} Hz, ±{} in both axes", frequency, sizes),
+        sine(time_, first, frequency), sine(time_, second, frequency));
   }
 
   // Repeats the tests so far on the empty table, which no specimen loads.
@@ -248,7 +289,18 @@ class Laboratory {
     return found == record.channels.end() ? nullptr : &*found;
   }
 
-  void add(const std::string& text, const VectorXd& motion, const VectorXd& second = {}) {
+  // Returns false for a test beyond the limits, which is left out.
+  bool add(const std::string& text, const VectorXd& motion, const VectorXd& second = {}) {
+    const bool is_slow = has_accelerated(motion, limits_[0], time_.step) &&
+                         (second.size() == 0 || has_accelerated(second, limits_[1], time_.step));
+    return is_slow && add_with_corners(text, motion, second);
+  }
+  // The machine itself rounds the corners of a motion, at which its velocity jumps.
+  bool add_with_corners(const std::string& text, const VectorXd& motion,
+                        const VectorXd& second = {}) {
+    if (!has_reached(motion, limits_[0], time_.step) ||
+        (second.size() > 0 && !has_reached(second, limits_[1], time_.step)))
+      return false;
     Record record;
     record.name = text;
     record.use = Use::Fit;
@@ -261,6 +313,7 @@ class Laboratory {
       channel.values.assign(values.begin(), values.end());
     }
     designs_.push_back({fmt::format("{}, {:.3g} s", text, time_.duration), std::move(record)});
+    return true;
   }
 
   // The signal of a channel of the records under a motion.
@@ -310,7 +363,7 @@ class Laboratory {
   const Problem& problem_;
   const Record& like_;
   std::vector<std::string> drivers_;
-  double amplitude_ = 0, rate_ = 0, second_rate_ = 0;
+  std::vector<Visited> limits_;  // of each driver
   TestTime time_;
   std::vector<Design> designs_;
 };

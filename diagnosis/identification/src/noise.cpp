@@ -83,10 +83,7 @@ struct Rest {
     return frequency;
   }
   [[nodiscard]] double deviation() const { return samples > 0 ? std::sqrt(square / samples) : 0; }
-  [[nodiscard]] bool is_enough() const {
-    constexpr double kEnough = 100;
-    return samples >= kEnough;
-  }
+  [[nodiscard]] bool is_enough() const { return samples >= kFewestAtRest; }
 };
 
 // Sums of `width` neighbours, from running sums over blocks of that width, so that nothing is

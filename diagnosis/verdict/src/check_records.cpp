@@ -33,7 +33,7 @@ void check_sizes(const Channel& channel, const Record& record) {
   for (std::size_t i = 0; i < channel.values.size(); ++i) {
     const double value = channel.values[i];
     if (!(std::abs(value) <= kLargest))
-      throw Error{fmt::format("{}: {} is {:g} {} in sample {}, at {:.10g} s, expected {:g} to {:g}",
+      throw Error{fmt::format("{}: {} is {:g} {} in sample {}, at {:.13g} s, expected {:g} to {:g}",
                               record.name, channel.role, value, channel.unit, i + 1,
                               record.start + static_cast<double>(i) * record.time_step, -kLargest,
                               kLargest)};
@@ -42,6 +42,12 @@ void check_sizes(const Channel& channel, const Record& record) {
   if (largest > 0 && largest < kSmallest)
     throw Error{fmt::format("{}: the largest value of {} is {:g} {}, expected 0 or at least {:g}",
                             record.name, channel.role, largest, channel.unit, kSmallest)};
+}
+
+// A bearing carries its load in the mean; a platen may have no specimen.
+void check_compression(const Record& record) {
+  if (const std::string text = tension_in(record); !text.empty())
+    throw Error{fmt::format("{}: {}", record.name, text)};
 }
 
 double largest_of(const Record& record, const std::string& role) {
@@ -92,10 +98,24 @@ void check_variation(const Drive& drive, const Record& record, const Relation& r
 
 }  // namespace
 
+std::string tension_in(const Record& record) {
+  const Channel* load = record.find("vertical_force");
+  if (load == nullptr || load->values.empty()) return "";
+  const Eigen::VectorXd values = values_of(*load);
+  const double mean = values.mean();
+  // Noise about zero is no tension.
+  if (!(mean < 0) || values.maxCoeff() > -mean) return "";
+  return fmt::format(
+      "vertical_force is negative in the mean ({:.3g} N), expected compression as positive "
+      "(\"-column [unit]\" in [channels] reverses the sign)",
+      mean);
+}
+
 void check_records(const Case& c) {
   for (const auto& record : c.records) {
     if (record.use != Use::Reference) check_length(record);
     for (const auto& channel : record.channels) check_sizes(channel, record);
+    if (record.use != Use::Reference && c.model.kind == "bearing") check_compression(record);
   }
 }
 

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "check_records.hpp"
+
 namespace rths::diagnosis {
 namespace {
 
@@ -31,6 +33,10 @@ std::string faster_at_rest(const Case& c) {
             "Hz, as behind one anti-aliasing filter.",
             rest.name, 1 / rest.time_step, moving->name, 1 / moving->time_step);
   return "";
+}
+
+Eigen::MatrixXd centred(const Eigen::MatrixXd& columns) {
+  return columns.rowwise() - columns.colwise().mean();
 }
 
 std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
@@ -85,6 +91,26 @@ std::string unused_channels(const Case& c) {
   if (unused.empty()) return "";
   return fmt::format("Not used by a model of kind '{}': {}.", c.model.kind,
                      fmt::join(unused, ", "));
+}
+
+// Sections at rest that are too short for the noise; empty: none.
+std::string short_rest(const Case& c) {
+  std::size_t samples = 0;
+  for (const auto& record : c.records)
+    if (record.quiet) samples += record.quiet->second - record.quiet->first;
+  if (samples == 0 || static_cast<double>(samples) >= kFewestAtRest) return "";
+  return fmt::format("quiet_s has {} samples, expected at least {} in all: it is not used.",
+                     samples, kFewestAtRest);
+}
+
+// Friction and strength follow the compression.
+std::vector<std::string> loads_in_tension(const Case& c) {
+  std::vector<std::string> loads;
+  if (c.model.kind != "platen") return loads;
+  for (const Record* record : moving_records(c))
+    if (const std::string text = tension_in(*record); !text.empty())
+      loads.push_back(fmt::format("{}: {}.", record->name, text));
+  return loads;
 }
 
 // A displacement that hardly any machine reaches may be in another unit.
@@ -204,9 +230,36 @@ std::vector<std::string> limits_of_channels(const Case& c) {
     if (lacks("command"))
       limits.emplace_back("No command was recorded: actuators were not checked.");
   }
+  if (const std::string rest = short_rest(c); !rest.empty()) limits.push_back(rest);
+  for (auto& load : loads_in_tension(c)) limits.push_back(std::move(load));
   if (const std::string unused = unused_channels(c); !unused.empty()) limits.push_back(unused);
   for (auto& doubt : doubtful_units(c)) limits.push_back(std::move(doubt));
   return limits;
+}
+
+std::vector<std::string> opposed_outputs(const Relation& relation,
+                                         const std::vector<const Record*>& records) {
+  constexpr double kOpposed = -0.5;  // correlation
+  std::vector<std::string> opposed;
+  for (const Record* record : records) {
+    const auto drive = relation.prepare(*record);
+    Eigen::MatrixXd prediction;
+    std::vector<Eigen::MatrixXd> none;
+    if (!relation.simulator(relation.base(), *drive)
+             ->run(relation.base().values, {}, prediction, none))
+      continue;
+    const Eigen::MatrixXd stated = centred(drive->compared_rows(prediction));
+    const Eigen::MatrixXd measured = centred(drive->compared_rows(drive->measured));
+    for (Eigen::Index i = 0; i < measured.cols(); ++i) {
+      const double correlation = stated.col(i).normalized().dot(measured.col(i).normalized());
+      if (correlation < kOpposed)
+        opposed.push_back(fmt::format(
+            "{}: {} opposes the prediction of the stated model (correlation {:.2f}): is its sign "
+            "right? \"-column [unit]\" in [channels] reverses it.",
+            record->name, relation.outputs()[static_cast<std::size_t>(i)].first, correlation));
+    }
+  }
+  return opposed;
 }
 
 std::string remedy_for_noise(const Case& c) {
@@ -214,7 +267,8 @@ std::string remedy_for_noise(const Case& c) {
   for (const Record* record : moving_records(c))
     if (const auto rest = apparent_rest(*record))
       return fmt::format(
-          "{0} seems to be at rest from {1:g} to {2:g} s: if it is, quiet_s = [{1:g}, {2:g}] in "
+          "{0} seems to be at rest from {1:.13g} to {2:.13g} s: if it is, quiet_s = [{1:.13g}, "
+          "{2:.13g}] in "
           "its "
           "[[record]] measures the noise",
           record->name, std::ceil(kPerSecond * rest->first) / kPerSecond,
@@ -246,6 +300,8 @@ void add_limits(const Case& c, const SensorNoise& noise,
   for (const auto& found : all) {
     verdict.limits.push_back(filter_of(*found));
     add_visited(*found, verdict);
+    for (auto& opposed : opposed_outputs(*found->relation, moving_records(c)))
+      verdict.limits.push_back(std::move(opposed));
   }
 }
 

@@ -18,6 +18,10 @@ void add_limits(const Case& c, const SensorNoise& noise,
 /// What the absence of channels leaves open, and channels that no relation uses.
 [[nodiscard]] std::vector<std::string> limits_of_channels(const Case& c);
 
+/// Outputs whose measurement opposes the prediction of the stated model: their sign may be wrong.
+[[nodiscard]] std::vector<std::string> opposed_outputs(const Relation& relation,
+                                                       const std::vector<const Record*>& records);
+
 /// How to measure the noise, if no section at rest is known: with the first section of a record
 /// that seems to be at rest.
 [[nodiscard]] std::string remedy_for_noise(const Case& c);

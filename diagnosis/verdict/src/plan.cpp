@@ -311,6 +311,8 @@ Plan plan(const Case& c, const DiagnosisOptions& options) {
   for (const auto& relation : relations_of(c, options.without)) {
     check_outputs(*relation, moving_records(c));
     plan.relations.push_back(examined(*relation, split, noise, options.seed));
+    for (auto& opposed : opposed_outputs(*relation, moving_records(c)))
+      plan.limits.push_back(std::move(opposed));
   }
   if (plan.relations.empty())
     throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,

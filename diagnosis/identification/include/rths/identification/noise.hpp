@@ -27,6 +27,9 @@ class NoiseGenerator {
   std::vector<Drawn> drawn_;  ///< of every channel
 };
 
+/// Samples at rest, of all records, that measure the noise of a channel. Fewer are ignored.
+inline constexpr double kFewestAtRest = 100;
+
 /// Noise of the sensors, channel by channel.
 class SensorNoise {
  public:
