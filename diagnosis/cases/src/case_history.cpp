@@ -78,28 +78,44 @@ double end_of(const Record& record) {
   return record.start + static_cast<double>(record.samples() - 1) * record.time_step;
 }
 
+// A record and its table in the case.
+struct Entry {
+  const Record& record;
+  const Config& table;
+};
+
+void refuse_copy(const Entry& earlier, const Entry& later) {
+  if (have_same_file(earlier.table, later.table) || !have_same_values(earlier.record, later.record))
+    return;
+  later.table.fail("file", fmt::format("{} has the values of {}, a record to {}, in each channel, "
+                                       "expected another test: {}",
+                                       later.table.text("file"), earlier.record.name,
+                                       words_of(earlier.record.use),
+                                       reason_against(earlier.record, later.record)));
+}
+
+void refuse_overlap(const Entry& earlier, const Entry& later) {
+  if (!have_same_source(earlier.table, later.table)) return;
+  const double from = std::max(earlier.record.start, later.record.start);
+  const double to = std::min(end_of(earlier.record), end_of(later.record));
+  // Sections that adjoin share a sample.
+  if (to - from <= 1.5 * std::max(earlier.record.time_step, later.record.time_step)) return;
+  later.table.fail("file", fmt::format("{} is also a record to {}, from {:.13g} to {:.13g} s, "
+                                       "expected sections that do not overlap (span_s) or "
+                                       "another file: {}",
+                                       later.table.text("file"), words_of(earlier.record.use), from,
+                                       to, reason_against(earlier.record, later.record)));
+}
+
 }  // namespace
 
 void refuse_overlap(const std::vector<Record>& records, const std::vector<Config>& tables) {
   for (std::size_t i = 0; i < records.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
-      const Record &earlier = records[k], &later = records[i];
-      if (earlier.use == Use::Reference || later.use == Use::Reference) continue;
-      if (!have_same_file(tables[k], tables[i]) && have_same_values(earlier, later))
-        tables[i].fail("file", fmt::format("{} has the values of {}, a record to {}, in each "
-                                           "channel, expected another test: {}",
-                                           tables[i].text("file"), earlier.name,
-                                           words_of(earlier.use), reason_against(earlier, later)));
-      if (!have_same_source(tables[k], tables[i])) continue;
-      const double from = std::max(earlier.start, later.start);
-      const double to = std::min(end_of(earlier), end_of(later));
-      // Sections that adjoin share a sample.
-      if (to - from <= 1.5 * std::max(earlier.time_step, later.time_step)) continue;
-      tables[i].fail("file", fmt::format("{} is also a record to {}, from {:.13g} to {:.13g} s, "
-                                         "expected sections that do not overlap (span_s) or "
-                                         "another file: {}",
-                                         tables[i].text("file"), words_of(earlier.use), from, to,
-                                         reason_against(earlier, later)));
+      const Entry earlier{records[k], tables[k]}, later{records[i], tables[i]};
+      if (records[k].use == Use::Reference || records[i].use == Use::Reference) continue;
+      refuse_copy(earlier, later);
+      refuse_overlap(earlier, later);
     }
 }
 

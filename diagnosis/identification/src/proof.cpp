@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include <rths/identification/scores.hpp>
+
 namespace rths::diagnosis {
 namespace {
 
