@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 #include <string>
 
@@ -76,6 +77,63 @@ TEST(CandidateTerms, HaveParametersOfTheirKindThatCanBeFitted) {
     EXPECT_TRUE(is_fitted) << kind.name;
     for (const auto& simpler : term.contains) EXPECT_TRUE(is_candidate(simpler)) << simpler;
     EXPECT_FALSE(term.waits && term.contains.empty()) << kind.name;
+  }
+}
+
+// A specimen that moves at 1 Hz.
+NaturalScale at_one_hertz(double force, double displacement) {
+  constexpr double kCircle = 2 * std::numbers::pi;
+  NaturalScale scale;
+  scale.displacement = displacement;
+  scale.velocity = displacement * kCircle;
+  scale.acceleration = scale.velocity * kCircle;
+  scale.force = force;
+  scale.axial_load = force;
+  scale.duration = 10;
+  scale.output = force;
+  scale.auxiliary = 1;
+  return scale;
+}
+
+// Bounds that do not grow with the specimen.
+bool is_without_size(const sim::Parameter& parameter) {
+  const bool is_ratio = parameter.unit == "-" || parameter.unit == "1/K";
+  const bool is_time = parameter.unit == "s";  // of a controller, a filter or a material
+  // Of the vertical force alone.
+  const bool is_of_load = parameter.name == "contact_area" || parameter.name == "pressure_scale" ||
+                          parameter.name == "reference_pressure";
+  return is_ratio || is_time || is_of_load;
+}
+
+void expect_room(const CandidateTerm& term, double force, double displacement) {
+  const NaturalScale scale = at_one_hertz(force, displacement);
+  using Role = CandidateParameter::Role;
+  for (const auto& parameter : term.parameters) {
+    const sim::Parameter& known = sim::parameter_of(sim::term_kind(term.kind), parameter.name);
+    if (parameter.role == Role::Typical || is_without_size(known)) continue;
+    const double unit = natural_unit(known.unit, scale);
+    // A size that is fitted without bounds of its own may grow tenfold.
+    const double most = *std::max_element(parameter.starts.begin(), parameter.starts.end());
+    const bool is_bounded = parameter.low < parameter.high;
+    const double growth = parameter.role == Role::Size ? 10 : 1;
+    EXPECT_LE((is_bounded ? parameter.high : growth * most) * unit, known.high * (1 + 1e-9))
+        << term.kind << " " << known.name << " of " << force << " N and " << displacement << " m";
+    const double least = *std::min_element(parameter.starts.begin(), parameter.starts.end());
+    EXPECT_GE((is_bounded ? parameter.low : least) * unit, known.low * (1 - 1e-9))
+        << term.kind << " " << known.name << " of " << force << " N and " << displacement << " m";
+  }
+}
+
+TEST(CandidateTerms, HaveRoomInTheCatalogueForSmallAndLargeSpecimens) {
+  for (const auto& term : candidate_terms()) {
+    const bool is_scaled = (term.places & (kOnConnection | kOnInput | kOnOutput)) != 0;
+    // Other sizes of a free model are scaled into this range.
+    if (is_scaled)
+      for (const double force : {1e-2, 1e6})
+        for (const double displacement : {1e-3, 0.3}) expect_room(term, force, displacement);
+    if ((term.places & (kOnForce | kOnActuator | kOnAccelerometer)) != 0)
+      for (const double force : {1.0, 1e8})
+        for (const double displacement : {1e-4, 1.0}) expect_room(term, force, displacement);
   }
 }
 
