@@ -12,6 +12,7 @@
 #include <rths/core/error.hpp>
 #include <rths/sim/term.hpp>
 
+#include "diagnosis/models/src/composition_simulator.hpp"
 #include "diagnosis/models/src/library.hpp"
 #include "support/files.hpp"
 
@@ -177,6 +178,37 @@ TEST(CandidateTerms, AreOfferedToACompleteRecordingOfASlider) {
   };
   ASSERT_NE(drag("lat"), candidates.end());
   EXPECT_GT(drag("lat")->price, drag("")->price);
+}
+
+// The specimen's force is kept between suppositions.
+TEST(CompositionSimulator, DistinguishesTheAxisOfATerm) {
+  Record record;
+  record.name = "sweep";
+  record.time_step = 0.01;
+  std::vector<double> motion;
+  for (int i = 0; i < 500; ++i) motion.push_back(0.1 * std::sin(0.05 * i));
+  for (const char* role : {"displacement.long", "displacement.lat", "force.long", "force.lat"}) {
+    record.channels.emplace_back();
+    record.channels.back().role = role;
+    record.channels.back().values.assign(motion.begin(), motion.end());
+  }
+  const auto drive = motion_drive(record, {"displacement", "force"}, {0, 1}, {100, 0, 100});
+  const auto force_of = [&](unsigned axes) {
+    Hypothesis spring;
+    spring.terms.push_back({{"asymmetric_stiffness", "spring", {{"stiffness", 1e6}}, axes}, ""});
+    Eigen::MatrixXd force;
+    std::vector<Eigen::MatrixXd> derivatives;
+    EXPECT_TRUE(CompositionSimulator(spring, *drive, Predicted::Force, {0, 1})
+                    .run({}, {}, force, derivatives));
+    return force;
+  };
+
+  const Eigen::MatrixXd on_long = force_of(1), on_lat = force_of(2);
+
+  EXPECT_GT(on_long.col(0).norm(), 0);
+  EXPECT_EQ(on_long.col(1).norm(), 0);
+  EXPECT_EQ(on_lat.col(0).norm(), 0);
+  EXPECT_EQ(on_lat.col(1), on_long.col(0));
 }
 
 }  // namespace
