@@ -180,6 +180,37 @@ TEST(CandidateTerms, AreOfferedToACompleteRecordingOfASlider) {
   EXPECT_GT(drag("lat")->price, drag("")->price);
 }
 
+// Candidates of a slider under a vertical force.
+std::vector<Candidate> candidates_under(double axial_load) {
+  Hypothesis base;
+  base.terms.push_back({{"flat_slider", "flat_slider", {}}, ""});
+  NaturalScale scale = at_one_hertz(0.1 * axial_load, 0.01);
+  scale.axial_load = axial_load;
+  return candidates_of(kOnForce, base, scale, {0}, {scale}, {});
+}
+
+const Candidate* find(const std::vector<Candidate>& candidates, std::string_view name) {
+  const auto found = std::find_if(candidates.begin(), candidates.end(),
+                                  [&](const Candidate& one) { return one.name == name; });
+  return found == candidates.end() ? nullptr : &*found;
+}
+
+// The mean pressure is 50 MPa, so the factor at 50 MPa is a number near 1 for every slider.
+TEST(CandidateTerms, HaveAContactAreaInProportionToTheLoad) {
+  for (const double load : {50.0, 5e4, 5e7}) {
+    const auto candidates = candidates_under(load);
+    for (const char* name : {"pressure_dep_sliding", "pressure_tanh_sliding"}) {
+      const Candidate* candidate = find(candidates, name);
+      ASSERT_NE(candidate, nullptr) << name;
+      for (const auto& [parameter, value] : candidate->adds[0].settings.parameters) {
+        const double pressure = parameter == "contact_area" ? load / value : value;
+        EXPECT_NEAR(pressure, 50e6, 1) << name << " " << parameter;
+      }
+    }
+    EXPECT_NEAR(find(candidates, "pressure_tanh_sliding")->starts[0][1], 50e6, 1);
+  }
+}
+
 // The specimen's force is kept between suppositions.
 TEST(CompositionSimulator, DistinguishesTheAxisOfATerm) {
   Record record;
