@@ -195,6 +195,14 @@ const Candidate* find(const std::vector<Candidate>& candidates, std::string_view
   return found == candidates.end() ? nullptr : &*found;
 }
 
+TEST(CandidateTerms, AreOfferedUnderASmallVerticalForce) {
+  const auto candidates = candidates_under(0.01);
+
+  for (const char* name :
+       {"mount_slack", "axial_load_strength", "axial_load_stiffness", "pressure_dep_sliding"})
+    EXPECT_NE(find(candidates, name), nullptr) << name;
+}
+
 // The mean pressure is 50 MPa, so the factor at 50 MPa is a number near 1 for every slider.
 TEST(CandidateTerms, HaveAContactAreaInProportionToTheLoad) {
   for (const double load : {50.0, 5e4, 5e7}) {
