@@ -48,14 +48,30 @@ TEST(CandidateTerms, CoverTheCatalogueOrSayWhyNot) {
   }
 }
 
+TEST(CandidateTerms, CoverFreeModelsOrSayWhyNot) {
+  constexpr unsigned kFree = kOnConnection | kOnInput | kOnOutput;
+  const auto others = terms_not_searched_freely();
+  for (const auto& term : candidate_terms()) {
+    const auto entries = candidate_terms();
+    const bool is_searched = std::any_of(entries.begin(), entries.end(), [&](const auto& one) {
+      return one.kind == term.kind && (one.places & kFree) != 0;
+    });
+    const bool is_named = std::any_of(others.begin(), others.end(),
+                                      [&](const auto& one) { return one.first == term.kind; });
+    EXPECT_NE(is_searched, is_named) << term.kind;
+  }
+}
+
 TEST(CandidateTerms, AreExplainedWhereTheyAreNotSearchedFor) {
   std::stringstream page;
   page << std::ifstream{test::source_tree() / "docs/diagnosis_models.md"}.rdbuf();
-  for (const auto& [kind, reason] : terms_not_searched()) {
-    EXPECT_NO_THROW(static_cast<void>(sim::term_kind(kind)));
-    EXPECT_FALSE(reason.empty()) << kind;
-    EXPECT_NE(page.str().find("`" + std::string{kind} + "`"), std::string::npos) << kind;
-  }
+  const std::string text = page.str().substr(page.str().find("## Terms that are not searched for"));
+  for (const auto& terms : {terms_not_searched(), terms_not_searched_freely()})
+    for (const auto& [kind, reason] : terms) {
+      EXPECT_NO_THROW(static_cast<void>(sim::term_kind(kind)));
+      EXPECT_FALSE(reason.empty()) << kind;
+      EXPECT_NE(text.find("`" + std::string{kind} + "`"), std::string::npos) << kind;
+    }
 }
 
 TEST(CandidateTerms, HaveParametersOfTheirKindThatCanBeFitted) {

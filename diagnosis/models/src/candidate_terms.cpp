@@ -560,4 +560,47 @@ std::span<const std::pair<std::string_view, std::string_view>> terms_not_searche
   return kTerms;
 }
 
+std::span<const std::pair<std::string_view, std::string_view>> terms_not_searched_freely() {
+  constexpr std::string_view kAxial = "needs a vertical force, which no free model has",
+                             kAxes = "joins two axes, which no connection has",
+                             kBearing = "refines a bearing: searched for in compositions",
+                             kControl = "needs the control signal of a device",
+                             kMachine = "belongs to a test machine and its sensors";
+  static constexpr std::pair<std::string_view, std::string_view> kTerms[] = {
+      {"axial_load_strength", kAxial},
+      {"axial_load_stiffness", kAxial},
+      {"p_delta", kAxial},
+      {"horizontal_stiffness_variation", kAxial},
+      {"load_dependent_friction", kAxial},
+      {"flat_slider", kAxial},
+      {"pressure_dep_sliding", kAxial},
+      {"pressure_tanh_sliding", kAxial},
+      {"velocity_dep_sliding", kAxial},
+      {"friction_heating", kAxial},
+      {"crosstalk_vertical", kAxial},
+      {"planar_friction", kAxes},
+      {"crosstalk_horizontal", kAxes},
+      {"adiabatic_heating", "is the same as degradation in one record"},
+      {"ageing_temperature", kBearing},
+      {"asymmetric_hysteresis", kBearing},
+      {"bouc_wen_slip", kBearing},
+      {"hysteresis_shape", kBearing},
+      {"rate_dep_strength", kBearing},
+      {"scragging", kBearing},
+      {"mer_spring", kBearing},
+      {"rim_stop", kBearing},
+      {"control_delay", kControl},
+      {"control_lag", kControl},
+      {"current_dependent_damping", kControl},
+      {"current_dependent_friction", kControl},
+      {"accelerometer_tilt", kMachine},
+      {"clock_drift", kMachine},
+      {"load_compliance", kMachine},
+      {"mount_slack", kMachine},
+      {"oil_column_resonance", kMachine},
+      {"support_flexibility", kMachine},
+      {"valve_deadband", kMachine}};
+  return kTerms;
+}
+
 }  // namespace rths::diagnosis
