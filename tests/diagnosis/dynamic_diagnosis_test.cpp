@@ -83,6 +83,12 @@ void rub(Truth& truth) {
   truth.gain = 3;
   truth.memory_rate = [](double s, double v) { return (v - s * std::abs(v)) / 2e-4; };
 }
+// At one place of the stroke.
+void rub_locally(Truth& truth) {
+  rub(truth);
+  truth.gain = 6;
+  truth.grip = [](double d) { return std::exp(-std::pow((d - 3e-3) / 3e-3, 2)); };
+}
 
 void saturated(Eigen::Ref<VectorXd> y, double rms) {
   y = y.cwiseMin(1.3 * rms).cwiseMax(-1.3 * rms);
@@ -212,15 +218,16 @@ damping_N_s_per_m = 4
 
 INSTANTIATE_TEST_SUITE_P(
     Of, MassesOnSprings,
-    ::testing::Values(LeftOut{"nothing", {}, {}},
-                      LeftOut{"saturation", {"saturation at input.u"}, saturate},
-                      LeftOut{"delay", {"actuator_delay at input.u"}, delay},
-                      LeftOut{"softening", {"cubic_stiffness at spring.1"}, soften},
-                      LeftOut{"friction", {"coulomb_friction at spring.1"}, rub},
-                      LeftOut{"play",
-                              {"transducer_backlash at spring.3"},
-                              [](Truth& truth) { truth.hysteretic = 2, truth.gap = 1e-3; }},
-                      LeftOut{"overflow", {"overflow at output.a"}, {}, seldom_overflown}),
+    ::testing::Values(
+        LeftOut{"nothing", {}, {}}, LeftOut{"saturation", {"saturation at input.u"}, saturate},
+        LeftOut{"delay", {"actuator_delay at input.u"}, delay},
+        LeftOut{"softening", {"cubic_stiffness at spring.1"}, soften},
+        LeftOut{"friction", {"coulomb_friction at spring.1"}, rub},
+        LeftOut{"local_friction", {"position_dependent_friction at spring.1"}, rub_locally},
+        LeftOut{"play",
+                {"transducer_backlash at spring.3"},
+                [](Truth& truth) { truth.hysteretic = 2, truth.gap = 1e-3; }},
+        LeftOut{"overflow", {"overflow at output.a"}, {}, seldom_overflown}),
     name_of);
 
 using LinearSystems = UserSystem;

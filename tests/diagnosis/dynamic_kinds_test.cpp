@@ -324,6 +324,30 @@ TEST_F(Kinds, DataWithAnAddedTermIsTheirSum) {
   EXPECT_LT(test_support::relative_error(with_term, expected), 1e-12);
 }
 
+// At an angle of w h per sample, five-point differences lack (w h)^4/30 of the first and (w h)^4/90
+// of the second rate.
+TEST_F(Kinds, DataWithADamperAndAMassHaveTheRatesOfASine) {
+  constexpr double kAngle = 0.4, kRate = kAngle / kKindsStep;
+  std::vector<double> nothing(400, 0.0), displacement;
+  for (std::size_t i = 0; i < 400; ++i)
+    displacement.push_back(std::sin(kAngle * static_cast<double>(i)));
+  folder_.write("fit.csv", {{"u", displacement}, {"p", nothing}, {"y", nothing}});
+  const std::string data = records(
+                               "displacement.long = \"u [m]\"\nforce.long = \"y [N]\"\n"
+                               "predicted.force.long = \"p [N]\"\n") +
+                           "[model]\nkind = \"data\"\n[model.terms.\"added.1\"]\n";
+
+  const MatrixXd damped = answer(data + "viscous_friction = {coefficient_N_s_per_m = 1}\n");
+  const MatrixXd heavy = answer(data + "platen_inertia = {mass_kg = 1}\n");
+
+  constexpr double kMissing = kAngle * kAngle * kAngle * kAngle;
+  for (Index i = 2; i < 398; ++i) {
+    const double angle = kAngle * static_cast<double>(i);
+    ASSERT_NEAR(damped(i, 0), kRate * std::cos(angle), kRate * kMissing / 30);
+    ASSERT_NEAR(heavy(i, 0), -kRate * kRate * std::sin(angle), kRate * kRate * kMissing / 90);
+  }
+}
+
 TEST_F(Kinds, ReportErrorsInTheirTables) {
   const std::string linear = kForced + R"([model]
 kind = "linear"

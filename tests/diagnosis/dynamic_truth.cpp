@@ -46,7 +46,7 @@ class Chain {
     double f = truth_.spring ? truth_.spring(i, d, v) : 0;
     if (i == truth_.hysteretic && truth_.memory_rate) {
       rate[2 * n_] = truth_.memory_rate(x[2 * n_], v);
-      f += truth_.gain * x[2 * n_];
+      f += truth_.gain * x[2 * n_] * (truth_.grip ? truth_.grip(d) : 1);
     }
     if (i == truth_.hysteretic && truth_.gap > 0) {
       const double held = std::clamp(joint_, d - truth_.gap / 2, d + truth_.gap / 2);

@@ -23,7 +23,8 @@ struct Truth {
   std::function<double(double memory, double velocity)> memory_rate;
   Eigen::Index hysteretic = 0;
   double gain = 0;
-  double gap = 0;  ///< play of the joint that holds spring `hysteretic`
+  std::function<double(double)> grip;  ///< a factor of that force, by the spring's displacement
+  double gap = 0;                      ///< play of the joint that holds spring `hysteretic`
   /// The input after an effect, by signal and time.
   std::function<double(const std::function<double(double)>&, double)> input;
   double input_lag = 0;  ///< time constant of a first-order lag [s]

@@ -281,10 +281,9 @@ Verdict unknown_verdict() {
   v.confidence = 0.94;
   v.has_remainder = true;
   v.sentence =
-      "Unknown: no term of the catalogue explains the residual; a force that depends on "
-      "displacement, f(u), explains 93 % of it (confidence 0.94). Next test: a triangle of 20 mm/s "
-      "on "
-      "the empty table shows whether it is the machine's.";
+      "Unknown: none of the terms that were searched explains the residual; a force that depends "
+      "on displacement, f(u), explains 93 % of it (confidence 0.94). Next test: a triangle of "
+      "20 mm/s on the empty table shows whether it is the machine's.";
   v.traces = {trace("northridge.csv", 0, truth, base_law, base_law),
               trace("petrolia.csv", 1.1, truth, base_law, base_law)};
   v.where = where_of(v.traces[0], motion(0));

@@ -79,4 +79,8 @@ struct CandidateTerm {
 /// Kinds of the catalogue that are not searched for, and why.
 [[nodiscard]] std::span<const std::pair<std::string_view, std::string_view>> terms_not_searched();
 
+/// Candidates of compositions that are not searched for in models that run freely, and why.
+[[nodiscard]] std::span<const std::pair<std::string_view, std::string_view>>
+terms_not_searched_freely();
+
 }  // namespace rths::diagnosis

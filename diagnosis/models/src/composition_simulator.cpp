@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "library.hpp"
 
 namespace rths::diagnosis {
@@ -73,7 +75,9 @@ CompositionSimulator::CompositionSimulator(const Hypothesis& hypothesis, const M
   std::array<std::vector<sim::TermSettings>, 2> terms;
   for (const auto& term : hypothesis.terms)
     terms[splits && is_after_specimen(term) ? 1 : 0].push_back(term.settings);
-  for (const auto& term : terms[0]) specimen_signature_ += term.kind + "/" + term.name + " ";
+  for (const auto& term : terms[0])
+    specimen_signature_ += fmt::format("{}/{}/{}/{} ", term.kind, term.name, term.axes,
+                                       static_cast<int>(term.channel));
   constexpr int kSubstepsOfMounted = 2;
   if (std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), is_mount))
     substeps_ = kSubstepsOfMounted;

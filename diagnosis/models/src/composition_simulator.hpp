@@ -34,7 +34,7 @@ class CompositionSimulator final : public Simulator {
 
   std::array<sim::Composition, 2> compositions_;  ///< 0: specimen; 1: machine and sensors
   int substeps_ = 1;                              ///< of a step of the model, for the specimen
-  std::string specimen_signature_;                ///< kinds and names of the first half
+  std::string specimen_signature_;                ///< the first half's terms, but no parameters
   const MotionDrive& drive_;
   Predicted predicted_;
   std::vector<std::size_t> axes_;

@@ -11,14 +11,32 @@ namespace {
 using Eigen::Index;
 using sim::value_of;
 
+// Five-point differences as of measured motions, in signal.cpp; three points and fewer at the ends.
 template <class Real>
-std::vector<Real> rate_of_samples(const std::vector<Real>& signal, double time_step) {
-  const std::size_t n = signal.size();
+std::vector<Real> rate_of_samples(const std::vector<Real>& x, double time_step) {
+  const std::size_t n = x.size();
   std::vector<Real> rate(n);
   for (std::size_t i = 0; i < n; ++i) {
+    if (i >= 2 && i + 2 < n) {
+      rate[i] = ((x[i + 1] - x[i - 1]) * 8 - (x[i + 2] - x[i - 2])) * (1 / (12 * time_step));
+      continue;
+    }
     const std::size_t from = i > 0 ? i - 1 : 0, to = std::min(i + 1, n - 1);
-    if (to > from)
-      rate[i] = (signal[to] - signal[from]) * (1 / (static_cast<double>(to - from) * time_step));
+    if (to > from) rate[i] = (x[to] - x[from]) * (1 / (static_cast<double>(to - from) * time_step));
+  }
+  return rate;
+}
+
+template <class Real>
+std::vector<Real> second_rate_of_samples(const std::vector<Real>& x, double time_step) {
+  const std::size_t n = x.size();
+  const double square = time_step * time_step;
+  std::vector<Real> rate(n);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const Real near = x[i + 1] + x[i - 1];
+    rate[i] = i >= 2 && i + 2 < n
+                  ? (near * 16 - x[i] * 30 - x[i + 2] - x[i - 2]) * (1 / (12 * square))
+                  : (near - x[i] * 2) * (1 / square);
   }
   return rate;
 }
@@ -91,8 +109,9 @@ std::vector<PlantSignal<Real>> plant_inputs(const DynamicSetup& setup,
   for (const auto& [channel, order] : setup.plant_inputs) {
     result.push_back(channels[channel]);
     if (order > 0) result.back().lines.clear();
-    for (int i = 0; i < order; ++i)
-      result.back().at_samples = rate_of_samples(result.back().at_samples, setup.time_step);
+    auto& samples = result.back().at_samples;
+    if (order == 1) samples = rate_of_samples(samples, setup.time_step);
+    if (order == 2) samples = second_rate_of_samples(samples, setup.time_step);
   }
   return result;
 }

@@ -24,6 +24,9 @@ constexpr std::string_view kBuckling[] = {"buckling_load_variation"};
 constexpr std::string_view kServoLoops[] = {"actuator_bandwidth"};
 constexpr std::string_view kRuled = "bouc_wen";
 constexpr int kPriceOfRule = 4;
+// Of a slider under its mean load. The recording shows the product of the area and the pressure at
+// which friction changes, not the two.
+constexpr double kContactPressure = 50e6;
 
 template <class Names>
 bool holds(const Hypothesis& base, const Names& kinds) {
@@ -134,8 +137,9 @@ class Builder {
   }
   [[nodiscard]] double unit(const sim::Parameter& parameter) const {
     if (parameter.name == "reference_load") return scale_.axial_load;
-    if (parameter.name == "reference_pressure" || parameter.name == "pressure_scale")
-      return scale_.axial_load / parameter_of(kind_, "contact_area").typical;
+    if (parameter.unit == "Pa") return kContactPressure;
+    if (parameter.name == "contact_area" && (entry_.needs & CandidateTerm::kAxialLoad) != 0)
+      return scale_.axial_load / kContactPressure;
     return natural_unit(parameter.unit, scale_);
   }
 

@@ -163,8 +163,8 @@ std::string unknown_sentence(const Verdict& verdict) {
   const std::string form = verdict.descriptions.empty() ? "none of the tried forms describes it"
                                                         : form_text(verdict.descriptions[0]);
   return fmt::format(
-      "Unknown: {}the residual of {} ({}) is systematic, and no term of the catalogue explains it; "
-      "{}.",
+      "Unknown: {}the residual of {} ({}) is systematic, and none of the terms that were searched "
+      "explains it; {}.",
       besides, verdict.where.channel, name_of(verdict.where.part), form);
 }
 

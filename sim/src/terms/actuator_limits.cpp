@@ -17,7 +17,7 @@ struct RateSaturation {
   static constexpr Stage kStage = Stage::Actuator;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kRate };
-  static constexpr Parameter kParameters[] = {{"velocity_limit", "m/s", 1e-4, 1e3, 1e3, 0.3}};
+  static constexpr Parameter kParameters[] = {{"velocity_limit", "m/s", 1e-6, 1e3, 1e3, 0.3}};
   static constexpr std::size_t kStates = std::size_t{2} * kHorizontalAxes;  // started, u
 
   template <class Real>
@@ -52,7 +52,7 @@ struct ValveDeadband {
   static constexpr Stage kStage = Stage::Actuator;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kBand, kTimeConstant };
-  static constexpr Parameter kParameters[] = {{"dead_band", "m", 0, 0.1, 0, 1e-3},
+  static constexpr Parameter kParameters[] = {{"dead_band", "m", 0, 10, 0, 1e-3},
                                               {"time_constant", "s", 0, 10, 0, 20e-3}};
   static constexpr std::size_t kAxisStates = 4;  // started, command, u, u'
   static constexpr std::size_t kStates = kHorizontalAxes * kAxisStates;
@@ -133,7 +133,7 @@ struct LoadCompliance {
   static constexpr Stage kStage = Stage::Actuator;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kCompliance, kStiffness, kTimeConstant };
-  static constexpr Parameter kParameters[] = {{"compliance", "m/N", 0, 1e-3, 0, 2e-9},
+  static constexpr Parameter kParameters[] = {{"compliance", "m/N", 0, 1e3, 0, 2e-9},
                                               kStiffnessEstimate,
                                               {"time_constant", "s", 0, 1, 0, 3e-3}};
   // Lag, compliance, deflection and its rate. The deflection changes displacement and acceleration,

@@ -97,7 +97,7 @@ struct ActuatorBandwidth {
   static constexpr Parameter kParameters[] = {
       {"time_constant", "s", 0, 1, 0, 13e-3},
       {"damping", "-", 0.01, 10, 0.8, 0.8},
-      {"dead_band", "m", 0, 0.1, 0, 1e-3},
+      {"dead_band", "m", 0, 10, 0, 1e-3},
       {"velocity_limit", "m/s", 1e-6, kUnlimited, kUnlimited, 1}};
   static constexpr std::size_t kStates = kSignals * SecondOrderLag<double>::kStates;
 

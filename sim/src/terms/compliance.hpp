@@ -45,6 +45,6 @@ class Compliance {
   Real flexibility_, stiffness_;
 };
 
-inline constexpr Parameter kStiffnessEstimate = {"stiffness_estimate", "N/m", 0, 1e12, 4e8, 4e8};
+inline constexpr Parameter kStiffnessEstimate = {"stiffness_estimate", "N/m", 0, 1e15, 4e8, 4e8};
 
 }  // namespace rths::sim

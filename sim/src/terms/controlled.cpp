@@ -26,11 +26,11 @@ struct CurrentDependentFriction {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kPerAxis | kControlled;
   enum { kForce, kPerCurrent, kPerSquare, kPresliding, kCreep };
-  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
-                                              {"force_per_current", "N/A", -1e7, 1e7, 0, 2e4},
-                                              {"force_per_current2", "N/A2", -1e7, 1e7, 0, 5e3},
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
+                                              {"force_per_current", "N/A", -1e12, 1e12, 0, 2e4},
+                                              {"force_per_current2", "N/A2", -1e12, 1e12, 0, 5e3},
                                               kPreslidingLength,
-                                              {"creep_velocity", "m/s", 1e-6, 1, 1e-6, 5e-3}};
+                                              {"creep_velocity", "m/s", 1e-9, 100, 1e-6, 5e-3}};
   static constexpr std::size_t kStates = kDahlStates;
 
   template <class Real>
@@ -56,9 +56,9 @@ struct CurrentDependentDamping {
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent | kPerAxis | kControlled;
   enum { kCoefficient, kPerCurrent, kPerSquare };
   static constexpr Parameter kParameters[] = {
-      {"coefficient", "N*s/m", 0, 1e9, 0, 2e4},
-      {"coefficient_per_current", "N*s/m/A", -1e9, 1e9, 0, 4e4},
-      {"coefficient_per_current2", "N*s/m/A2", -1e9, 1e9, 0, 1e4}};
+      {"coefficient", "N*s/m", 0, 1e13, 0, 2e4},
+      {"coefficient_per_current", "N*s/m/A", -1e13, 1e13, 0, 4e4},
+      {"coefficient_per_current2", "N*s/m/A2", -1e13, 1e13, 0, 1e4}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {

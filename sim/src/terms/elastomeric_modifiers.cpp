@@ -37,7 +37,7 @@ struct AxialLoadStrength {
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kCoefficient, kReference, kElasticShare };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, 0.2},
-                                              {"reference_load", "N", 1, 1e10, 9.7e6, 9.7e6},
+                                              {"reference_load", "N", 1e-6, 1e10, 9.7e6, 9.7e6},
                                               kElasticShareParameter};
 
   template <class Real>
@@ -58,7 +58,7 @@ struct AxialLoadStiffness {
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kCoefficient, kReference };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, 0.05},
-                                              {"reference_load", "N", 1, 1e10, 9.7e6, 9.7e6}};
+                                              {"reference_load", "N", 1e-6, 1e10, 9.7e6, 9.7e6}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -77,7 +77,7 @@ struct Scragging {
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kExcess, kDisplacement };
   static constexpr Parameter kParameters[] = {
-      {"virgin_excess", "-", 0, 10, 0, 0.2}, {"scragging_displacement", "m", 1e-4, 10, 0.05, 0.05}};
+      {"virgin_excess", "-", 0, 10, 0, 0.2}, {"scragging_displacement", "m", 1e-7, 10, 0.05, 0.05}};
   static constexpr std::size_t kStates = 1;  // largest displacement
 
   template <class Real>
@@ -101,7 +101,7 @@ struct RateDependentStrength {
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kCoefficient, kVelocity, kElasticShare };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", 0, 10, 0, 0.05},
-                                              {"reference_velocity", "m/s", 1e-5, 10, 0.05, 0.05},
+                                              {"reference_velocity", "m/s", 1e-8, 10, 0.05, 0.05},
                                               kElasticShareParameter};
 
   template <class Real>

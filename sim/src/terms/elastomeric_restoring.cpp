@@ -22,7 +22,7 @@ struct LargeStrainStiffening {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kStiffness, kOnset };
-  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e12, 0, 2e6},
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 2e6},
                                               {"onset", "m", 0, 10, 0.1, 0.1}};
 
   template <class Real>
@@ -42,7 +42,7 @@ struct CubicStiffness {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kStiffness };
-  static constexpr Parameter kParameters[] = {{"stiffness", "N/m3", -1e14, 1e14, 0, 2e7}};
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m3", -1e20, 1e20, 0, 2e7}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -59,7 +59,7 @@ struct AsymmetricStiffness {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kStiffness };
-  static constexpr Parameter kParameters[] = {{"stiffness", "N/m2", -1e14, 1e14, 0, 1e6}};
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m2", -1e18, 1e18, 0, 1e6}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -95,7 +95,7 @@ struct ViscoelasticRelaxation {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kStiffness, kTime };
-  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e12, 0, 1e6},
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1e6},
                                               {"relaxation_time", "s", 1e-3, 1e4, 1, 1}};
   static constexpr std::size_t kStates = 4;  // displacement before, force
 
@@ -122,7 +122,7 @@ struct ViscousDamping {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kDamping };
-  static constexpr Parameter kParameters[] = {{"damping", "N*s/m", 0, 1e10, 0, 1e5}};
+  static constexpr Parameter kParameters[] = {{"damping", "N*s/m", 0, 1e13, 0, 1e5}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {

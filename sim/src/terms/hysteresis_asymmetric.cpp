@@ -20,8 +20,8 @@ struct AsymmetricHysteresis {
   enum { kForward, kBackward, kForwardLength, kBackwardLength, kPlay };
   static constexpr Parameter kParameters[] = {{"forward_force", "N", 0, 1e9, 0, 1e5},
                                               {"backward_force", "N", 0, 1e9, 0, 1.5e5},
-                                              {"forward_length", "m", 1e-7, 1, 3e-3, 3e-3},
-                                              {"backward_length", "m", 1e-7, 1, 3e-3, 4e-3},
+                                              {"forward_length", "m", 1e-9, 1, 3e-3, 3e-3},
+                                              {"backward_length", "m", 1e-9, 1, 3e-3, 4e-3},
                                               {"play", "m", 0, 1, 0, 5e-3}};
   static constexpr std::size_t kStates =
       std::size_t{2} * kHorizontalAxes;  // displacement before, y

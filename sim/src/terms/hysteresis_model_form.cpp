@@ -58,8 +58,8 @@ struct Degradation {
   static constexpr Stage kStage = Stage::Modifier;
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kStrengthLoss, kStiffnessLoss, kElasticShare };
-  static constexpr Parameter kParameters[] = {{"strength_loss", "1/J", 0, 1, 0, 1e-7},
-                                              {"stiffness_loss", "1/J", 0, 1, 0, 1e-7},
+  static constexpr Parameter kParameters[] = {{"strength_loss", "1/J", 0, 1e6, 0, 1e-7},
+                                              {"stiffness_loss", "1/J", 0, 1e6, 0, 1e-7},
                                               kElasticShareParameter};
   static constexpr std::size_t kStates = kWorkStates + 1;  // W
 

@@ -23,7 +23,7 @@ struct AdiabaticHeating {
   static constexpr Stage kStage = Stage::Modifier;
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kSoftening, kCoolingTime, kElasticShare };
-  static constexpr Parameter kParameters[] = {{"softening", "1/J", 0, 1, 0, 1.2e-7},
+  static constexpr Parameter kParameters[] = {{"softening", "1/J", 0, 1e6, 0, 1.2e-7},
                                               {"cooling_time", "s", 1e-2, 1e12, 1e12, 100},
                                               kElasticShareParameter};
   static constexpr std::size_t kStates = kWorkStates + 1;  // W

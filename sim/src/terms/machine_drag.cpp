@@ -21,7 +21,7 @@ struct ViscousFriction {
   static constexpr Stage kStage = Stage::Machine;
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent | kPerAxis;
   enum { kCoefficient };
-  static constexpr Parameter kParameters[] = {{"coefficient", "N*s/m", 0, 1e9, 0, 2e4}};
+  static constexpr Parameter kParameters[] = {{"coefficient", "N*s/m", 0, 1e13, 0, 2e4}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -38,8 +38,8 @@ struct AsymmetricViscous {
   static constexpr Stage kStage = Stage::Machine;
   static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kForward, kBackward };
-  static constexpr Parameter kParameters[] = {{"forward_coefficient", "N*s/m", 0, 1e9, 0, 3e4},
-                                              {"backward_coefficient", "N*s/m", 0, 1e9, 0, 1e4}};
+  static constexpr Parameter kParameters[] = {{"forward_coefficient", "N*s/m", 0, 1e13, 0, 3e4},
+                                              {"backward_coefficient", "N*s/m", 0, 1e13, 0, 1e4}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -58,7 +58,7 @@ struct QuadraticDrag {
   static constexpr Stage kStage = Stage::Machine;
   static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kCoefficient };
-  static constexpr Parameter kParameters[] = {{"coefficient", "N*s2/m2", 0, 1e9, 0, 2e4}};
+  static constexpr Parameter kParameters[] = {{"coefficient", "N*s2/m2", 0, 1e18, 0, 2e4}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -106,7 +106,7 @@ struct PlatenInertia {
   static constexpr unsigned kTraits = kFrameIndifferent | kPerAxis;
   enum { kMass };
   // Negative: the inertia correction was too large.
-  static constexpr Parameter kParameters[] = {{"mass", "kg", -1e7, 1e7, 0, 5e3}};
+  static constexpr Parameter kParameters[] = {{"mass", "kg", -1e12, 1e12, 0, 5e3}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {

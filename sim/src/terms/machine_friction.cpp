@@ -15,7 +15,7 @@ struct CoulombFriction {
   static constexpr Stage kStage = Stage::Machine;
   static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kForce, kPresliding };
-  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
@@ -37,8 +37,8 @@ struct AsymmetricFriction {
   static constexpr Stage kStage = Stage::Machine;
   static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kForward, kBackward, kPresliding };
-  static constexpr Parameter kParameters[] = {{"forward_force", "N", 0, 1e7, 0, 1.2e4},
-                                              {"backward_force", "N", 0, 1e7, 0, 0.8e4},
+  static constexpr Parameter kParameters[] = {{"forward_force", "N", 0, 1e9, 0, 1.2e4},
+                                              {"backward_force", "N", 0, 1e9, 0, 0.8e4},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
@@ -84,9 +84,9 @@ struct StribeckFriction {
   static constexpr unsigned kTraits =
       kPerAxis;  // not dissipative: presliding may return work of the breakaway
   enum { kForce, kBreakaway, kVelocity, kPresliding };
-  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
-                                              {"breakaway_force", "N", 0, 1e7, 0, 1e4},
-                                              {"stribeck_velocity", "m/s", 1e-5, 10, 0.02, 0.05},
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
+                                              {"breakaway_force", "N", 0, 1e9, 0, 1e4},
+                                              {"stribeck_velocity", "m/s", 1e-8, 10, 0.02, 0.05},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
@@ -112,9 +112,9 @@ struct PositionDependentFriction {
   static constexpr unsigned kTraits =
       kPerAxis;  // not dissipative: s builds up and is released at different displacements
   enum { kForce, kPlace, kWidth, kPresliding };
-  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 2e4},
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 2e4},
                                               {"place", "m", -10, 10, 0, 0.05},
-                                              {"width", "m", 1e-4, 10, 0.02, 0.02},
+                                              {"width", "m", 1e-7, 10, 0.02, 0.02},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
@@ -139,8 +139,8 @@ struct VelocityDependentFriction {
   static constexpr unsigned kTraits =
       kPerAxis;  // not dissipative: s builds up and is released at different velocities
   enum { kForce, kVelocity, kPresliding };
-  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
-                                              {"growth_velocity", "m/s", 1e-6, 100, 0.05, 0.05},
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
+                                              {"growth_velocity", "m/s", 1e-8, 100, 0.05, 0.05},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
@@ -165,7 +165,7 @@ struct PlanarFriction {
   // Its store z_s F_c |s|^2/2 grows by F.du - F_c |s|^2 |du|.
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kForce, kPresliding };
-  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e7, 0, 1e4},
+  static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = 4;  // displacement before, s
 

@@ -18,7 +18,7 @@ struct SupportFlexibility {
   static constexpr Stage kStage = Stage::Motion;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kFlexibility, kStiffness };
-  static constexpr Parameter kParameters[] = {{"flexibility", "m/N", 0, 1e-3, 0, 2e-9},
+  static constexpr Parameter kParameters[] = {{"flexibility", "m/N", 0, 1e3, 0, 2e-9},
                                               kStiffnessEstimate};
   static constexpr std::size_t kStates = kHorizontalAxes * Compliance<double>::kStates;
 
@@ -41,8 +41,8 @@ struct MountSlack {
   static constexpr Stage kStage = Stage::Motion;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kSlack, kSeat, kStiffness };
-  static constexpr Parameter kParameters[] = {{"slack", "m", 0, 0.1, 0, 2e-3},
-                                              {"seating_force", "N", 1, 1e9, 1e5, 1e5},
+  static constexpr Parameter kParameters[] = {{"slack", "m", 0, 10, 0, 2e-3},
+                                              {"seating_force", "N", 1e-6, 1e9, 1e5, 1e5},
                                               kStiffnessEstimate};
   static constexpr std::size_t kStates = kHorizontalAxes * Compliance<double>::kStates;
 
@@ -65,7 +65,7 @@ struct TransducerBacklash {
   static constexpr Stage kStage = Stage::Motion;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kGap };
-  static constexpr Parameter kParameters[] = {{"gap", "m", 0, 0.1, 0, 2e-3}};
+  static constexpr Parameter kParameters[] = {{"gap", "m", 0, 10, 0, 2e-3}};
   static constexpr std::size_t kStates = kHorizontalAxes;
 
   template <class Real>
@@ -93,7 +93,7 @@ struct InputDeadZone {
   static constexpr Stage kStage = Stage::Motion;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kHalfWidth };
-  static constexpr Parameter kParameters[] = {{"half_width", "m", 0, 1, 0, 5e-3}};
+  static constexpr Parameter kParameters[] = {{"half_width", "m", 0, 10, 0, 5e-3}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {

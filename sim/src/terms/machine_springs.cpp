@@ -14,9 +14,9 @@ struct PolynomialStiffness {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kLinear, kQuadratic, kCubic };
-  static constexpr Parameter kParameters[] = {{"linear", "N/m", -1e12, 1e12, 0, 4e6},
-                                              {"quadratic", "N/m2", -1e14, 1e14, 0, 5e6},
-                                              {"cubic", "N/m3", -1e16, 1e16, 0, 1e8}};
+  static constexpr Parameter kParameters[] = {{"linear", "N/m", -1e15, 1e15, 0, 4e6},
+                                              {"quadratic", "N/m2", -1e18, 1e18, 0, 5e6},
+                                              {"cubic", "N/m3", -1e20, 1e20, 0, 1e8}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -36,8 +36,8 @@ struct PiecewiseStiffness {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kInside, kOutside, kBreak };
-  static constexpr Parameter kParameters[] = {{"inside_stiffness", "N/m", 0, 1e12, 0, 4e6},
-                                              {"outside_stiffness", "N/m", 0, 1e12, 0, 1e7},
+  static constexpr Parameter kParameters[] = {{"inside_stiffness", "N/m", 0, 1e15, 0, 4e6},
+                                              {"outside_stiffness", "N/m", 0, 1e15, 0, 1e7},
                                               {"break_displacement", "m", 0, 10, 0.05, 0.05}};
 
   template <class Real>
@@ -58,8 +58,8 @@ struct PiecewiseDamping {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kSlow, kFast, kBreak };
-  static constexpr Parameter kParameters[] = {{"slow_coefficient", "N*s/m", 0, 1e9, 0, 2e5},
-                                              {"fast_coefficient", "N*s/m", 0, 1e9, 0, 5e4},
+  static constexpr Parameter kParameters[] = {{"slow_coefficient", "N*s/m", 0, 1e13, 0, 2e5},
+                                              {"fast_coefficient", "N*s/m", 0, 1e13, 0, 5e4},
                                               {"break_velocity", "m/s", 0, 100, 0.1, 0.1}};
 
   template <class Real>
@@ -82,7 +82,7 @@ struct GapContact {
   static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kGap, kStiffness, kLoss };
   static constexpr Parameter kParameters[] = {{"gap", "m", 0, 10, 0.1, 0.1},
-                                              {"stiffness", "N/m", 0, 1e12, 0, 5e7},
+                                              {"stiffness", "N/m", 0, 1e15, 0, 5e7},
                                               {"loss", "s/m", 0, 100, 0, 0.5}};
 
   template <class Real>

@@ -11,7 +11,7 @@ namespace rths::sim {
 inline constexpr std::size_t kDahlStates =
     std::size_t{2} * kHorizontalAxes;  ///< displacement before, s
 inline constexpr std::string_view kDahl = "Dahl 1968, exponent 1";
-inline constexpr Parameter kPreslidingLength = {"presliding", "m", 1e-7, 0.1, 1e-4, 1e-4};
+inline constexpr Parameter kPreslidingLength = {"presliding", "m", 1e-9, 1, 1e-4, 1e-4};
 
 /// Fraction s of an axis' full friction, -1 … 1, after this step: Dahl's law with exponent 1, exact
 /// for a step without reversal. The term's first states are `kDahlStates`.   @realtime

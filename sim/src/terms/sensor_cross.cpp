@@ -55,8 +55,8 @@ struct AccelerometerTilt {
   static constexpr Stage kStage = Stage::Sensor;
   static constexpr unsigned kTraits = kPerAxis;
   enum { kTilt, kPerDisplacement };
-  static constexpr Parameter kParameters[] = {{"tilt", "rad", -0.5, 0.5, 0, 0.02},
-                                              {"tilt_per_displacement", "rad/m", -10, 10, 0, 0.1}};
+  static constexpr Parameter kParameters[] = {
+      {"tilt", "rad", -0.5, 0.5, 0, 0.02}, {"tilt_per_displacement", "rad/m", -1e5, 1e5, 0, 0.1}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {

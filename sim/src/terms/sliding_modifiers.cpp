@@ -16,7 +16,7 @@ struct VelocityDepSliding {
   static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kReduction, kRate };
   static constexpr Parameter kParameters[] = {{"low_velocity_reduction", "-", 0, 1, 0, 0.5},
-                                              {"rate", "s/m", 0, 1e4, 100, 20}};
+                                              {"rate", "s/m", 0, 1e7, 100, 20}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -36,7 +36,7 @@ struct PressureDepSliding {
   enum { kFactor, kReference, kArea };
   static constexpr Parameter kParameters[] = {{"factor_at_50_MPa", "-", 0.01, 10, 1, 0.7},
                                               {"reference_pressure", "Pa", 0, 1e9, 0, 30e6},
-                                              {"contact_area", "m2", 1e-4, 100, 0.25, 0.25}};
+                                              {"contact_area", "m2", 1e-10, 1e4, 0.25, 0.25}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -57,7 +57,7 @@ struct PressureTanhSliding {
   enum { kReduction, kScale, kArea };
   static constexpr Parameter kParameters[] = {{"high_pressure_reduction", "-", 0, 1, 0, 0.5},
                                               {"pressure_scale", "Pa", 1e3, 1e10, 50e6, 50e6},
-                                              {"contact_area", "m2", 1e-4, 100, 0.25, 0.25}};
+                                              {"contact_area", "m2", 1e-10, 1e4, 0.25, 0.25}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
@@ -83,7 +83,7 @@ struct FrictionHeating {
       {"heat_share", "-", 0, 1, 0, 0.9},
       {"residual_friction", "-", 0, 1, kResidualFriction, kResidualFriction},
       {"temperature_scale", "degC", 1, 1e4, kTemperatureScale, kTemperatureScale},
-      {"contact_area", "m2", 1e-4, 100, 0.25, 0.25},
+      {"contact_area", "m2", 1e-10, 1e4, 0.25, 0.25},
       {"conductivity", "W/m/degC", 0.1, 1000, kSteelConductivity, kSteelConductivity},
       {"diffusivity", "m2/s", 1e-8, 1e-2, kSteelDiffusivity, kSteelDiffusivity}};
 

@@ -13,7 +13,7 @@ struct RimStop {
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kStiffness, kClearance, kLoss };
-  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e12, 0, 1e8},
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1e8},
                                               {"clearance", "m", 0, 10, 1, 0.12},
                                               {"loss", "s/m", 0, 100, 0, 0.5}};
 
@@ -40,7 +40,7 @@ struct MerSpring {
   static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kStiffness, kGap };
   // A negative gap is a precompression: near the middle both springs push.
-  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e12, 0, 1.2e7},
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1.2e7},
                                               {"gap", "m", -1, 1, 0, 0.01}};
 
   template <class Real>

@@ -20,7 +20,7 @@ namespace rths::diagnosis {
 enum class Outcome {
   Missing,  ///< the simulation left out terms of the catalogue
   None,     ///< the residual is noise
-  Unknown   ///< a systematic discrepancy that no term of the catalogue explains
+  Unknown   ///< a systematic discrepancy that no term of those searched explains
 };
 
 /// A term that the records cannot distinguish from the named one.
