@@ -24,6 +24,16 @@
     await pause();
   };
   const picture = f => f.querySelector("canvas").toDataURL();
+  // The picture when no layout changes it any more: a busy host draws late.
+  const settled = async f => {
+    for (let k = 0, last = ""; k < 20; ++k) {
+      const now = picture(f);
+      if (now === last) return now;
+      last = now;
+      await pause();
+    }
+    return picture(f);
+  };
   const told = f => (f.querySelector(".tip").hidden ? "nothing" : f.querySelector(".tip").textContent);
 
   const fits = (view, name) => {
@@ -33,7 +43,7 @@
   };
 
   const askLoops = async () => {
-    const f = find(probed.loops), area = f.querySelector(".u-over"), first = picture(f);
+    const f = find(probed.loops), area = f.querySelector(".u-over"), first = await settled(f);
     await hover(area, 0.5, 0.5);
     say("loop tells", told(f));
     await drag(area, [0.2, 0.2], [0.6, 0.7]);
@@ -58,7 +68,7 @@
     say("mark tells", told(f));
   };
   const askTime = async () => {
-    const f = find(probed.time), other = find(probed.beside), first = [picture(f), picture(other)];
+    const f = find(probed.time), other = find(probed.beside), first = [await settled(f), await settled(other)];
     await hover(f.querySelector(".u-over"), 0.5, 0.5);
     say("time tells", told(f));
     say("beside it tells", told(other));
