@@ -91,9 +91,15 @@ void add_mismatch_budget(const std::filesystem::path& recording,
   try {
     diagnosis::add_budget(budget_of(recording, experiment, changes, folder, verdict.fragment),
                           verdict);
-    improve_experiment(experiment, changes, verdict);
   } catch (const Error& error) {
     verdict.limits.push_back(std::string{"There is no mismatch budget of the response: "} +
+                             error.what());
+    return;
+  }
+  try {
+    improve_experiment(experiment, changes, verdict);
+  } catch (const Error& error) {
+    verdict.limits.push_back(std::string{"The improved simulation is no experiment: "} +
                              error.what());
   }
 }
