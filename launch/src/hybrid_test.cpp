@@ -9,6 +9,7 @@
 #include <rths/core/error.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
+#include "recorded_gaps.hpp"
 #include "recorded_host.hpp"
 
 namespace rths::launch {
@@ -279,6 +280,8 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   if (!is_numerical)
     throw Error{experiment.file.string() +
                 ": no node integrates the plant as a mismatch budget repeats it"};
+  check_gaps(experiment, run, "the recording");
+  if (held_out != nullptr) check_gaps(experiment, *held_out, "the held-out recording");
   auto test = hybrid_test_of(experiment, run);
   test.specimen_identified = improved.model;
   test.machine_identified = improved.assumed_machine;
