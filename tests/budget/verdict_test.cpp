@@ -30,11 +30,11 @@ Verdict unknown_in(Part part) {
   verdict.outcome = Outcome::Unknown;
   verdict.where.part = part;
   Cause spurious;
-  spurious.name = "oil_column";
+  spurious.name = "actuator_delay";
   spurious.part = Part::Actuator;
   verdict.causes = {spurious};
   verdict.sentence = "Unknown.";
-  verdict.fragment = "[machine.oil_column]";
+  verdict.fragment = "[machine.actuator_delay]";
   return verdict;
 }
 
@@ -52,12 +52,87 @@ TEST(BudgetOfAVerdict, NamesTheTransferSystemOfAnUnknownActuator) {
   EXPECT_NE(verdict.sentence.find("18 % rms"), std::string::npos) << verdict.sentence;
 }
 
+/// An unknown actuator, and a force with a cause and a residual of its own.
+Verdict with_two_relations() {
+  Verdict verdict = unknown_in(Part::Actuator);
+  Cause friction;
+  friction.name = "coulomb_friction";
+  friction.title = "Coulomb friction";
+  friction.part = Part::Machine;
+  friction.channel = "force";
+  friction.confidence = 0.7;
+  verdict.causes.push_back(friction);
+  verdict.unexplained = {"displacement", "force"};
+  Description of_displacement, of_force;
+  of_displacement.form = "f(v)";
+  of_displacement.channel = "displacement";
+  of_force.form = "f(u)";
+  of_force.share = 0.6;
+  of_force.channel = "force";
+  verdict.descriptions = {of_displacement, of_force};
+  verdict.fragment =
+      "[machine.actuator_delay]\nkind = \"actuator_delay\"\ndelay_s = 0.01\n\n"
+      "[machine.coulomb_friction]\nkind = \"coulomb_friction\"\nfriction_force_N = 100.0\n\n";
+  verdict.improved.file = Config::parse(
+      "[model]\nkind = \"platen\"\n"
+      "fitted = [\"actuator_delay.delay\", \"coulomb_friction.friction_force\"]\n"
+      "[model.bounds]\n\"actuator_delay.delay\" = [0, 1]\n"
+      "[model.actuator_delay]\nkind = \"actuator_delay\"\ndelay_s = 0.01\n"
+      "[model.coulomb_friction]\nfriction_force_N = 100.0\n",
+      "case.toml");
+  return verdict;
+}
+
+TEST(BudgetOfAVerdict, KeepsCausesFormsAndRemainderOfTheForce) {
+  Verdict verdict = with_two_relations();
+  add_budget(budget_with(0.002), verdict);
+
+  ASSERT_EQ(verdict.causes.size(), 2U);
+  EXPECT_EQ(verdict.causes[1].name, "coulomb_friction");
+  EXPECT_EQ(verdict.confidence, 0.7);
+  EXPECT_TRUE(verdict.has_remainder);
+  ASSERT_EQ(verdict.descriptions.size(), 1U);
+  EXPECT_EQ(verdict.descriptions[0].form, "f(u)");
+  EXPECT_EQ(verdict.sentence.find("Missing: tracking of the transfer system (actuator) and Coulomb "
+                                  "friction (machine): the displacement differs"),
+            0U)
+      << verdict.sentence;
+  EXPECT_NE(verdict.sentence.find("; the residual of force is systematic, and no term of the "
+                                  "catalogue explains it; its best form is f(u), which explains "
+                                  "60 % of it"),
+            std::string::npos)
+      << verdict.sentence;
+}
+
+TEST(BudgetOfAVerdict, WithdrawsTermsOfTheActuatorFromTheImprovedModels) {
+  Verdict verdict = with_two_relations();
+  add_budget(budget_with(0.002), verdict);
+
+  EXPECT_EQ(
+      verdict.fragment,
+      "[machine.coulomb_friction]\nkind = \"coulomb_friction\"\nfriction_force_N = 100.0\n\n");
+  const Config model = verdict.improved.file.table("model");
+  EXPECT_FALSE(model.has("actuator_delay"));
+  EXPECT_TRUE(model.has("coulomb_friction"));
+  EXPECT_EQ(model.texts("fitted"), (std::vector<std::string>{"coulomb_friction.friction_force"}));
+  EXPECT_TRUE(model.table("bounds").keys().empty());
+}
+
+TEST(BudgetOfAVerdict, HasNoRemainderIfOnlyTheActuatorWasUnknown) {
+  Verdict verdict = unknown_in(Part::Actuator);
+  verdict.unexplained = {"displacement"};
+  add_budget(budget_with(0.002), verdict);
+
+  EXPECT_FALSE(verdict.has_remainder);
+  EXPECT_EQ(verdict.sentence.find("the residual of"), std::string::npos) << verdict.sentence;
+}
+
 TEST(BudgetOfAVerdict, NamesNoTransferSystemThatDoesNotPredict) {
   Verdict verdict = unknown_in(Part::Actuator);
   add_budget(budget_with(0.1), verdict);
 
   EXPECT_EQ(verdict.outcome, Outcome::Unknown);
-  EXPECT_EQ(verdict.causes[0].name, "oil_column");
+  EXPECT_EQ(verdict.causes[0].name, "actuator_delay");
 }
 
 TEST(BudgetOfAVerdict, LeavesOtherVerdictsAndTellsTheShares) {

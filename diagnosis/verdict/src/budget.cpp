@@ -4,12 +4,17 @@
 
 #include <fmt/format.h>
 
+#include <rths/sim/composition.hpp>
 #include <rths/verdict/verdict.hpp>
+
+#include "report.hpp"
 
 namespace rths::diagnosis {
 namespace {
 
 constexpr const char* kTransferSystem = "transfer_system";
+
+constexpr const char* kDisplacement = "displacement";
 
 double unseen_error(const budget::AxisBudget& axis) {
   return std::isfinite(axis.held_out) ? axis.held_out : axis.transfer.error;
@@ -31,7 +36,7 @@ Cause transfer_cause(const budget::MismatchBudget& found) {
       "x' = q - l F - c F', with q from a valve of second order with dead band, driven by "
       "K (r(t - tau) - x) - kappa F";
   cause.part = Part::Actuator;
-  cause.channel = "displacement";
+  cause.channel = kDisplacement;
   cause.confidence = 1;  // the lower of the axes
   for (const auto& axis : found.axes)
     cause.confidence = std::min(cause.confidence, axis.transfer.confidence);
@@ -80,29 +85,76 @@ void score(const budget::MismatchBudget& found, Verdict& verdict) {
   if (all > 0)
     proof.explained = std::clamp((proof.before * proof.before - unseen * unseen) / all, 0.0, 1.0);
   std::erase_if(verdict.traces,
-                [](const Trace& trace) { return trace.channel.starts_with("displacement"); });
+                [](const Trace& trace) { return trace.channel.starts_with(kDisplacement); });
   verdict.residual_correlation.clear();
+  verdict.refitted.clear();
+  verdict.ablation.clear();
+}
+
+// Removes a term from the model of an improved case, and its parameters from the fitted ones.
+void remove_term(const std::string& term, Config& model) {
+  const auto is_of_term = [&](const std::string& name) { return name.starts_with(term + "."); };
+  model = model.without(term);
+  auto fitted = model.texts("fitted", {});
+  std::erase_if(fitted, is_of_term);
+  if (model.has("fitted")) model.put("fitted", fitted);
+  Config bounds = model.table_or_empty("bounds");
+  for (const auto& name : bounds.keys())
+    if (is_of_term(name)) bounds = bounds.without(name);
+  if (model.has("bounds")) model.set("bounds", bounds);
+}
+
+// The term of the actuator that a table of the fragment adds; empty if it adds none.
+std::string added_actuator_term(const std::string& table) {
+  const Config machine = Config::parse(table, "improved.toml").table_or_empty("machine");
+  for (const auto& name : machine.keys())
+    if (const std::string kind = machine.table(name).text("kind", "");
+        !kind.empty() && sim::term_kind(kind).stage == sim::Stage::Actuator)
+      return name;
+  return "";
+}
+
+// Withdraws the terms of the actuator: causes, and their tables in the improved models.
+void withdraw_actuator_terms(Verdict& verdict) {
+  std::erase_if(verdict.causes, [](const Cause& cause) { return cause.part == Part::Actuator; });
+  Config& file = verdict.improved.file;
+  if (verdict.causes.empty()) {
+    verdict.fragment.clear();
+    file = {};
+    return;
+  }
+  std::string kept;
+  for (std::size_t begin = 0; begin < verdict.fragment.size();) {
+    const auto next = verdict.fragment.find("\n[", begin);
+    const auto end = next == std::string::npos ? verdict.fragment.size() : next + 1;
+    const std::string table = verdict.fragment.substr(begin, end - begin);
+    const std::string term = added_actuator_term(table);
+    if (term.empty()) kept += table;
+    if (!term.empty() && file.has("model")) {
+      Config model = file.table("model");
+      remove_term(term, model);
+      file.set("model", model);
+    }
+    begin = end;
+  }
+  verdict.fragment = kept;
 }
 
 // The residual of the actuator has a cause now.
 void name_transfer_system(Verdict& verdict) {
-  std::erase_if(verdict.causes, [](const Cause& cause) { return cause.part == Part::Actuator; });
-  if (verdict.causes.empty()) {
-    verdict.fragment.clear();
-    verdict.improved.file = {};
-    verdict.refitted.clear();
-    verdict.ablation.clear();
-  }
+  withdraw_actuator_terms(verdict);
   score(verdict.budget, verdict);
   verdict.causes.insert(verdict.causes.begin(), transfer_cause(verdict.budget));
   verdict.outcome = Outcome::Missing;
-  verdict.descriptions.clear();
-  verdict.has_remainder = false;
+  std::erase_if(verdict.descriptions, [](const Description& one) {
+    return one.channel.empty() || one.channel == kDisplacement;
+  });
+  std::erase(verdict.unexplained, kDisplacement);
+  verdict.has_remainder = !verdict.unexplained.empty();
   verdict.confidence = 1;
   for (const auto& cause : verdict.causes)
     verdict.confidence = std::min(verdict.confidence, cause.confidence);
-  verdict.sentence = fmt::format("Missing: tracking of the transfer system (actuator): {}.",
-                                 transfer_text(verdict.budget));
+  verdict.sentence = transfer_sentence(verdict, transfer_text(verdict.budget));
 }
 
 }  // namespace

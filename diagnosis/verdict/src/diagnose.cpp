@@ -229,6 +229,7 @@ void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
   for (const auto& found : all) {
     if (is_composition(c.model.kind)) verdict.fragment += fragment_of(*found);
     list_terms(*found->relation, verdict);
+    if (found->is_unknown()) verdict.unexplained.push_back(output_of(*found));
   }
   verdict.outcome = explained != nullptr ? Outcome::Missing
                     : unknown != nullptr ? Outcome::Unknown
