@@ -297,9 +297,10 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
     const AxisRoles* words = axis_of(roles, axis.name);
     axis.tracking =
         relative_difference(ticks.values(words->command), ticks.values(words->displacement));
-    if (held_out != nullptr)
-      axis.held_out =
-          budget::error_on(axis.transfer, transfer_record_of(roles, *held_out, axis.name, {}));
+    if (held_out == nullptr) continue;
+    const auto unseen = transfer_record_of(roles, *held_out, axis.name, {});
+    axis.held_out = budget::error_on(axis.transfer, unseen);
+    axis.held_out_without = relative_difference(unseen.displacement, unseen.reference);
   }
   return found;
 }

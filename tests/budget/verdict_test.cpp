@@ -127,6 +127,35 @@ TEST(BudgetOfAVerdict, HasNoRemainderIfOnlyTheActuatorWasUnknown) {
   EXPECT_EQ(verdict.sentence.find("the residual of"), std::string::npos) << verdict.sentence;
 }
 
+// The errors of the diagnosis are those of filtered signals.
+TEST(BudgetOfAVerdict, ComparesErrorsOfOneDefinition) {
+  Verdict verdict = unknown_in(Part::Actuator);
+  verdict.proof.before = 0.05;
+  verdict.proof.floor = 1e-4;
+  RecordScore fitted, unseen;
+  fitted.use = "fit";
+  unseen.use = "held_out";
+  fitted.nrmse_before = unseen.nrmse_before = 0.05;
+  verdict.fit = {fitted, unseen};
+  auto found = budget_with(0.002);
+  found.axes[0].held_out = 0.003;
+  found.axes[0].held_out_without = 0.5;
+  found.axes[0].noise = 0.001;
+
+  add_budget(found, verdict);
+
+  EXPECT_EQ(verdict.fit[0].nrmse_before, 0.4);
+  EXPECT_EQ(verdict.fit[0].nrmse_after, 0.002);
+  EXPECT_EQ(verdict.fit[1].nrmse_before, 0.5);
+  EXPECT_EQ(verdict.fit[1].nrmse_after, 0.003);
+  EXPECT_EQ(verdict.fit[1].noise_floor, 0.001);
+  EXPECT_EQ(verdict.proof.before, 0.5);
+  EXPECT_EQ(verdict.proof.after, 0.003);
+  EXPECT_EQ(verdict.proof.floor, 0.001);
+  EXPECT_NEAR(verdict.proof.explained, (0.25 - 9e-6) / (0.25 - 1e-6), 1e-12);
+  EXPECT_EQ(verdict.causes[0].explained, verdict.proof.explained);
+}
+
 TEST(BudgetOfAVerdict, NamesNoTransferSystemThatDoesNotPredict) {
   Verdict verdict = unknown_in(Part::Actuator);
   add_budget(budget_with(0.1), verdict);

@@ -124,6 +124,8 @@ MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
     one.measured = measured[axis];
     one.simulated = simulated[axis];
     one.improved = improved[axis];
+    one.noise =
+        std::sqrt(energy(test.noise[axis].displacement) / energy(records[axis].displacement));
     const double size = energy(measured[axis]);
     one.before = std::sqrt(energies[kNone][axis] / size);
     one.after = std::sqrt(energies[kAll][axis] / size);

@@ -16,16 +16,37 @@ constexpr const char* kTransferSystem = "transfer_system";
 
 constexpr const char* kDisplacement = "displacement";
 
-double unseen_error(const budget::AxisBudget& axis) {
-  return std::isfinite(axis.held_out) ? axis.held_out : axis.transfer.error;
+/// Errors of an axis on the record of the proof [-].
+struct AxisErrors {
+  double before = 0;  ///< of a displacement equal to the reference
+  double after = 0;   ///< of the transfer system
+  double noise = 0;
+
+  /// Of the energy of the error beyond the noise.
+  [[nodiscard]] double explained() const {
+    const double all = before * before - noise * noise;
+    return all > 0 ? std::clamp((before * before - after * after) / all, 0.0, 1.0) : 0;
+  }
+};
+
+AxisErrors fitted_errors(const budget::AxisBudget& axis) {
+  return {axis.transfer.error_without, axis.transfer.error, axis.noise};
 }
 
-// Of the energy of the difference between displacement and reference: the lower of the axes.
-double explained_by(const budget::MismatchBudget& found) {
-  double lowest = 1;
+AxisErrors unseen_errors(const budget::AxisBudget& axis) {
+  AxisErrors errors = fitted_errors(axis);
+  if (std::isfinite(axis.held_out)) errors.after = axis.held_out;
+  if (std::isfinite(axis.held_out_without)) errors.before = axis.held_out_without;
+  return errors;
+}
+
+// Of the axis that is explained least.
+template <class Errors>
+AxisErrors worst(const budget::MismatchBudget& found, Errors errors) {
+  AxisErrors worst = errors(found.axes[0]);
   for (const auto& axis : found.axes)
-    lowest = std::min(lowest, 1 - std::pow(unseen_error(axis) / axis.transfer.error_without, 2));
-  return lowest;
+    if (const AxisErrors one = errors(axis); one.explained() < worst.explained()) worst = one;
+  return worst;
 }
 
 Cause transfer_cause(const budget::MismatchBudget& found) {
@@ -40,7 +61,7 @@ Cause transfer_cause(const budget::MismatchBudget& found) {
   cause.confidence = 1;  // the lower of the axes
   for (const auto& axis : found.axes)
     cause.confidence = std::min(cause.confidence, axis.transfer.confidence);
-  cause.explained = explained_by(found);
+  cause.explained = worst(found, unseen_errors).explained();
   for (const auto& axis : found.axes)
     for (const auto& p : axis.transfer.parameters)
       cause.parameters.push_back({fmt::format("{}_{}.{}", kTransferSystem, axis.name, p.name),
@@ -65,25 +86,26 @@ std::string transfer_text(const budget::MismatchBudget& found) {
       of_axes(found, "{:.1f}", [](const auto& axis) { return 1e3 * axis.transfer.delay(); }),
       of_axes(found, "{:.2f}", [](const auto& axis) { return 1e3 * axis.transfer.dead_band; }),
       std::isfinite(found.axes[0].held_out) ? "an unseen record" : "seconds that were not fitted",
-      of_axes(found, "{:.2g}", [](const auto& axis) { return 100 * unseen_error(axis); }));
+      of_axes(found, "{:.2g}", [](const auto& axis) { return 100 * unseen_errors(axis).after; }));
 }
 
-// Errors of the actuator's relation with the transfer system in place of its terms.
+// Errors of the actuator's relation with the transfer system in place of its terms, all of them of
+// unfiltered signals.
 void score(const budget::MismatchBudget& found, Verdict& verdict) {
-  double fitted = 0, unseen = 0;
-  for (const auto& axis : found.axes) {
-    fitted = std::max(fitted, axis.transfer.error);
-    unseen = std::max(unseen, unseen_error(axis));
-  }
   for (auto& one : verdict.fit) {
-    one.nrmse_after = one.use == "held_out" ? unseen : fitted;
-    one.variance_after = std::nan("");
+    const AxisErrors errors = worst(found, one.use == "held_out" ? unseen_errors : fitted_errors);
+    one.nrmse_stated = std::nan("");
+    one.nrmse_before = errors.before;
+    one.nrmse_after = errors.after;
+    one.noise_floor = errors.noise;
+    one.variance_before = one.variance_after = std::nan("");
   }
+  const AxisErrors unseen = worst(found, unseen_errors);
   auto& proof = verdict.proof;
-  proof.after = unseen;
-  const double all = proof.before * proof.before - proof.floor * proof.floor;
-  if (all > 0)
-    proof.explained = std::clamp((proof.before * proof.before - unseen * unseen) / all, 0.0, 1.0);
+  proof.before = unseen.before;
+  proof.after = unseen.after;
+  proof.floor = unseen.noise;
+  proof.explained = unseen.explained();
   std::erase_if(verdict.traces,
                 [](const Trace& trace) { return trace.channel.starts_with(kDisplacement); });
   verdict.residual_correlation.clear();

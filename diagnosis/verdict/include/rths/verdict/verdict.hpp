@@ -161,7 +161,8 @@ struct Verdict {
 /// Adds the mismatch budget of a run to its verdict and its sentence. If no term explains the
 /// residual of the actuator, an identified transfer system becomes its cause, with its parameters;
 /// terms of the actuator that were named on the way are withdrawn, also from the improved model.
-/// Causes, forms and remainder of other outputs stay.   @setup
+/// The errors then compare the transfer system with a displacement equal to the reference. Causes,
+/// forms and remainder of other outputs stay.   @setup
 void add_budget(budget::MismatchBudget budget, Verdict& verdict);
 
 /// "missing", "none", "unknown"
