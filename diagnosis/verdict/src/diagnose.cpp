@@ -151,7 +151,7 @@ void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
     cause.part = Part::Sensor;
     cause.channel = family;
     cause.confidence = lattice.on_steps;
-    cause.explained = 1;
+    cause.explained = std::nan("");
     cause.parameters = {step};
     verdict.causes.push_back(std::move(cause));
   }

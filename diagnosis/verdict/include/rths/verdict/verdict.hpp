@@ -41,7 +41,7 @@ struct Cause {
   double confidence = 0;  ///< share of resampled records in which it is the best term [-]; 0.99 at
                           ///< least without alternatives, 1/(1 + n) at least with n of them
   double explained = 0;   ///< of the energy beyond the noise: the share of all causes, divided in
-                          ///< proportion to their gains [-]
+                          ///< proportion to their gains [-]; NaN: steps of a sensor have none
   std::vector<Estimate> parameters;
   std::vector<Alternative> alternatives;
 };
