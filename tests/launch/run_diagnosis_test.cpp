@@ -262,6 +262,23 @@ TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
             test::content_of(out() / "improved.toml"));
 }
 
+// Its recording names the experiment, but its motion is another earthquake.
+TEST_F(DiagnosedRun, GivesACompanionNoBudget) {
+  const test::TemporaryFolder again;
+  const auto companion = again.path() / "renamed.h5";
+  std::filesystem::copy_file(out() / "held_out.h5", companion);
+
+  const auto finished = test::run_rths(
+      {"diagnose", companion.string(), "--out", (again.path() / "out").string()}, kDeadline);
+
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  const Json found = json_of(again.path() / "out/verdict.json");
+  EXPECT_TRUE(found["budget"].is_null());
+  EXPECT_NE(finished.out.find("renamed.h5: found a companion of a run, expected the run itself"),
+            std::string::npos)
+      << finished.out;
+}
+
 TEST_F(DiagnosedRun, GivesTheSameBytesEveryTime) {
   const test::TemporaryFolder again;
   ASSERT_EQ(run_example(again.path(), run.options).exit_code, 0);
