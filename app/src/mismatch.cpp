@@ -2,6 +2,7 @@
 #include "mismatch.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -11,7 +12,9 @@
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/launch/hybrid_test.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/report/diagnosis.hpp>
+#include <rths/report/report.hpp>
 
 #include "write_file.hpp"
 
@@ -63,9 +66,17 @@ budget::MismatchBudget budget_of(const std::filesystem::path& recording,
   }
   const auto unseen = recording.parent_path() / diagnosis::kHeldOutFile;
   std::optional<recording::Reader> held_out;
-  if (std::filesystem::exists(unseen)) held_out.emplace(unseen);
+  if (std::filesystem::exists(unseen) && !std::filesystem::equivalent(unseen, recording))
+    held_out.emplace(unseen);
   return launch::budget_of_run(experiment, improved, recording::Reader{recording},
                                held_out ? &*held_out : nullptr);
+}
+
+// Companions of earlier versions have no mark.
+bool is_companion(const std::filesystem::path& recording,
+                  const std::map<std::string, std::string>& meta) {
+  return meta.contains(launch::kCompanion) || recording.filename() == diagnosis::kHeldOutFile ||
+         recording.filename() == report::kUncompensatedFile;
 }
 
 // The improved simulation as an experiment, if the transfer system is identified.
@@ -91,9 +102,15 @@ void add_mismatch_budget(const std::filesystem::path& recording,
   try {
     diagnosis::add_budget(budget_of(recording, experiment, changes, folder, verdict.fragment),
                           verdict);
-    improve_experiment(experiment, changes, verdict);
   } catch (const Error& error) {
     verdict.limits.push_back(std::string{"There is no mismatch budget of the response: "} +
+                             error.what());
+    return;
+  }
+  try {
+    improve_experiment(experiment, changes, verdict);
+  } catch (const Error& error) {
+    verdict.limits.push_back(std::string{"The improved simulation is no experiment: "} +
                              error.what());
   }
 }
@@ -102,6 +119,12 @@ void add_mismatch_budget(const std::filesystem::path& recording,
                          const std::filesystem::path& folder, diagnosis::Verdict& verdict) {
   const recording::Reader run{recording};
   const auto meta = run.meta();
+  if (is_companion(recording, meta)) {
+    verdict.limits.push_back(recording.string() +
+                             ": found a companion of a run, expected the run itself for a mismatch "
+                             "budget of the response");
+    return;
+  }
   const auto path = meta.find("experiment_path");
   if (path == meta.end() || !std::filesystem::exists(path->second)) return;
   launch::Overrides changes;

@@ -95,6 +95,20 @@ void check_host(const RunArguments& arguments, const launch::Experiment& experim
                               : fmt::format("expected one of {}", fmt::join(known, ", ")))};
 }
 
+// The diagnosis is written, so a failure is printed only.
+void run_improved(const RunArguments& arguments, const std::filesystem::path& fragment,
+                  const std::filesystem::path& folder) {
+  auto improvements = arguments.improvements;
+  improvements.push_back(fragment.string());
+  try {
+    launch::run_numerical(
+        load_experiment(arguments.experiment, changes_of(arguments, improvements)),
+        folder / report::kImprovedFile);
+  } catch (const Error& error) {
+    fmt::print(stderr, "rths: no improved numerical result: {}\n", error.what());
+  }
+}
+
 // Writes the diagnosis of a run and, if it improves the model, the improved numerical result.
 diagnosis::Verdict diagnose_run(const RunArguments& arguments, const launch::Experiment& experiment,
                                 const std::filesystem::path& folder,
@@ -109,11 +123,7 @@ diagnosis::Verdict diagnose_run(const RunArguments& arguments, const launch::Exp
   add_mismatch_budget(folder / report::kRunFile, arguments.experiment,
                       changes_of(arguments, arguments.improvements), folder, verdict);
   const auto written = report::write_diagnosis(verdict, folder);
-  if (!written.fragment) return verdict;
-  auto improvements = arguments.improvements;
-  improvements.push_back(written.fragment->string());
-  launch::run_numerical(load_experiment(arguments.experiment, changes_of(arguments, improvements)),
-                        folder / report::kImprovedFile);
+  if (written.fragment) run_improved(arguments, *written.fragment, folder);
   return verdict;
 }
 

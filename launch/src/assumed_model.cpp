@@ -2,7 +2,9 @@
 #include "assumed_model.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -84,21 +86,47 @@ Config found_in(const Config& improvement, const char* side) {
   return terms;
 }
 
-// Converts refitted terms of the machine from names of the model. There, inertia is a term, and
-// terms whose names the specimen uses have a prefix.
+// A parameter of the machine that is a term of the model. `parameter` has one number for both axes,
+// or [long, lat].
+struct AxisTerm {
+  const char* term;
+  const char* parameter;
+  const char* key;  ///< of the machine
+};
+constexpr AxisTerm kAxisTerms[] = {{"platen_inertia", "mass_kg", "effective_mass_kg"},
+                                   {"force_offset", "offset_N", "force_offset_N"}};
+
+const AxisTerm* axis_term(const std::string& name) {
+  const auto known = std::find_if(std::begin(kAxisTerms), std::end(kAxisTerms),
+                                  [&](const AxisTerm& one) { return one.term == name; });
+  return known == std::end(kAxisTerms) ? nullptr : known;
+}
+
+std::vector<double> of_both_axes(const Config& term, const std::string& parameter) {
+  if (!term.is_array(parameter))
+    return std::vector<double>(sim::kHorizontalAxes, term.number(parameter));
+  const auto values = term.numbers(parameter);
+  if (values.size() != sim::kHorizontalAxes)
+    term.fail(parameter,
+              fmt::format("{} has {} numbers, expected [long, lat]", parameter, values.size()));
+  return values;
+}
+
+// Converts refitted terms of the machine from names of the model. There, inertia and force offset
+// are terms, and terms whose names the specimen uses have a prefix.
 Config as_machine(const Config& found) {
-  constexpr const char* kInertia = "platen_inertia";
   Config machine = found;
   for (const auto& name : found.keys()) {
     if (!found.is_table(name) || found.table(name).has("kind")) continue;
     const Config term = found.table(name);
+    const AxisTerm* of_axes = axis_term(name);
     const bool is_renamed = name.starts_with(kMachinePrefix);
-    if (name != kInertia && !is_renamed) continue;
+    if (of_axes == nullptr && !is_renamed) continue;
     machine = machine.without(name);
-    if (is_renamed)
-      machine.set(name.substr(kMachinePrefix.size()), term);
+    if (of_axes != nullptr)
+      machine.put(of_axes->key, of_both_axes(term, of_axes->parameter));
     else
-      machine.set("effective_mass_kg", fmt::format("[{0}, {0}]", term.number("mass_kg")));
+      machine.set(name.substr(kMachinePrefix.size()), term);
   }
   return machine;
 }

@@ -140,13 +140,14 @@ sim::GroundMotion along_tested_axes(const Experiment& experiment) {
 }
 
 void run_companion(const Experiment& experiment, const std::filesystem::path& recording,
-                   const std::string& version, const char* name) {
+                   const std::string& version) {
   RunOptions options;
   options.clock = ClockKind::Virtual;
   options.recording = recording;
   options.version = version;
   const RunOutcome outcome = run(experiment, options);
-  if (!outcome.completed) throw Error{fmt::format("{} failed: {}", name, outcome.trouble)};
+  if (!outcome.completed)
+    throw Error{fmt::format("the run {} failed: {}", experiment.companion, outcome.trouble)};
 }
 
 }  // namespace
@@ -161,7 +162,8 @@ bool run_uncompensated(const Experiment& experiment, const std::filesystem::path
   }
   if (!switched_off || !replace_user_solver(bare)) return false;
   bare.history = recorded_targets(experiment, history);
-  run_companion(bare, recording, version, "the run without compensation");
+  bare.companion = "without compensation";
+  run_companion(bare, recording, version);
   return true;
 }
 
@@ -172,7 +174,8 @@ bool run_held_out(const Experiment& experiment, const std::filesystem::path& rec
   second.motion = *experiment.held_out;
   second.machine.seed += kSeedOffset;
   second.computing_time.seed += kSeedOffset;
-  run_companion(second, recording, version, "the run under the second earthquake");
+  second.companion = "under the second earthquake";
+  run_companion(second, recording, version);
   return true;
 }
 

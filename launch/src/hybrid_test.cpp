@@ -9,6 +9,7 @@
 #include <rths/core/error.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
+#include "recorded_gaps.hpp"
 #include "recorded_host.hpp"
 
 namespace rths::launch {
@@ -279,6 +280,8 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   if (!is_numerical)
     throw Error{experiment.file.string() +
                 ": no node integrates the plant as a mismatch budget repeats it"};
+  check_gaps(experiment, run, "the recording");
+  if (held_out != nullptr) check_gaps(experiment, *held_out, "the held-out recording");
   auto test = hybrid_test_of(experiment, run);
   test.specimen_identified = improved.model;
   test.machine_identified = improved.assumed_machine;
@@ -294,9 +297,10 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
     const AxisRoles* words = axis_of(roles, axis.name);
     axis.tracking =
         relative_difference(ticks.values(words->command), ticks.values(words->displacement));
-    if (held_out != nullptr)
-      axis.held_out =
-          budget::error_on(axis.transfer, transfer_record_of(roles, *held_out, axis.name, {}));
+    if (held_out == nullptr) continue;
+    const auto unseen = transfer_record_of(roles, *held_out, axis.name, {});
+    axis.held_out = budget::error_on(axis.transfer, unseen);
+    axis.held_out_without = relative_difference(unseen.displacement, unseen.reference);
   }
   return found;
 }

@@ -31,6 +31,7 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
       {"started", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now))},
       {"host", host.nodename},
       {"kernel", fmt::format("{} {} {}", host.sysname, host.release, host.machine)}};
+  if (!experiment.companion.empty()) meta.emplace_back(kCompanion, experiment.companion);
   if (const auto machine = experiment.unguarded_machine())
     meta.emplace_back("without_safety_layer", *machine);
   return meta;

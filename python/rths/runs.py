@@ -30,7 +30,7 @@ class Cause:
     title: str
     part: str  #: "numerical", "actuator", "machine", "bearing", "structure" or "sensor"
     confidence: float  #: 0 to 1
-    explained_fraction: float  #: of the error's energy beyond the noise, 0 to 1
+    explained_fraction: float | None  #: of the error's energy beyond the noise, 0 to 1; None: coarse steps of a sensor
     parameters: Mapping[str, Mapping[str, Any]]  #: by name: "value", "ci95" and "unit"
 
 

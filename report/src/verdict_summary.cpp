@@ -50,8 +50,11 @@ std::string where_text(const Verdict& verdict) {
 
 std::string cause_text(const diagnosis::Cause& cause) {
   std::string text =
-      fmt::format("cause     {}: {}\n          confidence {:.2f}, explains {:.0f} %\n", cause.name,
-                  cause.equation, cause.confidence, cause.explained * kPercent);
+      fmt::format("cause     {}: {}\n          confidence {:.2f}{}\n", cause.name, cause.equation,
+                  cause.confidence,
+                  std::isfinite(cause.explained)
+                      ? fmt::format(", explains {:.0f} %", cause.explained * kPercent)
+                      : "");
   for (const auto& p : cause.parameters)
     text += fmt::format("          {:<44} {:.4g} [{:.4g}, {:.4g}] {}\n", p.name, p.value, p.low,
                         p.high, p.unit);

@@ -92,7 +92,8 @@
     for (const c of v.causes) {
       const card = el("div", { className: "cause" }, el("h3", { textContent: c.title || c.name }),
         el("p", { className: "facts" }, el("code", { textContent: c.name }),
-          ` · ${PART[c.part]}, ${c.channel} · confidence ${number(c.confidence, 2)} · explains ${share(c.explained_fraction)}`));
+          ` · ${PART[c.part]}, ${c.channel} · confidence ${number(c.confidence, 2)}`,
+          c.explained_fraction == null ? "" : ` · explains ${share(c.explained_fraction)}`));
       if (c.equation) card.append(el("div", { className: "equation", textContent: c.equation }));
       const rows = Object.entries(c.parameters).map(([name, p]) => parameterRow(name.replace(/^.*\./, "").replaceAll("_", " "), p));
       if (rows.length) card.append(el("div", { className: "table" }, tableOf(["parameter", "value", "95 % interval", "unit"], rows, [0, 3])));

@@ -33,8 +33,8 @@ const sentence = (() => {
     if (score)
       card(container, proof ? "error on the unseen record" : "error on the fitted record",
         (isMissing ? `${percent(score.nrmse_before)} → ` : "") + percent(score.nrmse_after), `noise alone: ${percent(score.noise_floor)}`);
-    if (isMissing)
-      card(container, "explained", share(Math.min(1, v.causes.reduce((sum, c) => sum + (c.explained_fraction || 0), 0))), "of the systematic residual");
+    if (isMissing && v.causes.some(c => c.explained_fraction != null))
+      card(container, "explained", share(v.proof.explained_fraction), "of the systematic residual");
   };
 
   return { write, chip, card, proofCards };

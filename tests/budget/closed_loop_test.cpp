@@ -115,6 +115,24 @@ TEST_F(ClosedLoop, IsExplainedByTheBudgetOfTheRun) {
 }
 
 // The lists of a diagram for a test along one axis hold one value.
+TEST_F(ClosedLoop, HasABudgetThatAddsUpWithoutAnyDifference) {
+  make(true);
+  const recording::Reader run{folder / "run.h5"};
+  const Response simulated = closed_loop(hybrid, kNone);
+
+  const auto found =
+      mismatch_budget(hybrid, simulated,
+                      {launch::transfer_record_of(experiment.roles, run, "long", hybrid.order),
+                       launch::transfer_record_of(experiment.roles, run, "lat", hybrid.order)},
+                      force);
+
+  for (const auto& axis : found.axes) {
+    EXPECT_EQ(axis.before, 0) << axis.name;
+    EXPECT_EQ(axis.remainder, 1) << axis.name;
+    for (const double share : axis.share) EXPECT_EQ(share, 0) << axis.name;
+  }
+}
+
 TEST_F(ClosedLoop, ReadsConstantsOfOneAxis) {
   const auto constants =
       temporary.write("constants.toml", "[observer]\neffective_mass_kg = [113369]\n");

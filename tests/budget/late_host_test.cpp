@@ -59,6 +59,35 @@ TEST_F(ClosedLoop, NamesTheLatenessOfTheHostAsAShare) {
   }
 }
 
+/// A recorder that pauses once for 25 ms: at rest, or in strong motion.
+Duration pause(const std::string& node, Duration due, double from) {
+  constexpr double kLength = 0.025;  // [s]
+  const double time = to_seconds(due);
+  const bool pauses = node == "recorder" && time >= from && time < from + kLength;
+  return from_seconds(pauses ? from + kLength - time : 0);
+}
+
+// Interpolated values of 20 ms, once a second, change the shares by up to 0.09.
+TEST_F(ClosedLoop, HasNoBudgetIfTheRecordingMissesAnIntegrationStep) {
+  make(true, {}, [](const auto& node, Duration due) { return pause(node, due, 5.6003); });
+  const recording::Reader run{folder / "run.h5"};
+
+  const std::string error = test::error_of([&] {
+    static_cast<void>(launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr));
+  });
+
+  EXPECT_EQ(error,
+            "the recording has no row from 5.600 s to 5.625 s, 25 ms of node 'xpc', expected gaps "
+            "of at most an integration step, 10 ms");
+}
+
+TEST_F(ClosedLoop, HasABudgetIfTheRecorderPausesBeforeTheFirstTarget) {
+  make(true, {}, [](const auto& node, Duration due) { return pause(node, due, 0.2003); });
+  const recording::Reader run{folder / "run.h5"};
+
+  EXPECT_FALSE(launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr).is_empty());
+}
+
 /// A host that makes one step of each node late by 0.9 ms, four times a second: less than a period.
 Duration delays(const std::string& node, Duration due) {
   const double time = to_seconds(due);

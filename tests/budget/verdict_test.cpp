@@ -30,11 +30,11 @@ Verdict unknown_in(Part part) {
   verdict.outcome = Outcome::Unknown;
   verdict.where.part = part;
   Cause spurious;
-  spurious.name = "oil_column";
+  spurious.name = "actuator_delay";
   spurious.part = Part::Actuator;
   verdict.causes = {spurious};
   verdict.sentence = "Unknown.";
-  verdict.fragment = "[machine.oil_column]";
+  verdict.fragment = "[machine.actuator_delay]";
   return verdict;
 }
 
@@ -52,12 +52,116 @@ TEST(BudgetOfAVerdict, NamesTheTransferSystemOfAnUnknownActuator) {
   EXPECT_NE(verdict.sentence.find("18 % rms"), std::string::npos) << verdict.sentence;
 }
 
+/// An unknown actuator, and a force with a cause and a residual of its own.
+Verdict with_two_relations() {
+  Verdict verdict = unknown_in(Part::Actuator);
+  Cause friction;
+  friction.name = "coulomb_friction";
+  friction.title = "Coulomb friction";
+  friction.part = Part::Machine;
+  friction.channel = "force";
+  friction.confidence = 0.7;
+  verdict.causes.push_back(friction);
+  verdict.unexplained = {"displacement", "force"};
+  Description of_displacement, of_force;
+  of_displacement.form = "f(v)";
+  of_displacement.channel = "displacement";
+  of_force.form = "f(u)";
+  of_force.share = 0.6;
+  of_force.channel = "force";
+  verdict.descriptions = {of_displacement, of_force};
+  verdict.fragment =
+      "[machine.actuator_delay]\nkind = \"actuator_delay\"\ndelay_s = 0.01\n\n"
+      "[machine.coulomb_friction]\nkind = \"coulomb_friction\"\nfriction_force_N = 100.0\n\n";
+  verdict.improved.file = Config::parse(
+      "[model]\nkind = \"platen\"\n"
+      "fitted = [\"actuator_delay.delay\", \"coulomb_friction.friction_force\"]\n"
+      "[model.bounds]\n\"actuator_delay.delay\" = [0, 1]\n"
+      "[model.actuator_delay]\nkind = \"actuator_delay\"\ndelay_s = 0.01\n"
+      "[model.coulomb_friction]\nfriction_force_N = 100.0\n",
+      "case.toml");
+  return verdict;
+}
+
+TEST(BudgetOfAVerdict, KeepsCausesFormsAndRemainderOfTheForce) {
+  Verdict verdict = with_two_relations();
+  add_budget(budget_with(0.002), verdict);
+
+  ASSERT_EQ(verdict.causes.size(), 2U);
+  EXPECT_EQ(verdict.causes[1].name, "coulomb_friction");
+  EXPECT_EQ(verdict.confidence, 0.7);
+  EXPECT_TRUE(verdict.has_remainder);
+  ASSERT_EQ(verdict.descriptions.size(), 1U);
+  EXPECT_EQ(verdict.descriptions[0].form, "f(u)");
+  EXPECT_EQ(verdict.sentence.find("Missing: tracking of the transfer system (actuator) and Coulomb "
+                                  "friction (machine): the displacement differs"),
+            0U)
+      << verdict.sentence;
+  EXPECT_NE(verdict.sentence.find("; the residual of force is systematic, and no term of the "
+                                  "catalogue explains it; its best form is f(u), which explains "
+                                  "60 % of it"),
+            std::string::npos)
+      << verdict.sentence;
+}
+
+TEST(BudgetOfAVerdict, WithdrawsTermsOfTheActuatorFromTheImprovedModels) {
+  Verdict verdict = with_two_relations();
+  add_budget(budget_with(0.002), verdict);
+
+  EXPECT_EQ(
+      verdict.fragment,
+      "[machine.coulomb_friction]\nkind = \"coulomb_friction\"\nfriction_force_N = 100.0\n\n");
+  const Config model = verdict.improved.file.table("model");
+  EXPECT_FALSE(model.has("actuator_delay"));
+  EXPECT_TRUE(model.has("coulomb_friction"));
+  EXPECT_EQ(model.texts("fitted"), (std::vector<std::string>{"coulomb_friction.friction_force"}));
+  EXPECT_TRUE(model.table("bounds").keys().empty());
+}
+
+TEST(BudgetOfAVerdict, HasNoRemainderIfOnlyTheActuatorWasUnknown) {
+  Verdict verdict = unknown_in(Part::Actuator);
+  verdict.unexplained = {"displacement"};
+  add_budget(budget_with(0.002), verdict);
+
+  EXPECT_FALSE(verdict.has_remainder);
+  EXPECT_EQ(verdict.sentence.find("the residual of"), std::string::npos) << verdict.sentence;
+}
+
+// The errors of the diagnosis are those of filtered signals.
+TEST(BudgetOfAVerdict, ComparesErrorsOfOneDefinition) {
+  Verdict verdict = unknown_in(Part::Actuator);
+  verdict.proof.before = 0.05;
+  verdict.proof.floor = 1e-4;
+  RecordScore fitted, unseen;
+  fitted.use = "fit";
+  unseen.use = "held_out";
+  fitted.nrmse_before = unseen.nrmse_before = 0.05;
+  verdict.fit = {fitted, unseen};
+  auto found = budget_with(0.002);
+  found.axes[0].held_out = 0.003;
+  found.axes[0].held_out_without = 0.5;
+  found.axes[0].noise = 0.001;
+
+  add_budget(found, verdict);
+
+  EXPECT_EQ(verdict.fit[0].nrmse_before, 0.4);
+  EXPECT_EQ(verdict.fit[0].nrmse_after, 0.002);
+  EXPECT_EQ(verdict.fit[1].nrmse_before, 0.5);
+  EXPECT_EQ(verdict.fit[1].nrmse_after, 0.003);
+  EXPECT_EQ(verdict.fit[1].noise_floor, 0.001);
+  EXPECT_EQ(verdict.proof.before, 0.5);
+  EXPECT_EQ(verdict.proof.after, 0.003);
+  EXPECT_EQ(verdict.proof.floor, 0.001);
+  EXPECT_NEAR(verdict.proof.explained, (0.25 - 9e-6) / (0.25 - 1e-6), 1e-12);
+  EXPECT_EQ(verdict.causes[0].explained, verdict.proof.explained);
+}
+
 TEST(BudgetOfAVerdict, NamesNoTransferSystemThatDoesNotPredict) {
   Verdict verdict = unknown_in(Part::Actuator);
   add_budget(budget_with(0.1), verdict);
 
   EXPECT_EQ(verdict.outcome, Outcome::Unknown);
-  EXPECT_EQ(verdict.causes[0].name, "oil_column");
+  EXPECT_EQ(verdict.causes[0].name, "actuator_delay");
 }
 
 TEST(BudgetOfAVerdict, LeavesOtherVerdictsAndTellsTheShares) {

@@ -300,6 +300,7 @@ TEST(Diagnosis, FindsCoarseQuantisationInTheSamples) {
   ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
   EXPECT_EQ(verdict.causes[0].name, "force_quantisation");
   EXPECT_NEAR(verdict.causes[0].parameters[0].value, 400, 1e-6);
+  EXPECT_TRUE(std::isnan(verdict.causes[0].explained));  // steps are found in the samples
   EXPECT_EQ(verdict.where.part, Part::Sensor);
 }
 

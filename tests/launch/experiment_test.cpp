@@ -140,6 +140,33 @@ TEST_F(ExperimentTest, ImprovesItsModelWithTheTermsOfADiagnosis) {
   EXPECT_EQ(e.machine.terms.size(), load_experiment(write()).machine.terms.size());
 }
 
+// A diagnosis writes a parameter with a value for each axis as a list.
+TEST_F(ExperimentTest, ImprovesInertiaAndForceOffsetOfEachAxis) {
+  folder.write("found.toml",
+               "[machine.platen_inertia]\nmass_kg = [1.1e5, 1.2e5]\n"
+               "[machine.force_offset]\noffset_N = [900, -800]\n");
+
+  const Experiment e = load_experiment(write(), {{"model.improvement", "[\"found.toml\"]"}});
+
+  const Config model = Config::parse(text_named(e, recording::kModelText), "model");
+  EXPECT_EQ(model.table("platen_inertia").numbers("mass_kg"), (std::vector<double>{1.1e5, 1.2e5}));
+  EXPECT_EQ(model.table("force_offset").numbers("offset_N"), (std::vector<double>{900, -800}));
+  EXPECT_EQ(e.assumed_machine.axes[1].effective_mass, 1.2e5);
+  EXPECT_EQ(e.assumed_machine.axes[1].force_offset, -800);
+}
+
+TEST_F(ExperimentTest, SaysWhereAnImprovementHasTooManyAxes) {
+  folder.write("found.toml", "[machine.force_offset]\noffset_N = [900, -800, 3]\n");
+
+  const std::string error = test::error_of([&] {
+    static_cast<void>(load_experiment(write(), {{"model.improvement", "[\"found.toml\"]"}}));
+  });
+
+  EXPECT_NE(error.find("found.toml:2:12: offset_N has 3 numbers, expected [long, lat]"),
+            std::string::npos)
+      << error;
+}
+
 TEST_F(ExperimentTest, ChangesABearingTermByTerm) {
   const Experiment plain = load_experiment(write());
   const Experiment changed =

@@ -138,6 +138,29 @@ TEST(RunDiagnosis, NamesNoSensorInTheDemo) {
     EXPECT_NE(cause["part"], "sensor") << verdict["sentence"];
 }
 
+// The model has an inertia for each axis, which the machine takes.
+TEST(RunDiagnosis, ImprovesTheInertiaOfBothAxes) {
+  const test::TemporaryFolder folder;
+
+  const auto run =
+      run_example(folder.path(), {"--set", "duration_s=12", "--set", "uncompensated={}", "--set",
+                                  "model.machine.effective_mass_kg=[95e3,95e3]", "--set",
+                                  "model.specimen.lead_heating.enabled=true"});
+
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err.find("rths: no"), std::string::npos) << run.err;
+  const std::string fragment = test::content_of(folder.path() / "improved.toml");
+  EXPECT_NE(fragment.find("[machine.platen_inertia]\nmass_kg = ["), std::string::npos) << fragment;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "improved.h5"));
+  const Json verdict = json_of(folder.path() / "verdict.json");
+  ASSERT_TRUE(verdict["budget"].is_object()) << verdict["limits"];
+  for (const auto& axis : verdict["budget"]["axes"])
+    EXPECT_LT(axis["difference_after"], axis["difference_before"]);
+  const auto checked =
+      test::run_rths({"check", (folder.path() / "improved/experiment.toml").string()});
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
+}
+
 TEST_F(DiagnosedRun, ProvesItOnTheSecondEarthquake) {
   EXPECT_EQ(verdict["proof_record"], "held_out.h5");
   const Json& proof = verdict["fit"]["held_out.h5"];
@@ -237,6 +260,23 @@ TEST_F(DiagnosedRun, IsDiagnosedAgainFromItsRecordings) {
   EXPECT_EQ(verdict_again, first_verdict);
   EXPECT_EQ(test::content_of(again.path() / "improved.toml"),
             test::content_of(out() / "improved.toml"));
+}
+
+// Its recording names the experiment, but its motion is another earthquake.
+TEST_F(DiagnosedRun, GivesACompanionNoBudget) {
+  const test::TemporaryFolder again;
+  const auto companion = again.path() / "renamed.h5";
+  std::filesystem::copy_file(out() / "held_out.h5", companion);
+
+  const auto finished = test::run_rths(
+      {"diagnose", companion.string(), "--out", (again.path() / "out").string()}, kDeadline);
+
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  const Json found = json_of(again.path() / "out/verdict.json");
+  EXPECT_TRUE(found["budget"].is_null());
+  EXPECT_NE(finished.out.find("renamed.h5: found a companion of a run, expected the run itself"),
+            std::string::npos)
+      << finished.out;
 }
 
 TEST_F(DiagnosedRun, GivesTheSameBytesEveryTime) {

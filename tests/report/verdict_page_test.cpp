@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The diagnosis page, in a real browser if one is installed.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include <rths/report/diagnosis.hpp>
@@ -86,6 +88,22 @@ TEST_F(RenderedVerdict, ShowsPlaceNameModelAndProofOfTheCause) {
   EXPECT_TRUE(holds(page, "218 σ"));
   EXPECT_TRUE(holds(page, "No vertical force was recorded"));
   EXPECT_TRUE(is_hidden(page, "form"));
+}
+
+// Causes of two relations have shares of different energies.
+TEST_F(RenderedVerdict, ShowsTheShareOfTheProofOnce) {
+  diagnosis::Verdict verdict = missing_verdict();
+  verdict.proof.explained = 0.91;
+  verdict.causes.push_back(verdict.causes[0]);
+  verdict.causes[1].explained = std::nan("");
+
+  const std::string page = rendered(verdict);
+
+  EXPECT_TRUE(holds(page, ">explained</div><div class=\"value\">91\u2009%<"));
+  EXPECT_TRUE(holds(page, "confidence 0.98 · explains 97\u2009%"));
+  EXPECT_TRUE(holds(page, "confidence 0.98</p>"));
+  verdict.causes.erase(verdict.causes.begin());
+  EXPECT_FALSE(holds(rendered(verdict), ">explained</div>"));
 }
 
 TEST_F(RenderedVerdict, ShowsNoPlaceAndNoModelWhereNothingIsMissing) {

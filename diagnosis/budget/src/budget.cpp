@@ -71,7 +71,10 @@ Energies energies_of(const HybridTest& test, const Response& measured, Response&
 
 void share_out(const Energies& energies, std::size_t axis, AxisBudget& budget) {
   const double all = energies[kNone][axis];
-  if (!(all > 0)) return;
+  if (!(all > 0)) {  // no part causes a difference that is none
+    budget.remainder = 1;
+    return;
+  }
   const auto shares =
       shapley(kParts, [&](unsigned parts) { return 1 - energies[parts][axis] / all; });
   std::copy(shares.begin(), shares.end(), budget.share.begin());
@@ -124,6 +127,8 @@ MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
     one.measured = measured[axis];
     one.simulated = simulated[axis];
     one.improved = improved[axis];
+    one.noise =
+        std::sqrt(energy(test.noise[axis].displacement) / energy(records[axis].displacement));
     const double size = energy(measured[axis]);
     one.before = std::sqrt(energies[kNone][axis] / size);
     one.after = std::sqrt(energies[kAll][axis] / size);

@@ -4,23 +4,49 @@
 
 #include <fmt/format.h>
 
+#include <rths/sim/composition.hpp>
 #include <rths/verdict/verdict.hpp>
+
+#include "report.hpp"
 
 namespace rths::diagnosis {
 namespace {
 
 constexpr const char* kTransferSystem = "transfer_system";
 
-double unseen_error(const budget::AxisBudget& axis) {
-  return std::isfinite(axis.held_out) ? axis.held_out : axis.transfer.error;
+constexpr const char* kDisplacement = "displacement";
+
+/// Errors of an axis on the record of the proof [-].
+struct AxisErrors {
+  double before = 0;  ///< of a displacement equal to the reference
+  double after = 0;   ///< of the transfer system
+  double noise = 0;
+
+  /// Of the energy of the error beyond the noise.
+  [[nodiscard]] double explained() const {
+    const double all = before * before - noise * noise;
+    return all > 0 ? std::clamp((before * before - after * after) / all, 0.0, 1.0) : 0;
+  }
+};
+
+AxisErrors fitted_errors(const budget::AxisBudget& axis) {
+  return {axis.transfer.error_without, axis.transfer.error, axis.noise};
 }
 
-// Of the energy of the difference between displacement and reference: the lower of the axes.
-double explained_by(const budget::MismatchBudget& found) {
-  double lowest = 1;
+AxisErrors unseen_errors(const budget::AxisBudget& axis) {
+  AxisErrors errors = fitted_errors(axis);
+  if (std::isfinite(axis.held_out)) errors.after = axis.held_out;
+  if (std::isfinite(axis.held_out_without)) errors.before = axis.held_out_without;
+  return errors;
+}
+
+// Of the axis that is explained least.
+template <class Errors>
+AxisErrors worst(const budget::MismatchBudget& found, Errors errors) {
+  AxisErrors worst = errors(found.axes[0]);
   for (const auto& axis : found.axes)
-    lowest = std::min(lowest, 1 - std::pow(unseen_error(axis) / axis.transfer.error_without, 2));
-  return lowest;
+    if (const AxisErrors one = errors(axis); one.explained() < worst.explained()) worst = one;
+  return worst;
 }
 
 Cause transfer_cause(const budget::MismatchBudget& found) {
@@ -31,11 +57,11 @@ Cause transfer_cause(const budget::MismatchBudget& found) {
       "x' = q - l F - c F', with q from a valve of second order with dead band, driven by "
       "K (r(t - tau) - x) - kappa F";
   cause.part = Part::Actuator;
-  cause.channel = "displacement";
+  cause.channel = kDisplacement;
   cause.confidence = 1;  // the lower of the axes
   for (const auto& axis : found.axes)
     cause.confidence = std::min(cause.confidence, axis.transfer.confidence);
-  cause.explained = explained_by(found);
+  cause.explained = worst(found, unseen_errors).explained();
   for (const auto& axis : found.axes)
     for (const auto& p : axis.transfer.parameters)
       cause.parameters.push_back({fmt::format("{}_{}.{}", kTransferSystem, axis.name, p.name),
@@ -60,49 +86,97 @@ std::string transfer_text(const budget::MismatchBudget& found) {
       of_axes(found, "{:.1f}", [](const auto& axis) { return 1e3 * axis.transfer.delay(); }),
       of_axes(found, "{:.2f}", [](const auto& axis) { return 1e3 * axis.transfer.dead_band; }),
       std::isfinite(found.axes[0].held_out) ? "an unseen record" : "seconds that were not fitted",
-      of_axes(found, "{:.2g}", [](const auto& axis) { return 100 * unseen_error(axis); }));
+      of_axes(found, "{:.2g}", [](const auto& axis) { return 100 * unseen_errors(axis).after; }));
 }
 
-// Errors of the actuator's relation with the transfer system in place of its terms.
+// Errors of the actuator's relation with the transfer system in place of its terms, all of them of
+// unfiltered signals.
 void score(const budget::MismatchBudget& found, Verdict& verdict) {
-  double fitted = 0, unseen = 0;
-  for (const auto& axis : found.axes) {
-    fitted = std::max(fitted, axis.transfer.error);
-    unseen = std::max(unseen, unseen_error(axis));
-  }
   for (auto& one : verdict.fit) {
-    one.nrmse_after = one.use == "held_out" ? unseen : fitted;
-    one.variance_after = std::nan("");
+    const AxisErrors errors = worst(found, one.use == "held_out" ? unseen_errors : fitted_errors);
+    one.nrmse_stated = std::nan("");
+    one.nrmse_before = errors.before;
+    one.nrmse_after = errors.after;
+    one.noise_floor = errors.noise;
+    one.variance_before = one.variance_after = std::nan("");
   }
+  const AxisErrors unseen = worst(found, unseen_errors);
   auto& proof = verdict.proof;
-  proof.after = unseen;
-  const double all = proof.before * proof.before - proof.floor * proof.floor;
-  if (all > 0)
-    proof.explained = std::clamp((proof.before * proof.before - unseen * unseen) / all, 0.0, 1.0);
+  proof.before = unseen.before;
+  proof.after = unseen.after;
+  proof.floor = unseen.noise;
+  proof.explained = unseen.explained();
   std::erase_if(verdict.traces,
-                [](const Trace& trace) { return trace.channel.starts_with("displacement"); });
+                [](const Trace& trace) { return trace.channel.starts_with(kDisplacement); });
   verdict.residual_correlation.clear();
+  verdict.refitted.clear();
+  verdict.ablation.clear();
+}
+
+// Removes a term from the model of an improved case, and its parameters from the fitted ones.
+void remove_term(const std::string& term, Config& model) {
+  const auto is_of_term = [&](const std::string& name) { return name.starts_with(term + "."); };
+  model = model.without(term);
+  auto fitted = model.texts("fitted", {});
+  std::erase_if(fitted, is_of_term);
+  if (model.has("fitted")) model.put("fitted", fitted);
+  Config bounds = model.table_or_empty("bounds");
+  for (const auto& name : bounds.keys())
+    if (is_of_term(name)) bounds = bounds.without(name);
+  if (model.has("bounds")) model.set("bounds", bounds);
+}
+
+// The term of the actuator that a table of the fragment adds; empty if it adds none.
+std::string added_actuator_term(const std::string& table) {
+  const Config machine = Config::parse(table, "improved.toml").table_or_empty("machine");
+  for (const auto& name : machine.keys())
+    if (const std::string kind = machine.table(name).text("kind", "");
+        !kind.empty() && sim::term_kind(kind).stage == sim::Stage::Actuator)
+      return name;
+  return "";
+}
+
+// Withdraws the terms of the actuator: causes, and their tables in the improved models.
+void withdraw_actuator_terms(Verdict& verdict) {
+  std::erase_if(verdict.causes, [](const Cause& cause) { return cause.part == Part::Actuator; });
+  Config& file = verdict.improved.file;
+  if (verdict.causes.empty()) {
+    verdict.fragment.clear();
+    file = {};
+    return;
+  }
+  std::string kept;
+  for (std::size_t begin = 0; begin < verdict.fragment.size();) {
+    const auto next = verdict.fragment.find("\n[", begin);
+    const auto end = next == std::string::npos ? verdict.fragment.size() : next + 1;
+    const std::string table = verdict.fragment.substr(begin, end - begin);
+    const std::string term = added_actuator_term(table);
+    if (term.empty()) kept += table;
+    if (!term.empty() && file.has("model")) {
+      Config model = file.table("model");
+      remove_term(term, model);
+      file.set("model", model);
+    }
+    begin = end;
+  }
+  verdict.fragment = kept;
 }
 
 // The residual of the actuator has a cause now.
 void name_transfer_system(Verdict& verdict) {
-  std::erase_if(verdict.causes, [](const Cause& cause) { return cause.part == Part::Actuator; });
-  if (verdict.causes.empty()) {
-    verdict.fragment.clear();
-    verdict.improved.file = {};
-    verdict.refitted.clear();
-    verdict.ablation.clear();
-  }
+  withdraw_actuator_terms(verdict);
   score(verdict.budget, verdict);
   verdict.causes.insert(verdict.causes.begin(), transfer_cause(verdict.budget));
   verdict.outcome = Outcome::Missing;
-  verdict.descriptions.clear();
-  verdict.has_remainder = false;
+  std::erase_if(verdict.descriptions, [](const Description& one) {
+    return one.channel.empty() || one.channel == kDisplacement;
+  });
+  std::erase(verdict.unexplained, kDisplacement);
+  verdict.has_remainder = !verdict.unexplained.empty();
   verdict.confidence = 1;
   for (const auto& cause : verdict.causes)
     verdict.confidence = std::min(verdict.confidence, cause.confidence);
-  verdict.sentence = fmt::format("Missing: tracking of the transfer system (actuator): {}.",
-                                 transfer_text(verdict.budget));
+  verdict.sentence = transfer_sentence(verdict, transfer_text(verdict.budget));
 }
 
 }  // namespace

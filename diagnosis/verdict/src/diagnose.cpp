@@ -151,7 +151,7 @@ void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
     cause.part = Part::Sensor;
     cause.channel = family;
     cause.confidence = lattice.on_steps;
-    cause.explained = 1;
+    cause.explained = std::nan("");
     cause.parameters = {step};
     verdict.causes.push_back(std::move(cause));
   }
@@ -229,6 +229,7 @@ void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
   for (const auto& found : all) {
     if (is_composition(c.model.kind)) verdict.fragment += fragment_of(*found);
     list_terms(*found->relation, verdict);
+    if (found->is_unknown()) verdict.unexplained.push_back(output_of(*found));
   }
   verdict.outcome = explained != nullptr ? Outcome::Missing
                     : unknown != nullptr ? Outcome::Unknown

@@ -241,9 +241,17 @@ void add_evidence(const Investigation& found, Verdict& verdict) {
   for (const auto& contender : all) add(contender);
 }
 
+std::string output_of(const Investigation& found) {
+  const std::string& role = found.relation->outputs()[0].first;
+  return role.substr(0, role.find('.'));
+}
+
 void add_descriptions(const Investigation& found, Verdict& verdict) {
-  for (const auto& description : found.descriptions)
-    if (description.share > kLeastShareOfForm) verdict.descriptions.push_back(description);
+  for (const auto& description : found.descriptions) {
+    if (description.share <= kLeastShareOfForm) continue;
+    verdict.descriptions.push_back(description);
+    verdict.descriptions.back().channel = output_of(found);
+  }
 }
 
 void report(const Investigation& found, Verdict& verdict) {

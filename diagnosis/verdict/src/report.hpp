@@ -16,7 +16,14 @@ void add_descriptions(const Investigation& found, Verdict& verdict);
 /// Scores, refitted parameters, proof and traces replace those of others.
 void report(const Investigation& found, Verdict& verdict);
 
+/// Output of an investigation without its axis: "displacement", "force".
+[[nodiscard]] std::string output_of(const Investigation& found);
+
 /// The verdict in one sentence.
 [[nodiscard]] std::string sentence_of(const Verdict& verdict);
+
+/// The same of a verdict whose first cause is the transfer system.
+/// @param finding  about the transfer system
+[[nodiscard]] std::string transfer_sentence(const Verdict& verdict, const std::string& finding);
 
 }  // namespace rths::diagnosis

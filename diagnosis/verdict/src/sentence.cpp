@@ -168,16 +168,34 @@ std::string unknown_sentence(const Verdict& verdict) {
       besides, verdict.where.channel, name_of(verdict.where.part), form);
 }
 
+// " The noise was not measured at rest: …": without, a residual of wrongly estimated noise looks
+// systematic.
+std::string doubt_of(const Verdict& verdict) {
+  const bool is_doubtful = verdict.outcome == Outcome::Unknown || verdict.has_remainder;
+  if (!is_doubtful || verdict.noise_remedy.empty()) return "";
+  return " The noise was not measured at rest: " + verdict.noise_remedy + ".";
+}
+
 }  // namespace
 
 std::string sentence_of(const Verdict& verdict) {
   if (verdict.outcome == Outcome::None) return none_sentence(verdict);
-  std::string text =
-      verdict.outcome == Outcome::Missing ? missing_sentence(verdict) : unknown_sentence(verdict);
-  // Without the noise at rest, a residual of wrongly estimated noise looks systematic.
-  const bool is_doubtful = verdict.outcome == Outcome::Unknown || verdict.has_remainder;
-  if (!is_doubtful || verdict.noise_remedy.empty()) return text;
-  return text + " The noise was not measured at rest: " + verdict.noise_remedy + ".";
+  return (verdict.outcome == Outcome::Missing ? missing_sentence(verdict)
+                                              : unknown_sentence(verdict)) +
+         doubt_of(verdict);
+}
+
+std::string transfer_sentence(const Verdict& verdict, const std::string& finding) {
+  const std::vector<Cause> others{verdict.causes.begin() + 1, verdict.causes.end()};
+  const std::string form =
+      verdict.descriptions.empty() ? "" : "; " + form_text(verdict.descriptions[0]);
+  std::string rest;
+  for (const auto& output : verdict.unexplained)
+    rest += fmt::format(
+        "; the residual of {} is systematic, and no term of the catalogue explains it", output);
+  return fmt::format("Missing: {} ({}){}{}: {}{}{}.{}{}", verdict.causes[0].title,
+                     name_of(verdict.causes[0].part), others.empty() ? "" : " and ",
+                     list_of(others), finding, rest, form, ties_of(verdict), doubt_of(verdict));
 }
 
 }  // namespace rths::diagnosis

@@ -56,6 +56,7 @@ struct Experiment : adapters::TestSetup {
   std::filesystem::path map;
   std::uint64_t seed = 1;
   std::string motion_name;
+  std::string companion;  ///< how it differs from the test that it accompanies; empty: it does not
   std::optional<sim::GroundMotion>
       held_out;                      ///< a second earthquake, for the proof of the diagnosis
   sim::TestMachine assumed_machine;  ///< the machine as the simulation assumes it

@@ -55,6 +55,9 @@ int request_stop(const std::string& ring);
 /// @throws Error   @setup
 void check_assembly(const Experiment& experiment);
 
+/// Text of /meta: how a companion run differs from its test. Absent: the run is no companion.
+inline constexpr const char* kCompanion = "companion";
+
 /// Repeats the displacement history of a run in virtual time without compensation, to measure the
 /// delay of the machine. Returns false if the experiment has no [uncompensated], or if a node
 /// other than the solver is a program of the user's own.

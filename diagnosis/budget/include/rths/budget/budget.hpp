@@ -22,6 +22,9 @@ struct AxisBudget {
   double tracking = 0;
   /// Error of the transfer system on a record that it was not fitted to; NaN: there is none [-].
   double held_out = std::numeric_limits<double>::quiet_NaN();
+  /// Error of a displacement equal to the reference on that record; NaN: there is none [-].
+  double held_out_without = std::numeric_limits<double>::quiet_NaN();
+  double noise = 0;  ///< RMS of the noise of the displacement, over that of the displacement [-]
   double before = 0, after = 0;        ///< RMS differences to the test over the RMS of the test [-]
   std::array<double, kParts> share{};  ///< of the energy of the difference before, by Part [-]
   double remainder = 0;                ///< of that energy; shares and remainder add up to 1 [-]

@@ -41,7 +41,7 @@ struct Cause {
   double confidence = 0;  ///< share of resampled records in which it is the best term [-]; 0.99 at
                           ///< least without alternatives, 1/(1 + n) at least with n of them
   double explained = 0;   ///< of the energy beyond the noise: the share of all causes, divided in
-                          ///< proportion to their gains [-]
+                          ///< proportion to their gains [-]; NaN: steps of a sensor have none
   std::vector<Estimate> parameters;
   std::vector<Alternative> alternatives;
 };
@@ -131,6 +131,8 @@ struct Verdict {
   std::vector<Cause> causes;
   double confidence = 0;       ///< in the outcome [-]
   bool has_remainder = false;  ///< a systematic residual remains besides the named causes
+  /// Outputs with a systematic residual that no term explains, without axis: "displacement".
+  std::vector<std::string> unexplained;
   ProofSummary proof;
   std::vector<RecordScore> fit;
   std::vector<Refitted> refitted;
@@ -158,7 +160,9 @@ struct Verdict {
 
 /// Adds the mismatch budget of a run to its verdict and its sentence. If no term explains the
 /// residual of the actuator, an identified transfer system becomes its cause, with its parameters;
-/// terms of the actuator that were named on the way are withdrawn.   @setup
+/// terms of the actuator that were named on the way are withdrawn, also from the improved model.
+/// The errors then compare the transfer system with a displacement equal to the reference. Causes,
+/// forms and remainder of other outputs stay.   @setup
 void add_budget(budget::MismatchBudget budget, Verdict& verdict);
 
 /// "missing", "none", "unknown"

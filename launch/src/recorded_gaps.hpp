@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <rths/launch/experiment.hpp>
+#include <rths/recording/recording.hpp>
+
+namespace rths::launch {
+
+/// Requires that the rows of a recording follow the closed loop. From the first target on, a gap is
+/// at most as long as one integration step: longer ones lose targets and forces of steps.
+/// @param name  of the recording, in errors
+/// @throws Error with times and length of the first longer gap   @setup
+void check_gaps(const Experiment& experiment, const recording::Reader& run,
+                const std::string& name);
+
+}  // namespace rths::launch
