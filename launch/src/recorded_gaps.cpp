@@ -15,6 +15,8 @@ namespace {
 using recording::NodeTicks;
 using recording::Reader;
 
+constexpr double kMostSteps = 5;  // of integration, in a gap
+
 double period_of(const Experiment& experiment, const std::string& node) {
   const auto plan = std::find_if(experiment.nodes.begin(), experiment.nodes.end(),
                                  [&](const NodePlan& one) { return one.node == node; });
@@ -27,7 +29,7 @@ void check_node(const Experiment& experiment, const Reader& run, const std::stri
   const double step = experiment.rate * experiment.integration_step;
   const double period = period_of(experiment, node);
   const NodeTicks ticks{run, node};
-  const auto longest = static_cast<std::size_t>(std::lround(step / period));
+  const auto longest = static_cast<std::size_t>(std::lround(kMostSteps * step / period));
   const auto& counter = ticks.counter();
   const auto target = run.signal(experiment.roles.new_target);
   std::size_t last = 0, last_row = 0;
@@ -40,9 +42,9 @@ void check_node(const Experiment& experiment, const Reader& run, const std::stri
     if (has_begun && last > 0 && count - last > longest)
       throw Error{fmt::format(
           "{} has no row from {:.3f} s to {:.3f} s, {:.0f} ms of node '{}', expected gaps of at "
-          "most an integration step, {:.0f} ms",
+          "most {:.0f} ms",
           name, run.time()[last_row], run.time()[row],
-          1e3 * period * static_cast<double>(count - last), node, 1e3 * step)};
+          1e3 * period * static_cast<double>(count - last), node, 1e3 * kMostSteps * step)};
     last = count;
     last_row = row;
   }

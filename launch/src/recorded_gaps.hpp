@@ -9,7 +9,8 @@
 namespace rths::launch {
 
 /// Requires that the rows of a recording follow the closed loop. From the first target on, a gap is
-/// at most as long as one integration step: longer ones lose targets and forces of steps.
+/// at most as long as five integration steps: between the ends of longer ones, targets and forces
+/// are no straight lines.
 /// @param name  of the recording, in errors
 /// @throws Error with times and length of the first longer gap   @setup
 void check_gaps(const Experiment& experiment, const recording::Reader& run,

@@ -97,9 +97,10 @@ TEST(BudgetOfAVerdict, KeepsCausesFormsAndRemainderOfTheForce) {
                                   "friction (machine): the displacement differs"),
             0U)
       << verdict.sentence;
-  EXPECT_NE(verdict.sentence.find("; the residual of force is systematic, and no term of the "
-                                  "catalogue explains it; its best form is f(u), which explains "
-                                  "60 % of it"),
+  EXPECT_NE(verdict.sentence.find(
+                "; the residual of force is systematic, and none of the terms that were searched "
+                "explains it; its best form is f(u), which explains "
+                "60 % of it"),
             std::string::npos)
       << verdict.sentence;
 }

@@ -192,7 +192,8 @@ std::string transfer_sentence(const Verdict& verdict, const std::string& finding
   std::string rest;
   for (const auto& output : verdict.unexplained)
     rest += fmt::format(
-        "; the residual of {} is systematic, and no term of the catalogue explains it", output);
+        "; the residual of {} is systematic, and none of the terms that were searched explains it",
+        output);
   return fmt::format("Missing: {} ({}){}{}: {}{}{}.{}{}", verdict.causes[0].title,
                      name_of(verdict.causes[0].part), others.empty() ? "" : " and ",
                      list_of(others), finding, rest, form, ties_of(verdict), doubt_of(verdict));

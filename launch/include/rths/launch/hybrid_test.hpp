@@ -43,9 +43,9 @@ namespace rths::launch {
 /// @param improved  the experiment with the improvements of a diagnosis: its model holds specimen
 ///                  and machine as identified
 /// @param held_out  recording of the same laboratory under another earthquake; null: none
-/// @throws Error if a recording lacks a signal or, from the first target on, rows of more than an
-///         integration step, if the run has no controller or another solver than `numerical`, or as
-///         budget::mismatch_budget does   @setup
+/// @throws Error if a recording lacks a signal or, from the first target on, rows of more than
+///         five integration steps, if the run has no controller or another solver than `numerical`,
+///         or as budget::mismatch_budget does   @setup
 [[nodiscard]] budget::MismatchBudget budget_of_run(const Experiment& experiment,
                                                    const Experiment& improved,
                                                    const recording::Reader& run,
