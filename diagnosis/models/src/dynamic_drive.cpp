@@ -32,36 +32,41 @@ VectorXd start_of(const DynamicModel& model, const Hypothesis& base, const Dynam
   return run.start(base.values, drive.measured, std::clamp<Index>(rows, 1, drive.rows()));
 }
 
-// Last row at which the model as stated still remembers a change of its inputs in a gap.
-Index last_remembered(const DynamicModel& model, const Hypothesis& base, const DynamicDrive& drive,
-                      std::pair<std::size_t, std::size_t> gap) {
-  DynamicSignals other = drive.signals;
-  for (auto& input : other.inputs) {
+// Signals whose inputs are larger in a gap, each by its largest value.
+DynamicSignals with_change(DynamicSignals signals, std::pair<std::size_t, std::size_t> gap) {
+  for (auto& input : signals.inputs) {
     const double size = VectorXd::Map(input.data(), std::ssize(input)).cwiseAbs().maxCoeff();
     for (std::size_t row = gap.first + 1; row < gap.second; ++row) input[row] += size;
   }
+  return signals;
+}
+
+// By row: 0 in the gaps of a record and behind them until the model as stated has forgotten the
+// lost inputs.
+Eigen::ArrayXd present_rows(const DynamicModel& model, const Hypothesis& base, const Record& record,
+                            const DynamicDrive& drive) {
   const auto run = [&](const DynamicSignals& signals, MatrixXd& prediction) {
     std::vector<MatrixXd> none;
     return DynamicSimulator{model, base, nullptr, drive.time_step, signals}.run(base.values, {},
                                                                                 prediction, none);
   };
   MatrixXd with, without;
-  Index row = drive.rows() - 1;
-  if (!run(other, with) || !run(drive.signals, without)) return row;
-  const auto least = kForgotten * drive.measured.cwiseAbs().colwise().maxCoeff().array();
-  while (row > static_cast<Index>(gap.second) &&
-         ((with - without).row(row).cwiseAbs().array() <= least).all())
-    --row;
-  return row;
-}
-
-// By row: 0 in the gaps of a record and behind them until the model has forgotten the lost inputs.
-Eigen::ArrayXd present_rows(const DynamicModel& model, const Hypothesis& base, const Record& record,
-                            const DynamicDrive& drive) {
+  const bool is_predicted = run(drive.signals, without);
+  const Eigen::ArrayXXd least = kForgotten * drive.measured.cwiseAbs().colwise().maxCoeff();
+  // The last row that a change of the inputs in a gap still changes.
+  const auto last_remembered = [&](const std::pair<std::size_t, std::size_t>& gap) {
+    Index row = drive.rows() - 1;
+    const DynamicSignals changed = with_change(drive.signals, gap);
+    if (!is_predicted || !run(changed, with)) return row;
+    while (row > static_cast<Index>(gap.second) &&
+           ((with - without).row(row).cwiseAbs().array() <= least).all())
+      --row;
+    return row;
+  };
   Eigen::ArrayXd present = Eigen::ArrayXd::Ones(drive.rows());
   for (const auto& gap : record.gaps) {
     const auto first = static_cast<Index>(gap.first);
-    present.segment(first, last_remembered(model, base, drive, gap) - first + 1).setZero();
+    present.segment(first, last_remembered(gap) - first + 1).setZero();
   }
   return present;
 }

@@ -94,10 +94,6 @@ struct Predictions {
   std::vector<std::pair<std::string, MatrixXd>> without;
 };
 
-bool is_compared(const Drive& drive, Index row) {
-  return drive.present.size() == 0 || drive.present[row] != 0;
-}
-
 // Free offsets are no error: each curve is shifted onto the measurement.
 double shift_of(const Investigation& found, const Drive& drive, const MatrixXd& prediction,
                 Index output) {
@@ -108,15 +104,14 @@ double shift_of(const Investigation& found, const Drive& drive, const MatrixXd& 
 
 std::vector<double> compared_rows(const Drive& drive, const MatrixXd& values, Index output,
                                   double shift = 0) {
-  std::vector<double> rows;
-  for (Index row = drive.first_row; row < drive.rows(); ++row)
-    if (is_compared(drive, row)) rows.push_back(values(row, output) + shift);
-  return rows;
+  const VectorXd rows = drive.compared_rows(values.col(output)).array() + shift;
+  return {rows.begin(), rows.end()};
 }
 
 void add_axes_of(const Drive& drive, Index output, Trace& trace) {
-  for (Index row = drive.first_row; row < drive.rows(); ++row)
-    if (is_compared(drive, row))
+  const Eigen::ArrayXd is_compared = drive.compared();
+  for (Index row = 0; row < drive.rows(); ++row)
+    if (is_compared[row] != 0)
       trace.time.push_back(drive.start + static_cast<double>(row) * drive.time_step);
   if (drive.displacement.size() == 0 || trace.time.empty()) return;
   trace.abscissa = compared_rows(drive, drive.displacement, output);
