@@ -105,7 +105,12 @@ void add_bench_diagnosis(CLI::App& bench, BenchmarkArguments& a, Chosen& chosen)
   command->add_option("--data", a.diagnosis.data, "Folder of recordings [../shared/data]");
   command->add_option("--python", a.diagnosis.python,
                       "Python with OpenSees and NumPy [RTHS_OPENSEES_PYTHON, or that of ./lab]");
-  command->add_flag("--no-peers{false}", a.diagnosis.peers, "The diagnosis alone");
+  auto* alone = command->add_flag("--no-peers{false}", a.diagnosis.peers, "The diagnosis alone");
+  command
+      ->add_option("--peer-cases", a.diagnosis.peer_cases,
+                   "The peers get only the first so many cases [all]")
+      ->check(CLI::Range(1, 10'000))
+      ->excludes(alone);
   command
       ->add_option("--require", a.diagnosis.required,
                    "Fail if a smaller share of the detectable cases is right")

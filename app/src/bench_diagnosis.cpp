@@ -36,6 +36,7 @@ std::vector<std::string> command_of(const DiagnosisBenchArguments& arguments,
   add("--out", arguments.out);
   add("--data", arguments.data);
   if (!arguments.peers) command.push_back("--no-peers");
+  if (arguments.peer_cases) add("--peer-cases", std::to_string(*arguments.peer_cases));
   if (arguments.required) add("--require", fmt::format("{}", *arguments.required));
   return command;
 }

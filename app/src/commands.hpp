@@ -249,6 +249,7 @@ struct DiagnosisBenchArguments {
   std::string data;    ///< folder of recordings; empty: ../shared/data
   std::string python;  ///< with OpenSees and NumPy; empty: that of ./lab
   bool peers = true;   ///< also runs SINDy and FROLS on the cases
+  std::optional<int> peer_cases;   ///< the first cases, which the peers get; none: all
   std::optional<double> required;  ///< share of the detectable cases that must be right
 };
 /// Makes cases that conceal effects, diagnoses them and scores the verdicts.
