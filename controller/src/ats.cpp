@@ -73,11 +73,13 @@ void Ats::adapt_coefficients() noexcept {
 
 double Ats::step(const Eigen::Vector3d& command, double measured, double share,
                  bool adapt) noexcept {
-  const double response = response_filter_(measured);
+  if (command.allFinite()) last_command_ = command;
+  if (std::isfinite(measured)) last_measured_ = measured;
+  const double response = response_filter_(last_measured_);
   triggered_ = triggered_ || std::abs(response) > settings_.threshold;
   if (triggered_ && adapt) adapt_coefficients();  // the fit uses earlier samples only
 
-  const double reference = (1 - share) * command[0] + share * a_.dot(command);
+  const double reference = (1 - share) * last_command_[0] + share * a_.dot(last_command_);
 
   const double difference = (response - previous_) / settings_.period;
   const double second = (difference - previous_difference_) / settings_.period;

@@ -229,20 +229,21 @@ void TargetForce::step(const Sample& sample, bool adapt) noexcept {
   State& s = *state_;
   const bool good = is_finite(sample.displacement, s.axes) && is_finite(sample.force, s.axes) &&
                     is_finite(sample.acceleration, s.axes);
+  const bool has_target = is_finite(sample.target, s.axes);
+  if (!good || !has_target) ++s.bad_samples;
   if (good) {
     std::copy_n(sample.displacement, s.axes, s.raw.data());
     std::copy_n(sample.acceleration, s.axes, s.acceleration.data());
     std::copy_n(sample.force, s.axes, s.force.data());
-  } else {
-    ++s.bad_samples;
   }
   if (!s.started) {
+    if (!has_target) return;
     std::copy_n(sample.target, s.axes, s.target.data());
     s.last_target = s.target;
     s.displacement = s.led = s.target;  // a specimen without force
     s.started = true;
   }
-  if (is_finite(sample.target, s.axes)) s.follow_target(sample.target);
+  if (has_target) s.follow_target(sample.target);
   s.follow_motion();
   s.learn(adapt && good);
   s.lead(sample);

@@ -149,6 +149,18 @@ TEST(Ats, CompensatesForTheDelayOfItsOwnSmoothing) {
   EXPECT_NEAR(outcome.coefficients[1], 0.045, 0.002);
 }
 
+// One lost sample in ten seconds changes the fit of its window only.
+TEST(Ats, HoldsTheLastSampleThatIsANumber) {
+  Ats ats{settings_with_initial_delay(0.020)};
+  const double bad = std::numeric_limits<double>::quiet_NaN();
+  static_cast<void>(follow(ats, PureDelay{39}, 10));
+
+  EXPECT_TRUE(std::isfinite(ats.step({0.01, 0, 0}, bad, 1, true)));
+  EXPECT_TRUE(std::isfinite(ats.step({bad, 0, 0}, 0.01, 1, true)));
+
+  EXPECT_NEAR(follow(ats, PureDelay{39}, 10).coefficients[1], 0.040, 0.002);
+}
+
 TEST(Ats, KeepsItsInitialCoefficientsBelowTheThreshold) {
   Ats ats{settings_with_initial_delay(0.025)};
 

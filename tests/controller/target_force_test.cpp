@@ -227,6 +227,22 @@ TEST(TargetForce, AheadIsTheForceOneLeadTimeLater) {
   EXPECT_GT(std::sqrt(run.moved / 7'000), 50e3);
 }
 
+TEST(TargetForce, StartsAtTheFirstTargetThatIsANumber) {
+  LeadingRun run{0.015}, late{0.015};
+  const Vector2d bad{std::numeric_limits<double>::quiet_NaN(), 0}, zero = Vector2d::Zero();
+  late.force.step(
+      {bad.data(), zero.data(), zero.data(), zero.data(), bad.data(), zero.data(), zero.data()},
+      true);
+
+  run.run(0, 3'000);
+  late.run(0, 3'000);
+
+  EXPECT_EQ(late.force.bad_samples(), 1);
+  EXPECT_GT(run.force.ahead().norm(), 1e3);
+  EXPECT_EQ(late.force.ahead(), run.force.ahead());
+  EXPECT_EQ(late.force.correction(), run.force.correction());
+}
+
 TEST(TargetForce, AheadIsZeroWithoutALeadTimeOrACommand) {
   LeadingRun none{0};
   none.run(0, 3'000);

@@ -29,7 +29,8 @@ struct AdaptiveInverseSettings : InverseLeadSettings {
 ///     Σ (G(r − w·φ) − (x_m − x))² exp(−age/forgetting)/error² + Σ ((w − initial)/uncertainty)²
 /// every 50 ms: at the minimum the tracking error is uncorrelated with each term. The second sum
 /// keeps a coefficient at its start while the motion does not inform about it. Fades to new
-/// coefficients within 0.3 s; each stays within four standard deviations of its start.
+/// coefficients with a time constant of 0.3 s; each stays within four standard deviations of its
+/// start.
 class AdaptiveInverse {
  public:
   /// @throws Error if a setting is out of range   @setup

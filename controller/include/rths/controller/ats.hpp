@@ -45,7 +45,7 @@ class Ats {
   /// @throws Error if a setting is out of range   @setup
   explicit Ats(const AtsSettings& settings);
 
-  /// One sample.
+  /// One sample. A command or a measured value that is not a number is left out: the last is held.
   /// @param command   x, ẋ, ẍ [m], [m/s], [m/s²]
   /// @param measured  displacement feedback of this sample [m]
   /// @param share     of the lead that is sent: 1 the full lead, 0 the bare command. The fit uses
@@ -72,6 +72,8 @@ class Ats {
   MovingAverage smoothing_;
   std::vector<Sample> samples_;  ///< the window, a ring buffer
   std::size_t next_ = 0;         ///< index of the next sample to overwrite
+  Eigen::Vector3d last_command_ = Eigen::Vector3d::Zero();
+  double last_measured_ = 0;
   double previous_ = 0, previous_difference_ = 0;
   bool triggered_ = false;
   Eigen::Vector3d a_;

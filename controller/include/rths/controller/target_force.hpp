@@ -87,6 +87,7 @@ class TargetForce {
   /// Q_j [N]
   [[nodiscard]] const Eigen::VectorXd& strengths() const;
   [[nodiscard]] bool learning() const;  ///< True if the last sample entered the fit.
+  /// Samples with a target or a measured value that is not a number.
   [[nodiscard]] long bad_samples() const;
 
  private:
