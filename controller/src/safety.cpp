@@ -67,7 +67,29 @@ std::size_t periods(double time, double period) {
 
 bool beyond(double value, double limit) noexcept { return !(std::abs(value) <= limit); }
 
+// Shortest duration D of a cosine bell of height h inside the limits: it has at most the velocity
+// π h/2D and the acceleration π² h/2D².
+double ramp_over(double height, const SafetyLimits& limits, double window) noexcept {
+  const double square = std::numbers::pi * std::numbers::pi * height / 2;
+  return std::max({std::numbers::pi * height / (2 * limits.velocity),
+                   std::sqrt(square / limits.acceleration),
+                   std::sqrt(2 * square / (window * limits.jerk))});
+}
+
 }  // namespace
+
+double longest_stop(const SafetySettings& settings) {
+  constexpr double kLongest = 120;  // [s]
+  double stop = settings.hold, ramp = settings.ramp;
+  for (const SafetyLimits& limits : settings.axes) {
+    const double height = 2 * limits.displacement;  // from one end to a rest position at the other
+    const double braking = std::isfinite(limits.return_speed) ? height / limits.return_speed
+                                                              : limits.velocity / limits.braking;
+    stop = std::max(stop, braking + static_cast<double>(kWindows) * settings.window);
+    ramp = std::max(ramp, ramp_over(height, limits, settings.window));
+  }
+  return std::min(stop + ramp, kLongest);
+}
 
 SafetyCauseText to_text(SafetyCause cause) noexcept {
   static constexpr SafetyCauseText kTexts[] = {
@@ -329,17 +351,11 @@ void Safety::brake() noexcept {
   begin_ramp();
 }
 
-// A cosine bell of height h and duration D has at most the velocity π h/2D and the acceleration
-// π² h/2D².
 void Safety::begin_ramp() noexcept {
   ramp_ = settings_.ramp;
   for (std::size_t axis = 0; axis < paths_.size(); ++axis) {
-    const SafetyLimits& limits = settings_.axes[axis];
     const double height = std::abs(references_[axis] - paths_[axis].rest);
-    const double square = std::numbers::pi * std::numbers::pi * height / 2;
-    ramp_ = std::max({ramp_, std::numbers::pi * height / (2 * limits.velocity),
-                      std::sqrt(square / limits.acceleration),
-                      std::sqrt(2 * square / (settings_.window * limits.jerk))});
+    ramp_ = std::max(ramp_, ramp_over(height, settings_.axes[axis], settings_.window));
     paths_[axis].stop = {references_[axis], 0};
   }
 }

@@ -140,7 +140,8 @@ void read_solver(const Config& table, Experiment& experiment) {
 
 // A test with commanded displacements needs no ground motion.
 void read_ground_motion(const Config& file, Experiment& experiment) {
-  if (file.has("targets") && !file.has("motion")) {
+  const bool is_response = file.table_or_empty("targets").text("kind", "") == "response";
+  if (file.has("targets") && !file.has("motion") && !is_response) {
     experiment.motion_name = "commanded displacements";
     experiment.motion = {experiment.integration_step, {0, 0}, {0, 0}};
     return;
@@ -353,6 +354,9 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   read_solver(file.table_or_empty("solver"), experiment);
   read_stop(file.table_or_empty("stop"), experiment);
   experiment.nodes = read_nodes(factories, file.table("node"), experiment);
+  experiment.longest_stop = experiment.retreat.hold + experiment.retreat.ramp;
+  for (const auto& plan : experiment.nodes)
+    experiment.longest_stop = std::max(experiment.longest_stop, plan.settings.longest_stop);
   read_hosts(file, experiment);
   check_hosts(file, experiment);
   read_ring(file, experiment);

@@ -27,8 +27,8 @@ using Words = std::array<std::uint32_t, kLauncherLongwords>;
 
 // Another program may have written the words.
 HostState state_of(std::uint32_t word) {
-  return word <= static_cast<std::uint32_t>(HostState::Failed) ? static_cast<HostState>(word)
-                                                               : HostState::Absent;
+  return word <= static_cast<std::uint32_t>(HostState::StoppedEarly) ? static_cast<HostState>(word)
+                                                                     : HostState::Absent;
 }
 
 bool has_ended(HostState state) {
@@ -199,6 +199,12 @@ bool HostLink::is_test_over() {
     const auto published = published_by(other);
     return published.text.empty() &&
            (published.state == HostState::Stopping || published.state == HostState::Completed);
+  });
+}
+
+bool HostLink::is_stopped_early() {
+  return std::any_of(others_.begin(), others_.end(), [&](const auto& other) {
+    return published_by(other).state == HostState::StoppedEarly;
   });
 }
 

@@ -38,6 +38,8 @@ class HostLink {
   [[nodiscard]] std::optional<std::string> find_trouble();
   /// True if another host has ended the test in order.
   [[nodiscard]] bool is_test_over();
+  /// True if another host ends it before its time, because a person asked it to.
+  [[nodiscard]] bool is_stopped_early();
   /// Why the other hosts failed; empty if none did.
   [[nodiscard]] std::string failures();
   /// Waits until the other hosts have ended or are silent, so that they get the last words.

@@ -17,7 +17,8 @@ enum class HostState : std::uint32_t {
   Going,     ///< of the leading host: has set the time zero
   Stopping,  ///< brings its nodes to rest
   Completed,
-  Failed
+  Failed,
+  StoppedEarly  ///< brings its nodes to rest on request, before the end of the test
 };
 
 /// Longwords of a launcher: state, time zero (2), fingerprint (2), length of the text, text.

@@ -51,13 +51,13 @@ void add_faults(const std::vector<std::string>& events, RunResult& result) {
 
 Duration longest_stop(const Experiment& experiment) {
   constexpr double kMarginForPeers = 1.0;  // [s]
-  return from_seconds(experiment.retreat.hold + experiment.retreat.ramp + kMarginForPeers);
+  return from_seconds(experiment.longest_stop + kMarginForPeers);
 }
 
 namespace {
 
 std::string ending_of(const RunOutcome& outcome) {
-  if (outcome.completed) return "completed";
+  if (outcome.completed) return outcome.stopped_early ? "stopped on request" : "completed";
   return outcome.interrupted ? "interrupted" : outcome.trouble;
 }
 
@@ -80,7 +80,7 @@ void add_to_meta(const std::filesystem::path& file, const Experiment& experiment
                              {"wall_time_s", fmt::format("{:.3f}", outcome.wall_time)},
                              {"privileges", privileges.empty() ? "all" : privileges}};
   if (!result.faults.empty()) meta.emplace_back("faults", result.faults);
-  if (outcome.completed)
+  if (outcome.completed && !outcome.stopped_early)
     meta.emplace_back(
         "times_real_time",
         fmt::format("{:.1f}", experiment.duration * experiment.rate / outcome.wall_time));
@@ -118,6 +118,7 @@ RunOutcome run(const Experiment& experiment, const RunOptions& options) {
                                : run_in_wall_time(experiment, assembly, options);
   outcome.trouble = result.trouble;
   outcome.interrupted = result.interrupted;
+  outcome.stopped_early = result.stopped_early;
   outcome.has_ring_faults = !result.faults.empty();
   outcome.completed = outcome.trouble.empty() && !outcome.interrupted;
   outcome.wall_time = to_seconds(clock.now() - begun);

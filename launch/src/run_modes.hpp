@@ -16,8 +16,8 @@ namespace rths::launch {
 [[nodiscard]] recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock,
                                                  const std::string& version);
 
-/// Longest time from a stop request to the exit of a node: its retreat, and a second for the
-/// retreats of its peers.
+/// Longest time from a stop request to the exit of a node: the longest stop, and a second for the
+/// recorder and for peers that stop later.
 [[nodiscard]] Duration longest_stop(const Experiment& experiment);
 
 /// Removes the name of the ring at the end of a run, and the file of a recorder that died while it
@@ -39,6 +39,7 @@ struct HostLateness {
 struct RunResult {
   std::string trouble;  ///< empty if none
   bool interrupted = false;
+  bool stopped_early = false;  ///< by request, in order
   HostLateness lateness;
   std::map<std::string, adapters::StepTimes> times;  ///< by node; some or none
   std::vector<std::string> privileges;               ///< missing privileges, one line per node

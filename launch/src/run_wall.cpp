@@ -95,7 +95,11 @@ class WallRun {
     HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
     while (!all_ended()) {
       attend_to_nodes();
-      if (!stopping_ && (is_over(epoch) || InterruptGuard::is_stop_requested())) stop("");
+      if (!stopping_ && is_over(epoch)) stop("");
+      if (!stopping_ && InterruptGuard::is_stop_requested()) {
+        result_.stopped_early = experiment_.has_own_solver() || clock_.now() < end_of_test(epoch);
+        stop("");
+      }
       report_progress(epoch);
     }
     result_.interrupted = InterruptGuard::is_interrupted();
@@ -118,9 +122,10 @@ class WallRun {
   // A solver of this project ends the run itself.
   [[nodiscard]] bool is_over(TimePoint epoch) const {
     if (experiment_.has_own_solver()) return false;
-    return clock_.now() >
-           epoch + from_seconds(experiment_.rest + experiment_.duration * experiment_.rate +
-                                kFarewellMargin);
+    return clock_.now() > end_of_test(epoch) + from_seconds(kFarewellMargin);
+  }
+  [[nodiscard]] TimePoint end_of_test(TimePoint epoch) const {
+    return epoch + from_seconds(experiment_.rest + experiment_.duration * experiment_.rate);
   }
   // Before the start, a request to stop is an interruption.
   [[nodiscard]] static bool is_called_off() {
@@ -162,6 +167,9 @@ class WallRun {
     if (const auto trouble = link_->find_trouble()) {
       if (result_.trouble.empty()) result_.trouble = *trouble;
       stop(*trouble);
+    } else if (link_->is_stopped_early()) {
+      result_.stopped_early = true;
+      stop("");
     } else if (link_->is_test_over()) {
       stop("");
     }
@@ -228,7 +236,8 @@ class WallRun {
     stopping_ = clock_.now();
     stopped_for_a_reason_ = !reason.empty();
     for (auto& node : nodes_) node.process.send_line(reason.empty() ? "stop" : "stop " + reason);
-    if (link_ != nullptr) link_->publish(HostState::Stopping, reason);
+    if (link_ != nullptr)
+      link_->publish(result_.stopped_early ? HostState::StoppedEarly : HostState::Stopping, reason);
   }
 
   void kill_remaining() {

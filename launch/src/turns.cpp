@@ -59,6 +59,7 @@ Turns::Waited Turns::wait_for(const std::string& node) {
     broker::Write ignored{};
     if (waiter_.wait(clock.now() + kLook, ignored) == Status::Ok) continue;
     if (InterruptGuard::is_interrupted()) return {{}, "interrupted"};
+    if (InterruptGuard::is_stop_requested()) return {{}, "stopped on request"};
     if (const auto trouble = link_.find_trouble()) return {{}, *trouble};
   }
 }

@@ -46,6 +46,43 @@ INSTANTIATE_TEST_SUITE_P(Thread, Recording, ::testing::Bool(), [](const auto& ow
   return own.param ? std::string{"own"} : std::string{"caller"};
 });
 
+// A stop that returns slowly to rest takes longer than the retreat.
+TEST(Recorder, RecordsUntilASafetyLayerIsAtRest) {
+  memmap::MapDescription description = srmd().description();
+  memmap::Partition monitor;
+  monitor.name = "monitor.srmd";
+  monitor.node = "srmd";
+  monitor.base = LongwordOffset{description.size_longwords - 1};
+  monitor.longwords = 1;
+  memmap::Signal state;
+  state.name = "safety.state";
+  state.unit = "1";
+  state.offset = monitor.base;
+  monitor.signals = {state};
+  description.partitions.push_back(monitor);
+  const auto seconds_after_stop = [&](double moving, double longest) {
+    const test::TemporaryFolder folder;
+    RecorderSettings settings;
+    settings.file = folder.path() / "run.h5";
+    settings.own_thread = false;
+    settings.linger = 0.1;
+    settings.longest = longest;
+    const auto recorder = make_recorder(memmap::Map{description}, settings);
+    recorder->activate();
+    test::Bench bench{*recorder};
+    int ticks = 0;
+    do {
+      bench.in("monitor.srmd.safety.state") = 0.001 * ticks < moving ? 4 : 0;
+    } while (bench.step(0.001 * ticks++, true) == Status::Ok);
+    recorder->deactivate();
+    return 0.001 * ticks;
+  };
+
+  EXPECT_NEAR(seconds_after_stop(0, 5), 0.1, 0.002);
+  EXPECT_NEAR(seconds_after_stop(3, 5), 3.2, 0.002);
+  EXPECT_NEAR(seconds_after_stop(9, 5), 5, 0.002);
+}
+
 // A burst far beyond the queue's two seconds: rows that do not fit are counted and dropped.
 TEST(Recorder, CountsTheRowsItLoses) {
   const test::TemporaryFolder folder;

@@ -64,10 +64,10 @@ double motion(long tick) {
   return 0.1 * share * share * (3 - 2 * share) * std::sin(2 * std::numbers::pi * t);
 }
 
-/// Runs a command until the layer is at rest again, at most 10 s.
+/// Runs a command until the layer is at rest again, at most 20 s.
 template <class Command>
 long run(Platen& platen, Command command) {
-  for (long tick = 0; tick < 10'000; ++tick) {
+  for (long tick = 0; tick < 20'000; ++tick) {
     platen.step(command(tick));
     if (platen.state() == SafetyState::Off || platen.state() == SafetyState::Tripped) return tick;
   }
@@ -104,6 +104,30 @@ TEST(Safety, HoldsAndRampsToRestAtAStop) {
   EXPECT_EQ(last, 0);
   EXPECT_LE(largest_step, 0.95 * kPeriod);
   EXPECT_FALSE(platen.safety().has_tripped());
+}
+
+// 0.4 m at a limit of 0.1 m/s returns along a bell of 6.3 s instead of 1 s.
+TEST(Safety, ComesToRestWithinTheLongestStop) {
+  for (const double return_speed : {SafetyLimits::kNone, 0.05}) {
+    auto settings = settings_of();
+    settings.axes[0].velocity = 0.1;
+    settings.axes[0].return_speed = return_speed;
+    Platen platen{settings};
+    platen.feedback = [](double x) { return SafetyFeedback{x, 1e5 * x}; };
+    const auto command = [](long tick) {
+      const double share = std::min(1.0, static_cast<double>(tick) * kPeriod / 10);
+      return 0.4 * share * share * (3 - 2 * share);
+    };
+    for (long tick = 0; tick < 10'000; ++tick) platen.step(command(tick));
+    ASSERT_EQ(platen.state(), SafetyState::Running);
+
+    platen.safety().stop();
+    const long ticks = run(platen, command);
+
+    EXPECT_GT(static_cast<double>(ticks) * kPeriod, 5);
+    EXPECT_LT(static_cast<double>(ticks) * kPeriod, longest_stop(settings));
+    EXPECT_LT(longest_stop(settings), 50);
+  }
 }
 
 // A vertical reference leads its platen: standing where the command ended would move the platen on.

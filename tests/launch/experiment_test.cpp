@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include <rths/app/builtin_adapters.hpp>
@@ -287,6 +289,26 @@ TEST_F(ExperimentTest, HasNoSecondEarthquakeIfItsTableIsEmpty) {
 
   EXPECT_TRUE(load_experiment(file).held_out.has_value());
   EXPECT_FALSE(load_experiment(file, {{"held_out", "{}"}}).held_out.has_value());
+}
+
+// A step that is no whole number of reference steps.
+TEST_F(ExperimentTest, ImposesTheExpectedMotionAtItsTimes) {
+  const auto file = test::source_tree() / "examples/srmd_lprb_2d.toml";
+  const auto motion_with = [&](const char* step) {
+    return load_experiment(file, {{"targets", "{kind = \"response\"}"},
+                                  {"integration_step_s", step},
+                                  {"duration_s", "4"}})
+        .history->displacement_long;
+  };
+
+  const auto fine = motion_with("0.0025"), coarse = motion_with("0.005");
+
+  double largest = 0;
+  for (std::size_t i = 0; i < coarse.size(); ++i) {
+    ASSERT_EQ(fine.at(2 * i), coarse[i]) << i;
+    largest = std::max(largest, std::abs(coarse[i]));
+  }
+  EXPECT_GT(largest, 1e-4);
 }
 
 TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {

@@ -317,8 +317,9 @@ TEST(ForeignNode, EndsInOrderWhenTheRunIsStopped) {
 
   EXPECT_EQ(stopped.exit_code, 0) << stopped.err;
   EXPECT_EQ(finished.err, "");
-  EXPECT_LE(finished.exit_code, 1);
-  EXPECT_TRUE(run.report()["ending"].is_null());
+  EXPECT_EQ(finished.exit_code, 1);
+  EXPECT_EQ(run.report()["ending"], "stopped on request");
+  EXPECT_EQ(run.report()["broken"][0]["condition"], "end");
   EXPECT_FALSE(test::is_running(process));
 }
 

@@ -18,6 +18,7 @@ std::unique_ptr<Adapter> make(const TestSetup& setup, const NodeContext& context
   settings.own_thread = !context.is_virtual;
   settings.period = to_seconds(context.period);
   settings.linger = setup.retreat.hold + setup.retreat.ramp + kOverhang;
+  settings.longest = setup.longest_stop + 2 * kOverhang;
   return make_recorder(context.map, settings);
 }
 

@@ -8,6 +8,7 @@
 
 #include <boost/lockfree/spsc_queue.hpp>
 
+#include <rths/controller/safety_states.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/units.hpp>
 
@@ -16,12 +17,21 @@ namespace {
 
 constexpr std::size_t kQueuedRows = 2000;  // 2 s at 1 kHz: longer than any disk stalls
 constexpr auto kWriterNap = std::chrono::milliseconds{5};
+constexpr double kSettling = 0.2;  // recorded after a safety layer came to rest [s]
+
+bool is_moving(double state) noexcept {
+  return state == static_cast<double>(controller::SafetyState::Hold) ||
+         state == static_cast<double>(controller::SafetyState::RampDown);
+}
 
 class Recorder final : public Adapter {
  public:
   Recorder(const memmap::Map& map, const RecorderSettings& settings)
       : map_{map}, settings_{settings} {
-    for (std::uint32_t i = 0; i < map_.signals().size(); ++i) signals_.push_back(SignalId{i});
+    for (std::uint32_t i = 0; i < map_.signals().size(); ++i) {
+      signals_.push_back(SignalId{i});
+      if (map_.entry(SignalId{i}).name.ends_with(".safety.state")) safety_states_.push_back(i);
+    }
   }
   ~Recorder() override { stop_writer(); }
 
@@ -51,7 +61,8 @@ class Recorder final : public Adapter {
   std::atomic<bool> failed_{false};
   std::string failure_;
   std::atomic<std::uint64_t> missing_rows_{0};
-  double stopped_at_ = -1;
+  std::vector<std::size_t> safety_states_;  // inputs
+  double stopped_at_ = -1, moved_at_ = -1;
 };
 
 std::vector<Port> Recorder::ports() const {
@@ -126,7 +137,11 @@ Status Recorder::step(StepData& step) noexcept {
   record(step);
   if (!step.stopping) return Status::Ok;
   if (stopped_at_ < 0) stopped_at_ = step.time;
-  return step.time - stopped_at_ < settings_.linger ? Status::Ok : Status::Done;
+  for (const std::size_t state : safety_states_)
+    if (is_moving(step.inputs[state])) moved_at_ = step.time;
+  const double since = step.time - stopped_at_;
+  const bool is_over = since >= settings_.linger && step.time - moved_at_ >= kSettling;
+  return is_over || since >= settings_.longest ? Status::Done : Status::Ok;
 }
 
 void Recorder::stop_writer() noexcept {

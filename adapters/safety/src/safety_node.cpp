@@ -120,6 +120,7 @@ NodeSettings with_safety(NodeSettings machine, const Config& table, const TestSe
   if (machine.lacks_safety) return machine;
   auto make = std::exchange(machine.make, nullptr);
   const SafeMachineSettings read = read_settings(table.without("enabled"), setup, words);
+  machine.longest_stop = controller::longest_stop(read.safety);
   machine.make = [make = std::move(make), read](const TestSetup& test, const NodeContext& context) {
     SafeMachineSettings settings = read;
     if (settings.axes.empty()) settings.axes = test.machine_axes;

@@ -143,6 +143,19 @@ DisplacementHistory noise(const Config& table, const TestSetup& setup, std::uint
   return history;
 }
 
+// The response after a number of reference steps; its first value is that after one. A whole number
+// within rounding errors needs no interpolation.
+double value_at(const std::vector<double>& response, double steps) {
+  const double whole = std::round(steps);
+  if (std::abs(steps - whole) < 1e-6) steps = whole;
+  const double last = static_cast<double>(response.size());
+  const double before = std::min(std::floor(steps), last), after = std::min(before + 1, last);
+  const auto value = [&](double at) {
+    return at < 1 ? 0.0 : response[static_cast<std::size_t>(at) - 1];
+  };
+  return value(before) + (steps - std::floor(steps)) * (value(after) - value(before));
+}
+
 DisplacementHistory from_file(const Config& table) {
   const auto file = table.resolve(table.text("file"));
   const double scale = table.number_in("scale", -100, 100, 1.0);
@@ -170,12 +183,11 @@ DisplacementHistory expected_motion(const TestSetup& setup) {
   const auto response = sim::numerical_response(sim::assemble(setup.plant), motion, setup.model,
                                                 kReferenceStep, setup.duration);
   DisplacementHistory history = empty_history(setup);
-  const auto every =
-      static_cast<std::size_t>(std::llround(setup.integration_step / kReferenceStep));
-  for (std::size_t i = 1; i < history.displacement_long.size(); ++i) {
-    const std::size_t at = std::min(i * every, response.displacement_long.size()) - 1;
-    history.displacement_long[i] = response.displacement_long[at];
-    history.displacement_lat[i] = response.displacement_lat[at];
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const auto& found = axis == 0 ? response.displacement_long : response.displacement_lat;
+    auto& wanted = of_axis(history, axis);
+    for (std::size_t i = 1; i < wanted.size(); ++i)
+      wanted[i] = value_at(found, static_cast<double>(i) * setup.integration_step / kReferenceStep);
   }
   return history;
 }

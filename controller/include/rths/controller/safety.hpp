@@ -43,6 +43,10 @@ struct SafetySettings {
   std::vector<SafetyLimits> axes;
 };
 
+/// Bound of the time from a trip or a stop to the rest position, from anywhere inside the limits;
+/// at most two minutes [s].
+[[nodiscard]] double longest_stop(const SafetySettings& settings);
+
 enum class SafetyCause : std::uint8_t {
   None,
   CommandNotFinite,

@@ -35,7 +35,8 @@ struct RunOptions {
 
 /// Result of a run.
 struct RunOutcome {
-  bool completed = false;         ///< reached its end; all nodes came to rest and left
+  bool completed = false;         ///< ended in order; all nodes came to rest and left
+  bool stopped_early = false;     ///< in order, but by request before the planned end
   bool interrupted = false;       ///< by a person
   std::string trouble;            ///< one line; empty if completed
   bool has_ring_faults = false;   ///< of the cards of a replicated ring

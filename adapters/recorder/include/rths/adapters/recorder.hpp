@@ -15,7 +15,8 @@ struct RecorderSettings {
   std::filesystem::path file;
   recording::RecordingInfo info;
   double period = 1e-3;    ///< of the rows [s]
-  double linger = 1.5;     ///< continues recording for this time after the stop [s]
+  double linger = 1.5;     ///< continues recording for this time after the stop [s], and longer
+  double longest = 1.5;    ///< while a safety layer moves its machine, but at most for this time
   bool own_thread = true;  ///< write in a separate thread; false in virtual time
 };
 

@@ -53,6 +53,7 @@ struct NodeSettings {
   std::filesystem::path constants;  ///< values that replace those of the diagram's blocks, if any
   Config blocks;                    ///< the same in the experiment, with priority
   bool lacks_safety = false;        ///< a machine whose commands pass no safety layer
+  double longest_stop = 0;          ///< of its safety layer [s]; 0: that of the retreat
   /// Its files, for the recording: name, and content or SHA-256. May be empty. @throws Error
   std::function<std::vector<std::pair<std::string, std::string>>()> texts;
   std::string target_count;  ///< monitor that counts its targets; empty: their time counts them

@@ -60,6 +60,7 @@ struct TestSetup {
   ComputingTime computing_time;
   bool model_computing_time = false;  ///< also in wall time, where this solver is fast
   Retreat retreat;
+  double longest_stop = 0;  ///< bound of the time from a stop until all nodes are at rest [s]
   std::optional<DisplacementHistory> history;  ///< imposed instead of an analysis
 
   [[nodiscard]] double simulation_step() const { return rate * integration_step; }  ///< [s]
