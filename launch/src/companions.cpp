@@ -55,7 +55,9 @@ adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
   history.time_step = experiment.integration_step;
   history.displacement_long = {0};
   history.displacement_lat = {0};
+  const double last = experiment.duration / experiment.integration_step + 1;
   for (std::size_t row = 0; row < steps.size(); ++row) {
+    if (!(steps[row] >= 0 && steps[row] <= last)) continue;  // of a user's own solver
     const auto step = static_cast<std::size_t>(std::lround(steps[row]));
     if (step < history.displacement_long.size()) continue;
     // A missing row repeats the last known target.
