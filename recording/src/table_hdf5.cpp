@@ -43,6 +43,11 @@ void add_dataset(hid_t file, const std::string& path, Columns& columns) {
   add_array(columns, path, size[0], by_column);
 }
 
+// Recordings of runs have these two groups.
+bool is_recording(hid_t file) {
+  return H5Lexists(file, "signals", H5P_DEFAULT) > 0 && H5Lexists(file, "meta", H5P_DEFAULT) > 0;
+}
+
 herr_t collect(hid_t, const char* name, const H5O_info_t* info, void* paths) {
   if (info->type == H5O_TYPE_DATASET)
     static_cast<std::vector<std::string>*>(paths)->emplace_back(name);
@@ -58,7 +63,7 @@ Columns columns_of(const std::filesystem::path& file) {
                         file.string() + ": opening it as HDF5"};
     check(H5Ovisit(opened.id(), H5_INDEX_NAME, H5_ITER_NATIVE, collect, &paths),
           file.string() + ": listing the datasets");
-    if (H5Lexists(opened.id(), "signals", H5P_DEFAULT) <= 0)
+    if (!is_recording(opened.id()))
       for (const auto& path : paths) add_dataset(opened.id(), path, columns);
   }
   return columns.empty() ? own_recording(Reader{file}) : columns;

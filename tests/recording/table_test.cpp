@@ -189,10 +189,11 @@ TEST_F(TableTest, NamesTheFileAndTheDatasetThatItCannotRead) {
             path.string() + ": reading force failed");
 }
 
+// The name of its group alone does not make it the recording of a run.
 TEST_F(TableTest, ReadsDatasetsOfAnyHdf5File) {
   const auto path = folder_.path() / "log.h5";
   const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  const hid_t group = H5Gcreate2(file, "run", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t group = H5Gcreate2(file, "signals", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   const hsize_t size[] = {3, 2};
   const hid_t space = H5Screate_simple(2, size, nullptr);
   const hid_t data =
@@ -202,7 +203,7 @@ TEST_F(TableTest, ReadsDatasetsOfAnyHdf5File) {
   for (const auto close : {H5Dclose(data), H5Sclose(space), H5Gclose(group), H5Fclose(file)})
     ASSERT_GE(close, 0);
 
-  EXPECT_EQ(Table::load(path).column("run/motion(2)"), (Values{10, 20, 30}));
+  EXPECT_EQ(Table::load(path).column("signals/motion(2)"), (Values{10, 20, 30}));
 }
 
 TEST_F(TableTest, ReadsRecordingsBySignalName) {
